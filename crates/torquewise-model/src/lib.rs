@@ -1,0 +1,1 @@
+//! torquewise-model

@@ -1,0 +1,30 @@
+//! What a robot arm did: joint positions, velocities, accelerations and torques over time.
+//!
+//! The one noun that every other crate reads. Nothing here touches a file: a [`Recording`] is
+//! anything that can hand out [`Motion`] blocks in order, as often as asked, so that a log longer
+//! than memory is worked through in fixed memory.
+//!
+//! ```
+//! use faer::Mat;
+//! use torquewise_motion::{Motion, Signals};
+//!
+//! let still = Mat::zeros(3, 1);
+//! let motion = Motion::new(Signals {
+//!     joints: vec!["shoulder".into()],
+//!     t: vec![0.0, 0.01, 0.02],
+//!     q: Mat::from_fn(3, 1, |row, _| 0.1 * row as f64),
+//!     dq: still.clone(),
+//!     ddq: still.clone(),
+//!     tau: Some(still),
+//! })?;
+//! assert_eq!((motion.n_rows(), motion.n_joints()), (3, 1));
+//! # Ok::<(), torquewise_motion::MotionError>(())
+//! ```
+
+pub mod error;
+pub mod motion;
+pub mod recording;
+
+pub use error::MotionError;
+pub use motion::{Motion, Signals};
+pub use recording::{BLOCK_ROWS, ReadError, Recording};

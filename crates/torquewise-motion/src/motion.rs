@@ -1,0 +1,138 @@
+//! Signals → Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
+
+use crate::error::MotionError;
+use faer::{Mat, MatRef};
+
+/// The parts a [`Motion`] is made of, before they are checked.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// Names of the n joints, base to tip.
+    pub joints: Vec<String>,
+    /// Time stamps \[s\], m.
+    pub t: Vec<f64>,
+    /// Joint positions \[rad\], m×n.
+    pub q: Mat<f64>,
+    /// Joint velocities \[rad/s\], m×n.
+    pub dq: Mat<f64>,
+    /// Joint accelerations \[rad/s²\], m×n.
+    pub ddq: Mat<f64>,
+    /// Joint torques \[N·m\], m×n; `None` for a log to be predicted only.
+    pub tau: Option<Mat<f64>>,
+}
+
+/// What an arm did: q, q̇, q̈ and, if measured, τ of n joints at m instants.
+///
+/// All signals have the same shape and are finite.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    signals: Signals,
+}
+
+impl Motion {
+    /// Checks shapes and finiteness.
+    ///
+    /// # Errors
+    /// [`MotionError::NoJoints`], [`MotionError::Shape`] or [`MotionError::NotFinite`].
+    pub fn new(signals: Signals) -> Result<Self, MotionError> {
+        let (rows, columns) = (signals.t.len(), signals.joints.len());
+        if columns == 0 {
+            return Err(MotionError::NoJoints);
+        }
+        let named = [
+            ("q", Some(&signals.q)),
+            ("dq", Some(&signals.dq)),
+            ("ddq", Some(&signals.ddq)),
+            ("tau", signals.tau.as_ref()),
+        ];
+        for (signal, values) in named {
+            let Some(values) = values else { continue };
+            if (values.nrows(), values.ncols()) != (rows, columns) {
+                return Err(MotionError::Shape {
+                    signal,
+                    rows: values.nrows(),
+                    columns: values.ncols(),
+                    expected_rows: rows,
+                    expected_columns: columns,
+                });
+            }
+            for joint in 0..columns {
+                if let Some(row) = values.col_as_slice(joint).iter().position(|x| !x.is_finite()) {
+                    return Err(MotionError::NotFinite { signal, joint, row });
+                }
+            }
+        }
+        if let Some(row) = signals.t.iter().position(|t| !t.is_finite()) {
+            return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
+        }
+        Ok(Self { signals })
+    }
+
+    /// Number of instants m.
+    pub fn n_rows(&self) -> usize {
+        self.signals.t.len()
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.signals.joints.len()
+    }
+
+    /// Joint names, base to tip.
+    pub fn joints(&self) -> &[String] {
+        &self.signals.joints
+    }
+
+    /// Time stamps \[s\], m.
+    pub fn t(&self) -> &[f64] {
+        &self.signals.t
+    }
+
+    /// Joint positions \[rad\], m×n.
+    pub fn q(&self) -> MatRef<'_, f64> {
+        self.signals.q.as_ref()
+    }
+
+    /// Joint velocities \[rad/s\], m×n.
+    pub fn dq(&self) -> MatRef<'_, f64> {
+        self.signals.dq.as_ref()
+    }
+
+    /// Joint accelerations \[rad/s²\], m×n.
+    pub fn ddq(&self) -> MatRef<'_, f64> {
+        self.signals.ddq.as_ref()
+    }
+
+    /// Joint torques \[N·m\], m×n, if they were measured.
+    pub fn tau(&self) -> Option<MatRef<'_, f64>> {
+        self.signals.tau.as_ref().map(Mat::as_ref)
+    }
+
+    /// Joint torques \[N·m\], m×n.
+    ///
+    /// # Errors
+    /// [`MotionError::Missing`] if the log holds no torque.
+    pub fn require_tau(&self) -> Result<MatRef<'_, f64>, MotionError> {
+        self.tau().ok_or(MotionError::Missing("tau"))
+    }
+
+    /// The parts, given back.
+    pub fn into_signals(self) -> Signals {
+        self.signals
+    }
+
+    /// The rows named by `rows`, in that order.
+    pub fn select(&self, rows: &[usize]) -> Self {
+        let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |r, c| x[(rows[r], c)]);
+        let s = &self.signals;
+        Self {
+            signals: Signals {
+                joints: s.joints.clone(),
+                t: rows.iter().map(|&r| s.t[r]).collect(),
+                q: pick(&s.q),
+                dq: pick(&s.dq),
+                ddq: pick(&s.ddq),
+                tau: s.tau.as_ref().map(pick),
+            },
+        }
+    }
+}

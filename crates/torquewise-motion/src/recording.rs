@@ -1,0 +1,62 @@
+//! Recording → Motion blocks: one or several trajectories, read in order and in fixed memory.
+
+use crate::motion::Motion;
+
+/// Rows of a block at most. Every reader cuts each trajectory at multiples of it, so that sums over
+/// blocks are taken in the same order, and have the same bits, however a log is stored.
+pub const BLOCK_ROWS: usize = 1024;
+
+/// Whatever a reader met: the file, row and column are in its message.
+pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
+
+/// One or several trajectories of one arm that can be read through any number of times.
+pub trait Recording {
+    /// Joint names, base to tip.
+    fn joints(&self) -> &[String];
+
+    /// Calls `visit` with each block in order, at most [`BLOCK_ROWS`] rows each, and with the
+    /// index of the trajectory it belongs to. No block holds rows of two trajectories.
+    ///
+    /// # Errors
+    /// The reader's own, or the first that `visit` returns.
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError>;
+}
+
+impl Recording for Motion {
+    fn joints(&self) -> &[String] {
+        Motion::joints(self)
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let rows: Vec<usize> = (0..self.n_rows()).collect();
+        rows.chunks(BLOCK_ROWS).try_for_each(|block| visit(0, &self.select(block)))
+    }
+}
+
+impl<R: Recording> Recording for [R] {
+    fn joints(&self) -> &[String] {
+        self.first().map_or(&[], Recording::joints)
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let mut first = 0;
+        for recording in self {
+            let mut last = first;
+            recording.read(&mut |trajectory, block| {
+                last = first + trajectory;
+                visit(last, block)
+            })?;
+            first = last + 1;
+        }
+        Ok(())
+    }
+}
