@@ -1,1 +1,12 @@
-//! torquewise-sparse
+//! Moments, Gram matrices, term selectors and k-means for sparse regression.
+//!
+//! Everything here speaks of angles, variables, columns and responses; it has never heard of
+//! robots. A column is a sum of harmonics of the angles times monomials of the variables, so the
+//! normal equations of any library follow from one table of moments, see [`moments`].
+
+pub mod error;
+pub mod problem;
+pub mod select;
+pub mod kmeans;
+
+pub use error::SparseError;
