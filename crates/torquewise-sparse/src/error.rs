@@ -9,4 +9,15 @@ pub enum SparseError {
     Shape { what: &'static str, found: usize, expected: usize },
     #[error("{what} is not finite at entry {entry}: filter the log or drop the sample")]
     NotFinite { what: &'static str, entry: usize },
+    #[error("{setting} is {found}, expected {expected}: correct it")]
+    Setting { setting: &'static str, found: f64, expected: &'static str },
+    #[error("column {column} of a problem with {columns}: count columns from 0")]
+    Column { column: usize, columns: usize },
+    #[error(
+        "the Gram matrix is indefinite, the path ends above penalty {lambda}: \
+         raise the penalty or correct for less noise"
+    )]
+    Indefinite { lambda: f64 },
+    #[error("{clusters} clusters of {points} points: ask for at least 1 and at most one a point")]
+    Clusters { clusters: usize, points: usize },
 }
