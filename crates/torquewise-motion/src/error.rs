@@ -22,7 +22,28 @@ pub enum MotionError {
         "{signal}{} is not finite at row {row}: drop the row or repair the signal",
         joint + 1
     )]
-    NotFinite { signal: &'static str, joint: usize, row: usize },
+    NotFinite {
+        signal: &'static str,
+        joint: usize,
+        row: usize,
+    },
     #[error("{0} is missing, and this work needs it")]
     Missing(&'static str),
+    #[error(
+        "a polynomial of degree {degree} does not fit on {half_window} rows to each side: \
+         take a degree of at least 1 and at most twice that number"
+    )]
+    Window { half_window: usize, degree: usize },
+    #[error(
+        "derivative {order} of a polynomial of degree {degree} is always zero: \
+         take a degree of at least {order}"
+    )]
+    Order { order: usize, degree: usize },
+    #[error(
+        "{rows} rows are too few to differentiate, at least {needed} are needed: \
+         drop them or record the derivatives"
+    )]
+    TooFewRows { rows: usize, needed: usize },
+    #[error("t does not increase at row {row}: sort the rows and drop repeated ones")]
+    TimeOrder { row: usize },
 }

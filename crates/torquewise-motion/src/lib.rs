@@ -24,7 +24,9 @@
 pub mod error;
 pub mod motion;
 pub mod recording;
+pub mod differentiate;
 
+pub use differentiate::{LocalPolynomial, derivative};
 pub use error::MotionError;
 pub use motion::{Motion, Signals};
 pub use recording::{BLOCK_ROWS, ReadError, Recording};
