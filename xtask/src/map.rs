@@ -1,6 +1,6 @@
 //! Workspace → docs/MAP.md: every crate and file with its first line, in reading order.
 
-use crate::workspace::{Package, Source, Workspace, read_text};
+use crate::workspace::{Package, Workspace, read_text};
 use anyhow::{Context, Result, bail};
 use std::fmt::Write;
 use std::path::Path;
@@ -54,9 +54,6 @@ fn map(workspace: &Workspace) -> String {
     let mut text = HEAD.to_owned();
     for package in packages {
         let _ = write!(text, "\n## {}\n\n", package.folder);
-        if let Some(line) = package.crate_root().and_then(Source::first_line) {
-            let _ = write!(text, "{line}\n\n");
-        }
         write_files(&mut text, package);
     }
     text
@@ -72,7 +69,7 @@ fn write_files(text: &mut String, package: &Package) {
         .unwrap_or(0);
     text.push_str("```text\n");
     for source in &package.sources {
-        let line = source.first_line().unwrap_or_default();
+        let line = source.first_line().unwrap_or("(says nothing)");
         let _ = writeln!(text, "{:width$}  {line}", source.within);
     }
     text.push_str("```\n");
@@ -102,8 +99,6 @@ mod tests {
         let expected = "\
 ## crates/torquewise-motion
 
-What an arm did.
-
 ```text
 src/lib.rs     What an arm did.
 src/motion.rs  Signals → Motion: checked.
@@ -111,8 +106,6 @@ src/error.rs   What can be wrong.
 ```
 
 ## crates/torquewise-model
-
-Terms.
 
 ```text
 src/lib.rs  Terms.

@@ -47,6 +47,7 @@ pub(crate) fn check(workspace: &Workspace) -> Result<Vec<Violation>> {
         violations.extend(forbidden::check(source));
     }
     violations.sort();
+    violations.dedup();
     Ok(violations)
 }
 

@@ -53,10 +53,10 @@ fn named_paths(line: &str) -> Vec<&str> {
         .collect()
 }
 
-/// Something with a `/`, or a file by its ending; `[workspace.lints]` or `crate::x` is none.
+/// Something with a `/`, or a document by its ending; `lib.rs` names no one file.
 fn is_path(token: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || "._-/".contains(c);
-    let endings = [".rs", ".md", ".toml"];
+    let endings = [".md", ".toml"];
     let named = token.contains('/') || endings.iter().any(|ending| token.ends_with(ending));
     named && token.chars().all(plain)
 }
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn code_that_is_no_path_is_left_alone() {
         assert_eq!(
-            messages("`cargo xtask ci`, `a::b`, `[dependencies]`, `Motion`"),
+            messages("`cargo xtask ci`, `a::b`, `lib.rs`, `Motion`"),
             [""; 0]
         );
     }

@@ -9,12 +9,13 @@ use crate::workspace::{Package, Source};
 pub(crate) fn check(package: &Package) -> Vec<Violation> {
     let mut violations = Vec::new();
     for source in package.sources.iter().filter(|source| !source.is_test) {
-        match source.module_path() {
-            Some(module) if !module.is_empty() && !is_binary(&module) => {
-                violations.extend(unlisted(package, source, &module));
-                violations.extend(backward_imports(package, source, &module));
-            }
-            _ => {}
+        let module = source.module_path().unwrap_or_default();
+        if module.is_empty() || is_binary(&module) {
+            continue;
+        }
+        match unlisted(package, source, &module) {
+            Some(violation) => violations.push(violation),
+            None => violations.extend(backward_imports(package, source, &module)),
         }
     }
     violations
