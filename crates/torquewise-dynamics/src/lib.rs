@@ -1,1 +1,40 @@
-//! torquewise-dynamics
+//! Rigid-body dynamics of serial arms of revolute joints: the truth behind simulated logs.
+//!
+//! An [`Arm`] comes from a URDF, from a table of Denavit–Hartenberg rows or by name. It answers
+//! with torque, mass matrix, acceleration and energy, and [`simulate`] moves it to make a log whose
+//! equations are known. Nothing that learns from logs may see this crate.
+//!
+//! ```
+//! use torquewise_dynamics::{Arm, MotionPlan, Noise, add_noise, simulate};
+//!
+//! let arm = Arm::builtin("puma560-3")?;
+//! let hold = arm.gravity_torque(&[0.0, 0.5, -1.0]);
+//! assert!(hold[1].abs() > hold[0].abs(), "the waist carries no weight");
+//!
+//! let clean = simulate(&arm, &MotionPlan { seconds: 2.0, ..MotionPlan::default() })?;
+//! let measured = add_noise(&clean.motion, &Noise::case(2)?, 7)?;
+//! assert_eq!((measured.n_rows(), measured.n_joints()), (500, 3));
+//! # Ok::<(), torquewise_dynamics::DynamicsError>(())
+//! ```
+
+pub mod error;
+mod spatial;
+pub mod arm;
+pub mod dh;
+pub mod urdf;
+pub mod arms;
+pub mod inverse;
+pub mod mass;
+pub mod forward;
+pub mod energy;
+pub mod plan;
+mod trajectory;
+pub mod simulate;
+pub mod noise;
+
+pub use arm::Arm;
+pub use arms::{ArmSummary, arms};
+pub use error::DynamicsError;
+pub use noise::{Noise, add_noise};
+pub use plan::{MotionKind, MotionPlan, Pattern};
+pub use simulate::{SimulatedLog, Simulation, simulate};

@@ -1,0 +1,208 @@
+//! Joints in a row → Arm: names, placements, axes and bodies, checked once.
+#![expect(
+    non_snake_case,
+    reason = "frames are written quantity_fromTo, as in `spatial`"
+)]
+
+use crate::error::DynamicsError;
+use crate::spatial::{Body, Pose, is_positive_semidefinite};
+use nalgebra::{Unit, Vector3};
+use std::collections::HashSet;
+use std::f64::consts::PI;
+
+/// Gravity \[m/s²\] where none is given: along −z of the world.
+pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// A revolute joint and the body it turns, in the frame J that turns with it.
+#[derive(Clone, Debug)]
+pub(crate) struct Joint {
+    /// J at q = 0, seen from the joint before (the world for the first).
+    pub(crate) X_PJ: Pose,
+    /// Direction the joint turns about, in J.
+    pub(crate) axis: Unit<Vector3<f64>>,
+    /// All that moves with this joint and not with the next, in J.
+    pub(crate) body: Body,
+    /// Inertia of the motor's rotor \[kg·m²\] as felt at the joint: gear² × rotor.
+    pub(crate) rotor: f64,
+    /// Positions \[rad\] that simulated motions keep to.
+    pub(crate) range: [f64; 2],
+}
+
+/// A serial arm of revolute joints on a fixed base, with all its masses known.
+///
+/// The truth that simulated logs are made from. Equations are those of a rigid arm,
+/// τ = M(q) q̈ + C(q, q̇) q̇ + G(q), method.md (1).
+#[derive(Clone, Debug)]
+pub struct Arm {
+    name: String,
+    joint_names: Vec<String>,
+    joints: Vec<Joint>,
+    gravity: [f64; 3],
+}
+
+impl Arm {
+    /// Checks every number of every joint.
+    pub(crate) fn new(
+        name: String,
+        gravity: [f64; 3],
+        joints: Vec<(String, Joint)>,
+    ) -> Result<Self, DynamicsError> {
+        if joints.is_empty() {
+            return Err(DynamicsError::NoJoints);
+        }
+        check_finite("gravity", &name, &gravity)?;
+        let mut seen = HashSet::new();
+        for (joint_name, joint) in &joints {
+            if !seen.insert(joint_name) {
+                let name = joint_name.clone();
+                return Err(DynamicsError::DuplicateName {
+                    kind: "joint",
+                    name,
+                });
+            }
+            joint.check(joint_name)?;
+        }
+        let (joint_names, joints) = joints.into_iter().unzip();
+        Ok(Self {
+            name,
+            joint_names,
+            joints,
+            gravity,
+        })
+    }
+
+    /// What the arm is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Joint names, base to tip, n.
+    pub fn joints(&self) -> &[String] {
+        &self.joint_names
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Gravity \[m/s²\] in the world frame, the frame the base is placed in.
+    pub fn gravity(&self) -> [f64; 3] {
+        self.gravity
+    }
+
+    /// Lower and upper position \[rad\] of each joint that simulated motions keep to, n.
+    pub fn ranges(&self) -> Vec<[f64; 2]> {
+        self.joints.iter().map(|joint| joint.range).collect()
+    }
+
+    /// Joints base to tip.
+    pub(crate) fn chain(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Gravity as a vector.
+    pub(crate) fn gravity_vector(&self) -> Vector3<f64> {
+        self.gravity.into()
+    }
+}
+
+impl Joint {
+    fn check(&self, name: &str) -> Result<(), DynamicsError> {
+        check_finite("placement", name, self.X_PJ.R_AB.as_slice())?;
+        check_finite("placement", name, self.X_PJ.p_AB.as_slice())?;
+        check_finite("rotor inertia", name, &[self.rotor])?;
+        if self.rotor < 0.0 {
+            return Err(DynamicsError::Inertia {
+                place: format!("{name} (rotor)"),
+            });
+        }
+        let [lower, upper] = self.range;
+        if !(lower < upper && (upper - lower).is_finite()) {
+            return Err(DynamicsError::Range {
+                joint: name.into(),
+                lower,
+                upper,
+            });
+        }
+        check_body(name, &self.body)
+    }
+}
+
+/// Refuses a body that no real thing can be.
+pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), DynamicsError> {
+    if !(body.mass.is_finite() && body.mass >= 0.0) {
+        return Err(DynamicsError::Mass {
+            place: place.into(),
+            mass: body.mass,
+        });
+    }
+    check_finite("centre of mass", place, body.com.as_slice())?;
+    check_finite("inertia", place, body.inertia.as_slice())?;
+    if is_positive_semidefinite(&body.inertia) {
+        Ok(())
+    } else {
+        Err(DynamicsError::Inertia {
+            place: place.into(),
+        })
+    }
+}
+
+/// Unit vector along `axis`.
+pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>, DynamicsError> {
+    let axis = Vector3::from(axis);
+    if axis.norm().is_finite() {
+        if let Some(unit) = Unit::try_new(axis, 1e-9) {
+            return Ok(unit);
+        }
+    }
+    Err(DynamicsError::Axis {
+        joint: joint.into(),
+    })
+}
+
+/// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
+pub(crate) fn at_most_one_turn([lower, upper]: [f64; 2]) -> [f64; 2] {
+    let (middle, half) = (f64::midpoint(lower, upper), (upper - lower) / 2.0);
+    if half > 0.0 && half.is_finite() {
+        [middle - half.min(PI), middle + half.min(PI)]
+    } else {
+        [-PI, PI]
+    }
+}
+
+/// Refuses NaN and infinity.
+pub(crate) fn check_finite(
+    what: &'static str,
+    place: &str,
+    values: &[f64],
+) -> Result<(), DynamicsError> {
+    if values.iter().all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(DynamicsError::NotFinite {
+            what,
+            place: place.into(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_joint_without_limits_may_make_one_turn() {
+        assert_eq!(at_most_one_turn([0.0, 0.0]), [-PI, PI]);
+        assert_eq!(
+            at_most_one_turn([f64::NEG_INFINITY, f64::INFINITY]),
+            [-PI, PI]
+        );
+        assert_eq!(at_most_one_turn([-2.0 * PI, 2.0 * PI]), [-PI, PI]);
+    }
+
+    #[test]
+    fn a_narrow_range_is_kept() {
+        assert_eq!(at_most_one_turn([-3.0, -1.0]), [-3.0, -1.0]);
+    }
+}

@@ -1,0 +1,103 @@
+//! What can be wrong with an arm, a planned motion or a noise level.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use torquewise_motion::MotionError;
+
+/// Why an arm cannot be read, moved or made noisy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DynamicsError {
+    // Reading an arm
+    #[error("no arm is called `{name}`: choose one of {known}, or give a .urdf or .toml file")]
+    UnknownArm { name: String, known: String },
+    #[error("the URDF cannot be read: check that it is one whole <robot> element")]
+    Urdf { source: Box<urdf_rs::UrdfError> },
+    #[error("XML element at byte {byte} is nested deeper than {limit}: a URDF needs 5, repair it")]
+    Depth { byte: usize, limit: usize },
+    #[error("the XML at byte {byte} uses {what}, which a URDF does not need: remove it")]
+    Markup { byte: usize, what: &'static str },
+    #[error("the DH table cannot be read: write name, gravity and one [[joints]] row per joint")]
+    DhTable { source: Box<toml::de::Error> },
+
+    // Tree of links and joints
+    #[error("{kind} `{name}` appears twice: give each {kind} its own name")]
+    DuplicateName { kind: &'static str, name: String },
+    #[error("joint `{joint}` names link `{link}`, which is not defined: add it or mend the name")]
+    UnknownLink { joint: String, link: String },
+    #[error("joints `{first}` and `{second}` both carry link `{link}`: remove one of them")]
+    TwoParents {
+        link: String,
+        first: String,
+        second: String,
+    },
+    #[error("expected one link without parent joint, found {}: {}", roots.len(), shown(roots))]
+    Roots { roots: Vec<String> },
+    #[error("link `{link}` hangs on itself through a loop of joints: open the loop")]
+    Loop { link: String },
+    #[error("cannot lock joint `{joint}`, the URDF has no such joint: choose from {known}")]
+    UnknownLocked { joint: String, known: String },
+    #[error(
+        "only revolute and continuous joints may move, found {joints}: lock them (at 0, mass kept)"
+    )]
+    UnsupportedJoints { joints: String },
+    #[error("the arm branches at link `{link}`: to keep one serial chain, lock {lock}")]
+    Branches { link: String, lock: String },
+    #[error("no joint is left that moves: an arm needs at least one, lock fewer or add one")]
+    NoJoints,
+
+    // Numbers of an arm
+    #[error("{what} of `{place}` is not finite: give a number")]
+    NotFinite { what: &'static str, place: String },
+    #[error("mass of `{place}` is {mass} kg: a mass is a number that is not negative")]
+    Mass { place: String, mass: f64 },
+    #[error(
+        "inertia of `{place}` has a negative principal moment: check the signs and the order \
+         ixx, iyy, izz, ixy, ixz, iyz"
+    )]
+    Inertia { place: String },
+    #[error("axis of joint `{joint}` has no direction: give three numbers that are not all 0")]
+    Axis { joint: String },
+    #[error("range of joint `{joint}` is [{lower}, {upper}] rad: give lower < upper")]
+    Range {
+        joint: String,
+        lower: f64,
+        upper: f64,
+    },
+
+    // Moving an arm
+    #[error("{signal} holds {found} numbers, expected {expected}: give one per joint")]
+    JointCount {
+        signal: &'static str,
+        found: usize,
+        expected: usize,
+    },
+    #[error(
+        "mass matrix is not positive definite at joint {}: give the links after it mass or inertia",
+        joint + 1
+    )]
+    Massless { joint: usize },
+    #[error("{what} of the motion plan is {found}, expected {expected}")]
+    Plan {
+        what: &'static str,
+        found: f64,
+        expected: &'static str,
+    },
+    #[error("noise case {0} is unknown: choose 1, 2 or 3")]
+    NoiseCase(u8),
+    #[error("signal-to-noise ratio of {signal} is {db} dB: give a number, or +inf for no noise")]
+    NoiseLevel { signal: &'static str, db: f64 },
+    #[error("the motion cannot be built: check the arm's masses and the plan or noise asked for")]
+    Motion {
+        #[from]
+        source: MotionError,
+    },
+}
+
+/// The names, or what to do when there is none.
+fn shown(names: &[String]) -> String {
+    if names.is_empty() {
+        "the joints form a loop or there is no link; open the loop".into()
+    } else {
+        format!("{}; join them or remove the others", names.join(", "))
+    }
+}

@@ -1,0 +1,50 @@
+//! Arm, q, q̇, τ → q̈: solves M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
+
+use crate::arm::Arm;
+use crate::error::DynamicsError;
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+impl Arm {
+    /// Acceleration that a torque causes.
+    ///
+    /// - `q` \[rad\], `dq` \[rad/s\], `tau` \[N·m\]: n each
+    /// - returns: q̈ \[rad/s²\], n
+    ///
+    /// Source: method.md (1), solved by Cholesky. Checked against: `tests/identities.rs`.
+    ///
+    /// # Errors
+    /// [`DynamicsError::JointCount`] for a slice of another length than n;
+    /// [`DynamicsError::Massless`] if a joint moves nothing that has mass or inertia.
+    pub fn forward_dynamics(
+        &self,
+        q: &[f64],
+        dq: &[f64],
+        tau: &[f64],
+    ) -> Result<Vec<f64>, DynamicsError> {
+        let expected = self.n_joints();
+        for (signal, values) in [("q", q), ("dq", dq), ("tau", tau)] {
+            let found = values.len();
+            if found != expected {
+                return Err(DynamicsError::JointCount {
+                    signal,
+                    found,
+                    expected,
+                });
+            }
+        }
+
+        let bias = self.inverse_dynamics(q, dq, &vec![0.0; expected]);
+        let rest = Mat::from_fn(expected, 1, |i, _| tau[i] - bias[i]);
+        let factor = self.mass_matrix(q).llt(Side::Lower).map_err(
+            |LltError::NonPositivePivot { index }| {
+                // faer counts the pivot that failed from 1.
+                DynamicsError::Massless {
+                    joint: index.saturating_sub(1),
+                }
+            },
+        )?;
+        Ok(factor.solve(&rest).col_as_slice(0).to_vec())
+    }
+}

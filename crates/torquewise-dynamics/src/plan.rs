@@ -1,0 +1,159 @@
+//! What a simulated log should hold: kind of motion, length, rate and seed.
+
+use crate::error::DynamicsError;
+
+/// How the joints are moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MotionKind {
+    /// Positioning and sorting: dwell, accelerate, cruise, brake, dwell, all joints together.
+    #[default]
+    Moves,
+    /// Smooth sums of sines, for judging a model outside its training set.
+    Sines,
+    /// Three recordings in one log: poses held, constant speeds, constant accelerations. The
+    /// transfers between them are not recorded and leave gaps in time.
+    Staged,
+}
+
+/// What [`simulate`](crate::simulate) should produce.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionPlan {
+    /// How the joints are moved.
+    pub kind: MotionKind,
+    /// Recorded time \[s\], at most 1 000 000.
+    pub seconds: f64,
+    /// Rows per second \[Hz\], at most 100 000.
+    pub rate: f64,
+    /// Seed of every random choice: one seed, one log, bit by bit.
+    pub seed: u64,
+}
+
+impl Default for MotionPlan {
+    /// 40 000 rows of positioning and sorting, as in the paper's simulation.
+    fn default() -> Self {
+        Self {
+            kind: MotionKind::Moves,
+            seconds: 160.0,
+            rate: 250.0,
+            seed: 0,
+        }
+    }
+}
+
+/// Rows of one simulated log at most.
+const MAX_ROWS: f64 = 50_000_000.0;
+
+impl MotionPlan {
+    /// Number of rows, once the numbers of the plan are found fine.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Plan`], naming the number at fault.
+    pub fn n_rows(&self) -> Result<usize, DynamicsError> {
+        let check = |what, found: f64, most, expected| {
+            if found > 0.0 && found <= most {
+                Ok(())
+            } else {
+                Err(DynamicsError::Plan {
+                    what,
+                    found,
+                    expected,
+                })
+            }
+        };
+        check(
+            "length [s]",
+            self.seconds,
+            1e6,
+            "more than 0 and at most 1000000",
+        )?;
+        check(
+            "rate [Hz]",
+            self.rate,
+            1e5,
+            "more than 0 and at most 100000",
+        )?;
+        let rows = (self.seconds * self.rate).round();
+        let expected = "seconds times rate from 1 to 50000000";
+        check("number of rows", rows, MAX_ROWS, expected)?;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked: whole, positive and below 50 million"
+        )]
+        Ok(rows as usize)
+    }
+}
+
+/// What the arm as a whole does at one instant: which parts of (1) are active.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Pattern {
+    /// All q̇ = q̈ = 0: gravity alone.
+    Standstill,
+    /// All q̈ = 0, some q̇ ≠ 0: gravity and Coriolis.
+    UniformVelocity,
+    /// Some q̈ ≠ 0: gravity, Coriolis and inertia.
+    VariableVelocity,
+}
+
+impl Pattern {
+    /// The pattern of one noise-free row: `dq` \[rad/s\], `ddq` \[rad/s²\], n each.
+    pub fn of(dq: &[f64], ddq: &[f64]) -> Self {
+        if ddq.iter().any(|&ddq| ddq != 0.0) {
+            Self::VariableVelocity
+        } else if dq.iter().any(|&dq| dq != 0.0) {
+            Self::UniformVelocity
+        } else {
+            Self::Standstill
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_without_end_or_beginning_is_refused() {
+        let default = MotionPlan::default();
+        let plans = [
+            MotionPlan {
+                seconds: f64::INFINITY,
+                ..default
+            },
+            MotionPlan {
+                seconds: -1.0,
+                ..default
+            },
+            MotionPlan {
+                rate: f64::NAN,
+                ..default
+            },
+            MotionPlan {
+                rate: 0.0,
+                ..default
+            },
+            MotionPlan {
+                seconds: 1e6,
+                rate: 1e5,
+                ..default
+            },
+            MotionPlan {
+                seconds: 1.0,
+                rate: 0.1,
+                ..default
+            },
+        ];
+
+        for plan in plans {
+            assert!(
+                matches!(plan.n_rows(), Err(DynamicsError::Plan { .. })),
+                "{plan:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_default_plan_has_forty_thousand_rows() {
+        assert_eq!(MotionPlan::default().n_rows().unwrap(), 40_000);
+    }
+}

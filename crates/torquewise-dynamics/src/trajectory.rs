@@ -1,0 +1,98 @@
+//! MotionPlan → Trajectory: exact q, q̇, q̈ at any row, without torque.
+
+mod moves;
+mod sines;
+mod staged;
+
+use crate::arm::Arm;
+use crate::error::DynamicsError;
+use crate::plan::{MotionKind, MotionPlan};
+use moves::Moves;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use sines::Sines;
+use staged::Staged;
+
+/// Speed \[rad/s\] of the fastest joint at most.
+const PEAK_SPEED: f64 = 1.5;
+/// Least and greatest acceleration \[rad/s²\] of the fastest joint.
+const ACCELERATION: [f64; 2] = [2.0, 6.0];
+
+/// Where the joints are and how they move at one instant, n each.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub(crate) q: Vec<f64>,
+    pub(crate) dq: Vec<f64>,
+    pub(crate) ddq: Vec<f64>,
+}
+
+impl State {
+    /// n joints at rest at 0.
+    pub(crate) fn zero(n: usize) -> Self {
+        Self {
+            q: vec![0.0; n],
+            dq: vec![0.0; n],
+            ddq: vec![0.0; n],
+        }
+    }
+}
+
+/// A drawn motion: every random choice is made, every row can be asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Trajectory {
+    n_rows: usize,
+    rate: f64,
+    path: Path,
+}
+
+#[derive(Clone, Debug)]
+enum Path {
+    Moves(Moves),
+    Sines(Sines),
+    Staged(Staged),
+}
+
+impl Trajectory {
+    /// Draws the motion of `plan` within the joint ranges of `arm`.
+    pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self, DynamicsError> {
+        let n_rows = plan.n_rows()?;
+        let ranges = arm.ranges();
+        let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
+        let path = match plan.kind {
+            MotionKind::Moves => Path::Moves(Moves::draw(&ranges, plan.seconds, &mut rng)),
+            MotionKind::Sines => Path::Sines(Sines::draw(&ranges, &mut rng)),
+            MotionKind::Staged => Path::Staged(Staged::draw(&ranges, n_rows, plan.rate, &mut rng)),
+        };
+        Ok(Self {
+            n_rows,
+            rate: plan.rate,
+            path,
+        })
+    }
+
+    /// Number of rows m.
+    pub(crate) fn n_rows(&self) -> usize {
+        self.n_rows
+    }
+
+    /// Writes the state at a row; returns its time \[s\].
+    pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
+        let t = row as f64 / self.rate;
+        match &self.path {
+            Path::Moves(moves) => moves.state_at(t, state),
+            Path::Sines(sines) => sines.state_at(t, state),
+            Path::Staged(staged) => return staged.state_at(row, state),
+        }
+        t
+    }
+}
+
+/// A number between two others, evenly drawn.
+fn between(rng: &mut ChaCha8Rng, [least, greatest]: [f64; 2]) -> f64 {
+    least + (greatest - least) * rng.random::<f64>()
+}
+
+/// −1 or 1, evenly drawn.
+fn direction(rng: &mut ChaCha8Rng) -> f64 {
+    if rng.random::<bool>() { 1.0 } else { -1.0 }
+}

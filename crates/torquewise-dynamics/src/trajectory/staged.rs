@@ -1,0 +1,197 @@
+//! Joint ranges → Staged: poses held, then constant speeds, then constant accelerations.
+
+use super::{ACCELERATION, PEAK_SPEED, State, between, direction};
+use rand_chacha::ChaCha8Rng;
+
+/// Time \[s\] each pose is recorded.
+const HOLD: f64 = 0.1;
+/// Time \[s\] of a recorded sweep at constant speed.
+const SWEEP: [f64; 2] = [0.6, 1.4];
+/// Speeds of a joint \[rad/s\].
+const SPEED: [f64; 2] = [0.3 * PEAK_SPEED, PEAK_SPEED];
+/// Time \[s\] of a transfer at least, and its mean speed \[rad/s\].
+const TRANSFER: f64 = 0.5;
+const TRANSFER_SPEED: f64 = 1.0;
+/// Rows that a transfer skips at least, so that its gap shows at any rate.
+const GAP_ROWS: f64 = 5.0;
+
+/// The three recordings as one log.
+#[derive(Clone, Debug)]
+pub(crate) struct Staged {
+    arcs: Vec<Arc>,
+    rate: f64,
+}
+
+/// Rows recorded in one go, at constant acceleration.
+#[derive(Clone, Debug)]
+struct Arc {
+    first_row: usize,
+    start: f64,
+    from: State,
+}
+
+impl Staged {
+    /// Draws arcs, a third of the rows for each stage.
+    pub(crate) fn draw(
+        ranges: &[[f64; 2]],
+        n_rows: usize,
+        rate: f64,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        let mut staged = Self {
+            arcs: Vec::new(),
+            rate,
+        };
+        let stages: [fn(usize, &mut ChaCha8Rng) -> (f64, State); 3] = [hold, sweep, accelerate];
+        let mut first_row = 0;
+        for (stage, last) in stages.into_iter().zip([n_rows / 3, 2 * n_rows / 3, n_rows]) {
+            while first_row < last {
+                let (seconds, mut from) = stage(ranges.len(), rng);
+                for (i, &range) in ranges.iter().enumerate() {
+                    place(&mut from, i, seconds, range, rng);
+                }
+                let start = staged.next_start(first_row, &from.q);
+                staged.arcs.push(Arc {
+                    first_row,
+                    start,
+                    from,
+                });
+                first_row = last.min(first_row + rows(seconds, rate));
+            }
+        }
+        staged
+    }
+
+    /// Writes the state at a row; returns its time \[s\].
+    pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
+        let next = self.arcs.partition_point(|arc| arc.first_row <= row);
+        let Some(arc) = self.arcs.get(next.saturating_sub(1)) else {
+            return 0.0;
+        };
+        let t = (row - arc.first_row) as f64 / self.rate;
+        for i in 0..state.q.len() {
+            let (q, dq, ddq) = (arc.from.q[i], arc.from.dq[i], arc.from.ddq[i]);
+            state.q[i] = q + t * (dq + t * ddq / 2.0);
+            state.dq[i] = dq + t * ddq;
+            state.ddq[i] = ddq;
+        }
+        arc.start + t
+    }
+
+    /// Time of the next arc's first row, after the transfer to `q`.
+    fn next_start(&self, first_row: usize, q: &[f64]) -> f64 {
+        let Some(last_row) = first_row.checked_sub(1) else {
+            return 0.0;
+        };
+        let mut end = State::zero(q.len());
+        let t = self.state_at(last_row, &mut end);
+        let way = q
+            .iter()
+            .zip(&end.q)
+            .map(|(to, from)| (to - from).abs())
+            .fold(0.0, f64::max);
+        t + (way / TRANSFER_SPEED)
+            .max(TRANSFER)
+            .max(GAP_ROWS / self.rate)
+    }
+}
+
+/// Nothing moves.
+fn hold(n: usize, _: &mut ChaCha8Rng) -> (f64, State) {
+    (HOLD, State::zero(n))
+}
+
+/// Every joint moves at its own constant speed, in either direction.
+fn sweep(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
+    let seconds = between(rng, SWEEP);
+    (
+        seconds,
+        State {
+            dq: speeds(n, rng),
+            ..State::zero(n)
+        },
+    )
+}
+
+/// Every joint changes its speed evenly, from one to another.
+fn accelerate(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
+    let (before, after) = (speeds(n, rng), speeds(n, rng));
+    let change: Vec<f64> = after
+        .iter()
+        .zip(&before)
+        .map(|(after, before)| after - before)
+        .collect();
+    let greatest = change
+        .iter()
+        .fold(0.0, |most: f64, change| most.max(change.abs()));
+    let seconds = greatest / between(rng, ACCELERATION);
+    let ddq = change
+        .iter()
+        .map(|change| change / seconds.max(f64::MIN_POSITIVE))
+        .collect();
+    (
+        seconds,
+        State {
+            dq: before,
+            ddq,
+            ..State::zero(n)
+        },
+    )
+}
+
+fn speeds(n: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
+    (0..n)
+        .map(|_| direction(rng) * between(rng, SPEED))
+        .collect()
+}
+
+/// Draws where joint `i` starts so that it stays in its range; slows it down where that is narrow.
+fn place(from: &mut State, i: usize, seconds: f64, [lower, upper]: [f64; 2], rng: &mut ChaCha8Rng) {
+    let [mut least, mut greatest] = reach(from.dq[i], from.ddq[i], seconds);
+    let slower = ((upper - lower) / (greatest - least)).min(1.0);
+    if slower < 1.0 {
+        from.dq[i] *= slower;
+        from.ddq[i] *= slower;
+        least *= slower;
+        greatest *= slower;
+    }
+    from.q[i] = between(rng, [lower - least, upper - greatest]);
+}
+
+/// Least and greatest way \[rad\] from the start within `seconds`.
+fn reach(dq: f64, ddq: f64, seconds: f64) -> [f64; 2] {
+    let way = |t: f64| t * (dq + t * ddq / 2.0);
+    let turning = if ddq == 0.0 {
+        0.0
+    } else {
+        (-dq / ddq).clamp(0.0, seconds)
+    };
+    let ways = [0.0, way(seconds), way(turning)];
+    [
+        ways.into_iter().fold(0.0, f64::min),
+        ways.into_iter().fold(0.0, f64::max),
+    ]
+}
+
+/// Rows of a recording, one at least.
+fn rows(seconds: f64, rate: f64) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at most a few seconds at 100 kHz; a float cast saturates"
+    )]
+    let rows = (seconds * rate).round() as usize;
+    rows.max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reach_of_an_arc_that_turns_back_is_its_turning_point() {
+        assert_eq!(reach(1.0, -1.0, 2.0), [0.0, 0.5]);
+        assert_eq!(reach(-1.0, 0.0, 2.0), [-2.0, 0.0]);
+        assert_eq!(reach(0.0, 0.0, 2.0), [0.0, 0.0]);
+    }
+}

@@ -1,0 +1,57 @@
+//! URDF text → Arm: the serial chain that is left when the locked joints are welded.
+#![expect(
+    non_snake_case,
+    reason = "frames are written quantity_fromTo, as in `spatial`"
+)]
+
+mod markup;
+mod tree;
+
+use crate::arm::{Arm, Joint, STANDARD_GRAVITY, at_most_one_turn, direction};
+use crate::error::DynamicsError;
+use tree::Tree;
+use urdf_rs::JointType;
+
+impl Arm {
+    /// Reads an arm from URDF text, its base fixed in the world, gravity −9.81 m/s² along z.
+    ///
+    /// Revolute and continuous joints move. Fixed joints and the joints named in `locked` (held at
+    /// position 0, whatever their type) weld their links together: no mass is lost. Limits of a
+    /// joint become the range of simulated motions; damping and friction are not read.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Urdf`] and its neighbours if the text is no URDF;
+    /// [`DynamicsError::UnsupportedJoints`] for moving prismatic, planar, floating, spherical or
+    /// mimic joints and [`DynamicsError::Branches`] for a tree, both with the joints to lock;
+    /// otherwise the variant that names the link, joint or number at fault.
+    pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self, DynamicsError> {
+        markup::check(text)?;
+        let robot = urdf_rs::read_from_string(text).map_err(|source| DynamicsError::Urdf {
+            source: Box::new(source),
+        })?;
+        let tree = Tree::new(&robot, locked)?;
+
+        let mut joints = Vec::new();
+        let mut before = tree.welded(tree.root())?;
+        while let Some((joint, X_PJ)) = tree.only_exit(&before)? {
+            let after = tree.welded(&joint.child.link)?;
+            let range = match joint.joint_type {
+                JointType::Continuous => [0.0, 0.0],
+                _ => [joint.limit.lower, joint.limit.upper],
+            };
+            let moved = Joint {
+                X_PJ,
+                axis: direction(&joint.name, joint.axis.xyz.0)?,
+                body: after.body,
+                rotor: 0.0,
+                range: at_most_one_turn(range),
+            };
+            joints.push((joint.name.clone(), moved));
+            before = after;
+        }
+        Self::new(robot.name.clone(), STANDARD_GRAVITY, joints)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,269 @@
+//! URDF files that must be refused, and what is left of a file with locked joints.
+
+use crate::arm::Arm;
+use crate::error::DynamicsError;
+use approx::assert_relative_eq;
+
+/// A link with mass 1 kg at (0, 0, 0.1) m.
+fn link(name: &str) -> String {
+    format!(
+        "<link name='{name}'><inertial><origin xyz='0 0 0.1'/><mass value='1'/>\
+         <inertia ixx='0.01' ixy='0' ixz='0' iyy='0.01' iyz='0' izz='0.01'/></inertial></link>"
+    )
+}
+
+/// A joint about y, 0.3 m above its parent, with `more` inside.
+fn joint(name: &str, kind: &str, [parent, child]: [&str; 2], more: &str) -> String {
+    format!(
+        "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
+         <origin xyz='0 0 0.3' rpy='0 0 0'/><axis xyz='0 1 0'/>\
+         <limit effort='1' velocity='1' lower='-1' upper='2'/>{more}</joint>"
+    )
+}
+
+fn robot(parts: &[String]) -> String {
+    format!(
+        "<?xml version='1.0'?><robot name='test'>{}</robot>",
+        parts.concat()
+    )
+}
+
+/// base – j1 – l1 – j2 – l2, both joints of the given types.
+fn two_joints(first: &str, second: &str) -> String {
+    robot(&[
+        link("base"),
+        link("l1"),
+        link("l2"),
+        joint("j1", first, ["base", "l1"], ""),
+        joint("j2", second, ["l1", "l2"], ""),
+    ])
+}
+
+fn refused(text: &str) -> DynamicsError {
+    Arm::from_urdf(text, &[]).unwrap_err()
+}
+
+#[test]
+fn revolute_and_continuous_joints_move_within_their_limits() {
+    let arm = Arm::from_urdf(&two_joints("revolute", "continuous"), &[]).unwrap();
+
+    assert_eq!(
+        (arm.name(), arm.joints()),
+        ("test", &["j1".to_string(), "j2".to_string()][..])
+    );
+    assert_eq!(
+        arm.ranges(),
+        [[-1.0, 2.0], [-std::f64::consts::PI, std::f64::consts::PI]]
+    );
+}
+
+#[test]
+fn a_locked_joint_keeps_its_mass_where_it_is_at_zero() {
+    let text = two_joints("revolute", "revolute");
+    let free = Arm::from_urdf(&text, &[]).unwrap();
+
+    let locked = Arm::from_urdf(&text, &["j2".into()]).unwrap();
+
+    assert_eq!(locked.joints(), ["j1"]);
+    let (still, alone) = (free.mass_matrix(&[0.4, 0.0]), locked.mass_matrix(&[0.4]));
+    assert_relative_eq!(alone[(0, 0)], still[(0, 0)], max_relative = 1e-14);
+    let (still, alone) = (
+        free.gravity_torque(&[0.4, 0.0]),
+        locked.gravity_torque(&[0.4]),
+    );
+    assert_relative_eq!(alone[0], still[0], max_relative = 1e-14);
+}
+
+#[test]
+fn an_arm_may_hang_on_a_base_that_is_turned_by_a_fixed_joint() {
+    let turned = "<joint name='mount' type='fixed'><parent link='world'/><child link='base'/>\
+                  <origin rpy='3.141592653589793 0 0'/></joint>";
+    let parts = [
+        link("base"),
+        link("l1"),
+        joint("j1", "revolute", ["base", "l1"], ""),
+    ];
+    let upright = Arm::from_urdf(&robot(&parts), &[]).unwrap();
+
+    let text = robot(&[parts.concat(), "<link name='world'/>".into(), turned.into()]);
+    let hanging = Arm::from_urdf(&text, &[]).unwrap();
+
+    let (upright, hanging) = (
+        upright.gravity_torque(&[0.5])[0],
+        hanging.gravity_torque(&[0.5])[0],
+    );
+    assert_relative_eq!(upright, -hanging, max_relative = 1e-14);
+    assert_relative_eq!(upright, -0.1 * 9.81 * 0.5_f64.sin(), max_relative = 1e-14);
+}
+
+#[test]
+fn every_joint_that_may_not_move_is_named() {
+    for kind in ["prismatic", "floating", "planar", "spherical"] {
+        let error = refused(&two_joints("revolute", kind));
+
+        assert!(
+            matches!(error, DynamicsError::UnsupportedJoints { .. }),
+            "{error:?}"
+        );
+        assert!(
+            error.to_string().contains(&format!("`j2` ({kind})")),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn a_mimic_joint_is_refused_until_it_is_locked() {
+    let mimic = joint("j2", "revolute", ["l1", "l2"], "<mimic joint='j1'/>");
+    let first = joint("j1", "revolute", ["base", "l1"], "");
+    let text = robot(&[link("base"), link("l1"), link("l2"), first, mimic]);
+
+    let error = refused(&text);
+
+    assert!(
+        matches!(error, DynamicsError::UnsupportedJoints { .. }),
+        "{error:?}"
+    );
+    assert_eq!(
+        Arm::from_urdf(&text, &["j2".into()]).unwrap().joints(),
+        ["j1"]
+    );
+}
+
+#[test]
+fn a_branch_is_refused_with_the_joints_to_lock() {
+    let text = robot(&[
+        ["base", "l1", "l2", "f1", "f2"].map(link).concat(),
+        joint("finger1", "revolute", ["l1", "f1"], ""),
+        joint("finger2", "revolute", ["f1", "f2"], ""),
+        joint("j1", "revolute", ["base", "l1"], ""),
+        joint("j2", "revolute", ["l1", "l2"], ""),
+        link("l3"),
+        link("l4"),
+        joint("j3", "revolute", ["l2", "l3"], ""),
+        joint("j4", "revolute", ["l3", "l4"], ""),
+    ]);
+
+    let error = refused(&text);
+
+    assert!(
+        error.to_string().ends_with("lock finger1, finger2"),
+        "{error}"
+    );
+    let arm = Arm::from_urdf(&text, &["finger1".into(), "finger2".into()]).unwrap();
+    assert_eq!(arm.joints(), ["j1", "j2", "j3", "j4"]);
+}
+
+#[test]
+fn an_unknown_joint_to_lock_is_answered_with_those_there_are() {
+    let text = two_joints("revolute", "revolute");
+
+    let error = Arm::from_urdf(&text, &["elbow".into()]).unwrap_err();
+
+    assert!(matches!(error, DynamicsError::UnknownLocked { .. }));
+    assert!(error.to_string().ends_with("j1, j2"), "{error}");
+}
+
+#[test]
+fn joints_that_make_no_tree_are_refused() {
+    let turn = |name: &str, ends| joint(name, "revolute", ends, "");
+    let [base, l1, l2] = ["base", "l1", "l2"].map(link);
+    let cases = [
+        (robot(&[]), "Roots"),
+        (robot(&[base.clone(), l1.clone()]), "Roots"),
+        (robot(std::slice::from_ref(&base)), "NoJoints"),
+        (robot(&[base.clone(), turn("j", ["base", "base"])]), "Roots"),
+        (
+            robot(&[base.clone(), turn("j", ["base", "gone"])]),
+            "UnknownLink",
+        ),
+        (
+            robot(&[base.clone(), turn("j", ["gone", "base"])]),
+            "UnknownLink",
+        ),
+        (robot(&[base.clone(), base.clone()]), "DuplicateName"),
+        (
+            robot(&[
+                base.clone(),
+                l1.clone(),
+                turn("j1", ["base", "l1"]),
+                turn("j2", ["base", "l1"]),
+            ]),
+            "TwoParents",
+        ),
+        (
+            robot(&[
+                [base, l1, l2].concat(),
+                turn("j1", ["l1", "l2"]),
+                turn("j2", ["l2", "l1"]),
+            ]),
+            "Loop",
+        ),
+    ];
+
+    for (text, variant) in cases {
+        let error = refused(&text);
+        assert!(
+            format!("{error:?}").starts_with(variant),
+            "expected {variant}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn numbers_that_no_arm_can_have_are_refused() {
+    let good = two_joints("revolute", "revolute");
+    let cases = [
+        ("value='1'", "value='-1'", "Mass"),
+        ("value='1'", "value='NaN'", "Mass"),
+        ("value='1'", "value='inf'", "Mass"),
+        ("ixx='0.01'", "ixx='-0.01'", "Inertia"),
+        ("ixx='0.01'", "ixx='nan'", "NotFinite"),
+        ("ixy='0'", "ixy='5'", "Inertia"),
+        ("xyz='0 0 0.1'", "xyz='0 0 nan'", "NotFinite"),
+        ("xyz='0 0 0.3'", "xyz='inf 0 0.3'", "NotFinite"),
+        ("rpy='0 0 0'", "rpy='0 NaN 0'", "NotFinite"),
+        ("xyz='0 1 0'", "xyz='0 0 0'", "Axis"),
+        ("xyz='0 1 0'", "xyz='nan 0 0'", "Axis"),
+        ("xyz='0 1 0'", "xyz='1e200 0 0'", "Axis"),
+        ("value='1'", "value='one'", "Urdf"),
+        ("xyz='0 1 0'", "xyz='0 1'", "Urdf"),
+        ("type='revolute'", "type='hinge'", "Urdf"),
+        ("<mass value='1'/>", "", "Urdf"),
+    ];
+
+    for (found, replaced, variant) in cases {
+        assert!(good.contains(found), "the test replaces nothing: {found}");
+        // The last place, because the base's own mass never moves.
+        let at = good.rfind(found).unwrap();
+        let text = format!("{}{replaced}{}", &good[..at], &good[at + found.len()..]);
+        let error = refused(&text);
+        assert!(
+            format!("{error:?}").starts_with(variant),
+            "{replaced}: {error:?}"
+        );
+    }
+}
+
+#[test]
+fn a_file_cut_anywhere_is_refused() {
+    let text = two_joints("revolute", "revolute");
+
+    for end in 0..text.len() {
+        assert!(Arm::from_urdf(&text[..end], &[]).is_err(), "cut at {end}");
+    }
+}
+
+#[test]
+fn a_file_with_any_byte_changed_is_read_or_refused() {
+    let text = two_joints("revolute", "revolute");
+
+    for at in 0..text.len() {
+        for byte in ["<", ">", "'", "/", "&", "", ":", "-", "9"] {
+            let changed = format!("{}{byte}{}", &text[..at], &text[at + 1..]);
+            if let Ok(arm) = Arm::from_urdf(&changed, &[]) {
+                assert!(arm.n_joints() <= 2);
+            }
+        }
+    }
+}

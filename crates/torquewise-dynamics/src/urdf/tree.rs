@@ -1,0 +1,251 @@
+//! Links and joints of a URDF → Tree: which links move as one, and the joint that leaves them.
+#![expect(
+    non_snake_case,
+    reason = "frames are written quantity_fromTo, as in `spatial`"
+)]
+
+use crate::arm::{check_body, check_finite};
+use crate::error::DynamicsError;
+use crate::spatial::{Body, Pose};
+use std::collections::{HashMap, HashSet};
+use urdf_rs::{Joint, JointType, Link, Robot};
+
+/// A URDF that is one tree: names resolved, one root, no loop.
+pub(crate) struct Tree<'a> {
+    links: HashMap<&'a str, &'a Link>,
+    below: HashMap<&'a str, Vec<&'a Joint>>,
+    root: &'a str,
+    locked: HashSet<&'a str>,
+}
+
+/// Links that move as one body, and the moving joints that leave it.
+pub(crate) struct Welded<'a> {
+    first: &'a str,
+    /// Their masses, in the frame of the first link.
+    pub(crate) body: Body,
+    exits: Vec<(&'a Joint, Pose)>,
+}
+
+impl<'a> Tree<'a> {
+    /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
+    pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, DynamicsError> {
+        let links = by_name(
+            "link",
+            robot.links.iter().map(|link| (link.name.as_str(), link)),
+        )?;
+        let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
+        let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
+        if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(*name)) {
+            let moving = robot
+                .joints
+                .iter()
+                .filter(|j| j.joint_type != JointType::Fixed);
+            let known = moving
+                .map(|j| j.name.as_str())
+                .collect::<Vec<_>>()
+                .join(", ");
+            return Err(DynamicsError::UnknownLocked {
+                joint: (*unknown).into(),
+                known,
+            });
+        }
+
+        let root = only_root(robot, &links)?;
+        let mut below: HashMap<&str, Vec<&Joint>> = HashMap::new();
+        for joint in &robot.joints {
+            below
+                .entry(joint.parent.link.as_str())
+                .or_default()
+                .push(joint);
+        }
+        let tree = Self {
+            links,
+            below,
+            root,
+            locked,
+        };
+        tree.check_loops(robot)?;
+        tree.check_types(robot)?;
+        Ok(tree)
+    }
+
+    /// The link that hangs on no joint.
+    pub(crate) fn root(&self) -> &'a str {
+        self.root
+    }
+
+    /// All links welded to `first`, its own frame being the body's.
+    pub(crate) fn welded(&self, first: &'a str) -> Result<Welded<'a>, DynamicsError> {
+        let mut body = Body::none();
+        let mut exits = Vec::new();
+        let mut open = vec![(first, Pose::identity())];
+        while let Some((link, X_GL)) = open.pop() {
+            if let Some(link) = self.links.get(link) {
+                body = body.welded_to(&body_of(link)?.seen_from(&X_GL));
+            }
+            for &joint in self.joints_below(link) {
+                let X_GJ = X_GL * pose(&joint.name, &joint.origin)?;
+                if self.moves(joint) {
+                    exits.push((joint, X_GJ));
+                } else {
+                    open.push((joint.child.link.as_str(), X_GJ));
+                }
+            }
+        }
+        Ok(Welded { first, body, exits })
+    }
+
+    /// The one joint that leaves the body, if any.
+    pub(crate) fn only_exit(
+        &self,
+        welded: &Welded<'a>,
+    ) -> Result<Option<(&'a Joint, Pose)>, DynamicsError> {
+        if welded.exits.len() < 2 {
+            return Ok(welded.exits.first().copied());
+        }
+        let mut branches: Vec<Vec<&str>> = welded
+            .exits
+            .iter()
+            .map(|(joint, _)| self.moving_from(joint))
+            .collect();
+        // The branch with the most joints is taken for the arm.
+        branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
+        let lock = branches[1..].concat().join(", ");
+        Err(DynamicsError::Branches {
+            link: welded.first.into(),
+            lock,
+        })
+    }
+
+    fn joints_below(&self, link: &str) -> &[&'a Joint] {
+        self.below.get(link).map_or(&[], Vec::as_slice)
+    }
+
+    fn moves(&self, joint: &Joint) -> bool {
+        joint.joint_type != JointType::Fixed && !self.locked.contains(joint.name.as_str())
+    }
+
+    /// Names of `joint` and of all moving joints beyond it.
+    fn moving_from(&self, joint: &'a Joint) -> Vec<&'a str> {
+        let mut names = Vec::new();
+        let mut open = vec![joint];
+        while let Some(joint) = open.pop() {
+            if self.moves(joint) {
+                names.push(joint.name.as_str());
+            }
+            open.extend(self.joints_below(&joint.child.link));
+        }
+        names
+    }
+
+    fn check_loops(&self, robot: &Robot) -> Result<(), DynamicsError> {
+        let mut reached = HashSet::from([self.root]);
+        let mut open = vec![self.root];
+        while let Some(link) = open.pop() {
+            for joint in self.joints_below(link) {
+                reached.insert(joint.child.link.as_str());
+                open.push(joint.child.link.as_str());
+            }
+        }
+        match robot
+            .links
+            .iter()
+            .find(|link| !reached.contains(link.name.as_str()))
+        {
+            Some(link) => Err(DynamicsError::Loop {
+                link: link.name.clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_types(&self, robot: &Robot) -> Result<(), DynamicsError> {
+        let unsupported: Vec<String> = robot
+            .joints
+            .iter()
+            .filter(|joint| self.moves(joint))
+            .filter_map(|joint| Some(format!("`{}` ({})", joint.name, unsupported(joint)?)))
+            .collect();
+        if unsupported.is_empty() {
+            Ok(())
+        } else {
+            Err(DynamicsError::UnsupportedJoints {
+                joints: unsupported.join(", "),
+            })
+        }
+    }
+}
+
+/// Why a joint may not move, if so.
+fn unsupported(joint: &Joint) -> Option<&'static str> {
+    match joint.joint_type {
+        JointType::Prismatic => Some("prismatic"),
+        JointType::Floating => Some("floating"),
+        JointType::Planar => Some("planar"),
+        JointType::Spherical => Some("spherical"),
+        _ if joint.mimic.is_some() => Some("mimic"),
+        JointType::Revolute | JointType::Continuous | JointType::Fixed => None,
+    }
+}
+
+/// Looks up by name; refuses a name that comes twice.
+fn by_name<'a, T>(
+    kind: &'static str,
+    items: impl Iterator<Item = (&'a str, &'a T)>,
+) -> Result<HashMap<&'a str, &'a T>, DynamicsError> {
+    let mut found = HashMap::new();
+    for (name, item) in items {
+        if found.insert(name, item).is_some() {
+            return Err(DynamicsError::DuplicateName {
+                kind,
+                name: name.into(),
+            });
+        }
+    }
+    Ok(found)
+}
+
+/// The link without parent joint, after checking that every joint hangs between known links.
+fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a str, DynamicsError> {
+    let mut parents: HashMap<&str, &Joint> = HashMap::new();
+    for joint in &robot.joints {
+        for link in [&joint.parent.link, &joint.child.link] {
+            if !links.contains_key(link.as_str()) {
+                let (joint, link) = (joint.name.clone(), link.clone());
+                return Err(DynamicsError::UnknownLink { joint, link });
+            }
+        }
+        if let Some(first) = parents.insert(&joint.child.link, joint) {
+            return Err(DynamicsError::TwoParents {
+                link: joint.child.link.clone(),
+                first: first.name.clone(),
+                second: joint.name.clone(),
+            });
+        }
+    }
+    let names = robot.links.iter().map(|link| link.name.as_str());
+    let roots: Vec<&str> = names.filter(|name| !parents.contains_key(name)).collect();
+    match roots[..] {
+        [root] => Ok(root),
+        _ => Err(DynamicsError::Roots {
+            roots: roots.into_iter().map(String::from).collect(),
+        }),
+    }
+}
+
+/// Mass of a link in the link's frame; a link without `<inertial>` has none.
+fn body_of(link: &Link) -> Result<Body, DynamicsError> {
+    let inertial = &link.inertial;
+    let i = &inertial.inertia;
+    let moments = [i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz];
+    let body = Body::new(inertial.mass.value, [0.0; 3], moments);
+    check_body(&link.name, &body)?;
+    Ok(body.seen_from(&pose(&link.name, &inertial.origin)?))
+}
+
+/// An `<origin>` with finite numbers.
+fn pose(place: &str, origin: &urdf_rs::Pose) -> Result<Pose, DynamicsError> {
+    check_finite("origin", place, &origin.xyz.0)?;
+    check_finite("origin", place, &origin.rpy.0)?;
+    Ok(Pose::from_xyz_rpy(origin.xyz.0, origin.rpy.0))
+}
