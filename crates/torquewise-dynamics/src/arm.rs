@@ -151,14 +151,11 @@ pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), DynamicsError> 
 /// Unit vector along `axis`.
 pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>, DynamicsError> {
     let axis = Vector3::from(axis);
-    if axis.norm().is_finite() {
-        if let Some(unit) = Unit::try_new(axis, 1e-9) {
-            return Ok(unit);
-        }
-    }
-    Err(DynamicsError::Axis {
-        joint: joint.into(),
-    })
+    Unit::try_new(axis, 1e-9)
+        .filter(|_| axis.norm().is_finite())
+        .ok_or_else(|| DynamicsError::Axis {
+            joint: joint.into(),
+        })
 }
 
 /// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
@@ -189,6 +186,8 @@ pub(crate) fn check_finite(
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "limits are passed on, not computed")]
+
     use super::*;
 
     #[test]

@@ -14,7 +14,7 @@ pub enum DynamicsError {
     Urdf { source: Box<urdf_rs::UrdfError> },
     #[error("XML element at byte {byte} is nested deeper than {limit}: a URDF needs 5, repair it")]
     Depth { byte: usize, limit: usize },
-    #[error("the XML at byte {byte} uses {what}, which a URDF does not need: remove it")]
+    #[error("the XML at byte {byte} holds {what}: mend or remove it")]
     Markup { byte: usize, what: &'static str },
     #[error("the DH table cannot be read: write name, gravity and one [[joints]] row per joint")]
     DhTable { source: Box<toml::de::Error> },

@@ -38,12 +38,7 @@ impl Arm {
         let bias = self.inverse_dynamics(q, dq, &vec![0.0; expected]);
         let rest = Mat::from_fn(expected, 1, |i, _| tau[i] - bias[i]);
         let factor = self.mass_matrix(q).llt(Side::Lower).map_err(
-            |LltError::NonPositivePivot { index }| {
-                // faer counts the pivot that failed from 1.
-                DynamicsError::Massless {
-                    joint: index.saturating_sub(1),
-                }
-            },
+            |LltError::NonPositivePivot { index }| DynamicsError::Massless { joint: index },
         )?;
         Ok(factor.solve(&rest).col_as_slice(0).to_vec())
     }

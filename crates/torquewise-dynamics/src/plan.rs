@@ -15,7 +15,7 @@ pub enum MotionKind {
     Staged,
 }
 
-/// What [`simulate`](crate::simulate) should produce.
+/// What [`simulate`](crate::simulate()) should produce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionPlan {
     /// How the joints are moved.

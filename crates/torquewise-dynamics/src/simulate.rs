@@ -39,7 +39,7 @@ pub struct SimulatedLog {
 }
 
 impl SimulatedLog {
-    /// The rows [`simulate`] would make, not yet made.
+    /// The rows [`simulate()`] would make, not yet made.
     ///
     /// # Errors
     /// [`DynamicsError::Plan`] for a length or rate out of bounds.

@@ -1,4 +1,5 @@
 //! DH tables that must be refused, and one that must not.
+#![expect(clippy::float_cmp, reason = "defaults and quarters are exact")]
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;

@@ -165,6 +165,8 @@ impl Phases {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "halves and quarters are exact")]
+
     use super::*;
     use approx::assert_relative_eq;
 

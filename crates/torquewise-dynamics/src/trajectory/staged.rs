@@ -30,6 +30,9 @@ struct Arc {
     from: State,
 }
 
+/// Draws how long an arc takes \[s\] and how n joints start it, wherever that is.
+type Stage = fn(usize, &mut ChaCha8Rng) -> (f64, State);
+
 impl Staged {
     /// Draws arcs, a third of the rows for each stage.
     pub(crate) fn draw(
@@ -42,7 +45,7 @@ impl Staged {
             arcs: Vec::new(),
             rate,
         };
-        let stages: [fn(usize, &mut ChaCha8Rng) -> (f64, State); 3] = [hold, sweep, accelerate];
+        let stages: [Stage; 3] = [hold, sweep, accelerate];
         let mut first_row = 0;
         for (stage, last) in stages.into_iter().zip([n_rows / 3, 2 * n_rows / 3, n_rows]) {
             while first_row < last {
@@ -186,6 +189,8 @@ fn rows(seconds: f64, rate: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
+    #![expect(clippy::float_cmp, reason = "halves and quarters are exact")]
+
     use super::*;
 
     #[test]

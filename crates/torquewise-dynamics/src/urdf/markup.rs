@@ -1,72 +1,98 @@
 //! XML text → nothing: refuses what would overwhelm the XML reader.
+//!
+//! The reader below urdf-rs recurses into elements and panics on names without prefix (`:name`).
+//! It takes more for a tag than XML does, so this scan is strict: what it cannot follow, it refuses.
 
 use crate::error::DynamicsError;
 
 /// Elements within elements at most; a URDF needs 5, its extensions a few more.
 const MAX_DEPTH: usize = 64;
 
-/// Refuses elements nested so deep that a recursive reader would run out of stack, and the
-/// declarations through which a small text can unfold into a huge one.
+/// Refuses elements nested so deep that a recursive reader would run out of stack, tags that are
+/// not well formed, and declarations through which a small text can unfold into a huge one.
 ///
 /// # Errors
 /// [`DynamicsError::Depth`] or [`DynamicsError::Markup`], with the place.
 pub(crate) fn check(text: &str) -> Result<(), DynamicsError> {
     let bytes = text.as_bytes();
+    let refuse = |byte, what| Err(DynamicsError::Markup { byte, what });
     let mut depth = 0_usize;
     let mut at = 0;
-    while let Some(step) = bytes
-        .get(at..)
-        .and_then(|rest| rest.iter().position(|&b| b == b'<'))
-    {
-        let start = at + step;
-        let rest = &bytes[start..];
-        at = start
-            + match rest {
-                [b'<', b'!', b'-', b'-', ..] => past(rest, 4, b"-->"),
-                [b'<', b'?', ..] => past(rest, 2, b"?>"),
-                [b'<', b'!', ..] => {
-                    let what = "a <!DOCTYPE or <![CDATA[ section";
-                    return Err(DynamicsError::Markup { byte: start, what });
-                }
-                [b'<', b'/', ..] => {
-                    depth = depth.saturating_sub(1);
-                    past(rest, 2, b">")
-                }
-                _ => {
-                    let length = tag_length(rest);
-                    depth += usize::from(!rest[..length].ends_with(b"/>"));
-                    length
-                }
-            };
+    while let Some(start) = find(bytes, at, b"<") {
+        let end = match &bytes[start..] {
+            [b'<', b'!', b'-', b'-', ..] => find(bytes, start + 4, b"-->").map(|end| end + 3),
+            [b'<', b'!', ..] => return refuse(start, "a <!DOCTYPE or <![CDATA[ section"),
+            [b'<', b'?', ..] => find(bytes, start + 2, b"?>").map(|end| end + 2),
+            [b'<', b'/', ..] => {
+                depth = depth.saturating_sub(1);
+                find(bytes, start + 2, b">").map(|end| end + 1)
+            }
+            _ => {
+                let end = tag_end(bytes, start + 1);
+                let empty = end.is_some_and(|end| bytes[..end].ends_with(b"/>"));
+                depth += usize::from(!empty);
+                end
+            }
+        };
         if depth > MAX_DEPTH {
             return Err(DynamicsError::Depth {
                 byte: start,
                 limit: MAX_DEPTH,
             });
         }
+        let Some(end) = end else {
+            return refuse(start, "a tag that is cut or not well formed");
+        };
+        if bytes[start..].starts_with(b"<?") && bytes[start + 2..end - 2].contains(&b'?') {
+            return refuse(start, "a `?` within <? ?>");
+        }
+        at = end;
     }
     Ok(())
 }
 
-/// Bytes up to and with the first `end` after `from`, or all.
-fn past(rest: &[u8], from: usize, end: &[u8]) -> usize {
-    rest.get(from..)
-        .and_then(|tail| tail.windows(end.len()).position(|window| window == end))
-        .map_or(rest.len(), |found| from + found + end.len())
+/// Place of the first `wanted` at or after `from`.
+fn find(bytes: &[u8], from: usize, wanted: &[u8]) -> Option<usize> {
+    let tail = bytes.get(from..)?;
+    let found = tail
+        .windows(wanted.len())
+        .position(|window| window == wanted)?;
+    Some(from + found)
 }
 
-/// Bytes of an opening tag; a `>` within quotes does not close it.
-fn tag_length(rest: &[u8]) -> usize {
-    let mut quote = None;
-    for (index, &byte) in rest.iter().enumerate() {
-        match (quote, byte) {
-            (None, b'>') => return index + 1,
-            (None, b'"' | b'\'') => quote = Some(byte),
-            (Some(open), _) if open == byte => quote = None,
+/// Place after `name key="value" …>` or `…/>`; `None` if the text at `at` reads otherwise.
+fn tag_end(bytes: &[u8], at: usize) -> Option<usize> {
+    let mut at = name_end(bytes, at)?;
+    loop {
+        let next = past_blanks(bytes, at);
+        match bytes.get(next)? {
+            b'>' => return Some(next + 1),
+            b'/' => return (*bytes.get(next + 1)? == b'>').then_some(next + 2),
             _ => {}
         }
+        let equals = past_blanks(bytes, name_end(bytes, next)?);
+        if *bytes.get(equals)? != b'=' {
+            return None;
+        }
+        let open = past_blanks(bytes, equals + 1);
+        let quote = *bytes.get(open)?;
+        if quote != b'"' && quote != b'\'' {
+            return None;
+        }
+        at = find(bytes, open + 1, &[quote])? + 1;
     }
-    rest.len()
+}
+
+/// Place after the name at `at`; `None` if there is none, or it starts with its colon.
+fn name_end(bytes: &[u8], at: usize) -> Option<usize> {
+    let is_name = |b: &u8| b.is_ascii_alphanumeric() || b"_-.:".contains(b) || !b.is_ascii();
+    let length = bytes.get(at..)?.iter().take_while(|b| is_name(b)).count();
+    (length > 0 && bytes[at] != b':').then_some(at + length)
+}
+
+fn past_blanks(bytes: &[u8], at: usize) -> usize {
+    let tail = bytes.get(at..).unwrap_or_default();
+    at + tail.iter().take_while(|b| b" \t\r\n".contains(b)).count()
 }
 
 #[cfg(test)]
@@ -75,7 +101,8 @@ mod tests {
 
     #[test]
     fn a_plain_urdf_passes() {
-        let text = "<?xml version='1.0'?><!-- <deep> --><robot name='a>b'><link/></robot>";
+        let text = "<?xml version='1.0'?><!-- <deep> --><robot name = 'a>b' xmlns:x=\"u\"\n><l/>\
+                    <x:l a='/'  b=\"'\" /></robot >";
 
         assert!(check(text).is_ok());
     }
@@ -101,6 +128,29 @@ mod tests {
                 limit: 64
             }
         ));
+    }
+
+    #[test]
+    fn tags_that_a_lenient_reader_would_nest_are_refused() {
+        let hidden = [
+            "<a b></a>=''>",
+            "<a\"><b><b>\">",
+            "<a b=''<c>",
+            "<? ? > <b> ?>",
+            "< a>",
+            "<a / >",
+            "<a :b='1'/>",
+            "<a b='1':c='2'/>",
+            "<a b",
+            "<",
+        ];
+
+        for text in hidden {
+            assert!(
+                matches!(check(text), Err(DynamicsError::Markup { byte: 0, .. })),
+                "{text}"
+            );
+        }
     }
 
     #[test]
