@@ -1,6 +1,7 @@
 //! Symmetric system → solution on its independent columns: pivoted Cholesky.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt;
 use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -45,7 +46,9 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: &[f64]) -> Solution {
     let found = factored.map_or(0, |(rank, _)| rank.rank);
     let largest = if found > 0 { matrix[(0, 0)] } else { 0.0 };
     let floor = DEPENDENCE.sqrt() * largest;
-    let rank = (0..found).position(|i| matrix[(i, i)] <= floor).unwrap_or(found);
+    let rank = (0..found)
+        .position(|i| matrix[(i, i)] <= floor)
+        .unwrap_or(found);
 
     let mut x = Mat::from_fn(rank, 1, |i, _| right[order[i]]);
     let factor = matrix.submatrix(0, 0, rank, rank);
@@ -61,6 +64,24 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: &[f64]) -> Solution {
     Solution { values, dependent }
 }
 
+/// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.
+pub(crate) fn inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
+    let size = matrix.nrows();
+    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch.or(llt::inverse::inverse_scratch::<f64>(size, Par::Seq)));
+    let stack = MemStack::new(&mut memory);
+    let plain = llt::factor::LltRegularization::default();
+    llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default()).ok()?;
+    let mut out = Mat::zeros(size, size);
+    llt::inverse::inverse(out.as_mut(), matrix.as_ref(), Par::Seq, MemStack::new(&mut memory));
+    for j in 0..size {
+        for i in 0..j {
+            out[(i, j)] = out[(j, i)];
+        }
+    }
+    Some(out)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -73,7 +94,10 @@ mod tests {
 
         assert!(solution.dependent.is_empty());
         for value in solution.values {
-            assert!((value - 1.0).abs() < 1e-14, "three pivots, a few roundings: {value}");
+            assert!(
+                (value - 1.0).abs() < 1e-14,
+                "three pivots, a few roundings: {value}"
+            );
         }
     }
 
@@ -100,7 +124,7 @@ mod tests {
     #[test]
     fn rank_is_found_beyond_one_block_of_the_factorisation() {
         let (rank, size) = (150, 300);
-        let wave = |i: usize, k: usize| (0.7 * (i * k) as f64 + (k * k) as f64).sin();
+        let wave = |i: usize, k: usize| (0.7 * (i * (k + 1)) as f64 + (k * k) as f64).sin();
         let spread = Mat::from_fn(size, rank, wave);
         let matrix = &spread * spread.transpose();
 

@@ -83,7 +83,11 @@ impl<'a> Descent<'a> {
             let gap = self.gap(&self.slope_of_all, lambda);
             let done = gap <= tolerance || sweeps >= max_sweeps || indefinite;
             if done || !self.admit(lambda) {
-                return Reached { gap, sweeps, indefinite };
+                return Reached {
+                    gap,
+                    sweeps,
+                    indefinite,
+                };
             }
         }
     }
@@ -108,8 +112,12 @@ impl<'a> Descent<'a> {
             if self.gap(&self.slope, lambda) <= tolerance || self.is_indefinite() {
                 break;
             }
-            self.newton_step(lambda);
-            sweeps += 1;
+            while sweeps < max_sweeps {
+                sweeps += 1;
+                if !self.newton_step(lambda) {
+                    break;
+                }
+            }
         }
         sweeps
     }
@@ -122,7 +130,11 @@ impl<'a> Descent<'a> {
             let curvature = self.columns[j][j];
             let before = self.weights[j];
             let target = soft_threshold(self.slope[j] + curvature * before, lambda);
-            let after = if curvature > 0.0 { target / curvature } else { 0.0 };
+            let after = if curvature > 0.0 {
+                target / curvature
+            } else {
+                0.0
+            };
             let change = after - before;
             if change != 0.0 {
                 self.weights[j] = after;
@@ -139,23 +151,66 @@ impl<'a> Descent<'a> {
     ///
     /// On a fixed sign pattern the objective is quadratic, so descent along this line is certain
     /// where the Gram matrix is definite; correlated columns would cost thousands of sweeps.
-    fn newton_step(&mut self, lambda: f64) {
+    /// Returns true if a weight reached zero, so that another step may follow.
+    fn newton_step(&mut self, lambda: f64) -> bool {
         let active = nonzero(&self.weights, self.weights.len());
-        let matrix =
-            Mat::from_fn(active.len(), active.len(), |i, j| self.columns[active[j]][active[i]]);
-        let right: Vec<f64> =
-            active.iter().map(|&j| self.slope[j] - lambda * self.weights[j].signum()).collect();
-        let step = cholesky::solve(matrix, &right);
-        if !step.dependent.is_empty() {
-            return;
+        let right: Vec<f64> = active.iter().map(|&j| self.descent_of(j, lambda)).collect();
+        let step = cholesky::solve(self.gram_of(&active), &right);
+        match step.dependent.first() {
+            Some(&surplus) => self.drop_one(&active, &step.dependent, surplus, lambda),
+            None => self.advance(&active, &step.values, 1.0),
         }
+    }
 
+    /// Moves weights of dependent columns against each other until one is zero; the fit stays.
+    ///
+    /// - `active`: columns with a weight; `dependent`: places in it without a pivot
+    /// - `surplus`: the dependent one that the others replace, or that replaces others
+    fn drop_one(
+        &mut self,
+        active: &[usize],
+        dependent: &[usize],
+        surplus: usize,
+        lambda: f64,
+    ) -> bool {
+        let is_pivot = |i: &usize| dependent.binary_search(i).is_err();
+        let mut moving: Vec<usize> =
+            (0..active.len()).filter(is_pivot).map(|i| active[i]).collect();
+        let right: Vec<f64> =
+            moving.iter().map(|&j| self.columns[j][active[surplus]]).collect();
+        let mut direction = cholesky::solve(self.gram_of(&moving), &right).values;
+        moving.push(active[surplus]);
+        direction.push(-1.0);
+
+        let gain = moving.iter().zip(&direction).map(|(&j, d)| d * self.descent_of(j, lambda));
+        if gain.sum::<f64>() < 0.0 {
+            direction.iter_mut().for_each(|d| *d = -*d);
+        }
+        self.advance(&moving, &direction, f64::INFINITY)
+    }
+
+    /// Negative derivative of the objective by a weight that is not zero.
+    fn descent_of(&self, j: usize, lambda: f64) -> f64 {
+        self.slope[j] - lambda * self.weights[j].signum()
+    }
+
+    /// XᵀX/m of some of the working set.
+    fn gram_of(&self, chosen: &[usize]) -> Mat<f64> {
+        Mat::from_fn(chosen.len(), chosen.len(), |i, j| self.columns[chosen[j]][chosen[i]])
+    }
+
+    /// Moves weights along a direction, by `limit` of it or to the first sign change, whichever
+    /// comes first. Returns true if it was a sign change, which leaves that weight at zero.
+    fn advance(&mut self, moving: &[usize], direction: &[f64], limit: f64) -> bool {
         let crossing = |(&j, d): (&usize, &f64)| {
             let at = -self.weights[j] / d;
             (at > 0.0).then_some(at)
         };
-        let length = active.iter().zip(&step.values).filter_map(crossing).fold(1.0, f64::min);
-        for (&j, d) in active.iter().zip(&step.values) {
+        let length = moving.iter().zip(direction).filter_map(crossing).fold(limit, f64::min);
+        if !length.is_finite() {
+            return false;
+        }
+        for (&j, d) in moving.iter().zip(direction) {
             let before = self.weights[j];
             let moved = before + length * d;
             let crossed = moved * before.signum() <= 4.0 * f64::EPSILON * before.abs();
@@ -163,6 +218,7 @@ impl<'a> Descent<'a> {
             self.weights[j] = after;
             subtract(&mut self.slope, after - before, &self.columns[j]);
         }
+        length < limit
     }
 
     /// Lets in each column whose slope exceeds `bound`; false if there was none.
@@ -179,7 +235,8 @@ impl<'a> Descent<'a> {
             column.extend(self.working[first..].iter().map(|&i| entry(i, j)));
         }
         for &j in &self.working[first..] {
-            self.columns.push(self.working.iter().map(|&i| entry(i, j)).collect());
+            self.columns
+                .push(self.working.iter().map(|&i| entry(i, j)).collect());
             self.weights.push(0.0);
             self.slope.push(self.slope_of_all[j]);
         }
@@ -228,9 +285,19 @@ impl<'a> Descent<'a> {
     /// D(u) = yᵀu/m − ½uᵀu/m subject to ‖Xᵀu‖∞/m ≤ λ.
     fn gap(&self, slopes: &[f64], lambda: f64) -> f64 {
         let (with_response, mean_square) = self.residual();
-        let steepest = slopes.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
-        let best = if mean_square > 0.0 { with_response / mean_square } else { 1.0 };
-        let limit = if steepest > 0.0 { lambda / steepest } else { f64::INFINITY };
+        let steepest = slopes
+            .iter()
+            .fold(0.0_f64, |most, slope| most.max(slope.abs()));
+        let best = if mean_square > 0.0 {
+            with_response / mean_square
+        } else {
+            1.0
+        };
+        let limit = if steepest > 0.0 {
+            lambda / steepest
+        } else {
+            f64::INFINITY
+        };
         let shrink = best.clamp(-limit, limit);
 
         let size: f64 = self.weights.iter().map(|weight| weight.abs()).sum();
