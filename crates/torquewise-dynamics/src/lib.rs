@@ -1,8 +1,8 @@
 //! Rigid-body dynamics of serial arms of revolute joints: the truth behind simulated logs.
 //!
 //! An [`Arm`] comes from a URDF, from a table of Denavit–Hartenberg rows or by name. It answers
-//! with torque, mass matrix, acceleration and energy, and [`simulate()`] moves it to make a log whose
-//! equations are known. Nothing that learns from logs may see this crate.
+//! with torque, mass matrix, acceleration and energy, and [`simulate()`] moves it to make a log
+//! whose equations are known. Nothing that learns from logs may see this crate.
 //!
 //! ```
 //! use torquewise_dynamics::{Arm, MotionPlan, Noise, add_noise, simulate};

@@ -1,4 +1,4 @@
-//! What a simulated log should hold: kind of motion, length, rate and seed.
+//! Kind, length, rate, seed → MotionPlan: what a simulated log should hold.
 
 use crate::error::DynamicsError;
 

@@ -1,4 +1,4 @@
-//! Poses and rigid bodies: frames that compose, masses that add.
+//! Frames, masses → Pose, Body: frames that compose, bodies that weld.
 #![expect(
     non_snake_case,
     reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB"

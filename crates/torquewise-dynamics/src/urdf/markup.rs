@@ -1,7 +1,7 @@
 //! XML text → nothing: refuses what would overwhelm the XML reader.
 //!
 //! The reader below urdf-rs recurses into elements and panics on names without prefix (`:name`).
-//! It takes more for a tag than XML does, so this scan is strict: what it cannot follow, it refuses.
+//! It takes more for a tag than XML does, so this scan is strict and refuses what it cannot follow.
 
 use crate::error::DynamicsError;
 
