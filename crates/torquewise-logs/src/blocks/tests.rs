@@ -1,0 +1,183 @@
+//! Blocks: cut at the same rows, split at gaps and differentiated as if the file were whole.
+
+use super::Blocks;
+use crate::csv_rows::CsvRows;
+use crate::error::LogError;
+use faer::Mat;
+use std::fmt::Write;
+use std::path::Path;
+use torquewise_motion::{LocalPolynomial, Motion, derivative};
+
+/// Blocks of a text with one joint.
+fn blocks(text: &str) -> Result<Vec<(usize, Motion)>, LogError> {
+    let rows = CsvRows::new(Path::new("arm.csv"), std::io::Cursor::new(text.to_owned()))?;
+    let joints = ["joint1".to_owned()];
+    let mut blocks = Blocks::new(Box::new(rows), &joints, LocalPolynomial::default());
+    let mut read = Vec::new();
+    while let Some(block) = blocks.next()? {
+        read.push(block);
+    }
+    Ok(read)
+}
+
+/// A swing of t, and dq if asked for, at the given time stamps.
+fn swing(t: &[f64], with_dq: bool) -> String {
+    let mut text = String::from(if with_dq { "t,q1,dq1\n" } else { "t,q1\n" });
+    for t in t {
+        write!(text, "{t:?},{:?}", (3.0 * t).sin()).unwrap();
+        if with_dq {
+            write!(text, ",{:?}", 3.0 * (3.0 * t).cos()).unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn even(rows: u32) -> Vec<f64> {
+    (0..rows).map(|row| 0.01 * f64::from(row)).collect()
+}
+
+/// Bits of what each row of all blocks holds.
+fn bits(blocks: &[(usize, Motion)], pick: impl Fn(&Motion, usize) -> f64) -> Vec<u64> {
+    let rows = blocks.iter().flat_map(|(_, block)| {
+        (0..block.n_rows())
+            .map(|row| pick(block, row).to_bits())
+            .collect::<Vec<_>>()
+    });
+    rows.collect()
+}
+
+fn derived(t: &[f64], x: impl Fn(f64) -> f64, order: usize) -> Vec<u64> {
+    let x = Mat::from_fn(t.len(), 1, |row, _| x(t[row]));
+    let derived = derivative(t, x.as_ref(), LocalPolynomial::default(), order).unwrap();
+    (0..t.len())
+        .map(|row| derived[(row, 0)].to_bits())
+        .collect()
+}
+
+#[test]
+fn derivatives_have_the_bits_of_the_whole_trajectory_whatever_its_length() {
+    for rows in [5, 20, 21, 1023, 1024, 1025, 1029, 1034, 1035, 2048, 3100] {
+        let t = even(rows);
+        let blocks = blocks(&swing(&t, false)).unwrap();
+
+        let wave = |t: f64| (3.0 * t).sin();
+        assert_eq!(
+            bits(&blocks, |b, row| b.dq()[(row, 0)]),
+            derived(&t, wave, 1),
+            "{rows}"
+        );
+        assert_eq!(
+            bits(&blocks, |b, row| b.ddq()[(row, 0)]),
+            derived(&t, wave, 2),
+            "{rows}"
+        );
+    }
+}
+
+#[test]
+fn acceleration_comes_from_the_velocity_where_that_is_recorded() {
+    let t = even(1_500);
+    let blocks = blocks(&swing(&t, true)).unwrap();
+
+    let velocity = |t: f64| 3.0 * (3.0 * t).cos();
+    let recorded: Vec<_> = t.iter().map(|t| velocity(*t).to_bits()).collect();
+    assert_eq!(bits(&blocks, |b, row| b.dq()[(row, 0)]), recorded);
+    assert_eq!(
+        bits(&blocks, |b, row| b.ddq()[(row, 0)]),
+        derived(&t, velocity, 1)
+    );
+}
+
+#[test]
+fn blocks_are_cut_at_multiples_of_the_block_length_from_each_gap() {
+    for with_derivatives in [false, true] {
+        let mut t = even(4_000);
+        for (row, t) in t.iter_mut().enumerate() {
+            *t += if row >= 3_000 { 2.0 } else { 0.0 } + if row >= 1_500 { 1.0 } else { 0.0 };
+        }
+        let text = if with_derivatives {
+            let row = |t: &f64| format!("{t:?},0,0,0\n");
+            String::from("t,q1,dq1,ddq1\n") + &t.iter().map(row).collect::<String>()
+        } else {
+            swing(&t, false)
+        };
+
+        let blocks = blocks(&text).unwrap();
+
+        let cuts: Vec<_> = blocks
+            .iter()
+            .map(|(part, block)| (*part, block.n_rows()))
+            .collect();
+        assert_eq!(cuts, [(0, 1024), (0, 476), (1, 1024), (1, 476), (2, 1000)]);
+        let stamps: Vec<_> = t.iter().map(|t| t.to_bits()).collect();
+        assert_eq!(bits(&blocks, |block, row| block.t()[row]), stamps);
+    }
+}
+
+#[test]
+fn no_window_reaches_across_a_gap() {
+    let mut t = even(60);
+    t[30..].iter_mut().for_each(|t| *t += 5.0);
+
+    let blocks = blocks(&swing(&t, false)).unwrap();
+
+    let wave = |t: f64| (3.0 * t).sin();
+    let parts = [derived(&t[..30], wave, 1), derived(&t[30..], wave, 1)].concat();
+    assert_eq!(bits(&blocks, |block, row| block.dq()[(row, 0)]), parts);
+}
+
+#[test]
+fn time_that_stands_still_or_runs_back_is_refused_with_its_place() {
+    for (second, row) in [("0.1", 3), ("0.05", 3)] {
+        let refused = blocks(&format!(
+            "t,q1,dq1,ddq1\n0,0,0,0\n0.1,0,0,0\n{second},0,0,0\n"
+        ));
+        match refused {
+            Err(LogError::TimeOrder { place, before, .. }) => {
+                assert_eq!((place.row, place.line, before), (row, Some(4), 0.1));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn time_is_compared_across_blocks_too() {
+    let mut text = String::from("t,q1,dq1,ddq1\n");
+    for t in even(1_024) {
+        writeln!(text, "{t:?},0,0,0").unwrap();
+    }
+    text.push_str("10.23,0,0,0\n");
+
+    let refused = blocks(&text);
+
+    assert!(matches!(refused, Err(LogError::TimeOrder { place, .. }) if place.row == 1_025));
+}
+
+#[test]
+fn a_header_without_rows_is_refused() {
+    assert!(matches!(blocks("t,q1\n"), Err(LogError::NoRows { .. })));
+    assert!(matches!(
+        blocks("t,q1,dq1,ddq1\n\n"),
+        Err(LogError::NoRows { .. })
+    ));
+}
+
+#[test]
+fn a_part_too_short_to_differentiate_is_refused_with_its_place() {
+    let mut t = even(40);
+    t[37..].iter_mut().for_each(|t| *t += 1.0);
+
+    let refused = blocks(&swing(&t, false));
+
+    assert!(matches!(
+        refused,
+        Err(LogError::TooShort {
+            row: 38,
+            rows: 3,
+            needed: 5,
+            ..
+        })
+    ));
+}

@@ -1,0 +1,289 @@
+//! What can be wrong with a log file, and where.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use arrow::error::ArrowError;
+use parquet::errors::ParquetError;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use torquewise_motion::MotionError;
+
+/// A row of a log file, as its user counts it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The log file.
+    pub file: PathBuf,
+    /// Data row, 1 for the first after the header.
+    pub row: u64,
+    /// Line of a text file, 1 for the first.
+    pub line: Option<u64>,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}, row {}", self.file.display(), self.row)?;
+        self.line
+            .map_or(Ok(()), |line| write!(out, " (line {line})"))
+    }
+}
+
+/// Why a log cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LogError {
+    #[error("no log file is given: name at least one")]
+    NoFiles,
+    #[error(
+        "{}: {extension:?} is no log format known here: rename or convert it to .csv or .parquet",
+        file.display()
+    )]
+    UnknownExtension { file: PathBuf, extension: String },
+    #[error(
+        "{}: .{extension} logs are not yet supported: convert it to .csv or .parquet with the \
+         columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units",
+        file.display()
+    )]
+    NotYetSupported {
+        file: PathBuf,
+        extension: &'static str,
+    },
+    #[error("{} cannot be read: check that it exists and may be read", file.display())]
+    Read { file: PathBuf, source: io::Error },
+
+    #[error("{} is empty: expected a header with t, q1, …", file.display())]
+    Empty { file: PathBuf },
+    #[error("{} has a header but no rows: record the motion again", file.display())]
+    NoRows { file: PathBuf },
+    #[error(
+        "{}: columns are separated by {found:?}: write them with commas and decimal points",
+        file.display()
+    )]
+    Delimiter { file: PathBuf, found: char },
+    #[error("{}, line {line} is not UTF-8 text: save the file as UTF-8", file.display())]
+    NotUtf8 { file: PathBuf, line: u64 },
+    #[error(
+        "{}, line {line} holds over {limit} bytes in one {part}: is this a CSV file?",
+        file.display()
+    )]
+    TooLong {
+        file: PathBuf,
+        line: u64,
+        part: &'static str,
+        limit: usize,
+    },
+    #[error("{}, line {line}: a quoted field does not end in a quote and a comma: repair the quotes", file.display())]
+    OpenQuote { file: PathBuf, line: u64 },
+    #[error(
+        "{} has {found} columns, at most {limit} are read: drop those that are not needed",
+        file.display()
+    )]
+    TooManyColumns {
+        file: PathBuf,
+        found: usize,
+        limit: usize,
+    },
+
+    #[error(
+        "{} has no column {missing}, found {found}: name the columns t, q1…qn, dq1…dqn, \
+         ddq1…ddqn, tau1…taun",
+        file.display()
+    )]
+    NoColumn {
+        file: PathBuf,
+        missing: &'static str,
+        found: String,
+    },
+    #[error(
+        "{} has column {present} but no {missing}: joints are numbered 1…n and a signal has \
+         all of them; add {missing} or drop {present}",
+        file.display()
+    )]
+    MissingColumn {
+        file: PathBuf,
+        missing: String,
+        present: String,
+    },
+    #[error("{}: column {column} counts joints from 0: count them from 1", file.display())]
+    ZeroBased { file: PathBuf, column: String },
+    #[error("{} has two columns {column}: drop or rename one", file.display())]
+    DuplicateColumn { file: PathBuf, column: String },
+    #[error(
+        "{}: column {column} is of type {found}, expected numbers: convert it to 64-bit floats",
+        file.display()
+    )]
+    NotNumeric {
+        file: PathBuf,
+        column: String,
+        found: String,
+    },
+
+    #[error("{place} has {found} fields, the header has {expected}: complete or drop the row")]
+    Ragged {
+        place: Place,
+        found: usize,
+        expected: usize,
+    },
+    #[error("{place}, column {column}: \"{text}\" is not a number: repair or drop the row")]
+    NotANumber {
+        place: Place,
+        column: String,
+        text: String,
+    },
+    #[error("{place}, column {column} is {value}: repair or drop the row")]
+    NotFinite {
+        place: Place,
+        column: String,
+        value: f64,
+    },
+    #[error("{place}, column {column} has no value (null): fill it or drop the row")]
+    Null { place: Place, column: String },
+    #[error(
+        "{place}: t = {t} s does not follow {before} s: sort the rows and drop repeated ones, \
+         or put each trajectory in a file of its own"
+    )]
+    TimeOrder { place: Place, t: f64, before: f64 },
+
+    #[error("{} is not a whole Parquet file: copy or convert it again", file.display())]
+    Parquet { file: PathBuf, source: ParquetError },
+    #[error("{}: a row group cannot be decoded: copy or convert the file again", file.display())]
+    RowGroup { file: PathBuf, source: ArrowError },
+    #[error("{} is damaged beyond decoding: copy or convert it again", file.display())]
+    Damaged { file: PathBuf },
+
+    #[error(
+        "{} names {found} joints but has {expected}: name each joint once",
+        file.display()
+    )]
+    JointNameCount {
+        file: PathBuf,
+        found: usize,
+        expected: usize,
+    },
+    #[error(
+        "joint name \"{name}\" cannot be kept in a log: take a name that occurs once and has no \
+         comma, line break or outer space"
+    )]
+    JointName { name: String },
+    #[error(
+        "{} has {found} joints, {} has {expected}: read logs of one arm together",
+        file.display(),
+        first.display()
+    )]
+    JointCount {
+        file: PathBuf,
+        found: usize,
+        first: PathBuf,
+        expected: usize,
+    },
+    #[error(
+        "{} names its joints {found}, {} names them {expected}: read logs of one arm together",
+        file.display(),
+        first.display()
+    )]
+    JointNames {
+        file: PathBuf,
+        found: String,
+        first: PathBuf,
+        expected: String,
+    },
+    #[error("{} has no torque: record columns tau1…taun", file.display())]
+    NoTorque { file: PathBuf },
+    #[error(
+        "{}, row {row}: only {rows} rows up to the next gap or the end, {needed} are needed to \
+         find dq or ddq: drop them or record dq and ddq",
+        file.display()
+    )]
+    TooShort {
+        file: PathBuf,
+        row: u64,
+        rows: usize,
+        needed: usize,
+    },
+    #[error("{} has other columns than when it was opened: open it again", file.display())]
+    Changed { file: PathBuf },
+    #[error("{}, from row {row}: the rows are no motion", file.display())]
+    Motion {
+        file: PathBuf,
+        row: u64,
+        source: MotionError,
+    },
+
+    #[error(
+        "{} cannot be written: check that the folder exists, may be written and has room",
+        file.display()
+    )]
+    Write { file: PathBuf, source: io::Error },
+    #[error("{} cannot be written as Parquet: check that the disk has room", file.display())]
+    WriteParquet { file: PathBuf, source: ParquetError },
+    #[error("{}: {found} columns of values for a table of {expected}", file.display())]
+    ValuesCount {
+        file: PathBuf,
+        found: usize,
+        expected: usize,
+    },
+    #[error(
+        "{}: column {column} is to hold {expected}, but {found} is given: give values of the \
+         kind it was created with",
+        file.display()
+    )]
+    ValuesKind {
+        file: PathBuf,
+        column: String,
+        found: &'static str,
+        expected: &'static str,
+    },
+    #[error(
+        "{}: column {column} has {found} values, the first column {expected}: give one per row",
+        file.display()
+    )]
+    ValuesLength {
+        file: PathBuf,
+        column: String,
+        found: usize,
+        expected: usize,
+    },
+}
+
+impl LogError {
+    pub(crate) fn read(file: &Path) -> impl Fn(io::Error) -> Self {
+        move |source| Self::Read {
+            file: file.into(),
+            source,
+        }
+    }
+
+    pub(crate) fn parquet(file: &Path) -> impl Fn(ParquetError) -> Self {
+        move |source| Self::Parquet {
+            file: file.into(),
+            source,
+        }
+    }
+}
+
+/// At most 40 characters of a text, with whatever does not print escaped.
+pub(crate) fn shown(text: &[u8]) -> String {
+    const LONGEST: usize = 40;
+    // A character has at most four bytes, so this is enough and bounds the work.
+    let head = String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST + 4)]);
+    let mut shown: String = head
+        .chars()
+        .take(LONGEST)
+        .flat_map(char::escape_debug)
+        .collect();
+    if head.chars().count() > LONGEST {
+        shown.push('…');
+    }
+    shown
+}
+
+#[cfg(test)]
+mod tests {
+    use super::shown;
+
+    #[test]
+    fn text_is_cut_to_forty_characters_and_escaped() {
+        assert_eq!(shown(b"1.5x"), "1.5x");
+        assert_eq!(shown(b"a\x1b[2J\n\xff"), "a\\u{1b}[2J\\n\u{fffd}");
+        assert_eq!(shown("é".repeat(1_000).as_bytes()), "é".repeat(40) + "…");
+    }
+}

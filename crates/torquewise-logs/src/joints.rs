@@ -1,0 +1,100 @@
+//! Joint names ↔ text: how a log file keeps them.
+
+use crate::error::{LogError, shown};
+use std::collections::HashSet;
+use std::path::Path;
+
+/// Key of the joint names in the metadata of a Parquet file.
+pub(crate) const PARQUET_KEY: &str = "torquewise.joints";
+
+/// Start of the comment line that holds the joint names of a CSV file.
+pub(crate) const CSV_COMMENT: &str = "# joints:";
+
+/// joint1 … jointn.
+pub(crate) fn numbered(n: usize) -> Vec<String> {
+    (1..=n).map(|joint| format!("joint{joint}")).collect()
+}
+
+/// The names in `text`, separated by commas.
+pub(crate) fn parse(text: &str) -> Vec<String> {
+    text.split(',').map(|name| name.trim().to_owned()).collect()
+}
+
+/// One text that [`parse`] splits again.
+pub(crate) fn join(names: &[String]) -> Result<String, LogError> {
+    check(names)?;
+    Ok(names.join(","))
+}
+
+/// Names read from `file` for its `n` joints.
+pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<String>, LogError> {
+    if names.len() != n {
+        let (file, found) = (file.into(), names.len());
+        return Err(LogError::JointNameCount {
+            file,
+            found,
+            expected: n,
+        });
+    }
+    check(&names).map(|()| names)
+}
+
+fn check(names: &[String]) -> Result<(), LogError> {
+    let mut seen = HashSet::new();
+    let keepable = |name: &str| {
+        !name.is_empty()
+            && name.trim() == name
+            && !name.contains(|c: char| c == ',' || c.is_control())
+    };
+    match names
+        .iter()
+        .find(|name| !keepable(name) || !seen.insert(name.as_str()))
+    {
+        Some(name) => Err(LogError::JointName {
+            name: shown(name.as_bytes()),
+        }),
+        None => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{checked, join, numbered, parse};
+    use crate::error::LogError;
+    use std::path::Path;
+
+    #[test]
+    fn joined_names_are_parsed_back() {
+        let names = vec!["shoulder pan".to_owned(), "łokieć".to_owned()];
+
+        assert_eq!(parse(&join(&names).unwrap()), names);
+        assert_eq!(parse(" a , b "), ["a", "b"]);
+        assert_eq!(numbered(2), ["joint1", "joint2"]);
+    }
+
+    #[test]
+    fn names_that_would_not_come_back_are_refused() {
+        for bad in [
+            ["a,b", "c"],
+            ["", "c"],
+            [" a", "c"],
+            ["a\n", "c"],
+            ["c", "c"],
+        ] {
+            let refused = join(&bad.map(str::to_owned));
+            assert!(
+                matches!(refused, Err(LogError::JointName { .. })),
+                "{bad:?}"
+            );
+        }
+        let one = checked(Path::new("a.csv"), parse("a"), 2);
+        assert!(matches!(
+            one,
+            Err(LogError::JointNameCount {
+                found: 1,
+                expected: 2,
+                ..
+            })
+        ));
+    }
+}

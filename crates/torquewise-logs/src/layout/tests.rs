@@ -1,0 +1,81 @@
+//! Headers that are understood, and headers that are refused with a reason.
+
+use super::{Layout, MAX_COLUMNS, Signal};
+use crate::error::LogError;
+use std::path::Path;
+
+fn layout(header: &str) -> Result<Layout, LogError> {
+    Layout::new(Path::new("arm.csv"), &header.split(',').collect::<Vec<_>>())
+}
+
+#[test]
+fn columns_may_stand_in_any_order_with_others_between() {
+    let layout = layout("tau2,q2,note,t,q1, tau1 ,q02,qa").unwrap();
+
+    assert_eq!(layout.n_joints(), 2);
+    assert_eq!(layout.columns(), [3, 4, 1, 5, 0]);
+    assert_eq!(layout.slot(Signal::Tau), Some(3));
+    assert_eq!(layout.slot(Signal::Dq), None);
+    let names: Vec<_> = (0..5).map(|slot| layout.name(slot)).collect();
+    assert_eq!(names, ["t", "q1", "q2", "tau1", "tau2"]);
+    assert_eq!(layout.ignored(), ["note", "q02", "qa"]);
+}
+
+#[test]
+fn ten_joints_are_in_order_of_number() {
+    let header: Vec<_> = (1..=10).map(|joint| format!("q{joint}")).collect();
+    let layout = layout(&format!("t,{}", header.join(","))).unwrap();
+
+    assert_eq!(layout.columns(), (0..=10).collect::<Vec<_>>());
+}
+
+#[test]
+fn the_message_says_which_column_is_missing() {
+    for (header, missing, present) in [
+        ("t,q1,q3", "q2", "q3"),
+        ("t,q2", "q1", "q2"),
+        ("t,q1,q2,q3,tau1,tau2", "tau3", "q3"),
+        ("t,q1,q2,tau1,tau2,tau3", "q3", "tau3"),
+        ("t,q1,q2,dq2", "dq1", "q2"),
+        ("t,q1,q2,ddq1", "ddq2", "q2"),
+    ] {
+        match layout(header) {
+            Err(LogError::MissingColumn {
+                missing: m,
+                present: p,
+                ..
+            }) => {
+                assert_eq!((m.as_str(), p.as_str()), (missing, present), "{header}");
+            }
+            other => panic!("{header}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn headers_without_meaning_are_refused() {
+    assert!(matches!(
+        layout("q1"),
+        Err(LogError::NoColumn { missing: "t", .. })
+    ));
+    assert!(matches!(
+        layout("t,dq1"),
+        Err(LogError::NoColumn { missing: "q1", .. })
+    ));
+    assert!(matches!(layout("t,q0,q1"), Err(LogError::ZeroBased { .. })));
+    assert!(matches!(
+        layout("t,t,q1"),
+        Err(LogError::DuplicateColumn { .. })
+    ));
+    assert!(matches!(
+        layout("t,q1,q1"),
+        Err(LogError::DuplicateColumn { .. })
+    ));
+    let wide = "x,".repeat(MAX_COLUMNS) + "t";
+    assert!(matches!(
+        layout(&wide),
+        Err(LogError::TooManyColumns { found: 1_001, .. })
+    ));
+    let far = "t,q1,q99999999999999999999999";
+    assert_eq!(layout(far).unwrap().ignored(), ["q99999999999999999999999"]);
+}

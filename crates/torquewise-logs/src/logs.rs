@@ -1,0 +1,234 @@
+//! Log files → Recording: several files read as one, any number of times.
+
+use crate::blocks::Blocks;
+use crate::error::LogError;
+use crate::joints;
+use crate::layout::Signal;
+use crate::source::Source;
+use faer::Mat;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use torquewise_motion::{LocalPolynomial, Motion, MotionError, ReadError, Recording, Signals};
+
+/// Log files of one arm.
+///
+/// Each file is a trajectory of its own, and a file is split where a step of t is over five times
+/// the usual one. The usual step begins as the median of a trajectory's first 32 steps, and each
+/// later step raises or lowers it by 1 %.
+///
+/// Every reading goes through the files again and holds no more than some thousand rows. Missing
+/// dq and ddq are derived from q (ddq from dq where that is recorded), by trajectory.
+#[derive(Clone, Debug)]
+pub struct Logs {
+    sources: Vec<Source>,
+    paths: Vec<PathBuf>,
+    joints: Vec<String>,
+    polynomial: LocalPolynomial,
+}
+
+impl Logs {
+    /// Reads the headers of `.csv` and `.parquet` files; their rows are checked when read.
+    ///
+    /// # Errors
+    /// [`LogError`] if a file cannot be opened, its header is not understood, or the files differ
+    /// in the number or the names of their joints.
+    pub fn open(paths: &[PathBuf]) -> Result<Self, LogError> {
+        let sources = paths
+            .iter()
+            .map(|path| Source::open(path))
+            .collect::<Result<Vec<_>, _>>()?;
+        let joints = agreed_joints(&sources)?;
+        let polynomial = LocalPolynomial::default();
+        Ok(Self {
+            sources,
+            paths: paths.to_vec(),
+            joints,
+            polynomial,
+        })
+    }
+
+    /// The same logs, with missing dq and ddq found by `polynomial`.
+    pub fn derived_by(self, polynomial: LocalPolynomial) -> Self {
+        Self { polynomial, ..self }
+    }
+
+    /// The files, as given.
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
+    }
+
+    /// Joint names, base to tip; joint1 … jointn unless a file names them.
+    pub fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    /// Whether all files hold velocities.
+    pub fn has_dq(&self) -> bool {
+        self.all_have(Signal::Dq)
+    }
+
+    /// Whether all files hold accelerations.
+    pub fn has_ddq(&self) -> bool {
+        self.all_have(Signal::Ddq)
+    }
+
+    /// Whether all files hold torques.
+    pub fn has_tau(&self) -> bool {
+        self.all_have(Signal::Tau)
+    }
+
+    /// Makes sure that all files hold torques.
+    ///
+    /// # Errors
+    /// [`LogError::NoTorque`] names the first that does not.
+    pub fn require_tau(&self) -> Result<(), LogError> {
+        match self
+            .sources
+            .iter()
+            .find(|source| source.layout.slot(Signal::Tau).is_none())
+        {
+            Some(source) => Err(LogError::NoTorque {
+                file: source.file.clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Columns of any file that are not read, in alphabetical order.
+    pub fn ignored_columns(&self) -> Vec<String> {
+        let ignored = self
+            .sources
+            .iter()
+            .flat_map(|source| source.layout.ignored());
+        ignored
+            .cloned()
+            .collect::<BTreeSet<_>>()
+            .into_iter()
+            .collect()
+    }
+
+    /// All trajectories, whole: for logs that fit in memory.
+    ///
+    /// # Errors
+    /// [`LogError`] if a file cannot be read or a row is wrong.
+    pub fn read_all(&self) -> Result<Vec<Motion>, LogError> {
+        let mut trajectories: Vec<Vec<Motion>> = Vec::new();
+        self.visit(&mut |trajectory, block| -> Result<(), LogError> {
+            trajectories.resize_with(trajectory + 1, Vec::new);
+            trajectories[trajectory].push(block.clone());
+            Ok(())
+        })?;
+        let whole = |blocks: &Vec<Motion>| {
+            let file = self.paths.first().cloned().unwrap_or_default();
+            joined(&self.joints, blocks).map_err(|source| LogError::Motion {
+                file,
+                row: 1,
+                source,
+            })
+        };
+        trajectories.iter().map(whole).collect()
+    }
+
+    fn all_have(&self, signal: Signal) -> bool {
+        self.sources
+            .iter()
+            .all(|source| source.layout.slot(signal).is_some())
+    }
+
+    fn visit<E: From<LogError>>(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut first = 0;
+        for source in &self.sources {
+            let mut blocks = Blocks::new(source.rows()?, &self.joints, self.polynomial);
+            let mut last = first;
+            while let Some((trajectory, block)) = blocks.next()? {
+                last = first + trajectory;
+                visit(last, &block)?;
+            }
+            first = last + 1;
+        }
+        Ok(())
+    }
+}
+
+impl Recording for Logs {
+    fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.visit(visit)
+    }
+}
+
+/// The joint names of all files: those of the first file that has any.
+fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
+    let first = sources.first().ok_or(LogError::NoFiles)?;
+    let expected = first.layout.n_joints();
+    if let Some(other) = sources
+        .iter()
+        .find(|source| source.layout.n_joints() != expected)
+    {
+        let (file, found) = (other.file.clone(), other.layout.n_joints());
+        return Err(LogError::JointCount {
+            file,
+            found,
+            first: first.file.clone(),
+            expected,
+        });
+    }
+    let mut named = sources
+        .iter()
+        .filter_map(|s| Some((s.file.as_path(), s.joints.as_ref()?)));
+    let Some((first, expected)) = named.next() else {
+        return Ok(joints::numbered(expected));
+    };
+    match named.find(|(_, names)| *names != expected) {
+        Some((file, found)) => Err(names_differ(file, found, first, expected)),
+        None => Ok(expected.clone()),
+    }
+}
+
+fn names_differ(file: &Path, found: &[String], first: &Path, expected: &[String]) -> LogError {
+    LogError::JointNames {
+        file: file.into(),
+        found: found.join(", "),
+        first: first.into(),
+        expected: expected.join(", "),
+    }
+}
+
+/// The blocks of one trajectory, one after the other.
+fn joined(joints: &[String], blocks: &[Motion]) -> Result<Motion, MotionError> {
+    let t: Vec<f64> = blocks.iter().flat_map(Motion::t).copied().collect();
+    let mut q = Mat::zeros(t.len(), joints.len());
+    let (mut dq, mut ddq, mut tau) = (q.clone(), q.clone(), q.clone());
+    let mut start = 0;
+    for block in blocks {
+        let rows = block.n_rows();
+        q.subrows_mut(start, rows).copy_from(block.q());
+        dq.subrows_mut(start, rows).copy_from(block.dq());
+        ddq.subrows_mut(start, rows).copy_from(block.ddq());
+        if let Some(measured) = block.tau() {
+            tau.subrows_mut(start, rows).copy_from(measured);
+        }
+        start += rows;
+    }
+    let tau = blocks
+        .iter()
+        .all(|block| block.tau().is_some())
+        .then_some(tau);
+    Motion::new(Signals {
+        joints: joints.to_vec(),
+        t,
+        q,
+        dq,
+        ddq,
+        tau,
+    })
+}

@@ -1,0 +1,180 @@
+//! Several files are one recording, and what does not belong together is refused.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test stops where its ground gives way"
+)]
+
+use std::path::PathBuf;
+use tempfile::TempDir;
+use torquewise_logs::{LogError, Logs};
+use torquewise_motion::{LocalPolynomial, Recording};
+
+/// A folder with text files.
+struct Files(TempDir);
+
+impl Files {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn add(&self, name: &str, text: &str) -> PathBuf {
+        let file = self.0.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        file
+    }
+}
+
+const ONE_JOINT: &str = "t,q1,dq1,ddq1,tau1\n0,1,2,3,4\n0.1,1,2,3,4\n";
+
+#[test]
+fn each_file_and_each_part_between_gaps_is_a_trajectory() {
+    let files = Files::new();
+    let gap = "t,q1,dq1,ddq1\n0,1,0,0\n1,1,0,0\n2,1,0,0\n3,1,0,0\n9,1,0,0\n10,1,0,0\n";
+    let logs = Logs::open(&[files.add("a.csv", gap), files.add("b.csv", ONE_JOINT)]).unwrap();
+
+    let mut rows = Vec::new();
+    logs.read(&mut |trajectory, block| {
+        rows.push((trajectory, block.n_rows(), block.tau().is_some()));
+        Ok(())
+    })
+    .unwrap();
+    let whole: Vec<_> = logs
+        .read_all()
+        .unwrap()
+        .iter()
+        .map(|part| part.t().to_vec())
+        .collect();
+
+    assert_eq!(rows, [(0, 4, false), (1, 2, false), (2, 2, true)]);
+    assert_eq!(
+        whole,
+        [vec![0.0, 1.0, 2.0, 3.0], vec![9.0, 10.0], vec![0.0, 0.1]]
+    );
+}
+
+#[test]
+fn missing_signals_and_ignored_columns_are_told() {
+    let files = Files::new();
+    let full = files.add("a.csv", "t,q1,dq1,ddq1,tau1,mode,force\n0,1,2,3,4,auto,7\n");
+    let bare = files.add("b.csv", "t,q1,force,alarm\n0,1,2,no\n");
+
+    let both = Logs::open(&[full.clone(), bare.clone()]).unwrap();
+    let one = Logs::open(std::slice::from_ref(&full)).unwrap();
+
+    assert_eq!(
+        (both.has_dq(), both.has_ddq(), both.has_tau()),
+        (false, false, false)
+    );
+    assert_eq!(
+        (one.has_dq(), one.has_ddq(), one.has_tau()),
+        (true, true, true)
+    );
+    assert_eq!(both.ignored_columns(), ["alarm", "force", "mode"]);
+    assert_eq!(both.paths(), [full, bare.clone()]);
+    assert!(one.require_tau().is_ok());
+    assert!(matches!(both.require_tau(), Err(LogError::NoTorque { file }) if file == bare));
+}
+
+#[test]
+fn one_named_file_names_the_joints_of_all() {
+    let files = Files::new();
+    let plain = files.add("a.csv", ONE_JOINT);
+    let named = files.add("b.csv", &format!("# joints: hip\n{ONE_JOINT}"));
+    let other = files.add("c.csv", &format!("# joints: knee\n{ONE_JOINT}"));
+
+    let unnamed = Logs::open(std::slice::from_ref(&plain)).unwrap();
+    let agreed = Logs::open(&[plain.clone(), named.clone()]).unwrap();
+    let refused = Logs::open(&[plain, named, other]).unwrap_err();
+
+    assert_eq!(unnamed.joints(), ["joint1"]);
+    assert_eq!(agreed.joints(), ["hip"]);
+    assert_eq!(agreed.read_all().unwrap()[0].joints(), ["hip"]);
+    assert!(
+        refused
+            .to_string()
+            .contains("c.csv names its joints knee, "),
+        "{refused}"
+    );
+}
+
+#[test]
+fn files_of_different_arms_are_refused() {
+    let files = Files::new();
+    let one = files.add("a.csv", ONE_JOINT);
+    let two = files.add("b.csv", "t,q1,q2\n0,1,2\n");
+
+    let refused = Logs::open(&[one, two]).unwrap_err();
+
+    assert!(
+        matches!(
+            refused,
+            LogError::JointCount {
+                found: 2,
+                expected: 1,
+                ..
+            }
+        ),
+        "{refused}"
+    );
+}
+
+#[test]
+fn files_that_cannot_be_opened_are_refused() {
+    let files = Files::new();
+    let missing = files.0.path().join("missing.csv");
+    let bag = files.add("bag.mcap", "");
+
+    assert!(matches!(Logs::open(&[]), Err(LogError::NoFiles)));
+    assert!(matches!(Logs::open(&[missing]), Err(LogError::Read { .. })));
+    assert!(matches!(
+        Logs::open(&[bag]),
+        Err(LogError::NotYetSupported { .. })
+    ));
+    let folder = files.0.path().join("folder.csv");
+    std::fs::create_dir(&folder).unwrap();
+    assert!(matches!(Logs::open(&[folder]), Err(LogError::Read { .. })));
+}
+
+#[test]
+fn a_file_whose_header_changed_is_not_read_on() {
+    let files = Files::new();
+    let logs = Logs::open(&[files.add("a.csv", ONE_JOINT)]).unwrap();
+
+    files.add("a.csv", "t,q1,q2\n0,1,2\n");
+
+    assert!(matches!(logs.read_all(), Err(LogError::Changed { .. })));
+}
+
+#[test]
+fn reading_stops_with_the_first_error_of_the_visitor() {
+    let files = Files::new();
+    let file = files.add("a.csv", ONE_JOINT);
+    let logs = Logs::open(&[file.clone(), file]).unwrap();
+
+    let mut visits = 0;
+    let stopped = logs.read(&mut |_, _| {
+        visits += 1;
+        Err("enough".into())
+    });
+
+    assert_eq!(
+        (visits, stopped.unwrap_err().to_string().as_str()),
+        (1, "enough")
+    );
+}
+
+#[test]
+fn the_polynomial_of_missing_derivatives_can_be_chosen() {
+    let files = Files::new();
+    let text: String = (0..9).map(|t| format!("{t},{}\n", t * t)).collect();
+    let logs = Logs::open(&[files.add("a.csv", &format!("t,q1\n{text}"))]).unwrap();
+
+    let chord = logs.derived_by(LocalPolynomial::new(1, 2).unwrap());
+    let parabola = &chord.read_all().unwrap()[0];
+
+    for row in 0..9 {
+        // A parabola is fitted exactly, and these are small whole numbers.
+        assert!((parabola.dq()[(row, 0)] - 2.0 * row as f64).abs() < 1e-12);
+        assert!((parabola.ddq()[(row, 0)] - 2.0).abs() < 1e-12);
+    }
+}

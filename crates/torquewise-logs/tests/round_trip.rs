@@ -1,0 +1,272 @@
+//! What is written is read back to the same bits, in either format.
+#![expect(
+    clippy::unwrap_used,
+    reason = "a test stops where its ground gives way"
+)]
+
+use faer::Mat;
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+use torquewise_logs::{
+    Column, ColumnKind, Contents, LogError, LogWriter, Logs, TableWriter, Values, write_motion,
+};
+use torquewise_motion::{Motion, Recording, Signals};
+
+const FORMATS: [&str; 2] = ["log.csv", "log.parquet"];
+
+/// A motion of `rows` rows 1 ms apart with the given values, in order.
+fn motion(joints: &[&str], rows: usize, values: &[f64], with_tau: bool) -> Motion {
+    let n = joints.len();
+    let signal = |offset: usize| {
+        Mat::from_fn(rows, n, |row, joint| {
+            values[(offset + row * n + joint) % values.len()]
+        })
+    };
+    Motion::new(Signals {
+        joints: joints.iter().map(|name| (*name).to_owned()).collect(),
+        t: (0..rows).map(|row| 1e-3 * row as f64).collect(),
+        q: signal(0),
+        dq: signal(1),
+        ddq: signal(2),
+        tau: with_tau.then(|| signal(3)),
+    })
+    .unwrap()
+}
+
+fn bits(motion: &Motion) -> Vec<u64> {
+    let signals = [
+        Some(motion.q()),
+        Some(motion.dq()),
+        Some(motion.ddq()),
+        motion.tau(),
+    ];
+    let columns = signals.into_iter().flatten().flat_map(|signal| {
+        signal
+            .col_iter()
+            .flat_map(|column| column.iter().copied().collect::<Vec<_>>())
+    });
+    motion
+        .t()
+        .iter()
+        .copied()
+        .chain(columns)
+        .map(f64::to_bits)
+        .collect()
+}
+
+fn read_back(file: &Path) -> Vec<Motion> {
+    Logs::open(&[file.to_owned()]).unwrap().read_all().unwrap()
+}
+
+fn names_in(folder: &Path) -> Vec<PathBuf> {
+    std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect()
+}
+
+#[test]
+fn a_long_motion_comes_back_whole_and_in_blocks() {
+    let folder = tempfile::tempdir().unwrap();
+    let values: Vec<f64> = (0..997)
+        .map(|k| (f64::from(k) * 0.731).sin() * 1e3)
+        .collect();
+    let written = motion(&["shoulder pan", "łokieć"], 40_000, &values, true);
+    let files = FORMATS.map(|name| folder.path().join(name));
+
+    for file in &files {
+        write_motion(file, &written).unwrap();
+    }
+
+    for file in &files {
+        let read = read_back(file);
+        assert_eq!((read.len(), read[0].joints()), (1, written.joints()));
+        assert_eq!(bits(&read[0]), bits(&written));
+    }
+    let logs = Logs::open(&files).unwrap();
+    let mut cuts = Vec::new();
+    logs.read(&mut |trajectory, block| {
+        cuts.push((trajectory, block.n_rows()));
+        Ok(())
+    })
+    .unwrap();
+    let of_one = |k| (0..39).map(move |_| (k, 1024)).chain([(k, 64)]);
+    assert_eq!(cuts, of_one(0).chain(of_one(1)).collect::<Vec<_>>());
+}
+
+#[test]
+fn contents_choose_the_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let wanted = motion(&["joint1", "joint2"], 30, &[0.5, -1.5], true);
+    let contents = Contents {
+        dq: false,
+        ddq: false,
+        tau: true,
+    };
+    for name in FORMATS {
+        let file = folder.path().join(name);
+
+        let mut writer = LogWriter::create(&file, wanted.joints(), contents).unwrap();
+        writer.append(&wanted).unwrap();
+        writer.finish().unwrap();
+
+        let logs = Logs::open(&[file]).unwrap();
+        assert_eq!(
+            (logs.has_dq(), logs.has_ddq(), logs.has_tau()),
+            (false, false, true)
+        );
+    }
+    let csv = std::fs::read_to_string(folder.path().join("log.csv")).unwrap();
+    assert_eq!(csv.lines().next(), Some("t,q1,q2,tau1,tau2"));
+}
+
+#[test]
+fn a_motion_without_torque_cannot_fill_a_log_with_torque() {
+    let folder = tempfile::tempdir().unwrap();
+    let without = motion(&["a"], 10, &[1.0], false);
+    let file = folder.path().join("log.csv");
+
+    let mut writer = LogWriter::create(&file, without.joints(), Contents::default()).unwrap();
+    let refused = writer.append(&without);
+    write_motion(&file, &without).unwrap();
+
+    assert!(matches!(refused, Err(LogError::NoTorque { .. })));
+    assert!(read_back(&file)[0].tau().is_none());
+}
+
+#[test]
+fn a_table_dropped_before_its_end_leaves_nothing_and_the_old_file_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in FORMATS {
+        let file = folder.path().join(name);
+        std::fs::write(&file, "old").unwrap();
+
+        let columns = [Column::new("row", ColumnKind::Count)];
+        let mut table = TableWriter::create(&file, &columns).unwrap();
+        table.append(&[Values::Counts(&[1, 2])]).unwrap();
+        let while_open = names_in(folder.path()).len();
+        drop(table);
+
+        assert_eq!(while_open, 2);
+        assert_eq!(names_in(folder.path()), [file.as_path()]);
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), "old");
+        std::fs::remove_file(file).unwrap();
+    }
+}
+
+#[test]
+fn a_csv_table_holds_shortest_numbers_and_quoted_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("out.csv");
+    let columns = [
+        Column::new("row", ColumnKind::Count),
+        Column::new("pattern", ColumnKind::Text),
+        Column::new("tau1", ColumnKind::Number),
+    ];
+
+    let mut table = TableWriter::create(&file, &columns).unwrap();
+    let texts = ["uniform, slow", "standstill"];
+    let values = [Values::Counts(&[1, u64::MAX]), Values::Texts(&texts)];
+    table
+        .append(&[values[0], values[1], Values::Numbers(&[0.1, -1e-300])])
+        .unwrap();
+    table
+        .append(&[
+            Values::Counts(&[]),
+            Values::Texts(&[]),
+            Values::Numbers(&[]),
+        ])
+        .unwrap();
+    table.finish().unwrap();
+
+    let expected = "row,pattern,tau1\n1,\"uniform, slow\",0.1\n\
+                    18446744073709551615,standstill,-1e-300\n";
+    assert_eq!(std::fs::read_to_string(file).unwrap(), expected);
+}
+
+#[test]
+fn values_that_do_not_fit_the_columns_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in FORMATS {
+        let columns = ["a", "b"].map(|name| Column::new(name, ColumnKind::Number));
+        let mut table = TableWriter::create(&folder.path().join(name), &columns).unwrap();
+
+        let count = table.append(&[Values::Numbers(&[1.0])]);
+        let kind = table.append(&[Values::Numbers(&[1.0]), Values::Counts(&[1])]);
+        let length = table.append(&[Values::Numbers(&[1.0]), Values::Numbers(&[])]);
+
+        assert!(matches!(
+            count,
+            Err(LogError::ValuesCount {
+                found: 1,
+                expected: 2,
+                ..
+            })
+        ));
+        assert!(matches!(
+            kind,
+            Err(LogError::ValuesKind {
+                found: "counts",
+                ..
+            })
+        ));
+        assert!(matches!(
+            length,
+            Err(LogError::ValuesLength {
+                found: 0,
+                expected: 1,
+                ..
+            })
+        ));
+    }
+}
+
+#[test]
+fn a_folder_that_does_not_exist_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in FORMATS {
+        let file = folder.path().join("missing").join(name);
+        let refused = TableWriter::create(&file, &[]).err().unwrap();
+
+        assert!(matches!(&refused, LogError::Write { .. }), "{refused}");
+        assert!(refused.to_string().contains("missing"));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_output_is_as_readable_as_any_new_file() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let (plain, log) = (folder.path().join("plain"), folder.path().join("log.csv"));
+
+    std::fs::write(&plain, "").unwrap();
+    write_motion(&log, &motion(&["a"], 3, &[1.0], true)).unwrap();
+
+    let mode = |file| std::fs::metadata(file).unwrap().permissions().mode();
+    assert_eq!(mode(log), mode(plain));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn any_finite_motion_comes_back_to_the_same_bits(
+        bit_patterns in proptest::collection::vec(any::<u64>(), 1..60),
+        rows in 1_usize..40,
+        with_tau in any::<bool>(),
+    ) {
+        let finite = |bits: u64| Some(f64::from_bits(bits)).filter(|x| x.is_finite());
+        let mut values: Vec<f64> = bit_patterns.into_iter().filter_map(finite).collect();
+        values.push(-0.0);
+        let written = motion(&["hip", "knee"], rows, &values, with_tau);
+        let folder = tempfile::tempdir().unwrap();
+        for name in FORMATS {
+            let file = folder.path().join(name);
+
+            write_motion(&file, &written).unwrap();
+
+            prop_assert_eq!(bits(&read_back(&file)[0]), bits(&written));
+        }
+    }
+}
