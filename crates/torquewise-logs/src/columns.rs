@@ -1,4 +1,4 @@
-//! Columns: what the values of a table are.
+//! Names and values → columns: what a table is made of.
 
 /// What a column of a table holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -71,7 +71,10 @@ pub enum LogError {
         part: &'static str,
         limit: usize,
     },
-    #[error("{}, line {line}: a quoted field does not end in a quote and a comma: repair the quotes", file.display())]
+    #[error(
+        "{}, line {line}: a quoted field does not end in a quote and a comma: repair the quotes",
+        file.display()
+    )]
     OpenQuote { file: PathBuf, line: u64 },
     #[error(
         "{} has {found} columns, at most {limit} are read: drop those that are not needed",
@@ -188,6 +191,11 @@ pub enum LogError {
     },
     #[error("{} has no torque: record columns tau1…taun", file.display())]
     NoTorque { file: PathBuf },
+    #[error(
+        "{} is to hold torque, but the motion has none: leave tau out of its contents",
+        file.display()
+    )]
+    NoTorqueToWrite { file: PathBuf },
     #[error(
         "{}, row {row}: only {rows} rows up to the next gap or the end, {needed} are needed to \
          find dq or ddq: drop them or record dq and ddq",

@@ -71,7 +71,7 @@ impl LogWriter {
     /// Writes the rows of a block after those before.
     ///
     /// # Errors
-    /// [`LogError::NoTorque`] if the log is to hold torques and the motion has none,
+    /// [`LogError::NoTorqueToWrite`] if the log is to hold torques and the motion has none,
     /// [`LogError::ValuesCount`] if it has another number of joints, or what
     /// [`TableWriter::append`] returns.
     pub fn append(&mut self, motion: &Motion) -> Result<(), LogError> {
@@ -84,7 +84,7 @@ impl LogWriter {
                 Signal::Q => motion.q(),
                 Signal::Dq => motion.dq(),
                 Signal::Ddq => motion.ddq(),
-                Signal::Tau => motion.tau().ok_or_else(|| LogError::NoTorque {
+                Signal::Tau => motion.tau().ok_or_else(|| LogError::NoTorqueToWrite {
                     file: self.file.clone(),
                 })?,
             };

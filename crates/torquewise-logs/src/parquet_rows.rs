@@ -11,6 +11,7 @@ use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{
     ArrowReaderOptions, ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder,
 };
+use parquet::file::metadata::{ParquetMetaData, RowGroupMetaData};
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -47,6 +48,9 @@ impl ParquetRows {
         let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
         let builder =
             Builder::try_new_with_options(input, options).map_err(LogError::parquet(file))?;
+        if !chunks_are_in_the_file(builder.metadata()) {
+            return Err(LogError::Damaged { file: file.into() });
+        }
         let layout = layout(file, &builder)?;
         let joints = joint_names(&builder)
             .map(|names| joints::checked(file, names, layout.n_joints()))
@@ -156,6 +160,19 @@ impl Rows for ParquetRows {
 fn decode<T>(file: &Path, work: impl FnOnce() -> Result<T, LogError>) -> Result<T, LogError> {
     let damaged = |_| Err(LogError::Damaged { file: file.into() });
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(damaged)
+}
+
+/// Whether no column chunk begins or ends before the file does, which the decoder takes on trust.
+fn chunks_are_in_the_file(metadata: &ParquetMetaData) -> bool {
+    metadata
+        .row_groups()
+        .iter()
+        .flat_map(RowGroupMetaData::columns)
+        .all(|chunk| {
+            chunk.compressed_size() >= 0
+                && chunk.data_page_offset() >= 0
+                && chunk.dictionary_page_offset().unwrap_or(0) >= 0
+        })
 }
 
 fn layout(file: &Path, builder: &Builder) -> Result<Layout, LogError> {

@@ -1,4 +1,4 @@
-//! Rows: what every format is decoded to, one row of numbers after the other.
+//! Log file → rows: what every format is decoded to, one row of numbers after the other.
 
 use crate::error::{LogError, Place};
 use crate::layout::Layout;

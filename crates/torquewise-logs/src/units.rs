@@ -4,7 +4,7 @@ use faer::MatRef;
 use std::fmt;
 use torquewise_motion::Motion;
 
-/// A value that no arm reaches in the unit expected, or a step of t as long as a row of minutes.
+/// A value that no arm reaches, or a step of t that no log has, in the unit expected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitWarning {
     /// Column in question, such as `q2` or `t`.
@@ -41,7 +41,7 @@ impl fmt::Display for UnitWarning {
 /// Columns of a motion that look as if they were not in SI units.
 ///
 /// Limits: |q| ≤ 50 rad, |dq| ≤ 100 rad/s, |ddq| ≤ 10⁴ rad/s², |τ| ≤ 10⁵ N·m and a median step of
-/// at most 0.5 s. An arm may well be within them in wrong units, so no warning proves nothing.
+/// at most 0.5 s. An arm may well be within them in wrong units, so silence proves nothing.
 pub fn unit_warnings(motion: &Motion) -> Vec<UnitWarning> {
     let signals = [
         ("q", Some(motion.q()), 50.0, ("rad", "degrees")),

@@ -6,6 +6,7 @@
 
 use arrow::array::{ArrayRef, Float32Array, Float64Array, Int32Array, StringArray, UInt8Array};
 use arrow::record_batch::RecordBatch;
+use faer::Mat;
 use parquet::arrow::ArrowWriter;
 use proptest::prelude::*;
 use std::fs::File;
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use tempfile::TempDir;
 use torquewise_logs::{LogError, Logs, write_motion};
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Signals};
 
 fn read(file: PathBuf) -> Result<Vec<Motion>, LogError> {
     Logs::open(&[file])?.read_all()
@@ -49,13 +50,17 @@ fn numbers(values: &[f64]) -> ArrayRef {
 /// A valid file to be damaged.
 static VALID: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let folder = tempfile::tempdir().unwrap();
-    let (csv, file) = (
-        folder.path().join("log.csv"),
-        folder.path().join("log.parquet"),
-    );
-    let rows: String = (0..50).map(|t| format!("{t},{},0,0,1\n", t % 7)).collect();
-    std::fs::write(&csv, format!("# joints: hip\nt,q1,dq1,ddq1,tau1\n{rows}")).unwrap();
-    write_motion(&file, &read(csv).unwrap()[0]).unwrap();
+    let file = folder.path().join("log.parquet");
+    let wave = |phase: f64| Mat::from_fn(50, 1, |row, _| (row as f64 + phase).sin());
+    let motion = Motion::new(Signals {
+        joints: vec!["hip".into()],
+        t: (0..50).map(f64::from).collect(),
+        q: wave(0.0),
+        dq: wave(1.0),
+        ddq: wave(2.0),
+        tau: Some(wave(3.0)),
+    });
+    write_motion(&file, &motion.unwrap()).unwrap();
     std::fs::read(file).unwrap()
 });
 

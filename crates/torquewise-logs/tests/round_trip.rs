@@ -130,7 +130,7 @@ fn a_motion_without_torque_cannot_fill_a_log_with_torque() {
     let refused = writer.append(&without);
     write_motion(&file, &without).unwrap();
 
-    assert!(matches!(refused, Err(LogError::NoTorque { .. })));
+    assert!(matches!(refused, Err(LogError::NoTorqueToWrite { .. })));
     assert!(read_back(&file)[0].tau().is_none());
 }
 
