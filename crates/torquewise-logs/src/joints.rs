@@ -1,4 +1,4 @@
-//! Joint names ↔ text: how a log file keeps them.
+//! Joint names → text → joint names: how a log file keeps them.
 
 use crate::error::{LogError, shown};
 use std::collections::HashSet;

@@ -1,7 +1,8 @@
 //! Motion logs of robot arms: CSV and Parquet, read in fixed memory and checked.
 //!
-//! Columns are `t`, `q1…qn`, `dq1…dqn`, `ddq1…ddqn`, `tau1…taun` in SI units and in any order; dq,
-//! ddq and tau may be missing. [`Logs`] reads files as one [`Recording`](torquewise_motion::Recording).
+//! Columns are `t`, `q1…qn`, `dq1…dqn`, `ddq1…ddqn`, `tau1…taun` in SI units and in any order;
+//! dq, ddq and tau may be missing. [`Logs`] reads several files as one
+//! [`Recording`](torquewise_motion::Recording), [`LogWriter`] and [`TableWriter`] write them.
 //!
 //! ```
 //! use torquewise_logs::Logs;
