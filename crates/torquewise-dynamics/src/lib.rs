@@ -36,5 +36,5 @@ pub use arm::Arm;
 pub use arms::{ArmSummary, arms};
 pub use error::DynamicsError;
 pub use noise::{Noise, add_noise};
-pub use plan::{MotionKind, MotionPlan, Pattern};
+pub use plan::{MotionKind, MotionPlan};
 pub use simulate::{SimulatedLog, Simulation, simulate};

@@ -84,30 +84,6 @@ impl MotionPlan {
     }
 }
 
-/// What the arm as a whole does at one instant: which parts of (1) are active.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Pattern {
-    /// All q̇ = q̈ = 0: gravity alone.
-    Standstill,
-    /// All q̈ = 0, some q̇ ≠ 0: gravity and Coriolis.
-    UniformVelocity,
-    /// Some q̈ ≠ 0: gravity, Coriolis and inertia.
-    VariableVelocity,
-}
-
-impl Pattern {
-    /// The pattern of one noise-free row: `dq` \[rad/s\], `ddq` \[rad/s²\], n each.
-    pub fn of(dq: &[f64], ddq: &[f64]) -> Self {
-        if ddq.iter().any(|&ddq| ddq != 0.0) {
-            Self::VariableVelocity
-        } else if dq.iter().any(|&dq| dq != 0.0) {
-            Self::UniformVelocity
-        } else {
-            Self::Standstill
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

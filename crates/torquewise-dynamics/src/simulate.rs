@@ -2,11 +2,11 @@
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;
-use crate::plan::{MotionPlan, Pattern};
+use crate::plan::MotionPlan;
 use crate::trajectory::{State, Trajectory};
 use faer::Mat;
 use std::ops::Range;
-use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
+use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals, Pattern};
 
 /// A simulated log and what is true about it.
 #[derive(Clone, Debug)]

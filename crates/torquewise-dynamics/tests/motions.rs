@@ -4,8 +4,9 @@
     reason = "a test stops where its input is not as expected"
 )]
 
+use torquewise_motion::Pattern;
 use torquewise_dynamics::{
-    Arm, DynamicsError, MotionKind, MotionPlan, Pattern, SimulatedLog, Simulation, arms, simulate,
+    Arm, DynamicsError, MotionKind, MotionPlan, SimulatedLog, Simulation, arms, simulate,
 };
 use torquewise_motion::Recording;
 

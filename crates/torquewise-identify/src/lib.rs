@@ -1,1 +1,30 @@
-//! torquewise-identify
+//! From a motion log to equations of motion.
+//!
+//! [`reconstruct`](reconstruct::reconstruct) is the method on one page. It reads a recording four
+//! times, in fixed memory: once to look around, once to sum the normal equations of every step,
+//! twice to fit the terms that were kept.
+
+pub mod error;
+pub mod survey;
+pub mod activation;
+pub mod patterns;
+pub mod plan;
+pub mod candidates;
+mod rows;
+pub mod noise;
+pub mod evidence;
+mod step;
+mod refit;
+pub mod warning;
+pub mod reconstruct;
+pub mod score;
+
+pub use activation::{Activation, Scaling};
+pub use error::IdentifyError;
+pub use noise::{NoiseFloor, noise_floor};
+pub use patterns::{PatternPlan, Patterns, find_patterns};
+pub use plan::{LibraryKind, Method, Plan};
+pub use reconstruct::{Progress, Reconstruction, StepReport, reconstruct};
+pub use score::{JointScore, Scores, score};
+pub use survey::{Survey, survey};
+pub use warning::Warning;

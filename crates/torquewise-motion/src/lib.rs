@@ -23,10 +23,12 @@
 
 pub mod error;
 pub mod motion;
+pub mod pattern;
 pub mod recording;
 pub mod differentiate;
 
 pub use differentiate::{LocalPolynomial, derivative};
 pub use error::MotionError;
 pub use motion::{Motion, Signals};
+pub use pattern::Pattern;
 pub use recording::{BLOCK_ROWS, ReadError, Recording};

@@ -1,4 +1,35 @@
 //! Normal equations → the few columns that explain the response.
 
+mod descent;
 pub mod lasso;
 pub mod stlsq;
+pub mod criterion;
+
+use crate::error::SparseError;
+use crate::problem::{Problem, Selection};
+
+/// A way to choose columns.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Selector {
+    /// What a term explains against the noise [E5].
+    Criterion(criterion::Criterion),
+    /// LASSO (5).
+    Lasso(lasso::Lasso),
+    /// Sequentially thresholded least squares.
+    Stlsq(stlsq::Stlsq),
+}
+
+impl Selector {
+    /// Selects columns of a problem.
+    ///
+    /// # Errors
+    /// Those of the selector.
+    pub fn select(&self, problem: &Problem) -> Result<Selection, SparseError> {
+        match self {
+            Self::Criterion(criterion) => criterion.select(problem),
+            Self::Lasso(lasso) => lasso.select(problem),
+            Self::Stlsq(stlsq) => stlsq.select(problem),
+        }
+    }
+}

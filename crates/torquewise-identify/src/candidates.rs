@@ -1,0 +1,234 @@
+//! Plan → candidates: the terms offered, as columns of a regression, and the step that offers each.
+
+use crate::error::IdentifyError;
+use crate::plan::{LibraryKind, MOST_CANDIDATES, Method};
+use torquewise_model::library::{Degree, energy_library, product_library};
+use torquewise_model::{EnergyTerm, Form, Kind, Place, Term, Trig, Weighted};
+use torquewise_motion::Pattern;
+use torquewise_sparse::atom::{Atom, Monomial, Phase, Wave};
+use torquewise_sparse::design::{Column, Design};
+
+/// What is offered, in the order of the columns.
+#[derive(Clone, Debug)]
+pub enum Terms {
+    /// Each joint has coefficients of its own.
+    Torque(Vec<Term>),
+    /// All joints share the coefficients.
+    Energy(Vec<EnergyTerm>),
+}
+
+/// A library with its columns and the step in which each is offered.
+#[derive(Clone, Debug)]
+pub struct Candidates {
+    /// The terms, p.
+    pub terms: Terms,
+    /// Their columns, p.
+    pub design: Design,
+    /// Whether a column is found in a step: one list per pattern, least active first.
+    pub offered: [Vec<usize>; 3],
+    n_joints: usize,
+}
+
+/// Coefficients that are found together: which equation explains which response.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// (equation of the design, response) pairs.
+    pub equations: Vec<(usize, usize)>,
+}
+
+impl Candidates {
+    /// Lists the library of a plan for n joints.
+    ///
+    /// # Errors
+    /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
+    pub fn new(
+        n_joints: usize,
+        library: LibraryKind,
+        method: Method,
+    ) -> Result<Self, IdentifyError> {
+        let terms = match library {
+            LibraryKind::Energy { interaction } => {
+                Terms::Energy(energy_terms(n_joints, interaction))
+            }
+            LibraryKind::Product { gravity_order, trig_order } => {
+                Terms::Torque(product_terms(n_joints, gravity_order, trig_order, method))
+            }
+        };
+        let equations: Vec<Vec<Column>> = match &terms {
+            Terms::Torque(terms) => vec![terms.iter().map(|t| column(&[(1.0, t.clone())])).collect()],
+            Terms::Energy(terms) => (0..n_joints)
+                .map(|joint| terms.iter().map(|term| column(&term.torque(joint))).collect())
+                .collect(),
+        };
+        check_size(terms.len(), equations.len())?;
+        let design = Design::new(n_joints, 2 * n_joints, &equations)?;
+        let offered = Pattern::ALL.map(|pattern| terms.offered(pattern));
+        Ok(Self { terms, design, offered, n_joints })
+    }
+
+    /// Number of candidates p.
+    pub fn len(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The coefficients that are found together.
+    pub fn groups(&self) -> Vec<Group> {
+        let n = self.n_joints;
+        match self.terms {
+            Terms::Torque(_) => {
+                (0..n).map(|joint| Group { equations: vec![(0, joint)] }).collect()
+            }
+            Terms::Energy(_) => {
+                vec![Group { equations: (0..n).map(|joint| (joint, joint)).collect() }]
+            }
+        }
+    }
+
+    /// The model form of weights and standard errors: per group (column, weight, error).
+    pub fn form(&self, found: &[Vec<(usize, f64, f64)>]) -> Form {
+        match &self.terms {
+            Terms::Torque(terms) => Form::Torque(
+                found.iter().map(|group| weigh(group, |column| terms[column].clone())).collect(),
+            ),
+            Terms::Energy(terms) => Form::Energy(
+                found.iter().flat_map(|group| weigh(group, |column| terms[column].clone())).collect(),
+            ),
+        }
+    }
+}
+
+fn weigh<T>(group: &[(usize, f64, f64)], term: impl Fn(usize) -> T) -> Vec<Weighted<T>> {
+    group
+        .iter()
+        .map(|&(column, coefficient, std_error)| Weighted {
+            term: term(column),
+            coefficient,
+            std_error,
+        })
+        .collect()
+}
+
+impl Terms {
+    /// Number of candidates.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Torque(terms) => terms.len(),
+            Self::Energy(terms) => terms.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Columns that the rows of a pattern are asked for (14)–(16): of the energies, V at
+    /// standstill, at uniform velocity the part of M that depends on q, and all of M at variable
+    /// velocity.
+    fn offered(&self, pattern: Pattern) -> Vec<usize> {
+        let kind = match pattern {
+            Pattern::Standstill => Kind::Gravity,
+            Pattern::UniformVelocity => Kind::Coriolis,
+            Pattern::VariableVelocity => Kind::Inertia,
+        };
+        let wanted = |column: &usize| match self {
+            Self::Torque(terms) => terms[*column].kind() == kind,
+            Self::Energy(terms) => match (terms[*column].place, kind) {
+                (place, Kind::Gravity) => place == Place::Potential,
+                (Place::Potential, _) => false,
+                (_, Kind::Coriolis) => !terms[*column].function.factors.is_empty(),
+                (_, Kind::Inertia) => true,
+            },
+        };
+        (0..self.len()).filter(wanted).collect()
+    }
+}
+
+/// The energy library, of the highest interaction order that keeps it small if none is asked for.
+fn energy_terms(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> {
+    if let Some(limit) = interaction {
+        return energy_library(n_joints, Some(limit));
+    }
+    let mut largest = energy_library(n_joints, Some(1));
+    for limit in 2..=n_joints {
+        let next = energy_library(n_joints, Some(limit));
+        if next.len() > MOST_CANDIDATES {
+            break;
+        }
+        largest = next;
+    }
+    largest
+}
+
+fn product_terms(n_joints: usize, gravity: u8, order: u8, method: Method) -> Vec<Term> {
+    match method {
+        Method::Sindy => product_library(n_joints, order, &Degree::up_to(2)),
+        Method::Stepwise => [
+            (Kind::Gravity, gravity),
+            (Kind::Coriolis, order),
+            (Kind::Inertia, order),
+        ]
+        .into_iter()
+        .flat_map(|(kind, order)| product_library(n_joints, order, &[Degree::of(kind)]))
+        .collect(),
+    }
+}
+
+/// Bytes of normal equations at most: a p×p matrix per equation.
+const MOST_BYTES: usize = 4 << 30;
+
+fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> {
+    let bytes = 8 * equations * candidates * candidates;
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let mut limit = 1;
+    while 8 * equations * (limit + 1) * (limit + 1) <= MOST_BYTES {
+        limit += 1;
+    }
+    Err(IdentifyError::LibraryTooLarge { candidates, gigabytes: bytes >> 30, limit })
+}
+
+/// A sum of terms as a sum of harmonic × monomial.
+fn column(sum: &[(f64, Term)]) -> Column {
+    sum.iter().flat_map(|(weight, term)| atoms(*weight, term)).collect()
+}
+
+fn atoms(weight: f64, term: &Term) -> Vec<Atom> {
+    let mut waves = vec![(weight, Wave::one(term.n_joints()))];
+    for factor in &term.factors {
+        let phase = if factor.function == Trig::Sin { Phase::Sin } else { Phase::Cos };
+        let Some((sign, wave)) = Wave::canonical(factor.multiples.clone(), phase) else {
+            return Vec::new();
+        };
+        for _ in 0..factor.power {
+            waves = times(&waves, sign, &wave);
+        }
+    }
+    let monomial = Monomial::new(term.dq.iter().chain(&term.ddq).copied().collect());
+    waves
+        .into_iter()
+        .map(|(weight, wave)| Atom { weight, wave, monomial: monomial.clone() })
+        .collect()
+}
+
+/// A sum of waves times a wave, equal ones joined.
+fn times(sum: &[(f64, Wave)], sign: f64, wave: &Wave) -> Vec<(f64, Wave)> {
+    let mut out: Vec<(f64, Wave)> = Vec::new();
+    for (weight, left) in sum {
+        for (flip, product) in left.product(wave).into_iter().flatten() {
+            let share = 0.5 * weight * sign * flip;
+            match out.iter_mut().find(|(_, known)| *known == product) {
+                Some((known, _)) => *known += share,
+                None => out.push((share, product)),
+            }
+        }
+    }
+    out.retain(|(weight, _)| *weight != 0.0);
+    out
+}

@@ -1,0 +1,34 @@
+//! What can keep a log from becoming a model.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use torquewise_model::ModelError;
+use torquewise_motion::{MotionError, ReadError};
+use torquewise_sparse::SparseError;
+
+/// Why no model could be made or scored.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum IdentifyError {
+    #[error(transparent)]
+    Read(ReadError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(
+        "the log has {rows} rows, at least {needed} are needed to fit {joints} joints: \
+         record a longer motion"
+    )]
+    TooFewRows { rows: usize, needed: usize, joints: usize },
+    #[error("step {step}")]
+    Step { step: String, source: SparseError },
+    #[error("{0} clusters asked for: at least 1 and at most 9")]
+    Clusters(usize),
+    #[error(
+        "the library has {candidates} candidates, which takes {gigabytes} GB of sums: \
+         limit it to {limit} candidates by a lower interaction order or lower orders"
+    )]
+    LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
+    #[error("numerical work failed")]
+    Sparse(#[from] SparseError),
+}

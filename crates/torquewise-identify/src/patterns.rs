@@ -1,0 +1,126 @@
+//! Activation → patterns: clusters of rows, named by the part of the torque they activate.
+
+use crate::activation::{Activation, Scaling};
+use crate::error::IdentifyError;
+use crate::survey::Survey;
+use torquewise_motion::{Motion, Pattern};
+use torquewise_sparse::elbow::elbow;
+use torquewise_sparse::kmeans::{KMeans, kmeans};
+
+/// Clusters tried for the elbow.
+const MOST_CLUSTERS: usize = 9;
+/// An index above this means that the joints are switched on.
+const SWITCHED_ON: f64 = 0.5;
+/// A pattern of fewer rows of the sample than this part of it is not there.
+const LEAST_SHARE: f64 = 0.005;
+
+/// How rows are clustered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PatternPlan {
+    /// Constants of the activation index.
+    pub scaling: Scaling,
+    /// Number of clusters; `None` for the elbow.
+    pub clusters: Option<usize>,
+    /// Seed of k-means.
+    pub seed: u64,
+}
+
+/// Clusters of rows in the plane \[I(q̇) I(q̈)\] and the pattern each stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patterns {
+    /// The index rows are clustered by.
+    pub activation: Activation,
+    /// Cluster centres, k.
+    pub centres: Vec<[f64; 2]>,
+    /// Pattern of each cluster, k; several clusters may share one.
+    pub names: Vec<Pattern>,
+    /// Inertia for 1, 2, … clusters: the elbow curve.
+    pub inertia: Vec<f64>,
+    /// Patterns that have a cluster.
+    pub present: Vec<Pattern>,
+}
+
+/// Clusters the sample of a survey (algorithm 1 of the paper).
+///
+/// A cluster whose centre has I(q̈) above one half is variable velocity, else one with I(q̇) above one
+/// half uniform velocity, else standstill.
+///
+/// # Errors
+/// [`IdentifyError::Clusters`] if a number of clusters out of range is asked for.
+pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, IdentifyError> {
+    let activation = match plan.scaling {
+        Scaling::Scaled => Activation::scaled(&survey.sample),
+        Scaling::Paper => Activation::paper(survey.joints.len()),
+    };
+    let points = activation.over(&survey.sample);
+    if let Some(wanted) = plan.clusters.filter(|k| !(1..=MOST_CLUSTERS).contains(k)) {
+        return Err(IdentifyError::Clusters(wanted));
+    }
+    let search = KMeans { seed: plan.seed, ..KMeans::default() };
+    let most = MOST_CLUSTERS.min(points.len());
+    let clusterings = (1..=most)
+        .map(|k| kmeans(&points, k, &search))
+        .collect::<Result<Vec<_>, _>>()?;
+    let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
+    let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most.max(1));
+    let Some(clustering) = clusterings.into_iter().nth(chosen - 1) else {
+        return Err(IdentifyError::TooFewRows { rows: 0, needed: 1, joints: survey.joints.len() });
+    };
+    let names: Vec<Pattern> = clustering.centres.iter().map(name_of).collect();
+    let mut rows = [0_usize; 3];
+    for &cluster in &clustering.assignment {
+        rows[place_of(names[cluster])] += 1;
+    }
+    let least = LEAST_SHARE * points.len() as f64;
+    let present =
+        Pattern::ALL.into_iter().filter(|&name| rows[place_of(name)] as f64 > least).collect();
+    Ok(Patterns { activation, centres: clustering.centres, names, inertia, present })
+}
+
+fn name_of(centre: &[f64; 2]) -> Pattern {
+    if centre[1] > SWITCHED_ON {
+        Pattern::VariableVelocity
+    } else if centre[0] > SWITCHED_ON {
+        Pattern::UniformVelocity
+    } else {
+        Pattern::Standstill
+    }
+}
+
+/// Place of a pattern in [`Pattern::ALL`].
+pub(crate) fn place_of(pattern: Pattern) -> usize {
+    match pattern {
+        Pattern::Standstill => 0,
+        Pattern::UniformVelocity => 1,
+        Pattern::VariableVelocity => 2,
+    }
+}
+
+impl Patterns {
+    /// Number of clusters k.
+    pub fn n_clusters(&self) -> usize {
+        self.centres.len()
+    }
+
+    /// Whether a log shows all three patterns.
+    pub fn complete(&self) -> bool {
+        self.present.len() == Pattern::ALL.len()
+    }
+
+    /// Pattern of each row of a motion, m.
+    pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
+        self.activation.over(motion).iter().map(|point| self.nearest(point)).collect()
+    }
+
+    fn nearest(&self, point: &[f64; 2]) -> Pattern {
+        let distance = |centre: &[f64; 2]| {
+            (centre[0] - point[0]).powi(2) + (centre[1] - point[1]).powi(2)
+        };
+        let near = self
+            .centres
+            .iter()
+            .zip(&self.names)
+            .min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
+        near.map_or(Pattern::VariableVelocity, |(_, &name)| name)
+    }
+}

@@ -1,0 +1,90 @@
+//! What the user wants → plan: library, method, selector, clusters.
+
+use crate::patterns::PatternPlan;
+use torquewise_sparse::select::Selector;
+use torquewise_sparse::select::criterion::Criterion;
+
+/// Which candidates are offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LibraryKind {
+    /// M(q) and V(q), shared by all joints [E4]; at most this many joint angles to a term.
+    Energy {
+        /// `None`: as many as keep the library below [`MOST_CANDIDATES`].
+        interaction: Option<usize>,
+    },
+    /// F₁·F₂ for each joint on its own (13).
+    Product {
+        /// N₁ of the gravity step.
+        gravity_order: u8,
+        /// N₁ of the other steps and of the whole library.
+        trig_order: u8,
+    },
+}
+
+impl LibraryKind {
+    /// The product library at the orders of the paper's arm: N₁ = 2 for gravity, 4 else.
+    pub const PRODUCT: Self = Self::Product { gravity_order: 2, trig_order: 4 };
+}
+
+/// Candidates of an energy library unless an interaction order is asked for.
+pub const MOST_CANDIDATES: usize = 1_000;
+
+/// One regression or three.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Standstill, uniform velocity, variable velocity (8)–(10).
+    #[default]
+    Stepwise,
+    /// The whole library on all rows at once.
+    Sindy,
+}
+
+/// How a log becomes a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Candidates.
+    pub library: LibraryKind,
+    /// One-shot or stepwise.
+    pub method: Method,
+    /// Which terms stay.
+    pub selector: Selector,
+    /// Coefficients at most this large are dropped, in units of the coefficient (the paper: 0.1).
+    pub threshold: Option<f64>,
+    /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is taken out [E7].
+    pub noise_correction: bool,
+    /// Clustering.
+    pub patterns: PatternPlan,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            library: LibraryKind::Energy { interaction: None },
+            method: Method::Stepwise,
+            selector: Selector::Criterion(Criterion::default()),
+            threshold: None,
+            noise_correction: true,
+            patterns: PatternPlan::default(),
+            seed: 0,
+        }
+    }
+}
+
+impl Plan {
+    /// One-shot SINDy as in the paper: the whole product library, all rows, no noise correction.
+    pub fn sindy() -> Self {
+        Self {
+            library: LibraryKind::PRODUCT,
+            method: Method::Sindy,
+            noise_correction: false,
+            ..Self::default()
+        }
+    }
+
+    /// Stepwise reconstruction with the product library.
+    pub fn product() -> Self {
+        Self { library: LibraryKind::PRODUCT, ..Self::default() }
+    }
+}

@@ -1,0 +1,244 @@
+//! Recording → Reconstruction: the whole method on one page.
+
+use crate::candidates::{Candidates, Group};
+use crate::error::IdentifyError;
+use crate::evidence::{Evidence, Step, gather_evidence, one_shot, plan_steps};
+use crate::noise::NoiseFloor;
+use crate::patterns::{Patterns, find_patterns};
+use crate::plan::{Method, Plan};
+use crate::refit::{Kept, RefitPlan, Refitted, refit};
+use crate::step::{self, StepFound};
+use crate::survey::{Survey, survey};
+use crate::warning::Warning;
+use torquewise_model::{Model, Stage, Training};
+use torquewise_motion::Recording;
+use torquewise_sparse::accumulate::Route;
+use torquewise_sparse::select::Selector;
+
+/// What was found, and how.
+#[derive(Clone, Debug)]
+pub struct Reconstruction {
+    /// The equations of motion.
+    pub model: Model,
+    /// The log at a glance.
+    pub survey: Survey,
+    /// The patterns its rows fall into.
+    pub patterns: Patterns,
+    /// The noise seen at standstill.
+    pub noise: NoiseFloor,
+    /// Candidates in all.
+    pub candidates: usize,
+    /// The steps taken.
+    pub steps: Vec<StepReport>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// One step of the reconstruction.
+#[derive(Clone, Debug)]
+pub struct StepReport {
+    /// Name of its pattern.
+    pub name: &'static str,
+    /// Its rows.
+    pub rows: usize,
+    /// Candidates offered.
+    pub candidates: usize,
+    /// Terms found so far that act on each joint, n.
+    pub active: Vec<usize>,
+    /// How its normal equations were come by.
+    pub route: Route,
+}
+
+/// A stage of the work, told when it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The log is looked through.
+    Survey,
+    /// Rows are clustered.
+    Patterns,
+    /// Normal equations are summed.
+    Evidence,
+    /// Terms are selected in a step, counted from 1.
+    Step(usize),
+    /// The kept terms are fitted on all rows.
+    Refit,
+    /// All is done.
+    Done,
+}
+
+/// Reconstructs the equations of motion from a recording.
+///
+/// The survey and the clusters first (6)(7); then standstill, uniform and variable velocity in turn,
+/// each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept terms together on
+/// all rows [E6]. One-shot SINDy is the same with a single step.
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, too few rows, a library too large, or missing torque.
+pub fn reconstruct(
+    recording: &(impl Recording + ?Sized),
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
+    progress(Progress::Survey);
+    let survey = survey(recording)?;
+    survey.sample.require_tau()?;
+    require_rows(&survey)?;
+
+    progress(Progress::Patterns);
+    let patterns = find_patterns(&survey, &plan.patterns)?;
+
+    let candidates = Candidates::new(survey.joints.len(), plan.library, plan.method)?;
+    let (steps, orphans) = match plan.method {
+        Method::Stepwise => plan_steps(&candidates, &patterns.present),
+        Method::Sindy => (one_shot(&candidates), Vec::new()),
+    };
+
+    progress(Progress::Evidence);
+    let (evidence, noise) =
+        gather_evidence(recording, &patterns, &candidates, &steps, survey.rows)?;
+
+    let mut found = Found::new(&candidates);
+    for (place, (step, evidence)) in steps.iter().zip(&evidence).enumerate() {
+        progress(Progress::Step(place + 1));
+        found.take_step(step, evidence, &plan.selector)?;
+    }
+
+    progress(Progress::Refit);
+    let bias = if plan.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
+    let refitted = found.refit(recording, plan, &bias, survey.rows)?;
+
+    progress(Progress::Done);
+    let warnings = Warning::all(&survey, &patterns, plan, &candidates, &orphans, &refitted);
+    Ok(found.report(survey, patterns, noise, refitted, warnings))
+}
+
+/// Fewer rows cannot be told from chance.
+const LEAST_ROWS: usize = 50;
+
+fn require_rows(survey: &Survey) -> Result<(), IdentifyError> {
+    let joints = survey.joints.len();
+    if survey.rows >= LEAST_ROWS {
+        return Ok(());
+    }
+    Err(IdentifyError::TooFewRows { rows: survey.rows, needed: LEAST_ROWS, joints })
+}
+
+/// The model as it grows.
+struct Found<'a> {
+    candidates: &'a Candidates,
+    groups: Vec<Group>,
+    /// Weight of each candidate, per group.
+    weights: Vec<Vec<f64>>,
+    /// Weight of the rows of each equation, per group.
+    row_weights: Vec<Vec<f64>>,
+    stages: Vec<Stage>,
+    reports: Vec<StepReport>,
+}
+
+impl<'a> Found<'a> {
+    fn new(candidates: &'a Candidates) -> Self {
+        let groups = candidates.groups();
+        let weights = vec![vec![0.0; candidates.len()]; groups.len()];
+        let row_weights = groups.iter().map(|group| vec![1.0; group.equations.len()]).collect();
+        Self { candidates, groups, weights, row_weights, stages: Vec::new(), reports: Vec::new() }
+    }
+
+    /// Regresses what is unexplained on the rows of a step, and adds what was found.
+    fn take_step(
+        &mut self,
+        step: &Step,
+        evidence: &Evidence,
+        selector: &Selector,
+    ) -> Result<(), IdentifyError> {
+        for (place, group) in self.groups.iter().enumerate() {
+            let known = &mut self.weights[place];
+            let StepFound { weights, .. } = step::select(step, evidence, group, known, selector)
+                .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
+            for &column in &step.offered {
+                known[column] = 0.0;
+            }
+            for (column, weight) in weights {
+                known[column] = weight;
+            }
+            let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
+            self.row_weights[place] = step::noise_weights(evidence, group, &total);
+        }
+        let form = self.candidates.form(&self.so_far());
+        let n_joints = self.candidates.design.n_angles();
+        self.reports.push(StepReport {
+            name: step.name(),
+            rows: evidence.rows,
+            candidates: step.offered.len(),
+            active: form.active(n_joints),
+            route: evidence.route,
+        });
+        self.stages.push(Stage {
+            name: step.name().into(),
+            rows: evidence.rows,
+            candidates: step.offered.len(),
+            form,
+        });
+        Ok(())
+    }
+
+    /// (candidate, weight, unknown error) of all that is found, per group.
+    fn so_far(&self) -> Vec<Vec<(usize, f64, f64)>> {
+        let nonzero = |weights: &Vec<f64>| {
+            let entries = weights.iter().enumerate().filter(|&(_, &weight)| weight != 0.0);
+            entries.map(|(column, &weight)| (column, weight, 0.0)).collect()
+        };
+        self.weights.iter().map(nonzero).collect()
+    }
+
+    fn refit(
+        &self,
+        recording: &(impl Recording + ?Sized),
+        plan: &Plan,
+        noise: &NoiseFloor,
+        rows: usize,
+    ) -> Result<Vec<Refitted>, IdentifyError> {
+        let kept: Vec<Kept> = self
+            .so_far()
+            .iter()
+            .zip(self.groups.iter().zip(&self.row_weights))
+            .map(|(found, (group, weights))| Kept {
+                group: group.clone(),
+                columns: found.iter().map(|&(column, ..)| column).collect(),
+                weights: weights.clone(),
+            })
+            .collect();
+        let least_t_squared = match &plan.selector {
+            Selector::Criterion(criterion) => {
+                criterion.threshold(rows as f64, self.candidates.len())
+            }
+            _ => 0.0,
+        };
+        let least_size = plan.threshold.unwrap_or(0.0);
+        let refit_plan = RefitPlan { noise, seed: plan.seed, least_t_squared, least_size };
+        refit(recording, self.candidates, &kept, &refit_plan)
+    }
+
+    fn report(
+        self,
+        survey: Survey,
+        patterns: Patterns,
+        noise: NoiseFloor,
+        refitted: Vec<Refitted>,
+        warnings: Vec<Warning>,
+    ) -> Reconstruction {
+        let weights: Vec<_> = refitted.iter().map(|group| group.weights.clone()).collect();
+        let training = Training {
+            rows: survey.rows,
+            residual_rms: refitted.into_iter().flat_map(|group| group.residual_rms).collect(),
+            torque_std: survey.torque_std.clone(),
+            q_range: survey.q_range.clone(),
+            dq_peak: survey.dq_peak.clone(),
+            ddq_peak: survey.ddq_peak.clone(),
+        };
+        let form = self.candidates.form(&weights);
+        let joints = survey.joints.clone();
+        let model = Model { joints, form, stages: self.stages, training };
+        let candidates = self.candidates.len();
+        Reconstruction { model, survey, patterns, noise, candidates, steps: self.reports, warnings }
+    }
+}

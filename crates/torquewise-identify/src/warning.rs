@@ -1,0 +1,141 @@
+//! Survey, patterns, fit → warnings: what the user should know, in words.
+
+use crate::candidates::{Candidates, Terms};
+use crate::patterns::Patterns;
+use crate::plan::{Method, Plan};
+use crate::refit::Refitted;
+use crate::survey::Survey;
+use std::fmt;
+use torquewise_motion::Pattern;
+
+/// Something that does not stop the work but may spoil its result.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A joint never moves.
+    ConstantJoint {
+        /// Its name.
+        joint: String,
+    },
+    /// A joint's torque never changes.
+    ConstantTorque {
+        /// Its name.
+        joint: String,
+    },
+    /// Rows of a pattern are missing, its terms were asked of the next one.
+    PatternMissing(Pattern),
+    /// Candidates that no row can tell of.
+    NotAsked {
+        /// How many.
+        candidates: usize,
+    },
+    /// Terms left out of the last fit because others say the same in this log.
+    Dependent {
+        /// Their names.
+        terms: Vec<String>,
+    },
+    /// Positions larger than any joint turns.
+    Units {
+        /// Name of the joint.
+        joint: String,
+        /// Its largest position.
+        largest: f64,
+    },
+    /// Nothing was found for a joint.
+    Unexplained {
+        /// Its name.
+        joint: String,
+    },
+}
+
+/// Eight turns: more than a joint makes, less than 180 written in degrees would be… 
+const LARGEST_ANGLE: f64 = 50.0;
+
+impl Warning {
+    pub(crate) fn all(
+        survey: &Survey,
+        patterns: &Patterns,
+        plan: &Plan,
+        candidates: &Candidates,
+        orphans: &[usize],
+        refitted: &[Refitted],
+    ) -> Vec<Self> {
+        let mut warnings = Self::of_survey(survey);
+        if plan.method == Method::Stepwise {
+            let missing = Pattern::ALL.into_iter().filter(|name| !patterns.present.contains(name));
+            warnings.extend(missing.map(Self::PatternMissing));
+        }
+        if !orphans.is_empty() {
+            warnings.push(Self::NotAsked { candidates: orphans.len() });
+        }
+        let mut dependent: Vec<usize> =
+            refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();
+        dependent.sort_unstable();
+        dependent.dedup();
+        if !dependent.is_empty() {
+            let name = |&column: &usize| match &candidates.terms {
+                Terms::Torque(terms) => terms[column].name(),
+                Terms::Energy(terms) => terms[column].name(),
+            };
+            warnings.push(Self::Dependent { terms: dependent.iter().map(name).collect() });
+        }
+        warnings
+    }
+
+    fn of_survey(survey: &Survey) -> Vec<Self> {
+        let name = |joint: usize| survey.joints[joint].clone();
+        let mut warnings: Vec<Self> = survey
+            .constant_joints()
+            .into_iter()
+            .map(|joint| Self::ConstantJoint { joint: name(joint) })
+            .collect();
+        for joint in 0..survey.joints.len() {
+            if survey.torque_std[joint] == 0.0 {
+                warnings.push(Self::ConstantTorque { joint: name(joint) });
+            }
+            let [low, high] = survey.q_range[joint];
+            let largest = low.abs().max(high.abs());
+            if largest > LARGEST_ANGLE {
+                warnings.push(Self::Units { joint: name(joint), largest });
+            }
+        }
+        warnings
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ConstantJoint { joint } => write!(
+                f,
+                "{joint} never moves: what depends on its motion cannot be found; move it too"
+            ),
+            Self::ConstantTorque { joint } => {
+                write!(f, "the torque of {joint} never changes: is it measured?")
+            }
+            Self::PatternMissing(pattern) => write!(
+                f,
+                "the log shows no {}: its terms were asked of the next pattern; \
+                 record dwells and strokes of constant speed for a stepwise fit",
+                pattern.name()
+            ),
+            Self::NotAsked { candidates } => write!(
+                f,
+                "{candidates} candidates were not asked for, since no row accelerates: \
+                 the model has no inertia"
+            ),
+            Self::Dependent { terms } => write!(
+                f,
+                "{} terms cannot be told from others in this log and were left out ({}): \
+                 move more joints, through more of their range",
+                terms.len(),
+                terms.join(", ")
+            ),
+            Self::Units { joint, largest } => write!(
+                f,
+                "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"
+            ),
+            Self::Unexplained { joint } => write!(f, "no term explains the torque of {joint}"),
+        }
+    }
+}

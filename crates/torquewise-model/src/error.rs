@@ -1,0 +1,31 @@
+//! What can be wrong with a model or with what it is asked.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+/// Why a model cannot be read or applied.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    #[error("the model has {model} joints, the log {log}: it is a model of another arm")]
+    JointCount { model: usize, log: usize },
+    #[error(
+        "the model is of joints {}, the log of {}: it is a model of another arm; \
+         rename the joints of the log if they are the same",
+        model.join(", "), log.join(", ")
+    )]
+    JointNames { model: Vec<String>, log: Vec<String> },
+    #[error("{what} has {found} entries, expected {expected}: one per joint")]
+    Shape { what: &'static str, found: usize, expected: usize },
+    #[error("not a model file: {reason}; it may be cut off or of another program: fit it anew")]
+    NotAModel { reason: String },
+    #[error(
+        "the model file has version {found}, this program reads version {known}: \
+         update torquewise, or fit the model anew"
+    )]
+    Version { found: u64, known: u64 },
+    #[error("the model has steps 1 to {known}, step {found} was asked for")]
+    Step { found: usize, known: usize },
+    #[error("the model file is damaged: {what} is not finite in {place}; fit the model anew")]
+    NotFinite { what: &'static str, place: String },
+    #[error(transparent)]
+    Motion(#[from] torquewise_motion::MotionError),
+}

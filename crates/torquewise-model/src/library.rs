@@ -1,0 +1,201 @@
+//! Orders → candidates: the product library F₁·F₂ and the energy library.
+
+use crate::energy::{EnergyTerm, Place};
+use crate::term::{Kind, Term, Trig};
+
+/// Degree in the velocities and in the accelerations of a group of motion functions F₂.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Degree {
+    /// Degree in q̇.
+    pub velocity: u8,
+    /// Degree in q̈.
+    pub acceleration: u8,
+}
+
+impl Degree {
+    /// F₂ of a step: 1 at standstill (14), products of two velocities at uniform velocity (15), one
+    /// acceleration at variable velocity, which is what (16) adds to the earlier steps.
+    pub fn of(kind: Kind) -> Self {
+        match kind {
+            Kind::Gravity => Self { velocity: 0, acceleration: 0 },
+            Kind::Coriolis => Self { velocity: 2, acceleration: 0 },
+            Kind::Inertia => Self { velocity: 0, acceleration: 1 },
+        }
+    }
+
+    /// All of F₂ up to a total degree, for one-shot SINDy.
+    pub fn up_to(total: u8) -> Vec<Self> {
+        (0..=total)
+            .flat_map(|degree| {
+                (0..=degree).map(move |acceleration| Self {
+                    velocity: degree - acceleration,
+                    acceleration,
+                })
+            })
+            .collect()
+    }
+}
+
+/// F₁ (11) without repeats [E2]: per joint sinᵃ·cosᵇ with a ∈ {0, 1}, at most `order` factors.
+pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
+    let mut functions = vec![(Term::one(n_joints), 0)];
+    for joint in 0..n_joints {
+        let mut longer = Vec::new();
+        for (term, used) in functions {
+            for sines in 0..=1 {
+                for cosines in 0..=order.saturating_sub(used + sines) {
+                    if used + sines + cosines <= order {
+                        let grown = term
+                            .clone()
+                            .times(Trig::Sin, joint, 1, sines)
+                            .times(Trig::Cos, joint, 1, cosines);
+                        longer.push((grown, used + sines + cosines));
+                    }
+                }
+            }
+        }
+        functions = longer;
+    }
+    functions.sort_by_key(|(_, used)| *used);
+    functions.into_iter().map(|(term, _)| term).collect()
+}
+
+/// F₂ (12) of one degree: monomials in q̇ and q̈ as powers (dq, ddq).
+fn motion_functions(n_joints: usize, degree: Degree) -> Vec<(Vec<u8>, Vec<u8>)> {
+    let velocities = monomials(n_joints, degree.velocity);
+    let accelerations = monomials(n_joints, degree.acceleration);
+    velocities
+        .iter()
+        .flat_map(|dq| accelerations.iter().map(|ddq| (dq.clone(), ddq.clone())))
+        .collect()
+}
+
+/// The powers of all monomials of exactly one degree.
+fn monomials(n: usize, degree: u8) -> Vec<Vec<u8>> {
+    if n == 0 {
+        return if degree == 0 { vec![Vec::new()] } else { Vec::new() };
+    }
+    (0..=degree)
+        .rev()
+        .flat_map(|first| {
+            monomials(n - 1, degree - first).into_iter().map(move |mut rest| {
+                rest.insert(0, first);
+                rest
+            })
+        })
+        .collect()
+}
+
+/// The product library F = F₁·F₂ (13), without repeats.
+///
+/// - `trig_order`: N₁
+/// - `degrees`: which groups of F₂
+///
+/// Sizes for three joints, N₁ = 4: 129 times 28 for all of F₂ up to N₂ = 2.
+pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> Vec<Term> {
+    let angles = angle_functions(n_joints, trig_order);
+    let motions: Vec<_> = degrees.iter().flat_map(|&d| motion_functions(n_joints, d)).collect();
+    angles
+        .iter()
+        .flat_map(|angle| {
+            motions.iter().map(|(dq, ddq)| Term {
+                factors: angle.factors.clone(),
+                dq: dq.clone(),
+                ddq: ddq.clone(),
+            })
+        })
+        .collect()
+}
+
+/// The energy library [E4]: every function that M(q) and V(q) of a serial arm of revolute joints
+/// can hold, which is Σ_{i<j} 3^{j−i} 5^{n−j} + Σᵢ 5^{n−i} + 3ⁿ − 1 of them.
+///
+/// - `interaction`: how many joint angles a function may depend on; `None` for no limit
+pub fn energy_library(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> {
+    let limit = interaction.unwrap_or(n_joints);
+    let mut library = Vec::new();
+    let everything: Vec<u8> = vec![1; n_joints];
+    for function in harmonic_functions(n_joints, &everything, limit).into_iter().skip(1) {
+        library.push(EnergyTerm { place: Place::Potential, function });
+    }
+    for i in 0..n_joints {
+        for j in i..n_joints {
+            // Mᵢⱼ is independent of the joints up to i, linear in those between, and quadratic in
+            // those beyond j.
+            let harmonics: Vec<u8> = (0..n_joints)
+                .map(|k| if k <= i { 0 } else if k <= j { 1 } else { 2 })
+                .collect();
+            for function in harmonic_functions(n_joints, &harmonics, limit) {
+                library.push(EnergyTerm { place: Place::Inertia(i, j), function });
+            }
+        }
+    }
+    library
+}
+
+/// Products over the joints of {1, cos kq, sin kq : k ≤ harmonics of the joint}, the constant first,
+/// of at most `limit` joints.
+fn harmonic_functions(n_joints: usize, harmonics: &[u8], limit: usize) -> Vec<Term> {
+    let mut functions = vec![Term::one(n_joints)];
+    for (joint, &largest) in harmonics.iter().enumerate() {
+        let mut longer = Vec::new();
+        for term in functions {
+            if term.factors.len() < limit {
+                for multiple in 1..=largest.min(2) {
+                    let multiple = if multiple == 1 { 1 } else { 2 };
+                    for trig in [Trig::Cos, Trig::Sin] {
+                        longer.push(term.clone().times(trig, joint, multiple, 1));
+                    }
+                }
+            }
+            longer.push(term);
+        }
+        functions = longer;
+    }
+    functions.sort_by_key(|term| term.factors.len());
+    functions
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angle_functions_have_the_sizes_of_the_method() {
+        let sizes: Vec<usize> = (1..=6).map(|order| angle_functions(3, order).len()).collect();
+
+        assert_eq!(sizes, [7, 25, 63, 129, 231, 377]);
+    }
+
+    #[test]
+    fn product_libraries_have_the_sizes_of_the_method() {
+        let whole = product_library(3, 4, &Degree::up_to(2));
+        let steps = [(Kind::Gravity, 2), (Kind::Coriolis, 4), (Kind::Inertia, 4)]
+            .map(|(kind, order)| product_library(3, order, &[Degree::of(kind)]).len());
+
+        assert_eq!(whole.len(), 3612);
+        assert_eq!(steps, [25, 774, 387]);
+    }
+
+    #[test]
+    fn energy_libraries_have_the_sizes_of_the_method() {
+        let sizes: Vec<usize> = (3..=6).map(|n| energy_library(n, None).len()).collect();
+
+        assert_eq!(sizes, [84, 410, 2013, 9947]);
+    }
+
+    #[test]
+    fn no_candidate_comes_twice() {
+        let mut terms = product_library(3, 3, &Degree::up_to(2));
+        let mut energies = energy_library(4, Some(2));
+        let before = (terms.len(), energies.len());
+
+        terms.sort();
+        terms.dedup();
+        energies.sort();
+        energies.dedup();
+
+        assert_eq!((terms.len(), energies.len()), before);
+        assert!(energies.iter().all(|energy| energy.function.interaction() <= 2));
+    }
+}

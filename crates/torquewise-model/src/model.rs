@@ -1,0 +1,150 @@
+//! Terms and weights → Model: what was found, as plain data.
+
+use crate::energy::EnergyTerm;
+use crate::error::ModelError;
+use crate::term::{Sum, Term, collect};
+use serde::{Deserialize, Serialize};
+
+/// A term with its coefficient and the standard error of it; both in the units of the coefficient.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Weighted<T> {
+    /// The term.
+    pub term: T,
+    /// Its coefficient.
+    pub coefficient: f64,
+    /// Standard error of the coefficient; 0 where it is not known.
+    pub std_error: f64,
+}
+
+/// The two shapes a model comes in.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Form {
+    /// Each joint's torque on its own: τᵢ = Σ coefficient · term (product library).
+    Torque(Vec<Vec<Weighted<Term>>>),
+    /// Energies shared by all joints: M(q) and V(q) (energy library).
+    Energy(Vec<Weighted<EnergyTerm>>),
+}
+
+/// What was known after one step of the reconstruction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Stage {
+    /// Name of the pattern whose rows were used.
+    pub name: String,
+    /// Its rows.
+    pub rows: usize,
+    /// Number of candidates offered.
+    pub candidates: usize,
+    /// All that was found up to and with this step.
+    pub form: Form,
+}
+
+/// The data a model was fitted on, kept to judge what it is asked later.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Training {
+    /// Rows of the log.
+    pub rows: usize,
+    /// RMS of the residual torque of each joint \[N·m\], n.
+    pub residual_rms: Vec<f64>,
+    /// Standard deviation of the torque of each joint \[N·m\], n.
+    pub torque_std: Vec<f64>,
+    /// Least and greatest position of each joint \[rad\], n.
+    pub q_range: Vec<[f64; 2]>,
+    /// Largest speed of each joint \[rad/s\], n.
+    pub dq_peak: Vec<f64>,
+    /// Largest acceleration of each joint \[rad/s²\], n.
+    pub ddq_peak: Vec<f64>,
+}
+
+/// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) (1).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Model {
+    /// Joint names, base to tip, n.
+    pub joints: Vec<String>,
+    /// Terms and weights.
+    pub form: Form,
+    /// The model after each step, if it was found stepwise.
+    pub stages: Vec<Stage>,
+    /// What it was fitted on.
+    pub training: Training,
+}
+
+impl Form {
+    /// τᵢ as a sum of terms for each of n joints, equal terms joined.
+    pub fn equations(&self, n_joints: usize) -> Vec<Sum> {
+        match self {
+            Self::Torque(joints) => joints
+                .iter()
+                .map(|terms| terms.iter().map(|w| (w.coefficient, w.term.clone())).collect())
+                .collect(),
+            Self::Energy(terms) => (0..n_joints)
+                .map(|joint| {
+                    let torque = |w: &Weighted<EnergyTerm>| -> Sum {
+                        let sum = w.term.torque(joint).into_iter();
+                        sum.map(|(weight, term)| (weight * w.coefficient, term)).collect()
+                    };
+                    collect(terms.iter().flat_map(torque).collect())
+                })
+                .collect(),
+        }
+    }
+
+    /// Number of coefficients that act on each joint, n.
+    pub fn active(&self, n_joints: usize) -> Vec<usize> {
+        match self {
+            Self::Torque(joints) => joints.iter().map(Vec::len).collect(),
+            Self::Energy(terms) => (0..n_joints)
+                .map(|joint| terms.iter().filter(|w| !w.term.torque(joint).is_empty()).count())
+                .collect(),
+        }
+    }
+
+    /// Number of coefficients.
+    pub fn n_coefficients(&self) -> usize {
+        match self {
+            Self::Torque(joints) => joints.iter().map(Vec::len).sum(),
+            Self::Energy(terms) => terms.len(),
+        }
+    }
+}
+
+impl Model {
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// τᵢ of each joint as a sum of terms.
+    pub fn equations(&self) -> Vec<Sum> {
+        self.form.equations(self.n_joints())
+    }
+
+    /// The model as it was after a step, counted from 1 (Fig. 10 of the paper).
+    ///
+    /// # Errors
+    /// [`ModelError::Step`] if there is no such step.
+    pub fn after_step(&self, step: usize) -> Result<Self, ModelError> {
+        let known = self.stages.len();
+        let stage = step.checked_sub(1).and_then(|place| self.stages.get(place));
+        let stage = stage.ok_or(ModelError::Step { found: step, known })?;
+        Ok(Self { form: stage.form.clone(), stages: Vec::new(), ..self.clone() })
+    }
+
+    /// Whether a log may be of the arm this is a model of.
+    ///
+    /// # Errors
+    /// [`ModelError::JointCount`] or [`ModelError::JointNames`].
+    pub fn check_joints(&self, log: &[String]) -> Result<(), ModelError> {
+        if self.n_joints() != log.len() {
+            return Err(ModelError::JointCount { model: self.n_joints(), log: log.len() });
+        }
+        if self.joints != log {
+            return Err(ModelError::JointNames { model: self.joints.clone(), log: log.to_vec() });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,282 @@
+//! Functions of one state → terms: products of sines and cosines with velocities, accelerations.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Sine or cosine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Trig {
+    /// sin
+    Sin,
+    /// cos
+    Cos,
+}
+
+/// sin(k·q)^power or cos(k·q)^power.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Factor {
+    /// Integer multiple k of each joint angle, n.
+    pub multiples: Vec<i8>,
+    /// Sine or cosine.
+    pub function: Trig,
+    /// Its power, at least 1.
+    pub power: u8,
+}
+
+/// Which part of the torque a term belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// G(q)
+    Gravity,
+    /// C(q, q̇)q̇
+    Coriolis,
+    /// M(q)q̈
+    Inertia,
+}
+
+/// A function of the state: a product of sines and cosines, velocities and accelerations.
+///
+/// Reads as `sin(q2)*cos(q3)*dq1*dq2`; no factor at all is the constant 1.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Term {
+    /// Functions of the joint angles.
+    pub factors: Vec<Factor>,
+    /// Power of each joint velocity, n.
+    pub dq: Vec<u8>,
+    /// Power of each joint acceleration, n.
+    pub ddq: Vec<u8>,
+}
+
+/// A sum of terms, each with its weight.
+pub type Sum = Vec<(f64, Term)>;
+
+impl Term {
+    /// The constant 1 of n joints.
+    pub fn one(n_joints: usize) -> Self {
+        Self { factors: Vec::new(), dq: vec![0; n_joints], ddq: vec![0; n_joints] }
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.dq.len()
+    }
+
+    /// The same term times sin(multiple·q_joint) or cos(multiple·q_joint) to a power; power 0
+    /// leaves it as it is.
+    pub fn times(mut self, function: Trig, joint: usize, multiple: i8, power: u8) -> Self {
+        if power > 0 {
+            let mut multiples = vec![0; self.n_joints()];
+            multiples[joint] = multiple;
+            self.factors.push(Factor { multiples, function, power });
+        }
+        self
+    }
+
+    /// The same term times q̇_joint.
+    pub fn times_dq(mut self, joint: usize) -> Self {
+        self.dq[joint] += 1;
+        self
+    }
+
+    /// The same term times q̈_joint.
+    pub fn times_ddq(mut self, joint: usize) -> Self {
+        self.ddq[joint] += 1;
+        self
+    }
+
+    /// The part of the torque it belongs to: inertia if it holds an acceleration, Coriolis if only
+    /// velocities, gravity if neither.
+    pub fn kind(&self) -> Kind {
+        if self.ddq.iter().any(|&power| power > 0) {
+            Kind::Inertia
+        } else if self.dq.iter().any(|&power| power > 0) {
+            Kind::Coriolis
+        } else {
+            Kind::Gravity
+        }
+    }
+
+    /// Number of joints whose angle it depends on.
+    pub fn interaction(&self) -> usize {
+        (0..self.n_joints()).filter(|&joint| self.depends_on(joint)).count()
+    }
+
+    /// Whether it depends on the angle of a joint.
+    pub fn depends_on(&self, joint: usize) -> bool {
+        self.factors.iter().any(|factor| factor.multiples[joint] != 0)
+    }
+
+    /// ∂/∂q_joint as a sum of terms; empty where it is zero.
+    pub fn derivative(&self, joint: usize) -> Sum {
+        let mut sum = Sum::new();
+        for (place, factor) in self.factors.iter().enumerate() {
+            let inner = f64::from(factor.multiples[joint]) * f64::from(factor.power);
+            if inner == 0.0 {
+                continue;
+            }
+            let (sign, other) = match factor.function {
+                Trig::Sin => (1.0, Trig::Cos),
+                Trig::Cos => (-1.0, Trig::Sin),
+            };
+            let mut term = self.clone();
+            if factor.power == 1 {
+                term.factors.remove(place);
+            } else {
+                term.factors[place].power -= 1;
+            }
+            term.factors.push(Factor { function: other, power: 1, ..factor.clone() });
+            sum.push((sign * inner, term.tidied()));
+        }
+        collect(sum)
+    }
+
+    /// Factors in order, equal ones joined, so that equal terms compare equal.
+    fn tidied(mut self) -> Self {
+        self.factors.sort();
+        self.factors.dedup_by(|next, kept| {
+            let same = next.multiples == kept.multiples && next.function == kept.function;
+            if same {
+                kept.power += next.power;
+            }
+            same
+        });
+        self
+    }
+
+    /// Value at a state: q \[rad\], dq \[rad/s\], ddq \[rad/s²\], n each.
+    pub fn value(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> f64 {
+        let angles: f64 = self.factors.iter().map(|factor| factor.value(q)).product();
+        angles * powers(&self.dq, dq) * powers(&self.ddq, ddq)
+    }
+
+    /// Readable name, joints counted from 1: `sin(q2)*cos(q3)*dq1*dq2`.
+    pub fn name(&self) -> String {
+        let mut parts: Vec<String> = self.factors.iter().map(Factor::name).collect();
+        for (letter, all) in [("dq", &self.dq), ("ddq", &self.ddq)] {
+            for (joint, &power) in all.iter().enumerate().filter(|&(_, &power)| power > 0) {
+                parts.push(raised(format!("{letter}{}", joint + 1), power));
+            }
+        }
+        if parts.is_empty() { "1".into() } else { parts.join("*") }
+    }
+
+    /// The same in LaTeX: `\sin q_{2} \cos q_{3}\, \dot q_{1} \dot q_{2}`.
+    pub fn latex(&self) -> String {
+        let mut parts: Vec<String> = self.factors.iter().map(Factor::latex).collect();
+        for (letter, all) in [(r"\dot q", &self.dq), (r"\ddot q", &self.ddq)] {
+            for (joint, &power) in all.iter().enumerate().filter(|&(_, &power)| power > 0) {
+                let exponent = if power > 1 { format!("^{{{power}}}") } else { String::new() };
+                parts.push(format!("{letter}_{{{}}}{exponent}", joint + 1));
+            }
+        }
+        parts.join(r"\,")
+    }
+}
+
+impl Factor {
+    /// Value at joint angles q \[rad\], n.
+    pub fn value(&self, q: &[f64]) -> f64 {
+        let angle: f64 = self.multiples.iter().zip(q).map(|(&k, q)| f64::from(k) * q).sum();
+        let base = match self.function {
+            Trig::Sin => angle.sin(),
+            Trig::Cos => angle.cos(),
+        };
+        base.powi(i32::from(self.power))
+    }
+
+    fn name(&self) -> String {
+        let function = if self.function == Trig::Sin { "sin" } else { "cos" };
+        raised(format!("{function}({})", self.angle(|joint| format!("q{joint}"), "*")), self.power)
+    }
+
+    fn latex(&self) -> String {
+        let function = if self.function == Trig::Sin { r"\sin" } else { r"\cos" };
+        let power = if self.power > 1 { format!("^{{{}}}", self.power) } else { String::new() };
+        let angle = self.angle(|joint| format!("q_{{{joint}}}"), r"\,");
+        let plain = self.multiples.iter().filter(|&&k| k != 0).count() == 1
+            && self.multiples.contains(&1);
+        if plain { format!("{function}{power} {angle}") } else { format!("{function}{power}({angle})") }
+    }
+
+    /// The angle as text: `q2`, `2*q2`, `q2+q3`.
+    fn angle(&self, joint: impl Fn(usize) -> String, times: &str) -> String {
+        let mut text = String::new();
+        for (j, &k) in self.multiples.iter().enumerate().filter(|&(_, &k)| k != 0) {
+            let sign = if k < 0 { "-" } else if text.is_empty() { "" } else { "+" };
+            let count = if k.abs() == 1 { String::new() } else { format!("{}{times}", k.abs()) };
+            // Writing to a String cannot fail.
+            let _ = write!(text, "{sign}{count}{}", joint(j + 1));
+        }
+        text
+    }
+}
+
+fn raised(base: String, power: u8) -> String {
+    if power > 1 { format!("{base}^{power}") } else { base }
+}
+
+fn powers(powers: &[u8], x: &[f64]) -> f64 {
+    powers.iter().zip(x).map(|(&power, x)| x.powi(i32::from(power))).product()
+}
+
+/// The same sum with equal terms joined, in the order of the terms, and zeros left out.
+pub fn collect(sum: Sum) -> Sum {
+    let mut terms: BTreeMap<Term, f64> = BTreeMap::new();
+    for (weight, term) in sum {
+        *terms.entry(term.tidied()).or_insert(0.0) += weight;
+    }
+    terms.into_iter().filter(|&(_, weight)| weight != 0.0).map(|(t, w)| (w, t)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> Term {
+        Term::one(3).times(Trig::Sin, 1, 1, 1).times(Trig::Cos, 2, 1, 2).times_dq(0).times_dq(1)
+    }
+
+    #[test]
+    fn a_term_reads_as_its_formula() {
+        assert_eq!(sample().name(), "sin(q2)*cos(q3)^2*dq1*dq2");
+        assert_eq!(Term::one(2).name(), "1");
+        assert_eq!(
+            sample().latex(),
+            r"\sin q_{2}\,\cos^{2} q_{3}\,\dot q_{1}\,\dot q_{2}"
+        );
+    }
+
+    #[test]
+    fn the_derivative_is_the_slope_of_the_value() {
+        let (q, dq, ddq) = ([0.3, -0.8, 1.1], [0.5, 0.7, -0.2], [0.0; 3]);
+        let h = 1e-6;
+
+        for joint in 0..3 {
+            let mut ahead = q;
+            let mut behind = q;
+            ahead[joint] += h;
+            behind[joint] -= h;
+            let slope =
+                (sample().value(&ahead, &dq, &ddq) - sample().value(&behind, &dq, &ddq)) / (2.0 * h);
+            let exact: f64 = sample()
+                .derivative(joint)
+                .iter()
+                .map(|(weight, term)| weight * term.value(&q, &dq, &ddq))
+                .sum();
+            // Central difference: h² truncation, ε/h rounding.
+            assert!((slope - exact).abs() < 1e-9, "{joint}: {slope} {exact}");
+        }
+    }
+
+    #[test]
+    fn a_term_knows_its_kind() {
+        assert_eq!(sample().kind(), Kind::Coriolis);
+        assert_eq!(sample().times_ddq(0).kind(), Kind::Inertia);
+        assert_eq!(Term::one(1).kind(), Kind::Gravity);
+    }
+}

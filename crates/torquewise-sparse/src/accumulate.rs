@@ -1,0 +1,191 @@
+//! Blocks of rows → one sum: in parallel, in fixed memory, the same bits at any number of threads.
+
+use crate::design::Design;
+use crate::error::SparseError;
+use crate::gram::{Gram, accumulate_rows, direct_cost, gather, responses_of};
+use crate::moments::{MomentPlan, Moments};
+use crate::samples::{Evaluator, Samples};
+use rayon::prelude::*;
+
+/// Something that blocks of rows are added to, and that adds up.
+pub trait Accumulate: Send + Sized {
+    /// Adds a block.
+    ///
+    /// # Errors
+    /// [`SparseError`] if the block does not fit.
+    fn add(&mut self, samples: &Samples) -> Result<(), SparseError>;
+
+    /// Adds what another has seen.
+    ///
+    /// # Errors
+    /// [`SparseError`] if the two do not fit.
+    fn merge(&mut self, other: Self) -> Result<(), SparseError>;
+}
+
+/// Blocks a lane holds back before all lanes work at once.
+const BLOCKS_PER_LANE: usize = 4;
+/// Memory that the sums of all lanes together may take.
+const LANE_BYTES: usize = 128 << 20;
+const MAX_LANES: usize = 16;
+
+/// Block number b goes to lane b mod L, each lane adds its blocks in order, and lanes are merged in
+/// order. L depends on the size of a sum alone, so that the result does not depend on threads.
+pub struct Lanes<A> {
+    lanes: Vec<(A, Vec<Samples>)>,
+    next: usize,
+}
+
+impl<A: Accumulate> Lanes<A> {
+    /// As many lanes as fit into a fixed amount of memory, each started by `start` with its
+    /// number; `size` is the number of bytes of one sum.
+    pub fn new(size: usize, mut start: impl FnMut(usize) -> A) -> Self {
+        let count = (LANE_BYTES / size.max(1)).clamp(1, MAX_LANES);
+        Self { lanes: (0..count).map(|lane| (start(lane), Vec::new())).collect(), next: 0 }
+    }
+
+    /// Hands over the next block.
+    ///
+    /// # Errors
+    /// [`SparseError`] if a block does not fit.
+    pub fn push(&mut self, samples: Samples) -> Result<(), SparseError> {
+        let count = self.lanes.len();
+        self.lanes[self.next % count].1.push(samples);
+        self.next += 1;
+        if self.next.is_multiple_of(count * BLOCKS_PER_LANE) { self.drain() } else { Ok(()) }
+    }
+
+    /// The sum of all lanes.
+    ///
+    /// # Errors
+    /// [`SparseError`] if a block does not fit.
+    pub fn finish(mut self) -> Result<A, SparseError> {
+        self.drain()?;
+        let mut lanes = self.lanes.into_iter().map(|(sum, _)| sum);
+        let Some(mut total) = lanes.next() else {
+            return Err(SparseError::Shape { what: "the lanes", found: 0, expected: 1 });
+        };
+        lanes.try_for_each(|lane| total.merge(lane))?;
+        Ok(total)
+    }
+
+    fn drain(&mut self) -> Result<(), SparseError> {
+        self.lanes
+            .par_iter_mut()
+            .map(|(sum, blocks)| blocks.drain(..).try_for_each(|block| sum.add(&block)))
+            .collect::<Result<Vec<()>, _>>()?;
+        Ok(())
+    }
+}
+
+/// How the normal equations of a design are come by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// Moments, then gathering.
+    Moments,
+    /// Evaluate the rows, then a symmetric product.
+    Direct,
+}
+
+/// The cheaper route by multiplications: per row, and once for gathering (two per pair of atoms).
+pub fn cheaper_route(design: &Design, n_responses: usize, n_rows: usize) -> Route {
+    let evaluator = Evaluator::new(design.clone());
+    let direct = direct_cost(&evaluator, n_responses) * n_rows as f64;
+    if moment_cost_bound(design) * n_rows as f64 > direct {
+        return Route::Direct;
+    }
+    let plan = MomentPlan::new(design);
+    let gathering = 2.0 * (design.n_equations() as f64) * (design.atoms.len() as f64).powi(2);
+    let moments = plan.cost(n_responses) * n_rows as f64 + gathering;
+    if moments < direct { Route::Moments } else { Route::Direct }
+}
+
+/// At least this many multiplications per row go into moments: a cheap look before the products of
+/// a very large design are listed.
+fn moment_cost_bound(design: &Design) -> f64 {
+    design.waves.len() as f64 * design.monomials.len() as f64
+}
+
+/// Accumulates the normal equations of a design by a given route.
+pub struct GramSum<'a> {
+    way: Way<'a>,
+}
+
+enum Way<'a> {
+    Moments(&'a MomentPlan, Moments),
+    Direct(&'a Evaluator, Vec<Gram>),
+}
+
+/// A design made ready for one of the routes.
+pub enum Prepared {
+    /// Its moments are listed.
+    Moments(Box<MomentPlan>),
+    /// Its columns can be evaluated.
+    Direct(Box<Evaluator>),
+}
+
+impl Prepared {
+    /// Makes a design ready.
+    pub fn new(design: &Design, route: Route) -> Self {
+        match route {
+            Route::Moments => Self::Moments(Box::new(MomentPlan::new(design))),
+            Route::Direct => Self::Direct(Box::new(Evaluator::new(design.clone()))),
+        }
+    }
+
+    /// An empty sum.
+    pub fn start(&self, n_responses: usize) -> GramSum<'_> {
+        let way = match self {
+            Self::Moments(plan) => Way::Moments(plan, plan.start(n_responses)),
+            Self::Direct(evaluator) => {
+                let design = evaluator.design();
+                let (p, count) = (design.n_columns(), design.n_equations());
+                let own = responses_of(0, count, n_responses).len();
+                Way::Direct(evaluator, (0..count).map(|_| Gram::zeros(p, own)).collect())
+            }
+        };
+        GramSum { way }
+    }
+
+    /// Bytes of one sum.
+    pub fn size(&self, n_responses: usize) -> usize {
+        8 * match self {
+            Self::Moments(plan) => plan.size(n_responses),
+            Self::Direct(evaluator) => {
+                let design = evaluator.design();
+                design.n_equations() * design.n_columns() * (design.n_columns() + n_responses)
+            }
+        }
+    }
+}
+
+impl GramSum<'_> {
+    /// The normal equations of each equation.
+    pub fn grams(self) -> Vec<Gram> {
+        match self.way {
+            Way::Moments(plan, moments) => gather(plan, &moments),
+            Way::Direct(_, mut grams) => {
+                grams.iter_mut().for_each(Gram::mirror);
+                grams
+            }
+        }
+    }
+}
+
+impl Accumulate for GramSum<'_> {
+    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
+        match &mut self.way {
+            Way::Moments(plan, moments) => plan.accumulate(moments, samples),
+            Way::Direct(evaluator, grams) => accumulate_rows(evaluator, grams, samples),
+        }
+    }
+
+    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
+        match (&mut self.way, other.way) {
+            (Way::Moments(_, mine), Way::Moments(_, theirs)) => mine.merge(&theirs),
+            (Way::Direct(_, mine), Way::Direct(_, theirs)) => {
+                mine.iter_mut().zip(&theirs).try_for_each(|(a, b)| a.merge(b))
+            }
+            _ => Err(SparseError::Shape { what: "a route", found: 0, expected: 1 }),
+        }
+    }
+}

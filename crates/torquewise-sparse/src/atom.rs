@@ -1,0 +1,175 @@
+//! Angles and variables → atoms: one harmonic times one monomial, the letters of every library.
+
+use std::collections::BTreeMap;
+
+/// Which of the two real functions of a harmonic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Phase {
+    /// cos(k·θ)
+    Cos,
+    /// sin(k·θ)
+    Sin,
+}
+
+/// cos(k·θ) or sin(k·θ); the first non-zero entry of k is positive, so that no function
+/// has two names.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Wave {
+    multiples: Vec<i8>,
+    phase: Phase,
+}
+
+impl Wave {
+    /// The constant 1 = cos(0·θ).
+    pub fn one(n_angles: usize) -> Self {
+        Self { multiples: vec![0; n_angles], phase: Phase::Cos }
+    }
+
+    /// ±cos(k·θ) or ±sin(k·θ) with its sign, for any k; `None` for sin(0), which is zero.
+    pub fn canonical(mut multiples: Vec<i8>, phase: Phase) -> Option<(f64, Self)> {
+        let lead = multiples.iter().copied().find(|&k| k != 0);
+        let flipped = lead.is_some_and(|k| k < 0);
+        if flipped {
+            for k in &mut multiples {
+                *k = -*k;
+            }
+        }
+        match (phase, lead) {
+            (Phase::Sin, None) => None,
+            (Phase::Sin, _) if flipped => Some((-1.0, Self { multiples, phase })),
+            _ => Some((1.0, Self { multiples, phase })),
+        }
+    }
+
+    /// The integer multiples k of the angles.
+    pub fn multiples(&self) -> &[i8] {
+        &self.multiples
+    }
+
+    /// Cosine or sine.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// The product of two waves as a sum of at most two: ½ times the signed waves returned.
+    pub fn product(&self, other: &Self) -> [Option<(f64, Self)>; 2] {
+        let combine = |sign: i8| -> Vec<i8> {
+            self.multiples.iter().zip(&other.multiples).map(|(a, b)| a + sign * b).collect()
+        };
+        let (sum, difference) = (combine(1), combine(-1));
+        let signed = |sign: f64, k: Vec<i8>, phase| {
+            Self::canonical(k, phase).map(|(flip, wave)| (sign * flip, wave))
+        };
+        match (self.phase, other.phase) {
+            (Phase::Cos, Phase::Cos) => {
+                [signed(1.0, difference, Phase::Cos), signed(1.0, sum, Phase::Cos)]
+            }
+            (Phase::Sin, Phase::Sin) => {
+                [signed(1.0, difference, Phase::Cos), signed(-1.0, sum, Phase::Cos)]
+            }
+            (Phase::Sin, Phase::Cos) => {
+                [signed(1.0, difference, Phase::Sin), signed(1.0, sum, Phase::Sin)]
+            }
+            (Phase::Cos, Phase::Sin) => {
+                [signed(-1.0, difference, Phase::Sin), signed(1.0, sum, Phase::Sin)]
+            }
+        }
+    }
+}
+
+/// x^α = Π xⱼ^αⱼ.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Monomial {
+    powers: Vec<u8>,
+}
+
+impl Monomial {
+    /// The monomial with these powers α.
+    pub fn new(powers: Vec<u8>) -> Self {
+        Self { powers }
+    }
+
+    /// The powers α.
+    pub fn powers(&self) -> &[u8] {
+        &self.powers
+    }
+
+    /// x^α · x^β = x^(α+β).
+    pub fn product(&self, other: &Self) -> Self {
+        Self { powers: self.powers.iter().zip(&other.powers).map(|(a, b)| a + b).collect() }
+    }
+}
+
+/// A weighted harmonic × monomial.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Atom {
+    /// Its weight in a column.
+    pub weight: f64,
+    /// Its harmonic.
+    pub wave: Wave,
+    /// Its monomial.
+    pub monomial: Monomial,
+}
+
+/// Numbers the distinct values handed to it, in the order they come.
+#[derive(Debug)]
+pub(crate) struct Numbering<T> {
+    places: BTreeMap<T, usize>,
+    values: Vec<T>,
+}
+
+impl<T: Ord + Clone> Numbering<T> {
+    pub(crate) fn new() -> Self {
+        Self { places: BTreeMap::new(), values: Vec::new() }
+    }
+
+    pub(crate) fn place(&mut self, value: &T) -> usize {
+        if let Some(&place) = self.places.get(value) {
+            return place;
+        }
+        let place = self.values.len();
+        self.places.insert(value.clone(), place);
+        self.values.push(value.clone());
+        place
+    }
+
+    pub(crate) fn into_values(self) -> Vec<T> {
+        self.values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(wave: &Wave, theta: &[f64]) -> f64 {
+        let angle: f64 = wave.multiples().iter().zip(theta).map(|(&k, x)| f64::from(k) * x).sum();
+        match wave.phase() {
+            Phase::Cos => angle.cos(),
+            Phase::Sin => angle.sin(),
+        }
+    }
+
+    #[test]
+    fn a_product_of_waves_is_half_the_sum_of_two() {
+        let theta = [0.3, -1.1];
+        for a in [vec![1, 0], vec![2, -1], vec![0, 0], vec![-1, 2]] {
+            for b in [vec![1, 0], vec![0, 3], vec![0, 0]] {
+                for phases in [(Phase::Cos, Phase::Sin), (Phase::Sin, Phase::Sin)] {
+                    let Some((s, left)) = Wave::canonical(a.clone(), phases.0) else { continue };
+                    let Some((r, right)) = Wave::canonical(b.clone(), phases.1) else { continue };
+
+                    let sum: f64 = left
+                        .product(&right)
+                        .iter()
+                        .flatten()
+                        .map(|(sign, wave)| 0.5 * sign * value(wave, &theta))
+                        .sum();
+
+                    let direct = value(&left, &theta) * value(&right, &theta);
+                    assert!((sum - direct).abs() < 1e-15, "{s} {r} {left:?} {right:?}");
+                }
+            }
+        }
+    }
+}

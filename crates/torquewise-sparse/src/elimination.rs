@@ -1,0 +1,157 @@
+//! Information matrix, scores → terms with standard errors: the least significant goes first [E5].
+
+use crate::cholesky;
+use crate::error::SparseError;
+use crate::problem::{nonzero, require};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+
+/// Estimating equations A c = b with the spread of their right-hand side.
+#[derive(Clone, Debug)]
+pub struct Equations {
+    /// A, p×p, symmetric: XᵀX, less what noise in X adds to it.
+    pub information: Mat<f64>,
+    /// b, p: Xᵀy.
+    pub right: Vec<f64>,
+    /// Ω, p×p: covariance of b − A c, so that c has the covariance A⁻¹ΩA⁻¹ (the sandwich).
+    pub spread: Mat<f64>,
+    /// Least |c| of each column that can be told from rounding, p.
+    pub floor: Vec<f64>,
+}
+
+/// What is left when every remaining term is significant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Columns kept, ascending.
+    pub active: Vec<usize>,
+    /// Their weights, in the same order.
+    pub coefficients: Vec<f64>,
+    /// Standard errors of the weights, in the same order.
+    pub std_errors: Vec<f64>,
+}
+
+/// Above this many columns, clearly insignificant ones leave several at a time.
+const ONE_BY_ONE: usize = 120;
+/// A column with t² below this is clearly insignificant.
+const CLEARLY: f64 = 1.0;
+
+impl Equations {
+    /// Drops the column of the smallest t² = c²/var(c), solves again, and stops when all that
+    /// remain have t² ≥ `threshold`.
+    ///
+    /// Returns `None` if A is not positive definite on these columns.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if the parts differ in size, [`SparseError::Setting`] for a threshold
+    /// that is negative or not finite.
+    pub fn eliminate(&self, threshold: f64) -> Result<Option<Estimate>, SparseError> {
+        require("the threshold of t²", threshold, threshold >= 0.0, "zero or more")?;
+        self.check()?;
+        let mut active: Vec<usize> =
+            (0..self.right.len()).filter(|&j| self.information[(j, j)] > 0.0).collect();
+        loop {
+            let Some(fit) = self.solve(&active) else { return Ok(None) };
+            let leaving = weakest(&fit.t_squared, threshold);
+            if leaving.is_empty() {
+                return Ok(Some(Estimate {
+                    active,
+                    coefficients: fit.coefficients,
+                    std_errors: fit.std_errors,
+                }));
+            }
+            let mut place = 0;
+            active.retain(|_| {
+                place += 1;
+                leaving.binary_search(&(place - 1)).is_err()
+            });
+        }
+    }
+
+    fn check(&self) -> Result<(), SparseError> {
+        let expected = self.right.len();
+        for (what, found) in [
+            ("the information matrix", self.information.nrows()),
+            ("the information matrix", self.information.ncols()),
+            ("the spread", self.spread.nrows()),
+            ("the spread", self.spread.ncols()),
+            ("the floor", self.floor.len()),
+        ] {
+            if found != expected {
+                return Err(SparseError::Shape { what, found, expected });
+            }
+        }
+        Ok(())
+    }
+
+    fn solve(&self, active: &[usize]) -> Option<Fit> {
+        let size = active.len();
+        if size == 0 {
+            return Some(Fit::default());
+        }
+        // Columns of unit length, lest units decide what is singular.
+        let length: Vec<f64> = active.iter().map(|&j| self.information[(j, j)].sqrt()).collect();
+        let pick = |from: &Mat<f64>| {
+            Mat::from_fn(size, size, |i, j| {
+                from[(active[i], active[j])] / (length[i] * length[j])
+            })
+        };
+        let inverse = cholesky::inverse(pick(&self.information))?;
+        let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
+
+        let mut fit = Fit::default();
+        for (j, &column) in active.iter().enumerate() {
+            let solved: f64 =
+                (0..size).map(|i| inverse[(j, i)] * self.right[active[i]] / length[i]).sum();
+            let variance: f64 = (0..size).map(|i| half[(j, i)] * inverse[(i, j)]).sum();
+            let (coefficient, std_error) = (solved / length[j], variance.max(0.0).sqrt() / length[j]);
+            let resolved = coefficient.abs() > self.floor[column];
+            let t = if resolved { coefficient / std_error.max(f64::MIN_POSITIVE) } else { 0.0 };
+            fit.coefficients.push(coefficient);
+            fit.std_errors.push(std_error);
+            fit.t_squared.push(t * t);
+        }
+        Some(fit)
+    }
+}
+
+#[derive(Default)]
+struct Fit {
+    coefficients: Vec<f64>,
+    std_errors: Vec<f64>,
+    t_squared: Vec<f64>,
+}
+
+/// Places to leave out next, ascending: the weakest one below the threshold, or while there are
+/// many, a tenth of them among those that are clearly insignificant.
+fn weakest(t_squared: &[f64], threshold: f64) -> Vec<usize> {
+    let mut order: Vec<usize> =
+        (0..t_squared.len()).filter(|&j| t_squared[j] < threshold).collect();
+    order.sort_by(|&a, &b| t_squared[a].total_cmp(&t_squared[b]).then(a.cmp(&b)));
+    let clear = order.iter().filter(|&&j| t_squared[j] < CLEARLY).count();
+    let at_once = if t_squared.len() > ONE_BY_ONE { clear.min(t_squared.len() / 10) } else { 1 };
+    order.truncate(at_once.max(1));
+    order.sort_unstable();
+    order
+}
+
+fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(a.nrows(), b.ncols());
+    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    out
+}
+
+impl Estimate {
+    /// The weights of all p columns, zero where a column was dropped.
+    pub fn dense(&self, n_columns: usize) -> Vec<f64> {
+        let mut out = vec![0.0; n_columns];
+        for (&j, &c) in self.active.iter().zip(&self.coefficients) {
+            out[j] = c;
+        }
+        out
+    }
+
+    /// Whether a dense vector of weights has the same support.
+    pub fn same_support(&self, coefficients: &[f64]) -> bool {
+        nonzero(coefficients, coefficients.len()) == self.active
+    }
+}

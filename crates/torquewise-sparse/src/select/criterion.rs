@@ -1,0 +1,195 @@
+//! Normal equations → terms that explain more than noise: forward, then backward, by t² [E5].
+
+use crate::cholesky;
+use crate::error::SparseError;
+use crate::problem::{Problem, Selection};
+use faer::Mat;
+
+/// Judges a term by what it explains against the noise.
+///
+/// A term stays if t² ≥ ln m + 2γ ln p: the extended Bayesian information criterion, with γ = 0 the
+/// usual one. Where the columns are independent and few enough, all are fitted and the weakest
+/// leave one by one; else terms enter one by one by what they explain, then the weakest leave.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criterion {
+    /// γ, zero or more: how much harder it is to be one of many candidates.
+    pub gamma: f64,
+    /// Above this many columns terms enter one by one.
+    pub all_at_once: usize,
+    /// At most this many terms enter.
+    pub most: usize,
+}
+
+impl Default for Criterion {
+    fn default() -> Self {
+        Self { gamma: 1.0, all_at_once: 1200, most: 400 }
+    }
+}
+
+impl Criterion {
+    /// The least t² that keeps a term of p candidates in m rows.
+    pub fn threshold(&self, rows: f64, n_columns: usize) -> f64 {
+        rows.max(1.0).ln() + 2.0 * self.gamma * (n_columns.max(1) as f64).ln()
+    }
+
+    /// Selects, and refits what is kept by least squares.
+    ///
+    /// # Errors
+    /// [`SparseError`] if a setting is out of range.
+    pub fn select(&self, problem: &Problem) -> Result<Selection, SparseError> {
+        crate::problem::require("gamma", self.gamma, self.gamma >= 0.0, "zero or more")?;
+        let standard = problem.standardised();
+        let inner = &standard.problem;
+        let usable: Vec<usize> =
+            (0..problem.n_columns()).filter(|&j| standard.scale[j] > 0.0).collect();
+        let threshold = self.threshold(problem.rows(), usable.len());
+
+        let determined = (usable.len() as f64) < problem.rows();
+        let all = if determined && usable.len() <= self.all_at_once {
+            Full::new(inner, &usable)
+        } else {
+            None
+        };
+        let full = all.unwrap_or_else(|| {
+            let entered = forward(inner, &usable, threshold, self.most);
+            Full::new(inner, &entered).unwrap_or_else(|| Full::none(inner))
+        });
+        let kept = full.backward(inner, threshold);
+        Ok(problem.refit(&kept)?.into_selection(None))
+    }
+}
+
+/// A least-squares fit with its inverse Gram matrix, from which columns can be taken one by one.
+struct Full {
+    active: Vec<usize>,
+    inverse: Mat<f64>,
+    coefficients: Vec<f64>,
+    residual: f64,
+}
+
+impl Full {
+    fn none(problem: &Problem) -> Self {
+        Self {
+            active: Vec::new(),
+            inverse: Mat::zeros(0, 0),
+            coefficients: Vec::new(),
+            residual: problem.energy(),
+        }
+    }
+
+    /// Fits all of `active`; `None` if they depend on each other.
+    fn new(problem: &Problem, active: &[usize]) -> Option<Self> {
+        let size = active.len();
+        if size == 0 {
+            return Some(Self::none(problem));
+        }
+        if !problem.refit(active).ok()?.dependent.is_empty() {
+            return None;
+        }
+        let gram = Mat::from_fn(size, size, |i, j| problem.gram()[(active[i], active[j])]);
+        let inverse = cholesky::inverse(gram)?;
+        let coefficients: Vec<f64> = (0..size)
+            .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.cross()[active[i]]).sum())
+            .collect();
+        let explained: f64 =
+            coefficients.iter().zip(active).map(|(c, &j)| c * problem.cross()[j]).sum();
+        let residual = (problem.energy() - explained).max(problem.resolution());
+        Some(Self { active: active.to_vec(), inverse, coefficients, residual })
+    }
+
+    /// Drops the weakest column while its t² is below the threshold; the noise is that of the full
+    /// fit, lest dropping terms makes others look weak. Returns the columns kept.
+    fn backward(mut self, problem: &Problem, threshold: f64) -> Vec<usize> {
+        let freedom = (problem.rows() - self.active.len() as f64).max(1.0);
+        let noise = self.residual / freedom;
+        let mut alive: Vec<usize> = (0..self.active.len()).collect();
+        loop {
+            let loss =
+                |&place: &usize| self.coefficients[place].powi(2) / self.inverse[(place, place)];
+            let Some(weakest) =
+                alive.iter().copied().min_by(|a, b| loss(a).total_cmp(&loss(b)).then(a.cmp(b)))
+            else {
+                return Vec::new();
+            };
+            if loss(&weakest) >= threshold * noise {
+                return alive.into_iter().map(|place| self.active[place]).collect();
+            }
+            alive.retain(|&place| place != weakest);
+            self.leave_out(weakest, &alive);
+        }
+    }
+
+    /// Inverse and coefficients without one column, by a rank-one change.
+    fn leave_out(&mut self, gone: usize, alive: &[usize]) {
+        let pivot = self.inverse[(gone, gone)];
+        let column: Vec<f64> = self.inverse.col_as_slice(gone).to_vec();
+        let share = self.coefficients[gone] / pivot;
+        for &j in alive {
+            self.coefficients[j] -= column[j] * share;
+            let factor = column[j] / pivot;
+            let target = self.inverse.col_as_slice_mut(j);
+            for &i in alive {
+                target[i] -= column[i] * factor;
+            }
+        }
+    }
+}
+
+/// A column whose part unexplained by the others is below this share of it adds nothing but noise.
+const DEPENDENT: f64 = 1e-9;
+
+/// Orthogonal forward selection: at each turn the column that explains most of what is left enters,
+/// while it explains more than the threshold asks of the noise left.
+fn forward(problem: &Problem, usable: &[usize], threshold: f64, most: usize) -> Vec<usize> {
+    let rows = problem.rows();
+    let mut entered: Vec<usize> = Vec::new();
+    let mut factors: Vec<Vec<f64>> = Vec::new();
+    let mut own: Vec<f64> = usable.iter().map(|&j| problem.gram()[(j, j)]).collect();
+    let mut cross: Vec<f64> = usable.iter().map(|&j| problem.cross()[j]).collect();
+    let mut left = problem.energy();
+    while entered.len() < most.min(usable.len()) {
+        let gain = |place: usize| {
+            if own[place] > DEPENDENT * rows { cross[place].powi(2) / own[place] } else { 0.0 }
+        };
+        let best = (0..usable.len())
+            .map(|place| (place, gain(place)))
+            .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+        let freedom = (rows - entered.len() as f64).max(1.0);
+        let noise = (left - best.1).max(problem.resolution()) / freedom;
+        if best.1 <= threshold * noise || left <= problem.resolution() {
+            break;
+        }
+        let factor = orthogonal_part(problem, usable, &factors, best.0, own[best.0].sqrt());
+        let scaled = cross[best.0] / own[best.0].sqrt();
+        for (place, l) in factor.iter().enumerate() {
+            own[place] -= l * l;
+            cross[place] -= l * scaled;
+        }
+        own[best.0] = 0.0;
+        left -= best.1;
+        factors.push(factor);
+        entered.push(usable[best.0]);
+    }
+    entered.sort_unstable();
+    entered
+}
+
+/// The next column of the Cholesky factor: what each column shares with the one that enters, beyond
+/// what those before explain.
+fn orthogonal_part(
+    problem: &Problem,
+    usable: &[usize],
+    factors: &[Vec<f64>],
+    enters: usize,
+    pivot: f64,
+) -> Vec<f64> {
+    let gram = problem.gram();
+    let mut part: Vec<f64> = usable.iter().map(|&j| gram[(j, usable[enters])]).collect();
+    for before in factors {
+        let weight = before[enters];
+        for (value, l) in part.iter_mut().zip(before) {
+            *value -= weight * l;
+        }
+    }
+    part.into_iter().map(|value| value / pivot).collect()
+}

@@ -1,0 +1,97 @@
+//! Rows → R factor: [X y] = QR without Q, block by block, never squaring the condition [E6].
+
+use crate::error::SparseError;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::qr::no_pivoting::factor;
+use faer::{Mat, MatRef, Par};
+
+/// The R factor of the rows seen so far; stacking two and factoring again merges them.
+#[derive(Clone, Debug)]
+pub struct Triangle {
+    r: Mat<f64>,
+    rows: usize,
+}
+
+impl Triangle {
+    /// The factor of no rows, for k columns.
+    pub fn new(n_columns: usize) -> Self {
+        Self { r: Mat::zeros(n_columns, n_columns), rows: 0 }
+    }
+
+    /// R, k×k, upper triangular.
+    pub fn r(&self) -> MatRef<'_, f64> {
+        self.r.as_ref()
+    }
+
+    /// Rows seen.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds rows, m×k.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if the rows have another number of columns.
+    pub fn add(&mut self, rows: MatRef<'_, f64>) -> Result<(), SparseError> {
+        let k = self.r.ncols();
+        if rows.ncols() != k {
+            let found = rows.ncols();
+            return Err(SparseError::Shape { what: "rows for a triangle", found, expected: k });
+        }
+        let mut stacked = Mat::zeros(k + rows.nrows(), k);
+        stacked.subrows_mut(0, k).copy_from(&self.r);
+        stacked.subrows_mut(k, rows.nrows()).copy_from(rows);
+        self.r = upper_factor(stacked);
+        self.rows += rows.nrows();
+        Ok(())
+    }
+
+    /// Adds the rows another has seen.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if the other has another number of columns.
+    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+        let rows = self.rows + other.rows;
+        self.add(other.r())?;
+        self.rows = rows;
+        Ok(())
+    }
+}
+
+/// R of a tall matrix by Householder reflections, sequential for the same bits everywhere.
+fn upper_factor(mut stacked: Mat<f64>) -> Mat<f64> {
+    let (m, k) = (stacked.nrows(), stacked.ncols());
+    let block = factor::recommended_block_size::<f64>(m, k);
+    let mut coefficients = Mat::zeros(block, m.min(k));
+    let scratch =
+        factor::qr_in_place_scratch::<f64>(m, k, block, Par::Seq, faer::Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    factor::qr_in_place(
+        stacked.as_mut(),
+        coefficients.as_mut(),
+        Par::Seq,
+        MemStack::new(&mut memory),
+        faer::Spec::default(),
+    );
+    Mat::from_fn(k, k, |i, j| if i <= j { stacked[(i, j)] } else { 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn r_transposed_times_r_is_the_gram_matrix_of_all_rows() {
+        let x = Mat::from_fn(37, 4, |i, j| ((i * 7 + j * 3) as f64).sin());
+
+        let (mut left, mut right) = (Triangle::new(4), Triangle::new(4));
+        left.add(x.subrows(0, 20)).unwrap();
+        right.add(x.subrows(20, 17)).unwrap();
+        left.merge(&right).unwrap();
+
+        let gram = x.transpose() * &x;
+        let factored = left.r().transpose() * left.r();
+        assert!((gram - factored).norm_max() < 1e-13);
+        assert_eq!(left.rows(), 37);
+    }
+}
