@@ -2,6 +2,7 @@
 
 use faer::MatRef;
 use torquewise_motion::Motion;
+use torquewise_sparse::kmeans::{KMeans, kmeans};
 
 /// Which constants the index uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,13 +36,10 @@ pub struct Activation {
 
 /// A joint moves with all its might at this quantile of its speeds: the largest may be an outlier.
 const RANGE_QUANTILE: f64 = 0.98;
-/// If a twentieth of a log is still, this quantile of ‖a′‖₁ is noise.
-const NOISE_QUANTILE: f64 = 0.05;
-/// The arm clearly moves at this many times the noise floor, and at least at a tenth of its range.
-const CLEARLY_OVER_NOISE: f64 = 10.0;
-const CLEARLY_IN_RANGE: f64 = 0.1;
-/// tanh(3) = 0.995: the switch is on where the arm clearly moves.
-const SWITCHED_ON: f64 = 3.0;
+/// Rates below this part of the range count as this part: the logarithm of zero is no number.
+const LEAST_RATE: f64 = 1e-3;
+/// tanh⁻¹(½): the switch is half on halfway, on a log scale, between noise and motion.
+const HALF_ON: f64 = 0.549_306_144_334_054_8;
 /// n·W: how far the signed term spreads a cluster along its axis.
 const SPREAD: f64 = 0.25;
 
@@ -70,12 +68,17 @@ impl Index {
         for s in &mut scale {
             *s = if largest > 0.0 { s.max(0.05 * largest) } else { 1.0 };
         }
-        let mut norms: Vec<f64> = (0..rates.nrows())
-            .map(|row| (0..n).map(|joint| (rates[(row, joint)] / scale[joint]).abs()).sum())
+        let sizes: Vec<[f64; 1]> = (0..rates.nrows())
+            .map(|row| {
+                let norm: f64 = (0..n).map(|joint| (rates[(row, joint)] / scale[joint]).abs()).sum();
+                [norm.max(LEAST_RATE).ln()]
+            })
             .collect();
-        let noise = quantile(&mut norms, NOISE_QUANTILE);
-        let clearly = (CLEARLY_OVER_NOISE * noise).clamp(CLEARLY_IN_RANGE, 1.0);
-        Self { scale, sensitivity: SWITCHED_ON / clearly, weight: SPREAD / n.max(1) as f64 }
+        // Rows at rest and rows in motion are two heaps on a log scale, noise or not.
+        let halfway = kmeans(&sizes, 2, &KMeans::default())
+            .map_or(0.0, |heaps| 0.5 * (heaps.centres[0][0] + heaps.centres[1][0]));
+        let sensitivity = HALF_ON / halfway.exp();
+        Self { scale, sensitivity, weight: SPREAD / n.max(1) as f64 }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Standstill rows → noise floor: the white noise in q, q̇ and q̈ of each joint [E7].
 
+use crate::activation::quantile;
 use crate::error::IdentifyError;
 use crate::patterns::Patterns;
 use faer::MatRef;
@@ -37,45 +38,56 @@ pub fn noise_floor(
     Ok(sum.finish())
 }
 
-/// Sums of squared second differences over standstill rows: a slow drift does not count as noise.
+/// Mean squared second differences of standstill rows, block by block: a slow drift does not count
+/// as noise, and the median over blocks shrugs off a few rows taken for standstill by mistake.
 #[derive(Clone, Debug)]
 pub(crate) struct NoiseSum {
-    squares: [Vec<f64>; 3],
+    /// `[signal][joint]` → one mean square per block.
+    squares: [Vec<Vec<f64>>; 3],
     rows: usize,
 }
 
-/// Fewer rows say too little about a variance.
-const LEAST_ROWS: usize = 200;
+/// A block with fewer such rows says too little about a variance.
+const LEAST_ROWS: usize = 30;
+/// Blocks remembered, so that memory does not grow with the log.
+const MOST_BLOCKS: usize = 4096;
 /// x₋ − 2x + x₊ of white noise has the variance 6σ².
 const SECOND_DIFFERENCE: f64 = 6.0;
 
 impl NoiseSum {
     pub(crate) fn new(n_joints: usize) -> Self {
-        Self { squares: std::array::from_fn(|_| vec![0.0; n_joints]), rows: 0 }
+        Self { squares: std::array::from_fn(|_| vec![Vec::new(); n_joints]), rows: 0 }
     }
 
     /// Adds the rows whose neighbours stand still too.
     pub(crate) fn add(&mut self, block: &Motion, labels: &[Pattern]) {
-        for (row, neighbours) in labels.windows(3).enumerate() {
-            if neighbours.iter().any(|&pattern| pattern != Pattern::Standstill) {
-                continue;
-            }
-            let signals = [block.q(), block.dq(), block.ddq()];
-            for (squares, signal) in self.squares.iter_mut().zip(signals) {
-                for (joint, square) in squares.iter_mut().enumerate() {
-                    *square += second_difference(signal, row, joint).powi(2);
+        let still: Vec<usize> = labels
+            .windows(3)
+            .enumerate()
+            .filter(|(_, three)| three.iter().all(|&pattern| pattern == Pattern::Standstill))
+            .map(|(row, _)| row)
+            .collect();
+        self.rows += still.len();
+        if still.len() < LEAST_ROWS {
+            return;
+        }
+        let signals = [block.q(), block.dq(), block.ddq()];
+        for (squares, signal) in self.squares.iter_mut().zip(signals) {
+            for (joint, blocks) in squares.iter_mut().enumerate() {
+                let sum: f64 =
+                    still.iter().map(|&row| second_difference(signal, row, joint).powi(2)).sum();
+                if blocks.len() < MOST_BLOCKS {
+                    blocks.push(sum / still.len() as f64);
                 }
             }
-            self.rows += 1;
         }
     }
 
     pub(crate) fn finish(self) -> NoiseFloor {
-        let enough = self.rows >= LEAST_ROWS;
-        let count = SECOND_DIFFERENCE * self.rows.max(1) as f64;
-        let [q, dq, ddq] = self.squares.map(|squares| {
-            squares.iter().map(|s| if enough { (s / count).sqrt() } else { 0.0 }).collect()
-        });
+        let deviation =
+            |mut blocks: Vec<f64>| (quantile(&mut blocks, 0.5) / SECOND_DIFFERENCE).sqrt();
+        let [q, dq, ddq] =
+            self.squares.map(|signal| signal.into_iter().map(deviation).collect::<Vec<f64>>());
         NoiseFloor { q, dq, ddq, rows: self.rows }
     }
 }

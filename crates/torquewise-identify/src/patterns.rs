@@ -10,7 +10,7 @@ use torquewise_sparse::kmeans::{KMeans, kmeans};
 /// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 9;
 /// An index above this means that the joints are switched on.
-const SWITCHED_ON: f64 = 0.5;
+const HALF: f64 = 0.5;
 /// A pattern of fewer rows of the sample than this part of it is not there.
 const LEAST_SHARE: f64 = 0.005;
 
@@ -34,6 +34,8 @@ pub struct Patterns {
     pub centres: Vec<[f64; 2]>,
     /// Pattern of each cluster, k; several clusters may share one.
     pub names: Vec<Pattern>,
+    /// Where I(q̇) and I(q̈) switch on; `None` with the printed index.
+    pub switches: Option<[f64; 2]>,
     /// Inertia for 1, 2, … clusters: the elbow curve.
     pub inertia: Vec<f64>,
     /// Patterns that have a cluster.
@@ -66,7 +68,11 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let Some(clustering) = clusterings.into_iter().nth(chosen - 1) else {
         return Err(IdentifyError::TooFewRows { rows: 0, needed: 1, joints: survey.joints.len() });
     };
-    let names: Vec<Pattern> = clustering.centres.iter().map(name_of).collect();
+    let names: Vec<Pattern> = clustering
+        .centres
+        .iter()
+        .map(|centre| named(centre[0] > HALF, centre[1] > HALF))
+        .collect();
     let mut rows = [0_usize; 3];
     for &cluster in &clustering.assignment {
         rows[place_of(names[cluster])] += 1;
@@ -74,16 +80,15 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let least = LEAST_SHARE * points.len() as f64;
     let present =
         Pattern::ALL.into_iter().filter(|&name| rows[place_of(name)] as f64 > least).collect();
-    Ok(Patterns { activation, centres: clustering.centres, names, inertia, present })
+    let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&clustering.centres));
+    Ok(Patterns { activation, centres: clustering.centres, names, switches, inertia, present })
 }
 
-fn name_of(centre: &[f64; 2]) -> Pattern {
-    if centre[1] > SWITCHED_ON {
-        Pattern::VariableVelocity
-    } else if centre[0] > SWITCHED_ON {
-        Pattern::UniformVelocity
-    } else {
-        Pattern::Standstill
+fn named(moves: bool, accelerates: bool) -> Pattern {
+    match (moves, accelerates) {
+        (_, true) => Pattern::VariableVelocity,
+        (true, false) => Pattern::UniformVelocity,
+        (false, false) => Pattern::Standstill,
     }
 }
 
@@ -108,8 +113,20 @@ impl Patterns {
     }
 
     /// Pattern of each row of a motion, m.
+    ///
+    /// With the scaled index, each of I(q̈) and I(q̇) is a switch that is on beyond the middle between
+    /// the clusters on its two sides; with the printed one, the nearest centre names the row.
     pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
-        self.activation.over(motion).iter().map(|point| self.nearest(point)).collect()
+        self.activation
+            .over(motion)
+            .iter()
+            .map(|point| match self.switches {
+                Some([velocity, acceleration]) => {
+                    named(point[0] > velocity, point[1] > acceleration)
+                }
+                None => self.nearest(point),
+            })
+            .collect()
     }
 
     fn nearest(&self, point: &[f64; 2]) -> Pattern {
@@ -123,4 +140,21 @@ impl Patterns {
             .min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
         near.map_or(Pattern::VariableVelocity, |(_, &name)| name)
     }
+}
+
+/// Where each index switches: between the clusters below and above one half, or at one half where
+/// there are none on a side.
+///
+/// A row at rest that begins to accelerate lies far from the centre of the rows that move and
+/// accelerate, and nearer to standstill, though its acceleration is plain.
+fn switches(centres: &[[f64; 2]]) -> [f64; 2] {
+    std::array::from_fn(|axis| {
+        let side = |on: bool| {
+            let side = centres.iter().map(|centre| centre[axis]).filter(|&x| (x > HALF) == on);
+            side.collect::<Vec<f64>>()
+        };
+        let off = side(false).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let on = side(true).into_iter().fold(f64::INFINITY, f64::min);
+        if off.is_finite() && on.is_finite() { 0.5 * (off + on) } else { HALF }
+    })
 }
