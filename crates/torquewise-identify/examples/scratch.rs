@@ -14,6 +14,7 @@ fn main() {
         let test = simulate(&arm, &MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 }).unwrap();
         let mut plan = match which { "product" => Plan::product(), "sindy" => Plan::sindy(), _ => Plan::default() };
         if args.contains(&"raw".to_string()) { plan.noise_correction = false; }
+        if args.contains(&"stlsq".to_string()) { plan.selector = torquewise_sparse::select::Selector::Stlsq(torquewise_sparse::select::stlsq::Stlsq { threshold: 0.1, ..Default::default() }); }
         if args.contains(&"lasso".to_string()) { plan.selector = torquewise_sparse::select::Selector::Lasso(Default::default()); }
         let t = Instant::now();
         let mut last = (t, String::new());
