@@ -46,9 +46,7 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: &[f64]) -> Solution {
     let found = factored.map_or(0, |(rank, _)| rank.rank);
     let largest = if found > 0 { matrix[(0, 0)] } else { 0.0 };
     let floor = DEPENDENCE.sqrt() * largest;
-    let rank = (0..found)
-        .position(|i| matrix[(i, i)] <= floor)
-        .unwrap_or(found);
+    let rank = (0..found).position(|i| matrix[(i, i)] <= floor).unwrap_or(found);
 
     let mut x = Mat::from_fn(rank, 1, |i, _| right[order[i]]);
     let factor = matrix.submatrix(0, 0, rank, rank);
@@ -68,10 +66,12 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: &[f64]) -> Solution {
 pub(crate) fn inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
     let size = matrix.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
-    let mut memory = MemBuffer::new(scratch.or(llt::inverse::inverse_scratch::<f64>(size, Par::Seq)));
+    let mut memory =
+        MemBuffer::new(scratch.or(llt::inverse::inverse_scratch::<f64>(size, Par::Seq)));
     let stack = MemStack::new(&mut memory);
     let plain = llt::factor::LltRegularization::default();
-    llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default()).ok()?;
+    llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default())
+        .ok()?;
     let mut out = Mat::zeros(size, size);
     llt::inverse::inverse(out.as_mut(), matrix.as_ref(), Par::Seq, MemStack::new(&mut memory));
     for j in 0..size {
@@ -94,10 +94,7 @@ mod tests {
 
         assert!(solution.dependent.is_empty());
         for value in solution.values {
-            assert!(
-                (value - 1.0).abs() < 1e-14,
-                "three pivots, a few roundings: {value}"
-            );
+            assert!((value - 1.0).abs() < 1e-14, "three pivots, a few roundings: {value}");
         }
     }
 

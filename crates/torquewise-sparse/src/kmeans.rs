@@ -1,4 +1,4 @@
-//! Points → clusters: k-means, and the number of clusters that the inertia speaks for.
+//! Points → clusters: k-means, the best of several starts.
 
 use crate::error::SparseError;
 use crate::problem::require;
@@ -13,19 +13,14 @@ const CHUNK: usize = 8192;
 /// Points on which the restarts compete; the winner goes on with all of them.
 const SAMPLE: usize = 20_000;
 
-/// A further cluster must lower the root mean square distance to the centre by this part of what
-/// it is for one cluster.
-const PRICE: f64 = 0.15;
-
-/// Inertia falls as 1/k for a shapeless cloud in the plane; clusters make it fall faster than this
-/// power of k.
-const SHAPELESS: f64 = 1.25;
-
 /// How k-means searches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KMeans {
     /// Starts drawn by k-means++, one or more.
     pub restarts: usize,
+    /// A centre stands still if it moves by no more than this part of the root mean square
+    /// distance of the points to their centres; zero or more.
+    pub tolerance: f64,
     /// Bound on the moves of the centres, one or more.
     pub max_iterations: usize,
     /// Seed of the starts. The same seed gives the same bits at any number of threads.
@@ -33,26 +28,23 @@ pub struct KMeans {
 }
 
 impl Default for KMeans {
-    /// Eight starts, at most 300 moves.
+    /// Eight starts, at most 300 moves, each of more than 1e-4 of the spread.
     fn default() -> Self {
-        Self {
-            restarts: 8,
-            max_iterations: 300,
-            seed: 0,
-        }
+        Self { restarts: 8, tolerance: 1e-4, max_iterations: 300, seed: 0 }
     }
 }
 
 /// Points shared out among centres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clustering<const D: usize> {
-    /// Mean of each cluster's points, k, in ascending order of the sum of its coordinates.
+    /// Mean of each cluster's points, k, in ascending order of the sum of its coordinates; within
+    /// the tolerance of [`KMeans`].
     pub centres: Vec<[f64; D]>,
     /// Cluster of each point, m.
     pub assignment: Vec<usize>,
     /// Sum of the squared distances of all points to their centres.
     pub inertia: f64,
-    /// Moves of the centres on all points until none moved, or the bound.
+    /// Moves of the centres over all points.
     pub iterations: usize,
 }
 
@@ -61,8 +53,8 @@ pub struct Clustering<const D: usize> {
 /// - `points`: m points in D dimensions
 /// - `k`: number of clusters, 1 to m
 ///
-/// Stops when no centre moves, or at `max_iterations`. A cluster that runs empty gets the point
-/// farthest from its centre. More points than 20 000 are sampled for the restarts.
+/// Stops when all centres stand still, or at `max_iterations`. A cluster that runs empty gets the
+/// point farthest from its centre. Of more than 20 000 points a sample decides between the starts.
 ///
 /// Source: paper, algorithm 1, with its stopping rule put right. Checked against: planted
 /// clusters, and the best of all partitions of a few points.
@@ -76,82 +68,40 @@ pub fn kmeans<const D: usize>(
     settings: &KMeans,
 ) -> Result<Clustering<D>, SparseError> {
     if k == 0 || k > points.len() {
-        return Err(SparseError::Clusters {
-            clusters: k,
-            points: points.len(),
-        });
+        return Err(SparseError::Clusters { clusters: k, points: points.len() });
     }
-    let KMeans {
-        restarts,
-        max_iterations,
-        seed,
-    } = *settings;
-    require("restarts", restarts as f64, restarts > 0, "one or more")?;
-    require(
-        "max_iterations",
-        max_iterations as f64,
-        max_iterations > 0,
-        "one or more",
-    )?;
-    if let Some(entry) = points
-        .iter()
-        .position(|point| point.iter().any(|x| !x.is_finite()))
-    {
-        return Err(SparseError::NotFinite {
-            what: "a point",
-            entry,
-        });
+    settings.check()?;
+    if let Some(entry) = points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
+        return Err(SparseError::NotFinite { what: "a point", entry });
     }
 
-    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
     let sample = sample_of(points, k, &mut rng);
     let competitors = sample.as_deref().unwrap_or(points);
-    let mut best = lloyd(competitors, start(competitors, k, &mut rng), max_iterations);
-    for _ in 1..restarts {
-        let other = lloyd(competitors, start(competitors, k, &mut rng), max_iterations);
+    let mut best = lloyd(competitors, start(competitors, k, &mut rng), settings);
+    for _ in 1..settings.restarts {
+        let other = lloyd(competitors, start(competitors, k, &mut rng), settings);
         if other.inertia < best.inertia {
             best = other;
         }
     }
     if sample.is_some() {
-        best = lloyd(points, best.centres, max_iterations);
+        best = lloyd(points, best.centres, settings);
     }
     Ok(in_order(best))
 }
 
-/// Number of clusters at the elbow of an inertia curve.
-///
-/// - `inertias`: inertia for 1, 2, 3, … clusters; six or more show an elbow well
-///
-/// The rule: k minimises √(Iₖ/I₁) + 0.15 k, so each further cluster must take 15 % off the root
-/// mean square distance; but one cluster, unless Iₖ < I₁ k^−1.25 for some k. A uniform or normal
-/// cloud in the plane keeps Iₖ ≥ I₁/k but for a few percent. The price is the middle of the range,
-/// 0.13 to 0.16, that finds planted clusters of various spread and the three patterns of simulated
-/// moves; Iₖ beyond the elbow, and how many there are, play no part. Hence at most six clusters
-/// are found, and points strewn along a line pass for clusters.
-///
-/// An empty curve gives 0, one without spread 1.
-pub fn elbow(inertias: &[f64]) -> usize {
-    let Some(&first) = inertias.first() else {
-        return 0;
-    };
-    let part = |inertia: f64| (inertia / first).clamp(0.0, 1.0);
-    let counted = || (1_u32..).zip(inertias);
-    let falls = |(k, &inertia): (u32, &f64)| k > 1 && part(inertia) < f64::from(k).powf(-SHAPELESS);
-    if first <= 0.0 || !counted().any(falls) {
-        return 1;
+impl KMeans {
+    fn check(&self) -> Result<(), SparseError> {
+        let Self { restarts, tolerance, max_iterations, .. } = *self;
+        require("restarts", restarts as f64, restarts > 0, "one or more")?;
+        require("tolerance", tolerance, tolerance >= 0.0, "zero or more")?;
+        require("max_iterations", max_iterations as f64, max_iterations > 0, "one or more")
     }
-    let cost = |(k, &inertia): (u32, &f64)| part(inertia).sqrt() + PRICE * f64::from(k);
-    let costs: Vec<f64> = counted().map(cost).collect();
-    let cheapest = costs.iter().copied().fold(f64::INFINITY, f64::min);
-    costs
-        .iter()
-        .position(|&cost| cost <= cheapest)
-        .map_or(1, |at| at + 1)
 }
 
 /// Points for the restarts, in their order; none where all of them will do.
-fn sample_of<const D: usize>(
+pub(crate) fn sample_of<const D: usize>(
     points: &[[f64; D]],
     k: usize,
     rng: &mut ChaCha8Rng,
@@ -186,24 +136,21 @@ fn start<const D: usize>(points: &[[f64; D]], k: usize, rng: &mut ChaCha8Rng) ->
     centres
 }
 
-/// Moves each centre to the mean of its points until none moves.
+/// Moves each centre to the mean of its points until all stand still.
 fn lloyd<const D: usize>(
     points: &[[f64; D]],
     mut centres: Vec<[f64; D]>,
-    max_iterations: usize,
+    settings: &KMeans,
 ) -> Clustering<D> {
     let mut assignment = vec![0; points.len()];
     let mut iterations = 0;
     loop {
         let tally = assign(points, &centres, &mut assignment);
         let moved = tally.means(&centres, points);
-        if moved == centres || iterations == max_iterations {
-            return Clustering {
-                centres,
-                assignment,
-                inertia: tally.inertia,
-                iterations,
-            };
+        let still2 = settings.tolerance.powi(2) * tally.inertia / points.len() as f64;
+        let stands = |(old, new): (&[f64; D], &[f64; D])| distance2(old, new) <= still2;
+        if iterations == settings.max_iterations || centres.iter().zip(&moved).all(stands) {
+            return Clustering { centres, assignment, inertia: tally.inertia, iterations };
         }
         centres = moved;
         iterations += 1;
@@ -221,12 +168,7 @@ struct Tally<const D: usize> {
 
 impl<const D: usize> Tally<D> {
     fn new(k: usize) -> Self {
-        Self {
-            sums: vec![[0.0; D]; k],
-            counts: vec![0; k],
-            inertia: 0.0,
-            farthest: (-1.0, 0),
-        }
+        Self { sums: vec![[0.0; D]; k], counts: vec![0; k], inertia: 0.0, farthest: (-1.0, 0) }
     }
 
     fn merge(&mut self, other: &Self) {
@@ -289,14 +231,14 @@ fn assign<const D: usize>(
 
 /// Index of the nearest centre and the squared distance to it.
 fn nearest<const D: usize>(point: &[f64; D], centres: &[[f64; D]]) -> (usize, f64) {
-    let mut best = (0, f64::INFINITY);
+    let (mut nearest, mut least) = (0, f64::INFINITY);
     for (cluster, centre) in centres.iter().enumerate() {
         let distance = distance2(point, centre);
-        if distance < best.1 {
-            best = (cluster, distance);
-        }
+        // Two selects without a branch: which centre is nearer cannot be predicted.
+        nearest = if distance < least { cluster } else { nearest };
+        least = least.min(distance);
     }
-    best
+    (nearest, least)
 }
 
 fn distance2<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
@@ -311,12 +253,7 @@ fn add<const D: usize>(sum: &mut [f64; D], point: &[f64; D]) {
 
 /// Numbers the clusters by their centres, so that no seed shows in the order.
 fn in_order<const D: usize>(clustering: Clustering<D>) -> Clustering<D> {
-    let Clustering {
-        mut centres,
-        mut assignment,
-        inertia,
-        iterations,
-    } = clustering;
+    let Clustering { mut centres, mut assignment, inertia, iterations } = clustering;
     let mut order: Vec<usize> = (0..centres.len()).collect();
     order.sort_by(|&a, &b| compare(&centres[a], &centres[b]));
     let mut rank = vec![0; order.len()];
@@ -327,12 +264,7 @@ fn in_order<const D: usize>(clustering: Clustering<D>) -> Clustering<D> {
         *cluster = rank[*cluster];
     }
     centres.sort_by(compare);
-    Clustering {
-        centres,
-        assignment,
-        inertia,
-        iterations,
-    }
+    Clustering { centres, assignment, inertia, iterations }
 }
 
 /// By the sum of the coordinates, then by each in turn.

@@ -5,8 +5,18 @@
 //! normal equations of any library follow from one table of moments, see [`moments`].
 
 pub mod error;
+pub mod atom;
+pub mod design;
+pub mod samples;
+pub mod moments;
+pub mod gram;
+pub mod accumulate;
+pub mod triangle;
+mod cholesky;
 pub mod problem;
+pub mod elimination;
 pub mod select;
 pub mod kmeans;
+pub mod elbow;
 
 pub use error::SparseError;

@@ -74,38 +74,20 @@ impl Problem {
         rows: f64,
     ) -> Result<Self, SparseError> {
         let columns = cross.len();
-        for (what, found) in [
-            ("rows of the Gram matrix", gram.nrows()),
-            ("the Gram matrix's row", gram.ncols()),
-        ] {
+        for (what, found) in
+            [("rows of the Gram matrix", gram.nrows()), ("the Gram matrix's row", gram.ncols())]
+        {
             if found != columns {
-                return Err(SparseError::Shape {
-                    what,
-                    found,
-                    expected: columns,
-                });
+                return Err(SparseError::Shape { what, found, expected: columns });
             }
         }
         if let Some(entry) = cross.iter().position(|x| !x.is_finite()) {
-            return Err(SparseError::NotFinite {
-                what: "the cross product",
-                entry,
-            });
+            return Err(SparseError::NotFinite { what: "the cross product", entry });
         }
-        require(
-            "the energy of the response",
-            energy,
-            energy >= 0.0,
-            "zero or more",
-        )?;
+        require("the energy of the response", energy, energy >= 0.0, "zero or more")?;
         require("the number of rows", rows, rows >= 1.0, "one or more")?;
         mirror_lower(&mut gram)?;
-        Ok(Self {
-            gram,
-            cross,
-            energy,
-            rows,
-        })
+        Ok(Self { gram, cross, energy, rows })
     }
 
     /// Number of columns p.
@@ -180,34 +162,19 @@ impl Problem {
 
     /// The same problem in columns of unit mean square.
     pub fn standardised(&self) -> Standardised {
-        let scale: Vec<f64> = (0..self.n_columns())
-            .map(|j| self.column_scale(j))
-            .collect();
+        let scale: Vec<f64> = (0..self.n_columns()).map(|j| self.column_scale(j)).collect();
         self.scaled_by(scale)
     }
 
     /// The same problem in columns divided by `scale`; those with scale zero become empty.
     pub(crate) fn scaled_by(&self, scale: Vec<f64>) -> Standardised {
         let columns = self.n_columns();
-        let inverse: Vec<f64> = scale
-            .iter()
-            .map(|&s| if s > 0.0 { s.recip() } else { 0.0 })
-            .collect();
-        let gram = Mat::from_fn(columns, columns, |i, j| {
-            self.gram[(i, j)] * inverse[i] * inverse[j]
-        });
-        let cross = self
-            .cross
-            .iter()
-            .zip(&inverse)
-            .map(|(b, s)| b * s)
-            .collect();
-        let problem = Self {
-            gram,
-            cross,
-            energy: self.energy,
-            rows: self.rows,
-        };
+        let inverse: Vec<f64> =
+            scale.iter().map(|&s| if s > 0.0 { s.recip() } else { 0.0 }).collect();
+        let gram =
+            Mat::from_fn(columns, columns, |i, j| self.gram[(i, j)] * inverse[i] * inverse[j]);
+        let cross = self.cross.iter().zip(&inverse).map(|(b, s)| b * s).collect();
+        let problem = Self { gram, cross, energy: self.energy, rows: self.rows };
         Standardised { problem, scale }
     }
 
@@ -241,11 +208,7 @@ impl Problem {
             let correlation = self.gram[(used[i], used[j])] / (length[i] * length[j]);
             if i == j { 1.0 + ridge } else { correlation }
         });
-        let right: Vec<f64> = used
-            .iter()
-            .zip(&length)
-            .map(|(&j, l)| self.cross[j] / l)
-            .collect();
+        let right: Vec<f64> = used.iter().zip(&length).map(|(&j, l)| self.cross[j] / l).collect();
         let solution = cholesky::solve(matrix, &right);
 
         let mut coefficients = vec![0.0; columns];
@@ -254,17 +217,9 @@ impl Problem {
         }
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
-        let active = wanted
-            .into_iter()
-            .filter(|j| dependent.binary_search(j).is_err())
-            .collect();
+        let active = wanted.into_iter().filter(|j| dependent.binary_search(j).is_err()).collect();
         let residual_energy = self.residual_energy(&coefficients);
-        Ok(Refit {
-            coefficients,
-            active,
-            dependent,
-            residual_energy,
-        })
+        Ok(Refit { coefficients, active, dependent, residual_energy })
     }
 }
 
@@ -281,18 +236,8 @@ impl Standardised {
 impl Refit {
     /// The selection that keeps these columns.
     pub fn into_selection(self, certificate: Option<f64>) -> Selection {
-        let Self {
-            coefficients,
-            active,
-            dependent,
-            ..
-        } = self;
-        Selection {
-            coefficients,
-            active,
-            dependent,
-            certificate,
-        }
+        let Self { coefficients, active, dependent, .. } = self;
+        Selection { coefficients, active, dependent, certificate }
     }
 }
 
@@ -306,19 +251,13 @@ pub(crate) fn require(
     if found.is_finite() && valid {
         Ok(())
     } else {
-        Err(SparseError::Setting {
-            setting,
-            found,
-            expected,
-        })
+        Err(SparseError::Setting { setting, found, expected })
     }
 }
 
 /// Indices below `columns` whose weight is not zero.
 pub(crate) fn nonzero(coefficients: &[f64], columns: usize) -> Vec<usize> {
-    (0..columns.min(coefficients.len()))
-        .filter(|&j| coefficients[j] != 0.0)
-        .collect()
+    (0..columns.min(coefficients.len())).filter(|&j| coefficients[j] != 0.0).collect()
 }
 
 /// Copies the lower triangle to the upper one, tile by tile to stay in cache.
@@ -333,10 +272,7 @@ fn mirror_lower(gram: &mut Mat<f64>) -> Result<(), SparseError> {
                     let value = gram[(i, j)];
                     if !value.is_finite() {
                         let entry = i * columns + j;
-                        return Err(SparseError::NotFinite {
-                            what: "the Gram matrix",
-                            entry,
-                        });
+                        return Err(SparseError::NotFinite { what: "the Gram matrix", entry });
                     }
                     gram[(j, i)] = value;
                 }

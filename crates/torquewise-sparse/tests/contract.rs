@@ -18,36 +18,16 @@ struct Selector {
 }
 
 const SELECTORS: [Selector; 5] = [
-    Selector {
-        name: "lasso",
-        select: |p| Lasso::default().select(p),
-        unit_free: true,
-    },
+    Selector { name: "lasso", select: |p| Lasso::default().select(p), unit_free: true },
     Selector {
         name: "lasso, raw columns",
-        select: |p| {
-            Lasso {
-                standardise: false,
-                ..Lasso::default()
-            }
-            .select(p)
-        },
+        select: |p| Lasso { standardise: false, ..Lasso::default() }.select(p),
         unit_free: false,
     },
-    Selector {
-        name: "stlsq",
-        select: |p| Stlsq::default().select(p),
-        unit_free: false,
-    },
+    Selector { name: "stlsq", select: |p| Stlsq::default().select(p), unit_free: false },
     Selector {
         name: "stlsq, standardised columns",
-        select: |p| {
-            Stlsq {
-                standardise: true,
-                ..Stlsq::default()
-            }
-            .select(p)
-        },
+        select: |p| Stlsq { standardise: true, ..Stlsq::default() }.select(p),
         unit_free: true,
     },
     Selector { name: "criterion", select: |p| Criterion::default().select(p), unit_free: true },
@@ -63,20 +43,13 @@ fn assert_whole(selection: &Selection, columns: usize, name: &str) {
     assert!(selection.active.is_sorted(), "{name}");
     for (j, weight) in selection.coefficients.iter().enumerate() {
         assert!(weight.is_finite(), "{name}: column {j}");
-        assert_eq!(
-            *weight != 0.0,
-            selection.active.contains(&j),
-            "{name}: column {j}"
-        );
+        assert_eq!(*weight != 0.0, selection.active.contains(&j), "{name}: column {j}");
     }
 }
 
 fn assert_close(found: &[f64], expected: &[f64], tolerance: f64, name: &str) {
     for (j, (f, e)) in found.iter().zip(expected).enumerate() {
-        assert!(
-            (f - e).abs() <= tolerance,
-            "{name}: column {j} is {f}, expected {e}"
-        );
+        assert!((f - e).abs() <= tolerance, "{name}: column {j} is {f}, expected {e}");
     }
 }
 
@@ -178,11 +151,7 @@ fn a_response_of_zeros_selects_nothing() {
         let selection = select(&problem).unwrap();
 
         assert_whole(&selection, 6, name);
-        assert!(
-            selection.active.is_empty(),
-            "{name}: {:?}",
-            selection.active
-        );
+        assert!(selection.active.is_empty(), "{name}: {:?}", selection.active);
     }
 }
 
@@ -222,10 +191,6 @@ fn fewer_rows_than_columns_select_finite_weights() {
         let selection = select(&rows.problem()).unwrap();
 
         assert_whole(&selection, 30, name);
-        assert!(
-            selection.active.len() <= 12,
-            "{name}: {} of rank 12",
-            selection.active.len()
-        );
+        assert!(selection.active.len() <= 12, "{name}: {} of rank 12", selection.active.len());
     }
 }

@@ -29,22 +29,14 @@ fn scales(features: &Mat<f64>) -> Vec<f64> {
 
 fn residual(rows: &Rows, coefficients: &[f64]) -> Vec<f64> {
     let fitted = planted::predict(&rows.features, coefficients);
-    rows.response
-        .iter()
-        .zip(fitted)
-        .map(|(y, f)| y - f)
-        .collect()
+    rows.response.iter().zip(fitted).map(|(y, f)| y - f).collect()
 }
 
 /// ½/m‖y − X c‖² + λ Σ sⱼ|cⱼ|.
 fn objective(rows: &Rows, coefficients: &[f64], lambda: f64) -> f64 {
     let square: f64 = residual(rows, coefficients).iter().map(|r| r * r).sum();
     let sizes = scales(&rows.features);
-    let size: f64 = coefficients
-        .iter()
-        .zip(sizes)
-        .map(|(c, s)| s * c.abs())
-        .sum();
+    let size: f64 = coefficients.iter().zip(sizes).map(|(c, s)| s * c.abs()).sum();
     0.5 * square / rows.response.len() as f64 + lambda * size
 }
 
@@ -75,10 +67,12 @@ proptest! {
                 } else {
                     point.lambda * weight.signum()
                 };
-                // One exact step along a column with violation v gains min(v²/2, vλ·…) at least
-                // while it keeps its sign, and no step can gain more than the gap.
+                // Along one column of unit mean square, violation v, the objective can fall by
+                // v²/2, or by v sⱼ|cⱼ|/2 if the weight reaches zero first: at most the gap.
                 let gain = point.gap.max(1e-14);
-                let slack = (2.0 * gain).sqrt() + gain / (sizes[j] * weight.abs()).max(1e-3);
+                let to_zero = sizes[j] * weight.abs();
+                let crossing = if weight == 0.0 { 0.0 } else { 2.0 * gain / to_zero };
+                let slack = crossing.max((2.0 * gain).sqrt());
                 prop_assert!((slope - wanted).abs() <= slack, "{} at {:?}", j, point.lambda);
             }
         }
@@ -125,11 +119,7 @@ proptest! {
 #[test]
 fn spent_sweeps_leave_a_gap_above_the_tolerance() {
     let rows = planted::rows(3, 60, 40, 5, 0.3);
-    let hasty = Lasso {
-        max_sweeps: 1,
-        gap_tolerance: 1e-12,
-        ..EXACT
-    };
+    let hasty = Lasso { max_sweeps: 1, gap_tolerance: 1e-12, ..EXACT };
 
     let path = lasso_path(&rows.problem(), &hasty).unwrap();
 
@@ -144,32 +134,21 @@ fn nearly_equal_columns_converge_in_few_sweeps() {
     for j in 1..40 {
         let before = rows.features.col(j - 1).to_owned();
         let own = rows.features.col(j).to_owned();
-        rows.features
-            .col_mut(j)
-            .copy_from(before + own * faer::Scale(0.03));
+        rows.features.col_mut(j).copy_from(before + own * faer::Scale(0.03));
     }
-    let patient = Lasso {
-        max_sweeps: 100_000,
-        ..Lasso::default()
-    };
+    let patient = Lasso { max_sweeps: 100_000, ..Lasso::default() };
 
     let path = lasso_path(&rows.problem(), &patient).unwrap();
 
     let most = path.iter().map(|point| point.sweeps).max().unwrap();
-    assert!(
-        most < 500,
-        "plain coordinate descent needs tens of thousands, this took {most}"
-    );
+    assert!(most < 500, "plain coordinate descent needs tens of thousands, this took {most}");
 }
 
 #[test]
 fn a_path_ends_where_an_indefinite_gram_matrix_loses_its_meaning() {
     let gram = faer::mat![[1.0, 0.9, 0.0], [0.9, 0.1, 0.0], [0.0, 0.0, 1.0]];
     let problem = Problem::new(gram, vec![1.0, 1.0, 0.5], 2.0, 1.0).unwrap();
-    let small = Lasso {
-        choice: Choice::Lambda(1e-6),
-        ..Lasso::default()
-    };
+    let small = Lasso { choice: Choice::Lambda(1e-6), ..Lasso::default() };
 
     let path = lasso_path(&problem, &Lasso::default()).unwrap();
     let refused = small.select(&problem);
@@ -182,14 +161,8 @@ fn a_path_ends_where_an_indefinite_gram_matrix_loses_its_meaning() {
 fn the_threshold_of_the_paper_drops_small_weights() {
     let rows = planted::rows(6, 200, 10, 3, 0.1);
     let lambda = Choice::Lambda(1e-6);
-    let all = Lasso {
-        choice: lambda,
-        ..Lasso::default()
-    };
-    let large = Lasso {
-        threshold: 0.1,
-        ..all
-    };
+    let all = Lasso { choice: lambda, ..Lasso::default() };
+    let large = Lasso { threshold: 0.1, ..all };
 
     let everything = all.select(&rows.problem()).unwrap();
     let selection = large.select(&rows.problem()).unwrap();
@@ -203,34 +176,10 @@ fn settings_out_of_range_are_refused() {
     let problem = planted::rows(1, 20, 3, 1, 0.0).problem();
     let cases = [
         ("path", Lasso { path: 0, ..EXACT }),
-        (
-            "ratio",
-            Lasso {
-                ratio: 1.0,
-                ..EXACT
-            },
-        ),
-        (
-            "gap_tolerance",
-            Lasso {
-                gap_tolerance: f64::NAN,
-                ..EXACT
-            },
-        ),
-        (
-            "threshold",
-            Lasso {
-                threshold: -0.1,
-                ..EXACT
-            },
-        ),
-        (
-            "lambda",
-            Lasso {
-                choice: Choice::Lambda(0.0),
-                ..EXACT
-            },
-        ),
+        ("ratio", Lasso { ratio: 1.0, ..EXACT }),
+        ("gap_tolerance", Lasso { gap_tolerance: f64::NAN, ..EXACT }),
+        ("threshold", Lasso { threshold: -0.1, ..EXACT }),
+        ("lambda", Lasso { choice: Choice::Lambda(0.0), ..EXACT }),
     ];
     for (expected, lasso) in cases {
         let refused = lasso.select(&problem);

@@ -4,8 +4,11 @@ use crate::cholesky;
 use crate::problem::{Problem, nonzero};
 use faer::Mat;
 
-/// Sweeps over the nonzero weights before the gap is looked at again.
+/// Sweeps over the nonzero weights, at least, before a Newton step is tried.
 const BURST: usize = 10;
+
+/// A Newton step costs about one sweep for this many nonzero weights.
+const COLUMNS_PER_SWEEP: usize = 16;
 
 /// Residual energy below zero by this part of the response's is no rounding: that stays under
 /// ε Σ|bⱼcⱼ| ≤ ε λ_max/λ · yᵀy, and paths end at λ = 1e-4 λ_max or so.
@@ -83,11 +86,7 @@ impl<'a> Descent<'a> {
             let gap = self.gap(&self.slope_of_all, lambda);
             let done = gap <= tolerance || sweeps >= max_sweeps || indefinite;
             if done || !self.admit(lambda) {
-                return Reached {
-                    gap,
-                    sweeps,
-                    indefinite,
-                };
+                return Reached { gap, sweeps, indefinite };
             }
         }
     }
@@ -103,9 +102,11 @@ impl<'a> Descent<'a> {
                 break;
             }
             let active = nonzero(&self.weights, self.weights.len());
-            for _ in 0..BURST.min(max_sweeps - sweeps) {
+            let burst = BURST.max(active.len() / COLUMNS_PER_SWEEP);
+            for _ in 0..burst.min(max_sweeps - sweeps) {
                 sweeps += 1;
-                if self.sweep(&active, lambda) <= 0.1 * change {
+                let change = self.sweep(&active, lambda);
+                if change * change * active.len() as f64 <= tolerance {
                     break;
                 }
             }
@@ -130,11 +131,7 @@ impl<'a> Descent<'a> {
             let curvature = self.columns[j][j];
             let before = self.weights[j];
             let target = soft_threshold(self.slope[j] + curvature * before, lambda);
-            let after = if curvature > 0.0 {
-                target / curvature
-            } else {
-                0.0
-            };
+            let after = if curvature > 0.0 { target / curvature } else { 0.0 };
             let change = after - before;
             if change != 0.0 {
                 self.weights[j] = after;
@@ -176,15 +173,16 @@ impl<'a> Descent<'a> {
         let is_pivot = |i: &usize| dependent.binary_search(i).is_err();
         let mut moving: Vec<usize> =
             (0..active.len()).filter(is_pivot).map(|i| active[i]).collect();
-        let right: Vec<f64> =
-            moving.iter().map(|&j| self.columns[j][active[surplus]]).collect();
+        let right: Vec<f64> = moving.iter().map(|&j| self.columns[j][active[surplus]]).collect();
         let mut direction = cholesky::solve(self.gram_of(&moving), &right).values;
         moving.push(active[surplus]);
         direction.push(-1.0);
 
         let gain = moving.iter().zip(&direction).map(|(&j, d)| d * self.descent_of(j, lambda));
         if gain.sum::<f64>() < 0.0 {
-            direction.iter_mut().for_each(|d| *d = -*d);
+            for d in &mut direction {
+                *d = -*d;
+            }
         }
         self.advance(&moving, &direction, f64::INFINITY)
     }
@@ -235,8 +233,7 @@ impl<'a> Descent<'a> {
             column.extend(self.working[first..].iter().map(|&i| entry(i, j)));
         }
         for &j in &self.working[first..] {
-            self.columns
-                .push(self.working.iter().map(|&i| entry(i, j)).collect());
+            self.columns.push(self.working.iter().map(|&i| entry(i, j)).collect());
             self.weights.push(0.0);
             self.slope.push(self.slope_of_all[j]);
         }
@@ -285,19 +282,9 @@ impl<'a> Descent<'a> {
     /// D(u) = yᵀu/m − ½uᵀu/m subject to ‖Xᵀu‖∞/m ≤ λ.
     fn gap(&self, slopes: &[f64], lambda: f64) -> f64 {
         let (with_response, mean_square) = self.residual();
-        let steepest = slopes
-            .iter()
-            .fold(0.0_f64, |most, slope| most.max(slope.abs()));
-        let best = if mean_square > 0.0 {
-            with_response / mean_square
-        } else {
-            1.0
-        };
-        let limit = if steepest > 0.0 {
-            lambda / steepest
-        } else {
-            f64::INFINITY
-        };
+        let steepest = slopes.iter().fold(0.0_f64, |most, slope| most.max(slope.abs()));
+        let best = if mean_square > 0.0 { with_response / mean_square } else { 1.0 };
+        let limit = if steepest > 0.0 { lambda / steepest } else { f64::INFINITY };
         let shrink = best.clamp(-limit, limit);
 
         let size: f64 = self.weights.iter().map(|weight| weight.abs()).sum();

@@ -82,10 +82,7 @@ pub fn lasso_path(problem: &Problem, lasso: &Lasso) -> Result<Vec<PathPoint>, Sp
     lasso.check()?;
     let standardised = lasso.standardised(problem);
     let inner = &standardised.problem;
-    let steepest = inner
-        .cross()
-        .iter()
-        .fold(0.0_f64, |most, b| most.max(b.abs()));
+    let steepest = inner.cross().iter().fold(0.0_f64, |most, b| most.max(b.abs()));
     let penalties = lasso.penalties(steepest / inner.rows());
     let tolerance = lasso.gap_tolerance * inner.energy() / inner.rows();
 
@@ -131,12 +128,7 @@ impl Lasso {
             coefficients[j] = point.coefficients[j];
         }
         let dependent = Vec::new();
-        Ok(Selection {
-            coefficients,
-            active,
-            dependent,
-            certificate: Some(point.gap),
-        })
+        Ok(Selection { coefficients, active, dependent, certificate: Some(point.gap) })
     }
 
     /// The point whose support, refitted, has the lowest BIC.
@@ -154,7 +146,7 @@ impl Lasso {
         candidates.sort_by_key(|(support, _)| support.len());
 
         // No support explains more than all of them together, so once the terms alone cost too
-        // much, no larger support can win.
+        // much, no larger support can win. (Their dependent columns count as terms here.)
         let mut union: Vec<usize> = candidates.iter().flat_map(|(s, _)| s.clone()).collect();
         union.sort_unstable();
         union.dedup();
@@ -166,11 +158,7 @@ impl Lasso {
             if best.is_some_and(|(lowest, _)| bound >= lowest) {
                 break;
             }
-            let Refit {
-                active,
-                residual_energy,
-                ..
-            } = problem.refit(&support)?;
+            let Refit { active, residual_energy, .. } = problem.refit(&support)?;
             let bic = problem.bic(residual_energy, active.len());
             if best.is_none_or(|(lowest, _)| bic < lowest) {
                 best = Some((bic, point));
@@ -202,41 +190,19 @@ impl Lasso {
             Choice::Bic => first * self.ratio,
         };
         if first <= last || self.path == 1 {
-            return vec![if matches!(self.choice, Choice::Bic) {
-                first
-            } else {
-                last
-            }];
+            return vec![if matches!(self.choice, Choice::Bic) { first } else { last }];
         }
         let steps = (self.path - 1) as f64;
         let part = |step: usize| (last / first).powf(step as f64 / steps);
-        (0..self.path)
-            .map(|k| {
-                if k + 1 == self.path {
-                    last
-                } else {
-                    first * part(k)
-                }
-            })
-            .collect()
+        (0..self.path).map(|k| if k + 1 == self.path { last } else { first * part(k) }).collect()
     }
 
     fn check(&self) -> Result<(), SparseError> {
         let ratio_fits = self.ratio > 0.0 && self.ratio < 1.0;
         require("path", self.path as f64, self.path > 0, "one or more")?;
         require("ratio", self.ratio, ratio_fits, "between 0 and 1")?;
-        require(
-            "gap_tolerance",
-            self.gap_tolerance,
-            self.gap_tolerance > 0.0,
-            "above zero",
-        )?;
-        require(
-            "threshold",
-            self.threshold,
-            self.threshold >= 0.0,
-            "zero or more",
-        )?;
+        require("gap_tolerance", self.gap_tolerance, self.gap_tolerance > 0.0, "above zero")?;
+        require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")?;
         if let Choice::Lambda(lambda) = self.choice {
             require("lambda", lambda, lambda > 0.0, "above zero")?;
         }

@@ -21,12 +21,7 @@ pub struct Stlsq {
 impl Default for Stlsq {
     /// The paper's threshold of 0.1 on the weights themselves, no ridge, at most 20 fits.
     fn default() -> Self {
-        Self {
-            threshold: 0.1,
-            ridge: 0.0,
-            max_iterations: 20,
-            standardise: false,
-        }
+        Self { threshold: 0.1, ridge: 0.0, max_iterations: 20, standardise: false }
     }
 }
 
@@ -38,16 +33,10 @@ impl Stlsq {
     /// # Errors
     /// [`SparseError::Setting`] if threshold or ridge are negative or not finite.
     pub fn select(&self, problem: &Problem) -> Result<Selection, SparseError> {
-        require(
-            "threshold",
-            self.threshold,
-            self.threshold >= 0.0,
-            "zero or more",
-        )?;
+        require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")?;
         require("ridge", self.ridge, self.ridge >= 0.0, "zero or more")?;
-        let mut active: Vec<usize> = (0..problem.n_columns())
-            .filter(|&j| problem.column_scale(j) > 0.0)
-            .collect();
+        let mut active: Vec<usize> =
+            (0..problem.n_columns()).filter(|&j| problem.column_scale(j) > 0.0).collect();
         let mut dependent = Vec::new();
 
         for _ in 0..self.max_iterations {
@@ -69,11 +58,7 @@ impl Stlsq {
 
     /// What the threshold is compared with.
     fn size(&self, problem: &Problem, coefficients: &[f64], j: usize) -> f64 {
-        let scale = if self.standardise {
-            problem.column_scale(j)
-        } else {
-            1.0
-        };
+        let scale = if self.standardise { problem.column_scale(j) } else { 1.0 };
         scale * coefficients[j].abs()
     }
 }
@@ -84,9 +69,7 @@ mod tests {
     use faer::Mat;
 
     fn diagonal(weights: &[f64]) -> Problem {
-        let gram = Mat::from_fn(weights.len(), weights.len(), |i, j| {
-            f64::from(i == j) * 100.0
-        });
+        let gram = Mat::from_fn(weights.len(), weights.len(), |i, j| f64::from(i == j) * 100.0);
         let cross = weights.iter().map(|c| 100.0 * c).collect();
         let energy = weights.iter().map(|c| 100.0 * c * c).sum();
         Problem::new(gram, cross, energy, 100.0).unwrap()
@@ -105,30 +88,15 @@ mod tests {
     fn the_weights_kept_carry_no_ridge() {
         let problem = diagonal(&[0.3, -0.05]);
 
-        let selection = Stlsq {
-            ridge: 0.5,
-            ..Stlsq::default()
-        }
-        .select(&problem)
-        .unwrap();
+        let selection = Stlsq { ridge: 0.5, ..Stlsq::default() }.select(&problem).unwrap();
 
         assert!((selection.coefficients[0] - 0.3).abs() < 1e-15);
     }
 
     #[test]
     fn a_negative_threshold_is_refused() {
-        let refused = Stlsq {
-            threshold: -1.0,
-            ..Stlsq::default()
-        }
-        .select(&diagonal(&[1.0]));
+        let refused = Stlsq { threshold: -1.0, ..Stlsq::default() }.select(&diagonal(&[1.0]));
 
-        assert!(matches!(
-            refused,
-            Err(SparseError::Setting {
-                setting: "threshold",
-                ..
-            })
-        ));
+        assert!(matches!(refused, Err(SparseError::Setting { setting: "threshold", .. })));
     }
 }

@@ -16,9 +16,8 @@ pub(crate) struct Rows {
 pub(crate) fn rows(seed: u64, rows: usize, columns: usize, terms: usize, noise: f64) -> Rows {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let independent = Mat::from_fn(rows, columns + 1, |_, _| rng.random_range(-1.0..1.0_f64));
-    let features = Mat::from_fn(rows, columns, |i, j| {
-        independent[(i, j)] + 0.3 * independent[(i, j + 1)]
-    });
+    let features =
+        Mat::from_fn(rows, columns, |i, j| independent[(i, j)] + 0.3 * independent[(i, j + 1)]);
     let mut truth = vec![0.0; columns];
     for k in 0..terms {
         let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
@@ -28,20 +27,12 @@ pub(crate) fn rows(seed: u64, rows: usize, columns: usize, terms: usize, noise: 
         .into_iter()
         .map(|y| y + noise * rng.random_range(-1.0..1.0_f64))
         .collect();
-    Rows {
-        features,
-        response,
-        truth,
-    }
+    Rows { features, response, truth }
 }
 
 /// X c.
 pub(crate) fn predict(features: &Mat<f64>, coefficients: &[f64]) -> Vec<f64> {
-    let row = |i| {
-        (0..features.ncols())
-            .map(|j| features[(i, j)] * coefficients[j])
-            .sum()
-    };
+    let row = |i| (0..features.ncols()).map(|j| features[(i, j)] * coefficients[j]).sum();
     (0..features.nrows()).map(row).collect()
 }
 
@@ -56,7 +47,7 @@ pub(crate) fn problem(features: &Mat<f64>, response: &[f64]) -> Problem {
         energy,
         features.nrows() as f64,
     )
-    .unwrap()
+    .expect("finite sums of matching shape")
 }
 
 impl Rows {
@@ -66,8 +57,6 @@ impl Rows {
 
     /// Columns that carry a weight.
     pub(crate) fn support(&self) -> Vec<usize> {
-        (0..self.truth.len())
-            .filter(|&j| self.truth[j] != 0.0)
-            .collect()
+        (0..self.truth.len()).filter(|&j| self.truth[j] != 0.0).collect()
     }
 }
