@@ -69,7 +69,7 @@ fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
     columns
 }
 
-/// Sums the normal equations of all steps, and the noise at standstill, in one pass.
+/// Sums the normal equations of all steps, and the noise at standstill if there is enough, in one pass.
 ///
 /// # Errors
 /// [`IdentifyError::Read`] with the reader's message.
@@ -79,7 +79,7 @@ pub fn gather_evidence(
     candidates: &Candidates,
     steps: &[Step],
     n_rows: usize,
-) -> Result<(Vec<Evidence>, NoiseFloor), IdentifyError> {
+) -> Result<(Vec<Evidence>, Option<NoiseFloor>), IdentifyError> {
     let n = recording.joints().len();
     let mut prepared = Vec::with_capacity(steps.len());
     for step in steps {
@@ -92,11 +92,11 @@ pub fn gather_evidence(
     recording
         .read(&mut |_, block| {
             let labels = patterns.label(block);
-            noise.add(block, &labels);
+            noise.add(block, |row| labels[row] == Pattern::Standstill);
             sorter.add(block, &labels)
         })
         .map_err(IdentifyError::Read)?;
-    Ok((sorter.finish(&prepared)?, noise.finish()))
+    Ok((sorter.finish(&prepared)?, noise.finish_still()))
 }
 
 /// Hands each row to the step of its pattern.
@@ -125,8 +125,8 @@ impl<'a> Sorter<'a> {
     fn add(&mut self, block: &Motion, labels: &[Pattern]) -> Result<(), ReadError> {
         let samples = samples_of(block)?;
         for bin in &mut self.steps {
-            for row in 0..samples.n_rows() {
-                if bin.pattern.is_none_or(|pattern| pattern == labels[row]) {
+            for (row, &label) in labels.iter().enumerate() {
+                if bin.pattern.is_none_or(|pattern| pattern == label) {
                     bin.rows += 1;
                     let full: Option<Samples> = bin.gathering.push(&samples, row);
                     full.map_or(Ok(()), |full| bin.lanes.push(full))?;

@@ -5,13 +5,13 @@
 //! twice to fit the terms that were kept.
 
 pub mod error;
-pub mod survey;
 pub mod activation;
+pub mod noise;
+pub mod survey;
 pub mod patterns;
 pub mod plan;
 pub mod candidates;
 mod rows;
-pub mod noise;
 pub mod evidence;
 mod step;
 mod refit;
@@ -21,7 +21,7 @@ pub mod score;
 
 pub use activation::{Activation, Scaling};
 pub use error::IdentifyError;
-pub use noise::{NoiseFloor, noise_floor};
+pub use noise::NoiseFloor;
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Method, Plan};
 pub use reconstruct::{Progress, Reconstruction, StepReport, reconstruct};

@@ -13,6 +13,9 @@ const MOST_CLUSTERS: usize = 9;
 const HALF: f64 = 0.5;
 /// A pattern of fewer rows of the sample than this part of it is not there.
 const LEAST_SHARE: f64 = 0.005;
+/// What should be zero may be this many times the noise, or this part of the joint's range.
+const OF_NOISE: f64 = 3.0;
+const OF_RANGE: f64 = 0.04;
 
 /// How rows are clustered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +41,7 @@ pub struct Patterns {
     pub switches: Option<[f64; 2]>,
     /// Inertia for 1, 2, … clusters: the elbow curve.
     pub inertia: Vec<f64>,
-    /// Patterns that have a cluster.
+    /// Patterns that are there: of some rows, and truly at rest or without acceleration.
     pub present: Vec<Pattern>,
 }
 
@@ -73,15 +76,16 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
         .iter()
         .map(|centre| named(centre[0] > HALF, centre[1] > HALF))
         .collect();
-    let mut rows = [0_usize; 3];
-    for &cluster in &clustering.assignment {
-        rows[place_of(names[cluster])] += 1;
-    }
-    let least = LEAST_SHARE * points.len() as f64;
-    let present =
-        Pattern::ALL.into_iter().filter(|&name| rows[place_of(name)] as f64 > least).collect();
     let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&clustering.centres));
-    Ok(Patterns { activation, centres: clustering.centres, names, switches, inertia, present })
+    let centres = clustering.centres;
+    let present = Pattern::ALL.to_vec();
+    let mut patterns = Patterns { activation, centres, names, switches, inertia, present };
+    let labels = patterns.label(&survey.sample);
+    patterns.present = Pattern::ALL
+        .into_iter()
+        .filter(|&pattern| is_genuine(survey, &patterns, &labels, pattern))
+        .collect();
+    Ok(patterns)
 }
 
 fn named(moves: bool, accelerates: bool) -> Pattern {
@@ -90,6 +94,40 @@ fn named(moves: bool, accelerates: bool) -> Pattern {
         (true, false) => Pattern::UniformVelocity,
         (false, false) => Pattern::Standstill,
     }
+}
+
+/// Whether a pattern has rows, and what should be zero in them is: the velocity at standstill, the
+/// acceleration at uniform velocity, but for noise and a small part of the range.
+///
+/// The printed index is taken at its word, to show what it does.
+fn is_genuine(
+    survey: &Survey,
+    patterns: &Patterns,
+    labels: &[Pattern],
+    pattern: Pattern,
+) -> bool {
+    let activation = &patterns.activation;
+    let rows: Vec<usize> = (0..labels.len()).filter(|&row| labels[row] == pattern).collect();
+    if (rows.len() as f64) <= LEAST_SHARE * labels.len() as f64 {
+        return false;
+    }
+    let (rates, noise, scale) = match pattern {
+        Pattern::Standstill => {
+            (survey.sample.dq(), &survey.noise.dq, &activation.velocity.scale)
+        }
+        Pattern::UniformVelocity => {
+            (survey.sample.ddq(), &survey.noise.ddq, &activation.acceleration.scale)
+        }
+        Pattern::VariableVelocity => return true,
+    };
+    if patterns.switches.is_none() {
+        return true;
+    }
+    (0..survey.joints.len()).all(|joint| {
+        let squares: f64 = rows.iter().map(|&row| rates[(row, joint)].powi(2)).sum();
+        let limit = (OF_NOISE * noise[joint]).max(OF_RANGE * scale[joint]);
+        (squares / rows.len() as f64).sqrt() <= limit
+    })
 }
 
 /// Place of a pattern in [`Pattern::ALL`].
@@ -116,17 +154,18 @@ impl Patterns {
     ///
     /// With the scaled index, each of I(q̈) and I(q̇) is a switch that is on beyond the middle between
     /// the clusters on its two sides; with the printed one, the nearest centre names the row.
+    /// Rows of a pattern that is not genuine count as variable velocity, which assumes nothing.
     pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
-        self.activation
-            .over(motion)
-            .iter()
-            .map(|point| match self.switches {
-                Some([velocity, acceleration]) => {
-                    named(point[0] > velocity, point[1] > acceleration)
-                }
-                None => self.nearest(point),
-            })
-            .collect()
+        let name = |point: &[f64; 2]| match self.switches {
+            Some([velocity, acceleration]) => {
+                named(point[0] > velocity, point[1] > acceleration)
+            }
+            None => self.nearest(point),
+        };
+        let genuine = |name: Pattern| {
+            if self.present.contains(&name) { name } else { Pattern::VariableVelocity }
+        };
+        self.activation.over(motion).iter().map(|point| genuine(name(point))).collect()
     }
 
     fn nearest(&self, point: &[f64; 2]) -> Pattern {

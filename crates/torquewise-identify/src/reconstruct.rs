@@ -7,7 +7,7 @@ use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{Method, Plan};
 use crate::refit::{Kept, RefitPlan, Refitted, refit};
-use crate::step::{self, StepFound};
+use crate::step;
 use crate::survey::{Survey, survey};
 use crate::warning::Warning;
 use torquewise_model::{Model, Stage, Training};
@@ -24,7 +24,7 @@ pub struct Reconstruction {
     pub survey: Survey,
     /// The patterns its rows fall into.
     pub patterns: Patterns,
-    /// The noise seen at standstill.
+    /// The white noise in its signals, from standstill where there is one.
     pub noise: NoiseFloor,
     /// Candidates in all.
     pub candidates: usize,
@@ -94,8 +94,9 @@ pub fn reconstruct(
     };
 
     progress(Progress::Evidence);
-    let (evidence, noise) =
+    let (evidence, still) =
         gather_evidence(recording, &patterns, &candidates, &steps, survey.rows)?;
+    let noise = still.unwrap_or_else(|| survey.noise.clone());
 
     let mut found = Found::new(&candidates);
     for (place, (step, evidence)) in steps.iter().zip(&evidence).enumerate() {
@@ -152,7 +153,7 @@ impl<'a> Found<'a> {
     ) -> Result<(), IdentifyError> {
         for (place, group) in self.groups.iter().enumerate() {
             let known = &mut self.weights[place];
-            let StepFound { weights, .. } = step::select(step, evidence, group, known, selector)
+            let weights = step::select(step, evidence, group, known, selector)
                 .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
             for &column in &step.offered {
                 known[column] = 0.0;

@@ -50,7 +50,7 @@ impl Gathering {
             return None;
         }
         let [angles, variables, responses] = &mut self.columns;
-        let mut matrix = |columns: &mut Vec<Vec<f64>>| {
+        let matrix = |columns: &mut Vec<Vec<f64>>| {
             let out = Mat::from_fn(rows, columns.len(), |row, j| columns[j][row]);
             columns.iter_mut().for_each(Vec::clear);
             out

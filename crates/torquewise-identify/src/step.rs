@@ -7,21 +7,13 @@ use torquewise_sparse::SparseError;
 use torquewise_sparse::problem::Problem;
 use torquewise_sparse::select::Selector;
 
-/// What a step found for one group.
-#[derive(Clone, Debug)]
-pub(crate) struct StepFound {
-    /// Weights of the columns of the step that were offered, as (column of the library, weight).
-    pub(crate) weights: Vec<(usize, f64)>,
-    /// Columns of the library that say nothing the others do not say.
-    pub(crate) dependent: Vec<usize>,
-}
-
 /// Rounds of weighing the joints by what the round before left unexplained.
 const ROUNDS: usize = 2;
 
 /// Selects among the offered columns of a step, given what is known.
 ///
 /// - `known`: weight of each column of the library, p
+/// - returns: (column of the library, weight) of the offered columns that stay
 ///
 /// Rows of several joints are divided by their own noise, or the strong joints drown the wrist:
 /// first the unexplained torque, then the residual of the first fit stands for it.
@@ -31,7 +23,7 @@ pub(crate) fn select(
     group: &Group,
     known: &[f64],
     selector: &Selector,
-) -> Result<StepFound, SparseError> {
+) -> Result<Vec<(usize, f64)>, SparseError> {
     let before: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
     // What is offered is found anew; only the rest of what is known counts as explained.
     let mut fixed = before.clone();
@@ -55,18 +47,9 @@ pub(crate) fn select(
         weights = noise_weights(evidence, group, &total);
         found = Some(selection);
     }
-    let Some(selection) = found else {
-        return Ok(StepFound { weights: Vec::new(), dependent: Vec::new() });
-    };
-    let column = |&j: &usize| step.offered[j];
-    Ok(StepFound {
-        weights: selection
-            .active
-            .iter()
-            .map(|j| (column(j), selection.coefficients[*j]))
-            .collect(),
-        dependent: selection.dependent.iter().map(column).collect(),
-    })
+    let Some(selection) = found else { return Ok(Vec::new()) };
+    let active = selection.active.iter();
+    Ok(active.map(|&j| (step.offered[j], selection.coefficients[j])).collect())
 }
 
 /// Normal equations of the offered columns for the unexplained torque, joints weighted.

@@ -1,6 +1,7 @@
 //! Recording → survey: one look at the whole log, and an even sample of it, in fixed memory.
 
 use crate::error::IdentifyError;
+use crate::noise::{NoiseFloor, NoiseSum};
 use faer::Mat;
 use torquewise_motion::{Motion, Recording, Signals};
 
@@ -25,6 +26,8 @@ pub struct Survey {
     pub torque_mean: Vec<f64>,
     /// Standard deviation of the torque of each joint \[N·m\], n.
     pub torque_std: Vec<f64>,
+    /// The white noise in its signals.
+    pub noise: NoiseFloor,
     /// Every k-th row, k a power of two, at most [`SAMPLE_ROWS`] of them.
     pub sample: Motion,
 }
@@ -60,6 +63,7 @@ struct Look {
     /// First torque, sums of differences to it and of their squares: no digits lost to a large mean.
     torque: Vec<[f64; 3]>,
     has_torque: bool,
+    noise: NoiseSum,
     stride: usize,
     /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row.
     sampled: Vec<Vec<f64>>,
@@ -79,6 +83,7 @@ impl Look {
             peaks: [vec![0.0; n], vec![0.0; n]],
             torque: vec![[0.0; 3]; n],
             has_torque: true,
+            noise: NoiseSum::new(n),
             stride: 1,
             sampled: Vec::new(),
         }
@@ -94,6 +99,7 @@ impl Look {
             self.seconds += end - self.last_time;
             self.last_time = end;
         }
+        self.noise.add(block, |_| true);
         for joint in 0..self.joints.len() {
             self.add_joint(block, joint);
         }
@@ -170,6 +176,7 @@ impl Look {
             ddq_peak,
             torque_mean,
             torque_std,
+            noise: self.noise.finish(),
             sample,
         })
     }

@@ -41,14 +41,9 @@ pub enum Warning {
         /// Its largest position.
         largest: f64,
     },
-    /// Nothing was found for a joint.
-    Unexplained {
-        /// Its name.
-        joint: String,
-    },
 }
 
-/// Eight turns: more than a joint makes, less than 180 written in degrees would be… 
+/// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
 const LARGEST_ANGLE: f64 = 50.0;
 
 impl Warning {
@@ -135,7 +130,6 @@ impl fmt::Display for Warning {
                 f,
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"
             ),
-            Self::Unexplained { joint } => write!(f, "no term explains the torque of {joint}"),
         }
     }
 }

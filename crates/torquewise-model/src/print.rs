@@ -1,12 +1,13 @@
 //! Model → equations to read: plain text and LaTeX, with the digits that mean something.
 
-use crate::energy::Place;
+use crate::energy::{EnergyTerm, Place};
 use crate::model::{Form, Model, Weighted};
 use crate::term::Term;
 use std::collections::BTreeMap;
+use std::fmt::Write;
 
 /// Digits shown where no uncertainty is known, or where it is below the precision of the data.
-const MAX_DIGITS: usize = 10;
+const MAX_DIGITS: i32 = 10;
 
 /// A number with the digits its standard error leaves standing (two digits of the error), and the
 /// error: `8.3960 ± 0.0031`.
@@ -22,14 +23,20 @@ pub fn with_error(value: f64, std_error: f64) -> String {
 
 /// Decimals that show two digits of the error, but at most [`MAX_DIGITS`] digits of the value.
 fn decimals(value: f64, std_error: f64) -> usize {
-    let most = MAX_DIGITS as i32 - digits_before(value);
+    let most = MAX_DIGITS - digits_before(value);
     let wanted = if std_error > 0.0 { 2 - digits_before(std_error) } else { most };
     usize::try_from(wanted.min(most).clamp(0, 16)).unwrap_or(0)
 }
 
 /// Number of digits before the decimal point; zero or negative for numbers below one.
 fn digits_before(x: f64) -> i32 {
-    if x == 0.0 { 0 } else { x.abs().log10().floor() as i32 + 1 }
+    if x == 0.0 {
+        return 0;
+    }
+    // A finite number has a logarithm between −324 and 309.
+    #[expect(clippy::cast_possible_truncation, reason = "between -324 and 309")]
+    let exponent = x.abs().log10().floor() as i32;
+    exponent + 1
 }
 
 /// The equations as text: energies first where the model has them, then the torque of each joint.
@@ -101,7 +108,8 @@ fn latex_row<'a>(name: &str, sum: impl Iterator<Item = (f64, f64, &'a Term)>) ->
             (false, false) => "+",
         };
         let decimals = decimals(coefficient, std_error);
-        text.push_str(&format!("{sign} {:.decimals$}\\,{} ", coefficient.abs(), term.latex()));
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{sign} {:.decimals$}\\,{} ", coefficient.abs(), term.latex());
         empty = false;
     }
     if empty {
@@ -111,27 +119,14 @@ fn latex_row<'a>(name: &str, sum: impl Iterator<Item = (f64, f64, &'a Term)>) ->
 }
 
 /// Energy terms grouped: M₁₁, M₁₂, … then V.
-fn by_place<T>(terms: &[Weighted<T>]) -> Vec<(Place, Vec<&Weighted<T>>)>
-where
-    T: Placed,
-{
-    let mut groups: BTreeMap<Place, Vec<&Weighted<T>>> = BTreeMap::new();
+fn by_place(terms: &[Weighted<EnergyTerm>]) -> Vec<(Place, Vec<&Weighted<EnergyTerm>>)> {
+    let mut groups: BTreeMap<Place, Vec<&Weighted<EnergyTerm>>> = BTreeMap::new();
     for weighted in terms {
-        groups.entry(weighted.term.place()).or_default().push(weighted);
+        groups.entry(weighted.term.place).or_default().push(weighted);
     }
     let (potential, inertia): (Vec<_>, Vec<_>) =
         groups.into_iter().partition(|(place, _)| *place == Place::Potential);
     inertia.into_iter().chain(potential).collect()
-}
-
-trait Placed {
-    fn place(&self) -> Place;
-}
-
-impl Placed for crate::energy::EnergyTerm {
-    fn place(&self) -> Place {
-        self.place
-    }
 }
 
 /// The torque equations with a standard error for each weight. Where an energy term is the only

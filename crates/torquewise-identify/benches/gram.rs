@@ -1,0 +1,75 @@
+//! Rows → normal equations of the whole library: from moments [E3], beside evaluate-then-SYRK.
+
+use divan::Bencher;
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::candidates::Candidates;
+use torquewise_identify::{LibraryKind, Method};
+use torquewise_motion::Motion;
+use torquewise_sparse::accumulate::{Lanes, Prepared, Route};
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::samples::Samples;
+
+const ROWS: usize = 60_000;
+const RATE: f64 = 250.0;
+const N_RESPONSES: usize = 3;
+
+fn main() {
+    divan::main();
+}
+
+/// The normal equations of 3 612 candidates from moments: one pass, then gathering.
+#[divan::bench(sample_count = 10, sample_size = 1, args = [512, 1024, 2048])]
+fn by_moments(bencher: Bencher<'_, '_>, block_rows: usize) {
+    let (prepared, blocks) = (library(Route::Moments), log_blocks(block_rows));
+    bencher.bench(|| sum(&prepared, &blocks, prepared.size(N_RESPONSES)));
+}
+
+/// The same normal equations from the evaluated library: one sum and one block at a time per core,
+/// each symmetric product sequential, which is how faer is fastest on tall matrices.
+#[divan::bench(sample_count = 2, sample_size = 1, args = [1024, 2048, 4096])]
+fn by_rows(bencher: Bencher<'_, '_>, block_rows: usize) {
+    let (prepared, blocks) = (library(Route::Direct), log_blocks(block_rows));
+    bencher.bench(|| sum(&prepared, &blocks, LANE_PER_CORE));
+}
+
+/// A size of which [`Lanes`] keeps one sum per core of a machine with two.
+const LANE_PER_CORE: usize = 64 << 20;
+
+fn sum(prepared: &Prepared, blocks: &[Samples], lane_bytes: usize) -> Vec<Gram> {
+    let mut lanes = Lanes::new(lane_bytes, |_| prepared.start(N_RESPONSES));
+    for block in blocks {
+        lanes.push(block.clone()).unwrap();
+    }
+    lanes.finish().unwrap().grams()
+}
+
+/// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
+fn library(route: Route) -> Prepared {
+    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Method::Sindy).unwrap();
+    assert_eq!(candidates.len(), 3_612);
+    Prepared::new(&candidates.design, route)
+}
+
+/// Positioning moves of the reference arm with the noise of case 3.
+fn log_blocks(block_rows: usize) -> Vec<Samples> {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let seconds = ROWS as f64 / RATE;
+    let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: RATE, seed: 1 };
+    let clean = simulate(&arm, &plan).unwrap().motion;
+    let noisy = add_noise(&clean, &Noise::case(3).unwrap(), 1).unwrap();
+    assert_eq!(noisy.n_rows(), ROWS);
+    let rows: Vec<usize> = (0..ROWS).collect();
+    rows.chunks(block_rows).map(|block| samples(&noisy.select(block))).collect()
+}
+
+fn samples(motion: &Motion) -> Samples {
+    let n = motion.n_joints();
+    let mut variables = faer::Mat::zeros(motion.n_rows(), 2 * n);
+    variables.subcols_mut(0, n).copy_from(motion.dq());
+    variables.subcols_mut(n, n).copy_from(motion.ddq());
+    Samples {
+        angles: motion.q().to_owned(),
+        variables,
+        responses: motion.tau().unwrap().to_owned(),
+    }
+}

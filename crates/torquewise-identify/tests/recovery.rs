@@ -1,0 +1,206 @@
+//! Simulated log → the terms and coefficients it was simulated with.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod truth;
+
+use std::collections::BTreeMap;
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
+use torquewise_model::{EnergyTerm, Form, check, to_json};
+use torquewise_motion::{Motion, Pattern};
+
+fn moves(arm: &Arm, seconds: f64, case: u8, seed: u64) -> (Motion, Vec<Pattern>) {
+    let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 100.0, seed };
+    let simulation = simulate(arm, &plan).unwrap();
+    let noisy = add_noise(&simulation.motion, &Noise::case(case).unwrap(), seed).unwrap();
+    (noisy, simulation.truth)
+}
+
+fn outside(arm: &Arm) -> Motion {
+    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 };
+    simulate(arm, &plan).unwrap().motion
+}
+
+fn fit(motion: &Motion, plan: &Plan) -> Reconstruction {
+    reconstruct(motion, plan, &mut |_| {}).unwrap()
+}
+
+fn nrmse(found: &Reconstruction, test: &Motion) -> Vec<f64> {
+    let scores = score(&found.model, test).unwrap();
+    scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect()
+}
+
+fn found_energies(found: &Reconstruction) -> BTreeMap<EnergyTerm, (f64, f64)> {
+    let Form::Energy(terms) = &found.model.form else { panic!("an energy model was asked for") };
+    terms.iter().map(|w| (w.term.clone(), (w.coefficient, w.std_error))).collect()
+}
+
+#[test]
+fn the_reference_arm_has_23_true_terms() {
+    let truth = truth::energies(&Arm::builtin("puma560-3").unwrap());
+
+    assert_eq!(truth.len(), 23);
+}
+
+#[test]
+fn without_noise_the_true_terms_and_coefficients_are_recovered() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let (log, _) = moves(&arm, 300.0, 1, 1);
+
+    let found = fit(&log, &Plan::default());
+
+    let truth = truth::energies(&arm);
+    let energies = found_energies(&found);
+    assert!(energies.keys().eq(truth.keys()), "the same terms");
+    for (term, &(coefficient, _)) in &energies {
+        // The condition of the rows is about 1e3, that of the projection less.
+        assert!((coefficient - truth[term]).abs() < 1e-10, "{}", term.name());
+    }
+    assert!(nrmse(&found, &outside(&arm)).iter().all(|&percent| percent < 1e-6));
+}
+
+#[test]
+fn with_noise_the_true_terms_are_found_and_the_error_is_small() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let truth = truth::energies(&arm);
+    for case in [2, 3] {
+        let (log, _) = moves(&arm, 600.0, case, 1);
+
+        let found = fit(&log, &Plan::default());
+
+        assert!(found_energies(&found).keys().eq(truth.keys()), "case {case}");
+        let percent = nrmse(&found, &outside(&arm));
+        assert!(percent[0] < 0.3 && percent[1] < 0.1 && percent[2] < 0.1, "{percent:?}");
+    }
+}
+
+#[test]
+fn standard_errors_are_of_the_size_of_the_errors() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let truth = truth::energies(&arm);
+    let mut squares = Vec::new();
+    for seed in 1..=4 {
+        let (log, _) = moves(&arm, 200.0, 3, seed);
+
+        let found = fit(&log, &Plan::default());
+
+        for (term, (coefficient, std_error)) in found_energies(&found) {
+            if let Some(expected) = truth.get(&term) {
+                squares.push(((coefficient - expected) / std_error).powi(2));
+            }
+        }
+    }
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    // Of about 90 squared standard normals, half of them independent, the mean is 1 ± 0.2.
+    assert!((0.5..1.7).contains(&mean), "mean square of error over standard error: {mean}");
+}
+
+#[test]
+fn patterns_are_the_true_ones_under_noise() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    for case in [2, 3] {
+        let (log, truth) = moves(&arm, 600.0, case, 1);
+
+        let found = fit(&log, &Plan::default());
+
+        assert_eq!(found.patterns.n_clusters(), 3);
+        let labels = found.patterns.label(&log);
+        for pattern in Pattern::ALL {
+            let rows = truth.iter().zip(&labels).filter(|(truth, _)| **truth == pattern);
+            let (all, right) = rows.fold((0.0, 0.0), |(all, right), (_, label)| {
+                (all + 1.0, right + f64::from(u8::from(*label == pattern)))
+            });
+            assert!(right >= 0.99 * all, "{}: {right} of {all}", pattern.name());
+        }
+    }
+}
+
+#[test]
+fn the_product_library_is_exact_without_noise_and_close_with_it() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let test = outside(&arm);
+    for (case, most) in [(1, 0.01), (2, 0.5), (3, 7.0)] {
+        let (log, _) = moves(&arm, 600.0, case, 1);
+
+        let found = fit(&log, &Plan::product());
+
+        assert_eq!(found.steps.iter().map(|s| s.candidates).collect::<Vec<_>>(), [25, 774, 387]);
+        assert!(nrmse(&found, &test).iter().all(|&percent| percent < most), "case {case}");
+    }
+}
+
+#[test]
+fn an_energy_model_is_physics_by_construction() {
+    let arm = Arm::builtin("generic-4").unwrap();
+    let (log, _) = moves(&arm, 200.0, 2, 3);
+
+    let found = fit(&log, &Plan::default());
+
+    let states: Vec<(Vec<f64>, Vec<f64>)> = (0..20)
+        .map(|k| {
+            let wave = |joint: usize| (f64::from(k) * 1.7 + joint as f64).sin();
+            ((0..4).map(wave).collect(), (4..8).map(wave).collect())
+        })
+        .collect();
+    let checks = check(&found.model, &states).unwrap();
+    assert!(checks.asymmetry < 1e-12 && checks.skew_defect < 1e-6, "{checks:?}");
+    assert!(checks.smallest_eigenvalue > 0.0, "{checks:?}");
+}
+
+#[test]
+fn the_noise_is_read_from_standstill() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let (log, _) = moves(&arm, 300.0, 3, 5);
+
+    let found = fit(&log, &Plan::default());
+
+    for joint in 0..3 {
+        let mean_square = log.ddq().col(joint).squared_norm_l2() / log.n_rows() as f64;
+        let expected = (mean_square / 1e3).sqrt();
+        let ratio = found.noise.ddq[joint] / expected;
+        assert!((0.95..1.05).contains(&ratio), "joint {joint}: {ratio}");
+    }
+}
+
+#[test]
+fn each_step_explains_more_of_a_motion_outside_the_training_set() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let (log, _) = moves(&arm, 300.0, 2, 1);
+    let test = outside(&arm);
+
+    let found = fit(&log, &Plan::default());
+
+    let errors: Vec<f64> = (1..=3)
+        .map(|step| {
+            let model = found.model.after_step(step).unwrap();
+            score(&model, &test).unwrap().joints.iter().map(|joint| joint.rmse).sum()
+        })
+        .collect();
+    assert!(errors[1] < errors[0] && errors[2] < 0.05 * errors[1], "{errors:?}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_model_at_any_number_of_threads() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let (log, _) = moves(&arm, 200.0, 3, 2);
+    let model_with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| to_json(&fit(&log, &Plan::product()).model).unwrap())
+    };
+
+    assert_eq!(model_with(1), model_with(3));
+}
+
+#[test]
+fn a_log_without_patterns_is_fitted_in_one_step_with_a_warning() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let log = outside(&arm);
+
+    let found = fit(&log, &Plan::default());
+
+    assert!(!found.warnings.is_empty());
+    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 5.0, rate: 100.0, seed: 4 };
+    let test = simulate(&arm, &plan).unwrap().motion;
+    assert!(nrmse(&found, &test).iter().all(|&percent| percent < 1e-6));
+}
