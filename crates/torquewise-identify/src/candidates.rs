@@ -109,6 +109,7 @@ fn weigh<T>(group: &[(usize, f64, f64)], term: impl Fn(usize) -> T) -> Vec<Weigh
             term: term(column),
             coefficient,
             std_error,
+            inclusion: None,
         })
         .collect()
 }

@@ -18,8 +18,10 @@ mod refit;
 pub mod warning;
 pub mod reconstruct;
 pub mod score;
+pub mod diagnose;
 
 pub use activation::{Activation, Scaling};
+pub use diagnose::{Diagnosis, diagnose};
 pub use error::IdentifyError;
 pub use noise::NoiseFloor;
 pub use patterns::{PatternPlan, Patterns, find_patterns};

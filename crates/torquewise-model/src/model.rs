@@ -15,6 +15,9 @@ pub struct Weighted<T> {
     pub coefficient: f64,
     /// Standard error of the coefficient; 0 where it is not known.
     pub std_error: f64,
+    /// Share of resampled logs in which the term was kept; `None` where it was not asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inclusion: Option<f64>,
 }
 
 /// The two shapes a model comes in.

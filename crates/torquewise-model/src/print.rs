@@ -154,6 +154,7 @@ pub fn weighted_equations(model: &Model) -> Vec<Vec<Weighted<Term>>> {
                     term,
                     coefficient,
                     std_error: variance.sqrt(),
+                    inclusion: None,
                 })
                 .collect();
             equation.sort_by_key(|w| std::cmp::Reverse(w.term.kind()));
