@@ -70,7 +70,8 @@ impl Index {
         }
         let sizes: Vec<[f64; 1]> = (0..rates.nrows())
             .map(|row| {
-                let norm: f64 = (0..n).map(|joint| (rates[(row, joint)] / scale[joint]).abs()).sum();
+                let norm: f64 =
+                    (0..n).map(|joint| (rates[(row, joint)] / scale[joint]).abs()).sum();
                 [norm.max(LEAST_RATE).ln()]
             })
             .collect();

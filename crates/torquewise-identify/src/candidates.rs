@@ -3,7 +3,7 @@
 use crate::error::IdentifyError;
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Method};
 use torquewise_model::library::{Degree, energy_library, product_library};
-use torquewise_model::{EnergyTerm, Form, Kind, Place, Term, Trig, Weighted};
+use torquewise_model::{EnergyTerm, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_sparse::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_sparse::design::{Column, Design};
@@ -55,7 +55,9 @@ impl Candidates {
             }
         };
         let equations: Vec<Vec<Column>> = match &terms {
-            Terms::Torque(terms) => vec![terms.iter().map(|t| column(&[(1.0, t.clone())])).collect()],
+            Terms::Torque(terms) => {
+                vec![terms.iter().map(|t| column(&[(1.0, t.clone())])).collect()]
+            }
             Terms::Energy(terms) => (0..n_joints)
                 .map(|joint| terms.iter().map(|term| column(&term.torque(joint))).collect())
                 .collect(),
@@ -80,38 +82,12 @@ impl Candidates {
     pub fn groups(&self) -> Vec<Group> {
         let n = self.n_joints;
         match self.terms {
-            Terms::Torque(_) => {
-                (0..n).map(|joint| Group { equations: vec![(0, joint)] }).collect()
-            }
+            Terms::Torque(_) => (0..n).map(|joint| Group { equations: vec![(0, joint)] }).collect(),
             Terms::Energy(_) => {
                 vec![Group { equations: (0..n).map(|joint| (joint, joint)).collect() }]
             }
         }
     }
-
-    /// The model form of weights and standard errors: per group (column, weight, error).
-    pub fn form(&self, found: &[Vec<(usize, f64, f64)>]) -> Form {
-        match &self.terms {
-            Terms::Torque(terms) => Form::Torque(
-                found.iter().map(|group| weigh(group, |column| terms[column].clone())).collect(),
-            ),
-            Terms::Energy(terms) => Form::Energy(
-                found.iter().flat_map(|group| weigh(group, |column| terms[column].clone())).collect(),
-            ),
-        }
-    }
-}
-
-fn weigh<T>(group: &[(usize, f64, f64)], term: impl Fn(usize) -> T) -> Vec<Weighted<T>> {
-    group
-        .iter()
-        .map(|&(column, coefficient, std_error)| Weighted {
-            term: term(column),
-            coefficient,
-            std_error,
-            inclusion: None,
-        })
-        .collect()
 }
 
 impl Terms {
@@ -126,6 +102,14 @@ impl Terms {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Readable name of a candidate.
+    pub fn name(&self, column: usize) -> String {
+        match self {
+            Self::Torque(terms) => terms[column].name(),
+            Self::Energy(terms) => terms[column].name(),
+        }
     }
 
     /// Columns that the rows of a pattern are asked for (14)–(16): of the energies, V at
@@ -169,14 +153,12 @@ fn energy_terms(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> 
 fn product_terms(n_joints: usize, gravity: u8, order: u8, method: Method) -> Vec<Term> {
     match method {
         Method::Sindy => product_library(n_joints, order, &Degree::up_to(2)),
-        Method::Stepwise => [
-            (Kind::Gravity, gravity),
-            (Kind::Coriolis, order),
-            (Kind::Inertia, order),
-        ]
-        .into_iter()
-        .flat_map(|(kind, order)| product_library(n_joints, order, &[Degree::of(kind)]))
-        .collect(),
+        Method::Stepwise => {
+            [(Kind::Gravity, gravity), (Kind::Coriolis, order), (Kind::Inertia, order)]
+                .into_iter()
+                .flat_map(|(kind, order)| product_library(n_joints, order, &[Degree::of(kind)]))
+                .collect()
+        }
     }
 }
 

@@ -93,11 +93,7 @@ impl Look {
     fn new(model: &Model, scores: &Scores) -> Self {
         let histogram = |rmse: f64| {
             let reach = if rmse > 0.0 { REACH * rmse } else { f64::MIN_POSITIVE };
-            Histogram {
-                start: -reach,
-                width: 2.0 * reach / BINS as f64,
-                counts: vec![0; BINS],
-            }
+            Histogram { start: -reach, width: 2.0 * reach / BINS as f64, counts: vec![0; BINS] }
         };
         let n = model.n_joints();
         Self {
@@ -190,8 +186,7 @@ fn importance(model: &Model, motion: &Motion) -> Vec<Vec<Importance>> {
         })
         .collect();
     let rms = |weight: f64, term: &torquewise_model::Term| {
-        let squares: f64 =
-            states.iter().map(|[q, dq, ddq]| term.value(q, dq, ddq).powi(2)).sum();
+        let squares: f64 = states.iter().map(|[q, dq, ddq]| term.value(q, dq, ddq).powi(2)).sum();
         weight.abs() * (squares / states.len().max(1) as f64).sqrt()
     };
     model

@@ -63,19 +63,15 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     }
     let search = KMeans { seed: plan.seed, ..KMeans::default() };
     let most = MOST_CLUSTERS.min(points.len());
-    let clusterings = (1..=most)
-        .map(|k| kmeans(&points, k, &search))
-        .collect::<Result<Vec<_>, _>>()?;
+    let clusterings =
+        (1..=most).map(|k| kmeans(&points, k, &search)).collect::<Result<Vec<_>, _>>()?;
     let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
     let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most.max(1));
     let Some(clustering) = clusterings.into_iter().nth(chosen - 1) else {
         return Err(IdentifyError::TooFewRows { rows: 0, needed: 1, joints: survey.joints.len() });
     };
-    let names: Vec<Pattern> = clustering
-        .centres
-        .iter()
-        .map(|centre| named(centre[0] > HALF, centre[1] > HALF))
-        .collect();
+    let names: Vec<Pattern> =
+        clustering.centres.iter().map(|centre| named(centre[0] > HALF, centre[1] > HALF)).collect();
     let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&clustering.centres));
     let centres = clustering.centres;
     let present = Pattern::ALL.to_vec();
@@ -100,21 +96,14 @@ fn named(moves: bool, accelerates: bool) -> Pattern {
 /// acceleration at uniform velocity, but for noise and a small part of the range.
 ///
 /// The printed index is taken at its word, to show what it does.
-fn is_genuine(
-    survey: &Survey,
-    patterns: &Patterns,
-    labels: &[Pattern],
-    pattern: Pattern,
-) -> bool {
+fn is_genuine(survey: &Survey, patterns: &Patterns, labels: &[Pattern], pattern: Pattern) -> bool {
     let activation = &patterns.activation;
     let rows: Vec<usize> = (0..labels.len()).filter(|&row| labels[row] == pattern).collect();
     if (rows.len() as f64) <= LEAST_SHARE * labels.len() as f64 {
         return false;
     }
     let (rates, noise, scale) = match pattern {
-        Pattern::Standstill => {
-            (survey.sample.dq(), &survey.noise.dq, &activation.velocity.scale)
-        }
+        Pattern::Standstill => (survey.sample.dq(), &survey.noise.dq, &activation.velocity.scale),
         Pattern::UniformVelocity => {
             (survey.sample.ddq(), &survey.noise.ddq, &activation.acceleration.scale)
         }
@@ -157,9 +146,7 @@ impl Patterns {
     /// Rows of a pattern that is not genuine count as variable velocity, which assumes nothing.
     pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
         let name = |point: &[f64; 2]| match self.switches {
-            Some([velocity, acceleration]) => {
-                named(point[0] > velocity, point[1] > acceleration)
-            }
+            Some([velocity, acceleration]) => named(point[0] > velocity, point[1] > acceleration),
             None => self.nearest(point),
         };
         let genuine = |name: Pattern| {
@@ -169,9 +156,8 @@ impl Patterns {
     }
 
     fn nearest(&self, point: &[f64; 2]) -> Pattern {
-        let distance = |centre: &[f64; 2]| {
-            (centre[0] - point[0]).powi(2) + (centre[1] - point[1]).powi(2)
-        };
+        let distance =
+            |centre: &[f64; 2]| (centre[0] - point[0]).powi(2) + (centre[1] - point[1]).powi(2);
         let near = self
             .centres
             .iter()

@@ -55,6 +55,8 @@ pub struct Plan {
     pub noise_correction: bool,
     /// Clustering.
     pub patterns: PatternPlan,
+    /// Resampled logs from which the inclusion of each term is counted; 0 for none.
+    pub bags: usize,
     /// Seed of everything random.
     pub seed: u64,
 }
@@ -67,6 +69,7 @@ impl Default for Plan {
             selector: Selector::Criterion(Criterion::default()),
             threshold: None,
             noise_correction: true,
+            bags: 50,
             patterns: PatternPlan::default(),
             seed: 0,
         }
@@ -83,6 +86,7 @@ impl Plan {
             method: Method::Sindy,
             selector: Selector::Stlsq(Stlsq::default()),
             noise_correction: false,
+            bags: 0,
             ..Self::default()
         }
     }

@@ -3,10 +3,12 @@
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step, gather_evidence, one_shot, plan_steps};
+use crate::factor::Kept;
+use crate::form::{Dropped, dropped, form};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{Method, Plan};
-use crate::refit::{Kept, RefitPlan, Refitted, refit};
+use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step;
 use crate::survey::{Survey, survey};
 use crate::warning::Warning;
@@ -30,6 +32,8 @@ pub struct Reconstruction {
     pub candidates: usize,
     /// The steps taken.
     pub steps: Vec<StepReport>,
+    /// Terms that did not stay though resampled logs kept them, the likeliest first.
+    pub dropped: Vec<Dropped>,
     /// What the user should know.
     pub warnings: Vec<Warning>,
 }
@@ -164,7 +168,7 @@ impl<'a> Found<'a> {
             let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
             self.row_weights[place] = step::noise_weights(evidence, group, &total);
         }
-        let form = self.candidates.form(&self.so_far());
+        let form = form(self.candidates, &self.terms());
         let n_joints = self.candidates.design.n_angles();
         self.reports.push(StepReport {
             name: step.name(),
@@ -182,13 +186,18 @@ impl<'a> Found<'a> {
         Ok(())
     }
 
-    /// (candidate, weight, unknown error) of all that is found, per group.
-    fn so_far(&self) -> Vec<Vec<(usize, f64, f64)>> {
-        let nonzero = |weights: &Vec<f64>| {
-            let entries = weights.iter().enumerate().filter(|&(_, &weight)| weight != 0.0);
-            entries.map(|(column, &weight)| (column, weight, 0.0)).collect()
+    /// What is found so far, per group; errors are not known yet.
+    fn terms(&self) -> Vec<Vec<FittedTerm>> {
+        let term = |(column, &coefficient): (usize, &f64)| FittedTerm {
+            column,
+            coefficient,
+            std_error: 0.0,
+            inclusion: None,
         };
-        self.weights.iter().map(nonzero).collect()
+        let found = |weights: &Vec<f64>| -> Vec<FittedTerm> {
+            weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(term).collect()
+        };
+        self.weights.iter().map(found).collect()
     }
 
     fn refit(
@@ -199,12 +208,12 @@ impl<'a> Found<'a> {
         rows: usize,
     ) -> Result<Vec<Refitted>, IdentifyError> {
         let kept: Vec<Kept> = self
-            .so_far()
+            .terms()
             .iter()
             .zip(self.groups.iter().zip(&self.row_weights))
             .map(|(found, (group, weights))| Kept {
                 group: group.clone(),
-                columns: found.iter().map(|&(column, ..)| column).collect(),
+                columns: found.iter().map(|term| term.column).collect(),
                 weights: weights.clone(),
             })
             .collect();
@@ -215,7 +224,14 @@ impl<'a> Found<'a> {
             _ => 0.0,
         };
         let least_size = plan.threshold.unwrap_or(0.0);
-        let refit_plan = RefitPlan { noise, seed: plan.seed, least_t_squared, least_size };
+        let refit_plan = RefitPlan {
+            noise,
+            seed: plan.seed,
+            least_t_squared,
+            least_size,
+            bags: plan.bags,
+            rows,
+        };
         refit(recording, self.candidates, &kept, &refit_plan)
     }
 
@@ -227,7 +243,8 @@ impl<'a> Found<'a> {
         refitted: Vec<Refitted>,
         warnings: Vec<Warning>,
     ) -> Reconstruction {
-        let weights: Vec<_> = refitted.iter().map(|group| group.weights.clone()).collect();
+        let terms: Vec<_> = refitted.iter().map(|group| group.terms.clone()).collect();
+        let dropped = dropped(self.candidates, &refitted);
         let training = Training {
             rows: survey.rows,
             residual_rms: refitted.into_iter().flat_map(|group| group.residual_rms).collect(),
@@ -236,10 +253,19 @@ impl<'a> Found<'a> {
             dq_peak: survey.dq_peak.clone(),
             ddq_peak: survey.ddq_peak.clone(),
         };
-        let form = self.candidates.form(&weights);
+        let form = form(self.candidates, &terms);
         let joints = survey.joints.clone();
         let model = Model { joints, form, stages: self.stages, training };
         let candidates = self.candidates.len();
-        Reconstruction { model, survey, patterns, noise, candidates, steps: self.reports, warnings }
+        Reconstruction {
+            model,
+            survey,
+            patterns,
+            noise,
+            candidates,
+            steps: self.reports,
+            dropped,
+            warnings,
+        }
     }
 }

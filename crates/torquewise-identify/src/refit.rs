@@ -1,35 +1,40 @@
-//! Kept terms, all rows → final coefficients and standard errors: QR, noise bias out [E6] [E7].
+//! Kept terms, all rows → final coefficients, standard errors, inclusion [E6] [E7].
 
-use crate::candidates::{Candidates, Group};
+use crate::candidates::Candidates;
 use crate::error::IdentifyError;
+use crate::factor::{FactorSum, Fit, Kept};
 use crate::noise::NoiseFloor;
-use crate::rows::samples_of;
+use crate::rows::{cut, samples_of};
+use crate::spread::ScoreSum;
 use faer::Mat;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use torquewise_motion::Recording;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::{Accumulate, Lanes};
 use torquewise_sparse::elimination::{Equations, Estimate};
-use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_sparse::problem::Problem;
+use torquewise_sparse::samples::Evaluator;
 use torquewise_sparse::triangle::Triangle;
 
-/// The terms of one group to be fitted together.
-#[derive(Clone, Debug)]
-pub(crate) struct Kept {
-    pub(crate) group: Group,
-    /// Columns of the library, ascending.
-    pub(crate) columns: Vec<usize>,
-    /// Weight of the rows of each equation: one over its noise variance.
-    pub(crate) weights: Vec<f64>,
+/// A term of the final fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FittedTerm {
+    /// Column of the library.
+    pub(crate) column: usize,
+    pub(crate) coefficient: f64,
+    pub(crate) std_error: f64,
+    /// Share of resampled logs in which it stayed.
+    pub(crate) inclusion: Option<f64>,
 }
 
 /// The fit of one group.
 #[derive(Clone, Debug)]
 pub(crate) struct Refitted {
-    /// (column of the library, coefficient, standard error)
-    pub(crate) weights: Vec<(usize, f64, f64)>,
+    pub(crate) terms: Vec<FittedTerm>,
+    /// (column, inclusion) of terms that did not stay, where resampled logs were asked.
+    pub(crate) dropped: Vec<(usize, f64)>,
     /// Columns that say nothing the others do not say.
     pub(crate) dependent: Vec<usize>,
     /// RMS of the residual of each equation \[N·m\].
@@ -45,10 +50,20 @@ pub(crate) struct RefitPlan<'a> {
     pub(crate) least_t_squared: f64,
     /// Terms of at most this size leave.
     pub(crate) least_size: f64,
+    /// Resampled logs for the inclusion of each term.
+    pub(crate) bags: usize,
+    /// Rows of the log.
+    pub(crate) rows: usize,
 }
 
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
 const PRECISION: f64 = 1e-11;
+/// Parts of a log that are drawn anew.
+const PARTS: usize = 32;
+/// Fewer parts with rows are too few to draw from.
+const LEAST_PARTS: usize = 8;
+/// Above this many kept terms, only those of the final model are asked of resampled logs.
+const MOST_BAGGED: usize = 150;
 
 /// Fits the kept terms of all groups on all rows, in two passes: the factors, then the residuals.
 pub(crate) fn refit(
@@ -66,311 +81,223 @@ pub(crate) fn refit(
         .zip(&evaluators)
         .map(|(kept, evaluator)| Fit { kept, evaluator, noise: plan.noise })
         .collect();
-    let factors = pass(recording, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?;
-    let first: Vec<Start> = factors.iter().map(FactorSum::solve).collect::<Result<_, _>>()?;
-    let scores = {
-        let starts: Vec<(&Fit<'_>, &[f64])> =
-            fits.iter().zip(&first).map(|(fit, start)| (fit, &start.coefficients[..])).collect();
-        pass(recording, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?
-    };
+    let factors =
+        pass(recording, plan.rows, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?;
+    let first: Vec<Start> =
+        factors.iter().map(|parts| Start::solve(parts)).collect::<Result<_, _>>()?;
+    let starts: Vec<(&Fit<'_>, &[f64])> =
+        fits.iter().zip(&first).map(|(fit, start)| (fit, &start.coefficients[..])).collect();
+    let scores = pass(recording, plan.rows, &starts, |&(fit, coefficients), _| {
+        ScoreSum::new(fit, coefficients)
+    })?;
     fits.iter()
-        .zip(factors.iter().zip(&first))
-        .zip(&scores)
-        .map(|((fit, (factor, start)), score)| finish(fit, factor, start, score, plan))
+        .zip(factors.into_iter().zip(&first))
+        .zip(scores)
+        .map(|((fit, (factors, start)), scores)| {
+            Group { fit, start, parts: factors.into_iter().zip(scores).collect() }.finish(plan)
+        })
         .collect()
 }
 
-/// Hands every block to a sum for each group.
+/// Hands every block to a sum for each group; returns the sums of the parts of the log.
 fn pass<'a, T, A: Accumulate>(
     recording: &(impl Recording + ?Sized),
+    rows: usize,
     groups: &'a [T],
     start: impl Fn(&'a T, usize) -> A,
-) -> Result<Vec<A>, IdentifyError> {
+) -> Result<Vec<Vec<A>>, IdentifyError> {
     let mut lanes: Vec<Lanes<A>> =
-        groups.iter().map(|group| Lanes::new(SUM_BYTES, |lane| start(group, lane))).collect();
+        groups.iter().map(|group| Lanes::with_count(PARTS, |lane| start(group, lane))).collect();
     recording
         .read(&mut |_, block| {
-            let samples = samples_of(block)?;
-            Ok(lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?)
+            for samples in cut(samples_of(block)?, rows / (2 * PARTS)) {
+                lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
+            }
+            Ok(())
         })
         .map_err(IdentifyError::Read)?;
-    lanes.into_iter().map(|lanes| Ok(lanes.finish()?)).collect()
+    lanes.into_iter().map(|lanes| Ok(lanes.parts()?)).collect()
 }
 
-/// Nominal size of a sum: eight lanes.
-const SUM_BYTES: usize = 16 << 20;
-
-#[derive(Clone, Copy)]
-struct Fit<'a> {
-    kept: &'a Kept,
-    evaluator: &'a Evaluator,
-    noise: &'a NoiseFloor,
-}
-
-impl Fit<'_> {
-    fn n_columns(&self) -> usize {
-        self.kept.columns.len()
-    }
-
-    /// (matrix of columns, response, weight) of each equation.
-    fn equations<'s>(
-        &'s self,
-        columns: &'s [Mat<f64>],
-        samples: &'s Samples,
-    ) -> impl Iterator<Item = (&'s Mat<f64>, &'s [f64], f64)> {
-        self.kept.group.equations.iter().zip(&self.kept.weights).map(
-            |(&(equation, response), &weight)| {
-                (&columns[equation], samples.responses.col_as_slice(response), weight)
-            },
-        )
-    }
-}
-
-/// R of \[Y τ\], and what noise in the rows adds to YᵀY and Yᵀτ.
-struct FactorSum<'a> {
-    fit: &'a Fit<'a>,
-    triangle: Triangle,
-    /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1).
-    bias: Mat<f64>,
-    random: ChaCha8Rng,
-}
-
-impl<'a> FactorSum<'a> {
-    fn new(fit: &'a Fit<'a>, seed: u64, lane: usize) -> Self {
-        let size = fit.n_columns() + 1;
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(lane as u64);
-        Self { fit, triangle: Triangle::new(size), bias: Mat::zeros(size, size), random }
-    }
-
-    /// Rows √w·\[Y τ\] of all equations.
-    fn rows(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
-        let columns = self.fit.evaluator.columns(samples)?;
-        let p = self.fit.n_columns();
-        let rows = self.fit.equations(&columns, samples).map(|(y, tau, weight)| {
-            let root = weight.sqrt();
-            Mat::from_fn(y.nrows(), p + 1, |row, j| {
-                root * if j < p { y[(row, j)] } else { tau[row] }
-            })
-        });
-        Ok(rows.collect())
-    }
-
-    /// What the noise did to the sums, seen by doing it once more: with ε drawn as the noise is, and
-    /// −ε beside it so that odd powers cancel, E\[½(S(z+ε) + S(z−ε)) − S(z)\] = E\[S(z)\] − S(true).
-    fn probe(&mut self, samples: &Samples, rows: &[Mat<f64>]) -> Result<(), SparseError> {
-        let noise = self.fit.noise;
-        let rates: Vec<f64> = noise.dq.iter().chain(&noise.ddq).copied().collect();
-        let angles = draw(&mut self.random, samples.n_rows(), &noise.q);
-        let variables = draw(&mut self.random, samples.n_rows(), &rates);
-        for sign in [1.0, -1.0] {
-            let shifted = Samples {
-                angles: &samples.angles + faer::Scale(sign) * &angles,
-                variables: &samples.variables + faer::Scale(sign) * &variables,
-                responses: samples.responses.clone(),
-            };
-            for (moved, still) in self.rows(&shifted)?.iter().zip(rows) {
-                add_gram(&mut self.bias, moved, 0.5);
-                add_gram(&mut self.bias, still, -0.5);
-            }
-        }
-        Ok(())
-    }
-
-    /// The plain fit, with the columns that depend on others found out.
-    fn solve(&self) -> Result<Start, SparseError> {
-        let p = self.fit.n_columns();
-        let gram = self.triangle.r().transpose() * self.triangle.r();
-        let corner = gram[(p, p)];
-        let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
-        let right = (0..p).map(|j| gram[(j, p)]).collect();
-        let rows = self.triangle.rows().max(1) as f64;
-        let problem = torquewise_sparse::problem::Problem::new(plain, right, corner, rows)?;
-        let all: Vec<usize> = (0..p).collect();
-        let fit = problem.refit(&all)?;
-        Ok(Start { coefficients: fit.coefficients, dependent: fit.dependent })
-    }
-}
-
-/// Independent normal noise of the given standard deviations, rows × deviations.
-fn draw(random: &mut ChaCha8Rng, rows: usize, deviations: &[f64]) -> Mat<f64> {
-    let mut out = Mat::zeros(rows, deviations.len());
-    for (j, &sigma) in deviations.iter().enumerate() {
-        for value in out.col_as_slice_mut(j) {
-            let unit: f64 = StandardNormal.sample(random);
-            *value = sigma * unit;
-        }
-    }
-    out
-}
-
-fn add_gram(target: &mut Mat<f64>, rows: &Mat<f64>, weight: f64) {
-    faer::linalg::matmul::matmul(
-        target.as_mut(),
-        faer::Accum::Add,
-        rows.transpose(),
-        rows.as_ref(),
-        weight,
-        faer::Par::Seq,
-    );
-}
-
-impl Accumulate for FactorSum<'_> {
-    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
-        let rows = self.rows(samples)?;
-        rows.iter().try_for_each(|rows| self.triangle.add(rows.as_ref()))?;
-        if self.fit.noise.is_none() { Ok(()) } else { self.probe(samples, &rows) }
-    }
-
-    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        self.bias += &other.bias;
-        self.triangle.merge(&other.triangle)
-    }
-}
-
+/// The plain least-squares fit, with the columns that depend on others found out.
 struct Start {
     coefficients: Vec<f64>,
     dependent: Vec<usize>,
 }
 
-/// Residuals of a fit, and the spread of its scores: rows of all equations at one instant share the
-/// noise of that instant, so they count as one.
-struct ScoreSum<'a> {
+impl Start {
+    fn solve(parts: &[FactorSum<'_>]) -> Result<Self, SparseError> {
+        let gram = parts.iter().map(FactorSum::gram).reduce(|a, b| a + b);
+        let gram = gram.unwrap_or_else(|| Mat::zeros(1, 1));
+        let rows: usize = parts.iter().map(|part| part.triangle.rows()).sum();
+        let p = gram.ncols().saturating_sub(1);
+        let right = (0..p).map(|j| gram[(j, p)]).collect();
+        let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
+        let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1) as f64)?;
+        let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
+        Ok(Self { coefficients: fit.coefficients, dependent: fit.dependent })
+    }
+}
+
+/// All that the parts of a log say of one group.
+struct Group<'a> {
     fit: &'a Fit<'a>,
-    coefficients: &'a [f64],
-    squares: Vec<f64>,
-    sum: Vec<f64>,
-    spread: Mat<f64>,
-    rows: usize,
+    start: &'a Start,
+    parts: Vec<(FactorSum<'a>, ScoreSum<'a>)>,
 }
 
-impl<'a> ScoreSum<'a> {
-    fn new(fit: &'a Fit<'a>, coefficients: &'a [f64]) -> Self {
-        let p = fit.n_columns();
-        Self {
-            fit,
-            coefficients,
-            squares: vec![0.0; fit.kept.group.equations.len()],
-            sum: vec![0.0; p],
-            spread: Mat::zeros(p, p),
-            rows: 0,
-        }
-    }
-
-    /// Covariance of the summed scores.
-    fn covariance(&self) -> Mat<f64> {
-        let m = self.rows.max(1) as f64;
-        let p = self.sum.len();
-        Mat::from_fn(p, p, |i, j| self.spread[(i, j)] - self.sum[i] * self.sum[j] / m)
-    }
-}
-
-impl Accumulate for ScoreSum<'_> {
-    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
-        let columns = self.fit.evaluator.columns(samples)?;
+impl Group<'_> {
+    fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
         let p = self.fit.n_columns();
-        let mut scores = Mat::<f64>::zeros(samples.n_rows(), p);
-        for ((y, tau, weight), squares) in
-            self.fit.equations(&columns, samples).zip(&mut self.squares)
-        {
-            let mut residual = tau.to_vec();
-            for (j, &coefficient) in self.coefficients.iter().enumerate() {
-                for (r, y) in residual.iter_mut().zip(y.col_as_slice(j)) {
-                    *r -= coefficient * y;
-                }
-            }
-            *squares += residual.iter().map(|r| r * r).sum::<f64>();
-            for j in 0..p {
-                let terms = y.col_as_slice(j).iter().zip(&residual);
-                for (score, (y, r)) in scores.col_as_slice_mut(j).iter_mut().zip(terms) {
-                    *score += weight * y * r;
-                }
-            }
-        }
-        for (sum, column) in self.sum.iter_mut().zip(scores.col_iter()) {
-            *sum += column.iter().sum::<f64>();
-        }
-        add_gram(&mut self.spread, &scores, 1.0);
-        self.rows += samples.n_rows();
-        Ok(())
-    }
-
-    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        self.squares.iter_mut().zip(&other.squares).for_each(|(a, b)| *a += b);
-        self.sum.iter_mut().zip(&other.sum).for_each(|(a, b)| *a += b);
-        self.spread += &other.spread;
-        self.rows += other.rows;
-        Ok(())
-    }
-}
-
-fn finish(
-    fit: &Fit<'_>,
-    factor: &FactorSum<'_>,
-    start: &Start,
-    score: &ScoreSum<'_>,
-    plan: &RefitPlan<'_>,
-) -> Result<Refitted, IdentifyError> {
-    let p = fit.n_columns();
-    let gram = factor.triangle.r().transpose() * factor.triangle.r();
-    let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
-    let mut equations = Equations {
-        information: Mat::from_fn(p, p, |i, j| gram[(i, j)] - factor.bias[(i, j)]),
-        right: (0..p).map(|j| gram[(j, p)] - factor.bias[(j, p)]).collect(),
-        spread: score.covariance(),
-        floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
-    };
-    for &column in &start.dependent {
-        equations.information[(column, column)] = 0.0;
-    }
-    let residual_rms =
-        score.squares.iter().map(|s| (s / score.rows.max(1) as f64).sqrt()).collect();
-    let mut estimate = equations.eliminate(plan.least_t_squared)?.unwrap_or_else(|| Estimate {
-        active: (0..p).filter(|j| !start.dependent.contains(j)).collect(),
-        coefficients: start.coefficients.clone(),
-        std_errors: vec![0.0; p],
-    });
-    let large = |c: &f64| c.abs() > plan.least_size;
-    if !estimate.coefficients.iter().all(large) {
-        let keep: Vec<usize> = (0..estimate.active.len())
-            .filter(|&place| large(&estimate.coefficients[place]))
+        let mut equations = self.equations(&vec![1.0; self.parts.len()]);
+        let mut estimate = self.estimate(&equations, plan.least_t_squared)?;
+        let small = |estimate: &Estimate, place: usize| {
+            estimate.coefficients[place].abs() <= plan.least_size
+        };
+        let leaving: Vec<usize> = (0..estimate.active.len())
+            .filter(|&place| small(&estimate, place))
+            .map(|place| estimate.active[place])
             .collect();
-        for (place, &column) in estimate.active.iter().enumerate() {
-            if !keep.contains(&place) {
-                equations.information[(column, column)] = 0.0;
+        if !leaving.is_empty() {
+            let staying = |j: usize| estimate.active.contains(&j) && !leaving.contains(&j);
+            for j in (0..p).filter(|&j| !staying(j)) {
+                equations.information[(j, j)] = 0.0;
+            }
+            estimate = self.estimate(&equations, 0.0)?;
+        }
+        let inclusion = self.inclusion(plan, &estimate.active)?;
+        let exact = self.sharpen(&estimate)?;
+        let terms = (0..estimate.active.len())
+            .map(|place| FittedTerm {
+                column: self.fit.kept.columns[estimate.active[place]],
+                coefficient: exact[place],
+                std_error: estimate.std_errors[place],
+                inclusion: inclusion.as_ref().map(|shares| shares[estimate.active[place]]),
+            })
+            .collect();
+        let dropped = inclusion.iter().flatten().enumerate();
+        let dropped = dropped
+            .filter(|(j, share)| **share > 0.0 && !estimate.active.contains(j))
+            .map(|(j, &share)| (self.fit.kept.columns[j], share))
+            .collect();
+        let dependent = self.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
+        Ok(Refitted { terms, dropped, dependent, residual_rms: self.residual_rms() })
+    }
+
+    /// Estimating equations of the parts, each counted as often as `weights` says.
+    fn equations(&self, weights: &[f64]) -> Equations {
+        let p = self.fit.n_columns();
+        let (mut gram, mut bias) = (Mat::<f64>::zeros(p + 1, p + 1), Mat::zeros(p + 1, p + 1));
+        let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
+        for ((factor, score), &weight) in self.parts.iter().zip(weights) {
+            if weight > 0.0 {
+                gram += faer::Scale(weight) * factor.gram();
+                bias += faer::Scale(weight) * &factor.bias;
+                spread += faer::Scale(weight) * &score.spread;
+                sum.iter_mut().zip(&score.sum).for_each(|(a, b)| *a += weight * b);
+                rows += weight * score.rows as f64;
             }
         }
-        if let Some(smaller) = equations.eliminate(0.0)? {
-            estimate = smaller;
+        let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
+        let mut equations = Equations {
+            information: Mat::from_fn(p, p, |i, j| gram[(i, j)] - bias[(i, j)]),
+            right: (0..p).map(|j| gram[(j, p)] - bias[(j, p)]).collect(),
+            spread: Mat::from_fn(p, p, |i, j| spread[(i, j)] - sum[i] * sum[j] / rows.max(1.0)),
+            floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
+        };
+        for &j in &self.start.dependent {
+            equations.information[(j, j)] = 0.0;
         }
+        equations
     }
-    let exact = sharpen(factor, &estimate)?;
-    let weights = estimate
-        .active
-        .iter()
-        .zip(exact.iter().zip(&estimate.std_errors))
-        .map(|(&j, (&coefficient, &std_error))| (fit.kept.columns[j], coefficient, std_error))
-        .collect();
-    let dependent = start.dependent.iter().map(|&j| fit.kept.columns[j]).collect();
-    Ok(Refitted { weights, dependent, residual_rms })
+
+    /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
+    fn estimate(&self, equations: &Equations, least: f64) -> Result<Estimate, SparseError> {
+        let plain = || {
+            let active: Vec<usize> =
+                (0..self.fit.n_columns()).filter(|j| !self.start.dependent.contains(j)).collect();
+            Estimate {
+                coefficients: active.iter().map(|&j| self.start.coefficients[j]).collect(),
+                std_errors: vec![0.0; active.len()],
+                active,
+            }
+        };
+        Ok(equations.eliminate(least)?.unwrap_or_else(plain))
+    }
+
+    /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
+    /// replacement, as there are, and the elimination is run again.
+    fn inclusion(
+        &self,
+        plan: &RefitPlan<'_>,
+        active: &[usize],
+    ) -> Result<Option<Vec<f64>>, SparseError> {
+        let p = self.fit.n_columns();
+        let filled: Vec<usize> =
+            (0..self.parts.len()).filter(|&part| self.parts[part].1.rows > 0).collect();
+        if plan.bags == 0 || filled.len() < LEAST_PARTS {
+            return Ok(None);
+        }
+        let rounds = (0..plan.bags)
+            .into_par_iter()
+            .map(|round| {
+                let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
+                random.set_stream(BAGS + round as u64);
+                let mut weights = vec![0.0; self.parts.len()];
+                for _ in 0..filled.len() {
+                    weights[filled[random.random_range(0..filled.len())]] += 1.0;
+                }
+                let mut equations = self.equations(&weights);
+                if p > MOST_BAGGED {
+                    for j in (0..p).filter(|j| !active.contains(j)) {
+                        equations.information[(j, j)] = 0.0;
+                    }
+                }
+                Ok(self.estimate(&equations, plan.least_t_squared)?.active)
+            })
+            .collect::<Result<Vec<Vec<usize>>, SparseError>>()?;
+        let mut counts = vec![0.0; p];
+        for j in rounds.into_iter().flatten() {
+            counts[j] += 1.0 / plan.bags as f64;
+        }
+        Ok(Some(counts))
+    }
+
+    fn residual_rms(&self) -> Vec<f64> {
+        let rows: usize = self.parts.iter().map(|(_, score)| score.rows).sum();
+        (0..self.fit.kept.group.equations.len())
+            .map(|equation| {
+                let squares: f64 =
+                    self.parts.iter().map(|(_, score)| score.squares[equation]).sum();
+                (squares / rows.max(1) as f64).sqrt()
+            })
+            .collect()
+    }
+
+    /// The coefficients of an estimate to full precision where no noise was taken out: from R
+    /// instead of RᵀR, whose condition is the square.
+    fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
+        let (p, k) = (self.fit.n_columns(), estimate.active.len());
+        if !self.fit.noise.is_none() || k == 0 {
+            return Ok(estimate.coefficients.clone());
+        }
+        let mut small = Triangle::new(k + 1);
+        for (factor, _) in &self.parts {
+            let r = factor.triangle.r();
+            let chosen =
+                Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
+            small.add(chosen.as_ref())?;
+        }
+        let mut x = Mat::from_fn(k, 1, |i, _| small.r()[(i, k)]);
+        let upper = small.r().submatrix(0, 0, k, k);
+        faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+            upper,
+            x.as_mut(),
+            faer::Par::Seq,
+        );
+        Ok((0..k).map(|i| x[(i, 0)]).collect())
+    }
 }
 
-/// The coefficients of an estimate to full precision where no noise was taken out: from R instead of
-/// RᵀR, whose condition is the square.
-fn sharpen(factor: &FactorSum<'_>, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
-    if !factor.fit.noise.is_none() || estimate.active.is_empty() {
-        return Ok(estimate.coefficients.clone());
-    }
-    let (r, p, k) = (factor.triangle.r(), factor.fit.n_columns(), estimate.active.len());
-    let mut small = Triangle::new(k + 1);
-    let chosen = Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
-    small.add(chosen.as_ref())?;
-    let mut x = Mat::from_fn(k, 1, |i, _| small.r()[(i, k)]);
-    let upper = small.r().submatrix(0, 0, k, k);
-    faer::linalg::triangular_solve::solve_upper_triangular_in_place(
-        upper,
-        x.as_mut(),
-        faer::Par::Seq,
-    );
-    Ok((0..k).map(|i| x[(i, 0)]).collect())
-}
+/// Streams of random numbers from here on are for resampling, those before for noise.
+const BAGS: u64 = 1 << 32;

@@ -20,6 +20,29 @@ pub(crate) fn samples_of(motion: &Motion) -> Result<Samples, MotionError> {
     })
 }
 
+/// A block cut into pieces of at most `rows` rows, but not too small to be worth their cost.
+pub(crate) fn cut(samples: Samples, rows: usize) -> Vec<Samples> {
+    let size = rows.clamp(LEAST_PIECE, BLOCK_ROWS);
+    if samples.n_rows() <= size {
+        return vec![samples];
+    }
+    (0..samples.n_rows())
+        .step_by(size)
+        .map(|start| {
+            let count = size.min(samples.n_rows() - start);
+            let piece = |x: &Mat<f64>| x.subrows(start, count).to_owned();
+            Samples {
+                angles: piece(&samples.angles),
+                variables: piece(&samples.variables),
+                responses: piece(&samples.responses),
+            }
+        })
+        .collect()
+}
+
+/// Rows of a piece at least.
+const LEAST_PIECE: usize = 16;
+
 /// Rows of one pattern on their way to full blocks.
 #[derive(Debug)]
 pub(crate) struct Gathering {

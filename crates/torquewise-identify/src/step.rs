@@ -27,11 +27,8 @@ pub(crate) fn select(
     let before: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
     // What is offered is found anew; only the rest of what is known counts as explained.
     let mut fixed = before.clone();
-    let places: Vec<usize> = step
-        .offered
-        .iter()
-        .filter_map(|column| step.columns.binary_search(column).ok())
-        .collect();
+    let places: Vec<usize> =
+        step.offered.iter().filter_map(|column| step.columns.binary_search(column).ok()).collect();
     for &place in &places {
         fixed[place] = 0.0;
     }

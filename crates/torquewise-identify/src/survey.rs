@@ -155,7 +155,9 @@ impl Look {
         let (torque_mean, torque_std) = self.torque.iter().map(moments).unzip();
         let n = self.joints.len();
         let signal = |first: usize| {
-            Mat::from_fn(self.sampled.len(), n, |row, joint| self.sampled[row][1 + first * n + joint])
+            Mat::from_fn(self.sampled.len(), n, |row, joint| {
+                self.sampled[row][1 + first * n + joint]
+            })
         };
         let sample = Motion::new(Signals {
             joints: self.joints.clone(),
@@ -184,9 +186,10 @@ impl Look {
 
 fn row_of(block: &Motion, row: usize) -> Vec<f64> {
     let signals = [Some(block.q()), Some(block.dq()), Some(block.ddq()), block.tau()];
-    let values = signals.into_iter().flatten().flat_map(|x| {
-        (0..x.ncols()).map(move |joint| x[(row, joint)])
-    });
+    let values = signals
+        .into_iter()
+        .flatten()
+        .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
     std::iter::once(block.t()[row]).chain(values).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Survey, patterns, fit → warnings: what the user should know, in words.
 
-use crate::candidates::{Candidates, Terms};
+use crate::candidates::Candidates;
 use crate::patterns::Patterns;
 use crate::plan::{Method, Plan};
 use crate::refit::Refitted;
@@ -68,10 +68,7 @@ impl Warning {
         dependent.sort_unstable();
         dependent.dedup();
         if !dependent.is_empty() {
-            let name = |&column: &usize| match &candidates.terms {
-                Terms::Torque(terms) => terms[column].name(),
-                Terms::Energy(terms) => terms[column].name(),
-            };
+            let name = |&column: &usize| candidates.terms.name(column);
             warnings.push(Self::Dependent { terms: dependent.iter().map(name).collect() });
         }
         warnings

@@ -38,9 +38,14 @@ pub struct Lanes<A> {
 impl<A: Accumulate> Lanes<A> {
     /// As many lanes as fit into a fixed amount of memory, each started by `start` with its
     /// number; `size` is the number of bytes of one sum.
-    pub fn new(size: usize, mut start: impl FnMut(usize) -> A) -> Self {
-        let count = (LANE_BYTES / size.max(1)).clamp(1, MAX_LANES);
-        Self { lanes: (0..count).map(|lane| (start(lane), Vec::new())).collect(), next: 0 }
+    pub fn new(size: usize, start: impl FnMut(usize) -> A) -> Self {
+        Self::with_count((LANE_BYTES / size.max(1)).clamp(1, MAX_LANES), start)
+    }
+
+    /// A given number of lanes, at least one.
+    pub fn with_count(count: usize, mut start: impl FnMut(usize) -> A) -> Self {
+        let lanes = (0..count.max(1)).map(|lane| (start(lane), Vec::new())).collect();
+        Self { lanes, next: 0 }
     }
 
     /// Hands over the next block.
@@ -58,14 +63,22 @@ impl<A: Accumulate> Lanes<A> {
     ///
     /// # Errors
     /// [`SparseError`] if a block does not fit.
-    pub fn finish(mut self) -> Result<A, SparseError> {
-        self.drain()?;
-        let mut lanes = self.lanes.into_iter().map(|(sum, _)| sum);
+    pub fn finish(self) -> Result<A, SparseError> {
+        let mut lanes = self.parts()?.into_iter();
         let Some(mut total) = lanes.next() else {
             return Err(SparseError::Shape { what: "the lanes", found: 0, expected: 1 });
         };
         lanes.try_for_each(|lane| total.merge(lane))?;
         Ok(total)
+    }
+
+    /// The sum of each lane on its own: parts of the rows to resample.
+    ///
+    /// # Errors
+    /// [`SparseError`] if a block does not fit.
+    pub fn parts(mut self) -> Result<Vec<A>, SparseError> {
+        self.drain()?;
+        Ok(self.lanes.into_iter().map(|(sum, _)| sum).collect())
     }
 
     fn drain(&mut self) -> Result<(), SparseError> {

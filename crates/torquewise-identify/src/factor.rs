@@ -1,0 +1,142 @@
+//! Kept terms, all rows → R factor, and what noise in the rows does to it [E6] [E7].
+
+use crate::candidates::Group;
+use crate::noise::NoiseFloor;
+use faer::Mat;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use torquewise_sparse::SparseError;
+use torquewise_sparse::accumulate::Accumulate;
+use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_sparse::triangle::Triangle;
+
+/// The terms of one group to be fitted together.
+#[derive(Clone, Debug)]
+pub(crate) struct Kept {
+    pub(crate) group: Group,
+    /// Columns of the library, ascending.
+    pub(crate) columns: Vec<usize>,
+    /// Weight of the rows of each equation: one over its noise variance.
+    pub(crate) weights: Vec<f64>,
+}
+
+/// A group with its columns ready to be evaluated.
+#[derive(Clone, Copy)]
+pub(crate) struct Fit<'a> {
+    pub(crate) kept: &'a Kept,
+    pub(crate) evaluator: &'a Evaluator,
+    pub(crate) noise: &'a NoiseFloor,
+}
+
+impl Fit<'_> {
+    pub(crate) fn n_columns(&self) -> usize {
+        self.kept.columns.len()
+    }
+
+    /// (matrix of columns, response, weight) of each equation.
+    pub(crate) fn equations<'s>(
+        &'s self,
+        columns: &'s [Mat<f64>],
+        samples: &'s Samples,
+    ) -> impl Iterator<Item = (&'s Mat<f64>, &'s [f64], f64)> {
+        self.kept.group.equations.iter().zip(&self.kept.weights).map(
+            |(&(equation, response), &weight)| {
+                (&columns[equation], samples.responses.col_as_slice(response), weight)
+            },
+        )
+    }
+}
+
+/// R of \[Y τ\], and what noise in the rows adds to YᵀY and Yᵀτ.
+pub(crate) struct FactorSum<'a> {
+    fit: &'a Fit<'a>,
+    pub(crate) triangle: Triangle,
+    /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1).
+    pub(crate) bias: Mat<f64>,
+    random: ChaCha8Rng,
+}
+
+impl<'a> FactorSum<'a> {
+    pub(crate) fn new(fit: &'a Fit<'a>, seed: u64, lane: usize) -> Self {
+        let size = fit.n_columns() + 1;
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(lane as u64);
+        Self { fit, triangle: Triangle::new(size), bias: Mat::zeros(size, size), random }
+    }
+
+    /// Rows √w·\[Y τ\] of all equations.
+    fn rows(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
+        let columns = self.fit.evaluator.columns(samples)?;
+        let p = self.fit.n_columns();
+        let rows = self.fit.equations(&columns, samples).map(|(y, tau, weight)| {
+            let root = weight.sqrt();
+            Mat::from_fn(y.nrows(), p + 1, |row, j| {
+                root * if j < p { y[(row, j)] } else { tau[row] }
+            })
+        });
+        Ok(rows.collect())
+    }
+
+    /// What the noise did to the sums, seen by doing it once more: with ε drawn as the noise is, and
+    /// −ε beside it so that odd powers cancel, E\[½(S(z+ε) + S(z−ε)) − S(z)\] = E\[S(z)\] − S(true).
+    fn probe(&mut self, samples: &Samples, rows: &[Mat<f64>]) -> Result<(), SparseError> {
+        let noise = self.fit.noise;
+        let rates: Vec<f64> = noise.dq.iter().chain(&noise.ddq).copied().collect();
+        let angles = draw(&mut self.random, samples.n_rows(), &noise.q);
+        let variables = draw(&mut self.random, samples.n_rows(), &rates);
+        for sign in [1.0, -1.0] {
+            let shifted = Samples {
+                angles: &samples.angles + faer::Scale(sign) * &angles,
+                variables: &samples.variables + faer::Scale(sign) * &variables,
+                responses: samples.responses.clone(),
+            };
+            for (moved, still) in self.rows(&shifted)?.iter().zip(rows) {
+                add_gram(&mut self.bias, moved, 0.5);
+                add_gram(&mut self.bias, still, -0.5);
+            }
+        }
+        Ok(())
+    }
+
+    /// RᵀR = \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
+    pub(crate) fn gram(&self) -> Mat<f64> {
+        self.triangle.r().transpose() * self.triangle.r()
+    }
+}
+
+/// Independent normal noise of the given standard deviations, rows × deviations.
+fn draw(random: &mut ChaCha8Rng, rows: usize, deviations: &[f64]) -> Mat<f64> {
+    let mut out = Mat::zeros(rows, deviations.len());
+    for (j, &sigma) in deviations.iter().enumerate() {
+        for value in out.col_as_slice_mut(j) {
+            let unit: f64 = StandardNormal.sample(random);
+            *value = sigma * unit;
+        }
+    }
+    out
+}
+
+pub(crate) fn add_gram(target: &mut Mat<f64>, rows: &Mat<f64>, weight: f64) {
+    faer::linalg::matmul::matmul(
+        target.as_mut(),
+        faer::Accum::Add,
+        rows.transpose(),
+        rows.as_ref(),
+        weight,
+        faer::Par::Seq,
+    );
+}
+
+impl Accumulate for FactorSum<'_> {
+    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
+        let rows = self.rows(samples)?;
+        rows.iter().try_for_each(|rows| self.triangle.add(rows.as_ref()))?;
+        if self.fit.noise.is_none() { Ok(()) } else { self.probe(samples, &rows) }
+    }
+
+    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
+        self.bias += &other.bias;
+        self.triangle.merge(&other.triangle)
+    }
+}
