@@ -1,1 +1,28 @@
-//! torquewise-report
+//! Figures of motions and reconstructed torque models, each returned as one text.
+//!
+//! Nothing here touches a file or rasterises a font: a figure is SVG whose words stay words, in the
+//! sans-serif font of whoever looks at it, so that it can be saved, or pasted into a page.
+//!
+//! ```
+//! use faer::Mat;
+//! use torquewise_report::torque_figure;
+//!
+//! let t = [0.0, 0.1, 0.2];
+//! let measured = Mat::from_fn(3, 1, |row, _| row as f64);
+//! let predicted = Mat::from_fn(3, 1, |row, _| 1.1 * row as f64);
+//!
+//! let joints = ["shoulder".to_owned()];
+//! let predictions = [("model", predicted.as_ref())];
+//! let figure = torque_figure("A test", &joints, &t, measured.as_ref(), &predictions)?;
+//! assert!(figure.starts_with("<svg") && figure.contains("shoulder"));
+//! # Ok::<(), torquewise_report::ReportError>(())
+//! ```
+
+pub mod error;
+mod palette;
+mod curve;
+mod panel;
+pub mod torque;
+
+pub use error::ReportError;
+pub use torque::torque_figure;

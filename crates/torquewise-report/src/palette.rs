@@ -1,0 +1,33 @@
+//! Role → colour, font and line width: one look for all figures.
+
+use plotters::style::{RGBColor, ShapeStyle};
+
+/// The generic name, which each viewer fills with its own font.
+pub(crate) const FONT: &str = "sans-serif";
+
+/// Titles and names.
+pub(crate) const INK: RGBColor = RGBColor(31, 41, 55);
+/// Numbers and units at the axes.
+pub(crate) const FADED_INK: RGBColor = RGBColor(107, 114, 128);
+/// Lines behind the curves.
+pub(crate) const GRID: RGBColor = RGBColor(229, 231, 235);
+/// The page.
+pub(crate) const PAPER: RGBColor = RGBColor(255, 255, 255);
+
+/// What was measured: broad and pale, so that a curve on top of it can be told from it.
+const MEASURED: RGBColor = RGBColor(178, 186, 197);
+
+/// Colours of M. Okabe and K. Ito, told apart by colour-blind eyes too.
+const PREDICTED: [RGBColor; 4] =
+    [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
+
+/// Line of what was measured.
+pub(crate) fn measured() -> ShapeStyle {
+    ShapeStyle { color: MEASURED.into(), filled: true, stroke_width: 5 }
+}
+
+/// Line of the prediction at `place`.
+pub(crate) fn predicted(place: usize) -> ShapeStyle {
+    let color = PREDICTED[place % PREDICTED.len()].into();
+    ShapeStyle { color, filled: true, stroke_width: 2 }
+}
