@@ -1,0 +1,199 @@
+//! Models → torque, text and back: two-link arm in closed form, files whole and broken.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use torquewise_dynamics::Arm;
+use torquewise_model::print::{latex, text, with_error};
+use torquewise_model::{
+    EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Training, Trig,
+    Weighted, check, from_json, to_json,
+};
+
+fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
+    Weighted { term, coefficient, std_error: 0.01, inclusion: Some(1.0) }
+}
+
+/// `planar-2` as its energies: M₁₁ = a + 2b cos q₂, M₁₂ = c + b cos q₂, M₂₂ = c and
+/// V = d sin q₁ + e sin(q₁ + q₂), with constants read off the arm itself.
+fn two_link() -> (Arm, Model) {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let bent = arm.mass_matrix(&[0.0, std::f64::consts::FRAC_PI_2]);
+    let straight = arm.mass_matrix(&[0.0, 0.0]);
+    let b = straight[(0, 1)] - bent[(0, 1)];
+    let one = Term::one(2);
+    let cos2 = one.clone().times(Trig::Cos, 1, 1, 1);
+    let inertia = |i, j, function: &Term| EnergyTerm {
+        place: Place::Inertia(i, j),
+        function: function.clone(),
+    };
+    let mut terms = vec![
+        weighted(inertia(0, 0, &one), bent[(0, 0)]),
+        weighted(inertia(0, 0, &cos2), 2.0 * b),
+        weighted(inertia(0, 1, &one), bent[(0, 1)]),
+        weighted(inertia(0, 1, &cos2), b),
+        weighted(inertia(1, 1, &one), bent[(1, 1)]),
+    ];
+    // τ₁ = ∂V/∂q₁ at two states gives the two weights of the potential.
+    for (first, second) in [(Trig::Sin, None), (Trig::Sin, Some(Trig::Cos)), (Trig::Cos, Some(Trig::Sin))]
+    {
+        let mut function = one.clone().times(first, 0, 1, 1);
+        if let Some(second) = second {
+            function = function.times(second, 1, 1, 1);
+        }
+        let folded = arm.gravity_torque(&[0.0, std::f64::consts::PI])[0];
+        let out = arm.gravity_torque(&[0.0, 0.0])[0];
+        let weight = if second.is_some() { 0.5 * (out - folded) } else { 0.5 * (out + folded) };
+        terms.push(weighted(EnergyTerm { place: Place::Potential, function }, weight));
+    }
+    let stage = Stage {
+        name: "standstill".into(),
+        rows: 10,
+        candidates: 8,
+        form: Form::Energy(terms[5..].to_vec()),
+    };
+    let model = Model {
+        joints: vec!["joint1".into(), "joint2".into()],
+        form: Form::Energy(terms),
+        stages: vec![stage],
+        training: Training::default(),
+    };
+    (arm, model)
+}
+
+#[test]
+fn energies_give_the_torque_of_the_arm() {
+    let (arm, model) = two_link();
+    let torque = Torque::new(&model);
+
+    for k in 0..20 {
+        let x = f64::from(k);
+        let (q, dq, ddq) = ([x.sin(), (2.0 * x).cos()], [x.cos(), -x.sin()], [0.3 * x, 1.0 - x]);
+        let expected = arm.inverse_dynamics(&q, &dq, &ddq);
+        let found = torque.at(&q, &dq, &ddq).unwrap();
+        for joint in 0..2 {
+            let scale = 1.0 + expected[joint].abs();
+            assert!((found[joint] - expected[joint]).abs() < 1e-12 * scale, "state {k}");
+        }
+    }
+}
+
+#[test]
+fn the_model_is_physics_and_a_tampered_one_is_not() {
+    let (_, model) = two_link();
+    let states: Vec<(Vec<f64>, Vec<f64>)> = (0..10)
+        .map(|k| (vec![f64::from(k), 0.7 * f64::from(k)], vec![1.0, -0.5 * f64::from(k)]))
+        .collect();
+
+    let sound = check(&model, &states).unwrap();
+    let torques = Form::Torque(
+        model
+            .equations()
+            .into_iter()
+            .map(|sum| {
+                let one = |(c, term): (f64, Term)| {
+                    let factor = if term.kind() == Kind::Coriolis { 1.1 } else { 1.0 };
+                    weighted(term, factor * c)
+                };
+                sum.into_iter().map(one).collect()
+            })
+            .collect(),
+    );
+    let tampered = check(&Model { form: torques, ..model }, &states).unwrap();
+
+    assert!(sound.passed(), "{sound:?}");
+    assert!(!tampered.passed() && tampered.skew_defect > 1e-3, "{tampered:?}");
+}
+
+#[test]
+fn a_saved_model_is_read_back_bit_for_bit() {
+    let (_, mut model) = two_link();
+    if let Form::Energy(terms) = &mut model.form {
+        terms[0].coefficient = 0.1 + 0.2;
+    }
+
+    let read = from_json(&to_json(&model).unwrap()).unwrap();
+
+    assert_eq!(read, model);
+}
+
+#[test]
+fn a_file_cut_off_anywhere_is_an_error() {
+    let whole = to_json(&two_link().1).unwrap();
+
+    for part in 1..20 {
+        let cut = &whole[..whole.len() * part / 20];
+        assert!(matches!(from_json(cut), Err(ModelError::NotAModel { .. })), "{part}/20");
+    }
+}
+
+#[test]
+fn an_unknown_version_is_named() {
+    let newer = to_json(&two_link().1).unwrap().replace("\"version\": 1", "\"version\": 7");
+
+    let error = from_json(&newer).unwrap_err();
+
+    assert!(matches!(error, ModelError::Version { found: 7, known: 1 }), "{error}");
+}
+
+#[test]
+fn parts_that_do_not_fit_are_refused() {
+    let (_, model) = two_link();
+    let whole = to_json(&model).unwrap();
+    let broken = [
+        whole.replace("\"joint1\",", ""),
+        whole.replace("torquewise-model", "another-model"),
+        whole.replacen("\"std_error\": 0.01", "\"std_error\": 1e999", 1),
+    ];
+
+    for text in broken {
+        assert!(from_json(&text).is_err());
+    }
+    let mut infinite = model;
+    if let Form::Energy(terms) = &mut infinite.form {
+        terms[0].coefficient = f64::INFINITY;
+    }
+    assert!(matches!(to_json(&infinite), Err(ModelError::NotFinite { .. })));
+}
+
+#[test]
+fn a_step_that_was_not_taken_is_an_error() {
+    let (_, model) = two_link();
+
+    assert_eq!(model.after_step(1).unwrap().form.n_coefficients(), 3);
+    assert!(matches!(model.after_step(0), Err(ModelError::Step { found: 0, known: 1 })));
+    assert!(matches!(model.after_step(2), Err(ModelError::Step { .. })));
+}
+
+#[test]
+fn another_arm_is_recognised_by_its_joints() {
+    let (_, model) = two_link();
+    let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+
+    assert!(model.check_joints(&names(&["joint1", "joint2"])).is_ok());
+    assert!(matches!(
+        model.check_joints(&names(&["joint1", "joint2", "joint3"])),
+        Err(ModelError::JointCount { .. })
+    ));
+    assert!(matches!(
+        model.check_joints(&names(&["hip", "knee"])),
+        Err(ModelError::JointNames { .. })
+    ));
+}
+
+#[test]
+fn digits_follow_the_standard_error() {
+    assert_eq!(with_error(8.396_03, 0.003_1), "8.3960 ± 0.0031");
+    assert_eq!(with_error(1234.5678, 12.0), "1235 ± 12");
+    assert_eq!(with_error(0.1 + 0.2, 0.0), "0.3000000000");
+}
+
+#[test]
+fn equations_read_as_formulas() {
+    let (_, model) = two_link();
+
+    let (plain, tex) = (text(&model), latex(&model));
+
+    assert!(plain.contains("M11 =") && plain.contains("V =") && plain.contains("tau2 ="));
+    assert!(plain.contains("* cos(q2)*ddq1"), "{plain}");
+    assert!(tex.starts_with(r"\begin{align*}") && tex.contains(r"\cos q_{2}\,\ddot q_{1}"), "{tex}");
+}
