@@ -54,13 +54,9 @@ impl Candidates {
                 Terms::Torque(product_terms(n_joints, gravity_order, trig_order, method))
             }
         };
-        let equations: Vec<Vec<Column>> = match &terms {
-            Terms::Torque(terms) => {
-                vec![terms.iter().map(|t| column(&[(1.0, t.clone())])).collect()]
-            }
-            Terms::Energy(terms) => (0..n_joints)
-                .map(|joint| terms.iter().map(|term| column(&term.torque(joint))).collect())
-                .collect(),
+        let equations = match &terms {
+            Terms::Torque(terms) => columns_of_terms(terms),
+            Terms::Energy(terms) => columns_of_energies(terms, n_joints),
         };
         check_size(terms.len(), equations.len())?;
         let design = Design::new(n_joints, 2 * n_joints, &equations)?;
@@ -175,6 +171,18 @@ fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> 
         limit += 1;
     }
     Err(IdentifyError::LibraryTooLarge { candidates, gigabytes: bytes >> 30, limit })
+}
+
+/// The columns of torque terms: one equation that serves all joints.
+pub(crate) fn columns_of_terms(terms: &[Term]) -> Vec<Vec<Column>> {
+    vec![terms.iter().map(|term| column(&[(1.0, term.clone())])).collect()]
+}
+
+/// The columns of energy terms: one equation per joint.
+pub(crate) fn columns_of_energies(terms: &[EnergyTerm], n_joints: usize) -> Vec<Vec<Column>> {
+    (0..n_joints)
+        .map(|joint| terms.iter().map(|term| column(&term.torque(joint))).collect())
+        .collect()
 }
 
 /// A sum of terms as a sum of harmonic × monomial.

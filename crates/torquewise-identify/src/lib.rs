@@ -22,12 +22,14 @@ pub mod warning;
 pub mod reconstruct;
 pub mod score;
 pub mod diagnose;
+pub mod orders;
 
 pub use activation::{Activation, Scaling};
 pub use diagnose::{Diagnosis, diagnose};
 pub use error::IdentifyError;
 pub use form::Dropped;
 pub use noise::NoiseFloor;
+pub use orders::{OrderCurve, OrderPlan, OrderPoint, orders};
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Method, Plan};
 pub use reconstruct::{Progress, Reconstruction, StepReport, reconstruct};

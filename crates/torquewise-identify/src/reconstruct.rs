@@ -12,6 +12,7 @@ use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step;
 use crate::survey::{Survey, survey};
 use crate::warning::Warning;
+use rayon::prelude::*;
 use torquewise_model::{Model, Stage, Training};
 use torquewise_motion::Recording;
 use torquewise_sparse::accumulate::Route;
@@ -155,18 +156,21 @@ impl<'a> Found<'a> {
         evidence: &Evidence,
         selector: &Selector,
     ) -> Result<(), IdentifyError> {
-        for (place, group) in self.groups.iter().enumerate() {
+        // Joints with coefficients of their own are independent regressions.
+        let found: Vec<_> = (self.groups.par_iter().zip(&self.weights))
+            .map(|(group, known)| step::select(step, evidence, group, known, selector))
+            .collect::<Result<_, _>>()
+            .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
+        for (place, found) in found.into_iter().enumerate() {
             let known = &mut self.weights[place];
-            let weights = step::select(step, evidence, group, known, selector)
-                .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
             for &column in &step.offered {
                 known[column] = 0.0;
             }
-            for (column, weight) in weights {
+            for (column, weight) in found {
                 known[column] = weight;
             }
             let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-            self.row_weights[place] = step::noise_weights(evidence, group, &total);
+            self.row_weights[place] = step::noise_weights(evidence, &self.groups[place], &total);
         }
         let form = form(self.candidates, &self.terms());
         let n_joints = self.candidates.design.n_angles();

@@ -33,7 +33,7 @@ pub struct Survey {
 }
 
 /// Rows of a sample at most: enough for quantiles and clusters, few enough for any log.
-pub const SAMPLE_ROWS: usize = 1 << 15;
+pub const SAMPLE_ROWS: usize = 1 << 14;
 
 /// Looks through a recording once.
 ///

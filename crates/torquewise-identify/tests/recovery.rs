@@ -6,7 +6,7 @@ mod truth;
 
 use std::collections::BTreeMap;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::{OrderPlan, Plan, Reconstruction, orders, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, check, to_json};
 use torquewise_motion::{Motion, Pattern};
 
@@ -203,4 +203,22 @@ fn a_log_without_patterns_is_fitted_in_one_step_with_a_warning() {
     let plan = MotionPlan { kind: MotionKind::Sines, seconds: 5.0, rate: 100.0, seed: 4 };
     let test = simulate(&arm, &plan).unwrap().motion;
     assert!(nrmse(&found, &test).iter().all(|&percent| percent < 1e-6));
+}
+
+#[test]
+fn orders_are_those_the_arm_needs() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let (log, _) = moves(&arm, 200.0, 1, 1);
+
+    let plan = OrderPlan { trig_order: 5, whole_order: 2, ..OrderPlan::default() };
+    let curves = orders(&log, &plan).unwrap();
+
+    let chosen: Vec<(&str, u8)> = curves[1..]
+        .iter()
+        .map(|curve| (curve.name.as_str(), curve.points[curve.chosen].order))
+        .collect();
+    // Gravity is of two angles, M and its derivatives of up to four factors, energy terms of two.
+    let expected =
+        [("standstill", 2), ("uniform velocity", 4), ("variable velocity", 4), ("energy", 2)];
+    assert_eq!(chosen, expected);
 }

@@ -1,0 +1,326 @@
+//! Recording → residual against order, and the orders it asks for (Fig. 5 of the paper).
+
+use crate::candidates::{columns_of_energies, columns_of_terms};
+use crate::error::IdentifyError;
+use crate::patterns::{PatternPlan, Patterns, find_patterns};
+use crate::rows::{Gathering, samples_of};
+use crate::survey::survey;
+use faer::Mat;
+use rayon::prelude::*;
+use torquewise_model::library::{Degree, energy_library, product_library};
+use torquewise_model::{Kind, Term};
+use torquewise_motion::{Motion, Pattern, ReadError, Recording};
+use torquewise_sparse::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
+use torquewise_sparse::design::Design;
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::problem::Problem;
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderPlan {
+    /// Largest N₁.
+    pub trig_order: u8,
+    /// Largest N₁ of the whole library, which grows fastest.
+    pub whole_order: u8,
+    /// Largest interaction order of the energy library; at most one per joint.
+    pub interaction: usize,
+    /// Clustering.
+    pub patterns: PatternPlan,
+}
+
+impl Default for OrderPlan {
+    /// N₁ up to 5, and up to 4 for the whole library, interaction up to 4.
+    fn default() -> Self {
+        Self { trig_order: 5, whole_order: 4, interaction: 4, patterns: PatternPlan::default() }
+    }
+}
+
+/// The residual of one library at one order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderPoint {
+    /// N₁, or the interaction order of the energy library.
+    pub order: u8,
+    /// N₂: degree in velocities and accelerations together; 0 where it is fixed.
+    pub motion_order: u8,
+    /// Candidates.
+    pub candidates: usize,
+    /// Held-out RMS residual of each joint over the standard deviation of its torque, n.
+    pub residual: Vec<f64>,
+    /// The same on the rows that were fitted, which is what Fig. 5 shows, n.
+    pub fitted: Vec<f64>,
+}
+
+/// The residual of one library against its order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderCurve {
+    /// Whose: `SINDy`, a pattern's name, or `energy`.
+    pub name: String,
+    /// Rows.
+    pub rows: usize,
+    /// One point per order, from low to high.
+    pub points: Vec<OrderPoint>,
+    /// Place of the point chosen: the first that no later one improves by more than
+    /// [`WORTHWHILE`] for any joint.
+    pub chosen: usize,
+}
+
+/// A higher order must take this part off the residual of some joint.
+pub const WORTHWHILE: f64 = 0.1;
+/// Residuals below this part of the torque are rounding: normal equations resolve no less.
+const RESOLUTION: f64 = 1e-6;
+
+/// Residuals of all orders from one pass over the data after the survey.
+///
+/// Rows are dealt out in blocks to two halves; each half is fitted by least squares and judged on
+/// the other. All orders are columns of the largest library, so one Gram matrix per half serves
+/// them all.
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, or a library too large.
+pub fn orders(
+    recording: &(impl Recording + ?Sized),
+    plan: &OrderPlan,
+) -> Result<Vec<OrderCurve>, IdentifyError> {
+    let survey = survey(recording)?;
+    survey.sample.require_tau()?;
+    let patterns = find_patterns(&survey, &plan.patterns)?;
+    let n = survey.joints.len();
+    let ladders = ladders(n, plan, &patterns)?;
+    let halves = accumulate(recording, &patterns, &ladders, survey.rows)?;
+    let mut curves = Vec::with_capacity(ladders.len());
+    for (ladder, halves) in ladders.iter().zip(&halves) {
+        curves.push(ladder.climb(halves, &survey.torque_std)?);
+    }
+    Ok(curves)
+}
+
+/// A library with the columns of each of its orders.
+struct Ladder {
+    name: String,
+    pattern: Option<Pattern>,
+    design: Design,
+    /// (order, motion order, columns)
+    rungs: Vec<(u8, u8, Vec<usize>)>,
+}
+
+fn ladders(n: usize, plan: &OrderPlan, patterns: &Patterns) -> Result<Vec<Ladder>, IdentifyError> {
+    let mut ladders = vec![whole_ladder(n, plan.whole_order)?];
+    for &pattern in &patterns.present {
+        ladders.push(step_ladder(n, plan.trig_order, pattern)?);
+    }
+    ladders.push(energy_ladder(n, plan.interaction.min(n))?);
+    Ok(ladders)
+}
+
+/// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
+fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+    let terms = product_library(n, largest, &Degree::up_to(2));
+    let rungs = (1..=2_u8)
+        .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
+        .map(|(order, motion)| {
+            let fits = |term: &Term| trig_order(term) <= order && motion_order(term) <= motion;
+            (order, motion, places(&terms, fits))
+        })
+        .collect();
+    let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
+    Ok(Ladder { name: "SINDy".into(), pattern: None, design, rungs })
+}
+
+/// One step: its own part of the library at N₁, beside the parts of the steps before at the largest.
+fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, IdentifyError> {
+    let kinds: &[Kind] = match pattern {
+        Pattern::Standstill => &[Kind::Gravity],
+        Pattern::UniformVelocity => &[Kind::Gravity, Kind::Coriolis],
+        Pattern::VariableVelocity => &[Kind::Gravity, Kind::Coriolis, Kind::Inertia],
+    };
+    let own = kinds[kinds.len() - 1];
+    // What an order adds to the step before shows only if the step before is not short of it.
+    let degrees: Vec<Degree> = kinds.iter().map(|&kind| Degree::of(kind)).collect();
+    let terms = product_library(n, largest.min(4), &degrees[..degrees.len() - 1])
+        .into_iter()
+        .chain(product_library(n, largest, &degrees[degrees.len() - 1..]))
+        .collect::<Vec<Term>>();
+    let rungs = (1..=largest)
+        .map(|order| {
+            let fits = |term: &Term| term.kind() != own || trig_order(term) <= order;
+            (order, 0, places(&terms, fits))
+        })
+        .collect();
+    let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
+    Ok(Ladder { name: pattern.name().into(), pattern: Some(pattern), design, rungs })
+}
+
+fn energy_ladder(n: usize, largest: usize) -> Result<Ladder, IdentifyError> {
+    let terms = energy_library(n, Some(largest));
+    let rungs = (1..=largest)
+        .filter_map(|order| {
+            let columns = (0..terms.len())
+                .filter(|&column| terms[column].function.interaction() <= order)
+                .collect();
+            Some((u8::try_from(order).ok()?, 0, columns))
+        })
+        .collect();
+    let design = Design::new(n, 2 * n, &columns_of_energies(&terms, n))?;
+    Ok(Ladder { name: "energy".into(), pattern: None, design, rungs })
+}
+
+fn places(terms: &[Term], fits: impl Fn(&Term) -> bool) -> Vec<usize> {
+    (0..terms.len()).filter(|&column| fits(&terms[column])).collect()
+}
+
+fn trig_order(term: &Term) -> u8 {
+    term.factors.iter().map(|factor| factor.power).sum()
+}
+
+fn motion_order(term: &Term) -> u8 {
+    term.dq.iter().chain(&term.ddq).sum()
+}
+
+/// Sums of the even and of the odd blocks of each ladder's rows.
+type Halves = [Vec<Gram>; 2];
+
+fn accumulate(
+    recording: &(impl Recording + ?Sized),
+    patterns: &Patterns,
+    ladders: &[Ladder],
+    rows: usize,
+) -> Result<Vec<Halves>, IdentifyError> {
+    let n = recording.joints().len();
+    let prepared: Vec<Prepared> = ladders
+        .iter()
+        .map(|ladder| Prepared::new(&ladder.design, cheaper_route(&ladder.design, n, rows)))
+        .collect();
+    let mut bins: Vec<(Gathering, Lanes<GramSum<'_>>)> = prepared
+        .iter()
+        .map(|design| (Gathering::new(n), Lanes::with_count(2, |_| design.start(n))))
+        .collect();
+    let mut add = |block: &Motion| -> Result<(), ReadError> {
+        let (samples, labels) = (samples_of(block)?, patterns.label(block));
+        for (ladder, (gathering, lanes)) in ladders.iter().zip(&mut bins) {
+            for (row, &label) in labels.iter().enumerate() {
+                if ladder.pattern.is_none_or(|pattern| pattern == label)
+                    && let Some(full) = gathering.push(&samples, row)
+                {
+                    lanes.push(full)?;
+                }
+            }
+        }
+        Ok(())
+    };
+    recording.read(&mut |_, block| add(block)).map_err(IdentifyError::Read)?;
+    let mut sums = Vec::with_capacity(bins.len());
+    for (mut gathering, mut lanes) in bins {
+        if let Some(rest) = gathering.take() {
+            lanes.push(rest)?;
+        }
+        let mut halves = lanes.parts()?.into_iter().map(GramSum::grams);
+        sums.push(std::array::from_fn(|_| halves.next().unwrap_or_default()));
+    }
+    Ok(sums)
+}
+
+impl Ladder {
+    fn climb(&self, halves: &Halves, torque_std: &[f64]) -> Result<OrderCurve, IdentifyError> {
+        let mut points = Vec::with_capacity(self.rungs.len());
+        for (order, motion_order, columns) in &self.rungs {
+            let mut squares = [vec![0.0; torque_std.len()], vec![0.0; torque_std.len()]];
+            for [fitted, judged] in [[0, 1], [1, 0]] {
+                let weights = fit(&halves[fitted], columns, torque_std)?;
+                for (sum, half) in squares.iter_mut().zip([judged, fitted]) {
+                    let errors = errors(&halves[half], columns, &weights);
+                    sum.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
+                }
+            }
+            let rows: usize = halves.iter().map(|half| half.first().map_or(0, |g| g.rows)).sum();
+            let [residual, fitted] = squares.map(|squares| {
+                let relative = |(sum, std): (f64, &f64)| {
+                    (sum / rows.max(1) as f64).sqrt() / std.max(f64::MIN_POSITIVE)
+                };
+                squares.into_iter().zip(torque_std).map(relative).collect::<Vec<f64>>()
+            });
+            points.push(OrderPoint {
+                order: *order,
+                motion_order: *motion_order,
+                candidates: columns.len(),
+                residual,
+                fitted,
+            });
+        }
+        let rows = halves.iter().map(|half| half.first().map_or(0, |g| g.rows)).sum();
+        let chosen = choose(&points);
+        Ok(OrderCurve { name: self.name.clone(), rows, points, chosen })
+    }
+}
+
+/// Least-squares weights of the columns for each joint; one list where all joints share them.
+fn fit(
+    half: &[Gram],
+    columns: &[usize],
+    torque_std: &[f64],
+) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
+    if half.len() > 1 {
+        let joints = torque_std.iter().enumerate();
+        let equations = joints.map(|(joint, std)| (joint, 0, weight(std))).collect::<Vec<_>>();
+        return Ok(vec![solve(half, columns, &equations)?]);
+    }
+    let joints = (0..torque_std.len()).into_par_iter();
+    joints.map(|joint| solve(half, columns, &[(0, joint, 1.0)])).collect()
+}
+
+/// Least squares over (equation, response, weight).
+fn solve(
+    half: &[Gram],
+    columns: &[usize],
+    equations: &[(usize, usize, f64)],
+) -> Result<Vec<f64>, IdentifyError> {
+    let p = columns.len();
+    let (mut gram, mut cross, mut energy) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
+    let mut rows = 0.0;
+    for &(equation, response, weight) in equations {
+        let part = &half[equation];
+        gram +=
+            faer::Scale(weight) * Mat::from_fn(p, p, |i, j| part.gram[(columns[i], columns[j])]);
+        for (value, &column) in cross.iter_mut().zip(columns) {
+            *value += weight * part.cross[(column, response)];
+        }
+        energy += weight * part.energy[response];
+        rows += part.rows as f64;
+    }
+    let problem = Problem::new(gram, cross, energy, f64::max(rows, 1.0))?;
+    Ok(problem.refit(&(0..p).collect::<Vec<_>>())?.coefficients)
+}
+
+/// Squared error of each joint on one half.
+fn errors(half: &[Gram], columns: &[usize], weights: &[Vec<f64>]) -> Vec<f64> {
+    match weights {
+        [shared] => half.iter().map(|part| error(part, 0, columns, shared)).collect(),
+        own => (0..own.len())
+            .into_par_iter()
+            .map(|joint| error(&half[0], joint, columns, &own[joint]))
+            .collect(),
+    }
+}
+
+/// ‖y − Y c‖² from normal equations.
+fn error(part: &Gram, response: usize, columns: &[usize], weights: &[f64]) -> f64 {
+    let mut left = part.energy[response];
+    for (&j, &weight) in columns.iter().zip(weights) {
+        let column = part.gram.col_as_slice(j);
+        let fitted: f64 = columns.iter().zip(weights).map(|(&i, c)| column[i] * c).sum();
+        left += weight * (fitted - 2.0 * part.cross[(j, response)]);
+    }
+    left.max(0.0)
+}
+
+/// The first point that no later one improves worthwhile for any joint.
+fn choose(points: &[OrderPoint]) -> usize {
+    let improves = |from: &OrderPoint, to: &OrderPoint| {
+        from.residual.iter().zip(&to.residual).any(|(&before, &after)| {
+            after.max(RESOLUTION) < (1.0 - WORTHWHILE) * before.max(RESOLUTION)
+        })
+    };
+    (0..points.len())
+        .find(|&place| !points[place + 1..].iter().any(|later| improves(&points[place], later)))
+        .unwrap_or(0)
+}
