@@ -2,8 +2,9 @@
 
 use crate::design::Design;
 use crate::error::SparseError;
-use crate::gram::{Gram, accumulate_rows, direct_cost, gather, responses_of};
-use crate::moments::{MomentPlan, Moments};
+use crate::gather::gather;
+use crate::gram::{Gram, accumulate_rows, direct_cost, responses_of};
+use crate::moments::{MomentPlan, Moments, Strip};
 use crate::samples::{Evaluator, Samples};
 use rayon::prelude::*;
 
@@ -124,7 +125,7 @@ pub struct GramSum<'a> {
 }
 
 enum Way<'a> {
-    Moments(&'a MomentPlan, Moments),
+    Moments(&'a MomentPlan, Moments, Box<Strip>),
     Direct(&'a Evaluator, Vec<Gram>),
 }
 
@@ -148,7 +149,10 @@ impl Prepared {
     /// An empty sum.
     pub fn start(&self, n_responses: usize) -> GramSum<'_> {
         let way = match self {
-            Self::Moments(plan) => Way::Moments(plan, plan.start(n_responses)),
+            Self::Moments(plan) => {
+                let strip = Box::new(plan.strip(n_responses));
+                Way::Moments(plan, plan.start(n_responses), strip)
+            }
             Self::Direct(evaluator) => {
                 let design = evaluator.design();
                 let (p, count) = (design.n_columns(), design.n_equations());
@@ -175,7 +179,7 @@ impl GramSum<'_> {
     /// The normal equations of each equation.
     pub fn grams(self) -> Vec<Gram> {
         match self.way {
-            Way::Moments(plan, moments) => gather(plan, &moments),
+            Way::Moments(plan, moments, _) => gather(plan, &moments),
             Way::Direct(_, mut grams) => {
                 grams.iter_mut().for_each(Gram::mirror);
                 grams
@@ -187,14 +191,14 @@ impl GramSum<'_> {
 impl Accumulate for GramSum<'_> {
     fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
         match &mut self.way {
-            Way::Moments(plan, moments) => plan.accumulate(moments, samples),
+            Way::Moments(plan, moments, strip) => plan.accumulate_with(strip, moments, samples),
             Way::Direct(evaluator, grams) => accumulate_rows(evaluator, grams, samples),
         }
     }
 
     fn merge(&mut self, other: Self) -> Result<(), SparseError> {
         match (&mut self.way, other.way) {
-            (Way::Moments(_, mine), Way::Moments(_, theirs)) => mine.merge(&theirs),
+            (Way::Moments(_, mine, _), Way::Moments(_, theirs, _)) => mine.merge(&theirs),
             (Way::Direct(_, mine), Way::Direct(_, theirs)) => {
                 mine.iter_mut().zip(&theirs).try_for_each(|(a, b)| a.merge(b))
             }

@@ -1,12 +1,10 @@
-//! Moments or rows → normal equations YᵀY and Yᵀy of a design, by whichever route costs less [E3].
+//! Rows → normal equations YᵀY and Yᵀy of a design: the direct route.
 
-use crate::design::Design;
 use crate::error::SparseError;
-use crate::moments::{MomentPlan, Moments, add_product};
+use crate::moments::add_product;
 use crate::samples::{Evaluator, Samples};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, ColMut, Mat, Par};
-use rayon::prelude::*;
+use faer::{Accum, Mat, Par};
 
 /// Normal equations of one equation of a design.
 #[derive(Clone, Debug)]
@@ -37,10 +35,8 @@ impl Gram {
     /// # Errors
     /// [`SparseError::Shape`] if the two were made for different designs.
     pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
-        let shapes = [
-            (self.gram.ncols(), other.gram.ncols()),
-            (self.cross.ncols(), other.cross.ncols()),
-        ];
+        let shapes =
+            [(self.gram.ncols(), other.gram.ncols()), (self.cross.ncols(), other.cross.ncols())];
         if let Some(&(expected, found)) = shapes.iter().find(|(a, b)| a != b) {
             return Err(SparseError::Shape { what: "a Gram matrix", found, expected });
         }
@@ -103,133 +99,12 @@ pub(crate) fn accumulate_rows(
             Par::Seq,
         );
         let own = responses_of(equation, n_equations, n_responses);
-        let responses = samples.responses.subcols(own.start, own.len()).to_owned();
-        add_product(&mut gram.cross, y, &responses);
+        let responses = samples.responses.subcols(own.start, own.len());
+        add_product(&mut gram.cross, y.as_ref(), responses);
         for (energy, response) in gram.energy.iter_mut().zip(responses.col_iter()) {
             *energy += response.squared_norm_l2();
         }
         gram.rows += samples.n_rows();
     }
     Ok(())
-}
-
-/// The normal equations of each equation of the plan's design, gathered from moments.
-pub fn gather(plan: &MomentPlan, moments: &Moments) -> Vec<Gram> {
-    let design = plan.design();
-    let n_equations = design.n_equations();
-    (0..n_equations)
-        .map(|equation| {
-            let own = responses_of(equation, n_equations, moments.energy.len());
-            let columns = &design.equations[equation];
-            Gram {
-                gram: gather_gram(plan, moments, columns),
-                cross: gather_cross(design, moments, columns, own.clone()),
-                energy: moments.energy[own].to_vec(),
-                rows: moments.rows,
-            }
-        })
-        .collect()
-}
-
-type Entries = Vec<(usize, f64)>;
-
-/// Σ over the atoms of both columns; the atoms of a design are sorted by wave, so that the pair of
-/// waves is looked up once for many monomials.
-fn gather_gram(plan: &MomentPlan, moments: &Moments, columns: &[Entries]) -> Mat<f64> {
-    if columns.iter().all(|entries| entries.len() == 1) {
-        let single: Vec<(usize, f64)> = columns.iter().map(|entries| entries[0]).collect();
-        return atom_gram(plan, moments, &single);
-    }
-    let mut used: Vec<usize> = columns.iter().flatten().map(|&(atom, _)| atom).collect();
-    used.sort_unstable();
-    used.dedup();
-    let unit: Vec<(usize, f64)> = used.iter().map(|&atom| (atom, 1.0)).collect();
-    let atoms = atom_gram(plan, moments, &unit);
-    let local: Vec<Entries> = columns
-        .iter()
-        .map(|entries| {
-            entries.iter().filter_map(|&(a, w)| Some((used.binary_search(&a).ok()?, w))).collect()
-        })
-        .collect();
-    let mut half = Mat::<f64>::zeros(used.len(), columns.len());
-    for (j, entries) in local.iter().enumerate() {
-        for &(atom, weight) in entries {
-            for (out, x) in half.col_as_slice_mut(j).iter_mut().zip(atoms.col_as_slice(atom)) {
-                *out += weight * x;
-            }
-        }
-    }
-    let half = &half;
-    Mat::from_fn(columns.len(), columns.len(), |i, j| {
-        let (low, high) = (i.min(j), i.max(j));
-        local[low].iter().map(|&(atom, weight)| weight * half[(atom, high)]).sum()
-    })
-}
-
-/// The Gram matrix of weighted single atoms.
-fn atom_gram(plan: &MomentPlan, moments: &Moments, atoms: &[(usize, f64)]) -> Mat<f64> {
-    let design = plan.design();
-    let mut order: Vec<usize> = (0..atoms.len()).collect();
-    order.sort_unstable_by_key(|&slot| atoms[slot].0);
-    let items: Vec<Item> = order
-        .iter()
-        .map(|&slot| {
-            let (wave, monomial) = design.atoms[atoms[slot].0];
-            Item { slot, wave, monomial, weight: atoms[slot].1 }
-        })
-        .collect();
-    let groups: Vec<&[Item]> = items.chunk_by(|a, b| a.wave == b.wave).collect();
-    let mut gram = Mat::zeros(atoms.len(), atoms.len());
-    gram.par_col_iter_mut().enumerate().for_each(|(slot, column)| {
-        let (atom, weight) = atoms[slot];
-        let (wave, monomial) = design.atoms[atom];
-        fill_column(plan, moments, &groups, Item { slot, wave, monomial, weight }, column);
-    });
-    gram
-}
-
-#[derive(Clone, Copy)]
-struct Item {
-    slot: usize,
-    wave: usize,
-    monomial: usize,
-    weight: f64,
-}
-
-fn fill_column(
-    plan: &MomentPlan,
-    moments: &Moments,
-    groups: &[&[Item]],
-    column: Item,
-    mut out: ColMut<'_, f64>,
-) {
-    let products = plan.monomial_pairs(column.monomial);
-    for group in groups {
-        let [(s, first), (r, second)] = plan.wave_pair(group[0].wave, column.wave);
-        let (first, second) = (moments.table.col_as_slice(first), moments.table.col_as_slice(second));
-        for item in *group {
-            let place = products[item.monomial];
-            let value = s * first[place] + r * second[place];
-            out[item.slot] = item.weight * column.weight * value;
-        }
-    }
-}
-
-fn gather_cross(
-    design: &Design,
-    moments: &Moments,
-    columns: &[Entries],
-    responses: std::ops::Range<usize>,
-) -> Mat<f64> {
-    let n_monomials = design.monomials.len();
-    Mat::from_fn(columns.len(), responses.len(), |j, r| {
-        let place = (responses.start + r) * n_monomials;
-        columns[j]
-            .iter()
-            .map(|&(atom, weight)| {
-                let (wave, monomial) = design.atoms[atom];
-                weight * moments.cross[(wave, place + monomial)]
-            })
-            .sum()
-    })
 }

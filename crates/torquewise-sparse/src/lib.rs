@@ -10,6 +10,7 @@ pub mod design;
 pub mod samples;
 pub mod moments;
 pub mod gram;
+mod gather;
 pub mod accumulate;
 pub mod triangle;
 mod cholesky;

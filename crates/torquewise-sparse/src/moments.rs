@@ -1,32 +1,33 @@
 //! Samples → moments: Σₜ wave(θₜ)·x(t)^α, from which the Gram matrix of any library follows [E3].
 
-use crate::atom::{Monomial, Numbering, Wave};
+use crate::atom::{Monomial, Numbering};
 use crate::design::Design;
 use crate::error::SparseError;
-use crate::samples::{Samples, WaveTree, monomial_values};
+use crate::samples::{Phasors, Samples, WaveTree, monomial_values};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatRef, Par};
+use std::ops::Range;
 
 /// Which moments a design needs, and where each stands in the table.
 #[derive(Clone, Debug)]
 pub struct MomentPlan {
     design: Design,
-    /// All waves in products of two waves of the design.
-    closure: WaveTree,
-    /// The waves of the design themselves.
-    own: WaveTree,
-    products: Vec<Monomial>,
+    /// The waves of the design, then what else is in products of two of them.
+    waves: WaveTree,
+    /// The monomials of the design, then what else is a product of two of them.
+    monomials: Vec<Monomial>,
     /// ½·sign and row of the two waves of each product of waves, a ≤ b, packed.
     wave_pairs: Vec<[(f64, usize); 2]>,
     /// Column of each product of two monomials.
     monomial_pairs: Vec<usize>,
-    n_closure: usize,
 }
 
 impl MomentPlan {
     /// Lists the products that the Gram matrix of a design is made of.
     pub fn new(design: &Design) -> Self {
         let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
+        design.waves.iter().for_each(|wave| _ = waves.place(wave));
+        design.monomials.iter().for_each(|monomial| _ = monomials.place(monomial));
         let mut wave_pairs = Vec::with_capacity(packed(0, design.waves.len()));
         for (b, right) in design.waves.iter().enumerate() {
             for left in &design.waves[..=b] {
@@ -40,15 +41,12 @@ impl MomentPlan {
         for a in &design.monomials {
             monomial_pairs.extend(design.monomials.iter().map(|b| monomials.place(&a.product(b))));
         }
-        let waves: Vec<Wave> = waves.into_values();
         Self {
             design: design.clone(),
-            closure: WaveTree::new(&waves),
-            own: WaveTree::new(&design.waves),
-            products: monomials.into_values(),
+            waves: WaveTree::new(&waves.into_values()),
+            monomials: monomials.into_values(),
             wave_pairs,
             monomial_pairs,
-            n_closure: waves.len(),
         }
     }
 
@@ -61,25 +59,36 @@ impl MomentPlan {
     /// matrices.
     pub fn cost(&self, n_responses: usize) -> f64 {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
-        (4 * (self.closure.n_nodes() + self.own.n_nodes())
-            + self.n_closure * self.products.len()
+        (4 * self.waves.n_nodes()
+            + self.waves.n_waves() * self.monomials.len()
             + w * a * n_responses) as f64
     }
 
     /// Entries of the moment table, 8 bytes each.
     pub fn size(&self, n_responses: usize) -> usize {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
-        self.n_closure * self.products.len() + w * a * n_responses
+        self.waves.n_waves() * self.monomials.len() + w * a * n_responses
     }
 
     /// An empty table.
     pub fn start(&self, n_responses: usize) -> Moments {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
         Moments {
-            table: Mat::zeros(self.products.len(), self.n_closure),
+            table: Mat::zeros(self.monomials.len(), self.waves.n_waves()),
             cross: Mat::zeros(w, a * n_responses),
             energy: vec![0.0; n_responses],
             rows: 0,
+        }
+    }
+
+    /// Memory to accumulate with, for any number of blocks.
+    pub(crate) fn strip(&self, n_responses: usize) -> Strip {
+        let zeros = |columns| Mat::zeros(STRIP_ROWS, columns);
+        Strip {
+            phasors: self.waves.phasors(STRIP_ROWS),
+            waves: zeros(self.waves.n_waves()),
+            monomials: zeros(self.monomials.len()),
+            weighted: zeros(self.design.monomials.len() * n_responses),
         }
     }
 
@@ -88,27 +97,46 @@ impl MomentPlan {
     /// # Errors
     /// [`SparseError::Shape`] if the block does not fit.
     pub fn accumulate(&self, moments: &mut Moments, samples: &Samples) -> Result<(), SparseError> {
+        self.accumulate_with(&mut self.strip(samples.responses.ncols()), moments, samples)
+    }
+
+    /// Adds a block of rows to a table, in memory of [`Self::strip`].
+    pub(crate) fn accumulate_with(
+        &self,
+        strip: &mut Strip,
+        moments: &mut Moments,
+        samples: &Samples,
+    ) -> Result<(), SparseError> {
         samples.check(&self.design)?;
         moments.check_responses(samples.responses.ncols())?;
-        let waves = self.closure.evaluate(samples.angles.as_ref());
-        let products = monomial_values(&self.products, samples.variables.as_ref());
-        add_product(&mut moments.table, &products, &waves);
-
-        let own = self.own.evaluate(samples.angles.as_ref());
-        let monomials = monomial_values(&self.design.monomials, samples.variables.as_ref());
-        let n_monomials = monomials.ncols();
-        let weighted = Mat::from_fn(
-            samples.n_rows(),
-            n_monomials * samples.responses.ncols(),
-            |row, j| monomials[(row, j % n_monomials)] * samples.responses[(row, j / n_monomials)],
-        );
-        add_product(&mut moments.cross, &own, &weighted);
-
+        let m = samples.n_rows();
+        for first in (0..m).step_by(STRIP_ROWS) {
+            self.add_strip(strip, moments, samples, &(first..m.min(first + STRIP_ROWS)));
+        }
         for (energy, y) in moments.energy.iter_mut().zip(samples.responses.col_iter()) {
             *energy += y.squared_norm_l2();
         }
-        moments.rows += samples.n_rows();
+        moments.rows += m;
         Ok(())
+    }
+
+    fn add_strip(
+        &self,
+        strip: &mut Strip,
+        moments: &mut Moments,
+        samples: &Samples,
+        rows: &Range<usize>,
+    ) {
+        let Strip { phasors, waves, monomials, weighted } = strip;
+        self.waves.evaluate(&samples.angles, rows, phasors, waves);
+        monomial_values(&self.monomials, &samples.variables, rows, monomials);
+        weigh(weighted, monomials, &samples.responses, rows);
+
+        let m = rows.len();
+        let waves = waves.subrows(0, m);
+        let own = waves.subcols(0, self.design.waves.len());
+        add_product(&mut moments.table, monomials.subrows(0, m), waves);
+        add_product(&mut moments.cross, own, weighted.subrows(0, m));
     }
 
     /// The two waves that the product of waves a and b is the weighted sum of, by their place in
@@ -130,14 +158,40 @@ fn packed(a: usize, b: usize) -> usize {
 }
 
 /// target += aᵀ b
-pub(crate) fn add_product(target: &mut Mat<f64>, a: &Mat<f64>, b: &Mat<f64>) {
-    matmul(target.as_mut(), Accum::Add, a.transpose(), b.as_ref(), 1.0, Par::Seq);
+pub(crate) fn add_product(target: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+    matmul(target.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
+}
+
+/// Rows worked on at once: few enough to stay in a cache, many enough for a product of matrices.
+const STRIP_ROWS: usize = 256;
+
+/// What a design and its products are at a strip of rows, in memory that is taken once.
+pub(crate) struct Strip {
+    phasors: Phasors,
+    /// Rows × waves.
+    waves: Mat<f64>,
+    /// Rows × monomials.
+    monomials: Mat<f64>,
+    /// Rows × (response, monomial of the design).
+    weighted: Mat<f64>,
+}
+
+/// Writes each response times each monomial of a design, which are the first of all monomials.
+fn weigh(weighted: &mut Mat<f64>, monomials: &Mat<f64>, responses: &Mat<f64>, rows: &Range<usize>) {
+    let own = weighted.ncols() / responses.ncols().max(1);
+    for j in 0..weighted.ncols() {
+        let factors = monomials.col_as_slice(j % own).iter();
+        let factors = factors.zip(&responses.col_as_slice(j / own)[rows.clone()]);
+        for (out, (x, y)) in weighted.col_as_slice_mut(j).iter_mut().zip(factors) {
+            *out = x * y;
+        }
+    }
 }
 
 /// Sums over rows; adding two tables is the same as reading the rows of both.
 #[derive(Clone, Debug)]
 pub struct Moments {
-    /// Monomial products × closure waves.
+    /// Monomials × waves.
     pub(crate) table: Mat<f64>,
     /// Waves × (response, monomial).
     pub(crate) cross: Mat<f64>,

@@ -3,8 +3,9 @@
 use crate::atom::{Monomial, Phase, Wave};
 use crate::design::Design;
 use crate::error::SparseError;
-use faer::{Mat, MatRef};
+use faer::Mat;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// A block of rows: θ (m×a), x (m×v) and responses y (m×r).
 #[derive(Clone, Debug)]
@@ -47,31 +48,33 @@ impl Samples {
 pub(crate) struct WaveTree {
     /// (parent, angle, multiple) of each node; node 0 is k = 0.
     nodes: Vec<(usize, usize, i8)>,
-    /// (node, phase) of each wave asked for.
-    waves: Vec<(usize, Phase)>,
+    /// Place of the cosine and of the sine of each node among the waves asked for.
+    places: Vec<[Option<usize>; 2]>,
     largest: Vec<i8>,
+    n_waves: usize,
 }
 
 impl WaveTree {
+    /// Plans the evaluation of waves that are all different.
     pub(crate) fn new(waves: &[Wave]) -> Self {
         let n_angles = waves.first().map_or(0, |wave| wave.multiples().len());
-        let mut places = BTreeMap::from([(vec![0; n_angles], 0)]);
-        let mut nodes = vec![(0, 0, 0)];
+        let mut known = BTreeMap::from([(vec![0; n_angles], 0)]);
+        let (mut nodes, mut places) = (vec![(0, 0, 0)], vec![[None; 2]]);
         let mut largest = vec![0; n_angles];
-        let mut ends = Vec::with_capacity(waves.len());
-        for wave in waves {
+        for (place, wave) in waves.iter().enumerate() {
             let (mut prefix, mut node) = (vec![0; n_angles], 0);
             for (angle, &k) in wave.multiples().iter().enumerate().filter(|&(_, &k)| k != 0) {
                 prefix[angle] = k;
                 largest[angle] = k.abs().max(largest[angle]);
-                node = *places.entry(prefix.clone()).or_insert_with(|| {
+                node = *known.entry(prefix.clone()).or_insert_with(|| {
                     nodes.push((node, angle, k));
+                    places.push([None; 2]);
                     nodes.len() - 1
                 });
             }
-            ends.push((node, wave.phase()));
+            places[node][usize::from(wave.phase() == Phase::Sin)] = Some(place);
         }
-        Self { nodes, waves: ends, largest }
+        Self { nodes, places, largest, n_waves: waves.len() }
     }
 
     /// Number of complex products per row.
@@ -79,67 +82,113 @@ impl WaveTree {
         self.nodes.len()
     }
 
-    /// The waves at each row, m × waves.
-    pub(crate) fn evaluate(&self, angles: MatRef<'_, f64>) -> Mat<f64> {
-        let m = angles.nrows();
-        let powers: Vec<Vec<Phasor>> = (0..angles.ncols().min(self.largest.len()))
-            .map(|j| (1..=self.largest[j]).map(|k| Phasor::turn(angles, j, k)).collect())
-            .collect();
-        let mut phasors = vec![Phasor { cos: vec![1.0; m], sin: vec![0.0; m] }];
-        for &(parent, angle, k) in &self.nodes[1..] {
-            let turn = &powers[angle][usize::from(k.unsigned_abs()) - 1];
-            phasors.push(phasors[parent].times(turn, f64::from(k.signum())));
+    /// Number of waves asked for.
+    pub(crate) fn n_waves(&self) -> usize {
+        self.n_waves
+    }
+
+    /// Memory to evaluate up to `rows` rows at once.
+    pub(crate) fn phasors(&self, rows: usize) -> Phasors {
+        let many = |count: usize| vec![Phasor::one(rows); count];
+        Phasors {
+            powers: self.largest.iter().map(|&k| many(usize::from(k.unsigned_abs()))).collect(),
+            nodes: many(self.nodes.len()),
         }
-        let mut out = Mat::zeros(m, self.waves.len());
-        for (j, &(node, phase)) in self.waves.iter().enumerate() {
-            let Phasor { cos, sin } = &phasors[node];
-            out.col_as_slice_mut(j).copy_from_slice(if phase == Phase::Cos { cos } else { sin });
+    }
+
+    /// Writes the waves at some rows into the first rows of `out`, rows × waves.
+    pub(crate) fn evaluate(
+        &self,
+        angles: &Mat<f64>,
+        rows: &Range<usize>,
+        phasors: &mut Phasors,
+        out: &mut Mat<f64>,
+    ) {
+        let m = rows.len();
+        for (angle, powers) in phasors.powers.iter_mut().enumerate() {
+            raise(powers, &angles.col_as_slice(angle)[rows.clone()]);
         }
-        out
+        for (node, &(parent, angle, k)) in self.nodes.iter().enumerate() {
+            let (before, rest) = phasors.nodes.split_at_mut(node);
+            if k != 0 {
+                let turn = &phasors.powers[angle][usize::from(k.unsigned_abs()) - 1];
+                rest[0].set_product(&before[parent], turn, f64::from(k.signum()));
+            }
+            for (place, values) in self.places[node].iter().zip([&rest[0].cos, &rest[0].sin]) {
+                if let &Some(place) = place {
+                    out.col_as_slice_mut(place)[..m].copy_from_slice(&values[..m]);
+                }
+            }
+        }
     }
 }
 
+/// Memory of a [`WaveTree`], written over by each evaluation.
+pub(crate) struct Phasors {
+    /// e^{ikθⱼ} for k = 1, 2, … of each angle.
+    powers: Vec<Vec<Phasor>>,
+    nodes: Vec<Phasor>,
+}
+
 /// e^{iφ} at each row.
+#[derive(Clone)]
 struct Phasor {
     cos: Vec<f64>,
     sin: Vec<f64>,
 }
 
-impl Phasor {
-    /// e^{ikθⱼ}
-    fn turn(angles: MatRef<'_, f64>, j: usize, k: i8) -> Self {
-        let (sin, cos) =
-            (0..angles.nrows()).map(|row| (f64::from(k) * angles[(row, j)]).sin_cos()).unzip();
-        Self { cos, sin }
-    }
-
-    /// This phasor turned by another, or by its conjugate if `sign` is −1.
-    fn times(&self, turn: &Self, sign: f64) -> Self {
-        let parts = || self.cos.iter().zip(&self.sin).zip(turn.cos.iter().zip(&turn.sin));
-        Self {
-            cos: parts().map(|((a, b), (c, s))| a * c - sign * b * s).collect(),
-            sin: parts().map(|((a, b), (c, s))| sign * a * s + b * c).collect(),
+/// e^{ikθ} for k = 1, 2, …: each the product of its two halves, so that roundings grow with log k.
+fn raise(powers: &mut [Phasor], angle: &[f64]) {
+    for place in 0..powers.len() {
+        let (before, rest) = powers.split_at_mut(place);
+        let half = place.div_ceil(2);
+        if place == 0 {
+            rest[0].set_turn(angle);
+        } else {
+            rest[0].set_product(&before[half - 1], &before[place - half], 1.0);
         }
     }
 }
 
-/// x^α at each row, m × monomials.
-pub(crate) fn monomial_values(monomials: &[Monomial], variables: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::<f64>::ones(variables.nrows(), monomials.len());
+impl Phasor {
+    fn one(rows: usize) -> Self {
+        Self { cos: vec![1.0; rows], sin: vec![0.0; rows] }
+    }
+
+    /// e^{iθ}
+    fn set_turn(&mut self, angle: &[f64]) {
+        for ((cos, sin), &angle) in self.cos.iter_mut().zip(&mut self.sin).zip(angle) {
+            (*sin, *cos) = angle.sin_cos();
+        }
+    }
+
+    /// One phasor turned by another, or by its conjugate if `sign` is −1.
+    fn set_product(&mut self, one: &Self, turn: &Self, sign: f64) {
+        let parts = one.cos.iter().zip(&one.sin).zip(turn.cos.iter().zip(&turn.sin));
+        let targets = self.cos.iter_mut().zip(&mut self.sin);
+        for ((cos, sin), ((a, b), (c, s))) in targets.zip(parts) {
+            *cos = a * c - sign * b * s;
+            *sin = sign * a * s + b * c;
+        }
+    }
+}
+
+/// Writes x^α at some rows into the first rows of `out`, rows × monomials.
+pub(crate) fn monomial_values(
+    monomials: &[Monomial],
+    variables: &Mat<f64>,
+    rows: &Range<usize>,
+    out: &mut Mat<f64>,
+) {
     for (j, monomial) in monomials.iter().enumerate() {
-        let column = out.col_as_slice_mut(j);
+        let column = &mut out.col_as_slice_mut(j)[..rows.len()];
+        column.fill(1.0);
         for (variable, &power) in monomial.powers().iter().enumerate() {
+            let factor = &variables.col_as_slice(variable)[rows.clone()];
             for _ in 0..power {
-                multiply(column, variables, variable);
+                column.iter_mut().zip(factor).for_each(|(value, x)| *value *= x);
             }
         }
-    }
-    out
-}
-
-fn multiply(column: &mut [f64], variables: MatRef<'_, f64>, variable: usize) {
-    for (row, value) in column.iter_mut().enumerate() {
-        *value *= variables[(row, variable)];
     }
 }
 
@@ -168,8 +217,11 @@ impl Evaluator {
     /// [`SparseError::Shape`] if the block does not fit the design.
     pub fn columns(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
         samples.check(&self.design)?;
-        let waves = self.tree.evaluate(samples.angles.as_ref());
-        let monomials = monomial_values(&self.design.monomials, samples.variables.as_ref());
+        let rows = 0..samples.n_rows();
+        let mut waves = Mat::zeros(rows.len(), self.tree.n_waves());
+        self.tree.evaluate(&samples.angles, &rows, &mut self.tree.phasors(rows.len()), &mut waves);
+        let mut monomials = Mat::zeros(rows.len(), self.design.monomials.len());
+        monomial_values(&self.design.monomials, &samples.variables, &rows, &mut monomials);
         let mut matrices = Vec::with_capacity(self.design.n_equations());
         for columns in &self.design.equations {
             let mut values = Mat::zeros(samples.n_rows(), columns.len());
