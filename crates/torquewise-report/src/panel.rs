@@ -17,9 +17,7 @@ pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 /// A panel before it is drawn.
 pub(crate) struct Panel<'a> {
     /// What stands above its upper left corner.
-    pub(crate) name: &'a str,
-    /// What its heights are, with the unit.
-    pub(crate) y_label: &'a str,
+    pub(crate) heading: String,
     /// What its abscissae are, if this panel is to say so.
     pub(crate) x_label: Option<&'a str>,
     /// Left and right end.
@@ -31,12 +29,12 @@ pub(crate) struct Panel<'a> {
 }
 
 /// Space for the numbers at the axes and their units, in pixels.
-const LEFT: i32 = 76;
+const LEFT: i32 = 64;
 const BOTTOM: i32 = 30;
 /// Space for the name of an axis.
 const LABEL: i32 = 22;
-/// Space for the name of the panel.
-const TOP: i32 = 30;
+/// Space for the heading of the panel.
+const TOP: i32 = 34;
 const RIGHT: i32 = 24;
 
 impl Panel<'_> {
@@ -60,7 +58,7 @@ impl Panel<'_> {
         mesh.x_labels(11).y_labels(5).light_line_style(RGBColor(255, 255, 255).mix(0.0));
         mesh.bold_line_style(GRID).axis_style(GRID).label_style(numbers);
         mesh.y_label_formatter(&|value| tick(*value)).x_label_formatter(&|value| tick(*value));
-        mesh.y_desc(self.y_label).axis_desc_style((FONT, 13).into_font().color(&FADED_INK));
+        mesh.axis_desc_style((FONT, 13).into_font().color(&FADED_INK));
         if let Some(label) = self.x_label {
             mesh.x_desc(label);
         }
@@ -73,7 +71,7 @@ impl Panel<'_> {
             }
         }
         let heading = (FONT, 15).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Bottom));
-        area.draw(&Text::new(self.name, (LEFT, TOP - 8), heading)).map_err(drawing)
+        area.draw(&Text::new(self.heading.as_str(), (LEFT, TOP - 9), heading)).map_err(drawing)
     }
 }
 

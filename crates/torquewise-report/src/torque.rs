@@ -20,7 +20,7 @@ const HEAD: i32 = 84;
 /// Space below the last panel.
 const FOOT: i32 = 10;
 /// Left end of title and legend.
-const MARGIN: i32 = 76;
+const MARGIN: i32 = 64;
 
 /// An SVG with one panel per joint: measured torque, and on top of it each prediction.
 ///
@@ -50,8 +50,7 @@ pub fn torque_figure(
     }
     let panels: Vec<Panel<'_>> = (0..joints.len())
         .map(|joint| Panel {
-            name: &joints[joint],
-            y_label: "torque [N·m]",
+            heading: format!("{} torque [N·m]", joints[joint]),
             x_label: (joint + 1 == joints.len()).then_some("time [s]"),
             x_range: [t[0], t[t.len() - 1]],
             y_range: y_range(measured.col(joint)),
@@ -121,7 +120,7 @@ fn draw_legend(
         .iter()
         .enumerate()
         .map(|(place, (label, _))| (*label, palette::predicted(place)));
-    let (sample, letter, y) = (30, 8, 58);
+    let (sample, letter, y) = (30, 7, 58);
     let mut x = MARGIN;
     for (label, style) in std::iter::once(("measured", palette::measured())).chain(predicted) {
         let line = PathElement::new([(x, y), (x + sample, y)], style);
