@@ -1,0 +1,208 @@
+//! Words of the command line → settings that several commands share.
+
+use crate::error::CliError;
+use clap::{Args, ValueEnum};
+use torquewise::dynamics::Noise;
+use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan, Scaling};
+use torquewise::sparse::select::Selector;
+use torquewise::sparse::select::criterion::Criterion;
+use torquewise::sparse::select::lasso::Lasso;
+use torquewise::sparse::select::stlsq::Stlsq;
+
+/// Constants of the activation index.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum Activation {
+    /// Each joint by its own range, sensitivity from the noise floor
+    #[default]
+    Scaled,
+    /// The constants printed in the paper
+    Paper,
+}
+
+/// A number of clusters, or the elbow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clusters(Option<usize>);
+
+/// How rows are clustered.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct PatternArguments {
+    /// Constants of the activation index
+    #[arg(long, value_enum, default_value_t)]
+    activation: Activation,
+    /// Number of clusters from 1 to 9, or `auto` for the elbow
+    #[arg(long, value_name = "auto|K", default_value = "auto", value_parser = clusters)]
+    clusters: Clusters,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+impl PatternArguments {
+    /// The clustering asked for.
+    pub(crate) fn plan(self) -> PatternPlan {
+        let scaling = match self.activation {
+            Activation::Scaled => Scaling::Scaled,
+            Activation::Paper => Scaling::Paper,
+        };
+        PatternPlan { scaling, clusters: self.clusters.0, seed: self.seed }
+    }
+}
+
+/// Which candidates are offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Library {
+    /// M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints
+    Energy,
+    /// Products of sines, cosines, velocities and accelerations, for each joint on its own
+    Product,
+}
+
+/// Which terms stay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Select {
+    /// What a term explains against the noise
+    Bic,
+    /// LASSO, then least squares
+    Lasso,
+    /// Sequentially thresholded least squares
+    Stlsq,
+}
+
+/// How a log becomes a model, the method left open.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct PlanArguments {
+    /// Candidates; energy unless --method sindy
+    #[arg(long, value_enum)]
+    library: Option<Library>,
+    /// Which terms stay; bic, and stlsq for one-shot SINDy
+    #[arg(long, value_enum)]
+    select: Option<Select>,
+    /// Drop coefficients at most this large [paper: 0.1]
+    #[arg(long, value_name = "X", value_parser = threshold)]
+    threshold: Option<f64>,
+    /// Energy library: at most this many joint angles in a term [default: as many as are feasible]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
+    interaction: Option<u8>,
+    /// Product library: factors of sine and cosine in a term [default: 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    trig_order: Option<u8>,
+    /// Product library: the same for the gravity step [default: 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    gravity_order: Option<u8>,
+    /// Leave the bias that measurement noise causes in the normal equations
+    #[arg(long)]
+    no_noise_correction: bool,
+    /// Resampled logs to count in how many each term stays [default: 50; 0 with --method sindy]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    bags: Option<u16>,
+    #[command(flatten)]
+    patterns: PatternArguments,
+}
+
+impl PlanArguments {
+    /// The plan for one method.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] if an order is given for the library that is not used.
+    pub(crate) fn plan(&self, method: Method) -> Result<Plan, CliError> {
+        let usual = if method == Method::Sindy { Library::Product } else { Library::Energy };
+        let library = self.library.unwrap_or(usual);
+        let misplaced = match library {
+            Library::Energy if self.trig_order.is_some() => "--trig-order is for --library product",
+            Library::Energy if self.gravity_order.is_some() => {
+                "--gravity-order is for --library product"
+            }
+            Library::Product if self.interaction.is_some() => {
+                "--interaction is for --library energy"
+            }
+            _ => return Ok(self.plan_with(library, method)),
+        };
+        Err(CliError::Usage(format!("{misplaced}: leave it out or choose that library")))
+    }
+
+    /// Stepwise reconstruction, and one-shot SINDy over the product library beside it.
+    pub(crate) fn both_plans(&self) -> (Plan, Plan) {
+        let library = self.library.unwrap_or(Library::Energy);
+        let sindy = self.plan_with(Library::Product, Method::Sindy);
+        (self.plan_with(library, Method::Stepwise), sindy)
+    }
+
+    fn plan_with(&self, library: Library, method: Method) -> Plan {
+        let usual = if method == Method::Sindy { Plan::sindy() } else { Plan::default() };
+        let patterns = self.patterns.plan();
+        Plan {
+            library: match library {
+                Library::Energy => {
+                    LibraryKind::Energy { interaction: self.interaction.map(usize::from) }
+                }
+                Library::Product => self.product(),
+            },
+            selector: self.selector(usual.selector),
+            threshold: self.threshold.or(usual.threshold),
+            noise_correction: usual.noise_correction && !self.no_noise_correction,
+            seed: patterns.seed,
+            bags: self.bags.map_or(usual.bags, usize::from),
+            patterns,
+            method,
+        }
+    }
+
+    fn product(&self) -> LibraryKind {
+        match LibraryKind::PRODUCT {
+            LibraryKind::Product { gravity_order, trig_order } => LibraryKind::Product {
+                gravity_order: self.gravity_order.unwrap_or(gravity_order),
+                trig_order: self.trig_order.unwrap_or(trig_order),
+            },
+            other @ LibraryKind::Energy { .. } => other,
+        }
+    }
+
+    fn selector(&self, usual: Selector) -> Selector {
+        let asked = match self.select {
+            None => usual,
+            Some(Select::Bic) => Selector::Criterion(Criterion::default()),
+            Some(Select::Lasso) => Selector::Lasso(Lasso::default()),
+            Some(Select::Stlsq) => Selector::Stlsq(Stlsq::default()),
+        };
+        match (asked, self.threshold) {
+            (Selector::Lasso(lasso), Some(threshold)) => {
+                Selector::Lasso(Lasso { threshold, ..lasso })
+            }
+            (Selector::Stlsq(stlsq), Some(threshold)) => {
+                Selector::Stlsq(Stlsq { threshold, ..stlsq })
+            }
+            (other, _) => other,
+        }
+    }
+}
+
+fn clusters(text: &str) -> Result<Clusters, String> {
+    if text == "auto" {
+        return Ok(Clusters(None));
+    }
+    match text.parse() {
+        Ok(k @ 1..=9) => Ok(Clusters(Some(k))),
+        _ => Err("expected `auto` or a number from 1 to 9".to_owned()),
+    }
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
+        _ => Err("expected a number that is zero or more".to_owned()),
+    }
+}
+
+/// Signal-to-noise ratios of q, q̇ and q̈ \[dB\], separated by commas; `inf` for no noise.
+pub(crate) fn noise_levels(text: &str) -> Result<Noise, String> {
+    let expected = || "expected three numbers of dB, such as 60,40,30 or inf,40,30".to_owned();
+    let levels: Vec<f64> = text
+        .split(',')
+        .map(|level| level.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| expected())?;
+    match levels[..] {
+        [q, dq, ddq] => Noise::from_db(q, dq, ddq).map_err(|error| error.to_string()),
+        _ => Err(expected()),
+    }
+}

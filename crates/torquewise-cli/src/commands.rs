@@ -1,0 +1,79 @@
+//! Words of the command line → the command they name.
+
+mod arms;
+mod simulate;
+mod inspect;
+mod patterns;
+mod fit;
+mod show;
+mod predict;
+mod evaluate;
+mod compare;
+mod demo;
+mod completions;
+
+use crate::outcome::Outcome;
+use anyhow::Result;
+use clap::{CommandFactory, Parser, Subcommand};
+
+/// From the motion log of a robot arm to its equations of motion
+///
+/// A LOG is a .csv or .parquet file with the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in
+/// SI units; dq and ddq may be missing. Exit codes: 0 done, 1 failed, 2 wrong usage, 3 done with
+/// warnings.
+#[derive(Debug, Parser)]
+#[command(name = "torquewise", version, propagate_version = true)]
+pub(crate) struct CommandLine {
+    /// Print one JSON object on stdout and nothing else there
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// Every command, in the order in which one meets them.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Demo(demo::Arguments),
+    Arms(arms::Arguments),
+    Simulate(simulate::Arguments),
+    Inspect(inspect::Arguments),
+    Patterns(patterns::Arguments),
+    Fit(fit::Arguments),
+    Show(show::Arguments),
+    Predict(predict::Arguments),
+    Evaluate(evaluate::Arguments),
+    Compare(compare::Arguments),
+    Completions(completions::Arguments),
+}
+
+impl Command {
+    /// Does what is asked.
+    pub(crate) fn run(&self) -> Result<Outcome> {
+        match self {
+            Self::Demo(arguments) => demo::run(arguments),
+            Self::Arms(arguments) => Ok(arms::run(arguments)),
+            Self::Simulate(arguments) => simulate::run(arguments),
+            Self::Inspect(arguments) => inspect::run(arguments),
+            Self::Patterns(arguments) => patterns::run(arguments),
+            Self::Fit(arguments) => fit::run(arguments),
+            Self::Show(arguments) => show::run(arguments),
+            Self::Predict(arguments) => predict::run(arguments),
+            Self::Evaluate(arguments) => evaluate::run(arguments),
+            Self::Compare(arguments) => compare::run(arguments),
+            Self::Completions(arguments) => {
+                completions::run(arguments, &mut CommandLine::command())
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_contradicts_itself_nowhere() {
+        CommandLine::command().debug_assert();
+    }
+}

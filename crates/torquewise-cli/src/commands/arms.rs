@@ -1,0 +1,28 @@
+//! Nothing → the built-in arms.
+
+use crate::outcome::Outcome;
+use crate::table::Table;
+use clap::Args;
+use serde_json::json;
+use torquewise::dynamics::{ArmSummary, arms};
+
+/// List the built-in arms
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {}
+
+/// Lists them, fewest joints first.
+pub(crate) fn run(_: &Arguments) -> Outcome {
+    let mut text = String::new();
+    let mut table = Table::new(&["arm", "joints"]);
+    for arm in arms() {
+        table.row(arm.name, [arm.joints.to_string()]);
+    }
+    let descriptions = std::iter::once("").chain(arms().into_iter().map(|arm| arm.description));
+    for (line, description) in table.text().lines().zip(descriptions) {
+        text.push_str(format!("{line}  {description}").trim_end());
+        text.push('\n');
+    }
+    let object = |ArmSummary { name, joints, description }: ArmSummary| json!({ "name": name, "joints": joints, "description": description });
+    let json = json!({ "arms": arms().into_iter().map(object).collect::<Vec<_>>() });
+    Outcome { text, json, warnings: Vec::new() }
+}

@@ -1,0 +1,26 @@
+//! Shell → script that completes the words of the command line.
+
+use crate::error::CliError;
+use crate::outcome::Outcome;
+use anyhow::Result;
+use clap::{Args, Command};
+use clap_complete::{Shell, generate};
+use serde_json::json;
+
+/// Print the completion script of a shell
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Shell to complete in
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+/// Writes the script for `command`.
+pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Outcome> {
+    let mut script = Vec::new();
+    generate(arguments.shell, command, "torquewise", &mut script);
+    let text = String::from_utf8(script)
+        .map_err(|error| CliError::Stdout { source: std::io::Error::other(error) })?;
+    let json = json!({ "shell": arguments.shell.to_string(), "script": text });
+    Ok(Outcome { text, json, warnings: Vec::new() })
+}

@@ -1,0 +1,192 @@
+//! Nothing → the whole way: a log, its patterns, its equations, and how well they predict.
+
+use crate::files::{create_folder, read_arm, write_whole};
+use crate::outcome::Outcome;
+use crate::table::{Table, number};
+use crate::timed::{Timed, timed};
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise::identify::{Plan, Scores, score};
+use torquewise::logs::write_motion;
+use torquewise::model::{Torque, print, to_json};
+use torquewise::motion::{Motion, Pattern};
+use torquewise::report::torque_figure;
+
+/// Simulate the reference arm, reconstruct it, print and plot what was found
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Folder for log, models and figure
+    #[arg(short, long, value_name = "DIR", default_value = "torquewise-demo")]
+    output: PathBuf,
+    /// Arm to reconstruct; the default is that of the paper
+    #[arg(long, default_value = "puma560-3")]
+    arm: String,
+    /// Recorded time [s]
+    #[arg(long, value_name = "S", default_value_t = 600.0)]
+    seconds: f64,
+    /// Rows per second [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = 100.0)]
+    rate: f64,
+    /// Seed of motion and noise
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Noise of the paper: 1 none, 2 70/50/30 dB, 3 60/40/30 dB on q/dq/ddq
+    #[arg(long, value_name = "1|2|3", default_value_t = 3)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=3))]
+    case: u8,
+}
+
+/// Length of the motion that models are judged by \[s\].
+const TEST_SECONDS: f64 = 20.0;
+
+/// One of the three reconstructions.
+struct Found {
+    name: &'static str,
+    file: &'static str,
+    timed: Timed,
+    scores: Scores,
+}
+
+/// Rows of a pattern, and how many of them truly show it.
+struct Purity {
+    pattern: Pattern,
+    rows: usize,
+    right: usize,
+}
+
+/// Goes the whole way.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let Arguments { seconds, rate, seed, case, .. } = *arguments;
+    let arm = read_arm(&arguments.arm, &[])?;
+    let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate, seed };
+    let clean = simulate(&arm, &plan)?;
+    let log = add_noise(&clean.motion, &Noise::case(case)?, seed)?;
+    let kind = MotionKind::Sines;
+    let unseen = MotionPlan { kind, seconds: TEST_SECONDS, rate, seed: seed.wrapping_add(1) };
+    let test = simulate(&arm, &unseen)?.motion;
+
+    let plans = [
+        ("energy library", "energy.json", Plan::default()),
+        ("product library", "product.json", Plan::product()),
+        ("one-shot SINDy", "sindy.json", Plan::sindy()),
+    ];
+    let mut found = Vec::with_capacity(plans.len());
+    for (name, file, plan) in plans {
+        let timed = timed(&log, &Plan { seed, ..plan })?;
+        let scores = score(&timed.found.model, &test)?;
+        found.push(Found { name, file, timed, scores });
+    }
+    let purities = purities(&found[0], &log, &clean.truth);
+    write_files(arguments, &log, &found, &figure(arm.name(), &test, &found)?)?;
+
+    let warnings = found[0].timed.found.warnings.iter().map(ToString::to_string).collect();
+    let text = text(arguments, &log, &purities, &found);
+    Ok(Outcome { text, json: json(arguments, &log, &purities, &found), warnings })
+}
+
+fn purities(found: &Found, log: &Motion, truth: &[Pattern]) -> Vec<Purity> {
+    let labels = found.timed.found.patterns.label(log);
+    let purity = |pattern| {
+        let labelled = labels.iter().zip(truth).filter(|(label, _)| **label == pattern);
+        let rows = labelled.clone().count();
+        Purity { pattern, rows, right: labelled.filter(|(_, truth)| **truth == pattern).count() }
+    };
+    Pattern::ALL.into_iter().map(purity).collect()
+}
+
+impl Purity {
+    fn percent(&self) -> f64 {
+        100.0 * self.right as f64 / self.rows as f64
+    }
+}
+
+fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
+    let torques = found
+        .iter()
+        .map(|found| Torque::new(&found.timed.found.model).over(test))
+        .collect::<Result<Vec<_>, _>>()?;
+    let names = found.iter().map(|found| found.name);
+    let predictions: Vec<_> = names.zip(torques.iter().map(faer::Mat::as_ref)).collect();
+    let title = format!("{arm}: torque of a motion outside the training set");
+    let tau = test.require_tau()?;
+    Ok(torque_figure(&title, test.joints(), test.t(), tau, &predictions)?)
+}
+
+fn write_files(arguments: &Arguments, log: &Motion, found: &[Found], svg: &str) -> Result<()> {
+    let folder = &arguments.output;
+    create_folder(folder)?;
+    write_motion(&folder.join("log.csv"), log)?;
+    for found in found {
+        write_whole(&folder.join(found.file), &to_json(&found.timed.found.model)?)?;
+    }
+    Ok(write_whole(&folder.join("torque.svg"), svg)?)
+}
+
+fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found]) -> String {
+    let Arguments { arm, seconds, rate, case, output, .. } = arguments;
+    let mut patterns = Table::new(&["pattern", "rows", "purity [%]"]);
+    for purity in purities {
+        let cells = [purity.rows.to_string(), format!("{:.2}", purity.percent())];
+        patterns.row(purity.pattern.name(), cells);
+    }
+    let names: Vec<String> = log.joints().iter().map(|name| format!("NRMSE {name} [%]")).collect();
+    let fixed = ["method", "candidates", "active", "seconds"];
+    let headings: Vec<&str> = fixed.into_iter().chain(names.iter().map(String::as_str)).collect();
+    let mut scores = Table::new(&headings);
+    for Found { name, timed, scores: found, .. } in found {
+        let counts = [
+            timed.found.candidates.to_string(),
+            timed.found.model.form.n_coefficients().to_string(),
+            format!("{:.2}", timed.seconds),
+        ];
+        let errors = found.joints.iter().map(|joint| number(joint.nrmse_percent));
+        scores.row(name, counts.into_iter().chain(errors));
+    }
+    format!(
+        "{arm}: {} rows, {seconds} s at {rate} Hz, noise of case {case}\n\n\
+         Patterns, and how much of each truly is one:\n\n{}\n\
+         Equations found with the energy library:\n\n{}\n\
+         Torque of a motion outside the training set, {TEST_SECONDS} s of sines without noise:\
+         \n\n{}\n\
+         log, models and figure: {}\n",
+        log.n_rows(),
+        patterns.text(),
+        print::text(&found[0].timed.found.model),
+        scores.text(),
+        output.join("torque.svg").display(),
+    )
+}
+
+fn json(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found]) -> Value {
+    let patterns = purities.iter().map(|purity| {
+        json!({
+            "name": purity.pattern.name(),
+            "rows": purity.rows,
+            "purity_percent": purity.percent(),
+        })
+    });
+    let file = |name: &str| arguments.output.join(name).display().to_string();
+    let methods = found.iter().map(|Found { name, file: model, timed, scores }| {
+        let percent = scores.joints.iter().map(|joint| joint.nrmse_percent);
+        json!({
+            "name": name,
+            "candidates": timed.found.candidates,
+            "active": timed.found.model.form.active(log.n_joints()),
+            "active_total": timed.found.model.form.n_coefficients(),
+            "seconds": timed.seconds,
+            "nrmse_percent": percent.collect::<Vec<_>>(),
+            "file": file(model),
+        })
+    });
+    json!({
+        "arm": arguments.arm,
+        "rows": log.n_rows(),
+        "patterns": patterns.collect::<Vec<_>>(),
+        "methods": methods.collect::<Vec<_>>(),
+        "log": file("log.csv"),
+        "figure": file("torque.svg"),
+    })
+}

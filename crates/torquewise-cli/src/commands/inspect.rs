@@ -1,0 +1,192 @@
+//! Logs → what they hold, and what they lack.
+
+use crate::outcome::Outcome;
+use crate::pattern_table::{PatternTable, counts_json, missing};
+use crate::progress::Watched;
+use crate::table::{Table, number};
+use anyhow::{Result, anyhow};
+use clap::Args;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use torquewise::identify::{
+    NoiseFloor, PatternPlan, Patterns, Survey, Warning, find_patterns, survey,
+};
+use torquewise::logs::{Logs, UnitWarning, unit_warnings};
+use torquewise::motion::{Pattern, Recording};
+
+/// Show what a log holds and what it lacks
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Logs of one arm
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+}
+
+/// All that is known about the logs.
+struct Inspection {
+    logs: Logs,
+    survey: Survey,
+    patterns: Patterns,
+    counts: [u64; 3],
+    units: Vec<UnitWarning>,
+}
+
+/// Looks through the logs.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let logs = Logs::open(&arguments.logs)?;
+    let watched = Watched::new(&logs, "looking through the log");
+    let survey = survey(&watched)?;
+    let patterns = find_patterns(&survey, &PatternPlan::default())?;
+    let mut table = PatternTable::create(None)?;
+    let mut units: BTreeMap<String, UnitWarning> = BTreeMap::new();
+    watched
+        .read(&mut |_, block| {
+            for warning in unit_warnings(block) {
+                let known = units.entry(warning.column.clone()).or_insert(warning.clone());
+                known.value = known.value.max(warning.value);
+            }
+            Ok(table.append(&patterns.label(block))?)
+        })
+        .map_err(|error| anyhow!(error))?;
+    drop(watched);
+    let (counts, units) = (table.finish()?, units.into_values().collect());
+    let inspection = Inspection { logs, survey, patterns, counts, units };
+    Ok(Outcome {
+        text: inspection.text(),
+        json: inspection.json(),
+        warnings: inspection.warnings(),
+    })
+}
+
+impl Inspection {
+    fn gaps(&self) -> usize {
+        self.survey.trajectories.saturating_sub(self.logs.paths().len())
+    }
+
+    /// Signals that are not recorded.
+    fn missing(&self) -> Vec<&'static str> {
+        let signals = [
+            ("dq", self.logs.has_dq()),
+            ("ddq", self.logs.has_ddq()),
+            ("tau", self.logs.has_tau()),
+        ];
+        signals.into_iter().filter(|(_, present)| !present).map(|(name, _)| name).collect()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let constant = self.survey.constant_joints().into_iter();
+        let names = constant.filter_map(|joint| self.survey.joints.get(joint).cloned());
+        let constant = names.map(|joint| Warning::ConstantJoint { joint }.to_string());
+        let units = self.units.iter().map(ToString::to_string);
+        constant.chain(units).chain(missing(&self.patterns.present)).collect()
+    }
+
+    fn text(&self) -> String {
+        let Survey { joints, rows, trajectories, seconds, .. } = &self.survey;
+        let mut text = format!(
+            "{rows} rows of {} joints, {seconds:.1} s at {} Hz\n\
+             trajectories: {trajectories}, files: {}, gaps: {}\n",
+            joints.len(),
+            number(self.survey.rate()),
+            self.logs.paths().len(),
+            self.gaps(),
+        );
+        text.push('\n');
+        text.push_str(&self.motion_table().text());
+        text.push('\n');
+        text.push_str(&self.noise_text());
+        text.push('\n');
+        let total = self.counts.iter().sum::<u64>().max(1) as f64;
+        let mut table = Table::new(&["pattern", "rows", "share [%]"]);
+        for (pattern, rows) in Pattern::ALL.iter().zip(self.counts) {
+            let share = format!("{:.1}", 100.0 * rows as f64 / total);
+            table.row(pattern.name(), [rows.to_string(), share]);
+        }
+        text.push_str(&table.text());
+        for (what, names) in [
+            ("not recorded", self.missing().join(", ")),
+            ("columns not read", self.logs.ignored_columns().join(", ")),
+        ] {
+            if !names.is_empty() {
+                text.push_str(&format!("\n{what}: {names}"));
+                text.push_str(if what == "not recorded" {
+                    " (dq, ddq follow from q)\n"
+                } else {
+                    "\n"
+                });
+            }
+        }
+        text
+    }
+
+    fn motion_table(&self) -> Table {
+        let survey = &self.survey;
+        let headings = [
+            "joint",
+            "q from",
+            "to [rad]",
+            "dq to [rad/s]",
+            "ddq to [rad/s²]",
+            "tau mean",
+            "std [N·m]",
+        ];
+        let mut table = Table::new(&headings);
+        for (joint, name) in survey.joints.iter().enumerate() {
+            let [low, high] = survey.q_range[joint];
+            let torque = [survey.torque_mean[joint], survey.torque_std[joint]]
+                .map(|tau| if self.logs.has_tau() { number(tau) } else { "–".to_owned() });
+            let motion = [low, high, survey.dq_peak[joint], survey.ddq_peak[joint]].map(number);
+            table.row(name, motion.into_iter().chain(torque));
+        }
+        table
+    }
+
+    fn noise_text(&self) -> String {
+        let NoiseFloor { q, dq, ddq } = &self.survey.noise;
+        if self.survey.noise.is_none() {
+            return "no white noise seen\n".to_owned();
+        }
+        let headings = ["noise floor", "q [rad]", "dq [rad/s]", "ddq [rad/s²]"];
+        let mut table = Table::new(&headings);
+        for (joint, name) in self.survey.joints.iter().enumerate() {
+            table.row(name, [q[joint], dq[joint], ddq[joint]].map(number));
+        }
+        table.text()
+    }
+
+    fn json(&self) -> Value {
+        let survey = &self.survey;
+        let has_tau = self.logs.has_tau();
+        let joint = |(joint, name): (usize, &String)| {
+            json!({
+                "name": name,
+                "q_range": survey.q_range[joint],
+                "dq_peak": survey.dq_peak[joint],
+                "ddq_peak": survey.ddq_peak[joint],
+                "tau_mean": has_tau.then_some(survey.torque_mean[joint]),
+                "tau_std": has_tau.then_some(survey.torque_std[joint]),
+                "noise": {
+                    "q": self.survey.noise.q[joint],
+                    "dq": self.survey.noise.dq[joint],
+                    "ddq": self.survey.noise.ddq[joint],
+                },
+            })
+        };
+        let files = self.logs.paths().iter().map(|path| path.display().to_string());
+        let absent = Pattern::ALL.iter().filter(|name| !self.patterns.present.contains(name));
+        json!({
+            "files": files.collect::<Vec<_>>(),
+            "joints": survey.joints.iter().enumerate().map(joint).collect::<Vec<_>>(),
+            "rows": survey.rows,
+            "trajectories": survey.trajectories,
+            "gaps": self.gaps(),
+            "seconds": survey.seconds,
+            "rate_hz": survey.rate(),
+            "patterns": counts_json(self.counts),
+            "missing": self.missing(),
+            "missing_patterns": absent.map(|name| name.name()).collect::<Vec<_>>(),
+            "ignored_columns": self.logs.ignored_columns(),
+        })
+    }
+}

@@ -1,0 +1,78 @@
+//! Logs → patterns: clusters of rows, and the pattern of each row.
+
+use crate::arguments::PatternArguments;
+use crate::files::check_output;
+use crate::outcome::Outcome;
+use crate::pattern_table::{PatternTable, counts_json, missing};
+use crate::progress::Watched;
+use crate::table::{Table, number};
+use anyhow::{Result, anyhow};
+use clap::Args;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use torquewise::identify::{Patterns, find_patterns, survey};
+use torquewise::logs::Logs;
+use torquewise::motion::{Pattern, Recording};
+
+/// Tell standstill, uniform and variable velocity apart
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Logs of one arm
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Table to write with the number and the pattern of each row, .csv or .parquet
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    patterns: PatternArguments,
+}
+
+/// Clusters the logs and labels their rows, counted from 1 through all logs.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    if let Some(file) = &arguments.output {
+        check_output(file, &arguments.logs)?;
+    }
+    let logs = Logs::open(&arguments.logs)?;
+    let found = {
+        let watched = Watched::new(&logs, "looking through the log");
+        find_patterns(&survey(&watched)?, &arguments.patterns.plan())?
+    };
+    let counts = label_rows(&logs, &found, arguments.output.as_deref())?;
+    Ok(outcome(arguments, &found, counts))
+}
+
+/// Labels all rows, beyond the sample that was clustered.
+fn label_rows(logs: &Logs, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
+    let mut table = PatternTable::create(file)?;
+    Watched::new(logs, "labelling rows")
+        .read(&mut |_, block| Ok(table.append(&found.label(block))?))
+        .map_err(|error| anyhow!(error))?;
+    Ok(table.finish()?)
+}
+
+fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome {
+    let total = counts.iter().sum::<u64>().max(1);
+    let mut table = Table::new(&["pattern", "rows", "share [%]"]);
+    for (pattern, rows) in Pattern::ALL.iter().zip(counts) {
+        let share = 100.0 * rows as f64 / total as f64;
+        table.row(pattern.name(), [rows.to_string(), format!("{share:.1}")]);
+    }
+    let inertia: Vec<String> = found.inertia.iter().map(|&inertia| number(inertia)).collect();
+    let mut text = format!(
+        "{}\n{} clusters; inertia of 1, 2, … clusters: {}\n",
+        table.text(),
+        found.n_clusters(),
+        inertia.join("  ")
+    );
+    let file = arguments.output.as_ref().map(|file| file.display().to_string());
+    if let Some(file) = &file {
+        text.push_str(&format!("rows and their patterns: {file}\n"));
+    }
+    let json = json!({
+        "clusters": found.n_clusters(),
+        "inertia": found.inertia,
+        "patterns": counts_json(counts),
+        "file": file,
+    });
+    Outcome { text, json, warnings: missing(&found.present) }
+}

@@ -1,0 +1,144 @@
+//! Arm, motion, noise → log with known truth.
+
+use crate::arguments::noise_levels;
+use crate::files::{check_output, read_arm};
+use crate::outcome::Outcome;
+use crate::pattern_table::{PatternTable, counts_json};
+use crate::progress::Watched;
+use anyhow::{Result, anyhow};
+use clap::{Args, ValueEnum};
+use faer::MatRef;
+use serde_json::json;
+use std::path::{Path, PathBuf};
+use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, simulate};
+use torquewise::logs::{Contents, LogWriter};
+use torquewise::motion::{Pattern, Recording};
+
+/// Move an arm and write a log whose truth is known
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Built-in arm (see `torquewise arms`), .urdf file, or .toml file with a DH table
+    arm: String,
+    /// Log to write, .csv or .parquet
+    #[arg(short, long, value_name = "LOG")]
+    output: PathBuf,
+    /// How the joints are moved
+    #[arg(long, value_enum, default_value_t)]
+    motion: Motions,
+    /// Recorded time [s]
+    #[arg(long, value_name = "S", default_value_t = MotionPlan::default().seconds)]
+    seconds: f64,
+    /// Rows per second [Hz]
+    #[arg(long, value_name = "HZ", default_value_t = MotionPlan::default().rate)]
+    rate: f64,
+    /// Seed of motion and noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Noise of the paper: 1 none, 2 70/50/30 dB, 3 60/40/30 dB on q/dq/ddq
+    #[arg(long, value_name = "1|2|3", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=3))]
+    case: u8,
+    /// Signal-to-noise ratios of q, dq and ddq [dB]; `inf` for no noise
+    #[arg(long, value_name = "Q,DQ,DDQ", conflicts_with = "case", allow_hyphen_values = true)]
+    #[arg(value_parser = noise_levels)]
+    noise_db: Option<Noise>,
+    /// Joints of a .urdf to hold at 0, their mass kept
+    #[arg(long, value_name = "JOINT", value_delimiter = ',')]
+    lock: Vec<String>,
+    /// Table to write with the number and the true pattern of each row, .csv or .parquet
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+}
+
+/// How the joints are moved.
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+pub(crate) enum Motions {
+    /// Positioning and sorting: dwell, accelerate, cruise, brake, dwell
+    #[default]
+    Moves,
+    /// Smooth sums of sines
+    Sines,
+    /// Poses held, then constant speeds, then constant accelerations
+    Staged,
+}
+
+impl Motions {
+    fn kind(self) -> MotionKind {
+        match self {
+            Self::Moves => MotionKind::Moves,
+            Self::Sines => MotionKind::Sines,
+            Self::Staged => MotionKind::Staged,
+        }
+    }
+}
+
+/// Simulates and writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let inputs = [PathBuf::from(&arguments.arm)];
+    for file in std::iter::once(&arguments.output).chain(&arguments.truth) {
+        check_output(file, &inputs)?;
+    }
+    let arm = read_arm(&arguments.arm, &arguments.lock)?;
+    let Arguments { seconds, rate, seed, .. } = *arguments;
+    let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };
+    let clean = SimulatedLog::new(&arm, &plan)?;
+    let noise = match (arguments.noise_db, arguments.case) {
+        (None, 1) => None,
+        (None, case) => Some(Noise::case(case)?),
+        (noise, _) => noise,
+    };
+    match noise {
+        // The level of the noise is relative to the whole log, which therefore has to be held.
+        Some(noise) => {
+            let noisy = add_noise(&simulate(&arm, &plan)?.motion, &noise, seed)?;
+            write_log(&arguments.output, &noisy)?;
+        }
+        None => write_log(&arguments.output, &clean)?,
+    }
+    let patterns = write_truth(arguments.truth.as_deref(), &clean)?;
+    Ok(outcome(arguments, arm.joints(), clean.n_rows(), patterns))
+}
+
+fn write_log(file: &Path, recording: &impl Recording) -> Result<()> {
+    let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
+    let write = Watched::new(recording, "writing");
+    write.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;
+    Ok(writer.finish()?)
+}
+
+/// Counts the rows of each pattern, and writes row by row which it is.
+fn write_truth(file: Option<&Path>, clean: &SimulatedLog) -> Result<[u64; 3]> {
+    let mut table = PatternTable::create(file)?;
+    let row_of =
+        |signal: MatRef<'_, f64>, row| -> Vec<f64> { signal.row(row).iter().copied().collect() };
+    clean
+        .read(&mut |_, block| {
+            let rows = 0..block.n_rows();
+            let truth: Vec<Pattern> = rows
+                .map(|row| Pattern::of(&row_of(block.dq(), row), &row_of(block.ddq(), row)))
+                .collect();
+            Ok(table.append(&truth)?)
+        })
+        .map_err(|error| anyhow!(error))?;
+    Ok(table.finish()?)
+}
+
+fn outcome(arguments: &Arguments, joints: &[String], rows: usize, counts: [u64; 3]) -> Outcome {
+    let file = arguments.output.display();
+    let json = json!({
+        "arm": arguments.arm,
+        "joints": joints,
+        "rows": rows,
+        "seconds": arguments.seconds,
+        "rate_hz": arguments.rate,
+        "seed": arguments.seed,
+        "patterns": counts_json(counts),
+        "file": file.to_string(),
+        "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
+    });
+    let mut text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len());
+    if let Some(truth) = &arguments.truth {
+        text.push_str(&format!("truth: {}\n", truth.display()));
+    }
+    Outcome { text, json, warnings: Vec::new() }
+}

@@ -1,0 +1,81 @@
+//! Paths → texts, models and arms; texts → files, written whole or not at all.
+
+use crate::error::CliError;
+use anyhow::{Context, Result};
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use torquewise::dynamics::Arm;
+use torquewise::model::{Model, from_json};
+
+/// Reads a model file.
+pub(crate) fn read_model(file: &Path) -> Result<Model> {
+    from_json(&read(file)?).with_context(|| format!("no model in {}", file.display()))
+}
+
+/// The built-in arm of that name, or the one in a `.urdf` or `.toml` file.
+pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
+    let file = Path::new(arm);
+    let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let in_file = || format!("no arm in {arm}");
+    match extension.as_deref() {
+        Some("urdf") => Arm::from_urdf(&read(file)?, locked).with_context(in_file),
+        _ if !locked.is_empty() => {
+            let message = "--lock is for arms from a .urdf file: leave it out".to_owned();
+            Err(CliError::Usage(message).into())
+        }
+        Some("toml") => Arm::from_dh_toml(&read(file)?).with_context(in_file),
+        _ => Ok(Arm::builtin(arm)?),
+    }
+}
+
+fn read(file: &Path) -> Result<String, CliError> {
+    fs::read_to_string(file).map_err(|source| CliError::Read { file: file.into(), source })
+}
+
+/// Refuses an output that cannot be written or would replace what is read, before work is done.
+pub(crate) fn check_output(file: &Path, inputs: &[PathBuf]) -> Result<(), CliError> {
+    let folder = folder_of(file);
+    if !folder.is_dir() {
+        return Err(CliError::NoFolder { file: file.into(), folder: folder.into() });
+    }
+    if file.is_dir() {
+        return Err(CliError::OutputIsFolder(file.into()));
+    }
+    let Ok(output) = file.canonicalize() else { return Ok(()) };
+    let is_output = |input: &PathBuf| input.canonicalize().is_ok_and(|input| input == output);
+    if inputs.iter().any(is_output) {
+        return Err(CliError::OutputIsInput(file.into()));
+    }
+    Ok(())
+}
+
+/// Writes a text to a file in the same folder and renames it when it is whole.
+pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), CliError> {
+    let failed = |source| CliError::Write { file: file.into(), source };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".torquewise-").suffix(".partial");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Readable for whom the user's mask allows, like any new file.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut temporary = builder.tempfile_in(folder_of(file)).map_err(failed)?;
+    temporary.write_all(text.as_bytes()).map_err(failed)?;
+    temporary.as_file().sync_all().map_err(failed)?;
+    temporary.persist(file).map_err(|refused| failed(refused.error))?;
+    Ok(())
+}
+
+/// Makes a folder for results.
+pub(crate) fn create_folder(folder: &Path) -> Result<(), CliError> {
+    fs::create_dir_all(folder).map_err(|source| CliError::Write { file: folder.into(), source })
+}
+
+fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}

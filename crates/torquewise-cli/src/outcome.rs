@@ -1,0 +1,172 @@
+//! What a command found → stdout, stderr and an exit code.
+
+use crate::error::CliError;
+use anyhow::Error;
+use serde_json::{Map, Value, json};
+use std::env;
+use std::io::{self, IsTerminal, Write};
+use std::process::ExitCode;
+use torquewise::dynamics::DynamicsError;
+use torquewise::identify::IdentifyError;
+use torquewise::logs::LogError;
+use torquewise::model::ModelError;
+use torquewise::motion::MotionError;
+use torquewise::report::ReportError;
+use torquewise::sparse::SparseError;
+
+/// What a command found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Outcome {
+    /// For people.
+    pub(crate) text: String,
+    /// For programs: an object.
+    pub(crate) json: Value,
+    /// What does not stop the work but may spoil its result.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Exit codes other than 0.
+const FAILED: u8 = 1;
+const WRONG_USAGE: u8 = 2;
+const WITH_WARNINGS: u8 = 3;
+
+/// Writes results to stdout and all else to stderr, and says how it went.
+pub(crate) fn report(found: Result<Outcome, Error>, as_json: bool) -> ExitCode {
+    let code = match found {
+        Ok(outcome) => match write_results(&outcome, as_json) {
+            Ok(()) => {
+                for warning in &outcome.warnings {
+                    complain("warning", "33", warning);
+                }
+                if outcome.warnings.is_empty() { 0 } else { WITH_WARNINGS }
+            }
+            Err(source) => fail(&CliError::Stdout { source }.into(), false),
+        },
+        Err(error) => fail(&error, as_json),
+    };
+    ExitCode::from(code)
+}
+
+/// A reader that has seen enough, such as `head`, is no failure.
+fn quiet_if_closed(written: io::Result<()>) -> io::Result<()> {
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+fn write_results(outcome: &Outcome, as_json: bool) -> io::Result<()> {
+    let text = if as_json {
+        let mut object = outcome.json.as_object().cloned().unwrap_or_else(Map::new);
+        object.insert("warnings".into(), json!(outcome.warnings));
+        Value::Object(object).to_string() + "\n"
+    } else {
+        outcome.text.clone()
+    };
+    write_stdout(&text)
+}
+
+fn write_stdout(text: &str) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    quiet_if_closed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+}
+
+fn fail(error: &Error, as_json: bool) -> u8 {
+    let lines = explanation(error);
+    complain("error", "31", &lines.join("\n"));
+    if as_json {
+        let object = json!({ "error": lines.join("; ") });
+        // Without stdout there is nobody left to tell.
+        let _ = write_stdout(&(object.to_string() + "\n"));
+    }
+    match error.downcast_ref() {
+        Some(CliError::Usage(_)) => WRONG_USAGE,
+        _ => FAILED,
+    }
+}
+
+/// Writes to stderr, its first word coloured where people look at it.
+fn complain(word: &str, colour: &str, text: &str) {
+    let mut stderr = io::stderr().lock();
+    let plain = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    // Without stderr there is nobody left to tell.
+    let _ = if stderr.is_terminal() && !plain {
+        writeln!(stderr, "\x1b[1;{colour}m{word}:\x1b[0m {text}")
+    } else {
+        writeln!(stderr, "{word}: {text}")
+    };
+}
+
+/// The chain of causes, a line each, and what to do at the end.
+///
+/// A message of ours ends in what to do. Where a cause from elsewhere (the operating system, a
+/// parser) follows it, that last part is moved behind the cause.
+fn explanation(error: &Error) -> Vec<String> {
+    let mut messages: Vec<String> = error.chain().map(ToString::to_string).collect();
+    let last_own = error.chain().enumerate().filter(|(_, cause)| is_own(*cause)).last();
+    let mut advice = None;
+    if let Some((place, _)) = last_own.filter(|(place, _)| place + 1 < messages.len()) {
+        if let Some((what, to_do)) = messages[place].clone().rsplit_once(": ") {
+            advice = Some(format!("  help: {to_do}"));
+            messages[place] = what.to_owned();
+        }
+    }
+    // A transparent error says what its source says.
+    messages.dedup();
+    let mut lines = Vec::with_capacity(messages.len() + 1);
+    for (place, message) in messages.iter().enumerate() {
+        let message = message.trim_end().replace('\n', "\n    ");
+        lines.push(if place == 0 { message } else { format!("  because: {message}") });
+    }
+    lines.extend(advice);
+    lines
+}
+
+fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
+    cause.is::<CliError>()
+        || cause.is::<LogError>()
+        || cause.is::<IdentifyError>()
+        || cause.is::<ModelError>()
+        || cause.is::<DynamicsError>()
+        || cause.is::<MotionError>()
+        || cause.is::<SparseError>()
+        || cause.is::<ReportError>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn an_explanation_ends_with_what_to_do() {
+        let source = io::Error::from(io::ErrorKind::NotFound);
+        let error = Error::from(CliError::Read { file: "a.json".into(), source });
+
+        let lines = explanation(&error);
+
+        let expected = [
+            "a.json cannot be read",
+            "  because: entity not found",
+            "  help: check that it exists and may be read",
+        ];
+        assert_eq!(lines, expected);
+    }
+
+    #[test]
+    fn an_error_of_ours_at_the_end_is_left_whole() {
+        let error = Err::<(), _>(CliError::OutputIsFolder("out".into())).context("no model");
+
+        let lines = explanation(&error.unwrap_err());
+
+        assert_eq!(lines, ["no model", "  because: out is a folder: name a file in it"]);
+    }
+
+    #[test]
+    fn a_reader_that_closed_its_end_is_no_failure() {
+        let closed = io::Error::from(io::ErrorKind::BrokenPipe);
+
+        assert!(quiet_if_closed(Err(closed)).is_ok());
+        assert!(quiet_if_closed(Err(io::Error::from(io::ErrorKind::StorageFull))).is_err());
+    }
+}

@@ -1,0 +1,60 @@
+//! Patterns of rows → counts, and a table with the number and the pattern of each row.
+
+use serde_json::{Value, json};
+use std::path::Path;
+use torquewise::logs::{Column, ColumnKind, LogError, TableWriter, Values};
+use torquewise::motion::Pattern;
+
+/// Counts patterns and writes them where that is asked for.
+pub(crate) struct PatternTable {
+    writer: Option<TableWriter>,
+    rows: u64,
+    counts: [u64; 3],
+}
+
+impl PatternTable {
+    /// Starts a `.csv` or `.parquet` table, if one is to be written.
+    pub(crate) fn create(file: Option<&Path>) -> Result<Self, LogError> {
+        let columns =
+            [Column::new("row", ColumnKind::Count), Column::new("pattern", ColumnKind::Text)];
+        let writer = file.map(|file| TableWriter::create(file, &columns)).transpose()?;
+        Ok(Self { writer, rows: 0, counts: [0; 3] })
+    }
+
+    /// Takes the patterns of the next rows, which are counted from 1.
+    pub(crate) fn append(&mut self, patterns: &[Pattern]) -> Result<(), LogError> {
+        for (count, pattern) in self.counts.iter_mut().zip(Pattern::ALL) {
+            *count += patterns.iter().filter(|&&found| found == pattern).count() as u64;
+        }
+        let names: Vec<&str> = patterns.iter().map(|pattern| pattern.name()).collect();
+        let numbers: Vec<u64> = (self.rows + 1..=self.rows + names.len() as u64).collect();
+        self.rows += names.len() as u64;
+        match &mut self.writer {
+            Some(writer) => writer.append(&[Values::Counts(&numbers), Values::Texts(&names)]),
+            None => Ok(()),
+        }
+    }
+
+    /// Puts the table in its place and returns the rows of each pattern, least active first.
+    pub(crate) fn finish(self) -> Result<[u64; 3], LogError> {
+        self.writer.map(TableWriter::finish).transpose()?;
+        Ok(self.counts)
+    }
+}
+
+/// The rows of each pattern for programs.
+pub(crate) fn counts_json(counts: [u64; 3]) -> Vec<Value> {
+    let counts = Pattern::ALL.iter().zip(counts);
+    counts.map(|(pattern, rows)| json!({ "name": pattern.name(), "rows": rows })).collect()
+}
+
+/// One warning for each pattern that is not among `present`.
+pub(crate) fn missing(present: &[Pattern]) -> Vec<String> {
+    let missing = Pattern::ALL.into_iter().filter(|pattern| !present.contains(pattern));
+    missing
+        .map(|pattern| {
+            let name = pattern.name();
+            format!("the log shows no {name}: record dwells, strokes of constant speed and brakes")
+        })
+        .collect()
+}

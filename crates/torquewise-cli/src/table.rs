@@ -1,0 +1,91 @@
+//! Rows of words and numbers → text in columns.
+
+/// A table for the terminal: names to the left, numbers to the right.
+#[derive(Clone, Debug)]
+pub(crate) struct Table {
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// A table with these headings.
+    pub(crate) fn new(headings: &[&str]) -> Self {
+        Self { rows: vec![headings.iter().map(|&heading| heading.to_owned()).collect()] }
+    }
+
+    /// Adds a row, its name first.
+    pub(crate) fn row(&mut self, name: &str, cells: impl IntoIterator<Item = String>) {
+        self.rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
+    }
+
+    /// One line per row, each ended.
+    pub(crate) fn text(&self) -> String {
+        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let width = |column: usize| {
+            let cells = self.rows.iter().filter_map(|row| row.get(column));
+            cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+        };
+        let widths: Vec<usize> = (0..columns).map(width).collect();
+        let line = |row: &Vec<String>| {
+            let mut line = String::new();
+            for (column, (cell, &width)) in row.iter().zip(&widths).enumerate() {
+                if column == 0 {
+                    line.push_str(&format!("{cell:<width$}"));
+                } else {
+                    line.push_str(&format!("  {cell:>width$}"));
+                }
+            }
+            line.trim_end().to_owned() + "\n"
+        };
+        self.rows.iter().map(line).collect()
+    }
+}
+
+/// A number to four significant digits; a dash for what is no number.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if !value.is_finite() {
+        "–".to_owned()
+    } else if value == 0.0 {
+        "0".to_owned()
+    } else if !(1e-4..1e6).contains(&size) {
+        format!("{value:.2e}")
+    } else {
+        let limits = [1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3];
+        let decimals = limits.iter().position(|limit| size >= *limit).unwrap_or(limits.len());
+        format!("{value:.decimals$}")
+    }
+}
+
+/// Several numbers in one cell.
+pub(crate) fn counts(values: &[usize]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_left_and_numbers_right() {
+        let mut table = Table::new(&["joint", "rmse"]);
+        table.row("ψ1", [number(0.5)]);
+        table.row("elbow pitch", [number(12.0)]);
+
+        assert_eq!(
+            table.text(),
+            "joint          rmse\n\
+             ψ1           0.5000\n\
+             elbow pitch   12.00\n"
+        );
+    }
+
+    #[test]
+    fn numbers_keep_four_digits() {
+        let shown = [1234.56, 123.456, 1.23456, 0.000_123_456, 1.5e-7, -2.5e9, 0.0, f64::NAN];
+
+        let shown = shown.map(number);
+
+        let expected = ["1235", "123.5", "1.235", "0.0001235", "1.50e-7", "-2.50e9", "0", "–"];
+        assert_eq!(shown, expected);
+    }
+}

@@ -1,0 +1,53 @@
+//! Recording, plan → reconstruction, and the seconds that each of its steps took.
+
+use crate::progress::Watched;
+use std::time::Instant;
+use torquewise::identify::{IdentifyError, Plan, Progress, Reconstruction, reconstruct};
+use torquewise::motion::Recording;
+
+/// A reconstruction and the time it took by the clock.
+#[derive(Debug)]
+pub(crate) struct Timed {
+    /// What was found.
+    pub(crate) found: Reconstruction,
+    /// All of it \[s\].
+    pub(crate) seconds: f64,
+    /// Each step from its beginning to the next event \[s\].
+    pub(crate) step_seconds: Vec<f64>,
+}
+
+/// Reconstructs under the eyes of the user.
+///
+/// # Errors
+/// As [`reconstruct`].
+pub(crate) fn timed(
+    recording: &(impl Recording + ?Sized),
+    plan: &Plan,
+) -> Result<Timed, IdentifyError> {
+    let watched = Watched::new(recording, "reading");
+    let bar = watched.bar();
+    let mut events: Vec<(Progress, Instant)> = Vec::new();
+    let start = Instant::now();
+    let found = reconstruct(&watched, plan, &mut |progress| {
+        bar.set_message(doing(progress));
+        events.push((progress, Instant::now()));
+    })?;
+    let is_step = |pair: &&[(Progress, Instant)]| matches!(pair[0].0, Progress::Step(_));
+    let step_seconds = events
+        .windows(2)
+        .filter(is_step)
+        .map(|pair| pair[1].1.duration_since(pair[0].1).as_secs_f64())
+        .collect();
+    Ok(Timed { found, seconds: start.elapsed().as_secs_f64(), step_seconds })
+}
+
+fn doing(progress: Progress) -> String {
+    match progress {
+        Progress::Survey => "looking through the log".to_owned(),
+        Progress::Patterns => "clustering".to_owned(),
+        Progress::Evidence => "summing the normal equations".to_owned(),
+        Progress::Step(step) => format!("selecting terms, step {step}"),
+        Progress::Refit => "fitting the terms that were kept".to_owned(),
+        Progress::Done => "done".to_owned(),
+    }
+}

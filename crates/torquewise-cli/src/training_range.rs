@@ -1,0 +1,77 @@
+//! Model, motion → warnings: where a log leaves what the model was fitted on.
+
+use torquewise::model::Model;
+use torquewise::motion::Motion;
+
+/// A position may be this part of the trained range beyond its ends.
+const Q_MARGIN: f64 = 0.05;
+/// A speed or acceleration may be this many times the largest trained on.
+const RATE_FACTOR: f64 = 1.5;
+
+/// What a log asks of a model, joint by joint.
+#[derive(Clone, Debug)]
+pub(crate) struct AskedRange {
+    q: Vec<[f64; 2]>,
+    dq: Vec<f64>,
+    ddq: Vec<f64>,
+}
+
+impl AskedRange {
+    /// Nothing asked of n joints yet.
+    pub(crate) fn new(n_joints: usize) -> Self {
+        let q = vec![[f64::INFINITY, f64::NEG_INFINITY]; n_joints];
+        Self { q, dq: vec![0.0; n_joints], ddq: vec![0.0; n_joints] }
+    }
+
+    /// Takes note of a block.
+    pub(crate) fn add(&mut self, block: &Motion) {
+        for (joint, [low, high]) in self.q.iter_mut().enumerate() {
+            for &q in block.q().col(joint).iter() {
+                (*low, *high) = (low.min(q), high.max(q));
+            }
+        }
+        for (peaks, rates) in [(&mut self.dq, block.dq()), (&mut self.ddq, block.ddq())] {
+            for (joint, peak) in peaks.iter_mut().enumerate() {
+                *peak = rates.col(joint).iter().fold(*peak, |peak, rate| peak.max(rate.abs()));
+            }
+        }
+    }
+
+    /// One warning for each joint that left the range a model was fitted on.
+    pub(crate) fn warnings(&self, model: &Model) -> Vec<String> {
+        let training = &model.training;
+        let mut warnings = Vec::new();
+        for (joint, name) in model.joints.iter().enumerate() {
+            let mut beyond = Vec::new();
+            if let (Some([low, high]), Some([from, to])) =
+                (self.q.get(joint), training.q_range.get(joint))
+            {
+                let margin = Q_MARGIN * (to - from);
+                if *low < from - margin || *high > to + margin {
+                    beyond.push(format!(
+                        "q from {low:.2} to {high:.2} rad, not {from:.2} to {to:.2}"
+                    ));
+                }
+            }
+            let rates = [
+                ("dq", "rad/s", &self.dq, &training.dq_peak),
+                ("ddq", "rad/s²", &self.ddq, &training.ddq_peak),
+            ];
+            for (signal, unit, asked, trained) in rates {
+                if let (Some(asked), Some(trained)) = (asked.get(joint), trained.get(joint))
+                    && *asked > RATE_FACTOR * trained
+                {
+                    beyond.push(format!("{signal} to {asked:.2} {unit}, not {trained:.2}"));
+                }
+            }
+            if !beyond.is_empty() {
+                warnings.push(format!(
+                    "{name} leaves the range the model was fitted on ({}): \
+                     do not trust its torque there, or fit on a log that covers it",
+                    beyond.join("; ")
+                ));
+            }
+        }
+        warnings
+    }
+}

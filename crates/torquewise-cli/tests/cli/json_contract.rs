@@ -1,0 +1,176 @@
+//! Keys that programs rely on.
+
+use crate::terminal::Terminal;
+use serde_json::Value;
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+fn texts(values: &Value, key: &str) -> Vec<String> {
+    let objects = values.as_array().unwrap().iter();
+    objects.map(|object| object[key].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn arms_are_listed_with_their_joints() {
+    let arms = Terminal::new().json("arms");
+
+    assert!(texts(&arms["arms"], "name").contains(&"puma560-3".to_owned()));
+    assert_eq!(arms["arms"][0]["joints"], 2);
+}
+
+#[test]
+fn simulate_says_what_it_wrote() {
+    let terminal = Terminal::new();
+
+    let log = terminal.json("simulate planar-2 -o log.csv --seconds 4 --rate 50 --motion sines");
+
+    assert_eq!((&log["rows"], &log["file"]), (&200.into(), &"log.csv".into()));
+    assert_eq!(log["patterns"][2]["rows"], 200, "sines never rest");
+}
+
+#[test]
+fn inspect_says_what_a_log_holds_and_lacks() {
+    let terminal = Terminal::with_log();
+    let log = terminal.read("log.csv");
+    let rows = log.lines().map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        [&cells[..3], &["celsius"]].concat().join(",")
+    });
+    terminal.write("bare.csv", &rows.collect::<Vec<_>>().join("\n"));
+
+    let (whole, bare) = (terminal.json("inspect log.csv"), terminal.json("inspect bare.csv"));
+
+    assert_eq!((&whole["rows"], &whole["gaps"]), (&3000.into(), &0.into()));
+    assert!((whole["rate_hz"].as_f64().unwrap() - 50.0).abs() < 1e-6);
+    assert_eq!(whole["missing"], serde_json::json!([]));
+    assert!(whole["joints"][1]["tau_std"].as_f64().unwrap() > 0.0);
+    assert_eq!(bare["missing"], serde_json::json!(["dq", "ddq", "tau"]));
+    assert_eq!(bare["ignored_columns"], serde_json::json!(["celsius"]));
+    assert_eq!(bare["joints"][1]["tau_std"], Value::Null);
+}
+
+#[test]
+fn patterns_are_always_three_in_the_same_order() {
+    let terminal = Terminal::with_log();
+    terminal.done("simulate planar-2 -o sines.csv --seconds 20 --rate 50 --motion sines");
+
+    let names = ["standstill", "uniform velocity", "variable velocity"];
+    let (all, sines) = (terminal.json("patterns log.csv"), terminal.json("patterns sines.csv"));
+
+    assert_eq!(all["clusters"], 3);
+    assert!(numbers(&all["inertia"]).len() >= 3);
+    for found in [&all, &sines] {
+        assert_eq!(texts(&found["patterns"], "name"), names);
+    }
+    assert_eq!(sines["patterns"][0]["rows"], 0);
+    assert_eq!(terminal.run("patterns sines.csv").code, 3, "patterns are missing");
+}
+
+#[test]
+fn fit_counts_candidates_and_active_terms() {
+    let terminal = Terminal::with_log();
+
+    let fit = terminal.json("fit log.csv -o model.json --library product");
+
+    let by_step = numbers(&fit["candidates_by_step"]);
+    let steps = fit["steps"].as_array().unwrap();
+    assert_eq!(
+        texts(&fit["steps"], "name"),
+        ["standstill", "uniform velocity", "variable velocity"]
+    );
+    assert_eq!(by_step.iter().sum::<f64>(), fit["candidates"].as_f64().unwrap());
+    for (step, candidates) in steps.iter().zip(by_step) {
+        assert_eq!(step["candidates"].as_f64().unwrap(), candidates);
+        assert_eq!(step["active"].as_array().unwrap().len(), 2);
+        assert!(step["seconds"].as_f64().unwrap() > 0.0 && step["rows"].as_u64().unwrap() > 0);
+    }
+    assert_eq!(numbers(&fit["active"]).iter().sum::<f64>(), fit["active_total"].as_f64().unwrap());
+    assert!(fit["seconds"].as_f64().unwrap() > 0.0);
+    assert!(["moments", "direct", "mixed"].contains(&fit["route"].as_str().unwrap()));
+    assert_eq!((&fit["file"], &fit["warnings"]), (&"model.json".into(), &serde_json::json!([])));
+    assert!(fit["noise"]["ddq"].is_array());
+}
+
+#[test]
+fn one_shot_sindy_takes_one_step_over_the_whole_library() {
+    let terminal = Terminal::with_log();
+
+    let fit = terminal.json("fit log.csv -o model.json --method sindy --trig-order 2");
+
+    assert_eq!(fit["steps"].as_array().unwrap().len(), 1);
+    // 13 functions of two angles up to order 2, 15 of the motion up to degree 2.
+    assert_eq!(fit["candidates"], 13 * 15);
+}
+
+#[test]
+fn show_lists_terms_with_kind_and_uncertainty() {
+    let terminal = Terminal::with_model();
+
+    let shown = terminal.json("show model.json --check");
+    let printed: Value =
+        serde_json::from_str(&terminal.done("show model.json --format json")).unwrap();
+
+    let terms = shown["joints"][0]["terms"].as_array().unwrap();
+    assert!(terms.iter().all(|term| term["std_error"].is_number() && term["term"].is_string()));
+    for kind in ["gravity", "coriolis", "inertia"] {
+        assert!(terms.iter().any(|term| term["kind"] == kind), "{kind}");
+    }
+    assert_eq!(shown["checks"]["passed"], true);
+    assert_eq!(printed["joints"], shown["joints"]);
+}
+
+#[test]
+fn predict_names_its_columns() {
+    let terminal = Terminal::with_model();
+
+    let torque = terminal.json("predict model.json log.csv -o torque.csv --parts");
+
+    let columns: Vec<&str> =
+        torque["columns"].as_array().unwrap().iter().map(|c| c.as_str().unwrap()).collect();
+    assert_eq!(columns[..5], ["t", "tau_hat1", "tau_hat2", "inertia1", "inertia2"]);
+    assert!(terminal.read("torque.csv").starts_with(&columns.join(",")));
+    assert_eq!(torque["rows"], 3000);
+}
+
+#[test]
+fn compare_sets_both_methods_beside_each_other() {
+    let terminal = Terminal::with_log();
+    terminal.done("simulate planar-2 -o test.csv --seconds 20 --rate 50 --motion sines");
+
+    let both = terminal.json("compare log.csv --test test.csv --trig-order 2");
+
+    for method in ["stepwise", "sindy"] {
+        let found = &both[method];
+        assert_eq!(numbers(&found["nrmse_percent"]).len(), 2, "{method}");
+        assert_eq!(numbers(&found["active"]).len(), 2, "{method}");
+        assert!(found["seconds"].as_f64().unwrap() > 0.0, "{method}");
+    }
+    let candidates = |method: &str| both[method]["candidates"].as_u64().unwrap();
+    assert!(candidates("stepwise") < candidates("sindy"));
+}
+
+#[test]
+fn demo_and_completions_speak_json_too() {
+    let terminal = Terminal::new();
+
+    let demo = terminal.json("demo --arm planar-2 -o out --seconds 60 --rate 50 --case 1");
+    let completions = terminal.json("completions bash");
+
+    assert_eq!(demo["methods"].as_array().unwrap().len(), 3);
+    assert_eq!(texts(&demo["patterns"], "name").len(), 3);
+    assert!(completions["script"].as_str().unwrap().contains("torquewise"));
+}
+
+#[test]
+fn a_failure_is_an_object_with_the_error() {
+    let terminal = Terminal::new();
+
+    let said = terminal.run("inspect gone.csv --json");
+
+    assert_eq!(said.code, 1);
+    let object: Value = serde_json::from_str(&said.stdout).unwrap();
+    assert!(object["error"].as_str().unwrap().contains("gone.csv"));
+    assert!(said.stderr.starts_with("error: "));
+}

@@ -1,0 +1,189 @@
+//! simulate → inspect → patterns → fit → show → predict → evaluate → compare.
+
+use crate::terminal::Terminal;
+use std::collections::HashMap;
+
+/// Columns of a CSV file by name.
+fn columns(text: &str) -> HashMap<String, Vec<f64>> {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let rows: Vec<Vec<f64>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
+    let column = |place: usize| rows.iter().map(|row| row[place]).collect();
+    names.iter().enumerate().map(|(place, name)| ((*name).to_owned(), column(place))).collect()
+}
+
+fn nrmse_percent(tau: &[f64], tau_hat: &[f64]) -> f64 {
+    let m = tau.len() as f64;
+    let mean = tau.iter().sum::<f64>() / m;
+    let variance = tau.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m;
+    let error = tau.iter().zip(tau_hat).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / m;
+    100.0 * (error / variance).sqrt()
+}
+
+#[test]
+fn a_model_of_a_clean_log_predicts_a_motion_it_has_not_seen() {
+    let terminal = Terminal::with_model();
+    terminal.done("simulate planar-2 -o new.csv --motion sines --seconds 20 --rate 50 --seed 9");
+
+    let scores = terminal.json("evaluate model.json new.csv");
+
+    assert_eq!(scores["rows"], 1000);
+    for joint in scores["joints"].as_array().unwrap() {
+        assert!(joint["nrmse_percent"].as_f64().unwrap() < 0.01, "{joint}");
+        assert!(joint["r2"].as_f64().unwrap() > 0.999_999, "{joint}");
+    }
+}
+
+#[test]
+fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
+    let terminal = Terminal::new();
+    terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3 --case 3");
+    terminal.run("fit log.csv -o model.json --library product");
+
+    let scores = terminal.json("evaluate model.json log.csv");
+    terminal.done("predict model.json log.csv -o torque.csv");
+
+    let (log, torque) = (terminal.read("log.csv"), terminal.read("torque.csv"));
+    let (log, torque) = (columns(&log), columns(&torque));
+    for joint in [1, 2] {
+        let own = nrmse_percent(&log[&format!("tau{joint}")], &torque[&format!("tau_hat{joint}")]);
+        let said = scores["joints"][joint - 1]["nrmse_percent"].as_f64().unwrap();
+        // Two sums of 3 000 rows taken in another order.
+        assert!((own - said).abs() <= 1e-9 * own, "{own} {said}");
+    }
+}
+
+#[test]
+fn the_parts_of_a_torque_add_up_to_it() {
+    let terminal = Terminal::with_model();
+
+    terminal.done("predict model.json log.csv -o torque.csv --parts");
+
+    let torque = columns(&terminal.read("torque.csv"));
+    for joint in [1, 2] {
+        let part = |name: &str| &torque[&format!("{name}{joint}")];
+        let sizes = part("tau_hat").iter().map(|tau| tau.abs());
+        let scale = sizes.fold(0.0, f64::max);
+        for row in 0..3000 {
+            let sum = part("inertia")[row] + part("coriolis")[row] + part("gravity")[row];
+            assert!((sum - part("tau_hat")[row]).abs() <= 1e-12 * scale);
+        }
+    }
+}
+
+#[test]
+fn a_log_without_torque_can_be_predicted() {
+    let terminal = Terminal::with_model();
+    let log = terminal.read("log.csv");
+    let without: Vec<String> =
+        log.lines().map(|line| line.split(',').take(7).collect::<Vec<_>>().join(",")).collect();
+    terminal.write("bare.csv", &without.join("\n"));
+
+    terminal.done("predict model.json log.csv -o with.csv");
+    terminal.done("predict model.json bare.csv -o without.csv");
+
+    assert!(without[0].ends_with("ddq1,ddq2"), "{}", without[0]);
+    assert_eq!(terminal.read("with.csv"), terminal.read("without.csv"));
+}
+
+#[test]
+fn the_first_step_knows_gravity_alone() {
+    let terminal = Terminal::with_model();
+
+    terminal.done("predict model.json log.csv -o torque.csv --parts --step 1");
+
+    let torque = columns(&terminal.read("torque.csv"));
+    assert!(torque["inertia1"].iter().chain(&torque["coriolis2"]).all(|part| *part == 0.0));
+    assert!(torque["gravity1"].iter().any(|part| part.abs() > 1.0));
+}
+
+#[test]
+fn a_log_faster_than_the_training_is_predicted_with_a_warning() {
+    let terminal = Terminal::with_model();
+    let log = terminal.read("log.csv");
+    let mut rows: Vec<String> = log.lines().map(str::to_owned).collect();
+    let mut cells: Vec<String> = rows[50].split(',').map(str::to_owned).collect();
+    cells[3] = "9.5".into();
+    rows[50] = cells.join(",");
+    terminal.write("fast.csv", &rows.join("\n"));
+
+    let said = terminal.run("predict model.json fast.csv -o torque.csv");
+
+    assert_eq!(said.code, 3);
+    assert!(said.stderr.starts_with("warning: ") && said.stderr.contains("dq to 9.50 rad/s"));
+    assert!(terminal.path("torque.csv").exists());
+}
+
+#[test]
+fn rows_are_labelled_as_they_truly_move() {
+    let terminal = Terminal::new();
+    let simulate = "simulate puma560-3 -o log.csv --seconds 120 --rate 50 --case 2";
+    terminal.done(&format!("{simulate} --truth truth.csv"));
+
+    let found = terminal.json("patterns log.csv -o found.csv");
+
+    let (truth, labels) = (terminal.read("truth.csv"), terminal.read("found.csv"));
+    assert!(labels.starts_with("row,pattern\n1,"), "rows are counted from 1");
+    let right = truth.lines().zip(labels.lines()).filter(|(a, b)| a == b).count();
+    assert_eq!((truth.lines().count(), labels.lines().count()), (6001, 6001));
+    assert!(right > 5880, "{right} of 6001 lines agree");
+    let rows = found["patterns"].as_array().unwrap().iter().map(|p| p["rows"].as_u64().unwrap());
+    assert_eq!(rows.sum::<u64>(), 6000);
+}
+
+#[test]
+fn the_same_line_gives_the_same_bytes() {
+    let terminal = Terminal::new();
+    for name in ["a", "b"] {
+        let simulate = "simulate planar-2 --seconds 60 --rate 50 --seed 5 --noise-db inf,45,-3";
+        terminal.done(&format!("{simulate} -o {name}.csv"));
+        terminal.run(&format!("fit {name}.csv -o {name}.json --seed 4"));
+    }
+
+    assert_eq!(terminal.read("a.csv"), terminal.read("b.csv"));
+    assert_eq!(terminal.read("a.json"), terminal.read("b.json"));
+}
+
+#[test]
+fn a_model_is_shown_as_text_and_latex_and_passes_its_check() {
+    let terminal = Terminal::with_model();
+
+    let text = terminal.done("show model.json --check");
+    let latex = terminal.done("show model.json --format latex");
+
+    assert!(text.contains("M11 =") && text.contains("tau2 = [joint2]"), "{text}");
+    assert!(text.contains("M(q) positive definite  yes"), "{text}");
+    assert!(latex.starts_with("\\begin{align*}") && latex.contains("\\tau_{2}"), "{latex}");
+}
+
+#[test]
+fn a_recorded_arm_comes_from_a_file() {
+    let terminal = Terminal::new();
+    let joint = "a = 0.5\nalpha = 0.0\nd = 0.0\nmass = 2.0\ncom = [-0.2, 0.0, 0.0]\n\
+                 inertia = [0.01, 0.02, 0.03, 0.0, 0.0, 0.0]\n";
+    let table = format!("name = 'one'\n[[joints]]\nname = 'pivot'\n{joint}");
+    terminal.write("one.toml", &table);
+
+    let log = terminal.json("simulate one.toml -o log.parquet --seconds 2 --rate 100");
+
+    assert_eq!(log["joints"], serde_json::json!(["pivot"]));
+    assert_eq!(terminal.json("inspect log.parquet")["rows"], 200);
+}
+
+#[test]
+fn the_demo_leaves_log_models_and_figure() {
+    let terminal = Terminal::new();
+
+    let said = terminal.run("demo --arm planar-2 -o out --seconds 60 --rate 50");
+
+    assert!(matches!(said.code, 0 | 3), "{said:?}");
+    for words in ["standstill", "Equations found", "one-shot SINDy"] {
+        assert!(said.stdout.contains(words), "{words}: {}", said.stdout);
+    }
+    let svg = terminal.read("out/torque.svg");
+    assert!(svg.starts_with("<svg") && svg.contains("energy library"));
+    for model in ["energy", "product", "sindy"] {
+        terminal.json(&format!("evaluate out/{model}.json out/log.csv"));
+    }
+}
