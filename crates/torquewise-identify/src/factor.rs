@@ -51,9 +51,9 @@ impl Fit<'_> {
 /// R of \[Y τ\], and what noise in the rows adds to YᵀY and Yᵀτ.
 pub(crate) struct FactorSum<'a> {
     fit: &'a Fit<'a>,
-    pub(crate) triangle: Triangle,
+    triangle: Triangle,
     /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1).
-    pub(crate) bias: Mat<f64>,
+    bias: Mat<f64>,
     random: ChaCha8Rng,
 }
 
@@ -99,10 +99,23 @@ impl<'a> FactorSum<'a> {
         Ok(())
     }
 
-    /// RᵀR = \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
-    pub(crate) fn gram(&self) -> Mat<f64> {
-        self.triangle.r().transpose() * self.triangle.r()
+    /// The factor with what follows from it.
+    pub(crate) fn finish(self) -> Factor {
+        let r = self.triangle.r();
+        let gram = r.transpose() * &r;
+        Factor { r, gram, bias: self.bias, rows: self.triangle.rows() }
     }
+}
+
+/// The finished sums of a part of a log, (p+1)×(p+1) each, in \[Y τ\].
+pub(crate) struct Factor {
+    pub(crate) r: Mat<f64>,
+    /// RᵀR
+    pub(crate) gram: Mat<f64>,
+    /// What noise adds to it.
+    pub(crate) bias: Mat<f64>,
+    /// Rows of all equations.
+    pub(crate) rows: usize,
 }
 
 /// Independent normal noise of the given standard deviations, rows × deviations.

@@ -2,7 +2,7 @@
 
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
-use crate::factor::{FactorSum, Fit, Kept};
+use crate::factor::{Factor, FactorSum, Fit, Kept};
 use crate::noise::NoiseFloor;
 use crate::rows::{cut, samples_of};
 use crate::spread::ScoreSum;
@@ -58,6 +58,8 @@ pub(crate) struct RefitPlan<'a> {
 
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
 const PRECISION: f64 = 1e-11;
+/// Memory of the sums of all parts of a log at most, unless a single one takes more.
+const SUM_BYTES: usize = 256 << 20;
 /// Parts of a log that are drawn anew.
 const PARTS: usize = 32;
 /// Fewer parts with rows are too few to draw from.
@@ -81,15 +83,18 @@ pub(crate) fn refit(
         .zip(&evaluators)
         .map(|(kept, evaluator)| Fit { kept, evaluator, noise: plan.noise })
         .collect();
-    let factors =
-        pass(recording, plan.rows, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?;
+    let size = (plan.rows, parts(kept));
+    let factors: Vec<Vec<Factor>> =
+        pass(recording, size, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?
+            .into_iter()
+            .map(|parts| parts.into_iter().map(FactorSum::finish).collect())
+            .collect();
     let first: Vec<Start> =
         factors.iter().map(|parts| Start::solve(parts)).collect::<Result<_, _>>()?;
     let starts: Vec<(&Fit<'_>, &[f64])> =
         fits.iter().zip(&first).map(|(fit, start)| (fit, &start.coefficients[..])).collect();
-    let scores = pass(recording, plan.rows, &starts, |&(fit, coefficients), _| {
-        ScoreSum::new(fit, coefficients)
-    })?;
+    let scores =
+        pass(recording, size, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
     fits.iter()
         .zip(factors.into_iter().zip(&first))
         .zip(scores)
@@ -99,18 +104,24 @@ pub(crate) fn refit(
         .collect()
 }
 
+/// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
+fn parts(kept: &[Kept]) -> usize {
+    let bytes: usize = kept.iter().map(|kept| 8 * 3 * (kept.columns.len() + 1).pow(2)).sum();
+    (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
+}
+
 /// Hands every block to a sum for each group; returns the sums of the parts of the log.
 fn pass<'a, T, A: Accumulate>(
     recording: &(impl Recording + ?Sized),
-    rows: usize,
+    (rows, parts): (usize, usize),
     groups: &'a [T],
     start: impl Fn(&'a T, usize) -> A,
 ) -> Result<Vec<Vec<A>>, IdentifyError> {
     let mut lanes: Vec<Lanes<A>> =
-        groups.iter().map(|group| Lanes::with_count(PARTS, |lane| start(group, lane))).collect();
+        groups.iter().map(|group| Lanes::with_count(parts, |lane| start(group, lane))).collect();
     recording
         .read(&mut |_, block| {
-            for samples in cut(samples_of(block)?, rows / (2 * PARTS)) {
+            for samples in cut(samples_of(block)?, rows / (2 * parts)) {
                 lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
             }
             Ok(())
@@ -126,10 +137,13 @@ struct Start {
 }
 
 impl Start {
-    fn solve(parts: &[FactorSum<'_>]) -> Result<Self, SparseError> {
-        let gram = parts.iter().map(FactorSum::gram).reduce(|a, b| a + b);
-        let gram = gram.unwrap_or_else(|| Mat::zeros(1, 1));
-        let rows: usize = parts.iter().map(|part| part.triangle.rows()).sum();
+    fn solve(parts: &[Factor]) -> Result<Self, SparseError> {
+        let size = parts.first().map_or(1, |part| part.gram.ncols());
+        let mut gram = Mat::<f64>::zeros(size, size);
+        for part in parts {
+            gram += &part.gram;
+        }
+        let rows: usize = parts.iter().map(|part| part.rows).sum();
         let p = gram.ncols().saturating_sub(1);
         let right = (0..p).map(|j| gram[(j, p)]).collect();
         let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
@@ -143,7 +157,7 @@ impl Start {
 struct Group<'a> {
     fit: &'a Fit<'a>,
     start: &'a Start,
-    parts: Vec<(FactorSum<'a>, ScoreSum<'a>)>,
+    parts: Vec<(Factor, ScoreSum<'a>)>,
 }
 
 impl Group<'_> {
@@ -191,7 +205,7 @@ impl Group<'_> {
         let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
         for ((factor, score), &weight) in self.parts.iter().zip(weights) {
             if weight > 0.0 {
-                gram += faer::Scale(weight) * factor.gram();
+                gram += faer::Scale(weight) * &factor.gram;
                 bias += faer::Scale(weight) * &factor.bias;
                 spread += faer::Scale(weight) * &score.spread;
                 sum.iter_mut().zip(&score.sum).for_each(|(a, b)| *a += weight * b);
@@ -283,13 +297,14 @@ impl Group<'_> {
         }
         let mut small = Triangle::new(k + 1);
         for (factor, _) in &self.parts {
-            let r = factor.triangle.r();
+            let r = &factor.r;
             let chosen =
                 Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
             small.add(chosen.as_ref())?;
         }
-        let mut x = Mat::from_fn(k, 1, |i, _| small.r()[(i, k)]);
-        let upper = small.r().submatrix(0, 0, k, k);
+        let r = small.r();
+        let mut x = Mat::from_fn(k, 1, |i, _| r[(i, k)]);
+        let upper = r.submatrix(0, 0, k, k);
         faer::linalg::triangular_solve::solve_upper_triangular_in_place(
             upper,
             x.as_mut(),

@@ -6,21 +6,27 @@ use faer::linalg::qr::no_pivoting::factor;
 use faer::{Mat, MatRef, Par};
 
 /// The R factor of the rows seen so far; stacking two and factoring again merges them.
+///
+/// Rows wait until there are about as many as columns, since factoring costs as much for few.
 #[derive(Clone, Debug)]
 pub struct Triangle {
     r: Mat<f64>,
+    waiting: Vec<Mat<f64>>,
     rows: usize,
 }
+
+/// Rows wait for this many at least.
+const WORTH_FACTORING: usize = 256;
 
 impl Triangle {
     /// The factor of no rows, for k columns.
     pub fn new(n_columns: usize) -> Self {
-        Self { r: Mat::zeros(n_columns, n_columns), rows: 0 }
+        Self { r: Mat::zeros(n_columns, n_columns), waiting: Vec::new(), rows: 0 }
     }
 
     /// R, k×k, upper triangular.
-    pub fn r(&self) -> MatRef<'_, f64> {
-        self.r.as_ref()
+    pub fn r(&self) -> Mat<f64> {
+        if self.waiting.is_empty() { self.r.clone() } else { upper_factor(self.stacked()) }
     }
 
     /// Rows seen.
@@ -38,10 +44,12 @@ impl Triangle {
             let found = rows.ncols();
             return Err(SparseError::Shape { what: "rows for a triangle", found, expected: k });
         }
-        let mut stacked = Mat::zeros(k + rows.nrows(), k);
-        stacked.subrows_mut(0, k).copy_from(&self.r);
-        stacked.subrows_mut(k, rows.nrows()).copy_from(rows);
-        self.r = upper_factor(stacked);
+        self.waiting.push(rows.to_owned());
+        let waiting: usize = self.waiting.iter().map(Mat::nrows).sum();
+        if waiting >= k.max(WORTH_FACTORING) {
+            self.r = upper_factor(self.stacked());
+            self.waiting.clear();
+        }
         self.rows += rows.nrows();
         Ok(())
     }
@@ -52,9 +60,23 @@ impl Triangle {
     /// [`SparseError::Shape`] if the other has another number of columns.
     pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
         let rows = self.rows + other.rows;
-        self.add(other.r())?;
+        self.add(other.r().as_ref())?;
         self.rows = rows;
         Ok(())
+    }
+
+    /// R with the waiting rows below it.
+    fn stacked(&self) -> Mat<f64> {
+        let k = self.r.ncols();
+        let waiting: usize = self.waiting.iter().map(Mat::nrows).sum();
+        let mut stacked = Mat::zeros(k + waiting, k);
+        stacked.subrows_mut(0, k).copy_from(&self.r);
+        let mut next = k;
+        for rows in &self.waiting {
+            stacked.subrows_mut(next, rows.nrows()).copy_from(rows);
+            next += rows.nrows();
+        }
+        stacked
     }
 }
 
