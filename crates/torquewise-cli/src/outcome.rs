@@ -105,11 +105,11 @@ fn explanation(error: &Error) -> Vec<String> {
     let mut messages: Vec<String> = error.chain().map(ToString::to_string).collect();
     let last_own = error.chain().enumerate().filter(|(_, cause)| is_own(*cause)).last();
     let mut advice = None;
-    if let Some((place, _)) = last_own.filter(|(place, _)| place + 1 < messages.len()) {
-        if let Some((what, to_do)) = messages[place].clone().rsplit_once(": ") {
-            advice = Some(format!("  help: {to_do}"));
-            messages[place] = what.to_owned();
-        }
+    if let Some((place, _)) = last_own.filter(|(place, _)| place + 1 < messages.len())
+        && let Some(end) = messages[place].rfind(": ")
+    {
+        advice = Some(format!("  help: {}", &messages[place][end + 2..]));
+        messages[place].truncate(end);
     }
     // A transparent error says what its source says.
     messages.dedup();

@@ -1,5 +1,6 @@
 //! Patterns of rows → counts, and a table with the number and the pattern of each row.
 
+use crate::table::Table;
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise::logs::{Column, ColumnKind, LogError, TableWriter, Values};
@@ -40,6 +41,17 @@ impl PatternTable {
         self.writer.map(TableWriter::finish).transpose()?;
         Ok(self.counts)
     }
+}
+
+/// The rows of each pattern for people.
+pub(crate) fn counts_text(counts: [u64; 3]) -> String {
+    let total = counts.iter().sum::<u64>().max(1) as f64;
+    let mut table = Table::new(&["pattern", "rows", "share [%]"]);
+    for (pattern, rows) in Pattern::ALL.iter().zip(counts) {
+        let share = format!("{:.1}", 100.0 * rows as f64 / total);
+        table.row(pattern.name(), [rows.to_string(), share]);
+    }
+    table.text()
 }
 
 /// The rows of each pattern for programs.

@@ -1,7 +1,7 @@
 //! Logs → what they hold, and what they lack.
 
 use crate::outcome::Outcome;
-use crate::pattern_table::{PatternTable, counts_json, missing};
+use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
 use crate::table::{Table, number};
 use anyhow::{Result, anyhow};
@@ -84,40 +84,24 @@ impl Inspection {
 
     fn text(&self) -> String {
         let Survey { joints, rows, trajectories, seconds, .. } = &self.survey;
-        let mut text = format!(
+        let absent = [
+            ("not recorded", self.missing().join(", ")),
+            ("columns not read", self.logs.ignored_columns().join(", ")),
+        ];
+        let absent = absent.iter().filter(|(_, names)| !names.is_empty());
+        format!(
             "{rows} rows of {} joints, {seconds:.1} s at {} Hz\n\
-             trajectories: {trajectories}, files: {}, gaps: {}\n",
+             trajectories: {trajectories}, files: {}, gaps: {}\n\
+             \n{}\n{}\n{}{}",
             joints.len(),
             number(self.survey.rate()),
             self.logs.paths().len(),
             self.gaps(),
-        );
-        text.push('\n');
-        text.push_str(&self.motion_table().text());
-        text.push('\n');
-        text.push_str(&self.noise_text());
-        text.push('\n');
-        let total = self.counts.iter().sum::<u64>().max(1) as f64;
-        let mut table = Table::new(&["pattern", "rows", "share [%]"]);
-        for (pattern, rows) in Pattern::ALL.iter().zip(self.counts) {
-            let share = format!("{:.1}", 100.0 * rows as f64 / total);
-            table.row(pattern.name(), [rows.to_string(), share]);
-        }
-        text.push_str(&table.text());
-        for (what, names) in [
-            ("not recorded", self.missing().join(", ")),
-            ("columns not read", self.logs.ignored_columns().join(", ")),
-        ] {
-            if !names.is_empty() {
-                text.push_str(&format!("\n{what}: {names}"));
-                text.push_str(if what == "not recorded" {
-                    " (dq, ddq follow from q)\n"
-                } else {
-                    "\n"
-                });
-            }
-        }
-        text
+            self.motion_table().text(),
+            self.noise_text(),
+            counts_text(self.counts),
+            absent.map(|(what, names)| format!("\n{what}: {names}\n")).collect::<Vec<_>>().concat(),
+        )
     }
 
     fn motion_table(&self) -> Table {

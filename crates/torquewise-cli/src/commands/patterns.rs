@@ -3,16 +3,16 @@
 use crate::arguments::PatternArguments;
 use crate::files::check_output;
 use crate::outcome::Outcome;
-use crate::pattern_table::{PatternTable, counts_json, missing};
+use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
-use crate::table::{Table, number};
+use crate::table::number;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::identify::{Patterns, find_patterns, survey};
 use torquewise::logs::Logs;
-use torquewise::motion::{Pattern, Recording};
+use torquewise::motion::Recording;
 
 /// Tell standstill, uniform and variable velocity apart
 #[derive(Args, Debug)]
@@ -51,23 +51,16 @@ fn label_rows(logs: &Logs, found: &Patterns, file: Option<&Path>) -> Result<[u64
 }
 
 fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome {
-    let total = counts.iter().sum::<u64>().max(1);
-    let mut table = Table::new(&["pattern", "rows", "share [%]"]);
-    for (pattern, rows) in Pattern::ALL.iter().zip(counts) {
-        let share = 100.0 * rows as f64 / total as f64;
-        table.row(pattern.name(), [rows.to_string(), format!("{share:.1}")]);
-    }
     let inertia: Vec<String> = found.inertia.iter().map(|&inertia| number(inertia)).collect();
-    let mut text = format!(
-        "{}\n{} clusters; inertia of 1, 2, … clusters: {}\n",
-        table.text(),
-        found.n_clusters(),
-        inertia.join("  ")
-    );
     let file = arguments.output.as_ref().map(|file| file.display().to_string());
-    if let Some(file) = &file {
-        text.push_str(&format!("rows and their patterns: {file}\n"));
-    }
+    let written = file.iter().map(|file| format!("rows and their patterns: {file}\n"));
+    let text = format!(
+        "{}\n{} clusters; inertia of 1, 2, … clusters: {}\n{}",
+        counts_text(counts),
+        found.n_clusters(),
+        inertia.join("  "),
+        written.collect::<String>(),
+    );
     let json = json!({
         "clusters": found.n_clusters(),
         "inertia": found.inertia,

@@ -136,9 +136,8 @@ fn outcome(arguments: &Arguments, joints: &[String], rows: usize, counts: [u64; 
         "file": file.to_string(),
         "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
     });
-    let mut text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len());
-    if let Some(truth) = &arguments.truth {
-        text.push_str(&format!("truth: {}\n", truth.display()));
-    }
+    let truth = arguments.truth.iter().map(|truth| format!("truth: {}\n", truth.display()));
+    let text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len())
+        + &truth.collect::<String>();
     Outcome { text, json, warnings: Vec::new() }
 }

@@ -117,14 +117,14 @@ fn five_rows_are_too_few() {
 fn a_joint_that_never_moves_is_named_in_a_warning() {
     let terminal = Terminal::with_log();
     let log = terminal.read("log.csv");
-    let mut still = log.lines().next().unwrap().to_owned() + "\n";
-    for line in log.lines().skip(1) {
+    let still = log.lines().skip(1).map(|line| {
         let x: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let (t, q, dq, ddq) = (x[0], x[1], x[3], x[5]);
         let tau = [2.0 * ddq + 9.81 * q.cos(), 0.5 * ddq + 3.0 * (q + 0.3).cos()];
-        still += &format!("{t},{q},0.3,{dq},0,{ddq},0,{},{}\n", tau[0], tau[1]);
-    }
-    terminal.write("still.csv", &still);
+        format!("{t},{q},0.3,{dq},0,{ddq},0,{},{}", tau[0], tau[1])
+    });
+    let lines: Vec<String> = log.lines().take(1).map(str::to_owned).chain(still).collect();
+    terminal.write("still.csv", &lines.join("\n"));
 
     let said = terminal.run("fit still.csv -o model.json");
 
@@ -211,5 +211,8 @@ fn an_arm_that_is_none_is_refused() {
     terminal.refused("simulate puma -o log.csv", &["no arm is called `puma`", "puma560-3"]);
     terminal.refused("simulate bad.toml -o log.csv", &["no arm in bad.toml", "DH table"]);
     terminal.refused("simulate bad.urdf -o log.csv", &["no arm in bad.urdf"]);
-    terminal.refused("simulate planar-2 -o log.csv --seconds=-1", &["length [s]", "found -1"]);
+    terminal.refused(
+        "simulate planar-2 -o log.csv --seconds=-1",
+        &["length [s]", "is -1, expected more than 0"],
+    );
 }

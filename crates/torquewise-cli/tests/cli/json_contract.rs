@@ -7,6 +7,10 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
 }
 
+fn counts(value: &Value) -> Vec<u64> {
+    value.as_array().unwrap().iter().map(|x| x.as_u64().unwrap()).collect()
+}
+
 fn texts(values: &Value, key: &str) -> Vec<String> {
     let objects = values.as_array().unwrap().iter();
     objects.map(|object| object[key].as_str().unwrap().to_owned()).collect()
@@ -74,19 +78,19 @@ fn fit_counts_candidates_and_active_terms() {
 
     let fit = terminal.json("fit log.csv -o model.json --library product");
 
-    let by_step = numbers(&fit["candidates_by_step"]);
+    let by_step = counts(&fit["candidates_by_step"]);
     let steps = fit["steps"].as_array().unwrap();
     assert_eq!(
         texts(&fit["steps"], "name"),
         ["standstill", "uniform velocity", "variable velocity"]
     );
-    assert_eq!(by_step.iter().sum::<f64>(), fit["candidates"].as_f64().unwrap());
+    assert_eq!(by_step.iter().sum::<u64>(), fit["candidates"].as_u64().unwrap());
     for (step, candidates) in steps.iter().zip(by_step) {
-        assert_eq!(step["candidates"].as_f64().unwrap(), candidates);
+        assert_eq!(step["candidates"].as_u64().unwrap(), candidates);
         assert_eq!(step["active"].as_array().unwrap().len(), 2);
         assert!(step["seconds"].as_f64().unwrap() > 0.0 && step["rows"].as_u64().unwrap() > 0);
     }
-    assert_eq!(numbers(&fit["active"]).iter().sum::<f64>(), fit["active_total"].as_f64().unwrap());
+    assert_eq!(counts(&fit["active"]).iter().sum::<u64>(), fit["active_total"]);
     assert!(fit["seconds"].as_f64().unwrap() > 0.0);
     assert!(["moments", "direct", "mixed"].contains(&fit["route"].as_str().unwrap()));
     assert_eq!((&fit["file"], &fit["warnings"]), (&"model.json".into(), &serde_json::json!([])));
@@ -144,7 +148,7 @@ fn compare_sets_both_methods_beside_each_other() {
     for method in ["stepwise", "sindy"] {
         let found = &both[method];
         assert_eq!(numbers(&found["nrmse_percent"]).len(), 2, "{method}");
-        assert_eq!(numbers(&found["active"]).len(), 2, "{method}");
+        assert_eq!(counts(&found["active"]).len(), 2, "{method}");
         assert!(found["seconds"].as_f64().unwrap() > 0.0, "{method}");
     }
     let candidates = |method: &str| both[method]["candidates"].as_u64().unwrap();

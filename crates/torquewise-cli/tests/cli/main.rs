@@ -1,4 +1,5 @@
 //! The command line as its users and their programs see it.
+#![expect(clippy::unwrap_used, reason = "a test may panic wherever it is written")]
 
 mod terminal;
 mod whole_way;
