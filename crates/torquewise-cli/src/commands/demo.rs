@@ -103,12 +103,13 @@ impl Purity {
     }
 }
 
+/// Measured torque, the energy library and the baseline; all others lie on the first.
 fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
-    let torques = found
-        .iter()
+    let drawn = || found.first().into_iter().chain(found.last());
+    let torques = drawn()
         .map(|found| Torque::new(&found.timed.found.model).over(test))
         .collect::<Result<Vec<_>, _>>()?;
-    let names = found.iter().map(|found| found.name);
+    let names = drawn().map(|found| found.name);
     let predictions: Vec<_> = names.zip(torques.iter().map(faer::Mat::as_ref)).collect();
     let title = format!("{arm}: torque of a motion outside the training set");
     let tau = test.require_tau()?;
