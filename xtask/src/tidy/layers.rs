@@ -30,10 +30,11 @@ const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const IDENTIFY: &str = "torquewise-identify";
 const REPORT: &str = "torquewise-report";
+const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 10] = [
+const LAYERS: [Layer; 11] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
     layer(MODEL, &[MOTION], &[DYNAMICS]),
@@ -42,8 +43,22 @@ const LAYERS: [Layer; 10] = [
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(
+        EXPERIMENTS,
+        &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT],
+        &[],
+    ),
+    layer(
         FRONT_DOOR,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT],
+        &[
+            MOTION,
+            SPARSE,
+            MODEL,
+            DYNAMICS,
+            LOGS,
+            IDENTIFY,
+            REPORT,
+            EXPERIMENTS,
+        ],
         &[],
     ),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
@@ -111,7 +126,15 @@ mod tests {
     /// Messages for a crate with this manifest, in a workspace that also has the usual crates.
     fn messages(name: &str, manifest: &str) -> Vec<String> {
         let others = [
-            MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, FRONT_DOOR,
+            MOTION,
+            SPARSE,
+            MODEL,
+            DYNAMICS,
+            LOGS,
+            IDENTIFY,
+            REPORT,
+            EXPERIMENTS,
+            FRONT_DOOR,
         ];
         let mut packages = vec![package(name, manifest, &[])];
         packages.extend(

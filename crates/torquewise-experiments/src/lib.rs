@@ -1,0 +1,20 @@
+//! The simulated experiments of the paper, and those beyond it: numbers, figures, report.
+//!
+//! [`reproduce()`] runs them all and returns plain numbers, [`Results`]; [`figures()`] draws them and
+//! [`page()`] tells them. Every simulated log has a known truth, so each claim can be judged.
+//!
+//! ```no_run
+//! use torquewise_experiments::{Settings, page, reproduce};
+//!
+//! //! # Ok::<(), torquewise_experiments::ExperimentError>(())
+//! ```
+
+pub mod error;
+pub mod spread;
+pub mod truth;
+pub mod scenario;
+pub mod method;
+pub mod trial;
+pub mod agenda;
+
+pub use error::ExperimentError;
