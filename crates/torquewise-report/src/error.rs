@@ -1,7 +1,7 @@
-//! What can keep a figure from being drawn.
+//! What can keep a figure or a report from being made.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-/// Why there is no figure.
+/// Why there is no figure or report.
 #[derive(Debug, thiserror::Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -26,4 +26,8 @@ pub enum ReportError {
     TimeOrder { row: usize },
     #[error("the figure cannot be drawn, {reason}: check that its values are of ordinary size")]
     Drawing { reason: String },
+    #[error("the page cannot be written, {reason}: report this as an error of this program")]
+    Page { reason: String },
+    #[error("the model after step {step} cannot be evaluated, {reason}: fit it anew")]
+    Step { step: usize, reason: String },
 }

@@ -1,0 +1,113 @@
+//! Reconstruction, diagnosis → HTML report: what was found in a log, and how far to trust it.
+
+use crate::error::ReportError;
+use crate::html::{Page, Section};
+use torquewise_identify::{Diagnosis, Reconstruction};
+use torquewise_model::Checks;
+
+mod clock;
+mod summary;
+mod torques;
+mod equations;
+mod activation;
+mod steps;
+mod residuals;
+mod importance;
+mod physics;
+mod ranges;
+
+/// All that the sections of a report tell about.
+pub(crate) struct Findings<'a> {
+    pub(crate) found: &'a Reconstruction,
+    pub(crate) diagnosis: &'a Diagnosis,
+    pub(crate) checks: Option<&'a Checks>,
+}
+
+/// The report of a fit as one HTML text, see [`Page::to_html`].
+///
+/// - `found`: what was reconstructed from a log
+/// - `diagnosis`: the residuals of that model, over the same log or another one of the same arm
+/// - `checks`: whether the model is physics, if that was looked at
+/// - `title`: what stands above the report, such as the name of the log
+///
+/// The text holds the summary and all warnings first; then torques, equations, patterns, steps,
+/// residuals, importance of terms, physical checks and ranges of the log, with charts that can be
+/// zoomed into.
+///
+/// # Errors
+/// [`ReportError::Shape`] if found model and diagnosis are of different arms, [`ReportError::Empty`]
+/// if the diagnosis has no rows, [`ReportError::Step`] if the model after a step cannot be
+/// evaluated, [`ReportError::Page`] if the page cannot be written.
+pub fn fit_report(
+    found: &Reconstruction,
+    diagnosis: &Diagnosis,
+    checks: Option<&Checks>,
+    title: &str,
+) -> Result<String, ReportError> {
+    let findings = Findings { found, diagnosis, checks };
+    findings.check()?;
+    let page = Page {
+        title: title.into(),
+        lead: summary::lead(&findings),
+        sections: findings.sections()?,
+    };
+    page.to_html()
+}
+
+impl Findings<'_> {
+    fn sections(&self) -> Result<Vec<Section>, ReportError> {
+        let mut sections = vec![
+            summary::section(self),
+            torques::section(self),
+            equations::section(self),
+            activation::section(self),
+            steps::section(self)?,
+            residuals::section(self),
+            importance::section(self),
+        ];
+        sections.extend(self.checks.map(physics::section));
+        sections.push(ranges::section(self));
+        Ok(sections)
+    }
+
+    /// Number of joints n.
+    pub(crate) fn n_joints(&self) -> usize {
+        self.found.model.n_joints()
+    }
+
+    /// Joint names, base to tip.
+    pub(crate) fn joints(&self) -> &[String] {
+        &self.found.model.joints
+    }
+
+    /// Whether both parts are of one arm, and there is something to show.
+    fn check(&self) -> Result<(), ReportError> {
+        let trace = &self.diagnosis.trace;
+        let (rows, n) = (trace.motion.n_rows(), self.n_joints());
+        if rows < 2 || n == 0 {
+            return Err(ReportError::Empty { rows, joints: n });
+        }
+        let per_joint = [
+            ("diagnosed motion", trace.motion.n_joints()),
+            ("diagnosed torque", trace.tau_hat.ncols()),
+            ("scores", self.diagnosis.scores.joints.len()),
+            ("residual histograms", self.diagnosis.histograms.len()),
+            ("residual autocorrelation", self.diagnosis.autocorrelation.len()),
+            ("importance of terms", self.diagnosis.importance.len()),
+        ];
+        let mut shapes: Vec<(&str, usize, usize)> =
+            per_joint.into_iter().map(|(signal, columns)| (signal, rows, columns)).collect();
+        shapes.push(("diagnosed torque", trace.tau_hat.nrows(), n));
+        shapes.push(("diagnosed patterns", trace.patterns.len(), n));
+        match shapes.into_iter().find(|&(_, found, columns)| (found, columns) != (rows, n)) {
+            Some((signal, found, columns)) => Err(ReportError::Shape {
+                signal: signal.into(),
+                rows: found,
+                columns,
+                expected_rows: rows,
+                expected_columns: n,
+            }),
+            None => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Findings → equations: energies first where the model has them, then the torque of each joint.
+
+use crate::fit_report::Findings;
+use crate::html::{Item, Section};
+use crate::mathml::{Equation, energies, torque};
+use std::collections::BTreeMap;
+use torquewise_model::print::weighted_equations;
+use torquewise_model::{Form, Term, Weighted};
+
+/// Terms of one equation written out at most; no one reads more.
+const MOST_TERMS: usize = 200;
+
+/// All equations, the long ones folded.
+pub(crate) fn section(findings: &Findings<'_>) -> Section {
+    let model = &findings.found.model;
+    let mut items = Vec::new();
+    let torques = torques(findings).into_iter().map(|equation| Item::Markup(equation.to_markup()));
+    if let Form::Energy(terms) = &model.form {
+        items.push(Item::Text(
+            "T = ½ q̇ᵀ M(q) q̇ and V(q), in SI units. Grey numbers are standard errors; a share in \
+             percent says in how many resampled logs a term stayed, where it was not all of them. \
+             M is symmetric: what is not listed is zero, or the same as its mirror image."
+                .into(),
+        ));
+        let shown = energies(terms).into_iter().map(|energy| largest(energy, &BTreeMap::new()));
+        items.extend(shown.map(|equation| Item::Markup(equation.to_markup())));
+        items.push(Item::Details {
+            summary: "The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q".into(),
+            items: torques.collect(),
+        });
+    } else {
+        items.push(Item::Text(
+            "The torque of each joint, in SI units. Grey numbers are standard errors.".into(),
+        ));
+        items.extend(torques);
+    }
+    Section { heading: "Equations".into(), items }
+}
+
+fn torques(findings: &Findings<'_>) -> Vec<Equation> {
+    let model = &findings.found.model;
+    let equation = |(joint, terms): (usize, Vec<Weighted<Term>>)| {
+        let importance = &findings.diagnosis.importance[joint];
+        let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
+        let note = format!("[N·m], {}", model.joints[joint]);
+        let all = Equation { left: torque(joint), note, terms, unit: None, left_out: 0 };
+        largest(all, &sizes)
+    };
+    weighted_equations(model).into_iter().enumerate().map(equation).collect()
+}
+
+/// The terms that matter most, in their order: by their share of the torque where it is known, else
+/// by their coefficients.
+fn largest(mut equation: Equation, sizes: &BTreeMap<&str, f64>) -> Equation {
+    let surplus = equation.terms.len().saturating_sub(MOST_TERMS);
+    if surplus == 0 {
+        return equation;
+    }
+    let size = |weighted: &Weighted<Term>| {
+        let known = sizes.get(weighted.term.name().as_str()).copied();
+        known.unwrap_or_else(|| weighted.coefficient.abs())
+    };
+    let mut ranked: Vec<(usize, f64)> = equation.terms.iter().map(size).enumerate().collect();
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut kept: Vec<usize> = ranked[..MOST_TERMS].iter().map(|(place, _)| *place).collect();
+    kept.sort_unstable();
+    equation.terms = kept.into_iter().map(|place| equation.terms[place].clone()).collect();
+    equation.left_out = surplus;
+    equation
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use torquewise_model::Trig;
+
+    #[test]
+    fn a_long_equation_keeps_its_largest_terms_in_their_order() {
+        let term = |k: usize| Weighted {
+            term: Term::one(1).times(Trig::Sin, 0, i8::try_from(k % 100).unwrap(), 1),
+            coefficient: k as f64,
+            std_error: 0.0,
+            inclusion: None,
+        };
+        let terms = (0..MOST_TERMS + 3).map(term).collect();
+        let all = Equation { left: torque(0), note: String::new(), terms, unit: None, left_out: 0 };
+
+        let shown = largest(all, &BTreeMap::new());
+
+        assert_eq!((shown.terms.len(), shown.left_out), (MOST_TERMS, 3));
+        assert!((shown.terms[0].coefficient - 3.0).abs() < f64::EPSILON);
+        assert!(shown.terms.windows(2).all(|pair| pair[0].coefficient < pair[1].coefficient));
+    }
+}

@@ -1,0 +1,125 @@
+//! Findings → residual charts: against time, velocity, position; their spread and their memory.
+
+use crate::fit_report::Findings;
+use crate::fit_report::clock::{self, Clock};
+use crate::fit_report::torques::LINK;
+use crate::html::number::significant;
+use crate::html::{Axis, Chart, Colour, Guide, Item, Mark, Section, Series};
+use faer::MatRef;
+use std::f64::consts::PI;
+
+/// Points of a cloud.
+const MOST_POINTS: usize = 1_500;
+/// Half width of the interval that holds 95 % of a standard normal distribution.
+const TWO_SIGMA: f64 = 1.96;
+const UNIT: &str = "residual [N·m]";
+
+/// What the model leaves unexplained, joint by joint.
+pub(crate) fn section(findings: &Findings<'_>) -> Section {
+    let words = "Measured minus predicted torque. White noise looks like a band without shape, \
+                 follows the normal curve and forgets itself at once. A step at zero velocity \
+                 is friction; waves over position are missing terms.";
+    let clock = Clock::new(findings.diagnosis.trace.motion.t());
+    let mut items = vec![Item::Text(words.into())];
+    for joint in 0..findings.n_joints() {
+        let residual = Residual { findings, joint };
+        items.push(Item::Heading(findings.joints()[joint].clone()));
+        items.push(Item::Chart(residual.over_time(&clock)));
+        items.push(Item::Charts(vec![
+            residual.over(findings.diagnosis.trace.motion.dq(), "velocity [rad/s]"),
+            residual.over(findings.diagnosis.trace.motion.q(), "position [rad]"),
+            residual.histogram(),
+            residual.autocorrelation(),
+        ]));
+    }
+    Section { heading: "Residuals".into(), items }
+}
+
+struct Residual<'a> {
+    findings: &'a Findings<'a>,
+    joint: usize,
+}
+
+impl Residual<'_> {
+    /// Residual at a row of the trace \[N·m\].
+    fn at(&self, row: usize) -> f64 {
+        let trace = &self.findings.diagnosis.trace;
+        let measured = trace.motion.tau().map_or(f64::NAN, |tau| tau[(row, self.joint)]);
+        measured - trace.tau_hat[(row, self.joint)]
+    }
+
+    fn over_time(&self, clock: &Clock) -> Chart {
+        Chart {
+            title: "Over time".into(),
+            x: Axis::named(clock::LABEL),
+            y: Axis::named(UNIT),
+            series: vec![Series::line("residual", clock.curve(|row| self.at(row)))],
+            bands: clock.bands(&self.findings.diagnosis.trace.patterns),
+            linked: Some(LINK.into()),
+            ..Chart::default()
+        }
+    }
+
+    fn over(&self, signal: MatRef<'_, f64>, label: &str) -> Chart {
+        let m = signal.nrows();
+        let taken = m.min(MOST_POINTS);
+        let rows = (0..taken).map(|place| place * m / taken.max(1));
+        let points = rows.map(|row| [signal[(row, self.joint)], self.at(row)]).collect();
+        let name = label.split(' ').next().unwrap_or(label);
+        Chart {
+            title: format!("Over {name}"),
+            x: Axis::named(label),
+            y: Axis::named(UNIT),
+            series: vec![Series::new("residual", Mark::Cloud, Colour::Series(0), points)],
+            guides: vec![Guide::at_y(0.0, "")],
+            ..Chart::default()
+        }
+    }
+
+    fn histogram(&self) -> Chart {
+        let histogram = &self.findings.diagnosis.histograms[self.joint];
+        let score = &self.findings.diagnosis.scores.joints[self.joint];
+        let bins = histogram.counts.iter().enumerate();
+        let points: Vec<[f64; 2]> = bins
+            .map(|(bin, &rows)| {
+                [histogram.start + (bin as f64 + 0.5) * histogram.width, rows as f64]
+            })
+            .collect();
+        let rows: usize = histogram.counts.iter().sum();
+        let peak = rows as f64 * histogram.width / (score.rmse * (2.0 * PI).sqrt());
+        let normal = |x: f64| peak * (-0.5 * (x / score.rmse).powi(2)).exp();
+        let curve = points.iter().map(|[x, _]| [*x, normal(*x)]).collect();
+        Chart {
+            title: "Distribution".into(),
+            x: Axis::named(UNIT),
+            y: Axis::named("rows"),
+            series: vec![
+                Series::new("residual", Mark::Bars, Colour::Measured, points),
+                Series::new("normal curve of the same RMSE", Mark::Line, Colour::Series(1), curve),
+            ],
+            ..Chart::default()
+        }
+    }
+
+    fn autocorrelation(&self) -> Chart {
+        let values = &self.findings.diagnosis.autocorrelation[self.joint];
+        let lags = values.iter().enumerate().skip(1);
+        let points: Vec<[f64; 2]> = lags.map(|(lag, &value)| [lag as f64, value]).collect();
+        let band = TWO_SIGMA / (self.findings.diagnosis.scores.rows.max(1) as f64).sqrt();
+        let outside = points.iter().filter(|[_, value]| value.abs() > band).count();
+        let caption = format!(
+            "{outside} of {} lags leave the band ±{} that holds 95 % of white noise.",
+            points.len(),
+            significant(band, 2)
+        );
+        Chart {
+            title: "Autocorrelation".into(),
+            caption,
+            x: Axis::named("lag [rows]"),
+            y: Axis::named("correlation with the residual before"),
+            series: vec![Series::new("autocorrelation", Mark::Bars, Colour::Series(0), points)],
+            guides: vec![Guide::at_y(band, "95 %"), Guide::at_y(-band, "")],
+            ..Chart::default()
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Findings → table of the steps: what each was offered, what it found, what was left.
+
+use crate::error::ReportError;
+use crate::fit_report::Findings;
+use crate::html::number::{count, significant};
+use crate::html::{Column, Item, Label, Section, Table};
+use torquewise_model::{Model, ModelError, Torque};
+
+/// The steps, and the error of the torque after each (Fig. 10 of the paper).
+pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
+    let words = "Each step regresses what the steps before it leave unexplained. The last line \
+                 refits all kept terms together on all rows.";
+    let items = vec![Item::Text(words.into()), Item::Table(found(findings)), errors(findings)?];
+    Ok(Section { heading: "Steps".into(), items })
+}
+
+fn found(findings: &Findings<'_>) -> Table {
+    let mut columns =
+        vec![Column::words("step"), Column::numbers("rows"), Column::numbers("candidates")];
+    let joints = findings.joints().iter();
+    columns.extend(joints.map(|joint| Column::numbers(format!("terms, {joint}"))));
+    let row = |name: &str, rows: usize, candidates: usize, active: &[usize]| -> Vec<Label> {
+        let mut cells = vec![name.into(), count(rows).into(), count(candidates).into()];
+        cells.extend(active.iter().map(|&terms| Label::from(count(terms))));
+        cells
+    };
+    let model = &findings.found.model;
+    let mut rows: Vec<Vec<Label>> = findings
+        .found
+        .steps
+        .iter()
+        .map(|step| row(step.name, step.rows, step.candidates, &step.active))
+        .collect();
+    let active = model.form.active(model.n_joints());
+    let kept = model.form.n_coefficients();
+    rows.push(row("refit", findings.found.survey.rows, kept, &active));
+    Table { caption: "Terms found up to and with each step.".into(), columns, rows }
+}
+
+fn errors(findings: &Findings<'_>) -> Result<Item, ReportError> {
+    let model = &findings.found.model;
+    let mut rows = Vec::new();
+    for (place, stage) in model.stages.iter().enumerate() {
+        let step = place + 1;
+        let row = model.after_step(step).and_then(|model| error_row(findings, &stage.name, &model));
+        rows.push(row.map_err(|error| failed(step, &error))?);
+    }
+    let row = error_row(findings, "refit", model);
+    rows.push(row.map_err(|error| failed(model.stages.len() + 1, &error))?);
+    let joints = findings.joints().iter();
+    let columns = std::iter::once(Column::words("NRMSE [%] after"))
+        .chain(joints.map(Column::numbers))
+        .collect();
+    let caption = "Over an even sample of the rows.".into();
+    Ok(Item::Table(Table { caption, columns, rows }))
+}
+
+fn failed(step: usize, error: &ModelError) -> ReportError {
+    ReportError::Step { step, reason: error.to_string() }
+}
+
+fn error_row(
+    findings: &Findings<'_>,
+    name: &str,
+    model: &Model,
+) -> Result<Vec<Label>, ModelError> {
+    let motion = &findings.diagnosis.trace.motion;
+    let tau_hat = Torque::new(model).over(motion)?;
+    let mut cells = vec![name.into()];
+    for joint in 0..model.n_joints() {
+        let measured: Vec<f64> =
+            motion.tau().map_or_else(Vec::new, |tau| tau.col(joint).iter().copied().collect());
+        let m = measured.len().max(1) as f64;
+        let mean = measured.iter().sum::<f64>() / m;
+        let spread = measured.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
+        let left = measured.iter().zip(tau_hat.col(joint).iter());
+        let left = left.map(|(tau, tau_hat)| (tau - tau_hat).powi(2)).sum::<f64>();
+        cells.push(significant(100.0 * (left / spread).sqrt(), 3).into());
+    }
+    Ok(cells)
+}

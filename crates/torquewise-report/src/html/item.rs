@@ -1,0 +1,226 @@
+//! Item → HTML: one part of a section.
+
+use crate::error::ReportError;
+use crate::html::bars::{Bar, Bars};
+use crate::html::chart::{Chart, Mark};
+use crate::html::colour::Colour;
+use crate::html::markup::Markup;
+use crate::html::spec::spec_json;
+use crate::html::table::Table;
+use minijinja::{Environment, Value, context};
+
+/// One part of a section.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Item {
+    /// A paragraph.
+    Text(String),
+    /// A heading within the section.
+    Heading(String),
+    /// A box that is seen first.
+    Callout(Callout),
+    /// Numbers in large type.
+    Facts(Vec<Fact>),
+    /// A table.
+    Table(Table),
+    /// A chart of full width.
+    Chart(Chart),
+    /// Charts side by side where there is room.
+    Charts(Vec<Chart>),
+    /// Bars with names.
+    Bars(Bars),
+    /// Several of them side by side where there is room.
+    BarsBeside(Vec<Bars>),
+    /// A figure that is an SVG text, taken over as it is: its maker escapes the words in it.
+    Svg {
+        /// The text, from `<svg` to `</svg>`.
+        svg: String,
+        /// How to read it; may be empty.
+        caption: String,
+    },
+    /// Equations, or other HTML taken over as it is.
+    Markup(Markup),
+    /// Parts that are shown when asked for, and always on paper.
+    Details {
+        /// What they hold.
+        summary: String,
+        /// The parts.
+        items: Vec<Item>,
+    },
+}
+
+/// A box that is seen first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Callout {
+    /// What it wants.
+    pub tone: Tone,
+    /// Its words, each a paragraph or, if they are several, a line of a list.
+    pub lines: Vec<String>,
+}
+
+/// What a box wants of its reader.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// To be careful.
+    Warning,
+    /// To be at ease.
+    Good,
+    /// To know.
+    Note,
+}
+
+/// A number in large type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fact {
+    /// The number, with its unit.
+    pub value: String,
+    /// What it is.
+    pub label: String,
+}
+
+impl Fact {
+    /// A number and what it is.
+    pub fn new(value: impl Into<String>, label: impl Into<String>) -> Self {
+        Self { value: value.into(), label: label.into() }
+    }
+}
+
+/// Writes items one after the other, and numbers the charts.
+pub(crate) struct Writer<'a> {
+    environment: &'a Environment<'a>,
+    charts: usize,
+}
+
+impl<'a> Writer<'a> {
+    pub(crate) fn new(environment: &'a Environment<'a>) -> Self {
+        Self { environment, charts: 0 }
+    }
+
+    /// The HTML of some items.
+    pub(crate) fn write(&mut self, items: &[Item]) -> Result<String, ReportError> {
+        items.iter().map(|item| self.item(item)).collect()
+    }
+
+    fn item(&mut self, item: &Item) -> Result<String, ReportError> {
+        let (kind, item) = match item {
+            Item::Text(text) => ("text", context! { text => text.as_str() }),
+            Item::Heading(text) => ("heading", context! { text => text.as_str() }),
+            Item::Callout(Callout { tone, lines }) => {
+                ("callout", context! { tone => tone.name(), lines => lines.clone() })
+            }
+            Item::Facts(facts) => {
+                let pair = |fact: &Fact| vec![fact.value.clone(), fact.label.clone()];
+                let facts: Vec<_> = facts.iter().map(pair).collect();
+                ("facts", context! { facts })
+            }
+            Item::Table(table) => ("table", table_view(table)),
+            Item::Chart(chart) => ("charts", context! { charts => vec![self.chart(chart)?] }),
+            Item::Charts(charts) => {
+                let charts: Result<Vec<_>, _> = charts.iter().map(|c| self.chart(c)).collect();
+                ("charts", context! { charts => charts?, beside => true })
+            }
+            Item::Bars(bars) => ("bars", context! { all => vec![bars_view(bars)] }),
+            Item::BarsBeside(bars) => {
+                let all: Vec<_> = bars.iter().map(bars_view).collect();
+                ("bars", context! { all, beside => true })
+            }
+            Item::Svg { svg, caption } => ("svg", context! { svg => safe(svg), caption => caption.as_str() }),
+            Item::Markup(markup) => ("markup", context! { markup => safe(markup.as_str()) }),
+            Item::Details { summary, items } => {
+                let body = safe(&self.write(items)?);
+                ("details", context! { summary => summary.as_str(), body })
+            }
+        };
+        self.environment
+            .get_template("item.html")
+            .and_then(|template| template.render(context! { kind, item }))
+            .map_err(|error| ReportError::Page { reason: error.to_string() })
+    }
+
+    fn chart(&mut self, chart: &Chart) -> Result<Value, ReportError> {
+        self.charts += 1;
+        let series: Vec<_> = chart
+            .series
+            .iter()
+            .map(|s| key(&s.label, s.colour, s.mark.name()))
+            .collect();
+        let bands: Vec<_> = chart
+            .bands
+            .iter()
+            .map(|band| key(&band.label, band.colour, "band"))
+            .collect();
+        let has_legend = series.len() + bands.len() > 1;
+        let is_cloud = chart.series.iter().any(|s| matches!(s.mark, Mark::Cloud | Mark::Rings));
+        Ok(context! {
+            number => self.charts,
+            title => chart.title.as_str(),
+            caption => chart.caption.as_str(),
+            y_label => chart.y.label.as_str(),
+            is_cloud,
+            has_legend,
+            series,
+            bands,
+            spec => safe(&spec_json(chart)?),
+        })
+    }
+}
+
+fn table_view(table: &Table) -> Value {
+    let columns: Vec<_> = table
+        .columns
+        .iter()
+        .map(|c| context! { heading => c.heading.as_str(), numeric => c.numeric })
+        .collect();
+    let rows: Vec<Vec<Value>> =
+        table.cells().iter().map(|row| row.iter().map(|cell| safe(cell)).collect()).collect();
+    context! { caption => table.caption.as_str(), columns, rows }
+}
+
+fn bars_view(bars: &Bars) -> Value {
+    let series: Vec<_> = bars
+        .series
+        .iter()
+        .map(|(label, colour)| key(label, *colour, "band solid"))
+        .collect();
+    let rows: Vec<_> = bars
+        .drawn()
+        .into_iter()
+        .map(|(name, bars)| {
+            let bars: Vec<_> = bars.into_iter().map(bar_view).collect();
+            context! { name => safe(&name), bars }
+        })
+        .collect();
+    let has_legend = bars.series.len() > 1;
+    context! {
+        title => bars.title.as_str(),
+        caption => bars.caption.as_str(),
+        label => bars.label.as_str(),
+        log => bars.log,
+        series,
+        rows,
+        has_legend,
+    }
+}
+
+fn bar_view(bar: Bar) -> Value {
+    context! { percent => bar.percent, colour => bar.colour, number => bar.number }
+}
+
+/// An entry of a legend.
+fn key(label: &str, colour: Colour, mark: &str) -> Value {
+    context! { label, colour => colour.variable(), mark }
+}
+
+fn safe(html: &str) -> Value {
+    Value::from_safe_string(html.to_owned())
+}
+
+impl Tone {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Warning => "warning",
+            Self::Good => "good",
+            Self::Note => "note",
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Trusted HTML → markup: what a page takes over as it is.
+
+use std::fmt;
+
+/// HTML that is not escaped: an equation, or a figure.
+///
+/// Whoever makes one from text answers for it: words of a user belong through [`escape`] first.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Markup(String);
+
+impl Markup {
+    /// Takes HTML as it is.
+    pub fn trusted(html: impl Into<String>) -> Self {
+        Self(html.into())
+    }
+
+    /// The HTML.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Markup {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Words, or an equation.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Label {
+    /// Words, escaped when they are written.
+    Text(String),
+    /// HTML that is not.
+    Markup(Markup),
+}
+
+impl Label {
+    /// The label as HTML.
+    pub fn to_html(&self) -> String {
+        match self {
+            Self::Text(text) => escape(text),
+            Self::Markup(markup) => markup.to_string(),
+        }
+    }
+}
+
+impl From<&str> for Label {
+    fn from(text: &str) -> Self {
+        Self::Text(text.into())
+    }
+}
+
+impl From<String> for Label {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Markup> for Label {
+    fn from(markup: Markup) -> Self {
+        Self::Markup(markup)
+    }
+}
+
+/// Text that can stand between tags and within quotes.
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\'' => escaped.push_str("&#39;"),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// JSON that can stand within a script tag: no letter of it can end the tag or open a comment.
+pub(crate) fn escape_json(json: &str) -> String {
+    let mut escaped = String::with_capacity(json.len());
+    for c in json.chars() {
+        match c {
+            '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
+                escaped.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_cannot_end_its_script_tag_and_reads_back_the_same() {
+        let hostile = "</script><!--<img onerror=\"x\">&amp;\u{2028}";
+        let json = serde_json::to_string(hostile).unwrap();
+
+        let escaped = escape_json(&json);
+
+        assert!(!escaped.contains(['<', '>', '&', '\u{2028}']), "{escaped}");
+        assert_eq!(serde_json::from_str::<String>(&escaped).unwrap(), hostile);
+    }
+
+    #[test]
+    fn text_cannot_leave_its_attribute() {
+        assert_eq!(escape(r#"<a b="c" d='e'>&"#), "&lt;a b=&quot;c&quot; d=&#39;e&#39;&gt;&amp;");
+    }
+}

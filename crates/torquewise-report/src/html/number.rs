@@ -1,0 +1,173 @@
+//! Numbers → text: the digits that say something, aligned at the decimal point.
+
+use serde::{Serialize, Serializer};
+
+/// As wide as a digit.
+const FIGURE_SPACE: char = '\u{2007}';
+/// As wide as a decimal point.
+const PUNCTUATION_SPACE: char = '\u{2008}';
+/// Between thousands, never at the end of a line.
+const NARROW_SPACE: char = '\u{202f}';
+
+/// A number with so many significant digits: `0.0152`, `−12.3`, `1.2·10⁻⁷`, `∞`; `–` for none.
+pub fn significant(x: f64, digits: usize) -> String {
+    if x.is_nan() {
+        return "–".into();
+    }
+    let sign = if x < 0.0 { "−" } else { "" };
+    if x.is_infinite() {
+        return format!("{sign}∞");
+    }
+    if x == 0.0 {
+        return "0".into();
+    }
+    // Rounded first: 9.996 has one digit before the point, its three digits 10.0 have two.
+    let scientific = format!("{:.*e}", digits.saturating_sub(1), x.abs());
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
+    let exponent: i32 = exponent.parse().unwrap_or_default();
+    if !(-4..6).contains(&exponent) {
+        return format!("{sign}{mantissa}·10{}", superscript(exponent));
+    }
+    let digits = i32::try_from(digits).unwrap_or(i32::MAX);
+    let decimals = usize::try_from(digits - 1 - exponent).unwrap_or(0);
+    format!("{sign}{:.decimals$}", x.abs())
+}
+
+/// A count with its thousands set apart.
+pub fn count(n: usize) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(NARROW_SPACE);
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn superscript(exponent: i32) -> String {
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised = |c: char| match c.to_digit(10) {
+        Some(digit) => DIGITS[digit as usize],
+        None => '⁻',
+    };
+    exponent.to_string().chars().map(raised).collect()
+}
+
+/// Numbers padded on the right so that their decimal points meet when they end at the same place.
+/// A cell that is no plain number stays as it is.
+pub fn aligned(cells: &[String]) -> Vec<String> {
+    let is_number = |cell: &str| {
+        !cell.is_empty() && cell.chars().all(|c| c.is_ascii_digit() || "+-−.".contains(c))
+    };
+    let decimals = |cell: &str| cell.split_once('.').map_or(0, |(_, after)| after.chars().count());
+    let numbers = cells.iter().filter(|cell| is_number(cell));
+    let most = numbers.map(|cell| decimals(cell)).max().unwrap_or(0);
+    let pad = |cell: &String| {
+        let mut text = cell.clone();
+        if is_number(cell) && most > 0 {
+            if !cell.contains('.') {
+                text.push(PUNCTUATION_SPACE);
+            }
+            text.extend(std::iter::repeat_n(FIGURE_SPACE, most - decimals(cell)));
+        }
+        text
+    };
+    cells.iter().map(pad).collect()
+}
+
+/// A number of a chart: whole ones without a point, none where it is not finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plotted(pub(crate) f64);
+
+/// Whole numbers up to here are exact.
+const LARGEST_WHOLE: f64 = 9e15;
+
+impl Serialize for Plotted {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let x = self.0;
+        if !x.is_finite() {
+            return serializer.serialize_none();
+        }
+        if x.fract() == 0.0 && x.abs() < LARGEST_WHOLE {
+            #[expect(clippy::cast_possible_truncation, reason = "whole, and below 2^53")]
+            return serializer.serialize_i64(x as i64);
+        }
+        serializer.serialize_f64(x)
+    }
+}
+
+/// Rounds to six significant digits, of the range of all values where that is the finer.
+pub(crate) fn rounded(values: &[f64]) -> Vec<Plotted> {
+    let finite = values.iter().copied().filter(|x| x.is_finite());
+    let [low, high] =
+        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+    let of_range = decimals_of(high - low);
+    values
+        .iter()
+        .map(|&x| {
+            let decimals = of_range.max(decimals_of(x));
+            let Some(decimals) = decimals.filter(|_| x.is_finite()) else { return Plotted(x) };
+            match usize::try_from(decimals) {
+                Ok(decimals) => Plotted(format!("{x:.decimals$}").parse().unwrap_or(x)),
+                Err(_) => Plotted(x.round()),
+            }
+        })
+        .collect()
+}
+
+/// Decimals that show six significant digits; none of zero and of what is not finite.
+fn decimals_of(x: f64) -> Option<i32> {
+    let exponent = x.abs().log10();
+    if !exponent.is_finite() {
+        return None;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "between -324 and 309")]
+    let exponent = exponent.floor() as i32;
+    Some(5 - exponent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_keeps_its_significant_digits() {
+        let shown = [0.0, 0.015_234, -12.34, 9.996, 1234.0, 1.5e-7, 2e9, f64::INFINITY, f64::NAN]
+            .map(|x| significant(x, 3));
+
+        let expected = ["0", "0.0152", "−12.3", "10.0", "1234", "1.50·10⁻⁷", "2.00·10⁹", "∞", "–"];
+        assert_eq!(shown, expected);
+    }
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!(count(999), "999");
+        assert_eq!(count(40_000), "40\u{202f}000");
+        assert_eq!(count(1_234_567), "1\u{202f}234\u{202f}567");
+    }
+
+    #[test]
+    fn decimal_points_meet() {
+        let cells = ["1.25", "−3", "12.5", "–"].map(String::from);
+
+        let padded = aligned(&cells);
+
+        assert_eq!(padded, ["1.25", "−3\u{2008}\u{2007}\u{2007}", "12.5\u{2007}", "–"]);
+    }
+
+    #[test]
+    fn plotted_numbers_are_short_and_gaps_are_null() {
+        let rounded = rounded(&[1.0, 0.123_456_789, f64::NAN, -2.5]);
+
+        assert_eq!(serde_json::to_string(&rounded).unwrap(), "[1,0.123457,null,-2.5]");
+    }
+
+    #[test]
+    fn late_times_keep_the_digits_that_tell_them_apart() {
+        let rounded = rounded(&[1_700_000_000.0, 1_700_000_000.012_5]);
+
+        assert!((rounded[1].0 - 1_700_000_000.012_5).abs() < 1e-6, "{rounded:?}");
+    }
+}

@@ -1,0 +1,95 @@
+//! Whether pages hold what they are given, and nothing else.
+
+use super::*;
+use crate::html::{
+    Axis, BarRow, Bars, Callout, Chart, Colour, Column, Fact, Markup, Series, Table, Tone,
+};
+
+const HOSTILE: &str = "</script><img src=x onerror=\"alert(1)\">'";
+
+/// A page with every kind of item, all words the same.
+fn page(words: &str) -> Page {
+    let word = || words.to_owned();
+    let chart = Chart {
+        title: word(),
+        caption: word(),
+        x: Axis::named(words),
+        y: Axis { places: vec![word()], ..Axis::named(words) },
+        series: vec![Series::line(words, vec![[0.0, 1.0]]), Series::line(words, vec![[0.5, 2.0]])],
+        linked: Some(word()),
+        ..Chart::default()
+    };
+    let bars = Bars {
+        title: word(),
+        caption: word(),
+        label: word(),
+        series: vec![(word(), Colour::Faded), (word(), Colour::Measured)],
+        rows: vec![BarRow { name: words.into(), sizes: vec![1.0, 2.0] }],
+        log: true,
+    };
+    let table = Table {
+        caption: word(),
+        columns: vec![Column::words(words), Column::numbers(words)],
+        rows: vec![vec![words.into(), words.into()]],
+    };
+    let items = vec![
+        Item::Text(word()),
+        Item::Heading(word()),
+        Item::Callout(Callout { tone: Tone::Warning, lines: vec![word(), word()] }),
+        Item::Facts(vec![Fact::new(words, words)]),
+        Item::Table(table),
+        Item::Charts(vec![chart.clone(), chart.clone()]),
+        Item::Bars(bars.clone()),
+        Item::BarsBeside(vec![bars]),
+        Item::Markup(Markup::trusted("<math><mi>q</mi></math>")),
+        Item::Svg { svg: "<svg></svg>".into(), caption: word() },
+        Item::Details { summary: word(), items: vec![Item::Chart(chart)] },
+    ];
+    let sections = vec![Section { heading: word(), items }];
+    Page { title: word(), lead: word(), sections }
+}
+
+#[test]
+fn hostile_words_stay_words() {
+    let html = page(HOSTILE).to_html().unwrap();
+
+    let plain = page("plain").to_html().unwrap();
+    assert!(!html.contains("<img"), "no tag comes from words");
+    assert!(!html.contains("onerror=\""), "no quote comes from words");
+    assert_eq!(html.matches("</script>").count(), plain.matches("</script>").count());
+    assert!(html.contains("&lt;img"));
+}
+
+#[test]
+fn equations_and_svg_are_taken_over_as_they_are() {
+    let html = page("plain").to_html().unwrap();
+
+    assert!(html.contains("<math><mi>q</mi></math>"));
+    assert!(html.contains("<svg></svg>"));
+}
+
+#[test]
+fn a_page_asks_for_nothing_from_elsewhere() {
+    let html = page("plain").to_html().unwrap();
+
+    for asking in ["src=\"", "href=\"http", "url(http", "@import", "fetch(", "XMLHttpRequest"] {
+        assert!(!html.contains(asking), "{asking}");
+    }
+    assert!(html.contains("default-src 'none'"), "and the browser is told so");
+}
+
+#[test]
+fn each_chart_has_a_number_of_its_own() {
+    let html = page("plain").to_html().unwrap();
+
+    for chart in ["chart-1", "chart-2", "chart-3"] {
+        assert_eq!(html.matches(&format!("id=\"{chart}\"")).count(), 1, "{chart}");
+    }
+}
+
+#[test]
+fn an_empty_page_is_a_page() {
+    let html = Page::default().to_html().unwrap();
+
+    assert!(html.starts_with("<!doctype html>") && html.trim_end().ends_with("</html>"));
+}

@@ -1,0 +1,255 @@
+//! Chart → JSON for the script of a page: thinned columns of short numbers.
+
+use crate::error::ReportError;
+use crate::html::chart::{Axis, Band, Chart, Guide, Position, Series};
+use crate::html::markup::escape_json;
+use crate::html::number::{Plotted, rounded};
+use crate::html::thin::{MOST_POINTS, rows_of_cloud, rows_of_curves};
+use serde::Serialize;
+
+#[derive(Serialize)]
+struct Spec<'a> {
+    x: AxisSpec<'a>,
+    y: AxisSpec<'a>,
+    /// Abscissae; several series may share one.
+    columns: Vec<Vec<Plotted>>,
+    series: Vec<SeriesSpec<'a>>,
+    bands: Vec<BandSpec>,
+    guides: Vec<GuideSpec<'a>>,
+    linked: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct AxisSpec<'a> {
+    label: &'a str,
+    log: bool,
+    range: Option<[f64; 2]>,
+    places: &'a [String],
+}
+
+#[derive(Serialize)]
+struct SeriesSpec<'a> {
+    label: &'a str,
+    colour: String,
+    mark: &'static str,
+    column: usize,
+    y: Vec<Plotted>,
+    /// Ends of the error bars, or nothing.
+    low: Vec<Plotted>,
+    high: Vec<Plotted>,
+}
+
+#[derive(Serialize)]
+struct BandSpec {
+    colour: String,
+    spans: Vec<Vec<Plotted>>,
+}
+
+#[derive(Serialize)]
+struct GuideSpec<'a> {
+    axis: &'static str,
+    at: f64,
+    label: &'a str,
+}
+
+/// The text of the script tag that holds what a chart draws.
+pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
+    let mut columns: Vec<Vec<Plotted>> = Vec::new();
+    let mut series: Vec<Option<SeriesSpec<'_>>> = chart.series.iter().map(|_| None).collect();
+    for group in groups(chart) {
+        let rows = rows_of(chart, &group);
+        let first = &group[0].points;
+        let x: Vec<f64> = rows.iter().map(|&row| first.points[row][0]).collect();
+        for curve in &group {
+            series[curve.place] = Some(series_spec(chart, curve, &rows, columns.len()));
+        }
+        columns.push(rounded(&x));
+    }
+    let spec = Spec {
+        x: axis_spec(&chart.x),
+        y: axis_spec(&chart.y),
+        columns,
+        series: series.into_iter().flatten().collect(),
+        bands: chart.bands.iter().map(band_spec).collect(),
+        guides: chart.guides.iter().filter_map(guide_spec).collect(),
+        linked: chart.linked.as_deref(),
+    };
+    let json = serde_json::to_string(&spec)
+        .map_err(|error| ReportError::Page { reason: error.to_string() })?;
+    Ok(escape_json(&json))
+}
+
+/// A series from left to right.
+struct Curve {
+    /// Its place in the chart.
+    place: usize,
+    points: Sorted,
+}
+
+struct Sorted {
+    points: Vec<[f64; 2]>,
+    spread: Vec<[f64; 2]>,
+}
+
+/// Series that are lines over the same abscissae stay together; every other one is alone.
+fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
+    let mut groups: Vec<Vec<Curve>> = Vec::new();
+    for (place, series) in chart.series.iter().enumerate() {
+        let curve = Curve { place, points: sorted(series, chart.x.log) };
+        let same = |group: &&mut Vec<Curve>| {
+            let other = &group[0];
+            let is_line = chart.series[other.place].mark.is_line() && series.mark.is_line();
+            is_line && same_x(&other.points.points, &curve.points.points)
+        };
+        match groups.iter_mut().find(same) {
+            Some(group) => group.push(curve),
+            None => groups.push(vec![curve]),
+        }
+    }
+    groups
+}
+
+fn same_x(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
+}
+
+/// The points that have an x that can be drawn, from left to right.
+fn sorted(series: &Series, log: bool) -> Sorted {
+    let drawable = |row: &usize| {
+        let x = series.points[*row][0];
+        x.is_finite() && (!log || x > 0.0)
+    };
+    let mut rows: Vec<usize> = (0..series.points.len()).filter(drawable).collect();
+    rows.sort_by(|&a, &b| series.points[a][0].total_cmp(&series.points[b][0]));
+    let spread = if series.spread.len() == series.points.len() { &*series.spread } else { &[] };
+    Sorted {
+        points: rows.iter().map(|&row| series.points[row]).collect(),
+        spread: if spread.is_empty() {
+            Vec::new()
+        } else {
+            rows.iter().map(|&row| spread[row]).collect()
+        },
+    }
+}
+
+fn rows_of(chart: &Chart, group: &[Curve]) -> Vec<usize> {
+    let m = group[0].points.points.len();
+    if !chart.series[group[0].place].mark.is_line() {
+        return rows_of_cloud(m, MOST_POINTS);
+    }
+    let heights: Vec<Vec<f64>> = group
+        .iter()
+        .map(|curve| curve.points.points.iter().map(|point| point[1]).collect())
+        .collect();
+    let curves: Vec<&[f64]> = heights.iter().map(Vec::as_slice).collect();
+    rows_of_curves(&curves, m, MOST_POINTS)
+}
+
+fn series_spec<'a>(
+    chart: &'a Chart,
+    curve: &Curve,
+    rows: &[usize],
+    column: usize,
+) -> SeriesSpec<'a> {
+    let series = &chart.series[curve.place];
+    let Sorted { points, spread } = &curve.points;
+    // The logarithm of what is not positive is a gap.
+    let height = |y: f64| if chart.y.log && y <= 0.0 { f64::NAN } else { y };
+    let pick = |end: usize| -> Vec<Plotted> {
+        let ends: Vec<f64> =
+            rows.iter().filter_map(|&row| spread.get(row)).map(|ends| height(ends[end])).collect();
+        rounded(&ends)
+    };
+    let y: Vec<f64> = rows.iter().map(|&row| height(points[row][1])).collect();
+    SeriesSpec {
+        label: &series.label,
+        colour: series.colour.variable(),
+        mark: series.mark.name(),
+        column,
+        y: rounded(&y),
+        low: pick(0),
+        high: pick(1),
+    }
+}
+
+fn axis_spec(axis: &Axis) -> AxisSpec<'_> {
+    let usable = |range: &[f64; 2]| {
+        range.iter().all(|end| end.is_finite() && (!axis.log || *end > 0.0)) && range[0] < range[1]
+    };
+    let range = axis.range.filter(usable);
+    AxisSpec { label: &axis.label, log: axis.log, range, places: &axis.places }
+}
+
+fn band_spec(band: &Band) -> BandSpec {
+    let spans = band.spans.iter().map(|span| rounded(span)).collect();
+    BandSpec { colour: band.colour.variable(), spans }
+}
+
+fn guide_spec(guide: &Guide) -> Option<GuideSpec<'_>> {
+    let (axis, at) = match guide.at {
+        Position::X(at) => ("x", at),
+        Position::Y(at) => ("y", at),
+    };
+    at.is_finite().then_some(GuideSpec { axis, at, label: &guide.label })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::html::chart::Mark;
+    use crate::html::colour::Colour;
+    use serde_json::{Value, json};
+
+    fn spec(chart: &Chart) -> Value {
+        serde_json::from_str(&spec_json(chart).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn curves_over_the_same_abscissae_share_a_column() {
+        let points = |scale: f64| vec![[2.0, scale], [1.0, f64::NAN], [f64::NAN, 1.0]];
+        let cloud = Series::new("c", Mark::Cloud, Colour::Faded, vec![[1.0, 0.25]]);
+        let series = vec![Series::line("a", points(3.0)), Series::line("b", points(4.0)), cloud];
+
+        let spec = spec(&Chart { series, ..Chart::default() });
+
+        assert_eq!(spec["columns"], json!([[1, 2], [1]]));
+        let columns: Vec<&Value> =
+            spec["series"].as_array().unwrap().iter().map(|s| &s["column"]).collect();
+        assert_eq!(columns, [&json!(0), &json!(0), &json!(1)]);
+        assert_eq!(spec["series"][1]["y"], json!([null, 4]));
+    }
+
+    #[test]
+    fn long_curves_are_thinned() {
+        let points = (0..50_000).map(|k| [f64::from(k), f64::from(k % 7)]).collect();
+
+        let spec = spec(&Chart { series: vec![Series::line("a", points)], ..Chart::default() });
+
+        let drawn = spec["columns"][0].as_array().unwrap().len();
+        assert!((1_000..=MOST_POINTS).contains(&drawn), "{drawn}");
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_no_zeros() {
+        let series = Series {
+            spread: vec![[0.0, 2.0], [1.0, 3.0]],
+            ..Series::line("a", vec![[1.0, 0.0], [2.0, 2.0]])
+        };
+        let chart = Chart { y: Axis::log("error"), series: vec![series], ..Chart::default() };
+
+        let spec = spec(&chart);
+
+        assert_eq!(spec["series"][0]["y"], json!([null, 2]));
+        assert_eq!(spec["series"][0]["low"], json!([null, 1]));
+    }
+
+    #[test]
+    fn labels_cannot_end_the_script() {
+        let chart = Chart { x: Axis::named("</script><b>"), ..Chart::default() };
+
+        let json = spec_json(&chart).unwrap();
+
+        assert!(!json.contains('<'));
+        assert_eq!(spec(&chart)["x"]["label"], "</script><b>");
+    }
+}

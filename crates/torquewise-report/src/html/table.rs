@@ -1,0 +1,79 @@
+//! Rows of words and numbers → table.
+
+use crate::html::markup::Label;
+use crate::html::number::aligned;
+
+/// Rows under headings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// What it shows; may be empty.
+    pub caption: String,
+    /// Headings.
+    pub columns: Vec<Column>,
+    /// Cells; a row may be shorter than the headings, what is beyond them is left out.
+    pub rows: Vec<Vec<Label>>,
+}
+
+/// Heading of a column.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// What its cells are, with the unit in brackets.
+    pub heading: String,
+    /// Whether they are numbers, to be aligned at the decimal point.
+    pub numeric: bool,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn words(heading: impl Into<String>) -> Self {
+        Self { heading: heading.into(), numeric: false }
+    }
+
+    /// A column of numbers.
+    pub fn numbers(heading: impl Into<String>) -> Self {
+        Self { heading: heading.into(), numeric: true }
+    }
+}
+
+impl Table {
+    /// The cells as HTML, row by row, each row as long as the headings.
+    pub(crate) fn cells(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![vec![String::new(); self.columns.len()]; self.rows.len()];
+        for (place, column) in self.columns.iter().enumerate() {
+            let cells: Vec<String> = self
+                .rows
+                .iter()
+                .map(|row| row.get(place).map_or_else(String::new, Label::to_html))
+                .collect();
+            let cells = if column.numeric { aligned(&cells) } else { cells };
+            for (row, cell) in rows.iter_mut().zip(cells) {
+                row[place] = cell;
+            }
+        }
+        rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_escaped_aligned_and_as_many_as_the_headings() {
+        let table = Table {
+            columns: vec![Column::words("joint"), Column::numbers("NRMSE [%]")],
+            rows: vec![
+                vec!["<b>".into(), "1.5".into(), "too much".into()],
+                vec!["wrist".into(), "12".into()],
+                vec!["short".into()],
+            ],
+            ..Table::default()
+        };
+
+        let cells = table.cells();
+
+        assert_eq!(cells[0], ["&lt;b&gt;", "1.5"]);
+        assert_eq!(cells[1], ["wrist", "12\u{2008}\u{2007}"]);
+        assert_eq!(cells[2], ["short", ""]);
+    }
+}

@@ -1,0 +1,67 @@
+//! Curves over the same abscissae → rows to draw: few, with every peak among them.
+
+/// Points of a chart at most, per curve.
+pub(crate) const MOST_POINTS: usize = 4_000;
+
+/// Rows that draw curves of `m` rows with at most `most` points: of each of a number of stretches
+/// the first, and of each curve the lowest and the highest; and the last row of all. A gap, which
+/// is not a number, stays one.
+pub(crate) fn rows_of_curves(curves: &[&[f64]], m: usize, most: usize) -> Vec<usize> {
+    if m <= most {
+        return (0..m).collect();
+    }
+    let slots = (most.saturating_sub(1) / (1 + 3 * curves.len())).max(1);
+    let mut rows = Vec::with_capacity(most);
+    for slot in 0..slots {
+        let (first, end) = (slot * m / slots, (slot + 1) * m / slots);
+        let start = rows.len();
+        rows.push(first);
+        for curve in curves {
+            let value = |row: &usize| curve[*row];
+            let by_value = |a: &usize, b: &usize| value(a).total_cmp(&value(b));
+            let finite = || (first..end).filter(|row| value(row).is_finite());
+            rows.extend(finite().min_by(by_value));
+            rows.extend(finite().max_by(by_value));
+            rows.extend((first..end).find(|row| value(row).is_nan()));
+        }
+        rows[start..].sort_unstable();
+    }
+    rows.push(m - 1);
+    rows.dedup();
+    rows
+}
+
+/// Rows of a cloud of `m` points, evenly taken, at most `most`.
+pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
+    if m <= most {
+        return (0..m).collect();
+    }
+    (0..most).map(|place| place * m / most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinned_curves_keep_their_peaks_gaps_and_ends() {
+        let m = 100_000;
+        let mut first = vec![0.0; m];
+        let mut second = first.clone();
+        (first[777], second[50_001], second[90_000]) = (9.0, -7.0, f64::NAN);
+
+        let rows = rows_of_curves(&[&first, &second], m, MOST_POINTS);
+
+        assert!(rows.len() <= MOST_POINTS);
+        for row in [0, 777, 50_001, 90_000, m - 1] {
+            assert!(rows.contains(&row), "{row}");
+        }
+        assert!(rows.windows(2).all(|pair| pair[0] < pair[1]), "in order");
+    }
+
+    #[test]
+    fn a_cloud_is_thinned_evenly() {
+        assert_eq!(rows_of_cloud(10, 5), [0, 2, 4, 6, 8]);
+        assert_eq!(rows_of_cloud(3, 5), [0, 1, 2]);
+    }
+}

@@ -1,0 +1,264 @@
+//! Whether a report works in a real browser: drawn, read out, zoomed into, narrow, dark, printed.
+//!
+//! Chromium is driven over its DevTools protocol. It is the program named by `TORQUEWISE_CHROMIUM`
+//! or the first of `chromium`, `chromium-browser` and `google-chrome`; without one the tests say that
+//! they skip, or fail where `TORQUEWISE_BROWSER_REQUIRED=1`.
+
+#[path = "browser/chromium.rs"]
+mod chromium;
+
+use chromium::{Chromium, Tab};
+use serde_json::json;
+use std::path::PathBuf;
+use tempfile::TempDir;
+use torquewise_dynamics::{Arm, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::{Plan, diagnose, reconstruct};
+use torquewise_model::check;
+use torquewise_motion::Motion;
+use torquewise_report::fit_report;
+use torquewise_report::html::{
+    Axis, Band, Chart, Colour, Guide, Item, Mark, Page, Section, Series,
+};
+
+/// What a hostile log may call a joint.
+const HOSTILE: &str = "</script><img src=x onerror=\"throw 1\">'";
+
+/// A short log of an arm of two joints, the first of which has a hostile name.
+fn log() -> Motion {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let plan = MotionPlan { seconds: 30.0, rate: 100.0, ..MotionPlan::default() };
+    let clean = simulate(&arm, &plan).unwrap().motion;
+    let mut signals = add_noise(&clean, &Noise::case(2).unwrap(), 5).unwrap().into_signals();
+    signals.joints[0] = HOSTILE.into();
+    Motion::new(signals).unwrap()
+}
+
+fn report() -> String {
+    let log = log();
+    let found = reconstruct(&log, &Plan::default(), &mut |_| ()).unwrap();
+    let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
+    let row_of = |signal: faer::MatRef<'_, f64>, row| (0..2).map(|j| signal[(row, j)]).collect();
+    let states: Vec<_> =
+        (0..20).map(|k| (row_of(log.q(), 100 * k), row_of(log.dq(), 100 * k))).collect();
+    let checks = check(&found.model, &states).unwrap();
+    fit_report(&found, &diagnosis, Some(&checks), HOSTILE).unwrap()
+}
+
+/// One chart of each kind of mark, axis and decoration.
+fn every_kind_of_chart() -> String {
+    let points = || (1..40).map(|k| [f64::from(k), 10_f64.powf(0.1 * f64::from(k % 20))]).collect();
+    let marks = [
+        Mark::Line,
+        Mark::BroadLine,
+        Mark::DashedLine,
+        Mark::DottedLine,
+        Mark::Cloud,
+        Mark::Rings,
+        Mark::Bars,
+    ];
+    let mut charts = Vec::new();
+    for mark in marks {
+        for (x, y) in [(Axis::named("x"), Axis::named("y")), (Axis::log("x"), Axis::log("y"))] {
+            let mut series = Series::new("points", mark, Colour::Series(1), points());
+            series.spread = series.points.iter().map(|[_, y]| [0.5 * y, 2.0 * y]).collect();
+            let others = vec![[0.5, 1.0], [2.5, f64::NAN], [3.0, 40.0]];
+            charts.push(Chart {
+                title: format!("{mark:?}, logarithmic: {}", x.log),
+                x,
+                y,
+                series: vec![series, Series::line("others", others)],
+                bands: vec![Band {
+                    label: "band".into(),
+                    colour: Colour::Faded,
+                    spans: vec![[3.0, 9.0]],
+                }],
+                guides: vec![Guide::at_x(5.0, "here"), Guide::at_y(20.0, "there")],
+                ..Chart::default()
+            });
+        }
+    }
+    charts.push(Chart { title: "nothing".into(), ..Chart::default() });
+    charts.push(Chart {
+        title: "one point at a named place".into(),
+        x: Axis { places: vec!["case 1".into()], ..Axis::default() },
+        series: vec![Series::line("point", vec![[0.0, 1.0]])],
+        ..Chart::default()
+    });
+    let sections = vec![Section { heading: "Charts".into(), items: vec![Item::Charts(charts)] }];
+    Page { title: "Every kind of chart".into(), lead: String::new(), sections }.to_html().unwrap()
+}
+
+/// A page in a file, and a browser to look at it; `None` where there is no browser.
+struct Desk {
+    browser: Chromium,
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Option<Self> {
+        Some(Self { browser: Chromium::start()?, folder: TempDir::new().unwrap() })
+    }
+
+    fn open(&mut self, html: &str) -> Tab {
+        let path: PathBuf = self.folder.path().join("page.html");
+        std::fs::write(&path, html).unwrap();
+        let mut tab = self.browser.tab();
+        tab.open(&path);
+        tab
+    }
+}
+
+/// Charts whose canvas has any ink on it.
+const DRAWN: &str = "[...document.querySelectorAll('figure.chart canvas')].filter((canvas) => \
+    canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0) \
+    ).length";
+/// The curves of the first chart that has any: whether colours of its palette are on its canvas.
+const OVERFLOW: &str = "document.documentElement.scrollWidth - innerWidth";
+const X_LIMITS: &str = "[...document.querySelectorAll('figure.chart')].filter((figure) => \
+    figure.plot.linked === 'time').map(({ plot: { scales: { x } } }) => [x.min, x.max])";
+const READOUTS: &str = "[...document.querySelectorAll('.readout:not([hidden])')].map((box) => \
+    box.textContent)";
+
+#[test]
+fn a_report_is_drawn_without_an_error_or_a_request() {
+    let Some(mut desk) = Desk::new() else { return };
+
+    let mut tab = desk.open(&report());
+
+    let charts = tab.value("document.querySelectorAll('figure.chart').length").as_u64().unwrap();
+    assert!(charts >= 14, "{charts} charts");
+    assert_eq!(tab.value(DRAWN), charts);
+    assert_eq!(tab.value("document.images.length"), 0, "no tag comes from a name");
+    assert!(tab.value("document.querySelectorAll('math').length").as_u64().unwrap() > 10);
+    assert_eq!(tab.complaints(), [""; 0]);
+    assert_eq!(tab.requests(), 1, "the page alone");
+}
+
+#[test]
+fn every_kind_of_chart_is_drawn_and_read_out() {
+    let Some(mut desk) = Desk::new() else { return };
+
+    let mut tab = desk.open(&every_kind_of_chart());
+
+    assert_eq!(tab.value(DRAWN), 16);
+    for chart in 1..=14 {
+        let [x, y] = tab.middle(&format!("#chart-{chart} .u-over"));
+        for step in 0..24 {
+            tab.mouse("mouseMoved", [x - 60.0 + 5.0 * f64::from(step), y + 20.0], 0);
+        }
+    }
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[test]
+fn pointing_at_a_curve_reads_it_out() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+    let at = tab.middle("#chart-1 .u-over");
+
+    tab.mouse("mouseMoved", at, 0);
+
+    let shown = tab.value(READOUTS);
+    assert_eq!(shown.as_array().unwrap().len(), 1, "one box only, though charts are linked");
+    let text = shown[0].as_str().unwrap();
+    assert!(["time", "measured", "predicted"].iter().all(|word| text.contains(word)), "{text}");
+    assert!(text.chars().any(|c| c.is_ascii_digit()), "{text}");
+    tab.mouse("mouseMoved", [1.0, 1.0], 0);
+    assert_eq!(tab.value(READOUTS), json!([]), "gone with the pointer");
+}
+
+#[test]
+fn dragging_zooms_all_charts_over_time_and_a_double_click_undoes_it() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+    let whole = tab.value(X_LIMITS);
+    let [x, y] = tab.middle("#chart-1 .u-over");
+
+    tab.mouse("mouseMoved", [x - 100.0, y], 0);
+    tab.mouse("mousePressed", [x - 100.0, y], 1);
+    tab.mouse("mouseMoved", [x + 100.0, y], 1);
+    tab.mouse("mouseReleased", [x + 100.0, y], 1);
+    let zoomed = tab.value(X_LIMITS);
+    let reset = tab.value("document.querySelector('#chart-1 .reset').hidden");
+    for clicks in [1, 2] {
+        tab.mouse("mousePressed", [x, y], clicks);
+        tab.mouse("mouseReleased", [x, y], clicks);
+    }
+
+    let limits = zoomed.as_array().unwrap();
+    assert!(limits.len() >= 5 && limits.iter().all(|own| *own == limits[0]), "{zoomed}");
+    let width = |limits: &serde_json::Value| limits[1].as_f64().unwrap() - limits[0].as_f64().unwrap();
+    assert!(width(&limits[0]) < 0.5 * width(&whole[0]), "{whole} {zoomed}");
+    assert_eq!(reset, false, "a button to undo it appears");
+    assert_eq!(tab.value(X_LIMITS), whole);
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[test]
+fn a_click_on_the_legend_hides_a_curve() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+    let at = tab.middle("#chart-1 button.key");
+
+    tab.mouse("mousePressed", at, 1);
+    tab.mouse("mouseReleased", at, 1);
+
+    let shown = tab.value("document.querySelector('#chart-1').plot.series.map((s) => s.show)");
+    assert_eq!(shown, json!([true, false, true]));
+    let pressed = tab.value("document.querySelector('#chart-1 .key').getAttribute('aria-pressed')");
+    assert_eq!(pressed, "false");
+}
+
+#[test]
+fn the_theme_follows_the_reader_and_the_button() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+    let ground = "getComputedStyle(document.body).backgroundColor";
+    let light = tab.value(ground);
+
+    tab.emulate_media("screen", "dark");
+    let dark = tab.value(ground);
+    let at = tab.middle("#theme");
+    tab.mouse("mousePressed", at, 1);
+    tab.mouse("mouseReleased", at, 1);
+
+    assert_eq!(light, "rgb(255, 255, 255)");
+    assert_ne!(dark, light);
+    assert_eq!(tab.value(ground), light, "the button turns it round");
+    tab.emulate_media("print", "dark");
+    assert_eq!(tab.value(ground), light, "paper is light");
+}
+
+#[test]
+fn nothing_is_wider_than_a_narrow_screen() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+
+    for width in [380, 800, 1280] {
+        tab.resize(width, 800);
+
+        assert_eq!(tab.value(OVERFLOW), 0, "at {width}");
+        let widest = tab.value(
+            "Math.max(...[...document.querySelectorAll('.uplot')].map((u) => u.offsetWidth))",
+        );
+        assert!(widest.as_u64().unwrap() <= width, "{widest} at {width}");
+    }
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[test]
+fn paper_shows_what_was_folded_and_the_screen_comes_back_as_it_was() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+    let state = "[document.querySelectorAll('details[open]').length, \
+        document.querySelector('#chart-1').plot.width, 'printing' in document.documentElement.dataset]";
+    let before = tab.value(state);
+    tab.value("addEventListener('beforeprint', () => { window.printed = document.querySelectorAll('details:not([open])').length; })");
+
+    let pdf = tab.pdf();
+
+    assert!(pdf.starts_with(b"%PDF") && pdf.len() > 50_000, "{} bytes", pdf.len());
+    assert_eq!(tab.value("window.printed"), 0, "nothing is folded on paper");
+    assert_eq!(tab.value(state), before);
+    assert_eq!(tab.complaints(), [""; 0]);
+}
