@@ -22,7 +22,10 @@ pub(crate) fn run(_: &Arguments) -> Outcome {
         text.push_str(format!("{line}  {description}").trim_end());
         text.push('\n');
     }
-    let object = |ArmSummary { name, joints, description }: ArmSummary| json!({ "name": name, "joints": joints, "description": description });
-    let json = json!({ "arms": arms().into_iter().map(object).collect::<Vec<_>>() });
+    let objects = arms().into_iter().map(|arm| {
+        let ArmSummary { name, joints, description } = arm;
+        json!({ "name": name, "joints": joints, "description": description })
+    });
+    let json = json!({ "arms": objects.collect::<Vec<_>>() });
     Outcome { text, json, warnings: Vec::new() }
 }

@@ -24,10 +24,10 @@ pub(crate) struct Arguments {
     /// Arm to reconstruct; the default is that of the paper
     #[arg(long, default_value = "puma560-3")]
     arm: String,
-    /// Recorded time [s]
+    /// Recorded time in seconds
     #[arg(long, value_name = "S", default_value_t = 600.0)]
     seconds: f64,
-    /// Rows per second [Hz]
+    /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = 100.0)]
     rate: f64,
     /// Seed of motion and noise

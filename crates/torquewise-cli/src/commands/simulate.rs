@@ -25,10 +25,10 @@ pub(crate) struct Arguments {
     /// How the joints are moved
     #[arg(long, value_enum, default_value_t)]
     motion: Motions,
-    /// Recorded time [s]
+    /// Recorded time in seconds
     #[arg(long, value_name = "S", default_value_t = MotionPlan::default().seconds)]
     seconds: f64,
-    /// Rows per second [Hz]
+    /// Rows per second
     #[arg(long, value_name = "HZ", default_value_t = MotionPlan::default().rate)]
     rate: f64,
     /// Seed of motion and noise
@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "1|2|3", default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=3))]
     case: u8,
-    /// Signal-to-noise ratios of q, dq and ddq [dB]; `inf` for no noise
+    /// Signal-to-noise ratios of q, dq and ddq in dB; `inf` for no noise
     #[arg(long, value_name = "Q,DQ,DDQ", conflicts_with = "case", allow_hyphen_values = true)]
     #[arg(value_parser = noise_levels)]
     noise_db: Option<Noise>,
