@@ -6,7 +6,9 @@
 //! ```no_run
 //! use torquewise_experiments::{Settings, page, reproduce};
 //!
-//! //! # Ok::<(), torquewise_experiments::ExperimentError>(())
+//! let results = reproduce(&Settings::quick(1), &|_| {})?;
+//! let html = page(&results)?;
+//! # Ok::<(), torquewise_experiments::ExperimentError>(())
 //! ```
 
 pub mod error;
@@ -16,5 +18,16 @@ pub mod scenario;
 pub mod method;
 pub mod trial;
 pub mod agenda;
+pub mod settings;
+pub mod study;
+pub mod results;
+pub mod claims;
+pub mod reproduce;
+mod svg;
 
+pub use agenda::Progress;
 pub use error::ExperimentError;
+pub use reproduce::reproduce;
+pub use results::Results;
+pub use settings::Settings;
+pub use truth::true_energies;

@@ -6,7 +6,7 @@ use crate::scenario::Scenario;
 use cpu_time::ThreadTime;
 use std::time::Duration;
 use torquewise_identify::{Plan, Progress, reconstruct, score};
-use torquewise_model::Model;
+use torquewise_model::{Form, Model};
 use torquewise_motion::Motion;
 
 /// What is to be tried.
@@ -45,10 +45,10 @@ pub struct Trial {
     pub candidates: usize,
     /// Candidates offered in each step.
     pub candidates_by_step: Vec<usize>,
-    /// Torque terms that act on each joint, n.
-    pub active: Vec<usize>,
-    /// Those of them with |coefficient| > 0.1, n.
-    pub above_threshold: Vec<usize>,
+    /// Coefficients kept.
+    pub terms: usize,
+    /// Those of them with |coefficient| > 0.1, which the paper calls active.
+    pub active: usize,
     /// RMSE / std of the torque of each joint outside the training log \[%\], n.
     pub nrmse_percent: Vec<f64>,
     /// RMSE of the same \[N·m\], n.
@@ -73,21 +73,26 @@ pub fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, ExperimentErro
     let found =
         reconstruct(&log, &trial.plan, &mut |stage| stopwatch.enter(stage)).map_err(named)?;
     let scores = score(&found.model, test).map_err(named)?;
-    let equations = found.model.equations();
-    let large = |sum: &torquewise_model::term::Sum| {
-        sum.iter().filter(|(weight, _)| weight.abs() > ACTIVE).count()
-    };
+    let coefficients = coefficients(&found.model.form);
     Ok(Trial {
         candidates: found.candidates,
         candidates_by_step: found.steps.iter().map(|step| step.candidates).collect(),
-        active: equations.iter().map(Vec::len).collect(),
-        above_threshold: equations.iter().map(large).collect(),
+        terms: coefficients.len(),
+        active: coefficients.iter().filter(|c| c.abs() > ACTIVE).count(),
         nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
         cost: stopwatch.cost,
         warnings: found.warnings.iter().map(ToString::to_string).collect(),
         model: found.model,
     })
+}
+
+/// All coefficients of a model.
+fn coefficients(form: &Form) -> Vec<f64> {
+    match form {
+        Form::Torque(joints) => joints.iter().flatten().map(|w| w.coefficient).collect(),
+        Form::Energy(terms) => terms.iter().map(|w| w.coefficient).collect(),
+    }
 }
 
 fn name_of(trial: &TrialPlan) -> String {
@@ -138,7 +143,7 @@ impl Stopwatch {
 
 /// CPU time of this thread; zero where the system does not tell.
 pub(crate) fn now() -> Duration {
-    ThreadTime::try_now().map_or(Duration::ZERO, ThreadTime::as_duration)
+    ThreadTime::try_now().map_or(Duration::ZERO, |time| time.as_duration())
 }
 
 #[cfg(test)]
@@ -157,7 +162,8 @@ mod tests {
 
         assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
         assert_eq!(trial.candidates_by_step.len(), 3);
-        assert!(trial.above_threshold.iter().zip(&trial.active).all(|(large, all)| large <= all));
+        assert!(0 < trial.active && trial.active <= trial.terms);
+
         let steps = judge_steps(&trial.model, &outside("planar-2", 3).unwrap()).unwrap();
         assert!(steps[2][0] < steps[0][0], "{steps:?}");
     }
