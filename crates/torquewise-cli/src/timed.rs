@@ -19,7 +19,7 @@ pub(crate) struct Timed {
 /// Reconstructs under the eyes of the user.
 ///
 /// # Errors
-/// As [`reconstruct`].
+/// As [`reconstruct()`].
 pub(crate) fn timed(
     recording: &(impl Recording + ?Sized),
     plan: &Plan,
