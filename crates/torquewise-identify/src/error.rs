@@ -20,7 +20,10 @@ pub enum IdentifyError {
          record a longer motion"
     )]
     TooFewRows { rows: usize, needed: usize, joints: usize },
-    #[error("step {step}")]
+    #[error(
+        "the regression of step {step} failed: record more rows of this pattern, or fit in one \
+         shot with --method sindy"
+    )]
     Step { step: String, source: SparseError },
     #[error("{0} clusters asked for: at least 1 and at most 9")]
     Clusters(usize),
@@ -29,6 +32,6 @@ pub enum IdentifyError {
          limit it to {limit} candidates by a lower interaction order or lower orders"
     )]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
-    #[error("numerical work failed")]
+    #[error("numerical work failed: please report this log to the authors of torquewise")]
     Sparse(#[from] SparseError),
 }

@@ -270,11 +270,11 @@ impl Group<'_> {
                 Ok(self.estimate(&equations, plan.least_t_squared)?.active)
             })
             .collect::<Result<Vec<Vec<usize>>, SparseError>>()?;
-        let mut counts = vec![0.0; p];
+        let mut counts = vec![0_usize; p];
         for j in rounds.into_iter().flatten() {
-            counts[j] += 1.0 / plan.bags as f64;
+            counts[j] += 1;
         }
-        Ok(Some(counts))
+        Ok(Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect()))
     }
 
     fn residual_rms(&self) -> Vec<f64> {

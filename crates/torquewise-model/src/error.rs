@@ -22,7 +22,7 @@ pub enum ModelError {
          update torquewise, or fit the model anew"
     )]
     Version { found: u64, known: u64 },
-    #[error("the model has steps 1 to {known}, step {found} was asked for")]
+    #[error("the model has steps 1 to {known}, step {found} was asked for: name one of them")]
     Step { found: usize, known: usize },
     #[error("the model file is damaged: {what} is not finite in {place}; fit the model anew")]
     NotFinite { what: &'static str, place: String },
