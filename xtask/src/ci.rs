@@ -40,9 +40,7 @@ fn compiled_steps(workspace: &Workspace, with_nextest: bool) -> Vec<Step> {
         "test --workspace --lib --bins --tests"
     };
     let mut documentation = step("doc --workspace --no-deps --lib");
-    documentation
-        .variables
-        .push(("RUSTDOCFLAGS", "-D warnings"));
+    documentation.variables.push(("RUSTDOCFLAGS", "-D warnings"));
     let mut steps = vec![
         step("clippy --workspace --all-targets -- -D warnings"),
         documentation,
@@ -64,10 +62,7 @@ fn examples(workspace: &Workspace) -> impl Iterator<Item = Step> {
 }
 
 fn step(line: &str) -> Step {
-    Step {
-        arguments: line.split(' ').map(str::to_owned).collect(),
-        variables: Vec::new(),
-    }
+    Step { arguments: line.split(' ').map(str::to_owned).collect(), variables: Vec::new() }
 }
 
 fn announce(name: &str) {
@@ -97,10 +92,7 @@ fn cargo(root: &Path) -> Command {
 
 fn has_nextest(root: &Path) -> bool {
     let mut asked = cargo(root);
-    asked
-        .args(["nextest", "--version"])
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    asked.args(["nextest", "--version"]).stdout(Stdio::null()).stderr(Stdio::null());
     asked.status().is_ok_and(|status| status.success())
 }
 
@@ -126,15 +118,10 @@ mod tests {
 
     #[test]
     fn every_example_runs() {
-        let files = [
-            ("examples/02_friction.rs", ""),
-            ("examples/01_quickstart.rs", ""),
-        ];
+        let files = [("examples/02_friction.rs", ""), ("examples/01_quickstart.rs", "")];
         let workspace = workspace(vec![package("torquewise", "", &files)]);
 
-        let lines: Vec<String> = examples(&workspace)
-            .map(|s| s.arguments.join(" "))
-            .collect();
+        let lines: Vec<String> = examples(&workspace).map(|s| s.arguments.join(" ")).collect();
 
         let expected = ["01_quickstart", "02_friction"];
         assert_eq!(

@@ -33,19 +33,12 @@ pub(crate) fn word_at(code: &[char], position: usize, word: &str) -> bool {
 
 /// The identifier that starts at `position`; empty if none does.
 pub(crate) fn identifier(code: &[char], position: usize) -> String {
-    code.iter()
-        .skip(position)
-        .take_while(|&&c| is_word(c))
-        .collect()
+    code.iter().skip(position).take_while(|&&c| is_word(c)).collect()
 }
 
 /// First position at or after `position` that is not white space.
 pub(crate) fn skip_space(code: &[char], position: usize) -> usize {
-    let blanks = code
-        .iter()
-        .skip(position)
-        .take_while(|c| c.is_whitespace())
-        .count();
+    let blanks = code.iter().skip(position).take_while(|c| c.is_whitespace()).count();
     position + blanks
 }
 
@@ -96,9 +89,6 @@ mod tests {
     fn lines_count_from_one() {
         let code = chars("a\nb\nc");
 
-        assert_eq!(
-            [0, 2, 4].map(|position| line_of(&code, position)),
-            [1, 2, 3]
-        );
+        assert_eq!([0, 2, 4].map(|position| line_of(&code, position)), [1, 2, 3]);
     }
 }

@@ -61,12 +61,7 @@ fn map(workspace: &Workspace) -> String {
 
 /// A block with one line per file, first lines aligned.
 fn write_files(text: &mut String, package: &Package) {
-    let width = package
-        .sources
-        .iter()
-        .map(|source| source.within.len())
-        .max()
-        .unwrap_or(0);
+    let width = package.sources.iter().map(|source| source.within.len()).max().unwrap_or(0);
     text.push_str("```text\n");
     for source in &package.sources {
         let line = source.first_line().unwrap_or("(says nothing)");
@@ -82,17 +77,11 @@ mod tests {
 
     #[test]
     fn the_map_is_in_reading_order() {
-        let lib = (
-            "src/lib.rs",
-            "//! What an arm did.\n\npub mod motion;\npub mod error;\n",
-        );
+        let lib = ("src/lib.rs", "//! What an arm did.\n\npub mod motion;\npub mod error;\n");
         let motion = ("src/motion.rs", "//! Signals → Motion: checked.\n");
         let error = ("src/error.rs", "//! What can be wrong.\n");
         let model = package("torquewise-model", "", &[("src/lib.rs", "//! Terms.\n")]);
-        let packages = vec![
-            model,
-            package("torquewise-motion", "", &[error, lib, motion]),
-        ];
+        let packages = vec![model, package("torquewise-motion", "", &[error, lib, motion])];
 
         let text = map(&workspace(packages));
 

@@ -16,11 +16,7 @@ pub(crate) struct Violation {
 impl Violation {
     /// A broken rule at a line (from 1) of a file.
     pub(crate) fn new(path: &str, line: usize, message: impl Into<String>) -> Self {
-        Self {
-            path: path.to_owned(),
-            line,
-            message: message.into(),
-        }
+        Self { path: path.to_owned(), line, message: message.into() }
     }
 }
 

@@ -68,10 +68,7 @@ impl Workspace {
             folders.push("xtask".to_owned());
         }
         let packages = folders.iter().map(|folder| Package::read(root, folder));
-        Ok(Self {
-            root: root.to_path_buf(),
-            packages: packages.collect::<Result<_>>()?,
-        })
+        Ok(Self { root: root.to_path_buf(), packages: packages.collect::<Result<_>>()? })
     }
 
     /// Every Rust file of every crate.
@@ -84,24 +81,16 @@ impl Package {
     fn read(root: &Path, folder: &str) -> Result<Self> {
         let manifest = root.join(folder).join("Cargo.toml");
         let text = read_text(&manifest)?;
-        let table: toml::Table = text
-            .parse()
-            .with_context(|| format!("{} is not TOML", manifest.display()))?;
-        let Some(name) = table
-            .get("package")
-            .and_then(|package| package.get("name")?.as_str())
+        let table: toml::Table =
+            text.parse().with_context(|| format!("{} is not TOML", manifest.display()))?;
+        let Some(name) = table.get("package").and_then(|package| package.get("name")?.as_str())
         else {
             bail!("{} has no package name", manifest.display());
         };
         let mut paths = Vec::new();
         collect_rust_files(root, folder, &mut paths)?;
         let sources = paths.iter().map(|path| Source::read(root, folder, path));
-        Ok(Self::new(
-            name,
-            folder,
-            &table,
-            sources.collect::<Result<_>>()?,
-        ))
+        Ok(Self::new(name, folder, &table, sources.collect::<Result<_>>()?))
     }
 
     /// A crate from its manifest and files.
@@ -120,9 +109,7 @@ impl Package {
 
     /// The file that lists the modules: `src/lib.rs`, or `src/main.rs` where there is no library.
     pub(crate) fn crate_root(&self) -> Option<&Source> {
-        ["src/lib.rs", "src/main.rs"]
-            .into_iter()
-            .find_map(|path| self.source(path))
+        ["src/lib.rs", "src/main.rs"].into_iter().find_map(|path| self.source(path))
     }
 
     /// The file at a path relative to the crate.
@@ -148,11 +135,8 @@ impl Package {
 
     /// Marks the modules that their parent declares for tests only.
     fn mark_tests(&mut self) {
-        let marks: Vec<bool> = self
-            .sources
-            .iter()
-            .map(|s| s.is_test || self.tests_only(s))
-            .collect();
+        let marks: Vec<bool> =
+            self.sources.iter().map(|s| s.is_test || self.tests_only(s)).collect();
         for (source, is_test) in self.sources.iter_mut().zip(marks) {
             source.is_test = is_test;
         }
@@ -164,17 +148,14 @@ impl Package {
             return false;
         };
         let declares = |code: &[char]| code::children(code).iter().any(|c| c.name == *name);
-        self.module(parent)
-            .is_some_and(|m| declares(&m.code) && !declares(&m.shipped))
+        self.module(parent).is_some_and(|m| declares(&m.code) && !declares(&m.shipped))
     }
 
     /// Puts `src` first, each module before those it declares, those in the declared order.
     fn sort_by_reading_order(&mut self) {
         let keys: Vec<Vec<usize>> = self.sources.iter().map(|s| self.reading_key(s)).collect();
-        let mut keyed: Vec<(Vec<usize>, Source)> = keys
-            .into_iter()
-            .zip(std::mem::take(&mut self.sources))
-            .collect();
+        let mut keyed: Vec<(Vec<usize>, Source)> =
+            keys.into_iter().zip(std::mem::take(&mut self.sources)).collect();
         keyed.sort_by(|a, b| (&a.0, &a.1.path).cmp(&(&b.0, &b.1.path)));
         self.sources = keyed.into_iter().map(|(_, source)| source).collect();
     }
@@ -198,10 +179,7 @@ impl Source {
     /// A file from its text.
     pub(crate) fn new(folder: &str, path: &str, text: &str) -> Self {
         let code = code::blank(text);
-        let within = path
-            .strip_prefix(folder)
-            .unwrap_or(path)
-            .trim_start_matches('/');
+        let within = path.strip_prefix(folder).unwrap_or(path).trim_start_matches('/');
         Self {
             path: path.to_owned(),
             within: within.to_owned(),
@@ -255,10 +233,7 @@ fn collect_rust_files(root: &Path, folder: &str, found: &mut Vec<String>) -> Res
             if name != "target" && !name.starts_with('.') {
                 collect_rust_files(root, &path, found)?;
             }
-        } else if Path::new(&path)
-            .extension()
-            .is_some_and(|extension| extension == "rs")
-        {
+        } else if Path::new(&path).extension().is_some_and(|extension| extension == "rs") {
             found.push(path);
         }
     }

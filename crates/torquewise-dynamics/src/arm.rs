@@ -1,8 +1,5 @@
 //! Joints in a row → Arm: names, placements, axes and bodies, checked once.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::error::DynamicsError;
 use crate::spatial::{Body, Pose, is_positive_semidefinite};
@@ -55,20 +52,12 @@ impl Arm {
         for (joint_name, joint) in &joints {
             if !seen.insert(joint_name) {
                 let name = joint_name.clone();
-                return Err(DynamicsError::DuplicateName {
-                    kind: "joint",
-                    name,
-                });
+                return Err(DynamicsError::DuplicateName { kind: "joint", name });
             }
             joint.check(joint_name)?;
         }
         let (joint_names, joints) = joints.into_iter().unzip();
-        Ok(Self {
-            name,
-            joint_names,
-            joints,
-            gravity,
-        })
+        Ok(Self { name, joint_names, joints, gravity })
     }
 
     /// What the arm is called.
@@ -113,17 +102,11 @@ impl Joint {
         check_finite("placement", name, self.X_PJ.p_AB.as_slice())?;
         check_finite("rotor inertia", name, &[self.rotor])?;
         if self.rotor < 0.0 {
-            return Err(DynamicsError::Inertia {
-                place: format!("{name} (rotor)"),
-            });
+            return Err(DynamicsError::Inertia { place: format!("{name} (rotor)") });
         }
         let [lower, upper] = self.range;
         if !(lower < upper && (upper - lower).is_finite()) {
-            return Err(DynamicsError::Range {
-                joint: name.into(),
-                lower,
-                upper,
-            });
+            return Err(DynamicsError::Range { joint: name.into(), lower, upper });
         }
         check_body(name, &self.body)
     }
@@ -132,19 +115,14 @@ impl Joint {
 /// Refuses a body that no real thing can be.
 pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), DynamicsError> {
     if !(body.mass.is_finite() && body.mass >= 0.0) {
-        return Err(DynamicsError::Mass {
-            place: place.into(),
-            mass: body.mass,
-        });
+        return Err(DynamicsError::Mass { place: place.into(), mass: body.mass });
     }
     check_finite("centre of mass", place, body.com.as_slice())?;
     check_finite("inertia", place, body.inertia.as_slice())?;
     if is_positive_semidefinite(&body.inertia) {
         Ok(())
     } else {
-        Err(DynamicsError::Inertia {
-            place: place.into(),
-        })
+        Err(DynamicsError::Inertia { place: place.into() })
     }
 }
 
@@ -153,9 +131,7 @@ pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>
     let axis = Vector3::from(axis);
     Unit::try_new(axis, 1e-9)
         .filter(|_| axis.norm().is_finite())
-        .ok_or_else(|| DynamicsError::Axis {
-            joint: joint.into(),
-        })
+        .ok_or_else(|| DynamicsError::Axis { joint: joint.into() })
 }
 
 /// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
@@ -177,10 +153,7 @@ pub(crate) fn check_finite(
     if values.iter().all(|value| value.is_finite()) {
         Ok(())
     } else {
-        Err(DynamicsError::NotFinite {
-            what,
-            place: place.into(),
-        })
+        Err(DynamicsError::NotFinite { what, place: place.into() })
     }
 }
 
@@ -193,10 +166,7 @@ mod tests {
     #[test]
     fn a_joint_without_limits_may_make_one_turn() {
         assert_eq!(at_most_one_turn([0.0, 0.0]), [-PI, PI]);
-        assert_eq!(
-            at_most_one_turn([f64::NEG_INFINITY, f64::INFINITY]),
-            [-PI, PI]
-        );
+        assert_eq!(at_most_one_turn([f64::NEG_INFINITY, f64::INFINITY]), [-PI, PI]);
         assert_eq!(at_most_one_turn([-2.0 * PI, 2.0 * PI]), [-PI, PI]);
     }
 

@@ -1,8 +1,5 @@
 //! DH table in TOML → Arm: standard Denavit–Hartenberg rows with the mass of each link.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Arm, Joint, STANDARD_GRAVITY, check_body, check_finite};
 use crate::error::DynamicsError;
@@ -84,9 +81,8 @@ impl Arm {
     /// [`DynamicsError::DhTable`] for broken TOML, a missing or an unknown key; otherwise the
     /// variant that names the number at fault.
     pub fn from_dh_toml(text: &str) -> Result<Self, DynamicsError> {
-        let table: Table = toml::from_str(text).map_err(|source| DynamicsError::DhTable {
-            source: Box::new(source),
-        })?;
+        let table: Table = toml::from_str(text)
+            .map_err(|source| DynamicsError::DhTable { source: Box::new(source) })?;
 
         let mut joints = Vec::with_capacity(table.joints.len());
         check_finite("base_rpy", &table.name, &table.base_rpy)?;

@@ -1,8 +1,5 @@
 //! Arm, q, q̇ → T and V: the energy that torques put in and take out.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::Arm;
 use crate::spatial::Pose;

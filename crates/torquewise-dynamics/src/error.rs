@@ -25,11 +25,7 @@ pub enum DynamicsError {
     #[error("joint `{joint}` names link `{link}`, which is not defined: add it or mend the name")]
     UnknownLink { joint: String, link: String },
     #[error("joints `{first}` and `{second}` both carry link `{link}`: remove one of them")]
-    TwoParents {
-        link: String,
-        first: String,
-        second: String,
-    },
+    TwoParents { link: String, first: String, second: String },
     #[error("expected one link without parent joint, found {}: {}", roots.len(), shown(roots))]
     Roots { roots: Vec<String> },
     #[error("link `{link}` hangs on itself through a loop of joints: open the loop")]
@@ -58,30 +54,18 @@ pub enum DynamicsError {
     #[error("axis of joint `{joint}` has no direction: give three numbers that are not all 0")]
     Axis { joint: String },
     #[error("range of joint `{joint}` is [{lower}, {upper}] rad: give lower < upper")]
-    Range {
-        joint: String,
-        lower: f64,
-        upper: f64,
-    },
+    Range { joint: String, lower: f64, upper: f64 },
 
     // Moving an arm
     #[error("{signal} holds {found} numbers, expected {expected}: give one per joint")]
-    JointCount {
-        signal: &'static str,
-        found: usize,
-        expected: usize,
-    },
+    JointCount { signal: &'static str, found: usize, expected: usize },
     #[error(
         "mass matrix is not positive definite at joint {}: give the links after it mass or inertia",
         joint + 1
     )]
     Massless { joint: usize },
     #[error("{what} of the motion plan is {found}, expected {expected}")]
-    Plan {
-        what: &'static str,
-        found: f64,
-        expected: &'static str,
-    },
+    Plan { what: &'static str, found: f64, expected: &'static str },
     #[error("noise case {0} is unknown: choose 1, 2 or 3")]
     NoiseCase(u8),
     #[error("signal-to-noise ratio of {signal} is {db} dB: give a number, or +inf for no noise")]

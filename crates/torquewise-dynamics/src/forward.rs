@@ -27,11 +27,7 @@ impl Arm {
         for (signal, values) in [("q", q), ("dq", dq), ("tau", tau)] {
             let found = values.len();
             if found != expected {
-                return Err(DynamicsError::JointCount {
-                    signal,
-                    found,
-                    expected,
-                });
+                return Err(DynamicsError::JointCount { signal, found, expected });
             }
         }
 

@@ -1,8 +1,5 @@
 //! Arm, q, q̇, q̈ → τ: recursive Newton–Euler, outward for motion and inward for force.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Arm, Joint};
 use crate::spatial::Pose;
@@ -12,10 +9,7 @@ impl Joint {
     /// Frame J at position `q`, seen from the joint before.
     pub(crate) fn pose(&self, q: f64) -> Pose {
         let turned = Rotation3::from_axis_angle(&self.axis, q);
-        Pose {
-            R_AB: self.X_PJ.R_AB * turned.matrix(),
-            p_AB: self.X_PJ.p_AB,
-        }
+        Pose { R_AB: self.X_PJ.R_AB * turned.matrix(), p_AB: self.X_PJ.p_AB }
     }
 }
 
@@ -33,11 +27,7 @@ pub(crate) struct Twist {
 impl Twist {
     /// The base: at rest, but for gravity \[m/s²\].
     fn base(gravity: Vector3<f64>) -> Self {
-        Self {
-            w: Vector3::zeros(),
-            dw: Vector3::zeros(),
-            a: -gravity,
-        }
+        Self { w: Vector3::zeros(), dw: Vector3::zeros(), a: -gravity }
     }
 
     /// One joint outward.
@@ -154,10 +144,7 @@ impl Arm {
     pub(crate) fn check_lengths(&self, signals: &[(&str, &[f64])]) {
         for (signal, values) in signals {
             let (n, found) = (self.n_joints(), values.len());
-            assert!(
-                found == n,
-                "{signal} holds {found} numbers, expected {n}: one per joint"
-            );
+            assert!(found == n, "{signal} holds {found} numbers, expected {n}: one per joint");
         }
     }
 }

@@ -1,8 +1,5 @@
 //! Arm, q → M(q): composite rigid bodies, welded from the tip inward.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::Arm;
 use crate::spatial::{Body, Pose};
@@ -26,11 +23,7 @@ impl Arm {
         self.check_lengths(&[("q", q)]);
         let n = self.n_joints();
         let chain = self.chain();
-        let poses: Vec<Pose> = chain
-            .iter()
-            .zip(q)
-            .map(|(joint, &q)| joint.pose(q))
-            .collect();
+        let poses: Vec<Pose> = chain.iter().zip(q).map(|(joint, &q)| joint.pose(q)).collect();
 
         let mut mass = Mat::zeros(n, n);
         let mut beyond = Body::none();

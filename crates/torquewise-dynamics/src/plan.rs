@@ -31,12 +31,7 @@ pub struct MotionPlan {
 impl Default for MotionPlan {
     /// 40 000 rows of positioning and sorting, as in the paper's simulation.
     fn default() -> Self {
-        Self {
-            kind: MotionKind::Moves,
-            seconds: 160.0,
-            rate: 250.0,
-            seed: 0,
-        }
+        Self { kind: MotionKind::Moves, seconds: 160.0, rate: 250.0, seed: 0 }
     }
 }
 
@@ -53,25 +48,11 @@ impl MotionPlan {
             if found > 0.0 && found <= most {
                 Ok(())
             } else {
-                Err(DynamicsError::Plan {
-                    what,
-                    found,
-                    expected,
-                })
+                Err(DynamicsError::Plan { what, found, expected })
             }
         };
-        check(
-            "length [s]",
-            self.seconds,
-            1e6,
-            "more than 0 and at most 1000000",
-        )?;
-        check(
-            "rate [Hz]",
-            self.rate,
-            1e5,
-            "more than 0 and at most 100000",
-        )?;
+        check("length [s]", self.seconds, 1e6, "more than 0 and at most 1000000")?;
+        check("rate [Hz]", self.rate, 1e5, "more than 0 and at most 100000")?;
         let rows = (self.seconds * self.rate).round();
         let expected = "seconds times rate from 1 to 50000000";
         check("number of rows", rows, MAX_ROWS, expected)?;
@@ -92,39 +73,16 @@ mod tests {
     fn a_plan_without_end_or_beginning_is_refused() {
         let default = MotionPlan::default();
         let plans = [
-            MotionPlan {
-                seconds: f64::INFINITY,
-                ..default
-            },
-            MotionPlan {
-                seconds: -1.0,
-                ..default
-            },
-            MotionPlan {
-                rate: f64::NAN,
-                ..default
-            },
-            MotionPlan {
-                rate: 0.0,
-                ..default
-            },
-            MotionPlan {
-                seconds: 1e6,
-                rate: 1e5,
-                ..default
-            },
-            MotionPlan {
-                seconds: 1.0,
-                rate: 0.1,
-                ..default
-            },
+            MotionPlan { seconds: f64::INFINITY, ..default },
+            MotionPlan { seconds: -1.0, ..default },
+            MotionPlan { rate: f64::NAN, ..default },
+            MotionPlan { rate: 0.0, ..default },
+            MotionPlan { seconds: 1e6, rate: 1e5, ..default },
+            MotionPlan { seconds: 1.0, rate: 0.1, ..default },
         ];
 
         for plan in plans {
-            assert!(
-                matches!(plan.n_rows(), Err(DynamicsError::Plan { .. })),
-                "{plan:?}"
-            );
+            assert!(matches!(plan.n_rows(), Err(DynamicsError::Plan { .. })), "{plan:?}");
         }
     }
 

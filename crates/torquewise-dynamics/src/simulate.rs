@@ -6,7 +6,7 @@ use crate::plan::MotionPlan;
 use crate::trajectory::{State, Trajectory};
 use faer::Mat;
 use std::ops::Range;
-use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals, Pattern};
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording, Signals};
 
 /// A simulated log and what is true about it.
 #[derive(Clone, Debug)]
@@ -44,10 +44,7 @@ impl SimulatedLog {
     /// # Errors
     /// [`DynamicsError::Plan`] for a length or rate out of bounds.
     pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self, DynamicsError> {
-        Ok(Self {
-            arm: arm.clone(),
-            trajectory: Trajectory::draw(arm, plan)?,
-        })
+        Ok(Self { arm: arm.clone(), trajectory: Trajectory::draw(arm, plan)? })
     }
 
     /// Number of rows m.
@@ -95,13 +92,6 @@ fn record(
         }
     }
     let joints = arm.joints().to_vec();
-    let motion = Motion::new(Signals {
-        joints,
-        t,
-        q,
-        dq,
-        ddq,
-        tau: Some(tau),
-    })?;
+    let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) })?;
     Ok(Simulation { motion, truth })
 }

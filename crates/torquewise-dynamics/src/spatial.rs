@@ -1,8 +1,5 @@
 //! Frames, masses → Pose, Body: frames that compose, bodies that weld.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB")]
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::ops::Mul;
@@ -19,19 +16,13 @@ pub(crate) struct Pose {
 impl Pose {
     /// A and B are one frame.
     pub(crate) fn identity() -> Self {
-        Self {
-            R_AB: Matrix3::identity(),
-            p_AB: Vector3::zeros(),
-        }
+        Self { R_AB: Matrix3::identity(), p_AB: Vector3::zeros() }
     }
 
     /// Shift \[m\], then fixed-axis roll, pitch, yaw \[rad\], as a URDF `<origin>` says it.
     pub(crate) fn from_xyz_rpy(xyz: [f64; 3], rpy: [f64; 3]) -> Self {
         let R_AB = *Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]).matrix();
-        Self {
-            R_AB,
-            p_AB: xyz.into(),
-        }
+        Self { R_AB, p_AB: xyz.into() }
     }
 
     /// Turn about z by `theta`, shift along z by `d`, shift along x by `a`, turn about x by
@@ -51,10 +42,7 @@ impl Mul for Pose {
 
     /// X_AC = X_AB * X_BC.
     fn mul(self, X_BC: Self) -> Self {
-        Self {
-            R_AB: self.R_AB * X_BC.R_AB,
-            p_AB: self.p_AB + self.R_AB * X_BC.p_AB,
-        }
+        Self { R_AB: self.R_AB * X_BC.R_AB, p_AB: self.p_AB + self.R_AB * X_BC.p_AB }
     }
 }
 
@@ -72,22 +60,14 @@ pub(crate) struct Body {
 impl Body {
     /// Nothing there.
     pub(crate) fn none() -> Self {
-        Self {
-            mass: 0.0,
-            com: Vector3::zeros(),
-            inertia: Matrix3::zeros(),
-        }
+        Self { mass: 0.0, com: Vector3::zeros(), inertia: Matrix3::zeros() }
     }
 
     /// Moments in the order ixx, iyy, izz, ixy, ixz, iyz.
     pub(crate) fn new(mass: f64, com: [f64; 3], moments: [f64; 6]) -> Self {
         let [xx, yy, zz, xy, xz, yz] = moments;
         let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-        Self {
-            mass,
-            com: com.into(),
-            inertia,
-        }
+        Self { mass, com: com.into(), inertia }
     }
 
     /// The same body, given in B, seen from A.
@@ -103,18 +83,11 @@ impl Body {
     pub(crate) fn welded_to(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass <= 0.0 {
-            return Self {
-                inertia: self.inertia + other.inertia,
-                ..Self::none()
-            };
+            return Self { inertia: self.inertia + other.inertia, ..Self::none() };
         }
         let com = (self.com * self.mass + other.com * other.mass) / mass;
         let about = |body: &Self| body.inertia + point_inertia(body.mass, body.com - com);
-        Self {
-            mass,
-            com,
-            inertia: about(self) + about(other),
-        }
+        Self { mass, com, inertia: about(self) + about(other) }
     }
 }
 
@@ -156,11 +129,7 @@ mod tests {
     fn two_halves_of_a_rod_weigh_and_turn_like_the_whole() {
         let rod = |length: f64, mass: f64, middle: f64| {
             let across = mass * length * length / 12.0;
-            Body::new(
-                mass,
-                [middle, 0.0, 0.0],
-                [0.0, across, across, 0.0, 0.0, 0.0],
-            )
+            Body::new(mass, [middle, 0.0, 0.0], [0.0, across, across, 0.0, 0.0, 0.0])
         };
 
         let whole = rod(0.5, 1.5, 0.25).welded_to(&rod(0.5, 1.5, 0.75));

@@ -29,11 +29,7 @@ pub(crate) struct State {
 impl State {
     /// n joints at rest at 0.
     pub(crate) fn zero(n: usize) -> Self {
-        Self {
-            q: vec![0.0; n],
-            dq: vec![0.0; n],
-            ddq: vec![0.0; n],
-        }
+        Self { q: vec![0.0; n], dq: vec![0.0; n], ddq: vec![0.0; n] }
     }
 }
 
@@ -63,11 +59,7 @@ impl Trajectory {
             MotionKind::Sines => Path::Sines(Sines::draw(&ranges, &mut rng)),
             MotionKind::Staged => Path::Staged(Staged::draw(&ranges, n_rows, plan.rate, &mut rng)),
         };
-        Ok(Self {
-            n_rows,
-            rate: plan.rate,
-            path,
-        })
+        Ok(Self { n_rows, rate: plan.rate, path })
     }
 
     /// Number of rows m.

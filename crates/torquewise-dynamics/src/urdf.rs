@@ -1,8 +1,5 @@
 //! URDF text → Arm: the serial chain that is left when the locked joints are welded.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 mod markup;
 mod tree;
@@ -26,9 +23,8 @@ impl Arm {
     /// otherwise the variant that names the link, joint or number at fault.
     pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self, DynamicsError> {
         markup::check(text)?;
-        let robot = urdf_rs::read_from_string(text).map_err(|source| DynamicsError::Urdf {
-            source: Box::new(source),
-        })?;
+        let robot = urdf_rs::read_from_string(text)
+            .map_err(|source| DynamicsError::Urdf { source: Box::new(source) })?;
         let tree = Tree::new(&robot, locked)?;
 
         let mut joints = Vec::new();

@@ -1,8 +1,5 @@
 //! What must hold for every arm, on random ones: energy, symmetry, and ways there and back.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its input is not as expected"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -13,26 +10,15 @@ use torquewise_dynamics::{Arm, DynamicsError, arms};
 fn all_arms() -> Vec<Arm> {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut all: Vec<Arm> = (0..21).map(|k| random_arm(1 + k % 7, &mut rng)).collect();
-    all.extend(
-        arms()
-            .iter()
-            .map(|summary| Arm::builtin(summary.name).unwrap()),
-    );
+    all.extend(arms().iter().map(|summary| Arm::builtin(summary.name).unwrap()));
     all
 }
 
 fn random_arm(n: usize, rng: &mut ChaCha8Rng) -> Arm {
-    let mut text = format!(
-        "name = 'random-{n}'\nbase_rpy = {:?}\n",
-        numbers(rng, 3, 3.0)
-    );
+    let mut text = format!("name = 'random-{n}'\nbase_rpy = {:?}\n", numbers(rng, 3, 3.0));
     for joint in 1..=n {
-        let [a, alpha, d, offset] = numbers(rng, 4, 1.0)[..] else {
-            unreachable!()
-        };
-        let [mass, ixx, iyy, izz, rotor] = numbers(rng, 5, 1.0)[..] else {
-            unreachable!()
-        };
+        let [a, alpha, d, offset] = numbers(rng, 4, 1.0)[..] else { unreachable!() };
+        let [mass, ixx, iyy, izz, rotor] = numbers(rng, 5, 1.0)[..] else { unreachable!() };
         // Principal moments of at least 0.3 outweigh products of inertia of at most 0.1.
         let inertia = [0.3 + ixx.abs(), 0.3 + iyy.abs(), 0.3 + izz.abs()];
         let products = numbers(rng, 3, 0.1);
@@ -104,11 +90,7 @@ fn torque_is_the_sum_of_inertia_coriolis_and_gravity() {
             let inertial: f64 = (0..n).map(|j| mass[(i, j)] * ddq[j]).sum();
             let error = (tau[i] - (inertial + coriolis[i] + gravity[i])).abs();
             // A few hundred roundings of the largest torque.
-            assert!(
-                error < 1e-12 * (1.0 + norm(&tau)),
-                "{}: {error:e}",
-                arm.name()
-            );
+            assert!(error < 1e-12 * (1.0 + norm(&tau)), "{}: {error:e}", arm.name());
         }
     });
 }
@@ -120,17 +102,10 @@ fn kinetic_energy_is_half_of_m_times_velocity_squared() {
         let n = arm.n_joints();
         let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
 
-        let half: f64 = pairs
-            .map(|(i, j)| dq[i] * mass[(i, j)] * dq[j])
-            .sum::<f64>()
-            / 2.0;
+        let half: f64 = pairs.map(|(i, j)| dq[i] * mass[(i, j)] * dq[j]).sum::<f64>() / 2.0;
 
         let energy = arm.kinetic_energy(q, dq);
-        assert!(
-            (half - energy).abs() < 1e-12 * energy,
-            "{}: {half} {energy}",
-            arm.name()
-        );
+        assert!((half - energy).abs() < 1e-12 * energy, "{}: {half} {energy}", arm.name());
     });
 }
 
@@ -151,11 +126,7 @@ fn power_in_is_change_of_energy() {
 
         // h⁴ times the fifth derivative (rates of about ten per second), against the energy.
         let scale = energy(0.0).abs() + norm(dq) * norm(&arm.inverse_dynamics(q, dq, ddq));
-        assert!(
-            (power - change).abs() < 1e-6 * scale,
-            "{}: {power} {change}",
-            arm.name()
-        );
+        assert!((power - change).abs() < 1e-6 * scale, "{}: {power} {change}", arm.name());
     });
 }
 
@@ -167,9 +138,7 @@ fn m_dot_minus_two_c_is_skew() {
         let energy = |t: f64| {
             let mass = arm.mass_matrix(&step(q, t, dq));
             let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-            pairs
-                .map(|(i, j)| dq[i] * mass[(i, j)] * dq[j])
-                .sum::<f64>()
+            pairs.map(|(i, j)| dq[i] * mass[(i, j)] * dq[j]).sum::<f64>()
         };
         let h = 1e-3;
         let m_dot =
@@ -177,10 +146,7 @@ fn m_dot_minus_two_c_is_skew() {
 
         let coriolis = 2.0 * dot(dq, &arm.coriolis_torque(q, dq));
 
-        assert!(
-            (m_dot - coriolis).abs() < 1e-7 * (1.0 + energy(0.0)),
-            "{m_dot} {coriolis}"
-        );
+        assert!((m_dot - coriolis).abs() < 1e-7 * (1.0 + energy(0.0)), "{m_dot} {coriolis}");
     });
 }
 
@@ -210,11 +176,7 @@ fn gravity_torque_is_the_gradient_of_potential_energy() {
             let gradient = (energy(h) - energy(-h)) / (2.0 * h);
             // h² / 6 times the third derivative, as large as the torque itself, plus rounding.
             let scale = 1.0 + norm(&gravity);
-            assert!(
-                (gravity[i] - gradient).abs() < 1e-8 * scale,
-                "{}",
-                arm.name()
-            );
+            assert!((gravity[i] - gradient).abs() < 1e-8 * scale, "{}", arm.name());
         }
     });
 }
@@ -230,28 +192,17 @@ fn a_massless_last_link_is_named_when_it_should_accelerate() {
     let text = format!("name = 'bare'\n{}{}", link("a", "1.0"), link("b", "0.0"));
     let arm = Arm::from_dh_toml(&text).unwrap();
 
-    let error = arm
-        .forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0, 1.0])
-        .unwrap_err();
+    let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0, 1.0]).unwrap_err();
 
-    assert!(
-        matches!(error, DynamicsError::Massless { joint: 1 }),
-        "{error:?}"
-    );
+    assert!(matches!(error, DynamicsError::Massless { joint: 1 }), "{error:?}");
 }
 
 #[test]
 fn a_torque_of_another_joint_count_is_refused() {
     let arm = Arm::builtin("planar-2").unwrap();
 
-    let error = arm
-        .forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0])
-        .unwrap_err();
+    let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0]).unwrap_err();
 
-    let wanted = DynamicsError::JointCount {
-        signal: "tau",
-        found: 1,
-        expected: 2,
-    };
+    let wanted = DynamicsError::JointCount { signal: "tau", found: 1, expected: 2 };
     assert_eq!(error.to_string(), wanted.to_string());
 }

@@ -1,23 +1,16 @@
 //! Simulated motions: exact derivatives, true patterns, and the shares, speeds and gaps promised.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its input is not as expected"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
-use torquewise_motion::Pattern;
 use torquewise_dynamics::{
     Arm, DynamicsError, MotionKind, MotionPlan, SimulatedLog, Simulation, arms, simulate,
 };
+use torquewise_motion::Pattern;
 use torquewise_motion::Recording;
 
 const KINDS: [MotionKind; 3] = [MotionKind::Moves, MotionKind::Sines, MotionKind::Staged];
 
 fn plan(kind: MotionKind) -> MotionPlan {
-    MotionPlan {
-        kind,
-        seed: 5,
-        ..MotionPlan::default()
-    }
+    MotionPlan { kind, seed: 5, ..MotionPlan::default() }
 }
 
 fn puma(kind: MotionKind) -> Simulation {
@@ -26,21 +19,13 @@ fn puma(kind: MotionKind) -> Simulation {
 
 /// Share of the rows that show a pattern.
 fn share(simulation: &Simulation, pattern: Pattern) -> f64 {
-    let rows = simulation
-        .truth
-        .iter()
-        .filter(|&&found| found == pattern)
-        .count();
+    let rows = simulation.truth.iter().filter(|&&found| found == pattern).count();
     rows as f64 / simulation.truth.len() as f64
 }
 
 /// Column of one joint: least and greatest value.
 fn extremes(column: &[f64]) -> (f64, f64) {
-    column
-        .iter()
-        .fold((0.0, 0.0), |(least, most): (f64, f64), &x| {
-            (least.min(x), most.max(x))
-        })
+    column.iter().fold((0.0, 0.0), |(least, most): (f64, f64), &x| (least.min(x), most.max(x)))
 }
 
 /// Pairs of neighbouring rows of one pattern, without a gap between them.
@@ -87,10 +72,7 @@ fn position_never_drifts_or_jumps_between_rows() {
             for i in 0..3 {
                 let jump = (q[(row, i)] - q[(row - 1, i)]).abs();
                 let gain = (dq[(row, i)] - dq[(row - 1, i)]).abs();
-                assert!(
-                    jump < 2.1 / 250.0 && gain < 6.1 / 250.0,
-                    "{kind:?}: row {row}"
-                );
+                assert!(jump < 2.1 / 250.0 && gain < 6.1 / 250.0, "{kind:?}: row {row}");
             }
         }
     }
@@ -123,16 +105,8 @@ fn moves_hold_all_three_patterns_in_the_shares_promised() {
         let standstill = share(&simulation, Pattern::Standstill);
         let uniform = share(&simulation, Pattern::UniformVelocity);
 
-        assert!(
-            (0.14..0.21).contains(&standstill),
-            "{}: {standstill}",
-            summary.name
-        );
-        assert!(
-            (0.35..0.46).contains(&uniform),
-            "{}: {uniform}",
-            summary.name
-        );
+        assert!((0.14..0.21).contains(&standstill), "{}: {standstill}", summary.name);
+        assert!((0.35..0.46).contains(&uniform), "{}: {uniform}", summary.name);
     }
 }
 
@@ -143,17 +117,11 @@ fn cruising_joints_are_clearly_not_at_rest() {
 
     for i in 0..3 {
         let dq = motion.dq().col(i);
-        let mut speeds: Vec<f64> = (0..truth.len())
-            .filter(cruise)
-            .map(|row| dq[row].abs())
-            .collect();
+        let mut speeds: Vec<f64> =
+            (0..truth.len()).filter(cruise).map(|row| dq[row].abs()).collect();
         speeds.sort_by(f64::total_cmp);
 
-        assert!(
-            speeds[speeds.len() / 20] > 0.15,
-            "joint {i}: {}",
-            speeds[speeds.len() / 20]
-        );
+        assert!(speeds[speeds.len() / 20] > 0.15, "joint {i}: {}", speeds[speeds.len() / 20]);
         assert!(*speeds.last().unwrap() > 1.2, "joint {i}");
     }
 }
@@ -171,27 +139,12 @@ fn every_joint_crosses_most_of_its_range_both_ways_within_the_limits() {
                 extremes(motion.ddq().col(i).try_as_col_major().unwrap().as_slice());
             let crossed = (right - left) / (upper - lower);
 
-            assert!(
-                left >= lower - 1e-9 && right <= upper + 1e-9,
-                "{kind:?}: joint {i}"
-            );
+            assert!(left >= lower - 1e-9 && right <= upper + 1e-9, "{kind:?}: joint {i}");
             assert!(crossed > 0.4, "{kind:?}: joint {i} crosses {crossed}");
-            assert!(
-                back < -0.8 && forth > 0.8,
-                "{kind:?}: joint {i}: {back} {forth}"
-            );
-            assert!(
-                back > -2.0 - 1e-9 && forth < 2.0 + 1e-9,
-                "{kind:?}: joint {i}"
-            );
-            assert!(
-                brake < -2.0 && gain > 2.0,
-                "{kind:?}: joint {i}: {brake} {gain}"
-            );
-            assert!(
-                brake > -6.0 - 1e-9 && gain < 6.0 + 1e-9,
-                "{kind:?}: joint {i}"
-            );
+            assert!(back < -0.8 && forth > 0.8, "{kind:?}: joint {i}: {back} {forth}");
+            assert!(back > -2.0 - 1e-9 && forth < 2.0 + 1e-9, "{kind:?}: joint {i}");
+            assert!(brake < -2.0 && gain > 2.0, "{kind:?}: joint {i}: {brake} {gain}");
+            assert!(brake > -6.0 - 1e-9 && gain < 6.0 + 1e-9, "{kind:?}: joint {i}");
         }
     }
 }
@@ -208,10 +161,7 @@ fn a_narrow_range_is_never_left() {
 
         for row in 0..motion.n_rows() {
             let q = motion.q()[(row, 0)];
-            assert!(
-                (0.2 - 1e-12..=0.3 + 1e-12).contains(&q),
-                "{kind:?}: row {row}: {q}"
-            );
+            assert!((0.2 - 1e-12..=0.3 + 1e-12).contains(&q), "{kind:?}: row {row}: {q}");
         }
     }
 }
@@ -221,35 +171,17 @@ fn staged_recordings_follow_one_another_with_gaps_between_transfers() {
     let simulation = puma(MotionKind::Staged);
     let thirds: Vec<&[Pattern]> = simulation.truth.chunks(13_334).collect();
     let t = simulation.motion.t();
-    let gaps: Vec<f64> = t
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .filter(|dt| *dt > 1.001 / 250.0)
-        .collect();
+    let gaps: Vec<f64> =
+        t.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 1.001 / 250.0).collect();
 
-    for pattern in [
-        Pattern::Standstill,
-        Pattern::UniformVelocity,
-        Pattern::VariableVelocity,
-    ] {
+    for pattern in [Pattern::Standstill, Pattern::UniformVelocity, Pattern::VariableVelocity] {
         let third = share(&simulation, pattern);
         assert!((third - 1.0 / 3.0).abs() < 1e-3, "{pattern:?}: {third}");
     }
-    assert!(
-        thirds[0][..13_333]
-            .iter()
-            .all(|&p| p == Pattern::Standstill)
-    );
-    assert!(
-        thirds[2][1..]
-            .iter()
-            .all(|&p| p == Pattern::VariableVelocity)
-    );
+    assert!(thirds[0][..13_333].iter().all(|&p| p == Pattern::Standstill));
+    assert!(thirds[2][1..].iter().all(|&p| p == Pattern::VariableVelocity));
     assert!(gaps.len() > 400, "{} transfers", gaps.len());
-    assert!(
-        gaps.iter().all(|&gap| gap > 0.49),
-        "a transfer takes half a second at least"
-    );
+    assert!(gaps.iter().all(|&gap| gap > 0.49), "a transfer takes half a second at least");
     assert!(t.windows(2).all(|pair| pair[1] > pair[0]));
 }
 
@@ -272,21 +204,9 @@ fn one_seed_gives_the_same_bits_and_another_gives_others() {
     for kind in KINDS {
         let first = simulate(&arm, &plan(kind)).unwrap().motion;
         let again = simulate(&arm, &plan(kind)).unwrap().motion;
-        let other = simulate(
-            &arm,
-            &MotionPlan {
-                seed: 6,
-                ..plan(kind)
-            },
-        )
-        .unwrap()
-        .motion;
+        let other = simulate(&arm, &MotionPlan { seed: 6, ..plan(kind) }).unwrap().motion;
 
-        assert_eq!(
-            (first.q(), first.tau()),
-            (again.q(), again.tau()),
-            "{kind:?}"
-        );
+        assert_eq!((first.q(), first.tau()), (again.q(), again.tau()), "{kind:?}");
         assert_ne!(first.q(), other.q(), "{kind:?}");
     }
 }
@@ -296,10 +216,7 @@ fn a_log_read_block_by_block_is_the_log_made_at_once() {
     let arm = Arm::builtin("puma560-3").unwrap();
 
     for kind in KINDS {
-        let plan = MotionPlan {
-            seconds: 10.0,
-            ..plan(kind)
-        };
+        let plan = MotionPlan { seconds: 10.0, ..plan(kind) };
         let whole = simulate(&arm, &plan).unwrap().motion;
         let mut first = 0;
         SimulatedLog::new(&arm, &plan)
@@ -325,15 +242,9 @@ fn a_plan_or_an_arm_out_of_bounds_is_refused() {
     let heavy = "name = 'heavy'\n[[joints]]\nname = 'joint1'\na = 1e200\nalpha = 0.0\nd = 0.0\n\
                  mass = 1e200\ncom = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n";
     let heavy = Arm::from_dh_toml(heavy).unwrap();
-    let endless = MotionPlan {
-        seconds: f64::INFINITY,
-        ..MotionPlan::default()
-    };
+    let endless = MotionPlan { seconds: f64::INFINITY, ..MotionPlan::default() };
 
-    let (plan, overflow) = (
-        simulate(&puma, &endless),
-        simulate(&heavy, &MotionPlan::default()),
-    );
+    let (plan, overflow) = (simulate(&puma, &endless), simulate(&heavy, &MotionPlan::default()));
 
     assert!(matches!(plan, Err(DynamicsError::Plan { .. })));
     assert!(matches!(overflow, Err(DynamicsError::Motion { .. })));

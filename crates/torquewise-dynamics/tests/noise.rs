@@ -1,8 +1,5 @@
 //! Noise: as strong as asked, independent of order, and none where nothing moves.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its input is not as expected"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
 use faer::{Mat, MatRef};
 use torquewise_dynamics::{Arm, DynamicsError, MotionPlan, Noise, add_noise, simulate};
@@ -35,10 +32,7 @@ fn measured_signal_to_noise_ratio_is_the_one_asked_for() {
         for joint in 0..3 {
             // 40 000 rows: σ² is known to 0.7 %, 0.03 dB; four times that never happens by chance.
             let found = measured_db(clean, noisy, joint);
-            assert!(
-                (found - db).abs() < 0.12,
-                "joint {joint}: {found} dB, asked {db} dB"
-            );
+            assert!((found - db).abs() < 0.12, "joint {joint}: {found} dB, asked {db} dB");
         }
     }
     assert_eq!((noisy.t(), noisy.tau()), (clean.t(), clean.tau()));
@@ -54,17 +48,10 @@ fn noise_is_white_gaussian_and_centred() {
     let m = noise.nrows() as f64;
     let sigma = (noise.squared_norm_l2() / m).sqrt();
     let mean = noise.iter().sum::<f64>() / m / sigma;
-    let lag = (1..noise.nrows())
-        .map(|k| noise[k] * noise[k - 1])
-        .sum::<f64>()
-        / m
-        / sigma.powi(2);
+    let lag = (1..noise.nrows()).map(|k| noise[k] * noise[k - 1]).sum::<f64>() / m / sigma.powi(2);
     let kurtosis = noise.iter().map(|x| (x / sigma).powi(4)).sum::<f64>() / m;
     // Standard errors 0.005, 0.005 and 0.0245 for 40 000 rows.
-    assert!(
-        mean.abs() < 0.02 && lag.abs() < 0.02,
-        "mean {mean}, neighbours {lag}"
-    );
+    assert!(mean.abs() < 0.02 && lag.abs() < 0.02, "mean {mean}, neighbours {lag}");
     assert!((kurtosis - 3.0).abs() < 0.1, "kurtosis {kurtosis}");
 }
 
@@ -94,22 +81,13 @@ fn case_1_leaves_every_bit_as_it_was() {
 
     let noisy = add_noise(&clean, &Noise::case(1).unwrap(), 5).unwrap();
 
-    assert_eq!(
-        (noisy.q(), noisy.dq(), noisy.ddq()),
-        (clean.q(), clean.dq(), clean.ddq())
-    );
+    assert_eq!((noisy.q(), noisy.dq(), noisy.ddq()), (clean.q(), clean.dq(), clean.ddq()));
 }
 
 #[test]
 fn the_cases_of_the_paper_are_its_ratios() {
-    assert_eq!(
-        Noise::case(2).unwrap(),
-        Noise::from_db(70.0, 50.0, 30.0).unwrap()
-    );
-    assert_eq!(
-        Noise::case(3).unwrap(),
-        Noise::from_db(60.0, 40.0, 30.0).unwrap()
-    );
+    assert_eq!(Noise::case(2).unwrap(), Noise::from_db(70.0, 50.0, 30.0).unwrap());
+    assert_eq!(Noise::case(3).unwrap(), Noise::from_db(60.0, 40.0, 30.0).unwrap());
 }
 
 #[test]
@@ -127,10 +105,8 @@ fn noise_of_a_joint_does_not_depend_on_the_other_joints() {
     })
     .unwrap();
 
-    let (all, fewer) = (
-        add_noise(&clean, &noise, 6).unwrap(),
-        add_noise(&fewer, &noise, 6).unwrap(),
-    );
+    let (all, fewer) =
+        (add_noise(&clean, &noise, 6).unwrap(), add_noise(&fewer, &noise, 6).unwrap());
 
     assert_eq!(first_two(all.q()), fewer.q());
     assert_eq!(first_two(all.ddq()), fewer.ddq());
@@ -165,13 +141,7 @@ fn levels_that_mean_nothing_are_refused() {
 
     assert!(matches!(Noise::case(4), Err(DynamicsError::NoiseCase(4))));
     let nan = Noise::from_db(60.0, f64::NAN, 30.0);
-    assert!(matches!(
-        nan,
-        Err(DynamicsError::NoiseLevel { signal: "dq", .. })
-    ));
+    assert!(matches!(nan, Err(DynamicsError::NoiseLevel { signal: "dq", .. })));
     assert!(Noise::from_db(f64::NEG_INFINITY, 40.0, 30.0).is_err());
-    assert!(matches!(
-        add_noise(&clean, &flood, 1),
-        Err(DynamicsError::Motion { .. })
-    ));
+    assert!(matches!(add_noise(&clean, &flood, 1), Err(DynamicsError::Motion { .. })));
 }

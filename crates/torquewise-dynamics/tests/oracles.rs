@@ -1,8 +1,5 @@
 //! Torques of an independent tool and closed forms → the same torques here.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its input is not as expected"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
 use std::path::{Path, PathBuf};
 use torquewise_dynamics::Arm;
@@ -40,18 +37,11 @@ fn assert_agrees(arm: &Arm, path: &Path) {
     assert_eq!(states.len(), 500);
 
     for joint in 0..n {
-        let scale = states
-            .iter()
-            .map(|[.., tau]| tau[joint].abs())
-            .fold(0.0, f64::max);
+        let scale = states.iter().map(|[.., tau]| tau[joint].abs()).fold(0.0, f64::max);
         for (row, [q, dq, ddq, tau]) in states.iter().enumerate() {
             let found = arm.inverse_dynamics(q, dq, ddq)[joint];
             let error = (found - tau[joint]).abs() / scale;
-            assert!(
-                error < 1e-9,
-                "{}: joint {joint}, row {row}: {error:e}",
-                arm.name()
-            );
+            assert!(error < 1e-9, "{}: joint {joint}, row {row}: {error:e}", arm.name());
         }
     }
 }
@@ -82,14 +72,10 @@ fn ur5_torques_agree_with_pinocchio() {
 
 #[test]
 fn panda_torques_agree_with_pinocchio_when_the_fingers_are_locked() {
-    let fingers = [
-        "panda_finger_joint1".to_string(),
-        "panda_finger_joint2".to_string(),
-    ];
-    let (Some(arm), Some(oracle)) = (
-        urdf_arm("robots/panda.urdf", &fingers),
-        shared("oracle/panda.csv"),
-    ) else {
+    let fingers = ["panda_finger_joint1".to_string(), "panda_finger_joint2".to_string()];
+    let (Some(arm), Some(oracle)) =
+        (urdf_arm("robots/panda.urdf", &fingers), shared("oracle/panda.csv"))
+    else {
         return;
     };
 
@@ -131,10 +117,7 @@ fn planar_arm_obeys_the_textbook_equations() {
 
     for k in 0..200 {
         let k = f64::from(k);
-        let (q, dq) = (
-            [k.sin() * 3.0, (1.7 * k).cos() * 3.0],
-            [(0.3 * k).cos(), (2.9 * k).sin()],
-        );
+        let (q, dq) = ([k.sin() * 3.0, (1.7 * k).cos() * 3.0], [(0.3 * k).cos(), (2.9 * k).sin()]);
         let ddq = [3.0 * (1.1 * k).sin(), 4.0 * (0.7 * k).cos()];
 
         let found = arm.inverse_dynamics(&q, &dq, &ddq);

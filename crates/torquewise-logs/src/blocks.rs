@@ -39,9 +39,7 @@ impl<'a> Blocks<'a> {
         polynomial: LocalPolynomial,
     ) -> Self {
         let layout = rows.layout();
-        let complete = [Signal::Dq, Signal::Ddq]
-            .iter()
-            .all(|s| layout.slot(*s).is_some());
+        let complete = [Signal::Dq, Signal::Ddq].iter().all(|s| layout.slot(*s).is_some());
         let columns = vec![Vec::new(); layout.columns().len()];
         Self {
             rows,
@@ -112,11 +110,7 @@ impl<'a> Blocks<'a> {
     fn push(&mut self, row: &[f64]) -> Result<(), LogError> {
         let t = row[0];
         if let Some(&before) = self.columns[0].last().filter(|before| **before >= t) {
-            return Err(LogError::TimeOrder {
-                place: self.rows.place(),
-                t,
-                before,
-            });
+            return Err(LogError::TimeOrder { place: self.rows.place(), t, before });
         }
         for (column, value) in self.columns.iter_mut().zip(row) {
             column.push(*value);
@@ -174,15 +168,7 @@ impl<'a> Blocks<'a> {
         )?;
         let t = self.columns[0][start..end].to_vec();
         let tau = part(Signal::Tau);
-        Motion::new(Signals {
-            joints: self.joints.to_vec(),
-            t,
-            q,
-            dq,
-            ddq,
-            tau,
-        })
-        .map_err(refused)
+        Motion::new(Signals { joints: self.joints.to_vec(), t, q, dq, ddq, tau }).map_err(refused)
     }
 
     /// Rows `start` … `end` of a signal, if the file has it.
@@ -203,20 +189,13 @@ impl<'a> Blocks<'a> {
                 rows,
                 needed,
             },
-            source => LogError::Motion {
-                file: self.rows.place().file,
-                row: self.first_row,
-                source,
-            },
+            source => {
+                LogError::Motion { file: self.rows.place().file, row: self.first_row, source }
+            }
         };
-        let x = self
-            .signal(signal, 0, end)
-            .ok_or(refused(MotionError::Missing(signal.name())))?;
+        let x = self.signal(signal, 0, end).ok_or(refused(MotionError::Missing(signal.name())))?;
         let derived = derivative(&self.columns[0][..end], x.as_ref(), polynomial, order);
-        Ok(derived
-            .map_err(refused)?
-            .subrows(self.done, rows)
-            .to_owned())
+        Ok(derived.map_err(refused)?.subrows(self.done, rows).to_owned())
     }
 }
 

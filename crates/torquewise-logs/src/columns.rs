@@ -33,10 +33,7 @@ pub struct Column {
 impl Column {
     /// A column of `kind`.
     pub fn new(name: impl Into<String>, kind: ColumnKind) -> Self {
-        Self {
-            name: name.into(),
-            kind,
-        }
+        Self { name: name.into(), kind }
     }
 }
 

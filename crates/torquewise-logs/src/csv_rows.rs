@@ -32,24 +32,14 @@ impl<R: BufRead> CsvRows<R> {
             return Err(LogError::Empty { file: file.into() });
         }
         let layout = layout(file, &lines, &fields)?;
-        let joints = names
-            .map(|names| joints::checked(file, names, layout.n_joints()))
-            .transpose()?;
-        Ok(Self {
-            file: file.into(),
-            lines,
-            layout,
-            joints,
-            fields,
-            row: 0,
-        })
+        let joints =
+            names.map(|names| joints::checked(file, names, layout.n_joints())).transpose()?;
+        Ok(Self { file: file.into(), lines, layout, joints, fields, row: 0 })
     }
 
     fn number(&self, slot: usize, column: usize) -> Result<f64, LogError> {
         let text = self.lines.line()[self.fields[column].clone()].trim_ascii();
-        let number = std::str::from_utf8(text)
-            .ok()
-            .and_then(|text| text.parse().ok());
+        let number = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
         let value: f64 = number.ok_or_else(|| LogError::NotANumber {
             place: self.place(),
             column: self.layout.name(slot),
@@ -58,11 +48,7 @@ impl<R: BufRead> CsvRows<R> {
         if value.is_finite() {
             return Ok(value);
         }
-        Err(LogError::NotFinite {
-            place: self.place(),
-            column: self.layout.name(slot),
-            value,
-        })
+        Err(LogError::NotFinite { place: self.place(), column: self.layout.name(slot), value })
     }
 }
 
@@ -82,11 +68,7 @@ impl<R: BufRead> Rows for CsvRows<R> {
         self.row += 1;
         let (found, expected) = (self.fields.len(), self.layout.n_columns());
         if found != expected {
-            return Err(LogError::Ragged {
-                place: self.place(),
-                found,
-                expected,
-            });
+            return Err(LogError::Ragged { place: self.place(), found, expected });
         }
         for (slot, (value, column)) in row.iter_mut().zip(self.layout.columns()).enumerate() {
             *value = self.number(slot, *column)?;
@@ -95,11 +77,7 @@ impl<R: BufRead> Rows for CsvRows<R> {
     }
 
     fn place(&self) -> Place {
-        Place {
-            file: self.file.clone(),
-            row: self.row,
-            line: Some(self.lines.number()),
-        }
+        Place { file: self.file.clone(), row: self.row, line: Some(self.lines.number()) }
     }
 }
 
@@ -123,10 +101,7 @@ fn next_line<R: BufRead>(
             }
         } else if !line.trim_ascii().is_empty() {
             if !split(line, fields) {
-                return Err(LogError::OpenQuote {
-                    file: file.into(),
-                    line: lines.number(),
-                });
+                return Err(LogError::OpenQuote { file: file.into(), line: lines.number() });
             }
             if line.len() > MAX_FIELD && fields.iter().any(|field| field.len() > MAX_FIELD) {
                 return Err(too_long(file, lines, "field", MAX_FIELD));
@@ -141,13 +116,8 @@ fn joint_names<R: BufRead>(file: &Path, lines: &Lines<R>) -> Result<Option<Vec<S
     let Some(names) = lines.line().strip_prefix(CSV_COMMENT.as_bytes()) else {
         return Ok(None);
     };
-    let not_utf8 = |_| LogError::NotUtf8 {
-        file: file.into(),
-        line: lines.number(),
-    };
-    Ok(Some(joints::parse(
-        std::str::from_utf8(names).map_err(not_utf8)?,
-    )))
+    let not_utf8 = |_| LogError::NotUtf8 { file: file.into(), line: lines.number() };
+    Ok(Some(joints::parse(std::str::from_utf8(names).map_err(not_utf8)?)))
 }
 
 fn layout<R: BufRead>(
@@ -155,16 +125,10 @@ fn layout<R: BufRead>(
     lines: &Lines<R>,
     fields: &[Range<usize>],
 ) -> Result<Layout, LogError> {
-    let not_utf8 = |_| LogError::NotUtf8 {
-        file: file.into(),
-        line: lines.number(),
-    };
+    let not_utf8 = |_| LogError::NotUtf8 { file: file.into(), line: lines.number() };
     let header = std::str::from_utf8(lines.line()).map_err(not_utf8)?;
     if let ([_], Some(found)) = (fields, header.chars().find(|c| matches!(c, ';' | '\t'))) {
-        return Err(LogError::Delimiter {
-            file: file.into(),
-            found,
-        });
+        return Err(LogError::Delimiter { file: file.into(), found });
     }
     let names: Vec<_> = fields.iter().map(|field| &header[field.clone()]).collect();
     Layout::new(file, &names)
@@ -176,12 +140,7 @@ fn too_long<R: BufRead>(
     part: &'static str,
     limit: usize,
 ) -> LogError {
-    LogError::TooLong {
-        file: file.into(),
-        line: lines.number(),
-        part,
-        limit,
-    }
+    LogError::TooLong { file: file.into(), line: lines.number(), part, limit }
 }
 
 #[cfg(test)]

@@ -22,8 +22,7 @@ pub struct Place {
 impl fmt::Display for Place {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{}, row {}", self.file.display(), self.row)?;
-        self.line
-            .map_or(Ok(()), |line| write!(out, " (line {line})"))
+        self.line.map_or(Ok(()), |line| write!(out, " (line {line})"))
     }
 }
 
@@ -43,10 +42,7 @@ pub enum LogError {
          columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units",
         file.display()
     )]
-    NotYetSupported {
-        file: PathBuf,
-        extension: &'static str,
-    },
+    NotYetSupported { file: PathBuf, extension: &'static str },
     #[error("{} cannot be read: check that it exists and may be read", file.display())]
     Read { file: PathBuf, source: io::Error },
 
@@ -65,12 +61,7 @@ pub enum LogError {
         "{}, line {line} holds over {limit} bytes in one {part}: is this a CSV file?",
         file.display()
     )]
-    TooLong {
-        file: PathBuf,
-        line: u64,
-        part: &'static str,
-        limit: usize,
-    },
+    TooLong { file: PathBuf, line: u64, part: &'static str, limit: usize },
     #[error(
         "{}, line {line}: a quoted field does not end in a quote and a comma: repair the quotes",
         file.display()
@@ -80,32 +71,20 @@ pub enum LogError {
         "{} has {found} columns, at most {limit} are read: drop those that are not needed",
         file.display()
     )]
-    TooManyColumns {
-        file: PathBuf,
-        found: usize,
-        limit: usize,
-    },
+    TooManyColumns { file: PathBuf, found: usize, limit: usize },
 
     #[error(
         "{} has no column {missing}, found {found}: name the columns t, q1…qn, dq1…dqn, \
          ddq1…ddqn, tau1…taun",
         file.display()
     )]
-    NoColumn {
-        file: PathBuf,
-        missing: &'static str,
-        found: String,
-    },
+    NoColumn { file: PathBuf, missing: &'static str, found: String },
     #[error(
         "{} has column {present} but no {missing}: joints are numbered 1…n and a signal has \
          all of them; add {missing} or drop {present}",
         file.display()
     )]
-    MissingColumn {
-        file: PathBuf,
-        missing: String,
-        present: String,
-    },
+    MissingColumn { file: PathBuf, missing: String, present: String },
     #[error("{}: column {column} counts joints from 0: count them from 1", file.display())]
     ZeroBased { file: PathBuf, column: String },
     #[error("{} has two columns {column}: drop or rename one", file.display())]
@@ -114,30 +93,14 @@ pub enum LogError {
         "{}: column {column} is of type {found}, expected numbers: convert it to 64-bit floats",
         file.display()
     )]
-    NotNumeric {
-        file: PathBuf,
-        column: String,
-        found: String,
-    },
+    NotNumeric { file: PathBuf, column: String, found: String },
 
     #[error("{place} has {found} fields, the header has {expected}: complete or drop the row")]
-    Ragged {
-        place: Place,
-        found: usize,
-        expected: usize,
-    },
+    Ragged { place: Place, found: usize, expected: usize },
     #[error("{place}, column {column}: \"{text}\" is not a number: repair or drop the row")]
-    NotANumber {
-        place: Place,
-        column: String,
-        text: String,
-    },
+    NotANumber { place: Place, column: String, text: String },
     #[error("{place}, column {column} is {value}: repair or drop the row")]
-    NotFinite {
-        place: Place,
-        column: String,
-        value: f64,
-    },
+    NotFinite { place: Place, column: String, value: f64 },
     #[error("{place}, column {column} has no value (null): fill it or drop the row")]
     Null { place: Place, column: String },
     #[error(
@@ -157,11 +120,7 @@ pub enum LogError {
         "{} names {found} joints but has {expected}: name each joint once",
         file.display()
     )]
-    JointNameCount {
-        file: PathBuf,
-        found: usize,
-        expected: usize,
-    },
+    JointNameCount { file: PathBuf, found: usize, expected: usize },
     #[error(
         "joint name \"{name}\" cannot be kept in a log: take a name that occurs once and has no \
          comma, line break or outer space"
@@ -172,23 +131,13 @@ pub enum LogError {
         file.display(),
         first.display()
     )]
-    JointCount {
-        file: PathBuf,
-        found: usize,
-        first: PathBuf,
-        expected: usize,
-    },
+    JointCount { file: PathBuf, found: usize, first: PathBuf, expected: usize },
     #[error(
         "{} names its joints {found}, {} names them {expected}: read logs of one arm together",
         file.display(),
         first.display()
     )]
-    JointNames {
-        file: PathBuf,
-        found: String,
-        first: PathBuf,
-        expected: String,
-    },
+    JointNames { file: PathBuf, found: String, first: PathBuf, expected: String },
     #[error("{} has no torque: record columns tau1…taun", file.display())]
     NoTorque { file: PathBuf },
     #[error(
@@ -201,20 +150,11 @@ pub enum LogError {
          find dq or ddq: drop them or record dq and ddq",
         file.display()
     )]
-    TooShort {
-        file: PathBuf,
-        row: u64,
-        rows: usize,
-        needed: usize,
-    },
+    TooShort { file: PathBuf, row: u64, rows: usize, needed: usize },
     #[error("{} has other columns than when it was opened: open it again", file.display())]
     Changed { file: PathBuf },
     #[error("{}, from row {row}: the rows are no motion", file.display())]
-    Motion {
-        file: PathBuf,
-        row: u64,
-        source: MotionError,
-    },
+    Motion { file: PathBuf, row: u64, source: MotionError },
 
     #[error(
         "{} cannot be written: check that the folder exists, may be written and has room",
@@ -224,47 +164,27 @@ pub enum LogError {
     #[error("{} cannot be written as Parquet: check that the disk has room", file.display())]
     WriteParquet { file: PathBuf, source: ParquetError },
     #[error("{}: {found} columns of values for a table of {expected}", file.display())]
-    ValuesCount {
-        file: PathBuf,
-        found: usize,
-        expected: usize,
-    },
+    ValuesCount { file: PathBuf, found: usize, expected: usize },
     #[error(
         "{}: column {column} is to hold {expected}, but {found} is given: give values of the \
          kind it was created with",
         file.display()
     )]
-    ValuesKind {
-        file: PathBuf,
-        column: String,
-        found: &'static str,
-        expected: &'static str,
-    },
+    ValuesKind { file: PathBuf, column: String, found: &'static str, expected: &'static str },
     #[error(
         "{}: column {column} has {found} values, the first column {expected}: give one per row",
         file.display()
     )]
-    ValuesLength {
-        file: PathBuf,
-        column: String,
-        found: usize,
-        expected: usize,
-    },
+    ValuesLength { file: PathBuf, column: String, found: usize, expected: usize },
 }
 
 impl LogError {
     pub(crate) fn read(file: &Path) -> impl Fn(io::Error) -> Self {
-        move |source| Self::Read {
-            file: file.into(),
-            source,
-        }
+        move |source| Self::Read { file: file.into(), source }
     }
 
     pub(crate) fn parquet(file: &Path) -> impl Fn(ParquetError) -> Self {
-        move |source| Self::Parquet {
-            file: file.into(),
-            source,
-        }
+        move |source| Self::Parquet { file: file.into(), source }
     }
 }
 
@@ -273,11 +193,7 @@ pub(crate) fn shown(text: &[u8]) -> String {
     const LONGEST: usize = 40;
     // A character has at most four bytes, so this is enough and bounds the work.
     let head = String::from_utf8_lossy(&text[..text.len().min(4 * LONGEST + 4)]);
-    let mut shown: String = head
-        .chars()
-        .take(LONGEST)
-        .flat_map(char::escape_debug)
-        .collect();
+    let mut shown: String = head.chars().take(LONGEST).flat_map(char::escape_debug).collect();
     if head.chars().count() > LONGEST {
         shown.push('…');
     }

@@ -19,20 +19,14 @@ impl Format {
         let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
         let extension = extension.unwrap_or_default();
         if let Some(planned) = PLANNED.into_iter().find(|planned| *planned == extension) {
-            return Err(LogError::NotYetSupported {
-                file: file.into(),
-                extension: planned,
-            });
+            return Err(LogError::NotYetSupported { file: file.into(), extension: planned });
         }
         match extension.as_str() {
             "csv" => Ok(Self::Csv),
             "parquet" => Ok(Self::Parquet),
             _ => {
                 let extension = shown(extension.as_bytes());
-                Err(LogError::UnknownExtension {
-                    file: file.into(),
-                    extension,
-                })
+                Err(LogError::UnknownExtension { file: file.into(), extension })
             }
         }
     }
@@ -48,27 +42,18 @@ mod tests {
     fn csv_and_parquet_are_known_in_any_case() {
         assert_eq!(Format::of(Path::new("a/b.csv")).unwrap(), Format::Csv);
         assert_eq!(Format::of(Path::new("B.CSV")).unwrap(), Format::Csv);
-        assert_eq!(
-            Format::of(Path::new("x.y.Parquet")).unwrap(),
-            Format::Parquet
-        );
+        assert_eq!(Format::of(Path::new("x.y.Parquet")).unwrap(), Format::Parquet);
     }
 
     #[test]
     fn planned_formats_are_told_from_unknown_ones() {
         for planned in ["a.db3", "a.mcap", "a.NPZ", "a.mat"] {
             let refused = Format::of(Path::new(planned));
-            assert!(
-                matches!(refused, Err(LogError::NotYetSupported { .. })),
-                "{planned}"
-            );
+            assert!(matches!(refused, Err(LogError::NotYetSupported { .. })), "{planned}");
         }
         for unknown in ["a.txt", "a", ".csv", "a.csv.gz"] {
             let refused = Format::of(Path::new(unknown));
-            assert!(
-                matches!(refused, Err(LogError::UnknownExtension { .. })),
-                "{unknown}"
-            );
+            assert!(matches!(refused, Err(LogError::UnknownExtension { .. })), "{unknown}");
         }
     }
 }

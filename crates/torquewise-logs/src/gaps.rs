@@ -20,11 +20,8 @@ pub(crate) struct UsualStep(f64);
 impl UsualStep {
     /// From the first time stamps of a trajectory; those after the first 33 are not looked at.
     pub(crate) fn new(t: &[f64]) -> Self {
-        let mut steps: Vec<f64> = t
-            .windows(2)
-            .take(FIRST_STEPS)
-            .map(|pair| pair[1] - pair[0])
-            .collect();
+        let mut steps: Vec<f64> =
+            t.windows(2).take(FIRST_STEPS).map(|pair| pair[1] - pair[0]).collect();
         steps.sort_by(f64::total_cmp);
         Self(steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY))
     }
@@ -49,9 +46,7 @@ mod tests {
 
     fn gaps(t: &[f64]) -> Vec<usize> {
         let mut usual = UsualStep::new(t);
-        (1..t.len())
-            .filter(|row| usual.is_gap(t[*row] - t[row - 1]))
-            .collect()
+        (1..t.len()).filter(|row| usual.is_gap(t[*row] - t[row - 1])).collect()
     }
 
     fn stamps(steps: impl IntoIterator<Item = f64>) -> Vec<f64> {

@@ -30,11 +30,7 @@ pub(crate) fn join(names: &[String]) -> Result<String, LogError> {
 pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<String>, LogError> {
     if names.len() != n {
         let (file, found) = (file.into(), names.len());
-        return Err(LogError::JointNameCount {
-            file,
-            found,
-            expected: n,
-        });
+        return Err(LogError::JointNameCount { file, found, expected: n });
     }
     check(&names).map(|()| names)
 }
@@ -46,13 +42,8 @@ fn check(names: &[String]) -> Result<(), LogError> {
             && name.trim() == name
             && !name.contains(|c: char| c == ',' || c.is_control())
     };
-    match names
-        .iter()
-        .find(|name| !keepable(name) || !seen.insert(name.as_str()))
-    {
-        Some(name) => Err(LogError::JointName {
-            name: shown(name.as_bytes()),
-        }),
+    match names.iter().find(|name| !keepable(name) || !seen.insert(name.as_str())) {
+        Some(name) => Err(LogError::JointName { name: shown(name.as_bytes()) }),
         None => Ok(()),
     }
 }
@@ -74,27 +65,11 @@ mod tests {
 
     #[test]
     fn names_that_would_not_come_back_are_refused() {
-        for bad in [
-            ["a,b", "c"],
-            ["", "c"],
-            [" a", "c"],
-            ["a\n", "c"],
-            ["c", "c"],
-        ] {
+        for bad in [["a,b", "c"], ["", "c"], [" a", "c"], ["a\n", "c"], ["c", "c"]] {
             let refused = join(&bad.map(str::to_owned));
-            assert!(
-                matches!(refused, Err(LogError::JointName { .. })),
-                "{bad:?}"
-            );
+            assert!(matches!(refused, Err(LogError::JointName { .. })), "{bad:?}");
         }
         let one = checked(Path::new("a.csv"), parse("a"), 2);
-        assert!(matches!(
-            one,
-            Err(LogError::JointNameCount {
-                found: 1,
-                expected: 2,
-                ..
-            })
-        ));
+        assert!(matches!(one, Err(LogError::JointNameCount { found: 1, expected: 2, .. })));
     }
 }

@@ -30,10 +30,7 @@ impl Signal {
         let (signal, number) = name.split_at(digits);
         let signal = Self::ALL.into_iter().find(|known| known.name() == signal)?;
         let plain = number.bytes().all(|c| c.is_ascii_digit());
-        let number = number
-            .parse()
-            .ok()
-            .filter(|n| *n == 0 || !number.starts_with('0'));
+        let number = number.parse().ok().filter(|n| *n == 0 || !number.starts_with('0'));
         number.filter(|_| plain).map(|number| (signal, number))
     }
 }
@@ -57,11 +54,7 @@ impl Layout {
         let n_columns = names.len();
         if n_columns > MAX_COLUMNS {
             let file = file.into();
-            return Err(LogError::TooManyColumns {
-                file,
-                found: n_columns,
-                limit: MAX_COLUMNS,
-            });
+            return Err(LogError::TooManyColumns { file, found: n_columns, limit: MAX_COLUMNS });
         }
         let mut found = Found::default();
         for (column, name) in names.iter().enumerate() {
@@ -69,11 +62,7 @@ impl Layout {
         }
         let lacks = |missing| {
             let found = shown(names.join(", ").as_bytes());
-            LogError::NoColumn {
-                file: file.into(),
-                missing,
-                found,
-            }
+            LogError::NoColumn { file: file.into(), missing, found }
         };
         let t = found.t.ok_or_else(|| lacks("t"))?;
         if found.signals[Signal::Q as usize].is_empty() {
@@ -81,20 +70,10 @@ impl Layout {
         }
         let n_joints = found.count_joints(file)?;
         let signals = &found.signals;
-        let present = Signal::ALL
-            .into_iter()
-            .filter(|s| !signals[*s as usize].is_empty())
-            .collect();
-        let columns = std::iter::once(t)
-            .chain(signals.iter().flatten().map(|c| c.1))
-            .collect();
-        Ok(Self {
-            n_joints,
-            n_columns,
-            present,
-            columns,
-            ignored: found.ignored,
-        })
+        let present =
+            Signal::ALL.into_iter().filter(|s| !signals[*s as usize].is_empty()).collect();
+        let columns = std::iter::once(t).chain(signals.iter().flatten().map(|c| c.1)).collect();
+        Ok(Self { n_joints, n_columns, present, columns, ignored: found.ignored })
     }
 
     /// Number of joints n.
@@ -145,10 +124,7 @@ struct Found {
 
 impl Found {
     fn add(&mut self, file: &Path, column: usize, name: &str) -> Result<(), LogError> {
-        let twice = || LogError::DuplicateColumn {
-            file: file.into(),
-            column: name.into(),
-        };
+        let twice = || LogError::DuplicateColumn { file: file.into(), column: name.into() };
         if name == "t" {
             return self.t.replace(column).map_or(Ok(()), |_| Err(twice()));
         }
@@ -157,10 +133,7 @@ impl Found {
             return Ok(());
         };
         if joint == 0 {
-            return Err(LogError::ZeroBased {
-                file: file.into(),
-                column: name.into(),
-            });
+            return Err(LogError::ZeroBased { file: file.into(), column: name.into() });
         }
         let joints = &mut self.signals[signal as usize];
         match joints.binary_search_by_key(&joint, |found| found.0) {
@@ -175,9 +148,7 @@ impl Found {
     /// n, if every signal that occurs has joints 1…n.
     fn count_joints(&self, file: &Path) -> Result<usize, LogError> {
         let last = |signal: Signal| self.signals[signal as usize].last().map_or(0, |c| c.0);
-        let widest = Signal::ALL
-            .into_iter()
-            .max_by_key(|s| (last(*s), *s == Signal::Q));
+        let widest = Signal::ALL.into_iter().max_by_key(|s| (last(*s), *s == Signal::Q));
         let (widest, n) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));
         for signal in Signal::ALL {
             let joints = &self.signals[signal as usize];

@@ -25,24 +25,14 @@ pub(crate) enum Advance {
 
 impl<R: BufRead> Lines<R> {
     pub(crate) fn new(input: R) -> Self {
-        Self {
-            input,
-            line: Vec::new(),
-            number: 0,
-        }
+        Self { input, line: Vec::new(), number: 0 }
     }
 
     /// Reads the next line; its end (LF or CRLF) and a byte order mark are taken off.
     pub(crate) fn advance(&mut self) -> io::Result<Advance> {
         self.line.clear();
         let limit = MAX_LINE as u64 + 2;
-        if self
-            .input
-            .by_ref()
-            .take(limit)
-            .read_until(b'\n', &mut self.line)?
-            == 0
-        {
+        if self.input.by_ref().take(limit).read_until(b'\n', &mut self.line)? == 0 {
             return Ok(Advance::End);
         }
         self.number += 1;
@@ -54,11 +44,7 @@ impl<R: BufRead> Lines<R> {
         if self.number == 1 && self.line.starts_with(BYTE_ORDER_MARK) {
             self.line.drain(..BYTE_ORDER_MARK.len());
         }
-        Ok(if self.line.len() > MAX_LINE {
-            Advance::TooLong
-        } else {
-            Advance::Line
-        })
+        Ok(if self.line.len() > MAX_LINE { Advance::TooLong } else { Advance::Line })
     }
 
     /// The line last read.
@@ -142,17 +128,11 @@ mod tests {
         let mut lines = Lines::new("\u{feff}t,q1\r\n\n1,\r2".as_bytes());
         let mut read = Vec::new();
         while lines.advance().unwrap() == Advance::Line {
-            read.push((
-                lines.number(),
-                String::from_utf8_lossy(lines.line()).into_owned(),
-            ));
+            read.push((lines.number(), String::from_utf8_lossy(lines.line()).into_owned()));
         }
 
         let expected = [(1, "t,q1"), (2, ""), (3, "1,\r2")];
-        assert_eq!(
-            read,
-            expected.map(|(number, line)| (number, line.to_owned()))
-        );
+        assert_eq!(read, expected.map(|(number, line)| (number, line.to_owned())));
     }
 
     #[test]
@@ -165,9 +145,7 @@ mod tests {
 
     #[test]
     fn a_line_of_the_longest_length_is_read() {
-        let text = std::io::repeat(b'1')
-            .take(MAX_LINE as u64)
-            .chain(&b"\r\n2"[..]);
+        let text = std::io::repeat(b'1').take(MAX_LINE as u64).chain(&b"\r\n2"[..]);
         let mut lines = Lines::new(BufReader::new(text));
 
         assert_eq!(lines.advance().unwrap(), Advance::Line);

@@ -23,11 +23,7 @@ pub struct Contents {
 impl Default for Contents {
     /// All of them.
     fn default() -> Self {
-        Self {
-            dq: true,
-            ddq: true,
-            tau: true,
-        }
+        Self { dq: true, ddq: true, tau: true }
     }
 }
 
@@ -49,10 +45,7 @@ impl LogWriter {
     pub fn create(file: &Path, joints: &[String], contents: Contents) -> Result<Self, LogError> {
         let number = |name: String| Column::new(name, ColumnKind::Number);
         let mut columns = vec![number("t".into())];
-        for signal in Signal::ALL
-            .into_iter()
-            .filter(|signal| contents.has(*signal))
-        {
+        for signal in Signal::ALL.into_iter().filter(|signal| contents.has(*signal)) {
             let names = (1..=joints.len()).map(|joint| format!("{}{joint}", signal.name()));
             columns.extend(names.map(number));
         }
@@ -61,11 +54,7 @@ impl LogWriter {
         } else {
             TableWriter::create_with_joints(file, &columns, joints)?
         };
-        Ok(Self {
-            file: file.into(),
-            contents,
-            table,
-        })
+        Ok(Self { file: file.into(), contents, table })
     }
 
     /// Writes the rows of a block after those before.
@@ -76,28 +65,18 @@ impl LogWriter {
     /// [`TableWriter::append`] returns.
     pub fn append(&mut self, motion: &Motion) -> Result<(), LogError> {
         let mut columns = vec![motion.t().to_vec()];
-        for signal in Signal::ALL
-            .into_iter()
-            .filter(|signal| self.contents.has(*signal))
-        {
+        for signal in Signal::ALL.into_iter().filter(|signal| self.contents.has(*signal)) {
             let values: MatRef<'_, f64> = match signal {
                 Signal::Q => motion.q(),
                 Signal::Dq => motion.dq(),
                 Signal::Ddq => motion.ddq(),
-                Signal::Tau => motion.tau().ok_or_else(|| LogError::NoTorqueToWrite {
-                    file: self.file.clone(),
-                })?,
+                Signal::Tau => motion
+                    .tau()
+                    .ok_or_else(|| LogError::NoTorqueToWrite { file: self.file.clone() })?,
             };
-            columns.extend(
-                values
-                    .col_iter()
-                    .map(|column| column.iter().copied().collect()),
-            );
+            columns.extend(values.col_iter().map(|column| column.iter().copied().collect()));
         }
-        let values: Vec<_> = columns
-            .iter()
-            .map(|column| Values::Numbers(column))
-            .collect();
+        let values: Vec<_> = columns.iter().map(|column| Values::Numbers(column)).collect();
         self.table.append(&values)
     }
 
@@ -126,10 +105,7 @@ impl Contents {
 /// # Errors
 /// As [`LogWriter::create`], [`LogWriter::append`] and [`LogWriter::finish`].
 pub fn write_motion(file: &Path, motion: &Motion) -> Result<(), LogError> {
-    let contents = Contents {
-        tau: motion.tau().is_some(),
-        ..Contents::default()
-    };
+    let contents = Contents { tau: motion.tau().is_some(), ..Contents::default() };
     let mut writer = LogWriter::create(file, motion.joints(), contents)?;
     writer.append(motion)?;
     writer.finish()

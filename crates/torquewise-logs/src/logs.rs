@@ -33,18 +33,10 @@ impl Logs {
     /// [`LogError`] if a file cannot be opened, its header is not understood, or the files differ
     /// in the number or the names of their joints.
     pub fn open(paths: &[PathBuf]) -> Result<Self, LogError> {
-        let sources = paths
-            .iter()
-            .map(|path| Source::open(path))
-            .collect::<Result<Vec<_>, _>>()?;
+        let sources = paths.iter().map(|path| Source::open(path)).collect::<Result<Vec<_>, _>>()?;
         let joints = agreed_joints(&sources)?;
         let polynomial = LocalPolynomial::default();
-        Ok(Self {
-            sources,
-            paths: paths.to_vec(),
-            joints,
-            polynomial,
-        })
+        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial })
     }
 
     /// The same logs, with missing dq and ddq found by `polynomial`.
@@ -82,29 +74,16 @@ impl Logs {
     /// # Errors
     /// [`LogError::NoTorque`] names the first that does not.
     pub fn require_tau(&self) -> Result<(), LogError> {
-        match self
-            .sources
-            .iter()
-            .find(|source| source.layout.slot(Signal::Tau).is_none())
-        {
-            Some(source) => Err(LogError::NoTorque {
-                file: source.file.clone(),
-            }),
+        match self.sources.iter().find(|source| source.layout.slot(Signal::Tau).is_none()) {
+            Some(source) => Err(LogError::NoTorque { file: source.file.clone() }),
             None => Ok(()),
         }
     }
 
     /// Columns of any file that are not read, in alphabetical order.
     pub fn ignored_columns(&self) -> Vec<String> {
-        let ignored = self
-            .sources
-            .iter()
-            .flat_map(|source| source.layout.ignored());
-        ignored
-            .cloned()
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect()
+        let ignored = self.sources.iter().flat_map(|source| source.layout.ignored());
+        ignored.cloned().collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// All trajectories, whole: for logs that fit in memory.
@@ -120,19 +99,13 @@ impl Logs {
         })?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
-            joined(&self.joints, blocks).map_err(|source| LogError::Motion {
-                file,
-                row: 1,
-                source,
-            })
+            joined(&self.joints, blocks).map_err(|source| LogError::Motion { file, row: 1, source })
         };
         trajectories.iter().map(whole).collect()
     }
 
     fn all_have(&self, signal: Signal) -> bool {
-        self.sources
-            .iter()
-            .all(|source| source.layout.slot(signal).is_some())
+        self.sources.iter().all(|source| source.layout.slot(signal).is_some())
     }
 
     fn visit<E: From<LogError>>(
@@ -170,21 +143,11 @@ impl Recording for Logs {
 fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
     let first = sources.first().ok_or(LogError::NoFiles)?;
     let expected = first.layout.n_joints();
-    if let Some(other) = sources
-        .iter()
-        .find(|source| source.layout.n_joints() != expected)
-    {
+    if let Some(other) = sources.iter().find(|source| source.layout.n_joints() != expected) {
         let (file, found) = (other.file.clone(), other.layout.n_joints());
-        return Err(LogError::JointCount {
-            file,
-            found,
-            first: first.file.clone(),
-            expected,
-        });
+        return Err(LogError::JointCount { file, found, first: first.file.clone(), expected });
     }
-    let mut named = sources
-        .iter()
-        .filter_map(|s| Some((s.file.as_path(), s.joints.as_ref()?)));
+    let mut named = sources.iter().filter_map(|s| Some((s.file.as_path(), s.joints.as_ref()?)));
     let Some((first, expected)) = named.next() else {
         return Ok(joints::numbered(expected));
     };
@@ -219,16 +182,6 @@ fn joined(joints: &[String], blocks: &[Motion]) -> Result<Motion, MotionError> {
         }
         start += rows;
     }
-    let tau = blocks
-        .iter()
-        .all(|block| block.tau().is_some())
-        .then_some(tau);
-    Motion::new(Signals {
-        joints: joints.to_vec(),
-        t,
-        q,
-        dq,
-        ddq,
-        tau,
-    })
+    let tau = blocks.iter().all(|block| block.tau().is_some()).then_some(tau);
+    Motion::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })
 }

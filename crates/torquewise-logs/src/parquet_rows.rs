@@ -57,16 +57,10 @@ impl ParquetRows {
             .transpose()?;
         let mut used = layout.columns().to_vec();
         used.sort_unstable();
-        let batch_columns = layout
-            .columns()
-            .iter()
-            .map(|column| used.partition_point(|c| c < column))
-            .collect();
+        let batch_columns =
+            layout.columns().iter().map(|column| used.partition_point(|c| c < column)).collect();
         let mask = ProjectionMask::roots(builder.parquet_schema(), used);
-        let batches = builder
-            .with_projection(mask)
-            .with_batch_size(BLOCK_ROWS)
-            .build();
+        let batches = builder.with_projection(mask).with_batch_size(BLOCK_ROWS).build();
         Ok(Self {
             file: file.into(),
             layout,
@@ -81,10 +75,7 @@ impl ParquetRows {
 
     /// Decodes the next batch that has rows; `false` at the end.
     fn next_batch(&mut self) -> Result<bool, LogError> {
-        let refused = |source| LogError::RowGroup {
-            file: self.file.clone(),
-            source,
-        };
+        let refused = |source| LogError::RowGroup { file: self.file.clone(), source };
         while let Some(batch) = decode(&self.file, || Ok(self.batches.next()))? {
             let batch: RecordBatch = batch.map_err(refused)?;
             if batch.num_rows() == 0 {
@@ -94,11 +85,7 @@ impl ParquetRows {
                 let numbers = cast(batch.column(*column), &DataType::Float64).map_err(refused)?;
                 Ok(numbers.as_primitive::<Float64Type>().clone())
             };
-            self.batch = self
-                .batch_columns
-                .iter()
-                .map(numbers)
-                .collect::<Result<_, _>>()?;
+            self.batch = self.batch_columns.iter().map(numbers).collect::<Result<_, _>>()?;
             self.taken = 0;
             return Ok(true);
         }
@@ -108,20 +95,13 @@ impl ParquetRows {
     fn number(&self, slot: usize) -> Result<f64, LogError> {
         let column = || self.layout.name(slot);
         if self.batch[slot].is_null(self.taken) {
-            return Err(LogError::Null {
-                place: self.place(),
-                column: column(),
-            });
+            return Err(LogError::Null { place: self.place(), column: column() });
         }
         let value = self.batch[slot].value(self.taken);
         if value.is_finite() {
             return Ok(value);
         }
-        Err(LogError::NotFinite {
-            place: self.place(),
-            column: column(),
-            value,
-        })
+        Err(LogError::NotFinite { place: self.place(), column: column(), value })
     }
 }
 
@@ -148,11 +128,7 @@ impl Rows for ParquetRows {
     }
 
     fn place(&self) -> Place {
-        Place {
-            file: self.file.clone(),
-            row: self.row,
-            line: None,
-        }
+        Place { file: self.file.clone(), row: self.row, line: None }
     }
 }
 
@@ -164,15 +140,11 @@ fn decode<T>(file: &Path, work: impl FnOnce() -> Result<T, LogError>) -> Result<
 
 /// Whether no column chunk begins or ends before the file does, which the decoder takes on trust.
 fn chunks_are_in_the_file(metadata: &ParquetMetaData) -> bool {
-    metadata
-        .row_groups()
-        .iter()
-        .flat_map(RowGroupMetaData::columns)
-        .all(|chunk| {
-            chunk.compressed_size() >= 0
-                && chunk.data_page_offset() >= 0
-                && chunk.dictionary_page_offset().unwrap_or(0) >= 0
-        })
+    metadata.row_groups().iter().flat_map(RowGroupMetaData::columns).all(|chunk| {
+        chunk.compressed_size() >= 0
+            && chunk.data_page_offset() >= 0
+            && chunk.dictionary_page_offset().unwrap_or(0) >= 0
+    })
 }
 
 fn layout(file: &Path, builder: &Builder) -> Result<Layout, LogError> {
@@ -183,11 +155,7 @@ fn layout(file: &Path, builder: &Builder) -> Result<Layout, LogError> {
         let found = fields[*column].data_type();
         if !found.is_numeric() {
             let (column, found) = (layout.name(slot), found.to_string());
-            return Err(LogError::NotNumeric {
-                file: file.into(),
-                column,
-                found,
-            });
+            return Err(LogError::NotNumeric { file: file.into(), column, found });
         }
     }
     Ok(layout)

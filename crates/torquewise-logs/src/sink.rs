@@ -43,16 +43,10 @@ impl CsvSink {
         if let Some(joints) = joints {
             writeln!(temporary, "{CSV_COMMENT} {joints}").map_err(write_error(file))?;
         }
-        let mut writer = csv::WriterBuilder::new()
-            .comment(Some(b'#'))
-            .from_writer(temporary);
+        let mut writer = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(temporary);
         let header = writer.write_record(columns.iter().map(|column| &column.name));
         header.map_err(|source| write_error(file)(source.into()))?;
-        Ok(Self {
-            file: file.into(),
-            writer,
-            number: String::new(),
-        })
+        Ok(Self { file: file.into(), writer, number: String::new() })
     }
 
     fn write_row(&mut self, values: &[Values<'_>], row: usize) -> csv::Result<()> {
@@ -74,17 +68,13 @@ impl CsvSink {
 impl Sink for CsvSink {
     fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<(), LogError> {
         for row in 0..rows {
-            self.write_row(values, row)
-                .map_err(|source| write_error(&self.file)(source.into()))?;
+            self.write_row(values, row).map_err(|source| write_error(&self.file)(source.into()))?;
         }
         Ok(())
     }
 
     fn finish(self: Box<Self>) -> Result<(), LogError> {
-        let written = self
-            .writer
-            .into_inner()
-            .map_err(csv::IntoInnerError::into_error);
+        let written = self.writer.into_inner().map_err(csv::IntoInnerError::into_error);
         put_in_place(written.map_err(write_error(&self.file))?, &self.file)
     }
 }
@@ -120,11 +110,7 @@ impl ParquetSink {
             .build();
         let writer = ArrowWriter::try_new(temporary(file)?, schema.clone(), Some(properties));
         let writer = writer.map_err(parquet_error(file))?;
-        Ok(Self {
-            file: file.into(),
-            schema,
-            writer,
-        })
+        Ok(Self { file: file.into(), schema, writer })
     }
 }
 
@@ -145,19 +131,14 @@ impl Sink for ParquetSink {
     }
 
     fn finish(self: Box<Self>) -> Result<(), LogError> {
-        let written = self
-            .writer
-            .into_inner()
-            .map_err(parquet_error(&self.file))?;
+        let written = self.writer.into_inner().map_err(parquet_error(&self.file))?;
         put_in_place(written, &self.file)
     }
 }
 
 /// A new file in the folder of `file`, removed when dropped.
 fn temporary(file: &Path) -> Result<NamedTempFile, LogError> {
-    let folder = file
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
     builder.prefix(".torquewise-").suffix(".partial");
     #[cfg(unix)]
@@ -166,29 +147,19 @@ fn temporary(file: &Path) -> Result<NamedTempFile, LogError> {
         // Readable for whom the user's mask allows, like any new file.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    builder
-        .tempfile_in(folder.unwrap_or(Path::new(".")))
-        .map_err(write_error(file))
+    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(write_error(file))
 }
 
 fn put_in_place(written: NamedTempFile, file: &Path) -> Result<(), LogError> {
     written.as_file().sync_all().map_err(write_error(file))?;
-    written
-        .persist(file)
-        .map_err(|refused| write_error(file)(refused.error))?;
+    written.persist(file).map_err(|refused| write_error(file)(refused.error))?;
     Ok(())
 }
 
 fn write_error(file: &Path) -> impl Fn(io::Error) -> LogError {
-    move |source| LogError::Write {
-        file: file.into(),
-        source,
-    }
+    move |source| LogError::Write { file: file.into(), source }
 }
 
 fn parquet_error(file: &Path) -> impl Fn(ParquetError) -> LogError {
-    move |source| LogError::WriteParquet {
-        file: file.into(),
-        source,
-    }
+    move |source| LogError::WriteParquet { file: file.into(), source }
 }

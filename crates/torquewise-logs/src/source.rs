@@ -28,21 +28,14 @@ impl Source {
         let format = Format::of(file)?;
         let rows = rows(file, format)?;
         let joints = rows.joints().map(<[String]>::to_vec);
-        Ok(Self {
-            file: file.into(),
-            layout: rows.layout().clone(),
-            joints,
-            format,
-        })
+        Ok(Self { file: file.into(), layout: rows.layout().clone(), joints, format })
     }
 
     /// The rows, from the first one.
     pub(crate) fn rows(&self) -> Result<Box<dyn Rows>, LogError> {
         let rows = rows(&self.file, self.format)?;
         if *rows.layout() != self.layout {
-            return Err(LogError::Changed {
-                file: self.file.clone(),
-            });
+            return Err(LogError::Changed { file: self.file.clone() });
         }
         Ok(rows)
     }
@@ -52,10 +45,7 @@ fn rows(file: &Path, format: Format) -> Result<Box<dyn Rows>, LogError> {
     Ok(match format {
         Format::Csv => {
             let input = File::open(file).map_err(LogError::read(file))?;
-            Box::new(CsvRows::new(
-                file,
-                BufReader::with_capacity(BUFFER_BYTES, input),
-            )?)
+            Box::new(CsvRows::new(file, BufReader::with_capacity(BUFFER_BYTES, input))?)
         }
         Format::Parquet => Box::new(ParquetRows::open(file)?),
     })

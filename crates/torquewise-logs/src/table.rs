@@ -44,11 +44,7 @@ impl TableWriter {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints.as_deref())?),
             Format::Parquet => Box::new(ParquetSink::create(file, columns, joints)?),
         };
-        Ok(Self {
-            file: file.into(),
-            columns: columns.to_vec(),
-            sink,
-        })
+        Ok(Self { file: file.into(), columns: columns.to_vec(), sink })
     }
 
     /// Writes some rows: one slice per column, all of the same length.
@@ -76,33 +72,19 @@ impl TableWriter {
         let file = || self.file.clone();
         let (found, expected) = (values.len(), self.columns.len());
         if found != expected {
-            return Err(LogError::ValuesCount {
-                file: file(),
-                found,
-                expected,
-            });
+            return Err(LogError::ValuesCount { file: file(), found, expected });
         }
         let rows = values.first().map_or(0, |first| first.len());
         for (column, values) in self.columns.iter().zip(values) {
             let name = || column.name.clone();
             if values.kind() != column.kind {
                 let (found, expected) = (values.kind().name(), column.kind.name());
-                return Err(LogError::ValuesKind {
-                    file: file(),
-                    column: name(),
-                    found,
-                    expected,
-                });
+                return Err(LogError::ValuesKind { file: file(), column: name(), found, expected });
             }
             if values.len() != rows {
                 let (found, expected) = (values.len(), rows);
                 let column = name();
-                return Err(LogError::ValuesLength {
-                    file: file(),
-                    column,
-                    found,
-                    expected,
-                });
+                return Err(LogError::ValuesLength { file: file(), column, found, expected });
             }
         }
         Ok(())

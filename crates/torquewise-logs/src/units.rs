@@ -19,21 +19,9 @@ pub struct UnitWarning {
 
 impl fmt::Display for UnitWarning {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            column,
-            value,
-            limit,
-            units: (expected, likely),
-        } = self;
-        let what = if column == "t" {
-            "has steps of"
-        } else {
-            "reaches"
-        };
-        write!(
-            out,
-            "{column} {what} {value} {expected}, over {limit}: is it in {likely}? "
-        )?;
+        let Self { column, value, limit, units: (expected, likely) } = self;
+        let what = if column == "t" { "has steps of" } else { "reaches" };
+        write!(out, "{column} {what} {value} {expected}, over {limit}: is it in {likely}? ")?;
         write!(out, "Logs are read in SI units; convert it to {expected}")
     }
 }
@@ -52,12 +40,7 @@ pub fn unit_warnings(motion: &Motion) -> Vec<UnitWarning> {
     let mut warnings = Vec::new();
     if let Some(value) = median_step(motion.t()).filter(|step| *step > 0.5) {
         let units = ("s", "milliseconds");
-        warnings.push(UnitWarning {
-            column: "t".into(),
-            value,
-            limit: 0.5,
-            units,
-        });
+        warnings.push(UnitWarning { column: "t".into(), value, limit: 0.5, units });
     }
     for (signal, values, limit, units) in signals {
         let Some(values) = values else { continue };
@@ -65,12 +48,7 @@ pub fn unit_warnings(motion: &Motion) -> Vec<UnitWarning> {
             let value = largest(values, joint);
             if value > limit {
                 let column = format!("{signal}{}", joint + 1);
-                warnings.push(UnitWarning {
-                    column,
-                    value,
-                    limit,
-                    units,
-                });
+                warnings.push(UnitWarning { column, value, limit, units });
             }
         }
     }
@@ -78,9 +56,7 @@ pub fn unit_warnings(motion: &Motion) -> Vec<UnitWarning> {
 }
 
 fn largest(values: MatRef<'_, f64>, joint: usize) -> f64 {
-    (0..values.nrows())
-        .map(|row| values[(row, joint)].abs())
-        .fold(0.0, f64::max)
+    (0..values.nrows()).map(|row| values[(row, joint)].abs()).fold(0.0, f64::max)
 }
 
 fn median_step(t: &[f64]) -> Option<f64> {
@@ -96,9 +72,7 @@ mod tests {
     use torquewise_motion::{Motion, Signals};
 
     fn motion(step: f64, amplitude: f64) -> Motion {
-        let x = Mat::from_fn(20, 2, |row, joint| {
-            joint as f64 * amplitude * (row as f64).sin()
-        });
+        let x = Mat::from_fn(20, 2, |row, joint| joint as f64 * amplitude * (row as f64).sin());
         Motion::new(Signals {
             joints: vec!["hip".into(), "knee".into()],
             t: (0..20).map(|row| step * f64::from(row)).collect(),
@@ -114,10 +88,7 @@ mod tests {
     fn degrees_and_milliseconds_are_suspected() {
         let warnings = unit_warnings(&motion(1.0, 80.0));
 
-        let columns: Vec<_> = warnings
-            .iter()
-            .map(|warning| warning.column.as_str())
-            .collect();
+        let columns: Vec<_> = warnings.iter().map(|warning| warning.column.as_str()).collect();
         assert_eq!(columns, ["t", "q2"]);
         assert!(warnings[1].to_string().contains("is it in degrees?"));
     }

@@ -1,8 +1,5 @@
 //! Parquet files of foreign types, and files that are broken: an error, never a panic.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its ground gives way"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use arrow::array::{ArrayRef, Float32Array, Float64Array, Int32Array, StringArray, UInt8Array};
 use arrow::record_batch::RecordBatch;
@@ -31,9 +28,7 @@ fn read_columns(columns: Vec<(&str, ArrayRef)>) -> Result<Vec<Motion>, LogError>
     let folder: TempDir = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.parquet");
     let batch = RecordBatch::try_from_iter_with_nullable(
-        columns
-            .into_iter()
-            .map(|(name, values)| (name, values, true)),
+        columns.into_iter().map(|(name, values)| (name, values, true)),
     )
     .unwrap();
     let mut writer =
@@ -78,10 +73,7 @@ fn columns_of_any_numeric_type_in_any_order_are_read() {
     let motion = &read.unwrap()[0];
     assert_eq!(motion.t(), [-1.0, 2.0]);
     assert_eq!((motion.q()[(1, 0)], motion.dq()[(1, 0)]), (255.0, 7.0));
-    assert_eq!(
-        (motion.ddq()[(0, 0)], motion.require_tau().unwrap()[(1, 0)]),
-        (8.0, 0.25)
-    );
+    assert_eq!((motion.ddq()[(0, 0)], motion.require_tau().unwrap()[(1, 0)]), (8.0, 0.25));
 }
 
 #[test]
@@ -102,16 +94,8 @@ fn nulls_and_numbers_that_are_not_finite_are_named_by_row_and_column() {
     let null = read_columns(vec![t(), ("q1", holes)]).unwrap_err();
     let nan = read_columns(vec![t(), ("q1", numbers(&[0.0, f64::NAN, 0.0]))]).unwrap_err();
 
-    assert!(
-        null.to_string()
-            .contains("log.parquet, row 3, column q1 has no value"),
-        "{null}"
-    );
-    assert!(
-        nan.to_string()
-            .contains("log.parquet, row 2, column q1 is NaN"),
-        "{nan}"
-    );
+    assert!(null.to_string().contains("log.parquet, row 3, column q1 has no value"), "{null}");
+    assert!(nan.to_string().contains("log.parquet, row 2, column q1 is NaN"), "{nan}");
 }
 
 #[test]
@@ -120,24 +104,14 @@ fn files_without_rows_or_content_are_refused() {
 
     assert!(matches!(none, Err(LogError::NoRows { .. })));
     assert!(matches!(read_bytes(b""), Err(LogError::Empty { .. })));
-    assert!(matches!(
-        read_bytes(b"t,q1\n0,1\n"),
-        Err(LogError::Parquet { .. })
-    ));
-    assert!(matches!(
-        read_bytes(b"PAR1\0\0\0\0PAR1"),
-        Err(LogError::Parquet { .. })
-    ));
+    assert!(matches!(read_bytes(b"t,q1\n0,1\n"), Err(LogError::Parquet { .. })));
+    assert!(matches!(read_bytes(b"PAR1\0\0\0\0PAR1"), Err(LogError::Parquet { .. })));
 }
 
 #[test]
 fn a_truncated_file_is_refused_wherever_it_ends() {
     for end in 0..VALID.len() {
-        assert!(
-            read_bytes(&VALID[..end]).is_err(),
-            "{end} of {} bytes",
-            VALID.len()
-        );
+        assert!(read_bytes(&VALID[..end]).is_err(), "{end} of {} bytes", VALID.len());
     }
 }
 

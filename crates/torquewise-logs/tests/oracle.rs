@@ -27,20 +27,10 @@ fn oracle_states_of_the_reference_arm_are_read_as_they_stand() {
     let (read, tau) = (&parts[0], parts[0].require_tau().unwrap());
     assert_eq!((parts.len(), read.n_rows(), read.n_joints()), (1, 500, 3));
     for (row, line) in text.lines().skip(1).enumerate() {
-        let stands: Vec<f64> = line
-            .split(',')
-            .map(|number| number.parse().unwrap())
-            .collect();
+        let stands: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
         let signals = [read.q(), read.dq(), read.ddq(), tau];
-        let of_row = signals
-            .iter()
-            .flat_map(|x| (0..3).map(move |joint| x[(row, joint)]));
+        let of_row = signals.iter().flat_map(|x| (0..3).map(move |joint| x[(row, joint)]));
         let values = std::iter::once(read.t()[row]).chain(of_row);
-        assert!(
-            values
-                .map(f64::to_bits)
-                .eq(stands.iter().map(|x| x.to_bits())),
-            "row {row}"
-        );
+        assert!(values.map(f64::to_bits).eq(stands.iter().map(|x| x.to_bits())), "row {row}");
     }
 }

@@ -1,8 +1,5 @@
 //! Several files are one recording, and what does not belong together is refused.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its ground gives way"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use std::path::PathBuf;
 use tempfile::TempDir;
@@ -38,18 +35,10 @@ fn each_file_and_each_part_between_gaps_is_a_trajectory() {
         Ok(())
     })
     .unwrap();
-    let whole: Vec<_> = logs
-        .read_all()
-        .unwrap()
-        .iter()
-        .map(|part| part.t().to_vec())
-        .collect();
+    let whole: Vec<_> = logs.read_all().unwrap().iter().map(|part| part.t().to_vec()).collect();
 
     assert_eq!(rows, [(0, 4, false), (1, 2, false), (2, 2, true)]);
-    assert_eq!(
-        whole,
-        [vec![0.0, 1.0, 2.0, 3.0], vec![9.0, 10.0], vec![0.0, 0.1]]
-    );
+    assert_eq!(whole, [vec![0.0, 1.0, 2.0, 3.0], vec![9.0, 10.0], vec![0.0, 0.1]]);
 }
 
 #[test]
@@ -61,14 +50,8 @@ fn missing_signals_and_ignored_columns_are_told() {
     let both = Logs::open(&[full.clone(), bare.clone()]).unwrap();
     let one = Logs::open(std::slice::from_ref(&full)).unwrap();
 
-    assert_eq!(
-        (both.has_dq(), both.has_ddq(), both.has_tau()),
-        (false, false, false)
-    );
-    assert_eq!(
-        (one.has_dq(), one.has_ddq(), one.has_tau()),
-        (true, true, true)
-    );
+    assert_eq!((both.has_dq(), both.has_ddq(), both.has_tau()), (false, false, false));
+    assert_eq!((one.has_dq(), one.has_ddq(), one.has_tau()), (true, true, true));
     assert_eq!(both.ignored_columns(), ["alarm", "force", "mode"]);
     assert_eq!(both.paths(), [full, bare.clone()]);
     assert!(one.require_tau().is_ok());
@@ -89,12 +72,7 @@ fn one_named_file_names_the_joints_of_all() {
     assert_eq!(unnamed.joints(), ["joint1"]);
     assert_eq!(agreed.joints(), ["hip"]);
     assert_eq!(agreed.read_all().unwrap()[0].joints(), ["hip"]);
-    assert!(
-        refused
-            .to_string()
-            .contains("c.csv names its joints knee, "),
-        "{refused}"
-    );
+    assert!(refused.to_string().contains("c.csv names its joints knee, "), "{refused}");
 }
 
 #[test]
@@ -105,17 +83,7 @@ fn files_of_different_arms_are_refused() {
 
     let refused = Logs::open(&[one, two]).unwrap_err();
 
-    assert!(
-        matches!(
-            refused,
-            LogError::JointCount {
-                found: 2,
-                expected: 1,
-                ..
-            }
-        ),
-        "{refused}"
-    );
+    assert!(matches!(refused, LogError::JointCount { found: 2, expected: 1, .. }), "{refused}");
 }
 
 #[test]
@@ -126,10 +94,7 @@ fn files_that_cannot_be_opened_are_refused() {
 
     assert!(matches!(Logs::open(&[]), Err(LogError::NoFiles)));
     assert!(matches!(Logs::open(&[missing]), Err(LogError::Read { .. })));
-    assert!(matches!(
-        Logs::open(&[bag]),
-        Err(LogError::NotYetSupported { .. })
-    ));
+    assert!(matches!(Logs::open(&[bag]), Err(LogError::NotYetSupported { .. })));
     let folder = files.0.path().join("folder.csv");
     std::fs::create_dir(&folder).unwrap();
     assert!(matches!(Logs::open(&[folder]), Err(LogError::Read { .. })));
@@ -157,10 +122,7 @@ fn reading_stops_with_the_first_error_of_the_visitor() {
         Err("enough".into())
     });
 
-    assert_eq!(
-        (visits, stopped.unwrap_err().to_string().as_str()),
-        (1, "enough")
-    );
+    assert_eq!((visits, stopped.unwrap_err().to_string().as_str()), (1, "enough"));
 }
 
 #[test]

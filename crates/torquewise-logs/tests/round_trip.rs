@@ -1,8 +1,5 @@
 //! What is written is read back to the same bits, in either format.
-#![expect(
-    clippy::unwrap_used,
-    reason = "a test stops where its ground gives way"
-)]
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use faer::Mat;
 use proptest::prelude::*;
@@ -18,9 +15,7 @@ const FORMATS: [&str; 2] = ["log.csv", "log.parquet"];
 fn motion(joints: &[&str], rows: usize, values: &[f64], with_tau: bool) -> Motion {
     let n = joints.len();
     let signal = |offset: usize| {
-        Mat::from_fn(rows, n, |row, joint| {
-            values[(offset + row * n + joint) % values.len()]
-        })
+        Mat::from_fn(rows, n, |row, joint| values[(offset + row * n + joint) % values.len()])
     };
     Motion::new(Signals {
         joints: joints.iter().map(|name| (*name).to_owned()).collect(),
@@ -34,24 +29,11 @@ fn motion(joints: &[&str], rows: usize, values: &[f64], with_tau: bool) -> Motio
 }
 
 fn bits(motion: &Motion) -> Vec<u64> {
-    let signals = [
-        Some(motion.q()),
-        Some(motion.dq()),
-        Some(motion.ddq()),
-        motion.tau(),
-    ];
+    let signals = [Some(motion.q()), Some(motion.dq()), Some(motion.ddq()), motion.tau()];
     let columns = signals.into_iter().flatten().flat_map(|signal| {
-        signal
-            .col_iter()
-            .flat_map(|column| column.iter().copied().collect::<Vec<_>>())
+        signal.col_iter().flat_map(|column| column.iter().copied().collect::<Vec<_>>())
     });
-    motion
-        .t()
-        .iter()
-        .copied()
-        .chain(columns)
-        .map(f64::to_bits)
-        .collect()
+    motion.t().iter().copied().chain(columns).map(f64::to_bits).collect()
 }
 
 fn read_back(file: &Path) -> Vec<Motion> {
@@ -59,18 +41,13 @@ fn read_back(file: &Path) -> Vec<Motion> {
 }
 
 fn names_in(folder: &Path) -> Vec<PathBuf> {
-    std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect()
+    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
 }
 
 #[test]
 fn a_long_motion_comes_back_whole_and_in_blocks() {
     let folder = tempfile::tempdir().unwrap();
-    let values: Vec<f64> = (0..997)
-        .map(|k| (f64::from(k) * 0.731).sin() * 1e3)
-        .collect();
+    let values: Vec<f64> = (0..997).map(|k| (f64::from(k) * 0.731).sin() * 1e3).collect();
     let written = motion(&["shoulder pan", "łokieć"], 40_000, &values, true);
     let files = FORMATS.map(|name| folder.path().join(name));
 
@@ -98,11 +75,7 @@ fn a_long_motion_comes_back_whole_and_in_blocks() {
 fn contents_choose_the_columns() {
     let folder = tempfile::tempdir().unwrap();
     let wanted = motion(&["joint1", "joint2"], 30, &[0.5, -1.5], true);
-    let contents = Contents {
-        dq: false,
-        ddq: false,
-        tau: true,
-    };
+    let contents = Contents { dq: false, ddq: false, tau: true };
     for name in FORMATS {
         let file = folder.path().join(name);
 
@@ -111,10 +84,7 @@ fn contents_choose_the_columns() {
         writer.finish().unwrap();
 
         let logs = Logs::open(&[file]).unwrap();
-        assert_eq!(
-            (logs.has_dq(), logs.has_ddq(), logs.has_tau()),
-            (false, false, true)
-        );
+        assert_eq!((logs.has_dq(), logs.has_ddq(), logs.has_tau()), (false, false, true));
     }
     let csv = std::fs::read_to_string(folder.path().join("log.csv")).unwrap();
     assert_eq!(csv.lines().next(), Some("t,q1,q2,tau1,tau2"));
@@ -167,16 +137,8 @@ fn a_csv_table_holds_shortest_numbers_and_quoted_text() {
     let mut table = TableWriter::create(&file, &columns).unwrap();
     let texts = ["uniform, slow", "standstill"];
     let values = [Values::Counts(&[1, u64::MAX]), Values::Texts(&texts)];
-    table
-        .append(&[values[0], values[1], Values::Numbers(&[0.1, -1e-300])])
-        .unwrap();
-    table
-        .append(&[
-            Values::Counts(&[]),
-            Values::Texts(&[]),
-            Values::Numbers(&[]),
-        ])
-        .unwrap();
+    table.append(&[values[0], values[1], Values::Numbers(&[0.1, -1e-300])]).unwrap();
+    table.append(&[Values::Counts(&[]), Values::Texts(&[]), Values::Numbers(&[])]).unwrap();
     table.finish().unwrap();
 
     let expected = "row,pattern,tau1\n1,\"uniform, slow\",0.1\n\
@@ -195,29 +157,9 @@ fn values_that_do_not_fit_the_columns_are_refused() {
         let kind = table.append(&[Values::Numbers(&[1.0]), Values::Counts(&[1])]);
         let length = table.append(&[Values::Numbers(&[1.0]), Values::Numbers(&[])]);
 
-        assert!(matches!(
-            count,
-            Err(LogError::ValuesCount {
-                found: 1,
-                expected: 2,
-                ..
-            })
-        ));
-        assert!(matches!(
-            kind,
-            Err(LogError::ValuesKind {
-                found: "counts",
-                ..
-            })
-        ));
-        assert!(matches!(
-            length,
-            Err(LogError::ValuesLength {
-                found: 0,
-                expected: 1,
-                ..
-            })
-        ));
+        assert!(matches!(count, Err(LogError::ValuesCount { found: 1, expected: 2, .. })));
+        assert!(matches!(kind, Err(LogError::ValuesKind { found: "counts", .. })));
+        assert!(matches!(length, Err(LogError::ValuesLength { found: 0, expected: 1, .. })));
     }
 }
 

@@ -69,9 +69,7 @@ fn skew_defect(torque: &Torque, q: &[f64], dq: &[f64]) -> Result<f64, ModelError
 
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let m_dot_dq: Vec<f64> = (0..n)
-        .map(|i| {
-            (0..n).map(|j| (ahead[(i, j)] - behind[(i, j)]) / (2.0 * STEP) * dq[j]).sum()
-        })
+        .map(|i| (0..n).map(|j| (ahead[(i, j)] - behind[(i, j)]) / (2.0 * STEP) * dq[j]).sum())
         .collect();
     let coriolis: Vec<f64> = with.iter().zip(&without).map(|(a, b)| a - b).collect();
     let norm = |a: &[f64]| dot(a, a).sqrt();

@@ -41,7 +41,8 @@ pub fn to_json(model: &Model) -> Result<String, ModelError> {
 /// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if a newer
 /// program wrote it, [`ModelError::Shape`] or [`ModelError::NotFinite`] if its parts do not fit.
 pub fn from_json(text: &str) -> Result<Model, ModelError> {
-    let not_a_model = |error: serde_json::Error| ModelError::NotAModel { reason: error.to_string() };
+    let not_a_model =
+        |error: serde_json::Error| ModelError::NotAModel { reason: error.to_string() };
     let mut value: serde_json::Value = serde_json::from_str(text).map_err(not_a_model)?;
     let header: Header = serde_json::from_value(value.clone()).map_err(not_a_model)?;
     if header.format != FORMAT {

@@ -27,10 +27,8 @@ impl Degree {
     pub fn up_to(total: u8) -> Vec<Self> {
         (0..=total)
             .flat_map(|degree| {
-                (0..=degree).map(move |acceleration| Self {
-                    velocity: degree - acceleration,
-                    acceleration,
-                })
+                (0..=degree)
+                    .map(move |acceleration| Self { velocity: degree - acceleration, acceleration })
             })
             .collect()
     }
@@ -45,10 +43,12 @@ pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
             for sines in 0..=1 {
                 for cosines in 0..=order.saturating_sub(used + sines) {
                     if used + sines + cosines <= order {
-                        let grown = term
-                            .clone()
-                            .times(Trig::Sin, joint, 1, sines)
-                            .times(Trig::Cos, joint, 1, cosines);
+                        let grown = term.clone().times(Trig::Sin, joint, 1, sines).times(
+                            Trig::Cos,
+                            joint,
+                            1,
+                            cosines,
+                        );
                         longer.push((grown, used + sines + cosines));
                     }
                 }
@@ -123,7 +123,15 @@ pub fn energy_library(n_joints: usize, interaction: Option<usize>) -> Vec<Energy
             // Mᵢⱼ is independent of the joints up to i, linear in those between, and quadratic in
             // those beyond j.
             let harmonics: Vec<u8> = (0..n_joints)
-                .map(|k| if k <= i { 0 } else if k <= j { 1 } else { 2 })
+                .map(|k| {
+                    if k <= i {
+                        0
+                    } else if k <= j {
+                        1
+                    } else {
+                        2
+                    }
+                })
                 .collect();
             for function in harmonic_functions(n_joints, &harmonics, limit) {
                 library.push(EnergyTerm { place: Place::Inertia(i, j), function });

@@ -198,16 +198,26 @@ impl Factor {
         let function = if self.function == Trig::Sin { r"\sin" } else { r"\cos" };
         let power = if self.power > 1 { format!("^{{{}}}", self.power) } else { String::new() };
         let angle = self.angle(|joint| format!("q_{{{joint}}}"), r"\,");
-        let plain = self.multiples.iter().filter(|&&k| k != 0).count() == 1
-            && self.multiples.contains(&1);
-        if plain { format!("{function}{power} {angle}") } else { format!("{function}{power}({angle})") }
+        let plain =
+            self.multiples.iter().filter(|&&k| k != 0).count() == 1 && self.multiples.contains(&1);
+        if plain {
+            format!("{function}{power} {angle}")
+        } else {
+            format!("{function}{power}({angle})")
+        }
     }
 
     /// The angle as text: `q2`, `2*q2`, `q2+q3`.
     fn angle(&self, joint: impl Fn(usize) -> String, times: &str) -> String {
         let mut text = String::new();
         for (j, &k) in self.multiples.iter().enumerate().filter(|&(_, &k)| k != 0) {
-            let sign = if k < 0 { "-" } else if text.is_empty() { "" } else { "+" };
+            let sign = if k < 0 {
+                "-"
+            } else if text.is_empty() {
+                ""
+            } else {
+                "+"
+            };
             let count = if k.abs() == 1 { String::new() } else { format!("{}{times}", k.abs()) };
             // Writing to a String cannot fail.
             let _ = write!(text, "{sign}{count}{}", joint(j + 1));
@@ -245,10 +255,7 @@ mod tests {
     fn a_term_reads_as_its_formula() {
         assert_eq!(sample().name(), "sin(q2)*cos(q3)^2*dq1*dq2");
         assert_eq!(Term::one(2).name(), "1");
-        assert_eq!(
-            sample().latex(),
-            r"\sin q_{2}\,\cos^{2} q_{3}\,\dot q_{1}\,\dot q_{2}"
-        );
+        assert_eq!(sample().latex(), r"\sin q_{2}\,\cos^{2} q_{3}\,\dot q_{1}\,\dot q_{2}");
     }
 
     #[test]
@@ -261,8 +268,8 @@ mod tests {
             let mut behind = q;
             ahead[joint] += h;
             behind[joint] -= h;
-            let slope =
-                (sample().value(&ahead, &dq, &ddq) - sample().value(&behind, &dq, &ddq)) / (2.0 * h);
+            let slope = (sample().value(&ahead, &dq, &ddq) - sample().value(&behind, &dq, &ddq))
+                / (2.0 * h);
             let exact: f64 = sample()
                 .derivative(joint)
                 .iter()

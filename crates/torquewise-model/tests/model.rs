@@ -34,7 +34,8 @@ fn two_link() -> (Arm, Model) {
         weighted(inertia(1, 1, &one), bent[(1, 1)]),
     ];
     // τ₁ = ∂V/∂q₁ at two states gives the two weights of the potential.
-    for (first, second) in [(Trig::Sin, None), (Trig::Sin, Some(Trig::Cos)), (Trig::Cos, Some(Trig::Sin))]
+    for (first, second) in
+        [(Trig::Sin, None), (Trig::Sin, Some(Trig::Cos)), (Trig::Cos, Some(Trig::Sin))]
     {
         let mut function = one.clone().times(first, 0, 1, 1);
         if let Some(second) = second {
@@ -195,5 +196,8 @@ fn equations_read_as_formulas() {
 
     assert!(plain.contains("M11 =") && plain.contains("V =") && plain.contains("tau2 ="));
     assert!(plain.contains("* cos(q2)*ddq1"), "{plain}");
-    assert!(tex.starts_with(r"\begin{align*}") && tex.contains(r"\cos q_{2}\,\ddot q_{1}"), "{tex}");
+    assert!(
+        tex.starts_with(r"\begin{align*}") && tex.contains(r"\cos q_{2}\,\ddot q_{1}"),
+        "{tex}"
+    );
 }

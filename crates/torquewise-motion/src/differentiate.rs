@@ -21,15 +21,9 @@ impl LocalPolynomial {
     /// [`MotionError::Window`] unless 1 ≤ `degree` ≤ 2·`half_window`.
     pub fn new(half_window: usize, degree: usize) -> Result<Self, MotionError> {
         if degree == 0 || degree.div_ceil(2) > half_window {
-            return Err(MotionError::Window {
-                half_window,
-                degree,
-            });
+            return Err(MotionError::Window { half_window, degree });
         }
-        Ok(Self {
-            half_window,
-            degree,
-        })
+        Ok(Self { half_window, degree })
     }
 
     /// Rows on each side of the middle one.
@@ -49,11 +43,7 @@ impl LocalPolynomial {
 
     /// Rows that the polynomial at `row` of `n_rows` is fitted to.
     fn window(self, row: usize, n_rows: usize) -> Range<usize> {
-        let width = self
-            .half_window
-            .saturating_mul(2)
-            .saturating_add(1)
-            .min(n_rows);
+        let width = self.half_window.saturating_mul(2).saturating_add(1).min(n_rows);
         let start = row.saturating_sub(self.half_window).min(n_rows - width);
         start..start + width
     }
@@ -62,10 +52,7 @@ impl LocalPolynomial {
 impl Default for LocalPolynomial {
     /// Degree 4 on 21 rows: at 100 Hz, q̈ of a 1 Hz sine is right to 1 %.
     fn default() -> Self {
-        Self {
-            half_window: 10,
-            degree: 4,
-        }
+        Self { half_window: 10, degree: 4 }
     }
 }
 
@@ -129,28 +116,17 @@ fn check(
         return Err(MotionError::Order { order, degree });
     }
     if rows < polynomial.min_rows() {
-        return Err(MotionError::TooFewRows {
-            rows,
-            needed: polynomial.min_rows(),
-        });
+        return Err(MotionError::TooFewRows { rows, needed: polynomial.min_rows() });
     }
     if let Some(row) = t.iter().position(|t| !t.is_finite()) {
-        return Err(MotionError::NotFinite {
-            signal: "t",
-            joint: 0,
-            row,
-        });
+        return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
     }
     if let Some(before) = t.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(MotionError::TimeOrder { row: before + 1 });
     }
     for joint in 0..columns {
         if let Some(row) = (0..rows).find(|&row| !x[(row, joint)].is_finite()) {
-            return Err(MotionError::NotFinite {
-                signal: "x",
-                joint,
-                row,
-            });
+            return Err(MotionError::NotFinite { signal: "x", joint, row });
         }
     }
     Ok(())
@@ -197,20 +173,13 @@ impl Stencil {
                 *weight += gain * p;
             }
             if k < self.degree {
-                let moment: f64 = self
-                    .u
-                    .iter()
-                    .zip(&self.current)
-                    .map(|(u, p)| u * p * p)
-                    .sum();
+                let moment: f64 = self.u.iter().zip(&self.current).map(|(u, p)| u * p * p).sum();
                 self.raise(moment / norm, norm / norm_previous);
                 norm_previous = norm;
             }
         }
         let per_unit = (0..self.order).fold(1.0, |product, _| product / scale);
-        self.weights
-            .iter_mut()
-            .for_each(|weight| *weight *= per_unit);
+        self.weights.iter_mut().for_each(|weight| *weight *= per_unit);
     }
 
     /// Sets P₀ = 1 and returns the half width of the window \[s\].
@@ -218,11 +187,9 @@ impl Stencil {
         let half_width = 0.5 * (t[t.len() - 1] - t[0]);
         self.u.clear();
         self.u.extend(t.iter().map(|t| (t - at) / half_width));
-        for (values, first) in [
-            (&mut self.weights, 0.0),
-            (&mut self.previous, 0.0),
-            (&mut self.current, 1.0),
-        ] {
+        for (values, first) in
+            [(&mut self.weights, 0.0), (&mut self.previous, 0.0), (&mut self.current, 1.0)]
+        {
             values.clear();
             values.resize(t.len(), first);
         }
@@ -240,11 +207,7 @@ impl Stencil {
             *previous = (u - a) * current - b * *previous;
         }
         for r in 0..=self.order {
-            let inner = if r == 0 {
-                0.0
-            } else {
-                r as f64 * self.slopes[r - 1]
-            };
+            let inner = if r == 0 { 0.0 } else { r as f64 * self.slopes[r - 1] };
             self.slopes_previous[r] = inner - a * self.slopes[r] - b * self.slopes_previous[r];
         }
         std::mem::swap(&mut self.previous, &mut self.current);

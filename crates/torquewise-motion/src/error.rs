@@ -22,11 +22,7 @@ pub enum MotionError {
         "{signal}{} is not finite at row {row}: drop the row or repair the signal",
         joint + 1
     )]
-    NotFinite {
-        signal: &'static str,
-        joint: usize,
-        row: usize,
-    },
+    NotFinite { signal: &'static str, joint: usize, row: usize },
     #[error("{0} is missing, and this work needs it")]
     Missing(&'static str),
     #[error(

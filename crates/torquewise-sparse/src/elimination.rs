@@ -91,9 +91,7 @@ impl Equations {
         // Columns of unit length, lest units decide what is singular.
         let length: Vec<f64> = active.iter().map(|&j| self.information[(j, j)].sqrt()).collect();
         let pick = |from: &Mat<f64>| {
-            Mat::from_fn(size, size, |i, j| {
-                from[(active[i], active[j])] / (length[i] * length[j])
-            })
+            Mat::from_fn(size, size, |i, j| from[(active[i], active[j])] / (length[i] * length[j]))
         };
         let inverse = cholesky::inverse(pick(&self.information))?;
         let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
@@ -103,7 +101,8 @@ impl Equations {
             let solved: f64 =
                 (0..size).map(|i| inverse[(j, i)] * self.right[active[i]] / length[i]).sum();
             let variance: f64 = (0..size).map(|i| half[(j, i)] * inverse[(i, j)]).sum();
-            let (coefficient, std_error) = (solved / length[j], variance.max(0.0).sqrt() / length[j]);
+            let (coefficient, std_error) =
+                (solved / length[j], variance.max(0.0).sqrt() / length[j]);
             let resolved = coefficient.abs() > self.floor[column];
             let t = if resolved { coefficient / std_error.max(f64::MIN_POSITIVE) } else { 0.0 };
             fit.coefficients.push(coefficient);

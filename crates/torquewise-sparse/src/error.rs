@@ -6,19 +6,11 @@
 #[non_exhaustive]
 pub enum SparseError {
     #[error("{what} has {found} entries, expected {expected}")]
-    Shape {
-        what: &'static str,
-        found: usize,
-        expected: usize,
-    },
+    Shape { what: &'static str, found: usize, expected: usize },
     #[error("{what} is not finite at entry {entry}: filter the log or drop the sample")]
     NotFinite { what: &'static str, entry: usize },
     #[error("{setting} is {found}, expected {expected}: correct it")]
-    Setting {
-        setting: &'static str,
-        found: f64,
-        expected: &'static str,
-    },
+    Setting { setting: &'static str, found: f64, expected: &'static str },
     #[error("column {column} of a problem with {columns}: count columns from 0")]
     Column { column: usize, columns: usize },
     #[error(

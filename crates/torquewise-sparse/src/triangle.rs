@@ -85,8 +85,7 @@ fn upper_factor(mut stacked: Mat<f64>) -> Mat<f64> {
     let (m, k) = (stacked.nrows(), stacked.ncols());
     let block = factor::recommended_block_size::<f64>(m, k);
     let mut coefficients = Mat::zeros(block, m.min(k));
-    let scratch =
-        factor::qr_in_place_scratch::<f64>(m, k, block, Par::Seq, faer::Spec::default());
+    let scratch = factor::qr_in_place_scratch::<f64>(m, k, block, Par::Seq, faer::Spec::default());
     let mut memory = MemBuffer::new(scratch);
     factor::qr_in_place(
         stacked.as_mut(),

@@ -96,12 +96,7 @@ fn end_of_raw_string(code: &[char], start: usize) -> Option<usize> {
     }
     let closes = |at: usize| {
         code[at] == '"'
-            && code[at + 1..]
-                .iter()
-                .take(hashes)
-                .filter(|&&c| c == '#')
-                .count()
-                == hashes
+            && code[at + 1..].iter().take(hashes).filter(|&&c| c == '#').count() == hashes
     };
     let end = (quote + 1..code.len()).find(|&at| closes(at));
     Some(end.map_or(code.len(), |at| at + 1 + hashes))
@@ -117,10 +112,7 @@ mod tests {
 
     #[test]
     fn comments_become_blanks_and_lines_stay() {
-        assert_eq!(
-            blanked("a // {\nb /* { /* } */ */ c"),
-            "a     \nb                 c"
-        );
+        assert_eq!(blanked("a // {\nb /* { /* } */ */ c"), "a     \nb                 c");
     }
 
     #[test]
@@ -135,10 +127,7 @@ mod tests {
 
     #[test]
     fn a_lifetime_is_code() {
-        assert_eq!(
-            blanked("fn f<'a>(x: &'a str) {}"),
-            "fn f<'a>(x: &'a str) {}"
-        );
+        assert_eq!(blanked("fn f<'a>(x: &'a str) {}"), "fn f<'a>(x: &'a str) {}");
     }
 
     #[test]

@@ -26,19 +26,14 @@ pub(crate) struct Item {
     pub(crate) is_public: bool,
 }
 
-const KEYWORDS: [&str; 8] = [
-    "fn", "struct", "enum", "trait", "type", "const", "static", "mod",
-];
+const KEYWORDS: [&str; 8] = ["fn", "struct", "enum", "trait", "type", "const", "static", "mod"];
 
 /// The modules a file declares, in the order it declares them.
 pub(crate) fn children(code: &[char]) -> Vec<Child> {
     let declared = items(code).into_iter().filter(|item| item.keyword == "mod");
     declared
         .filter(|item| ends_in_semicolon(code, item))
-        .map(|item| Child {
-            name: item.name,
-            line: item.line,
-        })
+        .map(|item| Child { name: item.name, line: item.line })
         .collect()
 }
 
@@ -50,10 +45,7 @@ fn ends_in_semicolon(code: &[char], item: &Item) -> bool {
 
 /// Every function that has a body, or is declared without one.
 pub(crate) fn functions(code: &[char]) -> Vec<Item> {
-    items(code)
-        .into_iter()
-        .filter(|item| item.keyword == "fn")
-        .collect()
+    items(code).into_iter().filter(|item| item.keyword == "fn").collect()
 }
 
 /// Every named item, in order.
@@ -89,10 +81,7 @@ pub(crate) fn items(code: &[char]) -> Vec<Item> {
 
 /// Whether the line of `at` begins with a plain `pub`.
 fn follows_pub(code: &[char], at: usize) -> bool {
-    let start = code[..at]
-        .iter()
-        .rposition(|&c| c == '\n')
-        .map_or(0, |newline| newline + 1);
+    let start = code[..at].iter().rposition(|&c| c == '\n').map_or(0, |newline| newline + 1);
     let first = skip_space(code, start);
     word_at(code, first, "pub") && code.get(first + 3) != Some(&'(')
 }
@@ -121,18 +110,12 @@ mod tests {
         let found = functions(&code(text));
 
         assert_eq!((found[0].line, found[0].n_lines), (2, 5));
-        assert!(
-            !found[0].is_public,
-            "it is public in its type, not in the module"
-        );
+        assert!(!found[0].is_public, "it is public in its type, not in the module");
     }
 
     #[test]
     fn a_pointer_declares_nothing() {
-        assert_eq!(
-            items(&code("x: fn(f64) -> f64, y: *const T, z: &'static str")),
-            []
-        );
+        assert_eq!(items(&code("x: fn(f64) -> f64, y: *const T, z: &'static str")), []);
     }
 
     #[test]

@@ -19,10 +19,7 @@ pub(crate) fn paths_from(code: &[char], first: &str) -> Vec<Reference> {
     let mut found = Vec::new();
     for at in (0..code.len()).filter(begins) {
         for segments in leaves(code, at) {
-            found.push(Reference {
-                segments,
-                line: line_of(code, at),
-            });
+            found.push(Reference { segments, line: line_of(code, at) });
         }
     }
     found
@@ -42,10 +39,7 @@ pub(crate) fn public_uses(code: &[char]) -> Vec<Reference> {
         }
         let tree = skip_space(code, word + 3);
         for segments in leaves(&code[..end_of_use(code, tree)], tree) {
-            found.push(Reference {
-                segments,
-                line: line_of(code, at),
-            });
+            found.push(Reference { segments, line: line_of(code, at) });
         }
     }
     found
@@ -126,10 +120,7 @@ mod tests {
     use super::*;
 
     fn joined(references: &[Reference]) -> Vec<(String, usize)> {
-        references
-            .iter()
-            .map(|r| (r.segments.join("::"), r.line))
-            .collect()
+        references.iter().map(|r| (r.segments.join("::"), r.line)).collect()
     }
 
     #[test]
@@ -139,20 +130,14 @@ mod tests {
         let found = joined(&paths_from(&code, "crate"));
 
         let paths: Vec<&str> = found.iter().map(|(path, _)| path.as_str()).collect();
-        assert_eq!(
-            paths,
-            ["crate::a::B", "crate::a::c::D", "crate::e", "crate::g"]
-        );
+        assert_eq!(paths, ["crate::a::B", "crate::a::c::D", "crate::e", "crate::g"]);
     }
 
     #[test]
     fn a_path_in_an_expression_is_found_with_its_line() {
         let code: Vec<char> = "fn f() {\n  crate::gram::add(x)\n}".chars().collect();
 
-        assert_eq!(
-            joined(&paths_from(&code, "crate")),
-            [("crate::gram::add".to_owned(), 2)]
-        );
+        assert_eq!(joined(&paths_from(&code, "crate")), [("crate::gram::add".to_owned(), 2)]);
     }
 
     #[test]
@@ -178,10 +163,7 @@ mod tests {
 
         let found = joined(&public_uses(&code));
 
-        let names: Vec<&str> = found
-            .iter()
-            .filter_map(|(p, _)| p.rsplit("::").next())
-            .collect();
+        let names: Vec<&str> = found.iter().filter_map(|(p, _)| p.rsplit("::").next()).collect();
         assert_eq!(names, ["B", "D", "*"]);
     }
 

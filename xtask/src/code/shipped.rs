@@ -31,9 +31,7 @@ mod tests {
 
     #[test]
     fn a_test_module_is_cut_and_what_follows_stays() {
-        let code: Vec<char> = "a\n#[cfg(test)]\nmod tests { fn b() {} }\nc"
-            .chars()
-            .collect();
+        let code: Vec<char> = "a\n#[cfg(test)]\nmod tests { fn b() {} }\nc".chars().collect();
 
         let kept: String = shipped(&code).into_iter().collect();
 

@@ -38,19 +38,10 @@ fn dead_paths(text: &str, exists: impl Fn(&str) -> bool) -> Vec<Violation> {
 
 /// Paths in backticks, and link targets that are no web addresses.
 fn named_paths(line: &str) -> Vec<&str> {
-    let quoted = line
-        .split('`')
-        .skip(1)
-        .step_by(2)
-        .filter(|token| is_path(token));
-    let links = line
-        .split("](")
-        .skip(1)
-        .filter_map(|rest| rest.split(')').next());
+    let quoted = line.split('`').skip(1).step_by(2).filter(|token| is_path(token));
+    let links = line.split("](").skip(1).filter_map(|rest| rest.split(')').next());
     let local = links.filter(|link| !link.contains("://") && !link.starts_with('#'));
-    quoted
-        .chain(local.filter_map(|link| link.split('#').next()))
-        .collect()
+    quoted.chain(local.filter_map(|link| link.split('#').next())).collect()
 }
 
 /// Something with a `/`, or a document by its ending; `lib.rs` names no one file.
@@ -67,36 +58,24 @@ mod tests {
 
     fn messages(text: &str) -> Vec<String> {
         let exists = |path: &str| path == "docs/method.md";
-        dead_paths(text, exists)
-            .iter()
-            .map(ToString::to_string)
-            .collect()
+        dead_paths(text, exists).iter().map(ToString::to_string).collect()
     }
 
     #[test]
     fn a_path_that_does_not_exist_is_reported_with_its_line() {
         let found = messages("See `docs/method.md`.\nSee `docs/gone.md`.");
 
-        assert_eq!(
-            found,
-            ["ARCHITECTURE.md:2: `docs/gone.md` does not exist: name what does"]
-        );
+        assert_eq!(found, ["ARCHITECTURE.md:2: `docs/gone.md` does not exist: name what does"]);
     }
 
     #[test]
     fn a_link_is_a_path_unless_it_leads_to_the_web() {
-        assert_eq!(
-            messages("[a](docs/method.md#e3) [b](https://example.org) [c](#d)"),
-            [""; 0]
-        );
+        assert_eq!(messages("[a](docs/method.md#e3) [b](https://example.org) [c](#d)"), [""; 0]);
         assert_eq!(messages("[a](docs/gone.md)").len(), 1);
     }
 
     #[test]
     fn code_that_is_no_path_is_left_alone() {
-        assert_eq!(
-            messages("`cargo xtask ci`, `a::b`, `lib.rs`, `Motion`"),
-            [""; 0]
-        );
+        assert_eq!(messages("`cargo xtask ci`, `a::b`, `lib.rs`, `Motion`"), [""; 0]);
     }
 }

@@ -34,9 +34,7 @@ fn globs(source: &Source) -> Vec<Violation> {
 
 fn n_public_names(root: &Source) -> usize {
     let own = items(&root.shipped).into_iter();
-    let n_own = own
-        .filter(|item| item.is_public && item.keyword != "mod")
-        .count();
+    let n_own = own.filter(|item| item.is_public && item.keyword != "mod").count();
     n_own + public_uses(&root.shipped).len()
 }
 
@@ -47,19 +45,13 @@ mod tests {
 
     fn messages(text: &str) -> Vec<String> {
         let package = package("sparse", "", &[("src/lib.rs", text)]);
-        check(&package)
-            .into_iter()
-            .map(|violation| violation.message)
-            .collect()
+        check(&package).into_iter().map(|violation| violation.message).collect()
     }
 
     #[test]
     fn the_twenty_first_name_is_reported() {
         let names: Vec<String> = (0..19).map(|k| format!("N{k}")).collect();
-        let root = format!(
-            "pub mod a;\npub use a::{{{}}};\npub fn f() {{}}\n",
-            names.join(", ")
-        );
+        let root = format!("pub mod a;\npub use a::{{{}}};\npub fn f() {{}}\n", names.join(", "));
 
         assert_eq!(messages(&root), [""; 0]);
         assert!(messages(&(root + "pub struct S;"))[0].starts_with("21 public names"));

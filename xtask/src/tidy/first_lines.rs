@@ -28,33 +28,20 @@ mod tests {
     use super::*;
 
     fn is_reported(within: &str, text: &str) -> bool {
-        check(&Source::new(
-            "crates/a",
-            &format!("crates/a/{within}"),
-            text,
-        ))
-        .is_some()
+        check(&Source::new("crates/a", &format!("crates/a/{within}"), text)).is_some()
     }
 
     #[test]
     fn a_module_says_what_becomes_what() {
-        assert!(!is_reported(
-            "src/gram.rs",
-            "//! Moments → Gram matrix: one pass.\n"
-        ));
+        assert!(!is_reported("src/gram.rs", "//! Moments → Gram matrix: one pass.\n"));
         assert!(is_reported("src/gram.rs", "//! Gram matrices.\n"));
         assert!(is_reported("src/gram.rs", "use faer::Mat;\n"));
     }
 
     #[test]
     fn roots_errors_and_tests_need_no_arrow_but_a_line() {
-        for within in [
-            "src/lib.rs",
-            "src/main.rs",
-            "src/error.rs",
-            "src/a/tests.rs",
-            "tests/b.rs",
-        ] {
+        for within in ["src/lib.rs", "src/main.rs", "src/error.rs", "src/a/tests.rs", "tests/b.rs"]
+        {
             assert!(!is_reported(within, "//! What it is.\n"), "{within}");
             assert!(is_reported(within, ""), "{within}");
         }

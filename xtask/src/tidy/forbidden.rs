@@ -6,18 +6,9 @@ use crate::workspace::Source;
 
 /// Not even in tests, and what to do instead.
 const NOWHERE: [(&str, &str); 5] = [
-    (
-        "#[allow(",
-        "obey the lint, or say why with #[expect(…, reason = …)]",
-    ),
-    (
-        "#![allow(",
-        "obey the lint, or say why with #![expect(…, reason = …)]",
-    ),
-    (
-        "#[ignore",
-        "a test that does not run proves nothing: run it or drop it",
-    ),
+    ("#[allow(", "obey the lint, or say why with #[expect(…, reason = …)]"),
+    ("#![allow(", "obey the lint, or say why with #![expect(…, reason = …)]"),
+    ("#[ignore", "a test that does not run proves nothing: run it or drop it"),
     ("#[should_panic", "assert the error instead"),
     ("dbg!(", "drop it"),
 ];
@@ -31,12 +22,8 @@ const ONLY_IN_TESTS: [(&str, &str); 4] = [
 ];
 
 /// Crates that may open files; every other one takes bytes and returns text.
-const MAY_OPEN_FILES: [&str; 4] = [
-    "crates/torquewise-logs/",
-    "crates/torquewise-model/",
-    "crates/torquewise-cli/",
-    "xtask/",
-];
+const MAY_OPEN_FILES: [&str; 4] =
+    ["crates/torquewise-logs/", "crates/torquewise-model/", "crates/torquewise-cli/", "xtask/"];
 
 /// Every forbidden piece of code, with its line.
 pub(crate) fn check(source: &Source) -> Vec<Violation> {
@@ -45,10 +32,7 @@ pub(crate) fn check(source: &Source) -> Vec<Violation> {
         return violations;
     }
     violations.extend(find(source, &source.shipped, &ONLY_IN_TESTS));
-    if !MAY_OPEN_FILES
-        .iter()
-        .any(|folder| source.path.starts_with(folder))
-    {
+    if !MAY_OPEN_FILES.iter().any(|folder| source.path.starts_with(folder)) {
         let instead = "only logs, model and the command line touch files: take bytes instead";
         violations.extend(find(source, &source.shipped, &[("std::fs", instead)]));
     }
@@ -92,18 +76,12 @@ mod tests {
     fn a_lint_is_silenced_nowhere() {
         assert!(is_reported(SHIPPED, "#[allow(dead_code)]\nfn f() {}"));
         assert!(is_reported(TESTS, "#[allow(dead_code)]\nfn f() {}"));
-        assert!(!is_reported(
-            SHIPPED,
-            "#[expect(dead_code, reason = \"why\")]\nfn f() {}"
-        ));
+        assert!(!is_reported(SHIPPED, "#[expect(dead_code, reason = \"why\")]\nfn f() {}"));
     }
 
     #[test]
     fn a_doc_example_may_unwrap() {
-        assert!(!is_reported(
-            SHIPPED,
-            "/// let x = f().unwrap();\nfn f() {}"
-        ));
+        assert!(!is_reported(SHIPPED, "/// let x = f().unwrap();\nfn f() {}"));
     }
 
     #[test]

@@ -16,11 +16,7 @@ const fn layer(
     may_import: &'static [&'static str],
     tests_may_also_import: &'static [&'static str],
 ) -> Layer {
-    Layer {
-        crate_name,
-        may_import,
-        tests_may_also_import,
-    }
+    Layer { crate_name, may_import, tests_may_also_import }
 }
 
 const MOTION: &str = "torquewise-motion";
@@ -42,25 +38,8 @@ const LAYERS: [Layer; 11] = [
     layer(LOGS, &[MOTION], &[DYNAMICS]),
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
-    layer(
-        EXPERIMENTS,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT],
-        &[],
-    ),
-    layer(
-        FRONT_DOOR,
-        &[
-            MOTION,
-            SPARSE,
-            MODEL,
-            DYNAMICS,
-            LOGS,
-            IDENTIFY,
-            REPORT,
-            EXPERIMENTS,
-        ],
-        &[],
-    ),
+    layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
+    layer(FRONT_DOOR, &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS], &[]),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
     layer("xtask", &[], &[]),
 ];
@@ -68,11 +47,7 @@ const LAYERS: [Layer; 11] = [
 /// Every edge between two crates of the workspace that the table does not hold.
 pub(crate) fn check(workspace: &Workspace) -> Vec<Violation> {
     let names: BTreeSet<&str> = workspace.packages.iter().map(|p| p.name.as_str()).collect();
-    workspace
-        .packages
-        .iter()
-        .flat_map(|package| check_package(package, &names))
-        .collect()
+    workspace.packages.iter().flat_map(|package| check_package(package, &names)).collect()
 }
 
 fn check_package(package: &Package, workspace: &BTreeSet<&str>) -> Vec<Violation> {
@@ -86,12 +61,7 @@ fn check_package(package: &Package, workspace: &BTreeSet<&str>) -> Vec<Violation
     let allowed = |dependency: &str| layer.may_import.contains(&dependency);
     let allowed_in_tests = |dependency: &str| layer.tests_may_also_import.contains(&dependency);
     let mut violations = Vec::new();
-    for dependency in package
-        .dependencies
-        .iter()
-        .filter(within)
-        .filter(|d| !allowed(d))
-    {
+    for dependency in package.dependencies.iter().filter(within).filter(|d| !allowed(d)) {
         let message = format!(
             "{name} must not depend on {dependency}, only on {}: move the code, or change the \
              layer table first",
@@ -111,11 +81,7 @@ fn check_package(package: &Package, workspace: &BTreeSet<&str>) -> Vec<Violation
 }
 
 fn listed(names: &[&str]) -> String {
-    if names.is_empty() {
-        "no crate of the workspace".to_owned()
-    } else {
-        names.join(", ")
-    }
+    if names.is_empty() { "no crate of the workspace".to_owned() } else { names.join(", ") }
 }
 
 #[cfg(test)]
@@ -125,28 +91,11 @@ mod tests {
 
     /// Messages for a crate with this manifest, in a workspace that also has the usual crates.
     fn messages(name: &str, manifest: &str) -> Vec<String> {
-        let others = [
-            MOTION,
-            SPARSE,
-            MODEL,
-            DYNAMICS,
-            LOGS,
-            IDENTIFY,
-            REPORT,
-            EXPERIMENTS,
-            FRONT_DOOR,
-        ];
+        let others =
+            [MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS, FRONT_DOOR];
         let mut packages = vec![package(name, manifest, &[])];
-        packages.extend(
-            others
-                .iter()
-                .filter(|o| **o != name)
-                .map(|o| package(o, "", &[])),
-        );
-        check(&workspace(packages))
-            .into_iter()
-            .map(|violation| violation.message)
-            .collect()
+        packages.extend(others.iter().filter(|o| **o != name).map(|o| package(o, "", &[])));
+        check(&workspace(packages)).into_iter().map(|violation| violation.message).collect()
     }
 
     #[test]
@@ -176,10 +125,7 @@ mod tests {
 
     #[test]
     fn crates_of_others_are_free() {
-        assert_eq!(
-            messages(SPARSE, "[dependencies]\nfaer.workspace = true"),
-            [""; 0]
-        );
+        assert_eq!(messages(SPARSE, "[dependencies]\nfaer.workspace = true"), [""; 0]);
     }
 
     #[test]
@@ -191,9 +137,7 @@ mod tests {
     fn the_table_only_points_down() {
         for (place, layer) in LAYERS.iter().enumerate() {
             for import in layer.may_import {
-                let below = LAYERS[..place]
-                    .iter()
-                    .any(|lower| lower.crate_name == *import);
+                let below = LAYERS[..place].iter().any(|lower| lower.crate_name == *import);
                 assert!(below, "{} imports {import}", layer.crate_name);
             }
         }

@@ -41,20 +41,14 @@ pub(crate) fn check(source: &Source) -> Vec<Violation> {
 
 /// Characters that take a column: the dot of q̇ does not.
 fn n_columns(line: &str) -> usize {
-    line.chars()
-        .filter(|c| !('\u{300}'..='\u{36f}').contains(c))
-        .count()
+    line.chars().filter(|c| !('\u{300}'..='\u{36f}').contains(c)).count()
 }
 
 /// Lines of the file less those under `#[cfg(test)]`.
 fn n_shipped_lines(source: &Source) -> usize {
     let code: String = source.code.iter().collect();
     let shipped: String = source.shipped.iter().collect();
-    let cut = code
-        .lines()
-        .zip(shipped.lines())
-        .filter(|(code, shipped)| code != shipped)
-        .count();
+    let cut = code.lines().zip(shipped.lines()).filter(|(code, shipped)| code != shipped).count();
     source.text.lines().count() - cut
 }
 
@@ -70,16 +64,10 @@ mod tests {
     #[test]
     fn a_file_is_measured_without_its_tests() {
         let shipped = "fn f() {}\n".repeat(400);
-        let tests = format!(
-            "#[cfg(test)]\nmod tests {{\n{}}}\n",
-            "fn g() {}\n".repeat(50)
-        );
+        let tests = format!("#[cfg(test)]\nmod tests {{\n{}}}\n", "fn g() {}\n".repeat(50));
 
         assert_eq!(messages("src/b.rs", &(shipped.clone() + &tests)), [""; 0]);
-        assert_eq!(
-            messages("src/b.rs", &(shipped.clone() + "fn h() {}\n")).len(),
-            1
-        );
+        assert_eq!(messages("src/b.rs", &(shipped.clone() + "fn h() {}\n")).len(), 1);
         assert_eq!(messages("tests/b.rs", &(shipped + "fn h() {}\n")), [""; 0]);
     }
 

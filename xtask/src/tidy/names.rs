@@ -5,9 +5,8 @@ use crate::violation::Violation;
 use crate::workspace::Source;
 
 /// Words that say nothing about what a thing is.
-const BANNED: [&str; 10] = [
-    "util", "utils", "helper", "helpers", "common", "misc", "manager", "data", "info", "new2",
-];
+const BANNED: [&str; 10] =
+    ["util", "utils", "helper", "helpers", "common", "misc", "manager", "data", "info", "new2"];
 
 /// Every file, folder and item with an empty name: a banned word for functions and constants, a
 /// banned word anywhere in the name for files, folders, modules and types.
@@ -48,9 +47,7 @@ fn banned_word(name: &str) -> Option<&'static str> {
             word.extend(c.to_lowercase());
         }
     }
-    BANNED
-        .into_iter()
-        .find(|banned| words.iter().any(|word| word == banned))
+    BANNED.into_iter().find(|banned| words.iter().any(|word| word == banned))
 }
 
 #[cfg(test)]
@@ -58,12 +55,7 @@ mod tests {
     use super::*;
 
     fn is_reported(within: &str, text: &str) -> bool {
-        !check(&Source::new(
-            "crates/a",
-            &format!("crates/a/{within}"),
-            text,
-        ))
-        .is_empty()
+        !check(&Source::new("crates/a", &format!("crates/a/{within}"), text)).is_empty()
     }
 
     #[test]

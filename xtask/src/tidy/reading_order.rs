@@ -28,10 +28,7 @@ fn is_binary(module: &[String]) -> bool {
 
 fn unlisted(package: &Package, source: &Source, module: &[String]) -> Option<Violation> {
     let (name, parent) = module.split_last()?;
-    let listed = package
-        .children(parent)
-        .iter()
-        .any(|child| child.name == *name);
+    let listed = package.children(parent).iter().any(|child| child.name == *name);
     let message = format!("no `mod {name};` lists this file: list it in reading order, or drop it");
     (!listed).then(|| Violation::new(&source.path, 1, message))
 }
@@ -55,16 +52,9 @@ fn backward_imports(package: &Package, source: &Source, module: &[String]) -> Ve
 
 /// `super::x` in module `a::b` is `a::x`.
 fn resolve_supers(module: &[String], segments: &[String]) -> Vec<String> {
-    let n_supers = segments
-        .iter()
-        .take_while(|segment| *segment == "super")
-        .count();
+    let n_supers = segments.iter().take_while(|segment| *segment == "super").count();
     let kept = module.len().saturating_sub(n_supers);
-    module[..kept]
-        .iter()
-        .chain(&segments[n_supers..])
-        .cloned()
-        .collect()
+    module[..kept].iter().chain(&segments[n_supers..]).cloned().collect()
 }
 
 /// What is wrong with `module` naming `path`, both from the crate root.
@@ -89,17 +79,11 @@ mod tests {
     use super::*;
     use crate::workspace::fixture::package;
 
-    const ROOT: (&str, &str) = (
-        "src/lib.rs",
-        "pub mod gram;\npub mod select;\npub mod kmeans;",
-    );
+    const ROOT: (&str, &str) = ("src/lib.rs", "pub mod gram;\npub mod select;\npub mod kmeans;");
     const SELECT: (&str, &str) = ("src/select.rs", "mod stlsq;\nmod lasso;");
 
     fn messages(files: &[(&str, &str)]) -> Vec<String> {
-        check(&package("sparse", "", files))
-            .iter()
-            .map(ToString::to_string)
-            .collect()
+        check(&package("sparse", "", files)).iter().map(ToString::to_string).collect()
     }
 
     #[test]
@@ -111,10 +95,7 @@ mod tests {
 
     #[test]
     fn an_import_from_below_is_reported_with_its_line() {
-        let gram = (
-            "src/gram.rs",
-            "//! A → B: c.\nuse crate::{\n    kmeans::Centre,\n};",
-        );
+        let gram = ("src/gram.rs", "//! A → B: c.\nuse crate::{\n    kmeans::Centre,\n};");
 
         let found = messages(&[ROOT, gram]);
 
@@ -140,20 +121,15 @@ mod tests {
 
     #[test]
     fn a_submodule_may_use_its_parent_and_what_is_above() {
-        let lasso = (
-            "src/select/lasso.rs",
-            "use super::{Term, stlsq::fit};\nuse crate::gram::Gram;",
-        );
+        let lasso =
+            ("src/select/lasso.rs", "use super::{Term, stlsq::fit};\nuse crate::gram::Gram;");
 
         assert_eq!(messages(&[ROOT, SELECT, lasso]), [""; 0]);
     }
 
     #[test]
     fn tests_may_import_anything() {
-        let gram = (
-            "src/gram.rs",
-            "#[cfg(test)]\nmod tests {\n    use crate::kmeans::Centre;\n}",
-        );
+        let gram = ("src/gram.rs", "#[cfg(test)]\nmod tests {\n    use crate::kmeans::Centre;\n}");
 
         assert_eq!(messages(&[ROOT, gram]), [""; 0]);
     }

@@ -59,10 +59,7 @@ fn a_file_knows_its_module_path() {
         |within: &str| Source::new("crates/a", &format!("crates/a/{within}"), "").module_path();
 
     assert_eq!(path("src/lib.rs"), Some(vec![]));
-    assert_eq!(
-        path("src/select/lasso.rs"),
-        Some(vec!["select".into(), "lasso".into()])
-    );
+    assert_eq!(path("src/select/lasso.rs"), Some(vec!["select".into(), "lasso".into()]));
     assert_eq!(path("src/select/mod.rs"), Some(vec!["select".into()]));
     assert_eq!(path("examples/01_quickstart.rs"), None);
 }
@@ -79,20 +76,13 @@ fn a_module_declared_for_tests_is_a_test() {
 
     let package = package("sparse", "", &files);
 
-    let tests: Vec<bool> = files
-        .iter()
-        .map(|f| package.source(f.0).unwrap().is_test)
-        .collect();
+    let tests: Vec<bool> = files.iter().map(|f| package.source(f.0).unwrap().is_test).collect();
     assert_eq!(tests, [false, false, true, true, true]);
 }
 
 #[test]
 fn the_first_line_is_a_crate_comment_or_none() {
-    let first = |text: &str| {
-        Source::new("a", "a/src/b.rs", text)
-            .first_line()
-            .map(str::to_owned)
-    };
+    let first = |text: &str| Source::new("a", "a/src/b.rs", text).first_line().map(str::to_owned);
 
     assert_eq!(first("//! A → B: c.\n"), Some("A → B: c.".to_owned()));
     assert_eq!(first("use a;\n"), None);
@@ -109,15 +99,6 @@ fn a_missing_folder_is_an_error_that_names_it() {
 fn this_program_finds_itself() {
     let workspace = Workspace::read(&root()).unwrap();
 
-    assert!(
-        workspace
-            .packages
-            .iter()
-            .any(|package| package.name == "xtask")
-    );
-    assert!(
-        workspace
-            .sources()
-            .any(|source| source.path == "xtask/src/workspace.rs")
-    );
+    assert!(workspace.packages.iter().any(|package| package.name == "xtask"));
+    assert!(workspace.sources().any(|source| source.path == "xtask/src/workspace.rs"));
 }

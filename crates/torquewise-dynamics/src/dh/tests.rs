@@ -17,10 +17,7 @@ mass = 2.0
 com = [0.0, 0.0, 0.0]
 inertia = [0.1, 0.1, 0.1, 0.0, 0.0, 0.0]
 "#;
-    assert!(
-        text.contains(replaced),
-        "the test replaces nothing: {replaced}"
-    );
+    assert!(text.contains(replaced), "the test replaces nothing: {replaced}");
     text.replacen(replaced, by, 1)
 }
 
@@ -30,10 +27,7 @@ fn offset_rotor_and_range_may_be_left_out() {
 
     assert_eq!(arm.joints(), ["joint1"]);
     assert_eq!(arm.gravity(), [0.0, 0.0, -9.81]);
-    assert_eq!(
-        arm.ranges(),
-        [[-std::f64::consts::PI, std::f64::consts::PI]]
-    );
+    assert_eq!(arm.ranges(), [[-std::f64::consts::PI, std::f64::consts::PI]]);
 }
 
 #[test]
@@ -41,10 +35,7 @@ fn a_rotor_adds_to_the_inertia_of_its_joint() {
     let bare = Arm::from_dh_toml(&table("", "")).unwrap();
     let geared = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\nrotor = 0.25")).unwrap();
 
-    assert_eq!(
-        geared.mass_matrix(&[0.3])[(0, 0)],
-        bare.mass_matrix(&[0.3])[(0, 0)] + 0.25
-    );
+    assert_eq!(geared.mass_matrix(&[0.3])[(0, 0)], bare.mass_matrix(&[0.3])[(0, 0)] + 0.25);
     assert_eq!(
         geared.inverse_dynamics(&[0.3], &[1.0], &[2.0])[0],
         bare.inverse_dynamics(&[0.3], &[1.0], &[2.0])[0] + 0.5
@@ -58,10 +49,7 @@ fn an_offset_shifts_the_joint_position() {
     let text = table("name = \"one\"", tilted).replacen("d = 0.0", "d = 0.0\noffset = 0.4", 1);
     let shifted = Arm::from_dh_toml(&text).unwrap();
 
-    let (expected, found) = (
-        plain.gravity_torque(&[0.9])[0],
-        shifted.gravity_torque(&[0.5])[0],
-    );
+    let (expected, found) = (plain.gravity_torque(&[0.9])[0], shifted.gravity_torque(&[0.5])[0]);
 
     assert!((expected - found).abs() < 1e-14 && expected.abs() > 0.1);
 }
@@ -80,10 +68,7 @@ fn a_broken_table_is_refused() {
 
     for text in broken {
         let error = Arm::from_dh_toml(&text).unwrap_err();
-        assert!(
-            matches!(error, DynamicsError::DhTable { .. }),
-            "{text}\n{error:?}"
-        );
+        assert!(matches!(error, DynamicsError::DhTable { .. }), "{text}\n{error:?}");
     }
 }
 
@@ -98,36 +83,14 @@ fn numbers_that_no_arm_can_have_are_refused() {
     let range = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\nrange = [1.0, -1.0]")).unwrap_err();
     let gravity = Arm::from_dh_toml(&format!("gravity = [0.0, nan, 0.0]\n{}", table("", "")));
 
-    assert!(
-        matches!(mass, DynamicsError::Mass { mass: -2.0, .. }),
-        "{mass}"
-    );
+    assert!(matches!(mass, DynamicsError::Mass { mass: -2.0, .. }), "{mass}");
     assert!(matches!(nan, DynamicsError::Mass { .. }), "{nan}");
-    assert!(
-        matches!(inertia, DynamicsError::Inertia { .. }),
-        "{inertia}"
-    );
+    assert!(matches!(inertia, DynamicsError::Inertia { .. }), "{inertia}");
     assert!(matches!(rotor, DynamicsError::Inertia { .. }), "{rotor}");
     assert!(matches!(shift, DynamicsError::NotFinite { .. }), "{shift}");
     assert!(matches!(angle, DynamicsError::NotFinite { .. }), "{angle}");
-    assert!(
-        matches!(
-            range,
-            DynamicsError::Range {
-                lower: 1.0,
-                upper: -1.0,
-                ..
-            }
-        ),
-        "{range}"
-    );
-    assert!(matches!(
-        gravity,
-        Err(DynamicsError::NotFinite {
-            what: "gravity",
-            ..
-        })
-    ));
+    assert!(matches!(range, DynamicsError::Range { lower: 1.0, upper: -1.0, .. }), "{range}");
+    assert!(matches!(gravity, Err(DynamicsError::NotFinite { what: "gravity", .. })));
 }
 
 #[test]
@@ -138,8 +101,5 @@ fn an_arm_needs_joints_with_names_of_their_own() {
     let twice = Arm::from_dh_toml(&twice).unwrap_err();
 
     assert!(matches!(none, DynamicsError::NoJoints));
-    assert!(
-        matches!(twice, DynamicsError::DuplicateName { kind: "joint", .. }),
-        "{twice}"
-    );
+    assert!(matches!(twice, DynamicsError::DuplicateName { kind: "joint", .. }), "{twice}");
 }

@@ -51,17 +51,8 @@ impl Moves {
             let phases = Phases::draw(speed, rng);
             let reach = speed * phases.at_peak_speed();
             let travel = draw_travel(&from, ranges, reach, &mut directions, rng);
-            let to = from
-                .iter()
-                .zip(&travel)
-                .map(|(from, travel)| from + travel)
-                .collect();
-            moves.push(Move {
-                start,
-                phases,
-                from,
-                travel,
-            });
+            let to = from.iter().zip(&travel).map(|(from, travel)| from + travel).collect();
+            moves.push(Move { start, phases, from, travel });
             start += phases.total();
             from = to;
         }
@@ -94,17 +85,9 @@ fn draw_travel(
     let fastest = rng.random_range(0..from.len().max(1));
     let mut travel = Vec::with_capacity(from.len());
     for (i, (&from, &[lower, upper])) in from.iter().zip(ranges).enumerate() {
-        let share = if i == fastest {
-            1.0
-        } else {
-            between(rng, TRAVEL_SHARE)
-        };
+        let share = if i == fastest { 1.0 } else { between(rng, TRAVEL_SHARE) };
         let room = |direction: f64| {
-            if direction > 0.0 {
-                upper - from
-            } else {
-                from - lower
-            }
+            if direction > 0.0 { upper - from } else { from - lower }
         };
         if rng.random_bool(TURN_BACK) {
             directions[i] = -directions[i];
@@ -123,12 +106,7 @@ impl Phases {
         let brake = speed / between(rng, ACCELERATION);
         let cruise = (accelerate + brake) * between(rng, CRUISE_SHARE);
         let dwell = (accelerate + cruise + brake) * between(rng, DWELL_SHARE);
-        Self {
-            dwell,
-            accelerate,
-            cruise,
-            brake,
-        }
+        Self { dwell, accelerate, cruise, brake }
     }
 
     fn total(&self) -> f64 {
@@ -170,12 +148,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    const PHASES: Phases = Phases {
-        dwell: 1.0,
-        accelerate: 0.5,
-        cruise: 2.0,
-        brake: 0.25,
-    };
+    const PHASES: Phases = Phases { dwell: 1.0, accelerate: 0.5, cruise: 2.0, brake: 0.25 };
 
     #[test]
     fn a_switching_instant_belongs_to_the_phase_that_starts() {

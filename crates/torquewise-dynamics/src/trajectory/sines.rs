@@ -38,12 +38,7 @@ impl Sines {
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
         for (i, (middle, sines)) in self.joints.iter().enumerate() {
             let (mut q, mut dq, mut ddq) = (*middle, 0.0, 0.0);
-            for &Sine {
-                amplitude,
-                w,
-                phase,
-            } in sines
-            {
+            for &Sine { amplitude, w, phase } in sines {
                 let (sin, cos) = (w * t + phase).sin_cos();
                 q += amplitude * sin;
                 dq += amplitude * w * cos;
@@ -62,25 +57,12 @@ fn draw_joint([lower, upper]: [f64; 2], rng: &mut ChaCha8Rng) -> (f64, Vec<Sine>
             let octave = (band as f64 + between(rng, [0.0, 1.0])) * band_width;
             let w = TAU * FREQUENCY[0] * octave.exp();
             let phase = between(rng, [-PI, PI]);
-            Sine {
-                amplitude: between(rng, [0.5, 1.0]) / w.powf(ROLL_OFF),
-                w,
-                phase,
-            }
+            Sine { amplitude: between(rng, [0.5, 1.0]) / w.powf(ROLL_OFF), w, phase }
         })
         .collect();
 
-    let most = |order: i32| {
-        sines
-            .iter()
-            .map(|s| s.amplitude * s.w.powi(order))
-            .sum::<f64>()
-    };
-    let bounds = [
-        (upper - lower) / 2.0 / most(0),
-        BOUND[0] / most(1),
-        BOUND[1] / most(2),
-    ];
+    let most = |order: i32| sines.iter().map(|s| s.amplitude * s.w.powi(order)).sum::<f64>();
+    let bounds = [(upper - lower) / 2.0 / most(0), BOUND[0] / most(1), BOUND[1] / most(2)];
     let scale = bounds.into_iter().fold(f64::INFINITY, f64::min);
     for sine in &mut sines {
         sine.amplitude *= scale;

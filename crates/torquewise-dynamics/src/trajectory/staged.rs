@@ -41,10 +41,7 @@ impl Staged {
         rate: f64,
         rng: &mut ChaCha8Rng,
     ) -> Self {
-        let mut staged = Self {
-            arcs: Vec::new(),
-            rate,
-        };
+        let mut staged = Self { arcs: Vec::new(), rate };
         let stages: [Stage; 3] = [hold, sweep, accelerate];
         let mut first_row = 0;
         for (stage, last) in stages.into_iter().zip([n_rows / 3, 2 * n_rows / 3, n_rows]) {
@@ -54,11 +51,7 @@ impl Staged {
                     place(&mut from, i, seconds, range, rng);
                 }
                 let start = staged.next_start(first_row, &from.q);
-                staged.arcs.push(Arc {
-                    first_row,
-                    start,
-                    from,
-                });
+                staged.arcs.push(Arc { first_row, start, from });
                 first_row = last.min(first_row + rows(seconds, rate));
             }
         }
@@ -88,14 +81,8 @@ impl Staged {
         };
         let mut end = State::zero(q.len());
         let t = self.state_at(last_row, &mut end);
-        let way = q
-            .iter()
-            .zip(&end.q)
-            .map(|(to, from)| (to - from).abs())
-            .fold(0.0, f64::max);
-        t + (way / TRANSFER_SPEED)
-            .max(TRANSFER)
-            .max(GAP_ROWS / self.rate)
+        let way = q.iter().zip(&end.q).map(|(to, from)| (to - from).abs()).fold(0.0, f64::max);
+        t + (way / TRANSFER_SPEED).max(TRANSFER).max(GAP_ROWS / self.rate)
     }
 }
 
@@ -107,45 +94,22 @@ fn hold(n: usize, _: &mut ChaCha8Rng) -> (f64, State) {
 /// Every joint moves at its own constant speed, in either direction.
 fn sweep(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     let seconds = between(rng, SWEEP);
-    (
-        seconds,
-        State {
-            dq: speeds(n, rng),
-            ..State::zero(n)
-        },
-    )
+    (seconds, State { dq: speeds(n, rng), ..State::zero(n) })
 }
 
 /// Every joint changes its speed evenly, from one to another.
 fn accelerate(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     let (before, after) = (speeds(n, rng), speeds(n, rng));
-    let change: Vec<f64> = after
-        .iter()
-        .zip(&before)
-        .map(|(after, before)| after - before)
-        .collect();
-    let greatest = change
-        .iter()
-        .fold(0.0, |most: f64, change| most.max(change.abs()));
+    let change: Vec<f64> =
+        after.iter().zip(&before).map(|(after, before)| after - before).collect();
+    let greatest = change.iter().fold(0.0, |most: f64, change| most.max(change.abs()));
     let seconds = greatest / between(rng, ACCELERATION);
-    let ddq = change
-        .iter()
-        .map(|change| change / seconds.max(f64::MIN_POSITIVE))
-        .collect();
-    (
-        seconds,
-        State {
-            dq: before,
-            ddq,
-            ..State::zero(n)
-        },
-    )
+    let ddq = change.iter().map(|change| change / seconds.max(f64::MIN_POSITIVE)).collect();
+    (seconds, State { dq: before, ddq, ..State::zero(n) })
 }
 
 fn speeds(n: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    (0..n)
-        .map(|_| direction(rng) * between(rng, SPEED))
-        .collect()
+    (0..n).map(|_| direction(rng) * between(rng, SPEED)).collect()
 }
 
 /// Draws where joint `i` starts so that it stays in its range; slows it down where that is narrow.
@@ -164,16 +128,9 @@ fn place(from: &mut State, i: usize, seconds: f64, [lower, upper]: [f64; 2], rng
 /// Least and greatest way \[rad\] from the start within `seconds`.
 fn reach(dq: f64, ddq: f64, seconds: f64) -> [f64; 2] {
     let way = |t: f64| t * (dq + t * ddq / 2.0);
-    let turning = if ddq == 0.0 {
-        0.0
-    } else {
-        (-dq / ddq).clamp(0.0, seconds)
-    };
+    let turning = if ddq == 0.0 { 0.0 } else { (-dq / ddq).clamp(0.0, seconds) };
     let ways = [0.0, way(seconds), way(turning)];
-    [
-        ways.into_iter().fold(0.0, f64::min),
-        ways.into_iter().fold(0.0, f64::max),
-    ]
+    [ways.into_iter().fold(0.0, f64::min), ways.into_iter().fold(0.0, f64::max)]
 }
 
 /// Rows of a recording, one at least.

@@ -35,10 +35,7 @@ pub(crate) fn check(text: &str) -> Result<(), DynamicsError> {
             }
         };
         if depth > MAX_DEPTH {
-            return Err(DynamicsError::Depth {
-                byte: start,
-                limit: MAX_DEPTH,
-            });
+            return Err(DynamicsError::Depth { byte: start, limit: MAX_DEPTH });
         }
         let Some(end) = end else {
             return refuse(start, "a tag that is cut or not well formed");
@@ -54,9 +51,7 @@ pub(crate) fn check(text: &str) -> Result<(), DynamicsError> {
 /// Place of the first `wanted` at or after `from`.
 fn find(bytes: &[u8], from: usize, wanted: &[u8]) -> Option<usize> {
     let tail = bytes.get(from..)?;
-    let found = tail
-        .windows(wanted.len())
-        .position(|window| window == wanted)?;
+    let found = tail.windows(wanted.len()).position(|window| window == wanted)?;
     Some(from + found)
 }
 
@@ -109,10 +104,7 @@ mod tests {
 
     #[test]
     fn many_elements_side_by_side_are_not_deep() {
-        let text = format!(
-            "<robot>{}</robot>",
-            "<link name='a/'><x/></link>".repeat(500)
-        );
+        let text = format!("<robot>{}</robot>", "<link name='a/'><x/></link>".repeat(500));
 
         assert!(check(&text).is_ok());
     }
@@ -121,13 +113,7 @@ mod tests {
     fn a_hundred_thousand_open_elements_are_refused() {
         let error = check(&"<a>".repeat(100_000)).unwrap_err();
 
-        assert!(matches!(
-            error,
-            DynamicsError::Depth {
-                byte: 192,
-                limit: 64
-            }
-        ));
+        assert!(matches!(error, DynamicsError::Depth { byte: 192, limit: 64 }));
     }
 
     #[test]
@@ -146,10 +132,7 @@ mod tests {
         ];
 
         for text in hidden {
-            assert!(
-                matches!(check(text), Err(DynamicsError::Markup { byte: 0, .. })),
-                "{text}"
-            );
+            assert!(matches!(check(text), Err(DynamicsError::Markup { byte: 0, .. })), "{text}");
         }
     }
 

@@ -24,10 +24,7 @@ fn joint(name: &str, kind: &str, [parent, child]: [&str; 2], more: &str) -> Stri
 }
 
 fn robot(parts: &[String]) -> String {
-    format!(
-        "<?xml version='1.0'?><robot name='test'>{}</robot>",
-        parts.concat()
-    )
+    format!("<?xml version='1.0'?><robot name='test'>{}</robot>", parts.concat())
 }
 
 /// base – j1 – l1 – j2 – l2, both joints of the given types.
@@ -49,14 +46,8 @@ fn refused(text: &str) -> DynamicsError {
 fn revolute_and_continuous_joints_move_within_their_limits() {
     let arm = Arm::from_urdf(&two_joints("revolute", "continuous"), &[]).unwrap();
 
-    assert_eq!(
-        (arm.name(), arm.joints()),
-        ("test", &["j1".to_string(), "j2".to_string()][..])
-    );
-    assert_eq!(
-        arm.ranges(),
-        [[-1.0, 2.0], [-std::f64::consts::PI, std::f64::consts::PI]]
-    );
+    assert_eq!((arm.name(), arm.joints()), ("test", &["j1".to_string(), "j2".to_string()][..]));
+    assert_eq!(arm.ranges(), [[-1.0, 2.0], [-std::f64::consts::PI, std::f64::consts::PI]]);
 }
 
 #[test]
@@ -69,10 +60,7 @@ fn a_locked_joint_keeps_its_mass_where_it_is_at_zero() {
     assert_eq!(locked.joints(), ["j1"]);
     let (still, alone) = (free.mass_matrix(&[0.4, 0.0]), locked.mass_matrix(&[0.4]));
     assert_relative_eq!(alone[(0, 0)], still[(0, 0)], max_relative = 1e-14);
-    let (still, alone) = (
-        free.gravity_torque(&[0.4, 0.0]),
-        locked.gravity_torque(&[0.4]),
-    );
+    let (still, alone) = (free.gravity_torque(&[0.4, 0.0]), locked.gravity_torque(&[0.4]));
     assert_relative_eq!(alone[0], still[0], max_relative = 1e-14);
 }
 
@@ -80,20 +68,13 @@ fn a_locked_joint_keeps_its_mass_where_it_is_at_zero() {
 fn an_arm_may_hang_on_a_base_that_is_turned_by_a_fixed_joint() {
     let turned = "<joint name='mount' type='fixed'><parent link='world'/><child link='base'/>\
                   <origin rpy='3.141592653589793 0 0'/></joint>";
-    let parts = [
-        link("base"),
-        link("l1"),
-        joint("j1", "revolute", ["base", "l1"], ""),
-    ];
+    let parts = [link("base"), link("l1"), joint("j1", "revolute", ["base", "l1"], "")];
     let upright = Arm::from_urdf(&robot(&parts), &[]).unwrap();
 
     let text = robot(&[parts.concat(), "<link name='world'/>".into(), turned.into()]);
     let hanging = Arm::from_urdf(&text, &[]).unwrap();
 
-    let (upright, hanging) = (
-        upright.gravity_torque(&[0.5])[0],
-        hanging.gravity_torque(&[0.5])[0],
-    );
+    let (upright, hanging) = (upright.gravity_torque(&[0.5])[0], hanging.gravity_torque(&[0.5])[0]);
     assert_relative_eq!(upright, -hanging, max_relative = 1e-14);
     assert_relative_eq!(upright, -0.1 * 9.81 * 0.5_f64.sin(), max_relative = 1e-14);
 }
@@ -103,14 +84,8 @@ fn every_joint_that_may_not_move_is_named() {
     for kind in ["prismatic", "floating", "planar", "spherical"] {
         let error = refused(&two_joints("revolute", kind));
 
-        assert!(
-            matches!(error, DynamicsError::UnsupportedJoints { .. }),
-            "{error:?}"
-        );
-        assert!(
-            error.to_string().contains(&format!("`j2` ({kind})")),
-            "{error}"
-        );
+        assert!(matches!(error, DynamicsError::UnsupportedJoints { .. }), "{error:?}");
+        assert!(error.to_string().contains(&format!("`j2` ({kind})")), "{error}");
     }
 }
 
@@ -122,14 +97,8 @@ fn a_mimic_joint_is_refused_until_it_is_locked() {
 
     let error = refused(&text);
 
-    assert!(
-        matches!(error, DynamicsError::UnsupportedJoints { .. }),
-        "{error:?}"
-    );
-    assert_eq!(
-        Arm::from_urdf(&text, &["j2".into()]).unwrap().joints(),
-        ["j1"]
-    );
+    assert!(matches!(error, DynamicsError::UnsupportedJoints { .. }), "{error:?}");
+    assert_eq!(Arm::from_urdf(&text, &["j2".into()]).unwrap().joints(), ["j1"]);
 }
 
 #[test]
@@ -148,10 +117,7 @@ fn a_branch_is_refused_with_the_joints_to_lock() {
 
     let error = refused(&text);
 
-    assert!(
-        error.to_string().ends_with("lock finger1, finger2"),
-        "{error}"
-    );
+    assert!(error.to_string().ends_with("lock finger1, finger2"), "{error}");
     let arm = Arm::from_urdf(&text, &["finger1".into(), "finger2".into()]).unwrap();
     assert_eq!(arm.joints(), ["j1", "j2", "j3", "j4"]);
 }
@@ -175,14 +141,8 @@ fn joints_that_make_no_tree_are_refused() {
         (robot(&[base.clone(), l1.clone()]), "Roots"),
         (robot(std::slice::from_ref(&base)), "NoJoints"),
         (robot(&[base.clone(), turn("j", ["base", "base"])]), "Roots"),
-        (
-            robot(&[base.clone(), turn("j", ["base", "gone"])]),
-            "UnknownLink",
-        ),
-        (
-            robot(&[base.clone(), turn("j", ["gone", "base"])]),
-            "UnknownLink",
-        ),
+        (robot(&[base.clone(), turn("j", ["base", "gone"])]), "UnknownLink"),
+        (robot(&[base.clone(), turn("j", ["gone", "base"])]), "UnknownLink"),
         (robot(&[base.clone(), base.clone()]), "DuplicateName"),
         (
             robot(&[
@@ -194,21 +154,14 @@ fn joints_that_make_no_tree_are_refused() {
             "TwoParents",
         ),
         (
-            robot(&[
-                [base, l1, l2].concat(),
-                turn("j1", ["l1", "l2"]),
-                turn("j2", ["l2", "l1"]),
-            ]),
+            robot(&[[base, l1, l2].concat(), turn("j1", ["l1", "l2"]), turn("j2", ["l2", "l1"])]),
             "Loop",
         ),
     ];
 
     for (text, variant) in cases {
         let error = refused(&text);
-        assert!(
-            format!("{error:?}").starts_with(variant),
-            "expected {variant}: {error:?}"
-        );
+        assert!(format!("{error:?}").starts_with(variant), "expected {variant}: {error:?}");
     }
 }
 
@@ -240,10 +193,7 @@ fn numbers_that_no_arm_can_have_are_refused() {
         let at = good.rfind(found).unwrap();
         let text = format!("{}{replaced}{}", &good[..at], &good[at + found.len()..]);
         let error = refused(&text);
-        assert!(
-            format!("{error:?}").starts_with(variant),
-            "{replaced}: {error:?}"
-        );
+        assert!(format!("{error:?}").starts_with(variant), "{replaced}: {error:?}");
     }
 }
 
@@ -316,8 +266,5 @@ fn a_file_with_foreign_markup_spliced_in_is_read_or_refused() {
         read += usize::from(Arm::from_urdf(&changed, &[]).is_ok());
     }
 
-    assert!(
-        (1..2000).contains(&read),
-        "{read} of 3000 files were still an arm"
-    );
+    assert!((1..2000).contains(&read), "{read} of 3000 files were still an arm");
 }

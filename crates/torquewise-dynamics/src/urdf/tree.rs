@@ -1,8 +1,5 @@
 //! Links and joints of a URDF → Tree: which links move as one, and the joint that leaves them.
-#![expect(
-    non_snake_case,
-    reason = "frames are written quantity_fromTo, as in `spatial`"
-)]
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{check_body, check_finite};
 use crate::error::DynamicsError;
@@ -29,41 +26,21 @@ pub(crate) struct Welded<'a> {
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
     pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, DynamicsError> {
-        let links = by_name(
-            "link",
-            robot.links.iter().map(|link| (link.name.as_str(), link)),
-        )?;
+        let links = by_name("link", robot.links.iter().map(|link| (link.name.as_str(), link)))?;
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
         let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
         if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(*name)) {
-            let moving = robot
-                .joints
-                .iter()
-                .filter(|j| j.joint_type != JointType::Fixed);
-            let known = moving
-                .map(|j| j.name.as_str())
-                .collect::<Vec<_>>()
-                .join(", ");
-            return Err(DynamicsError::UnknownLocked {
-                joint: (*unknown).into(),
-                known,
-            });
+            let moving = robot.joints.iter().filter(|j| j.joint_type != JointType::Fixed);
+            let known = moving.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(DynamicsError::UnknownLocked { joint: (*unknown).into(), known });
         }
 
         let root = only_root(robot, &links)?;
         let mut below: HashMap<&str, Vec<&Joint>> = HashMap::new();
         for joint in &robot.joints {
-            below
-                .entry(joint.parent.link.as_str())
-                .or_default()
-                .push(joint);
+            below.entry(joint.parent.link.as_str()).or_default().push(joint);
         }
-        let tree = Self {
-            links,
-            below,
-            root,
-            locked,
-        };
+        let tree = Self { links, below, root, locked };
         tree.check_loops(robot)?;
         tree.check_types(robot)?;
         Ok(tree)
@@ -103,18 +80,12 @@ impl<'a> Tree<'a> {
         if welded.exits.len() < 2 {
             return Ok(welded.exits.first().copied());
         }
-        let mut branches: Vec<Vec<&str>> = welded
-            .exits
-            .iter()
-            .map(|(joint, _)| self.moving_from(joint))
-            .collect();
+        let mut branches: Vec<Vec<&str>> =
+            welded.exits.iter().map(|(joint, _)| self.moving_from(joint)).collect();
         // The branch with the most joints is taken for the arm.
         branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
         let lock = branches[1..].concat().join(", ");
-        Err(DynamicsError::Branches {
-            link: welded.first.into(),
-            lock,
-        })
+        Err(DynamicsError::Branches { link: welded.first.into(), lock })
     }
 
     fn joints_below(&self, link: &str) -> &[&'a Joint] {
@@ -147,14 +118,8 @@ impl<'a> Tree<'a> {
                 open.push(joint.child.link.as_str());
             }
         }
-        match robot
-            .links
-            .iter()
-            .find(|link| !reached.contains(link.name.as_str()))
-        {
-            Some(link) => Err(DynamicsError::Loop {
-                link: link.name.clone(),
-            }),
+        match robot.links.iter().find(|link| !reached.contains(link.name.as_str())) {
+            Some(link) => Err(DynamicsError::Loop { link: link.name.clone() }),
             None => Ok(()),
         }
     }
@@ -169,9 +134,7 @@ impl<'a> Tree<'a> {
         if unsupported.is_empty() {
             Ok(())
         } else {
-            Err(DynamicsError::UnsupportedJoints {
-                joints: unsupported.join(", "),
-            })
+            Err(DynamicsError::UnsupportedJoints { joints: unsupported.join(", ") })
         }
     }
 }
@@ -196,10 +159,7 @@ fn by_name<'a, T>(
     let mut found = HashMap::new();
     for (name, item) in items {
         if found.insert(name, item).is_some() {
-            return Err(DynamicsError::DuplicateName {
-                kind,
-                name: name.into(),
-            });
+            return Err(DynamicsError::DuplicateName { kind, name: name.into() });
         }
     }
     Ok(found)
@@ -227,9 +187,7 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
     let roots: Vec<&str> = names.filter(|name| !parents.contains_key(name)).collect();
     match roots[..] {
         [root] => Ok(root),
-        _ => Err(DynamicsError::Roots {
-            roots: roots.into_iter().map(String::from).collect(),
-        }),
+        _ => Err(DynamicsError::Roots { roots: roots.into_iter().map(String::from).collect() }),
     }
 }
 

@@ -20,9 +20,8 @@ pub(crate) fn energies(arm: &Arm) -> BTreeMap<EnergyTerm, f64> {
         places.entry(term.place).or_default().push(term);
     }
     let mut random = ChaCha8Rng::seed_from_u64(20);
-    let states: Vec<Vec<f64>> = (0..400)
-        .map(|_| (0..n).map(|_| random.random_range(-3.0..3.0)).collect())
-        .collect();
+    let states: Vec<Vec<f64>> =
+        (0..400).map(|_| (0..n).map(|_| random.random_range(-3.0..3.0)).collect()).collect();
     let rest = vec![0.0; n];
     let mut found = BTreeMap::new();
     for (place, terms) in places {

@@ -40,9 +40,7 @@ fn even(rows: u32) -> Vec<f64> {
 /// Bits of what each row of all blocks holds.
 fn bits(blocks: &[(usize, Motion)], pick: impl Fn(&Motion, usize) -> f64) -> Vec<u64> {
     let rows = blocks.iter().flat_map(|(_, block)| {
-        (0..block.n_rows())
-            .map(|row| pick(block, row).to_bits())
-            .collect::<Vec<_>>()
+        (0..block.n_rows()).map(|row| pick(block, row).to_bits()).collect::<Vec<_>>()
     });
     rows.collect()
 }
@@ -50,9 +48,7 @@ fn bits(blocks: &[(usize, Motion)], pick: impl Fn(&Motion, usize) -> f64) -> Vec
 fn derived(t: &[f64], x: impl Fn(f64) -> f64, order: usize) -> Vec<u64> {
     let x = Mat::from_fn(t.len(), 1, |row, _| x(t[row]));
     let derived = derivative(t, x.as_ref(), LocalPolynomial::default(), order).unwrap();
-    (0..t.len())
-        .map(|row| derived[(row, 0)].to_bits())
-        .collect()
+    (0..t.len()).map(|row| derived[(row, 0)].to_bits()).collect()
 }
 
 #[test]
@@ -62,16 +58,8 @@ fn derivatives_have_the_bits_of_the_whole_trajectory_whatever_its_length() {
         let blocks = blocks(&swing(&t, false)).unwrap();
 
         let wave = |t: f64| (3.0 * t).sin();
-        assert_eq!(
-            bits(&blocks, |b, row| b.dq()[(row, 0)]),
-            derived(&t, wave, 1),
-            "{rows}"
-        );
-        assert_eq!(
-            bits(&blocks, |b, row| b.ddq()[(row, 0)]),
-            derived(&t, wave, 2),
-            "{rows}"
-        );
+        assert_eq!(bits(&blocks, |b, row| b.dq()[(row, 0)]), derived(&t, wave, 1), "{rows}");
+        assert_eq!(bits(&blocks, |b, row| b.ddq()[(row, 0)]), derived(&t, wave, 2), "{rows}");
     }
 }
 
@@ -83,10 +71,7 @@ fn acceleration_comes_from_the_velocity_where_that_is_recorded() {
     let velocity = |t: f64| 3.0 * (3.0 * t).cos();
     let recorded: Vec<_> = t.iter().map(|t| velocity(*t).to_bits()).collect();
     assert_eq!(bits(&blocks, |b, row| b.dq()[(row, 0)]), recorded);
-    assert_eq!(
-        bits(&blocks, |b, row| b.ddq()[(row, 0)]),
-        derived(&t, velocity, 1)
-    );
+    assert_eq!(bits(&blocks, |b, row| b.ddq()[(row, 0)]), derived(&t, velocity, 1));
 }
 
 #[test]
@@ -105,10 +90,7 @@ fn blocks_are_cut_at_multiples_of_the_block_length_from_each_gap() {
 
         let blocks = blocks(&text).unwrap();
 
-        let cuts: Vec<_> = blocks
-            .iter()
-            .map(|(part, block)| (*part, block.n_rows()))
-            .collect();
+        let cuts: Vec<_> = blocks.iter().map(|(part, block)| (*part, block.n_rows())).collect();
         assert_eq!(cuts, [(0, 1024), (0, 476), (1, 1024), (1, 476), (2, 1000)]);
         let stamps: Vec<_> = t.iter().map(|t| t.to_bits()).collect();
         assert_eq!(bits(&blocks, |block, row| block.t()[row]), stamps);
@@ -130,9 +112,7 @@ fn no_window_reaches_across_a_gap() {
 #[test]
 fn time_that_stands_still_or_runs_back_is_refused_with_its_place() {
     for (second, row) in [("0.1", 3), ("0.05", 3)] {
-        let refused = blocks(&format!(
-            "t,q1,dq1,ddq1\n0,0,0,0\n0.1,0,0,0\n{second},0,0,0\n"
-        ));
+        let refused = blocks(&format!("t,q1,dq1,ddq1\n0,0,0,0\n0.1,0,0,0\n{second},0,0,0\n"));
         match refused {
             Err(LogError::TimeOrder { place, before, .. }) => {
                 assert_eq!((place.row, place.line, before), (row, Some(4), 0.1));
@@ -158,10 +138,7 @@ fn time_is_compared_across_blocks_too() {
 #[test]
 fn a_header_without_rows_is_refused() {
     assert!(matches!(blocks("t,q1\n"), Err(LogError::NoRows { .. })));
-    assert!(matches!(
-        blocks("t,q1,dq1,ddq1\n\n"),
-        Err(LogError::NoRows { .. })
-    ));
+    assert!(matches!(blocks("t,q1,dq1,ddq1\n\n"), Err(LogError::NoRows { .. })));
 }
 
 #[test]
@@ -171,13 +148,5 @@ fn a_part_too_short_to_differentiate_is_refused_with_its_place() {
 
     let refused = blocks(&swing(&t, false));
 
-    assert!(matches!(
-        refused,
-        Err(LogError::TooShort {
-            row: 38,
-            rows: 3,
-            needed: 5,
-            ..
-        })
-    ));
+    assert!(matches!(refused, Err(LogError::TooShort { row: 38, rows: 3, needed: 5, .. })));
 }

@@ -32,10 +32,7 @@ fn plain_rows_are_read_in_slot_order() {
 fn line_ends_blank_lines_comments_and_a_byte_order_mark_change_nothing() {
     let plain = read(b"t,q1\n1,2\n3,4\n").unwrap();
 
-    for text in [
-        "\u{feff}t,q1\r\n1,2\r\n3,4",
-        "# made today\n\nt,q1\n1,2\n \n#\n3,4\n\n",
-    ] {
+    for text in ["\u{feff}t,q1\r\n1,2\r\n3,4", "# made today\n\nt,q1\n1,2\n \n#\n3,4\n\n"] {
         assert_eq!(read(text.as_bytes()).unwrap(), plain, "{text:?}");
     }
 }
@@ -43,22 +40,12 @@ fn line_ends_blank_lines_comments_and_a_byte_order_mark_change_nothing() {
 #[test]
 fn a_leading_comment_names_the_joints() {
     let file = Path::new("arm.csv");
-    let named = CsvRows::new(
-        file,
-        &b"\xef\xbb\xbf# joints: hip , knee\n# x\nt,q1,q2\n"[..],
-    );
+    let named = CsvRows::new(file, &b"\xef\xbb\xbf# joints: hip , knee\n# x\nt,q1,q2\n"[..]);
     let wrong = CsvRows::new(file, &b"# joints: hip\nt,q1,q2\n"[..]).err();
 
     let names = ["hip".to_owned(), "knee".to_owned()];
     assert_eq!(named.unwrap().joints(), Some(&names[..]));
-    assert!(matches!(
-        wrong,
-        Some(LogError::JointNameCount {
-            found: 1,
-            expected: 2,
-            ..
-        })
-    ));
+    assert!(matches!(wrong, Some(LogError::JointNameCount { found: 1, expected: 2, .. })));
 }
 
 #[test]
@@ -70,28 +57,16 @@ fn a_bad_number_is_named_by_row_line_column_and_text() {
         "arm.csv, row 2 (line 5), column q1: \"oops\\u{1b}\" is not a number: \
          repair or drop the row"
     );
-    assert!(matches!(
-        read(b"t,q1\n0,\n"),
-        Err(LogError::NotANumber { .. })
-    ));
-    assert!(matches!(
-        read(b"t,q1\n0,1_0\n"),
-        Err(LogError::NotANumber { .. })
-    ));
-    assert!(matches!(
-        read(b"t,q1\n0,\xff\n"),
-        Err(LogError::NotANumber { .. })
-    ));
+    assert!(matches!(read(b"t,q1\n0,\n"), Err(LogError::NotANumber { .. })));
+    assert!(matches!(read(b"t,q1\n0,1_0\n"), Err(LogError::NotANumber { .. })));
+    assert!(matches!(read(b"t,q1\n0,\xff\n"), Err(LogError::NotANumber { .. })));
 }
 
 #[test]
 fn numbers_that_are_not_finite_are_refused() {
     for number in ["NaN", "inf", "-Infinity", "1e999"] {
         let refused = read(format!("t,q1\n0,{number}\n").as_bytes());
-        assert!(
-            matches!(refused, Err(LogError::NotFinite { .. })),
-            "{number}"
-        );
+        assert!(matches!(refused, Err(LogError::NotFinite { .. })), "{number}");
     }
     assert_eq!(
         message(b"t,q1,tau1\n0,0,nan\n"),
@@ -103,10 +78,7 @@ fn numbers_that_are_not_finite_are_refused() {
 fn ragged_rows_are_refused() {
     for row in ["1", "1,2,3", "1,2,"] {
         let refused = read(format!("t,q1\n{row}\n").as_bytes());
-        assert!(
-            matches!(refused, Err(LogError::Ragged { expected: 2, .. })),
-            "{row}"
-        );
+        assert!(matches!(refused, Err(LogError::Ragged { expected: 2, .. })), "{row}");
     }
 }
 
@@ -114,26 +86,11 @@ fn ragged_rows_are_refused() {
 fn files_that_are_no_comma_separated_text_are_refused() {
     assert!(matches!(read(b""), Err(LogError::Empty { .. })));
     assert!(matches!(read(b"\n\n# x\n"), Err(LogError::Empty { .. })));
-    assert!(matches!(
-        read(b"t;q1\n0,5;1\n"),
-        Err(LogError::Delimiter { found: ';', .. })
-    ));
-    assert!(matches!(
-        read(b"t\tq1\n"),
-        Err(LogError::Delimiter { found: '\t', .. })
-    ));
-    assert!(matches!(
-        read(b"\xff\xfet\0,\0"),
-        Err(LogError::NotUtf8 { line: 1, .. })
-    ));
-    assert!(matches!(
-        read(b"t,q1\n\"1,2\n"),
-        Err(LogError::OpenQuote { line: 2, .. })
-    ));
-    assert!(matches!(
-        read(b"\x7fELF\0\0"),
-        Err(LogError::NoColumn { missing: "t", .. })
-    ));
+    assert!(matches!(read(b"t;q1\n0,5;1\n"), Err(LogError::Delimiter { found: ';', .. })));
+    assert!(matches!(read(b"t\tq1\n"), Err(LogError::Delimiter { found: '\t', .. })));
+    assert!(matches!(read(b"\xff\xfet\0,\0"), Err(LogError::NotUtf8 { line: 1, .. })));
+    assert!(matches!(read(b"t,q1\n\"1,2\n"), Err(LogError::OpenQuote { line: 2, .. })));
+    assert!(matches!(read(b"\x7fELF\0\0"), Err(LogError::NoColumn { missing: "t", .. })));
 }
 
 #[test]
@@ -146,30 +103,9 @@ fn long_lines_and_fields_are_refused_without_holding_them() {
     let name = read(format!("t,q1,{long}\n").as_bytes());
     let field = read(format!("t,q1,note\n0,0,{long}\n").as_bytes());
 
-    assert!(matches!(
-        line,
-        Err(LogError::TooLong {
-            part: "line",
-            line: 2,
-            ..
-        })
-    ));
-    assert!(matches!(
-        name,
-        Err(LogError::TooLong {
-            part: "field",
-            line: 1,
-            ..
-        })
-    ));
-    assert!(matches!(
-        field,
-        Err(LogError::TooLong {
-            part: "field",
-            line: 2,
-            ..
-        })
-    ));
+    assert!(matches!(line, Err(LogError::TooLong { part: "line", line: 2, .. })));
+    assert!(matches!(name, Err(LogError::TooLong { part: "field", line: 1, .. })));
+    assert!(matches!(field, Err(LogError::TooLong { part: "field", line: 2, .. })));
 }
 
 proptest! {

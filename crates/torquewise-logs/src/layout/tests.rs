@@ -40,11 +40,7 @@ fn the_message_says_which_column_is_missing() {
         ("t,q1,q2,ddq1", "ddq2", "q2"),
     ] {
         match layout(header) {
-            Err(LogError::MissingColumn {
-                missing: m,
-                present: p,
-                ..
-            }) => {
+            Err(LogError::MissingColumn { missing: m, present: p, .. }) => {
                 assert_eq!((m.as_str(), p.as_str()), (missing, present), "{header}");
             }
             other => panic!("{header}: {other:?}"),
@@ -54,28 +50,13 @@ fn the_message_says_which_column_is_missing() {
 
 #[test]
 fn headers_without_meaning_are_refused() {
-    assert!(matches!(
-        layout("q1"),
-        Err(LogError::NoColumn { missing: "t", .. })
-    ));
-    assert!(matches!(
-        layout("t,dq1"),
-        Err(LogError::NoColumn { missing: "q1", .. })
-    ));
+    assert!(matches!(layout("q1"), Err(LogError::NoColumn { missing: "t", .. })));
+    assert!(matches!(layout("t,dq1"), Err(LogError::NoColumn { missing: "q1", .. })));
     assert!(matches!(layout("t,q0,q1"), Err(LogError::ZeroBased { .. })));
-    assert!(matches!(
-        layout("t,t,q1"),
-        Err(LogError::DuplicateColumn { .. })
-    ));
-    assert!(matches!(
-        layout("t,q1,q1"),
-        Err(LogError::DuplicateColumn { .. })
-    ));
+    assert!(matches!(layout("t,t,q1"), Err(LogError::DuplicateColumn { .. })));
+    assert!(matches!(layout("t,q1,q1"), Err(LogError::DuplicateColumn { .. })));
     let wide = "x,".repeat(MAX_COLUMNS) + "t";
-    assert!(matches!(
-        layout(&wide),
-        Err(LogError::TooManyColumns { found: 1_001, .. })
-    ));
+    assert!(matches!(layout(&wide), Err(LogError::TooManyColumns { found: 1_001, .. })));
     let far = "t,q1,q99999999999999999999999";
     assert_eq!(layout(far).unwrap().ignored(), ["q99999999999999999999999"]);
 }

@@ -6,9 +6,7 @@ use faer::Mat;
 
 /// Time stamps 10 ms apart, each moved by up to 4 ms.
 fn jittered(rows: usize) -> Vec<f64> {
-    (0..rows)
-        .map(|i| 0.01 * i as f64 + 0.004 * (i as f64 * 12.9898).sin())
-        .collect()
+    (0..rows).map(|i| 0.01 * i as f64 + 0.004 * (i as f64 * 12.9898).sin()).collect()
 }
 
 fn even(rows: usize) -> Vec<f64> {
@@ -72,18 +70,13 @@ fn error_on_a_sine_stays_under_the_taylor_remainder() {
             for row in 0..t.len() {
                 // The fit is exact to degree 4: what is left is Σ |w| (ω Δt)⁵ / 5!.
                 let remainder = |k: usize| (omega * (t[k] - t[row]).abs()).powi(5) / 120.0;
-                let bound: f64 = (0..t.len())
-                    .map(|k| weights[(row, k)].abs() * remainder(k))
-                    .sum();
+                let bound: f64 = (0..t.len()).map(|k| weights[(row, k)].abs() * remainder(k)).sum();
                 let exact = match order {
                     1 => omega * (omega * t[row]).cos(),
                     _ => -omega * omega * (omega * t[row]).sin(),
                 };
                 let error = (derived[(row, 0)] - exact).abs();
-                assert!(
-                    error <= bound,
-                    "order {order}, row {row}: {error} > {bound}"
-                );
+                assert!(error <= bound, "order {order}, row {row}: {error} > {bound}");
             }
         }
     }
@@ -161,44 +154,12 @@ fn input_that_cannot_be_differentiated_is_refused() {
     let endless = refused(&[0.0, 0.1, f64::NAN, 0.2, 0.3, 0.4], &x, 1);
     let hole = refused(&t, &column(&t, |t| if t > 0.03 { f64::NAN } else { t }), 1);
 
-    assert_eq!(
-        window,
-        MotionError::Window {
-            half_window: 2,
-            degree: 5
-        }
-    );
-    assert_eq!(
-        constant,
-        MotionError::Window {
-            half_window: 2,
-            degree: 0
-        }
-    );
+    assert_eq!(window, MotionError::Window { half_window: 2, degree: 5 });
+    assert_eq!(constant, MotionError::Window { half_window: 2, degree: 0 });
     assert_eq!(short, MotionError::TooFewRows { rows: 3, needed: 4 });
-    assert!(matches!(
-        shape,
-        MotionError::Shape {
-            rows: 6,
-            expected_rows: 5,
-            ..
-        }
-    ));
-    assert_eq!(
-        order,
-        MotionError::Order {
-            order: 4,
-            degree: 3
-        }
-    );
+    assert!(matches!(shape, MotionError::Shape { rows: 6, expected_rows: 5, .. }));
+    assert_eq!(order, MotionError::Order { order: 4, degree: 3 });
     assert_eq!(repeated, MotionError::TimeOrder { row: 3 });
-    assert_eq!(
-        endless,
-        MotionError::NotFinite {
-            signal: "t",
-            joint: 0,
-            row: 2
-        }
-    );
+    assert_eq!(endless, MotionError::NotFinite { signal: "t", joint: 0, row: 2 });
     assert!(matches!(hole, MotionError::NotFinite { signal: "x", .. }));
 }
