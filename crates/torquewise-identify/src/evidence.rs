@@ -69,7 +69,8 @@ fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
     columns
 }
 
-/// Sums the normal equations of all steps, and the noise at standstill if there is enough, in one pass.
+/// Sums the normal equations of all steps, and the noise at standstill if there is enough, in one
+/// pass.
 ///
 /// # Errors
 /// [`IdentifyError::Read`] with the reader's message.

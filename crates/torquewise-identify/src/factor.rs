@@ -78,8 +78,9 @@ impl<'a> FactorSum<'a> {
         Ok(rows.collect())
     }
 
-    /// What the noise did to the sums, seen by doing it once more: with ε drawn as the noise is, and
-    /// −ε beside it so that odd powers cancel, E\[½(S(z+ε) + S(z−ε)) − S(z)\] = E\[S(z)\] − S(true).
+    /// What the noise did to the sums, seen by doing it once more: with ε drawn as the noise is,
+    /// and −ε beside it so that odd powers cancel, E\[½(S(z+ε) + S(z−ε)) − S(z)\] = E\[S(z)\] −
+    /// S(true).
     fn probe(&mut self, samples: &Samples, rows: &[Mat<f64>]) -> Result<(), SparseError> {
         let noise = self.fit.noise;
         let rates: Vec<f64> = noise.dq.iter().chain(&noise.ddq).copied().collect();

@@ -126,7 +126,8 @@ fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
     Ok(Ladder { name: "SINDy".into(), pattern: None, design, rungs })
 }
 
-/// One step: its own part of the library at N₁, beside the parts of the steps before at the largest.
+/// One step: its own part of the library at N₁, beside the parts of the steps before at the
+/// largest.
 fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, IdentifyError> {
     let kinds: &[Kind] = match pattern {
         Pattern::Standstill => &[Kind::Gravity],

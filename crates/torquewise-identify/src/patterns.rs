@@ -47,8 +47,8 @@ pub struct Patterns {
 
 /// Clusters the sample of a survey (algorithm 1 of the paper).
 ///
-/// A cluster whose centre has I(q̈) above one half is variable velocity, else one with I(q̇) above one
-/// half uniform velocity, else standstill.
+/// A cluster whose centre has I(q̈) above one half is variable velocity, else one with I(q̇) above
+/// one half uniform velocity, else standstill.
 ///
 /// # Errors
 /// [`IdentifyError::Clusters`] if a number of clusters out of range is asked for.
@@ -141,9 +141,10 @@ impl Patterns {
 
     /// Pattern of each row of a motion, m.
     ///
-    /// With the scaled index, each of I(q̈) and I(q̇) is a switch that is on beyond the middle between
-    /// the clusters on its two sides; with the printed one, the nearest centre names the row.
-    /// Rows of a pattern that is not genuine count as variable velocity, which assumes nothing.
+    /// With the scaled index, each of I(q̈) and I(q̇) is a switch that is on beyond the middle
+    /// between the clusters on its two sides; with the printed one, the nearest centre names the
+    /// row. Rows of a pattern that is not genuine count as variable velocity, which assumes
+    /// nothing.
     pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
         let name = |point: &[f64; 2]| match self.switches {
             Some([velocity, acceleration]) => named(point[0] > velocity, point[1] > acceleration),

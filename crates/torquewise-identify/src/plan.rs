@@ -78,8 +78,8 @@ impl Default for Plan {
 
 impl Plan {
     /// One-shot SINDy, the baseline: the whole product library on all rows, terms above 0.1 kept by
-    /// sequentially thresholded least squares as PySINDy does by default and the paper counts active
-    /// terms, no noise correction.
+    /// sequentially thresholded least squares as PySINDy does by default and the paper counts
+    /// active terms, no noise correction.
     pub fn sindy() -> Self {
         Self {
             library: LibraryKind::PRODUCT,

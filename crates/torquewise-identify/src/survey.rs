@@ -38,8 +38,8 @@ pub const SAMPLE_ROWS: usize = 1 << 14;
 /// Looks through a recording once.
 ///
 /// # Errors
-/// [`IdentifyError::Read`] with the reader's message, or [`IdentifyError::Motion`] if the log has no
-/// joints.
+/// [`IdentifyError::Read`] with the reader's message, or [`IdentifyError::Motion`] if the log has
+/// no joints.
 pub fn survey(recording: &(impl Recording + ?Sized)) -> Result<Survey, IdentifyError> {
     let mut look = Look::new(recording.joints());
     recording
@@ -60,7 +60,8 @@ struct Look {
     last_time: f64,
     q_range: Vec<[f64; 2]>,
     peaks: [Vec<f64>; 2],
-    /// First torque, sums of differences to it and of their squares: no digits lost to a large mean.
+    /// First torque, sums of differences to it and of their squares: no digits lost to a large
+    /// mean.
     torque: Vec<[f64; 3]>,
     has_torque: bool,
     noise: NoiseSum,

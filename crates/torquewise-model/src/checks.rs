@@ -14,8 +14,8 @@ pub struct Checks {
     pub smallest_eigenvalue: f64,
     /// Largest ‖M − Mᵀ‖ / ‖M‖; zero for a real arm.
     pub asymmetry: f64,
-    /// Largest |q̇ᵀ(Ṁq̇ − 2c)| / (‖q̇‖‖Ṁq̇‖ + 2‖q̇‖‖c‖), which is zero where Ṁ − 2C is skew: the power of
-    /// the Coriolis torque is the change of kinetic energy that M accounts for.
+    /// Largest |q̇ᵀ(Ṁq̇ − 2c)| / (‖q̇‖‖Ṁq̇‖ + 2‖q̇‖‖c‖), which is zero where Ṁ − 2C is skew: the
+    /// power of the Coriolis torque is the change of kinetic energy that M accounts for.
     pub skew_defect: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Model ↔ text: a versioned JSON file.
+//! Model → text → Model: a versioned JSON file.
 
 use crate::error::ModelError;
 use crate::model::{Form, Model, Weighted};
@@ -38,8 +38,9 @@ pub fn to_json(model: &Model) -> Result<String, ModelError> {
 /// Reads the text of a model file.
 ///
 /// # Errors
-/// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if a newer
-/// program wrote it, [`ModelError::Shape`] or [`ModelError::NotFinite`] if its parts do not fit.
+/// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if a
+/// newer program wrote it, [`ModelError::Shape`] or [`ModelError::NotFinite`] if its parts do not
+/// fit.
 pub fn from_json(text: &str) -> Result<Model, ModelError> {
     let not_a_model =
         |error: serde_json::Error| ModelError::NotAModel { reason: error.to_string() };

@@ -1,8 +1,8 @@
 //! Closed-form torque models of robot arms: terms, weights, prediction, files.
 //!
 //! A [`Model`] is plain data: for each joint a sum of [`Term`]s with coefficients, or one set of
-//! energies M(q), V(q) that all joints share. [`Torque`] evaluates it, [`checks`] asks whether it is
-//! physics, [`print`](mod@print) writes it down, [`file`](mod@file) keeps it.
+//! energies M(q), V(q) that all joints share. [`Torque`] evaluates it, [`checks`] asks whether it
+//! is physics, [`print`](mod@print) writes it down, [`file`](mod@file) keeps it.
 
 pub mod error;
 pub mod term;

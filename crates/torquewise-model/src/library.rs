@@ -141,8 +141,8 @@ pub fn energy_library(n_joints: usize, interaction: Option<usize>) -> Vec<Energy
     library
 }
 
-/// Products over the joints of {1, cos kq, sin kq : k ≤ harmonics of the joint}, the constant first,
-/// of at most `limit` joints.
+/// Products over the joints of {1, cos kq, sin kq : k ≤ harmonics of the joint}, the constant
+/// first, of at most `limit` joints.
 fn harmonic_functions(n_joints: usize, harmonics: &[u8], limit: usize) -> Vec<Term> {
     let mut functions = vec![Term::one(n_joints)];
     for (joint, &largest) in harmonics.iter().enumerate() {

@@ -33,7 +33,12 @@ impl Parts {
 /// let gravity = Term::one(1).times(Trig::Sin, 0, 1, 1);
 /// let pendulum = Model {
 ///     joints: vec!["pivot".into()],
-///     form: Form::Torque(vec![vec![Weighted { term: gravity, coefficient: 3.3, std_error: 0.0, inclusion: None }]]),
+///     form: Form::Torque(vec![vec![Weighted {
+///         term: gravity,
+///         coefficient: 3.3,
+///         std_error: 0.0,
+///         inclusion: None,
+///     }]]),
 ///     stages: vec![],
 ///     training: Training::default(),
 /// };

@@ -8,7 +8,7 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use torquewise::identify::{JointScore, score};
+use torquewise::identify::score::{JointScore, score};
 use torquewise::logs::Logs;
 
 /// Compare the torque a model predicts with the torque measured

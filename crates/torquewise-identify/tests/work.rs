@@ -1,0 +1,43 @@
+//! Candidates → multiplications: what each route to their normal equations costs.
+
+use torquewise_identify::candidates::Candidates;
+use torquewise_identify::{LibraryKind, Method};
+use torquewise_sparse::accumulate::{Route, cheaper_route};
+use torquewise_sparse::design::Design;
+use torquewise_sparse::gram::direct_cost;
+use torquewise_sparse::moments::MomentPlan;
+use torquewise_sparse::samples::Evaluator;
+
+const N_RESPONSES: usize = 3;
+
+/// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
+fn sindy() -> Design {
+    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Method::Sindy);
+    candidates.expect("a library that fits into memory").design
+}
+
+#[test]
+fn moments_take_a_twentieth_of_the_multiplications_of_the_sindy_library() {
+    let design = sindy();
+
+    let by_moments = MomentPlan::new(&design).cost(N_RESPONSES);
+    let by_rows = direct_cost(&Evaluator::new(design.clone()), N_RESPONSES);
+
+    assert_eq!(design.n_columns(), 3_612);
+    assert_eq!(cheaper_route(&design, N_RESPONSES, 60_000), Route::Moments);
+    assert!(by_rows > 20.0 * by_moments, "{by_rows} and {by_moments} multiplications per row");
+}
+
+#[test]
+fn the_moments_of_the_sindy_library_are_those_that_e3_counts() {
+    let plan = MomentPlan::new(&sindy());
+
+    // Harmonics up to 8 of three angles, monomials up to degree 4 of six variables; 129 harmonics
+    // and 28 monomials with each torque.
+    assert_eq!(plan.size(N_RESPONSES), 833 * 210 + 129 * 28 * N_RESPONSES);
+}
+
+#[test]
+fn a_handful_of_rows_is_not_worth_a_table_of_moments() {
+    assert_eq!(cheaper_route(&sindy(), N_RESPONSES, 1), Route::Direct);
+}
