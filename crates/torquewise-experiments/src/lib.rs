@@ -24,9 +24,11 @@ pub mod results;
 pub mod claims;
 pub mod reproduce;
 mod svg;
+pub mod figures;
 
 pub use agenda::Progress;
 pub use error::ExperimentError;
+pub use figures::{Figure, figures};
 pub use reproduce::reproduce;
 pub use results::Results;
 pub use settings::Settings;

@@ -18,7 +18,7 @@ const HEAD: f64 = 46.0;
 ///
 /// Nothing is rasterised and no font is embedded: words stand in the sans-serif font of whoever
 /// looks at it.
-pub fn svg(title: &str, charts: &[Chart], columns: usize) -> String {
+pub(crate) fn svg(title: &str, charts: &[Chart], columns: usize) -> String {
     let columns = columns.max(1);
     let width = (WIDTH - PANEL_GAP) / columns as f64;
     let mut body = String::new();

@@ -12,6 +12,8 @@ use torquewise_model::{EnergyTerm, Kind, Place, Term, Trig, Weighted};
 /// A sum with its left side, before it is written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equation {
+    /// Its name in plain text.
+    pub name: String,
     /// What the sum is, as made by [`place`] or [`torque`].
     pub left: Markup,
     /// Words beside the left side: a joint's name, a unit; may be empty.
@@ -30,7 +32,9 @@ impl Equation {
     /// Each coefficient has the digits its standard error leaves standing; error, unit and share of
     /// resampled logs stand beside it in small type or appear when it is pointed at.
     pub fn to_markup(&self) -> Markup {
-        let mut html = format!("<div class=\"equation\"><div class=\"left\">{}", self.left);
+        let name = escape(&self.name);
+        let mut html = format!("<div class=\"equation\" role=\"group\" aria-label=\"{name}\">");
+        push(&mut html, format_args!("<div class=\"left\">{}", self.left));
         if !self.note.is_empty() {
             push(&mut html, format_args!("<small>{}</small>", escape(&self.note)));
         }
@@ -38,7 +42,13 @@ impl Equation {
         let coefficients: Vec<String> = numbers.iter().map(|[number, _]| number.clone()).collect();
         let coefficients = aligned(&coefficients);
         let widest = coefficients.iter().map(|text| text.chars().count()).max().unwrap_or(1);
-        push(&mut html, format_args!("</div><div class=\"sum\" style=\"--w:{widest}\">"));
+        // The sign ± and a space stand before the error.
+        let errors = numbers.iter().map(|[_, error]| error.chars().count());
+        let wide = errors.max().filter(|&n| n > 0).map_or(0, |n| n + 2);
+        push(
+            &mut html,
+            format_args!("</div><div class=\"sum\" style=\"--w:{widest};--e:{wide}\">"),
+        );
         if self.terms.is_empty() {
             html.push_str(
                 "<div class=\"term\"><span></span><span class=\"coefficient\">0</span></div>",
@@ -88,10 +98,16 @@ impl Equation {
                  <span class=\"coefficient\">{coefficient}</span>\
                  <span class=\"error\">{error}</span><span>{}{kept}</span></div>",
                 escape(&title),
-                term(&weighted.term)
+                function_of(&weighted.term)
             ),
         );
     }
+}
+
+/// The function a coefficient stands before; nothing for the constant 1.
+fn function_of(function: &Term) -> String {
+    let is_one = function.interaction() == 0 && function.kind() == Kind::Gravity;
+    if is_one { String::new() } else { term(function).to_string() }
 }
 
 /// A share of resampled logs above this needs no mention: the term is always there.
@@ -112,8 +128,8 @@ pub fn energies(terms: &[Weighted<EnergyTerm>]) -> Vec<Equation> {
         groups.into_iter().partition(|(place, _)| *place == Place::Potential);
     let equation = |(at, terms): (Place, Vec<Weighted<Term>>)| {
         let unit = if at == Place::Potential { "J" } else { "kg·m²" };
-        let note = format!("[{unit}]");
-        Equation { left: place(at), note, terms, unit: Some(unit), left_out: 0 }
+        let (name, note) = (at.name(), format!("[{unit}]"));
+        Equation { name, left: place(at), note, terms, unit: Some(unit), left_out: 0 }
     };
     inertia.into_iter().chain(potential).map(equation).collect()
 }
@@ -141,7 +157,7 @@ pub fn torque(joint: usize) -> Markup {
 /// A term: sin q₂ cos² q₃ q̇₁ q̇₂.
 pub fn term(term: &Term) -> Markup {
     let mut parts: Vec<String> = term.factors.iter().map(factor).collect();
-    for (dots, powers) in [("˙", &term.dq), ("¨", &term.ddq)] {
+    for (dots, powers) in [(DOT, &term.dq), (TWO_DOTS, &term.ddq)] {
         for (joint, &power) in powers.iter().enumerate().filter(|&(_, &power)| power > 0) {
             parts.push(rate(dots, joint, power));
         }
@@ -187,8 +203,14 @@ fn angle(multiples: &[(usize, i8)]) -> String {
     text
 }
 
-fn rate(dots: &str, joint: usize, power: u8) -> String {
-    let q = format!("<mover accent=\"true\"><mi>q</mi><mo>{dots}</mo></mover>");
+/// Combining marks sit right in any font; an accent of MathML only in one made for mathematics.
+const DOT: char = '\u{307}';
+const TWO_DOTS: char = '\u{308}';
+/// What a lone q in MathML looks like.
+const ITALIC_Q: char = '\u{1d45e}';
+
+fn rate(dots: char, joint: usize, power: u8) -> String {
+    let q = format!("<mi>{ITALIC_Q}{dots}</mi>");
     let joint = joint + 1;
     match power {
         1 => format!("<msub>{q}<mn>{joint}</mn></msub>"),
@@ -228,7 +250,8 @@ mod tests {
     use super::*;
 
     fn equation(terms: Vec<Weighted<Term>>) -> Equation {
-        Equation { left: torque(1), note: "<elbow>".into(), terms, unit: None, left_out: 0 }
+        let (name, note) = ("\"tau2".into(), "<elbow>".into());
+        Equation { name, left: torque(1), note, terms, unit: None, left_out: 0 }
     }
 
     fn weighted(coefficient: f64, std_error: f64) -> Weighted<Term> {
@@ -245,8 +268,8 @@ mod tests {
         let cosine = "<msup><mi>cos</mi><mn>2</mn></msup><mspace width=\"0.15em\"/>\
                       <msub><mi>q</mi><mn>3</mn></msub>";
         assert!(html.starts_with(&format!("<math>{cosine}")), "{html}");
-        assert!(html.contains("<mo>˙</mo></mover><mn>1</mn><mn>2</mn></msubsup>"), "{html}");
-        assert!(html.ends_with("<mo>¨</mo></mover><mn>2</mn></msub></math>"), "{html}");
+        assert!(html.contains("<mi>𝑞̇</mi><mn>1</mn><mn>2</mn></msubsup>"), "{html}");
+        assert!(html.ends_with("<mi>𝑞̈</mi><mn>2</mn></msub></math>"), "{html}");
         assert_eq!(term(&Term::one(1)).as_str(), "<math><mn>1</mn></math>");
     }
 
@@ -278,6 +301,7 @@ mod tests {
         let html = equation(Vec::new()).to_markup().to_string();
 
         assert!(html.contains("<small>&lt;elbow&gt;</small>"), "{html}");
+        assert!(html.contains("aria-label=\"&quot;tau2\""), "{html}");
         assert!(html.contains(">0</span>"), "{html}");
     }
 

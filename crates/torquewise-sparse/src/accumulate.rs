@@ -24,7 +24,7 @@ pub trait Accumulate: Send + Sized {
 }
 
 /// Blocks a lane holds back before all lanes work at once.
-const BLOCKS_PER_LANE: usize = 4;
+const BLOCKS_PER_LANE: usize = 1;
 /// Memory that the sums of all lanes together may take.
 const LANE_BYTES: usize = 128 << 20;
 const MAX_LANES: usize = 16;

@@ -26,10 +26,13 @@
     if (value === 0) return "0";
     const size = Math.abs(value);
     if (size >= 1e6 || step < 1e-5) return power(value, 3);
-    const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+    let decimals = 0;
+    while (decimals < 9 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6) decimals++;
     const text = value.toFixed(decimals);
     return minus(+text === 0 ? text.replace("-", "") : text);
   }
+
+  const isDecade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
 
   function logTick(value) {
     return value >= 1e-3 && value < 1e5 ? minus(String(+value.toPrecision(6))) : power(value, 1);
@@ -58,7 +61,17 @@
     rows.sort((a, b) => a.x - b.x);
     const spread = (key) => spec.series.map((series) => series[key].length === 0 ? [] :
       rows.map((r) => (r.column === series.column ? series[key][r.row] : undefined)));
-    return { x: rows.map((r) => r.x), y: spread("y"), low: spread("low"), high: spread("high") };
+    return { x: rows.map((r) => r.x), y: spread("y").map(widenGaps), low: spread("low"), high: spread("high") };
+  }
+
+  /* A gap reaches to the points of its series on both sides. */
+  function widenGaps(ys) {
+    const gaps = [...ys.keys()].filter((row) => ys[row] === null);
+    for (const gap of gaps) {
+      for (let row = gap - 1; row >= 0 && ys[row] === undefined; row--) ys[row] = null;
+      for (let row = gap + 1; row < ys.length && ys[row] === undefined; row++) ys[row] = null;
+    }
+    return ys;
   }
 
   /* --- scales --- */
@@ -76,13 +89,15 @@
   function xRange(spec, data) {
     return (_, low, high) => {
       if (low == null || !(low <= high)) return [0, 1];
-      const isWhole = low === data.x[0] && high === data.x[data.x.length - 1];
-      if (!isWhole) return [low, high];
+      const [first, last] = [data.x[0], data.x[data.x.length - 1]];
+      /* uPlot widens a single abscissa before it asks. */
+      if (first === last) [low, high] = [first, last];
+      if (low !== first || high !== last) return [low, high];
       if (spec.x.range) return spec.x.range;
       if (spec.x.places.length) return [-0.5, spec.x.places.length - 0.5];
-      const isLine = spec.series.every((s) => ["line", "broad", "dashed"].includes(s.mark));
+      const isLine = spec.series.every((s) => ["line", "broad", "dashed"].includes(s.mark) && s.low.length === 0);
       if (spec.x.log) {
-        const ratio = low === high ? 2 : (high / low) ** (isLine ? 0 : 0.04);
+        const ratio = low === high ? 3 : (high / low) ** (isLine ? 0 : 0.04);
         return [low / ratio, high * ratio];
       }
       if (low === high) return [low - 1, high + 1];
@@ -122,7 +137,7 @@
   function drawBands(plot, spec) {
     const { left, top, width, height } = plot.bbox;
     for (const band of spec.bands) {
-      plot.ctx.fillStyle = tint(band.colour, "38");
+      plot.ctx.fillStyle = tint(band.colour, "30");
       for (const [from, to] of band.spans) {
         const start = Math.max(left, plot.valToPos(from, "x", true));
         const end = Math.min(left + width, plot.valToPos(to, "x", true));
@@ -195,11 +210,21 @@
   const LOW_HEIGHT = 230;
   const DOT = { cloud: 3.4, rings: 13, dotted: 6.5 };
 
-  function seriesOptions(series) {
+  /* Points that no line reaches: gaps or nothing on both sides. */
+  function lonely(ys) {
+    const known = [...ys.keys()].filter((row) => ys[row] !== undefined);
+    const isGap = (place) => ys[known[place]] == null;
+    const rows = known.filter((_, place) => !isGap(place) && isGap(place - 1) && isGap(place + 1));
+    return rows.length ? rows : null;
+  }
+
+  function seriesOptions(series, ys) {
     const { mark } = series;
     const stroke = () => colour(series.colour);
     const dot = DOT[mark];
-    const options = { label: series.label, stroke, width: mark === "broad" ? 4.5 : 1.6, points: { show: false } };
+    const options = { label: series.label, stroke, width: mark === "broad" ? 4.5 : 1.6 };
+    const alone = lonely(ys);
+    options.points = { show: () => false, filter: () => (mark === "bars" ? null : alone), size: 5, width: 0, stroke: "transparent", fill: stroke };
     if (mark === "dashed") options.dash = [6, 4];
     if (mark === "cloud" || mark === "rings") options.paths = () => null;
     if (mark === "bars") Object.assign(options, { width: 0, fill: () => tint(series.colour, "b0"), paths: uPlot.paths.bars({ size: [0.86, 90] }) });
@@ -223,7 +248,12 @@
       scale: isX ? "x" : "y",
       font: `12px ${FONT}`,
       stroke: () => colour("faded"),
-      grid: { stroke: () => colour("grid"), width: 1, show: !(isX && axis.places.length) },
+      grid: {
+        stroke: () => colour("grid"),
+        width: 1,
+        show: !(isX && axis.places.length),
+        filter: (_, splits) => (axis.log ? splits.map((v) => (isDecade(v) ? v : null)) : splits),
+      },
       ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
       gap: 5,
       values: (_, splits, __, ___, step) =>
@@ -326,7 +356,7 @@
       cursor,
       scales: { x: scale(spec.x, xRange(spec, data)), y: scale(spec.y, yRange(spec, data)) },
       axes: [axisOptions(spec.x, true), axisOptions(spec.y, false)],
-      series: [{}, ...spec.series.map(seriesOptions)],
+      series: [{}, ...spec.series.map((series, i) => seriesOptions(series, data.y[i]))],
       hooks: {
         init: [(plot) => {
           plot.over.append(box);

@@ -1,6 +1,7 @@
 //! Findings → equations: energies first where the model has them, then the torque of each joint.
 
 use crate::fit_report::Findings;
+use crate::html::number::count;
 use crate::html::{Item, Section};
 use crate::mathml::{Equation, energies, torque};
 use std::collections::BTreeMap;
@@ -9,12 +10,14 @@ use torquewise_model::{Form, Term, Weighted};
 
 /// Terms of one equation written out at most; no one reads more.
 const MOST_TERMS: usize = 200;
+/// An equation of more terms is folded.
+const LONG: usize = 60;
 
 /// All equations, the long ones folded.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let model = &findings.found.model;
     let mut items = Vec::new();
-    let torques = torques(findings).into_iter().map(|equation| Item::Markup(equation.to_markup()));
+    let torques = torques(findings);
     if let Form::Energy(terms) = &model.form {
         items.push(Item::Text(
             "T = ½ q̇ᵀ M(q) q̇ and V(q), in SI units. Grey numbers are standard errors; a share in \
@@ -23,18 +26,29 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
                 .into(),
         ));
         let shown = energies(terms).into_iter().map(|energy| largest(energy, &BTreeMap::new()));
-        items.extend(shown.map(|equation| Item::Markup(equation.to_markup())));
+        items.extend(shown.map(|equation| written(&equation)));
         items.push(Item::Details {
             summary: "The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q".into(),
-            items: torques.collect(),
+            items: torques.iter().map(written).collect(),
         });
     } else {
         items.push(Item::Text(
             "The torque of each joint, in SI units. Grey numbers are standard errors.".into(),
         ));
-        items.extend(torques);
+        items.extend(torques.iter().map(written));
     }
     Section { heading: "Equations".into(), items }
+}
+
+/// The equation, folded if it is long.
+fn written(equation: &Equation) -> Item {
+    let markup = Item::Markup(equation.to_markup());
+    let n_terms = equation.terms.len() + equation.left_out;
+    if n_terms <= LONG {
+        return markup;
+    }
+    let summary = format!("{}, {} terms", equation.name, count(n_terms));
+    Item::Details { summary, items: vec![markup] }
 }
 
 fn torques(findings: &Findings<'_>) -> Vec<Equation> {
@@ -42,8 +56,9 @@ fn torques(findings: &Findings<'_>) -> Vec<Equation> {
     let equation = |(joint, terms): (usize, Vec<Weighted<Term>>)| {
         let importance = &findings.diagnosis.importance[joint];
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
-        let note = format!("[N·m], {}", model.joints[joint]);
-        let all = Equation { left: torque(joint), note, terms, unit: None, left_out: 0 };
+        let name = format!("Torque of {}", model.joints[joint]);
+        let note = format!("{} [N·m]", model.joints[joint]);
+        let all = Equation { name, left: torque(joint), note, terms, unit: None, left_out: 0 };
         largest(all, &sizes)
     };
     weighted_equations(model).into_iter().enumerate().map(equation).collect()
@@ -83,7 +98,14 @@ mod tests {
             inclusion: None,
         };
         let terms = (0..MOST_TERMS + 3).map(term).collect();
-        let all = Equation { left: torque(0), note: String::new(), terms, unit: None, left_out: 0 };
+        let all = Equation {
+            name: String::new(),
+            left: torque(0),
+            note: String::new(),
+            terms,
+            unit: None,
+            left_out: 0,
+        };
 
         let shown = largest(all, &BTreeMap::new());
 

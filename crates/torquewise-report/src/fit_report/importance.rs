@@ -49,7 +49,7 @@ fn joint_bars(findings: &Findings<'_>, joint: usize, terms: &BTreeMap<String, &T
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {
     let all = &findings.found.dropped;
-    let row = |dropped: &torquewise_identify::Dropped| BarRow {
+    let row = |dropped: &torquewise_identify::form::Dropped| BarRow {
         name: Label::Text(dropped.name.clone()),
         sizes: vec![100.0 * dropped.inclusion],
     };

@@ -59,11 +59,7 @@ fn failed(step: usize, error: &ModelError) -> ReportError {
     ReportError::Step { step, reason: error.to_string() }
 }
 
-fn error_row(
-    findings: &Findings<'_>,
-    name: &str,
-    model: &Model,
-) -> Result<Vec<Label>, ModelError> {
+fn error_row(findings: &Findings<'_>, name: &str, model: &Model) -> Result<Vec<Label>, ModelError> {
     let motion = &findings.diagnosis.trace.motion;
     let tau_hat = Torque::new(model).over(motion)?;
     let mut cells = vec![name.into()];

@@ -66,7 +66,7 @@ fn facts(findings: &Findings<'_>) -> Item {
     Item::Facts(facts)
 }
 
-/// `0.02–1.3 %`
+/// `0.02–1.3 %`, in one word.
 fn errors(findings: &Findings<'_>) -> String {
     let percents = findings.diagnosis.scores.joints.iter().map(|joint| joint.nrmse_percent);
     let finite = percents.filter(|percent| percent.is_finite());
@@ -76,7 +76,7 @@ fn errors(findings: &Findings<'_>) -> String {
         return "–".into();
     }
     let [least, most] = [least, most].map(|percent| significant(percent, 2));
-    if least == most { format!("{least} %") } else { format!("{least} – {most} %") }
+    if least == most { format!("{least}\u{202f}%") } else { format!("{least}–{most}\u{202f}%") }
 }
 
 fn words(findings: &Findings<'_>) -> String {
@@ -109,7 +109,7 @@ pub(crate) fn share(findings: &Findings<'_>, pattern: Pattern) -> f64 {
 
 fn scores(findings: &Findings<'_>) -> Item {
     let active = findings.found.model.form.active(findings.n_joints());
-    let row = |(joint, terms): (&torquewise_identify::JointScore, usize)| -> Vec<Label> {
+    let row = |(joint, terms): (&torquewise_identify::score::JointScore, usize)| -> Vec<Label> {
         vec![
             joint.name.as_str().into(),
             count(terms).into(),

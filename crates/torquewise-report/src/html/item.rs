@@ -124,7 +124,9 @@ impl<'a> Writer<'a> {
                 let all: Vec<_> = bars.iter().map(bars_view).collect();
                 ("bars", context! { all, beside => true })
             }
-            Item::Svg { svg, caption } => ("svg", context! { svg => safe(svg), caption => caption.as_str() }),
+            Item::Svg { svg, caption } => {
+                ("svg", context! { svg => safe(svg), caption => caption.as_str() })
+            }
             Item::Markup(markup) => ("markup", context! { markup => safe(markup.as_str()) }),
             Item::Details { summary, items } => {
                 let body = safe(&self.write(items)?);
@@ -139,16 +141,10 @@ impl<'a> Writer<'a> {
 
     fn chart(&mut self, chart: &Chart) -> Result<Value, ReportError> {
         self.charts += 1;
-        let series: Vec<_> = chart
-            .series
-            .iter()
-            .map(|s| key(&s.label, s.colour, s.mark.name()))
-            .collect();
-        let bands: Vec<_> = chart
-            .bands
-            .iter()
-            .map(|band| key(&band.label, band.colour, "band"))
-            .collect();
+        let series: Vec<_> =
+            chart.series.iter().map(|s| key(&s.label, s.colour, s.mark.name())).collect();
+        let bands: Vec<_> =
+            chart.bands.iter().map(|band| key(&band.label, band.colour, "band")).collect();
         let has_legend = series.len() + bands.len() > 1;
         let is_cloud = chart.series.iter().any(|s| matches!(s.mark, Mark::Cloud | Mark::Rings));
         Ok(context! {
@@ -177,11 +173,8 @@ fn table_view(table: &Table) -> Value {
 }
 
 fn bars_view(bars: &Bars) -> Value {
-    let series: Vec<_> = bars
-        .series
-        .iter()
-        .map(|(label, colour)| key(label, *colour, "band solid"))
-        .collect();
+    let series: Vec<_> =
+        bars.series.iter().map(|(label, colour)| key(label, *colour, "band solid")).collect();
     let rows: Vec<_> = bars
         .drawn()
         .into_iter()

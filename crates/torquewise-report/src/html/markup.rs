@@ -1,6 +1,6 @@
 //! Trusted HTML → markup: what a page takes over as it is.
 
-use std::fmt;
+use std::fmt::{self, Write};
 
 /// HTML that is not escaped: an equation, or a figure.
 ///
@@ -85,7 +85,8 @@ pub(crate) fn escape_json(json: &str) -> String {
     for c in json.chars() {
         match c {
             '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
-                escaped.push_str(&format!("\\u{:04x}", u32::from(c)));
+                // Writing to a String cannot fail.
+                let _ = write!(escaped, "\\u{:04x}", u32::from(c));
             }
             c => escaped.push(c),
         }

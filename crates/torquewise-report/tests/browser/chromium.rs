@@ -111,9 +111,7 @@ impl Tab {
         let call = json!({ "id": self.calls, "method": method, "params": parameters });
         self.socket.send(Message::text(call.to_string())).unwrap();
         loop {
-            let message = self.socket.read().unwrap();
-            let Ok(text) = message.to_text() else { continue };
-            let answer: Value = serde_json::from_str(text).unwrap();
+            let answer = self.next();
             if answer["id"] == self.calls {
                 assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
                 return answer["result"].clone();
@@ -122,18 +120,27 @@ impl Tab {
         }
     }
 
+    /// The next thing the browser says.
+    fn next(&mut self) -> Value {
+        loop {
+            if let Message::Text(text) = self.socket.read().unwrap() {
+                return serde_json::from_str(&text).unwrap();
+            }
+        }
+    }
+
     /// Opens a file and waits until its script is done.
     pub(crate) fn open(&mut self, path: &Path) {
         let url = format!("file://{}", path.display());
         self.call("Page.navigate", &json!({ "url": url }));
         let start = Instant::now();
-        while self.value("document.documentElement.dataset.ready ?? null").is_null() {
+        while self.value("document.documentElement?.dataset.ready ?? null").is_null() {
             assert!(start.elapsed() < PATIENCE, "never ready: {:?}", self.complaints());
         }
         self.settle();
     }
 
-    /// Value of an expression in the page, once two frames have passed after it.
+    /// Value of an expression in the page, or what it promises.
     pub(crate) fn value(&mut self, expression: &str) -> Value {
         let parameters = json!({
             "expression": expression, "returnByValue": true, "awaitPromise": true
@@ -145,7 +152,8 @@ impl Tab {
 
     /// Waits until what was asked for is drawn.
     fn settle(&mut self) {
-        let frame = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))";
+        let frame =
+            "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))";
         self.value(&format!("{frame}.then(() => 0)"));
     }
 
@@ -153,11 +161,10 @@ impl Tab {
     pub(crate) fn complaints(&mut self) -> Vec<String> {
         self.settle();
         let is_complaint = |event: &&Value| match event["method"].as_str() {
-            Some("Runtime.exceptionThrown") => true,
+            Some("Runtime.exceptionThrown" | "Log.entryAdded") => true,
             Some("Runtime.consoleAPICalled") => {
                 ["error", "warning", "assert"].iter().any(|kind| event["params"]["type"] == *kind)
             }
-            Some("Log.entryAdded") => true,
             _ => false,
         };
         self.events.iter().filter(is_complaint).map(Value::to_string).collect()

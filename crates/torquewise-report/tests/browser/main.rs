@@ -4,7 +4,8 @@
 //! or the first of `chromium`, `chromium-browser` and `google-chrome`; without one the tests say that
 //! they skip, or fail where `TORQUEWISE_BROWSER_REQUIRED=1`.
 
-#[path = "browser/chromium.rs"]
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
 mod chromium;
 
 use chromium::{Chromium, Tab};
@@ -112,7 +113,13 @@ impl Desk {
 const DRAWN: &str = "[...document.querySelectorAll('figure.chart canvas')].filter((canvas) => \
     canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0) \
     ).length";
-/// The curves of the first chart that has any: whether colours of its palette are on its canvas.
+/// Whether the predicted torque of the first chart has left its colour there.
+const PREDICTED_INK: &str = "(() => { const canvas = document.querySelector('#chart-1 canvas'); \
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height); \
+    for (let k = 0; k < data.length; k += 4) \
+    if (data[k] === 0 && data[k + 1] === 114 && data[k + 2] === 178) return true; \
+    return false; })()";
+/// By how much the page is wider than the window.
 const OVERFLOW: &str = "document.documentElement.scrollWidth - innerWidth";
 const X_LIMITS: &str = "[...document.querySelectorAll('figure.chart')].filter((figure) => \
     figure.plot.linked === 'time').map(({ plot: { scales: { x } } }) => [x.min, x.max])";
@@ -128,6 +135,7 @@ fn a_report_is_drawn_without_an_error_or_a_request() {
     let charts = tab.value("document.querySelectorAll('figure.chart').length").as_u64().unwrap();
     assert!(charts >= 14, "{charts} charts");
     assert_eq!(tab.value(DRAWN), charts);
+    assert_eq!(tab.value(PREDICTED_INK), true, "not the axes alone");
     assert_eq!(tab.value("document.images.length"), 0, "no tag comes from a name");
     assert!(tab.value("document.querySelectorAll('math').length").as_u64().unwrap() > 10);
     assert_eq!(tab.complaints(), [""; 0]);
@@ -148,6 +156,23 @@ fn every_kind_of_chart_is_drawn_and_read_out() {
         }
     }
     assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[test]
+fn a_gap_is_not_bridged_by_the_points_of_another_curve() {
+    let Some(mut desk) = Desk::new() else { return };
+    let dense = (0..9).map(|k| [f64::from(k), 0.0]).collect();
+    let broken = vec![[0.5, 1.0], [1.5, 1.0], [4.5, f64::NAN], [6.5, 1.0], [7.5, 1.0]];
+    let series = vec![Series::line("dense", dense), Series::line("broken", broken)];
+    let items = vec![Item::Chart(Chart { series, ..Chart::default() })];
+    let sections = vec![Section { heading: "A gap".into(), items }];
+    let page = Page { title: "A gap".into(), lead: String::new(), sections };
+
+    let mut tab = desk.open(&page.to_html().unwrap());
+
+    let gaps = "document.querySelector('#chart-1').plot.data[2].filter((y) => y === null).length";
+    // The gap itself, and the five rows of the other curve from x = 2 to x = 6.
+    assert_eq!(tab.value(gaps), 6);
 }
 
 #[test]
@@ -187,7 +212,8 @@ fn dragging_zooms_all_charts_over_time_and_a_double_click_undoes_it() {
 
     let limits = zoomed.as_array().unwrap();
     assert!(limits.len() >= 5 && limits.iter().all(|own| *own == limits[0]), "{zoomed}");
-    let width = |limits: &serde_json::Value| limits[1].as_f64().unwrap() - limits[0].as_f64().unwrap();
+    let width =
+        |limits: &serde_json::Value| limits[1].as_f64().unwrap() - limits[0].as_f64().unwrap();
     assert!(width(&limits[0]) < 0.5 * width(&whole[0]), "{whole} {zoomed}");
     assert_eq!(reset, false, "a button to undo it appears");
     assert_eq!(tab.value(X_LIMITS), whole);
