@@ -33,8 +33,11 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 }
 
 fn warnings(findings: &Findings<'_>) -> Item {
-    let lines: Vec<String> =
+    let mut lines: Vec<String> =
         findings.found.warnings.iter().map(|warning| sentence(&warning.to_string())).collect();
+    if findings.checks.is_some_and(|checks| !checks.passed()) {
+        lines.push("The model is no real arm at some states, see Physics.".into());
+    }
     if lines.is_empty() {
         let lines = vec!["Nothing in the log or in the fit gave cause for a warning.".into()];
         return Item::Callout(Callout { tone: Tone::Good, lines });
