@@ -26,11 +26,10 @@ const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const IDENTIFY: &str = "torquewise-identify";
 const REPORT: &str = "torquewise-report";
-const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 11] = [
+const LAYERS: [Layer; 10] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
     layer(MODEL, &[MOTION], &[DYNAMICS]),
@@ -38,8 +37,7 @@ const LAYERS: [Layer; 11] = [
     layer(LOGS, &[MOTION], &[DYNAMICS]),
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
-    layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
-    layer(FRONT_DOOR, &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS], &[]),
+    layer(FRONT_DOOR, &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT], &[]),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
     layer("xtask", &[], &[]),
 ];
