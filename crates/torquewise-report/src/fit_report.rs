@@ -35,9 +35,9 @@ pub(crate) struct Findings<'a> {
 /// zoomed into.
 ///
 /// # Errors
-/// [`ReportError::Shape`] if found model and diagnosis are of different arms, [`ReportError::Empty`]
-/// if the diagnosis has no rows, [`ReportError::Step`] if the model after a step cannot be
-/// evaluated, [`ReportError::Page`] if the page cannot be written.
+/// [`ReportError::Shape`] if found model and diagnosis are of different arms,
+/// [`ReportError::Empty`] if the diagnosis has no rows, [`ReportError::Step`] if the model after a
+/// step cannot be evaluated, [`ReportError::Page`] if the page cannot be written.
 pub fn fit_report(
     found: &Reconstruction,
     diagnosis: &Diagnosis,

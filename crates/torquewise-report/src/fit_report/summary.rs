@@ -17,7 +17,8 @@ pub(crate) fn lead(findings: &Findings<'_>) -> String {
         many => format!(" in {} trajectories", count(many)),
     };
     format!(
-        "A closed-form torque model of {} joints, from {} rows of motion ({} s at {} Hz{trajectories}).",
+        "A closed-form torque model of {} joints, from {} rows of motion \
+         ({} s at {} Hz{trajectories}).",
         findings.n_joints(),
         count(survey.rows),
         significant(survey.seconds, DIGITS),

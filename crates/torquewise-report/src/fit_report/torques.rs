@@ -12,7 +12,8 @@ pub(crate) const LINK: &str = "time";
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let clock = Clock::new(findings.diagnosis.trace.motion.t());
     let mut items = vec![Item::Text(
-        "Drag across a chart to zoom in, double-click to see all again; all charts over time follow."
+        "Drag across a chart to zoom in, double-click to see all again; all charts over time \
+         follow."
             .into(),
     )];
     items.extend((0..findings.n_joints()).map(|joint| Item::Chart(chart(findings, &clock, joint))));

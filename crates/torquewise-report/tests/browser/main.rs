@@ -1,8 +1,8 @@
 //! Whether a report works in a real browser: drawn, read out, zoomed into, narrow, dark, printed.
 //!
 //! Chromium is driven over its DevTools protocol. It is the program named by `TORQUEWISE_CHROMIUM`
-//! or the first of `chromium`, `chromium-browser` and `google-chrome`; without one the tests say that
-//! they skip, or fail where `TORQUEWISE_BROWSER_REQUIRED=1`.
+//! or the first of `chromium`, `chromium-browser` and `google-chrome`; without one the tests say
+//! that they skip, or fail where `TORQUEWISE_BROWSER_REQUIRED=1`.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -111,7 +111,8 @@ impl Desk {
 
 /// Charts whose canvas has any ink on it.
 const DRAWN: &str = "[...document.querySelectorAll('figure.chart canvas')].filter((canvas) => \
-    canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0) \
+    canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data \
+    .some((v) => v > 0) \
     ).length";
 /// Whether the predicted torque of the first chart has left its colour there.
 const PREDICTED_INK: &str = "(() => { const canvas = document.querySelector('#chart-1 canvas'); \
@@ -277,9 +278,13 @@ fn paper_shows_what_was_folded_and_the_screen_comes_back_as_it_was() {
     let Some(mut desk) = Desk::new() else { return };
     let mut tab = desk.open(&report());
     let state = "[document.querySelectorAll('details[open]').length, \
-        document.querySelector('#chart-1').plot.width, 'printing' in document.documentElement.dataset]";
+        document.querySelector('#chart-1').plot.width, \
+        'printing' in document.documentElement.dataset]";
     let before = tab.value(state);
-    tab.value("addEventListener('beforeprint', () => { window.printed = document.querySelectorAll('details:not([open])').length; })");
+    tab.value(
+        "addEventListener('beforeprint', () => { \
+            window.printed = document.querySelectorAll('details:not([open])').length; })",
+    );
 
     let pdf = tab.pdf();
 
