@@ -89,8 +89,7 @@ mod tests {
 
     /// Messages for a crate with this manifest, in a workspace that also has the usual crates.
     fn messages(name: &str, manifest: &str) -> Vec<String> {
-        let others =
-            [MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS, FRONT_DOOR];
+        let others = [MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, FRONT_DOOR];
         let mut packages = vec![package(name, manifest, &[])];
         packages.extend(others.iter().filter(|o| **o != name).map(|o| package(o, "", &[])));
         check(&workspace(packages)).into_iter().map(|violation| violation.message).collect()
