@@ -1,4 +1,4 @@
-//! Velocity, acceleration → activation index: how hard the joints are driven (6)(7) [E1].
+//! Velocity, acceleration → activation index: how hard the joints are driven (6)(7) (E1).
 
 use faer::MatRef;
 use torquewise_motion::Motion;
@@ -7,7 +7,7 @@ use torquewise_sparse::kmeans::{KMeans, kmeans};
 /// Which constants the index uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scaling {
-    /// Each joint by its own range, the sensitivity from the noise floor [E1].
+    /// Each joint by its own range, the sensitivity from the noise floor (E1).
     #[default]
     Scaled,
     /// The constants printed in the paper.
@@ -90,7 +90,7 @@ impl Activation {
         Self { velocity: index(0.6), acceleration: index(0.32) }
     }
 
-    /// Constants from a sample of the log [E1].
+    /// Constants from a sample of the log (E1).
     pub fn scaled(sample: &Motion) -> Self {
         Self { velocity: Index::scaled(sample.dq()), acceleration: Index::scaled(sample.ddq()) }
     }

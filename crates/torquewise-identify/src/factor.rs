@@ -1,4 +1,4 @@
-//! Kept terms, all rows → R factor, and what noise in the rows does to it [E6] [E7].
+//! Kept terms, all rows → R factor, and what noise in the rows does to it (E6) (E7).
 
 use crate::candidates::Group;
 use crate::noise::NoiseFloor;

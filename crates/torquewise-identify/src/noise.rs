@@ -1,4 +1,4 @@
-//! Motion blocks → noise floor: the white noise in q, q̇ and q̈ of each joint [E7].
+//! Motion blocks → noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
 
 use crate::activation::quantile;
 use faer::ColRef;

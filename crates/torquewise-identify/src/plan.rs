@@ -8,7 +8,7 @@ use torquewise_sparse::select::stlsq::Stlsq;
 /// Which candidates are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LibraryKind {
-    /// M(q) and V(q), shared by all joints [E4]; at most this many joint angles to a term.
+    /// M(q) and V(q), shared by all joints (E4); at most this many joint angles to a term.
     Energy {
         /// `None`: as many as keep the library below [`MOST_CANDIDATES`].
         interaction: Option<usize>,
@@ -51,7 +51,7 @@ pub struct Plan {
     pub selector: Selector,
     /// Coefficients at most this large are dropped, in units of the coefficient (the paper: 0.1).
     pub threshold: Option<f64>,
-    /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is taken out [E7].
+    /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is taken out (E7).
     pub noise_correction: bool,
     /// Clustering.
     pub patterns: PatternPlan,

@@ -75,7 +75,7 @@ pub enum Progress {
 ///
 /// The survey and the clusters first (6)(7); then standstill, uniform and variable velocity in
 /// turn, each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept terms
-/// together on all rows [E6]. One-shot SINDy is the same with a single step.
+/// together on all rows (E6). One-shot SINDy is the same with a single step.
 ///
 /// # Errors
 /// [`IdentifyError`]: the reader's message, too few rows, a library too large, or missing torque.

@@ -1,4 +1,4 @@
-//! Kept terms, all rows → final coefficients, standard errors, inclusion [E6] [E7].
+//! Kept terms, all rows → final coefficients, standard errors, inclusion (E6) (E7).
 
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;

@@ -34,7 +34,7 @@ impl Degree {
     }
 }
 
-/// F₁ (11) without repeats [E2]: per joint sinᵃ·cosᵇ with a ∈ {0, 1}, at most `order` factors.
+/// F₁ (11) without repeats (E2): per joint sinᵃ·cosᵇ with a ∈ {0, 1}, at most `order` factors.
 pub fn angle_functions(n_joints: usize, order: u8) -> Vec<Term> {
     let mut functions = vec![(Term::one(n_joints), 0)];
     for joint in 0..n_joints {
@@ -107,7 +107,7 @@ pub fn product_library(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> V
         .collect()
 }
 
-/// The energy library [E4]: every function that M(q) and V(q) of a serial arm of revolute joints
+/// The energy library (E4): every function that M(q) and V(q) of a serial arm of revolute joints
 /// can hold, which is Σ_{i<j} 3^{j−i} 5^{n−j} + Σᵢ 5^{n−i} + 3ⁿ − 1 of them.
 ///
 /// - `interaction`: how many joint angles a function may depend on; `None` for no limit

@@ -1,4 +1,4 @@
-//! Information matrix, scores → terms with standard errors: the least significant goes first [E5].
+//! Information matrix, scores → terms with standard errors: the least significant goes first (E5).
 
 use crate::cholesky;
 use crate::error::SparseError;

@@ -12,7 +12,7 @@ use crate::problem::{Problem, Selection};
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Selector {
-    /// What a term explains against the noise [E5].
+    /// What a term explains against the noise (E5).
     Criterion(criterion::Criterion),
     /// LASSO (5).
     Lasso(lasso::Lasso),

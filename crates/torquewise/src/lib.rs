@@ -1,7 +1,7 @@
 //! From the motion log of a robot arm to its equations of motion.
 //!
 //! The front door: every part of the workspace under one name, and no logic of its own. Read
-//! [`identify::reconstruct`] first; it is the method on one page.
+//! [`identify::reconstruct()`] first; it is the method on one page.
 //!
 //! ```
 //! use torquewise::dynamics::{Arm, MotionPlan, simulate};
