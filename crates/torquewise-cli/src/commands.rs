@@ -4,11 +4,13 @@ mod arms;
 mod simulate;
 mod inspect;
 mod patterns;
+mod orders;
 mod fit;
 mod show;
 mod predict;
 mod evaluate;
 mod compare;
+mod reproduce;
 mod demo;
 mod completions;
 
@@ -39,11 +41,13 @@ pub(crate) enum Command {
     Simulate(simulate::Arguments),
     Inspect(inspect::Arguments),
     Patterns(patterns::Arguments),
+    Orders(orders::Arguments),
     Fit(fit::Arguments),
     Show(show::Arguments),
     Predict(predict::Arguments),
     Evaluate(evaluate::Arguments),
     Compare(compare::Arguments),
+    Reproduce(reproduce::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -56,11 +60,13 @@ impl Command {
             Self::Simulate(arguments) => simulate::run(arguments),
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Patterns(arguments) => patterns::run(arguments),
+            Self::Orders(arguments) => orders::run(arguments),
             Self::Fit(arguments) => fit::run(arguments),
             Self::Show(arguments) => show::run(arguments),
             Self::Predict(arguments) => predict::run(arguments),
             Self::Evaluate(arguments) => evaluate::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Completions(arguments) => {
                 completions::run(arguments, &mut CommandLine::command())
             }

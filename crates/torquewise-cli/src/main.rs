@@ -2,6 +2,7 @@
 
 mod error;
 mod table;
+mod score_table;
 mod outcome;
 mod files;
 mod progress;
@@ -9,6 +10,7 @@ mod timed;
 mod arguments;
 mod pattern_table;
 mod training_range;
+mod physics;
 mod commands;
 
 use clap::Parser;

@@ -53,3 +53,16 @@ fn bar(doing: &str) -> ProgressBar {
     }
     bar
 }
+
+/// A bar on stderr for work whose amount is known; hidden where that is no terminal.
+pub(crate) fn share_bar() -> ProgressBar {
+    let bar = ProgressBar::new(1).with_finish(ProgressFinish::AndClear);
+    let template = "{spinner} {msg} {wide_bar} {percent} %, {elapsed}, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style);
+    }
+    if !bar.is_hidden() {
+        bar.enable_steady_tick(Duration::from_millis(100));
+    }
+    bar
+}

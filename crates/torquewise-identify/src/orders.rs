@@ -7,6 +7,7 @@ use crate::rows::{Gathering, samples_of};
 use crate::survey::survey;
 use faer::Mat;
 use rayon::prelude::*;
+use serde::Serialize;
 use torquewise_model::library::{Degree, energy_library, product_library};
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{Motion, Pattern, ReadError, Recording};
@@ -36,7 +37,7 @@ impl Default for OrderPlan {
 }
 
 /// The residual of one library at one order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderPoint {
     /// N₁, or the interaction order of the energy library.
     pub order: u8,
@@ -51,7 +52,7 @@ pub struct OrderPoint {
 }
 
 /// The residual of one library against its order.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OrderCurve {
     /// Whose: `SINDy`, a pattern's name, or `energy`.
     pub name: String,
@@ -64,6 +65,10 @@ pub struct OrderCurve {
     pub chosen: usize,
 }
 
+/// Libraries larger than this are not tried: least squares on all of one would take minutes.
+pub const MOST_COLUMNS: usize = 4_000;
+/// Largest N₁ of the parts of the library that the earlier steps have found.
+const BEFORE: u8 = 4;
 /// A higher order must take this part off the residual of some joint.
 pub const WORTHWHILE: f64 = 0.1;
 /// Residuals below this part of the torque are rounding: normal equations resolve no less.
@@ -108,13 +113,28 @@ fn ladders(n: usize, plan: &OrderPlan, patterns: &Patterns) -> Result<Vec<Ladder
     for &pattern in &patterns.present {
         ladders.push(step_ladder(n, plan.trig_order, pattern)?);
     }
-    ladders.push(energy_ladder(n, plan.interaction.min(n))?);
+    let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
+    ladders.push(energy_ladder(n, interaction)?);
     Ok(ladders)
+}
+
+/// The highest order up to `largest` whose library is small enough to be fitted whole.
+fn feasible<T>(largest: u8, library: impl Fn(u8) -> Vec<T>) -> (u8, Vec<T>) {
+    let mut best = (1, library(1));
+    for order in 2..=largest {
+        let next = library(order);
+        if next.len() > MOST_COLUMNS {
+            break;
+        }
+        best = (order, next);
+    }
+    best
 }
 
 /// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
 fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
-    let terms = product_library(n, largest, &Degree::up_to(2));
+    let (largest, terms) =
+        feasible(largest, |order| product_library(n, order, &Degree::up_to(2)));
     let rungs = (1..=2_u8)
         .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
         .map(|(order, motion)| {
@@ -137,10 +157,12 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, Identi
     let own = kinds[kinds.len() - 1];
     // What an order adds to the step before shows only if the step before is not short of it.
     let degrees: Vec<Degree> = kinds.iter().map(|&kind| Degree::of(kind)).collect();
-    let terms = product_library(n, largest.min(4), &degrees[..degrees.len() - 1])
-        .into_iter()
-        .chain(product_library(n, largest, &degrees[degrees.len() - 1..]))
-        .collect::<Vec<Term>>();
+    let (before, added) = degrees.split_at(degrees.len() - 1);
+    let (largest, terms) = feasible(largest, |order| {
+        let mut terms = product_library(n, order.min(BEFORE), before);
+        terms.extend(product_library(n, order, added));
+        terms
+    });
     let rungs = (1..=largest)
         .map(|order| {
             let fits = |term: &Term| term.kind() != own || trig_order(term) <= order;
@@ -151,14 +173,14 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, Identi
     Ok(Ladder { name: pattern.name().into(), pattern: Some(pattern), design, rungs })
 }
 
-fn energy_ladder(n: usize, largest: usize) -> Result<Ladder, IdentifyError> {
-    let terms = energy_library(n, Some(largest));
+fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+    let (largest, terms) = feasible(largest, |order| energy_library(n, Some(order.into())));
     let rungs = (1..=largest)
-        .filter_map(|order| {
-            let columns = (0..terms.len())
-                .filter(|&column| terms[column].function.interaction() <= order)
-                .collect();
-            Some((u8::try_from(order).ok()?, 0, columns))
+        .map(|order| {
+            let fits = |&column: &usize| {
+                terms[column].function.interaction() <= usize::from(order)
+            };
+            (order, 0, (0..terms.len()).filter(fits).collect())
         })
         .collect();
     let design = Design::new(n, 2 * n, &columns_of_energies(&terms, n))?;
@@ -265,11 +287,22 @@ fn fit(
         let equations = joints.map(|(joint, std)| (joint, 0, weight(std))).collect::<Vec<_>>();
         return Ok(vec![solve(half, columns, &equations)?]);
     }
-    let joints = (0..torque_std.len()).into_par_iter();
-    joints.map(|joint| solve(half, columns, &[(0, joint, 1.0)])).collect()
+    // The joints share their columns, hence the factor of their normal equations.
+    let part = &half[0];
+    let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| part.gram[(columns[i], columns[j])]);
+    let cross =
+        Mat::from_fn(columns.len(), torque_std.len(), |i, joint| part.cross[(columns[i], joint)]);
+    let rows = f64::max(part.rows as f64, 1.0);
+    let problem = Problem::new(gram, cross.col_as_slice(0).to_vec(), part.energy[0], rows)?;
+    let weights = problem.refit_each(&all(columns), cross.as_ref())?;
+    Ok((0..torque_std.len()).map(|joint| weights.col_as_slice(joint).to_vec()).collect())
 }
 
-/// Least squares over (equation, response, weight).
+fn all(columns: &[usize]) -> Vec<usize> {
+    (0..columns.len()).collect()
+}
+
+/// Least squares over (equation, response, weight): columns that the joints share.
 fn solve(
     half: &[Gram],
     columns: &[usize],
@@ -289,7 +322,7 @@ fn solve(
         rows += part.rows as f64;
     }
     let problem = Problem::new(gram, cross, energy, f64::max(rows, 1.0))?;
-    Ok(problem.refit(&(0..p).collect::<Vec<_>>())?.coefficients)
+    Ok(problem.refit(&all(columns))?.coefficients)
 }
 
 /// Squared error of each joint on one half.

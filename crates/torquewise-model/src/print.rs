@@ -40,19 +40,26 @@ fn digits_before(x: f64) -> i32 {
 }
 
 /// The equations as text: energies first where the model has them, then the torque of each joint.
+///
+/// Behind a term stands the share of resampled logs in which it stays, where that was asked for.
 pub fn text(model: &Model) -> String {
     let mut lines = Vec::new();
+    let units = if has_inclusion(model) {
+        "SI units, ± standard error (share of resampled logs that keep the term)"
+    } else {
+        "SI units, ± standard error"
+    };
     if let Form::Energy(terms) = &model.form {
-        lines.push("Energies: T = 1/2 dq' M(q) dq and V(q), SI units, ± standard error".into());
+        lines.push(format!("Energies: T = 1/2 dq' M(q) dq and V(q), {units}"));
         for (place, terms) in by_place(terms) {
             lines.push(String::new());
             lines.push(format!("{} =", place.name()));
-            lines.extend(terms.iter().map(|w| line(w.coefficient, w.std_error, &w.term.function)));
+            lines.extend(terms.iter().map(|w| line(w, &w.term.function)));
         }
         lines.push(String::new());
         lines.push("Torques that follow: tau = d/dt dT/d(dq) - dT/dq + dV/dq".into());
     } else {
-        lines.push("Torques, SI units, ± standard error".into());
+        lines.push(format!("Torques, {units}"));
     }
     for (joint, equation) in weighted_equations(model).into_iter().enumerate() {
         lines.push(String::new());
@@ -61,15 +68,24 @@ pub fn text(model: &Model) -> String {
             lines.push("    0".into());
         }
         for w in equation {
-            lines.push(line(w.coefficient, w.std_error, &w.term));
+            lines.push(line(&w, &w.term));
         }
     }
     lines.join("\n") + "\n"
 }
 
-fn line(coefficient: f64, std_error: f64, term: &Term) -> String {
-    let sign = if coefficient < 0.0 { '-' } else { '+' };
-    format!("  {sign} {} * {}", with_error(coefficient.abs(), std_error), term.name())
+fn has_inclusion(model: &Model) -> bool {
+    match &model.form {
+        Form::Torque(joints) => joints.iter().flatten().any(|w| w.inclusion.is_some()),
+        Form::Energy(terms) => terms.iter().any(|w| w.inclusion.is_some()),
+    }
+}
+
+fn line<T>(weighted: &Weighted<T>, function: &Term) -> String {
+    let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };
+    let number = with_error(weighted.coefficient.abs(), weighted.std_error);
+    let share = weighted.inclusion.map(|share| format!("  ({:.0} %)", 100.0 * share));
+    format!("  {sign} {number} * {}{}", function.name(), share.unwrap_or_default())
 }
 
 /// The equations as a LaTeX `align*` environment.

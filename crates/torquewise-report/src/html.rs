@@ -23,9 +23,9 @@
 
 pub mod colour;
 pub mod number;
-mod thin;
 pub mod markup;
 pub mod chart;
+pub(crate) mod thin;
 mod spec;
 pub mod table;
 pub mod bars;

@@ -1,7 +1,7 @@
 //! Figures and reports of motions and reconstructed torque models, each returned as one text.
 //!
 //! [`fit_report()`] tells all about a fit; [`html`] is the kit it is made with, [`mathml`] its
-//! equations, [`torque_figure`] a figure by itself.
+//! equations; [`chart_figure`] draws charts by themselves, [`torque_figure`] those of torques.
 //!
 //! Nothing here touches a file or rasterises a font: a figure is SVG whose words stay words, in the
 //! sans-serif font of whoever looks at it, so that it can be saved, or pasted into a page.
@@ -23,13 +23,15 @@
 
 pub mod error;
 mod palette;
-mod curve;
-mod panel;
-pub mod torque;
 pub mod html;
+pub mod figure;
+pub mod torque;
 pub mod mathml;
+pub mod orders;
 pub mod fit_report;
 
 pub use error::ReportError;
+pub use figure::chart_figure;
 pub use fit_report::fit_report;
+pub use orders::order_charts;
 pub use torque::torque_figure;

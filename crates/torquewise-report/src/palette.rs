@@ -1,6 +1,6 @@
-//! Role → colour, font and line width: one look for all figures.
+//! Role → colour and font: one look for all figures, and the light theme of the page.
 
-use plotters::style::{RGBColor, ShapeStyle};
+use plotters::style::RGBColor;
 
 /// The generic name, which each viewer fills with its own font.
 pub(crate) const FONT: &str = "sans-serif";
@@ -14,20 +14,15 @@ pub(crate) const GRID: RGBColor = RGBColor(229, 231, 235);
 /// The page.
 pub(crate) const PAPER: RGBColor = RGBColor(255, 255, 255);
 
-/// What was measured: broad and pale, so that a curve on top of it can be told from it.
-const MEASURED: RGBColor = RGBColor(178, 186, 197);
+/// What was measured: pale, so that a curve on top of it can be told from it.
+pub(crate) const MEASURED: RGBColor = RGBColor(178, 186, 197);
 
 /// Colours of M. Okabe and K. Ito, told apart by colour-blind eyes too.
-const PREDICTED: [RGBColor; 4] =
-    [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
-
-/// Line of what was measured.
-pub(crate) fn measured() -> ShapeStyle {
-    ShapeStyle { color: MEASURED.into(), filled: true, stroke_width: 5 }
-}
-
-/// Line of the prediction at `place`.
-pub(crate) fn predicted(place: usize) -> ShapeStyle {
-    let color = PREDICTED[place % PREDICTED.len()].into();
-    ShapeStyle { color, filled: true, stroke_width: 2 }
-}
+pub(crate) const SERIES: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+];

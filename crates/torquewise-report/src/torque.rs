@@ -1,26 +1,9 @@
 //! Measured and predicted torque → figure: one panel per joint over time.
 
-use crate::curve::{Stroke, thinned};
 use crate::error::ReportError;
-use crate::palette::{self, FADED_INK, FONT, INK, PAPER};
-use crate::panel::{Area, Panel, drawing};
+use crate::figure::chart_figure;
+use crate::html::{Axis, Chart, Colour, Mark, Series};
 use faer::{ColRef, MatRef};
-use plotters::backend::SVGBackend;
-use plotters::drawing::IntoDrawingArea;
-use plotters::element::{PathElement, Text};
-use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{IntoFont, ShapeStyle};
-
-/// Width of the page in pixels.
-const WIDTH: i32 = 1_000;
-/// Height of the axes of a panel.
-const PANEL: i32 = 150;
-/// Space for title and legend.
-const HEAD: i32 = 84;
-/// Space below the last panel.
-const FOOT: i32 = 10;
-/// Left end of title and legend.
-const MARGIN: i32 = 64;
 
 /// An SVG with one panel per joint: measured torque, and on top of it each prediction.
 ///
@@ -48,33 +31,36 @@ pub fn torque_figure(
     for (label, predicted) in predictions {
         check(label, *predicted, t.len(), joints.len())?;
     }
-    let panels: Vec<Panel<'_>> = (0..joints.len())
-        .map(|joint| Panel {
-            heading: format!("{} torque [N·m]", joints[joint]),
-            x_label: (joint + 1 == joints.len()).then_some("time [s]"),
-            x_range: [t[0], t[t.len() - 1]],
-            y_range: y_range(measured.col(joint)),
-            lines: lines(t, joint, measured, predictions),
-        })
-        .collect();
-    draw(title, predictions, &panels)
+    let charts: Vec<Chart> =
+        (0..joints.len()).map(|joint| chart(joints, joint, t, measured, predictions)).collect();
+    chart_figure(title, &charts, 1)
 }
 
-fn lines(
-    t: &[f64],
+fn chart(
+    joints: &[String],
     joint: usize,
+    t: &[f64],
     measured: MatRef<'_, f64>,
     predictions: &[(&str, MatRef<'_, f64>)],
-) -> Vec<(Stroke, ShapeStyle)> {
+) -> Chart {
+    let curve = |label: &str, mark: Mark, colour: Colour, torque: MatRef<'_, f64>| {
+        let points = t.iter().zip(torque.col(joint).iter()).map(|(t, tau)| [*t, *tau]).collect();
+        // One legend for all panels, one name for their common axis.
+        Series::new(if joint == 0 { label } else { "" }, mark, colour, points)
+    };
     // The first prediction is the one to look at: it lies on top.
-    let predicted = predictions
-        .iter()
-        .enumerate()
-        .rev()
-        .map(|(place, (_, torque))| (thinned(t, torque.col(joint)), palette::predicted(place)));
-    std::iter::once((thinned(t, measured.col(joint)), palette::measured()))
-        .chain(predicted)
-        .collect()
+    let predicted =
+        predictions.iter().enumerate().rev().map(|(place, (label, torque))| {
+            curve(label, Mark::Line, Colour::Series(place), *torque)
+        });
+    let measured_curve = curve("measured", Mark::BroadLine, Colour::Measured, measured);
+    Chart {
+        title: joints[joint].clone(),
+        x: Axis::named(if joint + 1 == joints.len() { "time [s]" } else { "" }),
+        y: Axis { range: Some(y_range(measured.col(joint))), ..Axis::named("torque [N·m]") },
+        series: std::iter::once(measured_curve).chain(predicted).collect(),
+        ..Chart::default()
+    }
 }
 
 /// Range of the measured torque and a margin.
@@ -84,54 +70,6 @@ fn y_range(measured: ColRef<'_, f64>) -> [f64; 2] {
     // A torque that never changes still has a panel of some height.
     let margin = (0.15 * (high - low)).max(1e-3 * low.abs().max(high.abs())).max(1e-6);
     [low - margin, high + margin]
-}
-
-fn draw(
-    title: &str,
-    predictions: &[(&str, MatRef<'_, f64>)],
-    panels: &[Panel<'_>],
-) -> Result<String, ReportError> {
-    let height = HEAD + FOOT + panels.iter().map(|panel| panel.height(PANEL)).sum::<i32>();
-    let mut svg = String::new();
-    {
-        let size = (WIDTH.unsigned_abs(), height.unsigned_abs());
-        let page = SVGBackend::with_string(&mut svg, size).into_drawing_area();
-        page.fill(&PAPER).map_err(drawing)?;
-        let heading = (FONT, 20).into_font().color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
-        page.draw(&Text::new(title, (MARGIN, 26), heading)).map_err(drawing)?;
-        draw_legend(&page, predictions)?;
-        let mut rest = page.split_vertically(HEAD).1;
-        for panel in panels {
-            let (area, below) = rest.split_vertically(panel.height(PANEL));
-            panel.draw(&area)?;
-            rest = below;
-        }
-        page.present().map_err(drawing)?;
-    }
-    Ok(svg)
-}
-
-/// A line and a label for each curve, in one row.
-fn draw_legend(
-    page: &Area<'_>,
-    predictions: &[(&str, MatRef<'_, f64>)],
-) -> Result<(), ReportError> {
-    let predicted = predictions
-        .iter()
-        .enumerate()
-        .map(|(place, (label, _))| (*label, palette::predicted(place)));
-    let (sample, letter, y) = (30, 7, 58);
-    let mut x = MARGIN;
-    for (label, style) in std::iter::once(("measured", palette::measured())).chain(predicted) {
-        let line = PathElement::new([(x, y), (x + sample, y)], style);
-        page.draw(&line).map_err(drawing)?;
-        let text = (FONT, 14).into_font().color(&FADED_INK);
-        let text = text.pos(Pos::new(HPos::Left, VPos::Center));
-        page.draw(&Text::new(label, (x + sample + 8, y), text)).map_err(drawing)?;
-        let letters = i32::try_from(label.chars().count()).unwrap_or(i32::MAX / (2 * letter));
-        x += sample + 8 + letters.min(WIDTH) * letter + 24;
-    }
-    Ok(())
 }
 
 fn check_time(t: &[f64], joints: usize) -> Result<(), ReportError> {

@@ -6,17 +6,18 @@ use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_i
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, Par, Spec};
+use faer::{Mat, MatRef, Par, Spec};
 
 /// A pivot this much below the largest one means: the other columns say the same.
 ///
 /// For columns of unit length a pivot is 1 − R², R² being what the columns before it explain.
 /// Duplicates leave about 1e-15 times the rounding of the Gram matrix, some 1e-13 after many rows.
-const DEPENDENCE: f64 = 1e-11;
+pub(crate) const DEPENDENCE: f64 = 1e-11;
 
 /// Solution of a symmetric system, zero where a column was dropped.
 pub(crate) struct Solution {
-    pub(crate) values: Vec<f64>,
+    /// p×r, one column per right-hand side.
+    pub(crate) values: Mat<f64>,
     /// Columns without a pivot of their own, ascending.
     pub(crate) dependent: Vec<usize>,
 }
@@ -24,12 +25,12 @@ pub(crate) struct Solution {
 /// Solves `matrix` x = `right` on the columns that are independent of each other.
 ///
 /// - `matrix`: p×p, lower triangle read, columns of like length; overwritten by its factor
-/// - `right`: p
+/// - `right`: p×r
 ///
 /// The largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
 /// negative eigenvalues loses the columns that would need them. One thread, hence the same bits on
 /// any machine load.
-pub(crate) fn solve(mut matrix: Mat<f64>, right: &[f64]) -> Solution {
+pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let size = matrix.nrows();
     let mut order = vec![0_usize; size];
     let mut inverse = vec![0_usize; size];
@@ -48,22 +49,25 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: &[f64]) -> Solution {
     let floor = DEPENDENCE.sqrt() * largest;
     let rank = (0..found).position(|i| matrix[(i, i)] <= floor).unwrap_or(found);
 
-    let mut x = Mat::from_fn(rank, 1, |i, _| right[order[i]]);
+    let mut x = Mat::from_fn(rank, right.ncols(), |i, k| right[(order[i], k)]);
     let factor = matrix.submatrix(0, 0, rank, rank);
     solve_lower_triangular_in_place(factor, x.as_mut(), Par::Seq);
     solve_upper_triangular_in_place(factor.transpose(), x.as_mut(), Par::Seq);
 
-    let mut values = vec![0.0; size];
+    let mut values = Mat::zeros(size, right.ncols());
     for (i, &column) in order[..rank].iter().enumerate() {
-        values[column] = x[(i, 0)];
+        values.row_mut(column).copy_from(x.row(i));
     }
     let mut dependent = order.split_off(rank);
     dependent.sort_unstable();
     Solution { values, dependent }
 }
 
-/// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.
-pub(crate) fn inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
+/// Inverse of a positive definite matrix; `None` if it is not, or if a column is explained by those
+/// before it to 1 − R² ≤ `floor`.
+///
+/// - `matrix`: p×p, lower triangle read, columns of like length
+pub(crate) fn inverse(mut matrix: Mat<f64>, floor: f64) -> Option<Mat<f64>> {
     let size = matrix.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
     let mut memory =
@@ -72,6 +76,12 @@ pub(crate) fn inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
     let plain = llt::factor::LltRegularization::default();
     llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default())
         .ok()?;
+    let pivots = matrix.diagonal().column_vector().iter().copied();
+    let [least, largest] =
+        pivots.fold([f64::INFINITY, 0.0], |[low, high], x| [f64::min(low, x), f64::max(high, x)]);
+    if least <= floor.sqrt() * largest {
+        return None;
+    }
     let mut out = Mat::zeros(size, size);
     llt::inverse::inverse(out.as_mut(), matrix.as_ref(), Par::Seq, MemStack::new(&mut memory));
     for j in 0..size {
@@ -90,10 +100,10 @@ mod tests {
     fn a_regular_system_is_solved() {
         let matrix = faer::mat![[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 5.0]];
 
-        let solution = solve(matrix, &[5.5, 3.0, 4.5]);
+        let solution = solve(matrix, faer::mat![[5.5], [3.0], [4.5]].as_ref());
 
         assert!(solution.dependent.is_empty());
-        for value in solution.values {
+        for &value in solution.values.col_as_slice(0) {
             assert!((value - 1.0).abs() < 1e-14, "three pivots, a few roundings: {value}");
         }
     }
@@ -102,20 +112,20 @@ mod tests {
     fn the_second_of_two_equal_columns_is_dropped() {
         let matrix = faer::mat![[1.0, 1.0, 0.2], [1.0, 1.0, 0.2], [0.2, 0.2, 1.0]];
 
-        let solution = solve(matrix, &[1.0, 1.0, 0.2]);
+        let solution = solve(matrix, faer::mat![[1.0], [1.0], [0.2]].as_ref());
 
         assert_eq!(solution.dependent, [1]);
-        assert!((solution.values[0] - 1.0).abs() < 1e-14);
+        assert!((solution.values[(0, 0)] - 1.0).abs() < 1e-14);
     }
 
     #[test]
     fn an_indefinite_matrix_loses_columns_and_stays_finite() {
         let matrix = faer::mat![[1.0, 2.0], [2.0, 1.0]];
 
-        let solution = solve(matrix, &[1.0, 1.0]);
+        let solution = solve(matrix, faer::mat![[1.0], [1.0]].as_ref());
 
         assert_eq!(solution.dependent, [1]);
-        assert_eq!(solution.values, [1.0, 0.0]);
+        assert_eq!(solution.values.col_as_slice(0), [1.0, 0.0]);
     }
 
     #[test]
@@ -125,7 +135,7 @@ mod tests {
         let spread = Mat::from_fn(size, rank, wave);
         let matrix = &spread * spread.transpose();
 
-        let solution = solve(matrix, &vec![1.0; size]);
+        let solution = solve(matrix, Mat::full(size, 1, 1.0).as_ref());
 
         assert_eq!(solution.dependent.len(), size - rank);
     }

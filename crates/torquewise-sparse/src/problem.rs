@@ -43,6 +43,16 @@ pub struct Refit {
     pub residual_energy: f64,
 }
 
+/// Least squares of several responses on some of the columns.
+struct Solved {
+    /// Weight of every column, p×r.
+    weights: Mat<f64>,
+    /// Columns asked for, ascending.
+    wanted: Vec<usize>,
+    /// Those of them without a weight, ascending.
+    dependent: Vec<usize>,
+}
+
 /// The columns a selector kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
@@ -189,9 +199,43 @@ impl Problem {
         self.ridge(active, 0.0)
     }
 
+    /// Least squares on the columns `active` for other responses of the same rows, p×r: one
+    /// factorisation serves them all.
+    ///
+    /// - `cross`: Xᵀ of the responses, p×r
+    ///
+    /// # Errors
+    /// [`SparseError::Column`] if an active column is not below p, [`SparseError::Shape`] if `cross`
+    /// does not have p rows.
+    pub fn refit_each(
+        &self,
+        active: &[usize],
+        cross: MatRef<'_, f64>,
+    ) -> Result<Mat<f64>, SparseError> {
+        let (found, expected) = (cross.nrows(), self.n_columns());
+        if found != expected {
+            return Err(SparseError::Shape { what: "the cross products", found, expected });
+        }
+        Ok(self.solve(active, cross, 0.0)?.weights)
+    }
+
     /// Ridge regression on the columns `active`: min ½/m‖y − X c‖² + ½ ridge Σ (sⱼ cⱼ)², with sⱼ
     /// the root mean square of column j, so that the unit of a column plays no part.
     pub(crate) fn ridge(&self, active: &[usize], ridge: f64) -> Result<Refit, SparseError> {
+        let cross = MatRef::from_column_major_slice(&self.cross, self.n_columns(), 1);
+        let Solved { weights, wanted, dependent } = self.solve(active, cross, ridge)?;
+        let coefficients = weights.col_as_slice(0).to_vec();
+        let active = wanted.into_iter().filter(|j| dependent.binary_search(j).is_err()).collect();
+        let residual_energy = self.residual_energy(&coefficients);
+        Ok(Refit { coefficients, active, dependent, residual_energy })
+    }
+
+    fn solve(
+        &self,
+        active: &[usize],
+        cross: MatRef<'_, f64>,
+        ridge: f64,
+    ) -> Result<Solved, SparseError> {
         let columns = self.n_columns();
         if let Some(&column) = active.iter().find(|&&j| j >= columns) {
             return Err(SparseError::Column { column, columns });
@@ -208,18 +252,18 @@ impl Problem {
             let correlation = self.gram[(used[i], used[j])] / (length[i] * length[j]);
             if i == j { 1.0 + ridge } else { correlation }
         });
-        let right: Vec<f64> = used.iter().zip(&length).map(|(&j, l)| self.cross[j] / l).collect();
-        let solution = cholesky::solve(matrix, &right);
+        let right = Mat::from_fn(used.len(), cross.ncols(), |i, k| cross[(used[i], k)] / length[i]);
+        let solution = cholesky::solve(matrix, right.as_ref());
 
-        let mut coefficients = vec![0.0; columns];
-        for ((&j, value), l) in used.iter().zip(&solution.values).zip(&length) {
-            coefficients[j] = value / l;
+        let mut weights = Mat::zeros(columns, cross.ncols());
+        for (i, (&j, l)) in used.iter().zip(&length).enumerate() {
+            for k in 0..cross.ncols() {
+                weights[(j, k)] = solution.values[(i, k)] / l;
+            }
         }
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
-        let active = wanted.into_iter().filter(|j| dependent.binary_search(j).is_err()).collect();
-        let residual_energy = self.residual_energy(&coefficients);
-        Ok(Refit { coefficients, active, dependent, residual_energy })
+        Ok(Solved { weights, wanted, dependent })
     }
 }
 

@@ -53,6 +53,26 @@ proptest! {
     }
 
     #[test]
+    fn responses_refitted_together_get_the_weights_of_each_alone(seed in 0..u64::MAX) {
+        let (one, mut other) = (planted::rows(seed, 60, 8, 3, 0.2), planted::rows(seed, 60, 8, 3, 0.2));
+        other.response.reverse();
+        let problems = [one.problem(), other.problem()];
+        let active = [0, 2, 3, 7];
+        let cross = Mat::from_fn(8, 2, |j, response| problems[response].cross()[j]);
+
+        let found = problems[0].refit_each(&active, cross.as_ref()).unwrap();
+
+        for (response, problem) in problems.iter().enumerate() {
+            let alone = problem.refit(&active).unwrap().coefficients;
+            // The same operations on the same numbers, in another order at most.
+            for (found, alone) in found.col_as_slice(response).iter().zip(alone) {
+                prop_assert!((found - alone).abs() < 1e-13, "{} {}", found, alone);
+            }
+        }
+        prop_assert!(problems[0].refit_each(&active, cross.as_ref().subrows(0, 7)).is_err());
+    }
+
+    #[test]
     fn a_sum_of_other_columns_is_dropped_and_the_fit_stays(seed in 0..u64::MAX) {
         let mut rows = planted::rows(seed, 60, 8, 3, 0.2);
         let sum = rows.features.col(1) + rows.features.col(2) * faer::Scale(3.0);

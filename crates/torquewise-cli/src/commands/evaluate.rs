@@ -3,12 +3,11 @@
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::table::{Table, number};
+use crate::score_table;
 use anyhow::Result;
 use clap::Args;
-use serde_json::{Value, json};
 use std::path::PathBuf;
-use torquewise::identify::score::{JointScore, score};
+use torquewise::identify::score;
 use torquewise::logs::Logs;
 
 /// Compare the torque a model predicts with the torque measured
@@ -29,22 +28,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     logs.require_tau()?;
     let scores = score(&model, &Watched::new(&logs, "predicting"))?;
 
-    let mut table = Table::new(&["joint", "RMSE [N·m]", "NRMSE [%]", "R²"]);
-    let mut warnings = Vec::new();
-    for JointScore { name, rmse, nrmse_percent, r2 } in &scores.joints {
-        table.row(name, [number(*rmse), number(*nrmse_percent), format!("{r2:.6}")]);
-        if !nrmse_percent.is_finite() {
-            warnings.push(format!("the torque of {name} never changes: look at its RMSE only"));
-        }
-    }
-    let joint = |joint: &JointScore| -> Value {
-        let JointScore { name, rmse, nrmse_percent, r2 } = joint;
-        json!({ "name": name, "rmse": rmse, "nrmse_percent": nrmse_percent, "r2": r2 })
-    };
-    let json = json!({
-        "joints": scores.joints.iter().map(joint).collect::<Vec<_>>(),
-        "rows": scores.rows,
-    });
-    let text = format!("{}\n{} rows\n", table.text(), scores.rows);
-    Ok(Outcome { text, json, warnings })
+    Ok(Outcome {
+        text: format!("{}\n{} rows\n", score_table::text(&scores), scores.rows),
+        json: score_table::json(&scores),
+        warnings: score_table::warnings(&scores),
+    })
 }

@@ -1,17 +1,22 @@
 //! Logs → model file: the main job.
 
 use crate::arguments::PlanArguments;
+use crate::error::CliError;
 use crate::files::{check_output, write_whole};
 use crate::outcome::Outcome;
+use crate::physics::Physics;
+use crate::progress::Watched;
+use crate::score_table;
 use crate::table::{Table, counts, number};
 use crate::timed::{Timed, timed};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use std::path::PathBuf;
-use torquewise::identify::{Method, Reconstruction};
+use std::path::{Path, PathBuf};
+use torquewise::identify::{Method, Reconstruction, diagnose, score};
 use torquewise::logs::Logs;
 use torquewise::model::to_json;
+use torquewise::report::fit_report;
 use torquewise::sparse::accumulate::Route;
 
 /// Reconstruct the equations of motion from logs
@@ -23,6 +28,13 @@ pub(crate) struct Arguments {
     /// Model file to write
     #[arg(short, long, value_name = "MODEL.json")]
     output: PathBuf,
+    /// Report to write: what was found and how far to trust it, with charts
+    #[arg(long, value_name = "FILE.html")]
+    report: Option<PathBuf>,
+    /// Log of another motion to judge the model by; repeat for several. The report then judges by
+    /// it, too
+    #[arg(long, value_name = "LOG")]
+    test: Vec<PathBuf>,
     /// Standstill, uniform and variable velocity in turn, or all at once
     #[arg(long, value_enum, default_value_t)]
     method: MethodName,
@@ -42,20 +54,72 @@ enum MethodName {
 
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    check_output(&arguments.output, &arguments.logs)?;
+    for file in std::iter::once(&arguments.output).chain(&arguments.report) {
+        check_output(file, &arguments.logs)?;
+        check_output(file, &arguments.test)?;
+    }
+    if arguments.report.as_ref() == Some(&arguments.output) {
+        let file = arguments.output.display();
+        let message = format!("model and report are both {file}: give the report a name of its own");
+        return Err(CliError::Usage(message).into());
+    }
     let plan = arguments.plan.plan(match arguments.method {
         MethodName::Stepwise => Method::Stepwise,
         MethodName::Sindy => Method::Sindy,
     })?;
-    let logs = Logs::open(&arguments.logs)?;
-    logs.require_tau()?;
+    let logs = open(&arguments.logs)?;
+    let test = (!arguments.test.is_empty()).then(|| open(&arguments.test)).transpose()?;
     let timed = timed(&logs, &plan)?;
-    write_whole(&arguments.output, &to_json(&timed.found.model)?)?;
-    Ok(Outcome {
-        text: text(arguments, &timed),
-        json: json(arguments, &timed),
-        warnings: timed.found.warnings.iter().map(ToString::to_string).collect(),
-    })
+    let model = &timed.found.model;
+    write_whole(&arguments.output, &to_json(model)?)?;
+
+    let mut text = text(arguments, &timed);
+    let mut json = json(arguments, &timed);
+    let mut warnings: Vec<String> =
+        timed.found.warnings.iter().map(ToString::to_string).collect();
+    if let Some(test) = &test {
+        model.check_joints(test.joints())?;
+        let scores = score(model, &Watched::new(test, "predicting"))?;
+        text += &format!("\nOn the test log:\n\n{}", score_table::text(&scores));
+        json["test"] = score_table::json(&scores);
+        warnings.extend(score_table::warnings(&scores));
+    }
+    if let Some(file) = &arguments.report {
+        write_report(arguments, &timed.found, test.as_ref().unwrap_or(&logs), file)?;
+        text += &format!("report: {}\n", file.display());
+        json["report"] = json!(file.display().to_string());
+    }
+    Ok(Outcome { text, json, warnings })
+}
+
+fn open(paths: &[PathBuf]) -> Result<Logs> {
+    let logs = Logs::open(paths)?;
+    logs.require_tau()?;
+    Ok(logs)
+}
+
+/// Writes the report of a model over the logs that judge it.
+fn write_report(
+    arguments: &Arguments,
+    found: &Reconstruction,
+    judges: &Logs,
+    file: &Path,
+) -> Result<()> {
+    let watched = Watched::new(judges, "looking at the residuals");
+    let diagnosis = diagnose(&found.model, &found.patterns, &watched)?;
+    let physics = Physics::of(&found.model)?;
+    let names = |paths: &[PathBuf]| {
+        let name = |path: &PathBuf| {
+            path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+        };
+        paths.iter().map(name).collect::<Vec<_>>().join(", ")
+    };
+    let mut title = format!("Torque model from {}", names(&arguments.logs));
+    if !arguments.test.is_empty() {
+        title += &format!(", judged by {}", names(&arguments.test));
+    }
+    let page = fit_report(found, &diagnosis, Some(physics.checks()), &title)?;
+    Ok(write_whole(file, &page)?)
 }
 
 fn text(arguments: &Arguments, timed: &Timed) -> String {

@@ -1,12 +1,10 @@
 //! Model → equations to read, and whether they are physics.
 
-mod physics;
-
 use crate::files::read_model;
 use crate::outcome::Outcome;
+use crate::physics::Physics;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use physics::Physics;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::model::{Form, Kind, Model, Term, Weighted, print};
@@ -64,12 +62,12 @@ fn json(model: &Model, physics: Option<&Physics>) -> Value {
             .iter()
             .map(|weighted| {
                 json!({
-                            "place": weighted.term.place.name(),
-                            "term": weighted.term.function.name(),
-                            "coefficient": weighted.coefficient,
-                            "std_error": weighted.std_error,
-                "inclusion": weighted.inclusion,
-                        })
+                    "place": weighted.term.place.name(),
+                    "term": weighted.term.function.name(),
+                    "coefficient": weighted.coefficient,
+                    "std_error": weighted.std_error,
+                    "inclusion": weighted.inclusion,
+                })
             })
             .collect(),
     };

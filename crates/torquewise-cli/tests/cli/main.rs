@@ -3,6 +3,7 @@
 
 mod terminal;
 mod whole_way;
+mod reports;
 mod json_contract;
 mod bad_input;
 mod usage;

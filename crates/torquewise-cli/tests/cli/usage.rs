@@ -58,11 +58,13 @@ fn every_verb_has_a_line_in_the_help() {
         "simulate",
         "inspect",
         "patterns",
+        "orders",
         "fit",
         "show",
         "predict",
         "evaluate",
         "compare",
+        "reproduce",
         "completions",
     ] {
         let line = help.lines().find(|line| line.trim_start().starts_with(&format!("{verb} ")));

@@ -1,4 +1,4 @@
-//! Role → CSS colour: one palette for light and dark, and that of the SVG figures where it has one.
+//! Role → colour: one palette for light and dark, the light one also that of the SVG figures.
 
 use crate::palette;
 use plotters::style::RGBColor;
@@ -17,11 +17,6 @@ pub enum Colour {
     /// A pattern of motion.
     Pattern(Pattern),
 }
-
-/// Curves beyond those of the SVG figures.
-const MORE: [RGBColor; 2] = [RGBColor(230, 159, 0), RGBColor(86, 180, 233)];
-const SVG_SERIES: usize = 4;
-const N_SERIES: usize = SVG_SERIES + MORE.len();
 
 /// Background of what stands out from the page, and warnings.
 const LIGHT_PAGE: [(&str, &str); 4] = [
@@ -56,13 +51,29 @@ impl Colour {
     pub(crate) fn variable(self) -> String {
         match self {
             Self::Measured => "measured".into(),
-            Self::Series(place) => format!("series-{}", place % N_SERIES),
             Self::Faded => "faded".into(),
-            Self::Pattern(Pattern::Standstill) => "series-5".into(),
-            Self::Pattern(Pattern::UniformVelocity) => "series-2".into(),
-            Self::Pattern(Pattern::VariableVelocity) => "series-4".into(),
+            Self::Series(place) => format!("series-{}", place % palette::SERIES.len()),
+            Self::Pattern(pattern) => of_pattern(pattern).variable(),
         }
     }
+
+    /// Its value on white paper.
+    pub(crate) fn on_paper(self) -> RGBColor {
+        match self {
+            Self::Measured => palette::MEASURED,
+            Self::Faded => palette::FADED_INK,
+            Self::Series(place) => palette::SERIES[place % palette::SERIES.len()],
+            Self::Pattern(pattern) => of_pattern(pattern).on_paper(),
+        }
+    }
+}
+
+fn of_pattern(pattern: Pattern) -> Colour {
+    Colour::Series(match pattern {
+        Pattern::Standstill => 5,
+        Pattern::UniformVelocity => 2,
+        Pattern::VariableVelocity => 4,
+    })
 }
 
 /// CSS declarations of the light palette.
@@ -77,14 +88,11 @@ pub(crate) fn light() -> String {
     let mut css: String =
         roles.iter().map(|(name, colour)| declaration(name, &hex(*colour))).collect();
     css.extend(LIGHT_PAGE.map(|(name, value)| declaration(name, value)));
-    css += &declaration("measured", &hex(line_colour(&palette::measured())));
-    for place in 0..N_SERIES {
-        let colour = match place.checked_sub(SVG_SERIES) {
-            Some(extra) => MORE[extra],
-            None => line_colour(&palette::predicted(place)),
-        };
-        css += &declaration(&format!("series-{place}"), &hex(colour));
-    }
+    css += &declaration("measured", &hex(palette::MEASURED));
+    let series = palette::SERIES.iter().enumerate();
+    css.extend(
+        series.map(|(place, colour)| declaration(&format!("series-{place}"), &hex(*colour))),
+    );
     css
 }
 
@@ -95,10 +103,6 @@ pub(crate) fn dark() -> String {
 
 fn declaration(name: &str, value: &str) -> String {
     format!("--{name}:{value};")
-}
-
-fn line_colour(style: &plotters::style::ShapeStyle) -> RGBColor {
-    RGBColor(style.color.0, style.color.1, style.color.2)
 }
 
 fn hex(RGBColor(red, green, blue): RGBColor) -> String {
@@ -136,7 +140,14 @@ mod tests {
     }
 
     #[test]
-    fn the_first_curve_is_that_of_the_svg_figures() {
-        assert!(light().contains("--series-0:#0072b2;"));
+    fn the_light_theme_is_the_paper_of_the_svg_figures() {
+        let css = light();
+        let others = [Colour::Measured, Colour::Faded, Colour::Series(8)];
+
+        for colour in Pattern::ALL.map(Colour::Pattern).into_iter().chain(others) {
+            let declared = declaration(&colour.variable(), &hex(colour.on_paper()));
+            assert!(css.contains(&declared), "{declared}");
+        }
+        assert!(css.contains("--series-0:#0072b2;"));
     }
 }

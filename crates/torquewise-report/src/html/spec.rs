@@ -1,10 +1,10 @@
 //! Chart → JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::ReportError;
-use crate::html::chart::{Axis, Band, Chart, Guide, Position, Series};
+use crate::html::chart::{Axis, Band, Chart, Guide, Position};
 use crate::html::markup::escape_json;
 use crate::html::number::{Plotted, rounded};
-use crate::html::thin::{MOST_POINTS, rows_of_cloud, rows_of_curves};
+use crate::html::thin::{MOST_POINTS, Sorted, rows_of_cloud, rows_of_curves, sorted};
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -86,11 +86,6 @@ struct Curve {
     points: Sorted,
 }
 
-struct Sorted {
-    points: Vec<[f64; 2]>,
-    spread: Vec<[f64; 2]>,
-}
-
 /// Series that are lines over the same abscissae stay together; every other one is alone.
 fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
     let mut groups: Vec<Vec<Curve>> = Vec::new();
@@ -111,25 +106,6 @@ fn groups(chart: &Chart) -> Vec<Vec<Curve>> {
 
 fn same_x(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
-}
-
-/// The points that have an x that can be drawn, from left to right.
-fn sorted(series: &Series, log: bool) -> Sorted {
-    let drawable = |row: &usize| {
-        let x = series.points[*row][0];
-        x.is_finite() && (!log || x > 0.0)
-    };
-    let mut rows: Vec<usize> = (0..series.points.len()).filter(drawable).collect();
-    rows.sort_by(|&a, &b| series.points[a][0].total_cmp(&series.points[b][0]));
-    let spread = if series.spread.len() == series.points.len() { &*series.spread } else { &[] };
-    Sorted {
-        points: rows.iter().map(|&row| series.points[row]).collect(),
-        spread: if spread.is_empty() {
-            Vec::new()
-        } else {
-            rows.iter().map(|&row| spread[row]).collect()
-        },
-    }
 }
 
 fn rows_of(chart: &Chart, group: &[Curve]) -> Vec<usize> {
@@ -196,7 +172,7 @@ fn guide_spec(guide: &Guide) -> Option<GuideSpec<'_>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::html::chart::Mark;
+    use crate::html::chart::{Mark, Series};
     use crate::html::colour::Colour;
     use serde_json::{Value, json};
 

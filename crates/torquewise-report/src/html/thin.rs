@@ -1,7 +1,35 @@
-//! Curves over the same abscissae → rows to draw: few, with every peak among them.
+//! Points → rows to draw: from left to right, few, with every peak among them.
+
+use crate::html::chart::Series;
 
 /// Points of a chart at most, per curve.
 pub(crate) const MOST_POINTS: usize = 4_000;
+
+/// A series from left to right.
+pub(crate) struct Sorted {
+    pub(crate) points: Vec<[f64; 2]>,
+    /// Ends of the error bar of each point, or nothing.
+    pub(crate) spread: Vec<[f64; 2]>,
+}
+
+/// The points that have an x that can be drawn, from left to right.
+pub(crate) fn sorted(series: &Series, log: bool) -> Sorted {
+    let drawable = |row: &usize| {
+        let x = series.points[*row][0];
+        x.is_finite() && (!log || x > 0.0)
+    };
+    let mut rows: Vec<usize> = (0..series.points.len()).filter(drawable).collect();
+    rows.sort_by(|&a, &b| series.points[a][0].total_cmp(&series.points[b][0]));
+    let spread = if series.spread.len() == series.points.len() { &*series.spread } else { &[] };
+    Sorted {
+        points: rows.iter().map(|&row| series.points[row]).collect(),
+        spread: if spread.is_empty() {
+            Vec::new()
+        } else {
+            rows.iter().map(|&row| spread[row]).collect()
+        },
+    }
+}
 
 /// Rows that draw curves of `m` rows with at most `most` points: of each of a number of stretches
 /// the first, and of each curve the lowest and the highest; and the last row of all. A gap, which

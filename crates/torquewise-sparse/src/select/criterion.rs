@@ -1,6 +1,6 @@
 //! Normal equations → terms that explain more than noise: forward, then backward, by t² (E5).
 
-use crate::cholesky;
+use crate::cholesky::{self, DEPENDENCE};
 use crate::error::SparseError;
 use crate::problem::{Problem, Selection};
 use faer::Mat;
@@ -83,11 +83,8 @@ impl Full {
         if size == 0 {
             return Some(Self::none(problem));
         }
-        if !problem.refit(active).ok()?.dependent.is_empty() {
-            return None;
-        }
         let gram = Mat::from_fn(size, size, |i, j| problem.gram()[(active[i], active[j])]);
-        let inverse = cholesky::inverse(gram)?;
+        let inverse = cholesky::inverse(gram, DEPENDENCE)?;
         let coefficients: Vec<f64> = (0..size)
             .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.cross()[active[i]]).sum())
             .collect();
@@ -98,40 +95,55 @@ impl Full {
     }
 
     /// Drops the weakest column while its t² is below the threshold; the noise is that of the full
-    /// fit, lest dropping terms makes others look weak. Returns the columns kept.
+    /// fit, lest dropping terms makes others look weak. Returns the columns kept, ascending.
     fn backward(mut self, problem: &Problem, threshold: f64) -> Vec<usize> {
         let freedom = (problem.rows() - self.active.len() as f64).max(1.0);
         let noise = self.residual / freedom;
-        let mut alive: Vec<usize> = (0..self.active.len()).collect();
-        loop {
-            let loss =
-                |&place: &usize| self.coefficients[place].powi(2) / self.inverse[(place, place)];
-            let Some(weakest) =
-                alive.iter().copied().min_by(|a, b| loss(a).total_cmp(&loss(b)).then(a.cmp(b)))
-            else {
-                return Vec::new();
-            };
-            if loss(&weakest) >= threshold * noise {
-                return alive.into_iter().map(|place| self.active[place]).collect();
+        let loss = |full: &Self, place: usize| {
+            full.coefficients[place].powi(2) / full.inverse[(place, place)]
+        };
+        while let Some(weakest) = (0..self.active.len()).min_by(|&a, &b| {
+            let by_column = self.active[a].cmp(&self.active[b]);
+            loss(&self, a).total_cmp(&loss(&self, b)).then(by_column)
+        }) {
+            if loss(&self, weakest) >= threshold * noise {
+                break;
             }
-            alive.retain(|&place| place != weakest);
-            self.leave_out(weakest, &alive);
+            self.leave_out(weakest);
+        }
+        self.active.sort_unstable();
+        self.active
+    }
+
+    /// Inverse and coefficients without one column, by a rank-one change. The last column takes
+    /// its place, so that the rest stays one block of memory.
+    fn leave_out(&mut self, gone: usize) {
+        let last = self.active.len() - 1;
+        self.swap(gone, last);
+        self.active.pop();
+        let pivot = self.inverse[(last, last)];
+        let column: Vec<f64> = self.inverse.col_as_slice(last)[..last].to_vec();
+        let share = self.coefficients[last] / pivot;
+        self.coefficients.pop();
+        for (j, (coefficient, &weight)) in self.coefficients.iter_mut().zip(&column).enumerate() {
+            *coefficient -= weight * share;
+            let factor = weight / pivot;
+            let target = &mut self.inverse.col_as_slice_mut(j)[..last];
+            target.iter_mut().zip(&column).for_each(|(value, c)| *value -= c * factor);
         }
     }
 
-    /// Inverse and coefficients without one column, by a rank-one change.
-    fn leave_out(&mut self, gone: usize, alive: &[usize]) {
-        let pivot = self.inverse[(gone, gone)];
-        let column: Vec<f64> = self.inverse.col_as_slice(gone).to_vec();
-        let share = self.coefficients[gone] / pivot;
-        for &j in alive {
-            self.coefficients[j] -= column[j] * share;
-            let factor = column[j] / pivot;
-            let target = self.inverse.col_as_slice_mut(j);
-            for &i in alive {
-                target[i] -= column[i] * factor;
-            }
+    fn swap(&mut self, one: usize, other: usize) {
+        if one == other {
+            return;
         }
+        self.active.swap(one, other);
+        self.coefficients.swap(one, other);
+        for j in 0..self.inverse.ncols() {
+            self.inverse.col_as_slice_mut(j).swap(one, other);
+        }
+        let (left, right) = self.inverse.two_cols_mut(one.min(other), one.max(other));
+        faer::zip!(left, right).for_each(|faer::unzip!(a, b)| std::mem::swap(a, b));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::cholesky;
 use crate::problem::{Problem, nonzero};
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 /// Sweeps over the nonzero weights, at least, before a Newton step is tried.
 const BURST: usize = 10;
@@ -152,10 +152,10 @@ impl<'a> Descent<'a> {
     fn newton_step(&mut self, lambda: f64) -> bool {
         let active = nonzero(&self.weights, self.weights.len());
         let right: Vec<f64> = active.iter().map(|&j| self.descent_of(j, lambda)).collect();
-        let step = cholesky::solve(self.gram_of(&active), &right);
+        let step = cholesky::solve(self.gram_of(&active), column(&right));
         match step.dependent.first() {
             Some(&surplus) => self.drop_one(&active, &step.dependent, surplus, lambda),
-            None => self.advance(&active, &step.values, 1.0),
+            None => self.advance(&active, step.values.col_as_slice(0), 1.0),
         }
     }
 
@@ -174,7 +174,8 @@ impl<'a> Descent<'a> {
         let mut moving: Vec<usize> =
             (0..active.len()).filter(is_pivot).map(|i| active[i]).collect();
         let right: Vec<f64> = moving.iter().map(|&j| self.columns[j][active[surplus]]).collect();
-        let mut direction = cholesky::solve(self.gram_of(&moving), &right).values;
+        let solution = cholesky::solve(self.gram_of(&moving), column(&right));
+        let mut direction = solution.values.col_as_slice(0).to_vec();
         moving.push(active[surplus]);
         direction.push(-1.0);
 
@@ -303,4 +304,9 @@ fn subtract(target: &mut [f64], factor: f64, column: &[f64]) {
     for (t, c) in target.iter_mut().zip(column) {
         *t -= factor * c;
     }
+}
+
+/// Numbers as a matrix of one column.
+fn column(numbers: &[f64]) -> MatRef<'_, f64> {
+    MatRef::from_column_major_slice(numbers, numbers.len(), 1)
 }

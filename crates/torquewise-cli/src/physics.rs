@@ -12,7 +12,7 @@ const STATES: usize = 200;
 const SEED: u64 = 0;
 
 /// What was measured, and which properties hold.
-pub(super) struct Physics {
+pub(crate) struct Physics {
     checks: Checks,
     positive_definite: bool,
     symmetric: bool,
@@ -21,7 +21,7 @@ pub(super) struct Physics {
 
 impl Physics {
     /// Checks a model at random states of its training range.
-    pub(super) fn of(model: &Model) -> Result<Self, ModelError> {
+    pub(crate) fn of(model: &Model) -> Result<Self, ModelError> {
         let checks = check(model, &random_states(model))?;
         // Each property alone passes if it passes beside perfect others.
         let perfect =
@@ -35,8 +35,13 @@ impl Physics {
         })
     }
 
+    /// What was measured.
+    pub(crate) fn checks(&self) -> &Checks {
+        &self.checks
+    }
+
     /// What does not hold, if anything.
-    pub(super) fn warning(&self) -> Option<String> {
+    pub(crate) fn warning(&self) -> Option<String> {
         let mut failures = Vec::new();
         if !self.positive_definite {
             let value = number(self.checks.smallest_eigenvalue);
@@ -58,7 +63,7 @@ impl Physics {
     }
 
     /// One line per property.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let Checks { states, smallest_eigenvalue, asymmetry, skew_defect } = &self.checks;
         let verdict = |good: bool| if good { "yes" } else { "NO" };
         format!(
@@ -74,7 +79,7 @@ impl Physics {
     }
 
     /// The same for programs.
-    pub(super) fn json(&self) -> Value {
+    pub(crate) fn json(&self) -> Value {
         json!({
             "states": self.checks.states,
             "passed": self.checks.passed(),

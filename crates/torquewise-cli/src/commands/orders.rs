@@ -1,0 +1,93 @@
+//! Logs → residual against order, and the orders chosen.
+
+use crate::arguments::PatternArguments;
+use crate::files::{check_output, write_whole};
+use crate::outcome::Outcome;
+use crate::progress::Watched;
+use crate::table::{Table, number};
+use anyhow::Result;
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+use torquewise::identify::{OrderCurve, OrderPlan, orders};
+use torquewise::logs::Logs;
+use torquewise::report::{chart_figure, order_charts};
+
+/// Show what each order of the libraries leaves unexplained, and which orders that asks for
+///
+/// Least squares on one half of the rows, judged on the other; the order chosen is the first that
+/// no higher one improves by more than a tenth for any joint.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Logs of one arm
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Figure to write
+    #[arg(short, long, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
+    /// Product library, step by step: largest number of sines and cosines in a term
+    #[arg(long, value_name = "N", default_value_t = OrderPlan::default().trig_order)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=8))]
+    trig_order: u8,
+    /// The same for the whole library in one shot
+    #[arg(long, value_name = "N", default_value_t = OrderPlan::default().whole_order)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=8))]
+    whole_order: u8,
+    /// Energy library: largest number of joint angles in a term
+    #[arg(long, value_name = "K", default_value_t = 4)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=16))]
+    interaction: u8,
+    #[command(flatten)]
+    patterns: PatternArguments,
+}
+
+/// Tries all orders.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    if let Some(file) = &arguments.output {
+        check_output(file, &arguments.logs)?;
+    }
+    let logs = Logs::open(&arguments.logs)?;
+    logs.require_tau()?;
+    let plan = OrderPlan {
+        trig_order: arguments.trig_order,
+        whole_order: arguments.whole_order,
+        interaction: arguments.interaction.into(),
+        patterns: arguments.patterns.plan(),
+    };
+    let curves = orders(&Watched::new(&logs, "trying orders"), &plan)?;
+    let mut text: String = curves.iter().map(|curve| curve_text(curve, logs.joints())).collect();
+    if let Some(file) = &arguments.output {
+        let log = arguments.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
+        let charts = order_charts(&[(log.join(", "), curves.as_slice())]);
+        write_whole(file, &chart_figure("Residual against order", &charts, 2)?)?;
+        text += &format!("figure: {}\n", file.display());
+    }
+    let json = json!({
+        "joints": logs.joints(),
+        "libraries": curves,
+        "file": arguments.output.as_ref().map(|file| file.display().to_string()),
+    });
+    Ok(Outcome { text, json, warnings: Vec::new() })
+}
+
+/// A table of the residuals of one library, its chosen order marked.
+fn curve_text(curve: &OrderCurve, joints: &[String]) -> String {
+    let whole = curve.points.iter().any(|point| point.motion_order > 0);
+    let order = if curve.name == "energy" { "interaction" } else { "N1" };
+    let errors: Vec<String> = joints.iter().map(|name| format!("{name} [%]")).collect();
+    let mut headings = vec![order];
+    headings.extend(whole.then_some("N2"));
+    headings.push("candidates");
+    headings.extend(errors.iter().map(String::as_str));
+    headings.push("");
+    let mut table = Table::new(&headings);
+    for (place, point) in curve.points.iter().enumerate() {
+        let mut cells = Vec::new();
+        cells.extend(whole.then(|| point.motion_order.to_string()));
+        cells.push(point.candidates.to_string());
+        cells.extend(point.residual.iter().map(|residual| number(100.0 * residual)));
+        cells.extend((place == curve.chosen).then(|| "<- chosen".to_owned()));
+        table.row(&point.order.to_string(), cells);
+    }
+    format!("{}, {} rows, held-out residual of std(tau):\n{}\n", curve.name, curve.rows, table.text())
+}

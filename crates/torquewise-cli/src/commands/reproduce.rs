@@ -1,0 +1,95 @@
+//! Nothing → every simulated experiment of the paper and those beyond it.
+
+use crate::files::{create_folder, write_whole};
+use crate::outcome::Outcome;
+use crate::progress::share_bar;
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::time::Instant;
+use torquewise::experiments::results::Claim;
+use torquewise::experiments::{Results, Settings, figures, page, reproduce};
+
+/// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Folder for report.html, results.json and the figures
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// First of the seeds
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Number of seeds of each case of noise [default: 10]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    seeds: Option<u16>,
+    /// Everything in small, with an arm of two joints: to see what it does, not for its numbers
+    #[arg(long)]
+    quick: bool,
+}
+
+/// Experiments, then writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let Arguments { output, seed, quick, .. } = arguments;
+    let usual = if *quick { Settings::quick(*seed) } else { Settings::full(*seed) };
+    let seeds = arguments.seeds.map_or(usual.seeds, u64::from);
+    let settings = Settings { seeds, ..usual };
+    create_folder(output)?;
+    let start = Instant::now();
+    let results = {
+        let bar = share_bar();
+        reproduce(&settings, &|progress| {
+            bar.set_length(progress.total as u64);
+            bar.set_position(progress.done as u64);
+            bar.set_message(progress.doing);
+        })?
+    };
+    let seconds = start.elapsed().as_secs_f64();
+
+    write_whole(&output.join("results.json"), &results.to_json()?)?;
+    write_whole(&output.join("report.html"), &page(&results)?)?;
+    let mut files = Vec::new();
+    for figure in figures(&results) {
+        let file = output.join(format!("{}.svg", figure.name));
+        write_whole(&file, &figure.svg()?)?;
+        files.push(file.display().to_string());
+    }
+    let report = output.join("report.html").display().to_string();
+    let text = format!(
+        "{}\n{} figures, results.json and report.html in {}, {seconds:.0} s\nreport: {report}\n",
+        claims_text(&results),
+        files.len(),
+        output.display(),
+    );
+    let json = json!({
+        "claims": claims_json(&results),
+        "report": report,
+        "results": output.join("results.json").display().to_string(),
+        "figures": files,
+        "seconds": seconds,
+    });
+    Ok(Outcome { text, json, warnings: Vec::new() })
+}
+
+fn claims_text(results: &Results) -> String {
+    let claim = |claim: &Claim| {
+        let Claim { source, claim: words, measured, times, verdict } = claim;
+        let times = times.as_ref().map(|times| format!(" {times}.")).unwrap_or_default();
+        format!("{source}: {}\n  claim: {words}\n  here:  {measured}{times}\n", verdict.name())
+    };
+    results.claims.iter().map(claim).collect::<Vec<_>>().join("\n")
+}
+
+fn claims_json(results: &Results) -> Vec<Value> {
+    let claims = results.claims.iter();
+    claims
+        .map(|claim| {
+            json!({
+                "claim": claim.claim,
+                "source": claim.source,
+                "measured": claim.measured,
+                "verdict": claim.verdict.name(),
+            })
+        })
+        .collect()
+}

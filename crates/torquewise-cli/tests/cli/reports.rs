@@ -1,0 +1,93 @@
+//! Reports, figures and experiments: what is written, and that it tells what was found.
+
+use crate::terminal::Terminal;
+use serde_json::Value;
+
+#[test]
+fn a_report_stands_beside_the_model_and_names_its_terms() {
+    let terminal = Terminal::with_log();
+
+    let fit = terminal.json("fit log.csv -o model.json --report report.html");
+
+    assert_eq!(fit["report"], "report.html");
+    let report = terminal.read("report.html");
+    assert!(report.starts_with("<!doctype html>"), "{}", &report[..60]);
+    for words in ["Torque model from log.csv", "standstill", "<math", "physical checks"] {
+        assert!(report.contains(words), "{words}");
+    }
+    assert!(!report.contains("src=\"http") && !report.contains("href=\"http"), "no network");
+}
+
+#[test]
+fn a_model_can_be_judged_by_another_log_at_once() {
+    let terminal = Terminal::with_log();
+    terminal.done("simulate planar-2 -o test.csv --motion sines --seconds 10 --rate 50 --seed 8");
+
+    let fit = terminal.json("fit log.csv -o model.json --test test.csv --report report.html");
+
+    assert_eq!(fit["test"]["joints"], terminal.json("evaluate model.json test.csv")["joints"]);
+    assert!(terminal.read("report.html").contains("judged by test.csv"));
+    let said = terminal.run("fit log.csv -o model.json --report model.json");
+    assert_eq!(said.code, 2, "{said:?}");
+}
+
+#[test]
+fn orders_grow_until_nothing_is_left() {
+    let terminal = Terminal::with_log();
+
+    let found = terminal.json("orders log.csv -o orders.svg --whole-order 2 --trig-order 3");
+
+    let libraries = found["libraries"].as_array().unwrap();
+    let names: Vec<&str> = libraries.iter().map(|l| l["name"].as_str().unwrap()).collect();
+    let expected = ["SINDy", "standstill", "uniform velocity", "variable velocity", "energy"];
+    assert_eq!(names, expected);
+    for library in libraries {
+        let points = library["points"].as_array().unwrap();
+        let best = &points[usize::try_from(library["chosen"].as_u64().unwrap()).unwrap()];
+        let residuals = best["residual"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap());
+        // The arm is held exactly by every library of these orders but the whole one, at most 2.
+        let limit = if library["name"] == "SINDy" { 0.2 } else { 1e-4 };
+        assert!(residuals.into_iter().all(|residual| residual < limit), "{library}");
+    }
+    assert!(terminal.read("orders.svg").starts_with("<svg"));
+    let text = terminal.done("orders log.csv --whole-order 1 --trig-order 2 --interaction 2");
+    assert!(text.contains("<- chosen") && text.contains("variable velocity"), "{text}");
+}
+
+#[test]
+fn every_term_shows_how_often_resampled_logs_keep_it() {
+    let terminal = Terminal::new();
+    terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3 --case 3");
+    let fit = terminal.run("fit log.csv -o model.json");
+    assert!(matches!(fit.code, 0 | 3), "{fit:?}");
+
+    let (text, shown) = (terminal.done("show model.json"), terminal.json("show model.json"));
+
+    let energies = shown["energies"].as_array().unwrap();
+    let shares: Vec<f64> = energies.iter().map(|e| e["inclusion"].as_f64().unwrap()).collect();
+    assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
+    for (energy, share) in energies.iter().zip(&shares) {
+        let end = format!("* {}  ({:.0} %)", energy["term"].as_str().unwrap(), 100.0 * share);
+        assert!(text.lines().any(|line| line.ends_with(&end)), "{end} in {text}");
+    }
+}
+
+#[test]
+fn the_experiments_leave_report_results_and_figures() {
+    let terminal = Terminal::new();
+
+    let found = terminal.json("reproduce -o out --quick --seeds 1 --seed 2");
+
+    let results: Value = serde_json::from_str(&terminal.read("out/results.json")).unwrap();
+    assert_eq!(results["claims"].as_array().unwrap().len(), 9);
+    let report = terminal.read("out/report.html");
+    for claim in found["claims"].as_array().unwrap() {
+        let words = claim["claim"].as_str().unwrap();
+        assert!(report.contains(words), "{words}");
+    }
+    let figures = found["figures"].as_array().unwrap();
+    assert!(figures.len() > 8, "{figures:?}");
+    for figure in figures {
+        assert!(terminal.read(figure.as_str().unwrap()).starts_with("<svg"), "{figure}");
+    }
+}

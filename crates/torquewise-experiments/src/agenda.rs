@@ -1,0 +1,246 @@
+//! Trials that experiments ask for → their results: each done once, on all cores, in any order.
+
+use crate::error::ExperimentError;
+use crate::scenario::outside;
+use crate::trial::{Trial, TrialPlan, attempt};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use torquewise_motion::Motion;
+
+/// Where a trial stands in an agenda.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct TrialId(usize);
+
+/// How far the work is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// What is being done.
+    pub doing: &'static str,
+    /// Work done so far, in units of a small reconstruction.
+    pub done: usize,
+    /// All the work.
+    pub total: usize,
+}
+
+/// Trials to be done; one that several experiments ask for is done once.
+#[derive(Clone, Debug, Default)]
+pub struct Agenda {
+    plans: Vec<TrialPlan>,
+    /// Whether time is to be measured with nothing else at work.
+    timed: Vec<bool>,
+}
+
+/// Told what was done, and how much work it was.
+pub type Advance<'a> = &'a (dyn Fn(&'static str, usize) + Sync);
+
+/// Trials done so far.
+#[derive(Clone, Debug)]
+pub struct Done(Vec<Option<Trial>>);
+
+/// The results of an agenda.
+#[derive(Clone, Debug)]
+pub struct Trials(Vec<Trial>);
+
+impl Agenda {
+    /// Asks for a trial.
+    pub fn ask(&mut self, plan: TrialPlan) -> TrialId {
+        if let Some(place) = self.plans.iter().position(|known| *known == plan) {
+            return TrialId(place);
+        }
+        self.plans.push(plan);
+        self.timed.push(false);
+        TrialId(self.plans.len() - 1)
+    }
+
+    /// Asks for a trial whose cost is to be measured undisturbed.
+    pub fn ask_timed(&mut self, plan: TrialPlan) -> TrialId {
+        let id = self.ask(plan);
+        self.timed[id.0] = true;
+        id
+    }
+
+    /// The work of all trials, in units of a small reconstruction.
+    pub fn work(&self) -> usize {
+        self.plans.iter().map(work_of).sum()
+    }
+
+    /// Does the trials to be timed, one by one in a pool of one thread.
+    ///
+    /// # Errors
+    /// The first error of any trial.
+    pub fn run_timed(&self, seed: u64, advance: Advance<'_>) -> Result<Done, ExperimentError> {
+        let tests = self.tests(seed)?;
+        let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+        let mut done: Vec<Option<Trial>> = vec![None; self.plans.len()];
+        for place in self.places(true) {
+            let plan = &self.plans[place];
+            done[place] = Some(one_thread.install(|| attempt(plan, test_of(&tests, plan)?))?);
+            advance("timed trials", work_of(plan));
+        }
+        Ok(Done(done))
+    }
+
+    /// Does all other trials, on all cores.
+    ///
+    /// Each runs in a pool of one thread, so that results depend neither on the number of cores nor
+    /// on the order, and the time of a trial is that of one thread.
+    ///
+    /// # Errors
+    /// The first error of any trial.
+    pub fn run_rest(
+        &self,
+        seed: u64,
+        Done(mut done): Done,
+        advance: Advance<'_>,
+    ) -> Result<Trials, ExperimentError> {
+        let tests = self.tests(seed)?;
+        let mut rest = self.places(false);
+        // The longest first, so that no core waits for one at the end.
+        rest.sort_by_key(|&place| std::cmp::Reverse(work_of(&self.plans[place])));
+        for (place, trial) in self.run_parallel(&rest, &tests, advance)? {
+            done[place] = Some(trial);
+        }
+        let all = done.into_iter().enumerate();
+        let all = all.map(|(trial, done)| done.ok_or(ExperimentError::NotDone { trial }));
+        Ok(Trials(all.collect::<Result<_, _>>()?))
+    }
+
+    /// Does all trials.
+    ///
+    /// # Errors
+    /// The first error of any trial.
+    pub fn run(&self, seed: u64, advance: Advance<'_>) -> Result<Trials, ExperimentError> {
+        self.run_rest(seed, self.run_timed(seed, advance)?, advance)
+    }
+
+    fn places(&self, timed: bool) -> Vec<usize> {
+        (0..self.plans.len()).filter(|&place| self.timed[place] == timed).collect()
+    }
+
+    /// The motion that judges each arm.
+    fn tests(&self, seed: u64) -> Result<BTreeMap<&'static str, Motion>, ExperimentError> {
+        let mut tests = BTreeMap::new();
+        for arm in self.plans.iter().map(|plan| plan.scenario.arm) {
+            if !tests.contains_key(arm) {
+                tests.insert(arm, outside(arm, seed)?);
+            }
+        }
+        Ok(tests)
+    }
+
+    fn run_parallel(
+        &self,
+        places: &[usize],
+        tests: &BTreeMap<&'static str, Motion>,
+        advance: Advance<'_>,
+    ) -> Result<Vec<(usize, Trial)>, ExperimentError> {
+        let (next, failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+        let results = Mutex::new(Vec::with_capacity(places.len()));
+        let worker = || -> Result<(), ExperimentError> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+            while let Some(&place) = places.get(next.fetch_add(1, Ordering::Relaxed)) {
+                if failed.load(Ordering::Relaxed) {
+                    break;
+                }
+                let plan = &self.plans[place];
+                let trial = test_of(tests, plan)
+                    .and_then(|test| pool.install(|| attempt(plan, test)))
+                    .inspect_err(|_| failed.store(true, Ordering::Relaxed))?;
+                results.lock().unwrap_or_else(PoisonError::into_inner).push((place, trial));
+                advance("trials", work_of(plan));
+            }
+            Ok(())
+        };
+        let workers = rayon::current_num_threads().min(places.len());
+        std::thread::scope(|scope| {
+            let all: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+            all.into_iter().try_for_each(|worker| match worker.join() {
+                Ok(result) => result,
+                Err(panic) => std::panic::resume_unwind(panic),
+            })
+        })?;
+        Ok(results.into_inner().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+fn test_of<'a>(
+    tests: &'a BTreeMap<&'static str, Motion>,
+    plan: &TrialPlan,
+) -> Result<&'a Motion, ExperimentError> {
+    tests.get(plan.scenario.arm).ok_or(ExperimentError::NotDone { trial: 0 })
+}
+
+/// About how long a trial takes, in units of a small reconstruction: the candidates tell.
+fn work_of(plan: &TrialPlan) -> usize {
+    use torquewise_identify::{LibraryKind, Method};
+    use torquewise_sparse::select::Selector;
+    let joints = torquewise_dynamics::arms()
+        .into_iter()
+        .find(|arm| arm.name == plan.scenario.arm)
+        .map_or(3, |arm| arm.joints);
+    match (plan.plan.library, plan.plan.method, &plan.plan.selector) {
+        (LibraryKind::Energy { .. }, _, _) => [1, 1, 1, 1, 4, 40][joints.min(5)],
+        (_, Method::Stepwise, _) => 3,
+        (_, Method::Sindy, Selector::Lasso(_)) => 5,
+        (_, Method::Sindy, _) => 16,
+    }
+}
+
+impl Trials {
+    /// The result of a trial.
+    ///
+    /// # Errors
+    /// [`ExperimentError::NotDone`] if it was asked of another agenda.
+    pub fn get(&self, id: TrialId) -> Result<&Trial, ExperimentError> {
+        self.0.get(id.0).ok_or(ExperimentError::NotDone { trial: id.0 })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::Method;
+    use crate::scenario::{Decibels, Scenario};
+
+    fn plan(seed: u64) -> TrialPlan {
+        let noise = Decibels::case(3);
+        let scenario = Scenario { arm: "planar-2", seconds: 30.0, noise, seed };
+        TrialPlan { scenario, plan: Method::Energy.plan() }
+    }
+
+    #[test]
+    fn a_trial_asked_for_twice_is_done_once() {
+        let mut agenda = Agenda::default();
+
+        let ids = [agenda.ask(plan(1)), agenda.ask_timed(plan(1)), agenda.ask(plan(2))];
+
+        assert_eq!(ids[0], ids[1]);
+        assert_eq!((agenda.plans.len(), agenda.places(true)), (2, vec![0]));
+    }
+
+    #[test]
+    fn results_do_not_depend_on_the_number_of_threads() {
+        let mut agenda = Agenda::default();
+        let ids: Vec<TrialId> = (1..=4).map(|seed| agenda.ask(plan(seed))).collect();
+        let errors = |threads: usize| -> Vec<Vec<f64>> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let trials = pool.install(|| agenda.run(1, &|_, _| {})).unwrap();
+            ids.iter().map(|&id| trials.get(id).unwrap().nrmse_percent.clone()).collect()
+        };
+
+        assert_eq!(errors(1), errors(3));
+    }
+
+    #[test]
+    fn a_failed_trial_is_reported() {
+        let mut agenda = Agenda::default();
+        let mut short = plan(1);
+        short.scenario.seconds = 0.1;
+        agenda.ask(short);
+
+        let failed = agenda.run(1, &|_, _| {});
+
+        assert!(matches!(failed, Err(ExperimentError::Identify { .. })), "{failed:?}");
+    }
+}

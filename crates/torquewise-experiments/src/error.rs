@@ -1,0 +1,35 @@
+//! What can keep an experiment from being done.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use torquewise_dynamics::DynamicsError;
+use torquewise_identify::IdentifyError;
+use torquewise_model::ModelError;
+use torquewise_motion::MotionError;
+use torquewise_report::ReportError;
+use torquewise_sparse::SparseError;
+
+/// Why there are no results, figures or report.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExperimentError {
+    #[error(transparent)]
+    Dynamics(#[from] DynamicsError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    #[error("experiment {experiment}")]
+    Identify { experiment: String, source: IdentifyError },
+    #[error("no thread can be started for the experiments: free some memory or allow more threads")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("trial {trial} was planned but not done: this is a fault of the program, report it")]
+    NotDone { trial: usize },
+    #[error("{what} is {found}, expected {expected}: change the settings")]
+    Setting { what: &'static str, found: String, expected: &'static str },
+    #[error("the results cannot be written as JSON")]
+    Json(#[from] serde_json::Error),
+}

@@ -1,0 +1,94 @@
+//! Claims and errors → the first page: what holds, what does not, what to take home.
+
+use crate::claims::worst;
+use crate::method::Method;
+use crate::page::cells::table;
+use crate::results::{Results, Verdict};
+use torquewise_report::html::number::significant;
+use torquewise_report::html::{Callout, Column, Fact, Item, Section, Tone};
+
+/// One paragraph below the title.
+pub(super) fn lead(results: &Results) -> String {
+    let held = |verdict| results.claims.iter().filter(|c| c.verdict == verdict).count();
+    format!(
+        "Every simulated experiment of D. Guo, J. Xu and S. Zhang, “Stepwise Model Reconstruction \
+         of Robotic Manipulator Based on Data-Driven Method”, done again on the arm {}, and those \
+         that it leaves open. Of {} claims {} hold, {} hold in part and {} are contradicted.",
+        results.settings.arm,
+        results.claims.len(),
+        held(Verdict::Holds),
+        held(Verdict::HoldsInPart),
+        held(Verdict::Contradicted),
+    )
+}
+
+/// Error of a method's worst joint in a case \[%\].
+fn error(results: &Results, case: u8, method: Method) -> Option<f64> {
+    let methods = &results.case(case)?.methods;
+    methods.iter().find(|found| found.method == method).map(worst)
+}
+
+/// Facts, the claims, and what to take home.
+pub(super) fn section(results: &Results) -> Section {
+    let facts = Method::ALL.into_iter().filter_map(|method| {
+        let error = error(results, 3, method)?;
+        Some(Fact::new(format!("{} %", significant(error, 2)), method.name()))
+    });
+    let mut items = vec![
+        Item::Text(
+            "Error of the worst joint outside the training log, RMSE over the standard deviation \
+             of its torque, in case 3 (60/40/30 dB of noise on position, velocity and \
+             acceleration), median over the seeds:"
+                .into(),
+        ),
+        Item::Facts(facts.collect()),
+    ];
+    items.extend(take_home(results));
+    items.push(claims(results));
+    Section { heading: "What holds".into(), items }
+}
+
+fn take_home(results: &Results) -> Option<Item> {
+    let [energy, product, lasso, sindy] = [
+        error(results, 3, Method::Energy)?,
+        error(results, 3, Method::Product)?,
+        error(results, 3, Method::SindyLasso)?,
+        error(results, 3, Method::Sindy)?,
+    ]
+    .map(|percent| significant(percent, 2));
+    Some(Item::Callout(Callout {
+        tone: Tone::Note,
+        lines: vec![
+            format!(
+                "One-shot SINDy with a fixed threshold of 0.1 fails as the paper reports ({sindy} %). \
+                 But the same library, in one shot, with terms chosen by LASSO and an information \
+                 criterion and then refitted, does not ({lasso} %). On these logs it is the rule \
+                 for terms that rescues SINDy, not the three steps."
+            ),
+            format!(
+                "The three steps make the regressions smaller and faster. At the same rule they \
+                 change the error little: {product} % stepwise over the product library."
+            ),
+            format!(
+                "What makes the error small is the library: functions of M(q) and V(q) that all \
+                 joints share, {energy} %."
+            ),
+        ],
+    }))
+}
+
+fn claims(results: &Results) -> Item {
+    let columns = ["the paper says", "where", "measured here", "verdict"];
+    let row = |claim: &crate::results::Claim| {
+        let measured = match &claim.times {
+            Some(times) => format!("{} {times}.", claim.measured),
+            None => claim.measured.clone(),
+        };
+        vec![claim.claim.into(), claim.source.into(), measured, claim.verdict.name().into()]
+    };
+    table(
+        "The claims of the paper, judged.",
+        columns.map(Column::words).into(),
+        results.claims.iter().map(row).collect(),
+    )
+}

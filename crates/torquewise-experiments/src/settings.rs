@@ -1,0 +1,141 @@
+//! How much is done → settings: which arm, how many seeds, how long the logs.
+
+use crate::error::ExperimentError;
+use crate::scenario::Decibels;
+use serde::Serialize;
+
+/// How much is done.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Settings {
+    /// The arm of most experiments.
+    pub arm: &'static str,
+    /// First of the consecutive seeds.
+    pub seed: u64,
+    /// Length of the training logs \[s\].
+    #[serde(rename = "log_length")]
+    pub seconds: f64,
+    /// Seeds, each another motion and other noise.
+    pub seeds: u64,
+    /// Seeds whose runs are timed, with nothing else at work.
+    pub timed_seeds: u64,
+    /// Seeds at each point of a sweep and each row of the ablation.
+    pub sweep_seeds: u64,
+    /// Noise of the noise sweep.
+    pub noise_levels: Vec<Decibels>,
+    /// Lengths of the log in the sweep over data \[s\].
+    pub lengths: Vec<f64>,
+    /// Arms with the length of their log \[s\].
+    pub arms: Vec<(&'static str, f64)>,
+    /// Largest N₁ tried for the steps.
+    pub trig_order: u8,
+    /// Largest N₁ tried for the whole library.
+    pub whole_order: u8,
+}
+
+impl Settings {
+    /// All of the paper's arm: a few minutes on two cores.
+    pub fn full(seed: u64) -> Self {
+        Self {
+            arm: "puma560-3",
+            seed,
+            seconds: 600.0,
+            seeds: 10,
+            timed_seeds: 5,
+            sweep_seeds: 2,
+            noise_levels: vec![
+                Decibels::new(70.0, 50.0, 30.0),
+                Decibels::new(62.5, 42.5, 25.0),
+                Decibels::new(55.0, 35.0, 20.0),
+                Decibels::new(47.5, 27.5, 15.0),
+                Decibels::new(40.0, 20.0, 10.0),
+            ],
+            lengths: vec![30.0, 60.0, 120.0, 300.0, 600.0],
+            arms: vec![
+                ("planar-2", 600.0),
+                ("puma560-3", 600.0),
+                ("generic-4", 600.0),
+                ("generic-5", 200.0),
+            ],
+            trig_order: 5,
+            whole_order: 4,
+        }
+    }
+
+    /// Every experiment in small, with an arm of two joints: seconds. The numbers are not the
+    /// paper's.
+    pub fn quick(seed: u64) -> Self {
+        Self {
+            arm: "planar-2",
+            seconds: 60.0,
+            seeds: 2,
+            timed_seeds: 2,
+            sweep_seeds: 1,
+            noise_levels: vec![Decibels::new(70.0, 50.0, 30.0), Decibels::new(40.0, 20.0, 10.0)],
+            lengths: vec![30.0, 60.0],
+            arms: vec![("planar-2", 60.0), ("puma560-3", 60.0)],
+            trig_order: 4,
+            whole_order: 3,
+            ..Self::full(seed)
+        }
+    }
+
+    /// The seeds.
+    pub fn seeds(&self) -> impl Iterator<Item = u64> {
+        self.first_seeds(self.seeds)
+    }
+
+    /// The first of the seeds.
+    pub fn first_seeds(&self, count: u64) -> impl Iterator<Item = u64> {
+        let first = self.seed;
+        (0..count).map(move |step| first.wrapping_add(step))
+    }
+
+    /// Whether every experiment has something to do.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Setting`], naming the setting at fault.
+    pub fn check(&self) -> Result<(), ExperimentError> {
+        let counts = [
+            ("the number of seeds", self.seeds),
+            ("the number of timed seeds", self.timed_seeds),
+            ("the number of seeds of a sweep", self.sweep_seeds),
+        ];
+        for (what, count) in counts {
+            if !(1..=1000).contains(&count) {
+                let found = count.to_string();
+                return Err(ExperimentError::Setting { what, found, expected: "from 1 to 1000" });
+            }
+        }
+        let lengths = self.lengths.iter().chain(std::iter::once(&self.seconds));
+        match lengths.chain(self.arms.iter().map(|(_, s)| s)).find(|s| !(**s >= 10.0)) {
+            Some(seconds) => Err(ExperimentError::Setting {
+                what: "the length of a log [s]",
+                found: seconds.to_string(),
+                expected: "10 or more",
+            }),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_that_ask_for_nothing_are_refused() {
+        let none = Settings { seeds: 0, ..Settings::quick(1) };
+        let short = Settings { lengths: vec![f64::NAN], ..Settings::quick(1) };
+
+        assert!(Settings::quick(1).check().is_ok() && Settings::full(1).check().is_ok());
+        assert!(matches!(none.check(), Err(ExperimentError::Setting { .. })));
+        assert!(matches!(short.check(), Err(ExperimentError::Setting { .. })));
+    }
+
+    #[test]
+    fn seeds_follow_each_other_and_wrap() {
+        let settings = Settings { seeds: 3, ..Settings::quick(u64::MAX) };
+
+        assert_eq!(settings.seeds().collect::<Vec<_>>(), [u64::MAX, 0, 1]);
+    }
+}

@@ -1,0 +1,201 @@
+//! Timed trials → candidates and computing time of each method (Fig. 6).
+
+use crate::agenda::{Agenda, TrialId, Trials};
+use crate::error::ExperimentError;
+use crate::method::{Method, lasso, selecting, threshold};
+use crate::scenario::{Decibels, Scenario};
+use crate::settings::Settings;
+use crate::spread::Spread;
+use crate::trial::{Cost, TrialPlan, now};
+use serde::Serialize;
+use torquewise_identify::candidates::Candidates;
+use torquewise_identify::evidence::{one_shot, plan_steps};
+use torquewise_identify::{Method as Steps, Plan};
+use torquewise_motion::{Motion, Pattern};
+use torquewise_sparse::accumulate::{Accumulate, Prepared, Route};
+use torquewise_sparse::samples::Samples;
+
+/// A method whose time is measured.
+#[derive(Clone, Debug)]
+pub struct CostPlan {
+    name: &'static str,
+    rule: &'static str,
+    plan: Plan,
+    trials: Vec<TrialId>,
+}
+
+/// Size and time of one method.
+#[derive(Clone, Debug, Serialize)]
+pub struct MethodCost {
+    /// Its library and steps.
+    pub name: &'static str,
+    /// How it chooses terms.
+    pub rule: &'static str,
+    /// Candidates offered in each step.
+    pub candidates_by_step: Vec<usize>,
+    /// Candidates in all.
+    pub candidates: usize,
+    /// CPU time on one thread.
+    pub seconds: SecondsOf,
+}
+
+/// CPU time on one thread \[s\].
+#[derive(Clone, Debug, Serialize)]
+pub struct SecondsOf {
+    /// Runs.
+    pub runs: usize,
+    /// Normal equations and selection.
+    pub regression: Spread,
+    /// The whole reconstruction, from the survey to the refit.
+    pub total: Spread,
+    /// Normal equations only, if every column is evaluated on every row, as the paper does; once.
+    pub evaluated: f64,
+}
+
+/// The three methods of the figure, and LASSO and the threshold for all, like with like.
+pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CostPlan> {
+    let [energy, product, sindy] = [Method::Energy, Method::Product, Method::Sindy].map(Method::plan);
+    let rows = [
+        (ENERGY, CRITERION, energy),
+        (PRODUCT, CRITERION, product.clone()),
+        (PRODUCT, LASSO, selecting(product.clone(), lasso())),
+        (PRODUCT, THRESHOLD, selecting(product, threshold())),
+        (SINDY, LASSO, Method::SindyLasso.plan()),
+        (SINDY, THRESHOLD, sindy),
+    ];
+    rows.into_iter()
+        .map(|(name, rule, plan)| {
+            let trial = |seed| TrialPlan { scenario: scenario(settings, seed), plan: plan.clone() };
+            let seeds = settings.first_seeds(settings.timed_seeds);
+            let trials = seeds.map(|seed| agenda.ask_timed(trial(seed))).collect();
+            CostPlan { name, rule, plan, trials }
+        })
+        .collect()
+}
+
+/// Name of the energy library in these results.
+pub const ENERGY: &str = "stepwise, energy";
+/// Name of the product library.
+pub const PRODUCT: &str = "stepwise, product";
+/// Name of one-shot SINDy.
+pub const SINDY: &str = "one-shot SINDy";
+/// A term stays for what it explains \[E5\].
+pub const CRITERION: &str = "criterion";
+/// LASSO, information criterion, refit.
+pub const LASSO: &str = "LASSO";
+/// |coefficient| > 0.1.
+pub const THRESHOLD: &str = "|c| > 0.1";
+
+fn scenario(settings: &Settings, seed: u64) -> Scenario {
+    let Settings { arm, seconds, .. } = *settings;
+    Scenario { arm, seconds, noise: Decibels::case(3), seed }
+}
+
+/// CPU time \[s\] of the normal equations of each plan, column by column: what the shortcut over
+/// moments \[E3\] saves. Measured in a pool of one thread; plans of one library share it.
+///
+/// # Errors
+/// [`ExperimentError`] if the log cannot be made.
+pub fn evaluate(plans: &[CostPlan], settings: &Settings) -> Result<Vec<f64>, ExperimentError> {
+    let scenario = scenario(settings, settings.seed);
+    let simulation = scenario.simulate()?;
+    let log = scenario.record(&simulation)?;
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    let mut seconds: Vec<f64> = Vec::with_capacity(plans.len());
+    for CostPlan { name, plan, .. } in plans {
+        let known = plans.iter().zip(&seconds).find(|(known, _)| known.name == *name);
+        seconds.push(match known {
+            Some((_, &seconds)) => seconds,
+            None => one_thread.install(|| evaluate_all(&log, &simulation.truth, plan))?,
+        });
+    }
+    Ok(seconds)
+}
+
+/// The costs, once the trials are done.
+///
+/// - `evaluated`: what [`evaluate`] measured
+///
+/// # Errors
+/// [`ExperimentError::NotDone`] if a trial is missing.
+pub fn costs(
+    plans: &[CostPlan],
+    evaluated: &[f64],
+    trials: &Trials,
+) -> Result<Vec<MethodCost>, ExperimentError> {
+    let mut costs = Vec::with_capacity(plans.len());
+    for (CostPlan { name, rule, trials: ids, .. }, &evaluated) in plans.iter().zip(evaluated) {
+        let done = ids.iter().map(|&id| trials.get(id)).collect::<Result<Vec<_>, _>>()?;
+        let Some(first) = done.first() else { continue };
+        let spread = |part: fn(&Cost) -> f64| Spread::of(done.iter().map(|trial| part(&trial.cost)));
+        costs.push(MethodCost {
+            name,
+            rule,
+            candidates_by_step: first.candidates_by_step.clone(),
+            candidates: first.candidates,
+            seconds: SecondsOf {
+                runs: done.len(),
+                regression: spread(|cost| cost.regression),
+                total: spread(Cost::total),
+                evaluated,
+            },
+        });
+    }
+    Ok(costs)
+}
+
+/// CPU time \[s\] of the normal equations of all steps, every column evaluated on its rows.
+fn evaluate_all(log: &Motion, truth: &[Pattern], plan: &Plan) -> Result<f64, ExperimentError> {
+    let named = |source| ExperimentError::Identify { experiment: "cost".into(), source };
+    let n = log.n_joints();
+    let candidates = Candidates::new(n, plan.library, plan.method).map_err(named)?;
+    let steps = match plan.method {
+        Steps::Stepwise => plan_steps(&candidates, &Pattern::ALL).0,
+        Steps::Sindy => one_shot(&candidates),
+    };
+    let start = now();
+    for step in steps {
+        let design = candidates.design.subset(&step.columns)?;
+        let prepared = Prepared::new(&design, Route::Direct);
+        let mut sum = prepared.start(n);
+        let asked = |row: &usize| step.pattern.is_none_or(|pattern| truth[*row] == pattern);
+        let rows: Vec<usize> = (0..log.n_rows()).filter(asked).collect();
+        for rows in rows.chunks(torquewise_motion::BLOCK_ROWS) {
+            sum.add(&samples_of(&log.select(rows))?)?;
+        }
+        sum.grams();
+    }
+    Ok(now().saturating_sub(start).as_secs_f64())
+}
+
+fn samples_of(motion: &Motion) -> Result<Samples, ExperimentError> {
+    let (n, dq, ddq) = (motion.n_joints(), motion.dq(), motion.ddq());
+    let rate = |row, j| if j < n { dq[(row, j)] } else { ddq[(row, j - n)] };
+    Ok(Samples {
+        angles: motion.q().to_owned(),
+        variables: faer::Mat::from_fn(motion.n_rows(), 2 * n, rate),
+        responses: motion.require_tau()?.to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_method_is_timed_and_the_smaller_library_costs_less() {
+        let settings = Settings { seconds: 30.0, timed_seeds: 2, ..Settings::quick(1) };
+        let mut agenda = Agenda::default();
+        let plans = ask(&mut agenda, &settings);
+
+        let trials = agenda.run(1, &|_, _| {}).unwrap();
+        let costs = costs(&plans, &evaluate(&plans, &settings).unwrap(), &trials).unwrap();
+
+        assert_eq!(costs.len(), 6);
+        assert!(costs.iter().all(|cost| cost.seconds.runs == 2 && cost.candidates > 0));
+        let of = |name: &str| costs.iter().rfind(|cost| cost.name == name).unwrap();
+        assert!(of(ENERGY).candidates < of(PRODUCT).candidates);
+        assert!(of(PRODUCT).candidates < of(SINDY).candidates);
+        assert!(of(ENERGY).seconds.total.median < of(SINDY).seconds.total.median);
+    }
+}

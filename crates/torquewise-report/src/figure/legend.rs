@@ -1,0 +1,82 @@
+//! Names of series and bands → legend: rows of samples and words.
+
+use crate::error::ReportError;
+use crate::figure::DOTS;
+use crate::figure::marks;
+use crate::figure::words::{Area, SMALL, drawing, style, width};
+use crate::html::{Chart, Mark};
+use crate::palette::FADED_INK;
+use plotters::style::RGBColor;
+use plotters::style::text_anchor::{HPos, VPos};
+
+const ROW: i32 = 18 * DOTS;
+const SAMPLE: i32 = 22 * DOTS;
+/// Half the height of what is drawn as a rectangle.
+const HALF: i32 = 5 * DOTS;
+const GAP: i32 = 6 * DOTS;
+/// Space to the next entry.
+const SPACE: i32 = 18 * DOTS;
+
+/// What stands above the axes.
+pub(crate) struct Legend<'a> {
+    entries: Vec<Entry<'a>>,
+}
+
+struct Entry<'a> {
+    label: &'a str,
+    colour: RGBColor,
+    /// How its series is drawn; nothing for a band.
+    mark: Option<Mark>,
+    x: i32,
+    row: i32,
+}
+
+impl<'a> Legend<'a> {
+    /// The names of a chart that has several, in rows of some length.
+    pub(crate) fn new(chart: &'a Chart, room: i32) -> Self {
+        let bands = chart.bands.iter().map(|band| (&band.label, band.colour, None));
+        let series = chart.series.iter().map(|s| (&s.label, s.colour, Some(s.mark)));
+        let named: Vec<_> = bands.chain(series).filter(|(label, _, _)| !label.is_empty()).collect();
+        let mut entries = Vec::new();
+        let (mut x, mut row) = (0, 0);
+        for (label, colour, mark) in named.iter().filter(|_| named.len() > 1) {
+            let length = SAMPLE + GAP + width(label, SMALL);
+            if x > 0 && x + length > room {
+                (x, row) = (0, row + 1);
+            }
+            entries.push(Entry { label, colour: colour.on_paper(), mark: *mark, x, row });
+            x += length + SPACE;
+        }
+        Self { entries }
+    }
+
+    /// Height of all rows.
+    pub(crate) fn height(&self) -> i32 {
+        self.entries.last().map_or(0, |entry| (entry.row + 1) * ROW)
+    }
+
+    /// Draws the rows, their upper left corner at `left` and `top`.
+    pub(crate) fn draw(&self, area: &Area<'_>, left: i32, top: i32) -> Result<(), ReportError> {
+        let words = style(SMALL, FADED_INK, HPos::Left, VPos::Center);
+        for entry in &self.entries {
+            let (x, y) = (left + entry.x, top + entry.row * ROW + ROW / 2);
+            sample(area, entry, x, y)?;
+            let at = (x + SAMPLE + GAP, y);
+            area.draw_text(entry.label, &words, at).map_err(drawing)?;
+        }
+        Ok(())
+    }
+}
+
+fn sample(area: &Area<'_>, entry: &Entry<'_>, x: i32, y: i32) -> Result<(), ReportError> {
+    let colour = entry.colour;
+    let corners = [(x, y - HALF), (x + SAMPLE, y + HALF)];
+    match entry.mark {
+        None => marks::tint(area, colour, corners),
+        Some(Mark::Bars) => marks::bar(area, colour, corners),
+        Some(mark) => {
+            marks::line(area, mark, colour, vec![(x, y), (x + SAMPLE, y)])?;
+            marks::point(area, mark, colour, (x + SAMPLE / 2, y))
+        }
+    }
+}
