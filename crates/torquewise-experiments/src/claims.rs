@@ -113,7 +113,7 @@ fn candidates(results: &Results) -> Option<Claim> {
 }
 
 fn time(results: &Results) -> Option<Claim> {
-    let pairs = [LASSO, THRESHOLD].map(|rule| (rule, cost(results, PRODUCT, rule), rule));
+    let pairs = [CRITERION, LASSO, THRESHOLD].map(|rule| (rule, cost(results, PRODUCT, rule), rule));
     let mut parts = Vec::new();
     let mut faster = true;
     for (rule, stepwise, _) in pairs {

@@ -40,7 +40,7 @@ impl Settings {
             seed,
             seconds: 600.0,
             seeds: 10,
-            timed_seeds: 5,
+            timed_seeds: 3,
             sweep_seeds: 2,
             noise_levels: vec![
                 Decibels::new(70.0, 50.0, 30.0),

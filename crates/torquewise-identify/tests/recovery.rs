@@ -132,6 +132,19 @@ fn the_product_library_is_exact_without_noise_and_close_with_it() {
 }
 
 #[test]
+fn a_short_log_does_not_fill_the_product_library() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let (log, _) = moves(&arm, 120.0, 3, 1);
+
+    let found = fit(&log, &Plan::product());
+
+    // The truth has 74 terms; some fifteen strokes cannot tell 774 candidates apart.
+    assert!(found.model.form.n_coefficients() < 120, "{}", found.model.form.n_coefficients());
+    let errors = nrmse(&found, &outside(&arm));
+    assert!(errors.iter().all(|&percent| percent < 10.0), "{errors:?}");
+}
+
+#[test]
 fn an_energy_model_is_physics_by_construction() {
     let arm = Arm::builtin("generic-4").unwrap();
     let (log, _) = moves(&arm, 200.0, 2, 3);

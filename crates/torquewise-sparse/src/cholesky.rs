@@ -12,7 +12,7 @@ use faer::{Mat, MatRef, Par, Spec};
 ///
 /// For columns of unit length a pivot is 1 − R², R² being what the columns before it explain.
 /// Duplicates leave about 1e-15 times the rounding of the Gram matrix, some 1e-13 after many rows.
-pub(crate) const DEPENDENCE: f64 = 1e-11;
+const DEPENDENCE: f64 = 1e-11;
 
 /// Solution of a symmetric system, zero where a column was dropped.
 pub(crate) struct Solution {
@@ -63,11 +63,8 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     Solution { values, dependent }
 }
 
-/// Inverse of a positive definite matrix; `None` if it is not, or if a column is explained by those
-/// before it to 1 − R² ≤ `floor`.
-///
-/// - `matrix`: p×p, lower triangle read, columns of like length
-pub(crate) fn inverse(mut matrix: Mat<f64>, floor: f64) -> Option<Mat<f64>> {
+/// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.
+pub(crate) fn inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
     let size = matrix.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
     let mut memory =
@@ -76,12 +73,6 @@ pub(crate) fn inverse(mut matrix: Mat<f64>, floor: f64) -> Option<Mat<f64>> {
     let plain = llt::factor::LltRegularization::default();
     llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default())
         .ok()?;
-    let pivots = matrix.diagonal().column_vector().iter().copied();
-    let [least, largest] =
-        pivots.fold([f64::INFINITY, 0.0], |[low, high], x| [f64::min(low, x), f64::max(high, x)]);
-    if least <= floor.sqrt() * largest {
-        return None;
-    }
     let mut out = Mat::zeros(size, size);
     llt::inverse::inverse(out.as_mut(), matrix.as_ref(), Par::Seq, MemStack::new(&mut memory));
     for j in 0..size {

@@ -93,7 +93,7 @@ impl Equations {
         let pick = |from: &Mat<f64>| {
             Mat::from_fn(size, size, |i, j| from[(active[i], active[j])] / (length[i] * length[j]))
         };
-        let inverse = cholesky::inverse(pick(&self.information), 0.0)?;
+        let inverse = cholesky::inverse(pick(&self.information))?;
         let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
 
         let mut fit = Fit::default();

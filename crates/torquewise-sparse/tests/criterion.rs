@@ -5,28 +5,20 @@ mod planted;
 use torquewise_sparse::problem::Selection;
 use torquewise_sparse::select::criterion::Criterion;
 
-/// All columns at once where they are few, and one by one as where they are many.
-const WAYS: [Criterion; 2] = [
-    Criterion { gamma: 1.0, all_at_once: 1_200, most: 400 },
-    Criterion { gamma: 1.0, all_at_once: 0, most: 400 },
-];
-
-fn select(criterion: Criterion, rows: &planted::Rows) -> Selection {
-    criterion.select(&rows.problem()).expect("γ is in range")
+fn select(rows: &planted::Rows) -> Selection {
+    Criterion::default().select(&rows.problem()).expect("γ is in range")
 }
 
 #[test]
 fn the_planted_terms_are_found_among_correlated_columns() {
     for seed in 0..20 {
         let rows = planted::rows(seed, 400, 30, 4, 0.1);
-        for criterion in WAYS {
-            let found = select(criterion, &rows);
+        let found = select(&rows);
 
-            assert_eq!(found.active, rows.support(), "seed {seed}, {criterion:?}");
-            for (c, truth) in found.coefficients.iter().zip(&rows.truth) {
-                // A standard error is 0.06 / √(400 / 3), so five are below 0.03.
-                assert!((c - truth).abs() < 0.03, "seed {seed}: {c} {truth}");
-            }
+        assert_eq!(found.active, rows.support(), "seed {seed}");
+        for (c, truth) in found.coefficients.iter().zip(&rows.truth) {
+            // A standard error is 0.06 / √(400 / 3), so five are below 0.03.
+            assert!((c - truth).abs() < 0.03, "seed {seed}: {c} {truth}");
         }
     }
 }
@@ -35,13 +27,11 @@ fn the_planted_terms_are_found_among_correlated_columns() {
 fn without_noise_the_planted_terms_are_found_exactly() {
     for seed in 0..20 {
         let rows = planted::rows(seed, 200, 25, 5, 0.0);
-        for criterion in WAYS {
-            let found = select(criterion, &rows);
+        let found = select(&rows);
 
-            assert_eq!(found.active, rows.support(), "seed {seed}, {criterion:?}");
-            for (c, truth) in found.coefficients.iter().zip(&rows.truth) {
-                assert!((c - truth).abs() < 1e-12, "seed {seed}: {c} {truth}");
-            }
+        assert_eq!(found.active, rows.support(), "seed {seed}");
+        for (c, truth) in found.coefficients.iter().zip(&rows.truth) {
+            assert!((c - truth).abs() < 1e-12, "seed {seed}: {c} {truth}");
         }
     }
 }
@@ -50,13 +40,11 @@ fn without_noise_the_planted_terms_are_found_exactly() {
 fn more_columns_than_rows_still_give_the_planted_terms() {
     for seed in 0..10 {
         let rows = planted::rows(seed, 60, 150, 3, 0.01);
-        for criterion in WAYS {
-            let found = select(criterion, &rows);
+        let found = select(&rows);
 
-            let kept = |column| found.active.contains(column);
-            assert!(rows.support().iter().all(kept), "seed {seed}: {:?}", found.active);
-            assert!(found.active.len() < 20, "seed {seed}: {:?}", found.active);
-        }
+        let kept = |column| found.active.contains(column);
+        assert!(rows.support().iter().all(kept), "seed {seed}: {:?}", found.active);
+        assert!(found.active.len() < 20, "seed {seed}: {:?}", found.active);
     }
 }
 
@@ -65,6 +53,6 @@ fn a_response_of_noise_alone_keeps_nothing() {
     for seed in 0..10 {
         let rows = planted::rows(seed, 300, 20, 0, 1.0);
 
-        assert_eq!(select(Criterion::default(), &rows).active, [], "seed {seed}");
+        assert_eq!(select(&rows).active, [], "seed {seed}");
     }
 }

@@ -59,7 +59,7 @@ fn lines(points: &[Point], x: impl Fn(&Point) -> f64) -> Vec<Series> {
         let own = own.map(|point| (x(point), worst_joint(&point.nrmse_percent)));
         spread_series(method.name(), colour(method), Mark::DottedLine, own)
     };
-    Method::ALL.into_iter().map(line).collect()
+    Method::SWEPT.into_iter().map(line).collect()
 }
 
 fn arms(arms: &[ArmResults]) -> Figure {

@@ -11,6 +11,7 @@ pub fn colour(method: Method) -> Colour {
         Method::Sindy => 1,
         Method::Product => 2,
         Method::SindyLasso => 3,
+        Method::SindyCriterion => 4,
     })
 }
 

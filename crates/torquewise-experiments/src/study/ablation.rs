@@ -3,7 +3,7 @@
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;
 use crate::method::{
-    Method, correcting_noise, criterion, in_one_step, lasso, selecting, threshold,
+    Method, correcting_noise, in_one_step, lasso, selecting, threshold,
     with_printed_index,
 };
 use crate::scenario::{Decibels, Scenario, outside};
@@ -65,7 +65,7 @@ fn rows() -> Vec<Row> {
         ]);
     }
     let (name, plan) = ("one-shot SINDy", Method::Sindy.plan());
-    let chosen = selecting(plan.clone(), criterion());
+    let chosen = Method::SindyCriterion.plan();
     rows.extend([
         (name, "terms chosen by |c| > 0.1", "", plan, false),
         (name, "terms chosen by LASSO + BIC", "", Method::SindyLasso.plan(), false),

@@ -37,13 +37,13 @@ pub struct Point {
 /// Each level of noise.
 pub fn ask_noise(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
     let levels = settings.noise_levels.iter();
-    levels.flat_map(|&noise| ask(agenda, settings, &Method::ALL, noise, settings.seconds)).collect()
+    levels.flat_map(|&noise| ask(agenda, settings, &Method::SWEPT, noise, settings.seconds)).collect()
 }
 
 /// Each length of the log, with the noise of case 3, for the methods that are not ruined by it.
 pub fn ask_lengths(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
     let lengths = settings.lengths.iter();
-    let methods = [Method::Energy, Method::Product, Method::SindyLasso];
+    let methods = [Method::Energy, Method::Product, Method::SindyCriterion];
     lengths.flat_map(|&length| ask(agenda, settings, &methods, Decibels::case(3), length)).collect()
 }
 

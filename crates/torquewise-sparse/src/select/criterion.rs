@@ -1,6 +1,6 @@
 //! Normal equations → terms that explain more than noise: forward, then backward, by t² (E5).
 
-use crate::cholesky::{self, DEPENDENCE};
+use crate::cholesky;
 use crate::error::SparseError;
 use crate::problem::{Problem, Selection};
 use faer::Mat;
@@ -8,21 +8,21 @@ use faer::Mat;
 /// Judges a term by what it explains against the noise.
 ///
 /// A term stays if t² ≥ ln m + 2γ ln p: the extended Bayesian information criterion, with γ = 0 the
-/// usual one. Where the columns are independent and few enough, all are fitted and the weakest
-/// leave one by one; else terms enter one by one by what they explain, then the weakest leave.
+/// usual one. Terms enter one by one by what they explain, then the weakest leave one by one.
+///
+/// Leaving alone, from a fit of all candidates, would be no better: where a short log cannot tell
+/// them apart, it leaves a thousand terms that cancel each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Criterion {
     /// γ, zero or more: how much harder it is to be one of many candidates.
     pub gamma: f64,
-    /// Above this many columns terms enter one by one.
-    pub all_at_once: usize,
     /// At most this many terms enter.
     pub most: usize,
 }
 
 impl Default for Criterion {
     fn default() -> Self {
-        Self { gamma: 1.0, all_at_once: 1200, most: 400 }
+        Self { gamma: 1.0, most: 400 }
     }
 }
 
@@ -44,16 +44,8 @@ impl Criterion {
             (0..problem.n_columns()).filter(|&j| standard.scale[j] > 0.0).collect();
         let threshold = self.threshold(problem.rows(), usable.len());
 
-        let determined = (usable.len() as f64) < problem.rows();
-        let all = if determined && usable.len() <= self.all_at_once {
-            Full::new(inner, &usable)
-        } else {
-            None
-        };
-        let full = all.unwrap_or_else(|| {
-            let entered = forward(inner, &usable, threshold, self.most);
-            Full::new(inner, &entered).unwrap_or_else(|| Full::none(inner))
-        });
+        let entered = forward(inner, &usable, threshold, self.most);
+        let full = Full::new(inner, &entered).unwrap_or_else(|| Full::none(inner));
         let kept = full.backward(inner, threshold);
         Ok(problem.refit(&kept)?.into_selection(None))
     }
@@ -77,14 +69,14 @@ impl Full {
         }
     }
 
-    /// Fits all of `active`; `None` if they depend on each other.
+    /// Fits all of `active`; `None` if rounding makes them depend on each other.
     fn new(problem: &Problem, active: &[usize]) -> Option<Self> {
         let size = active.len();
         if size == 0 {
             return Some(Self::none(problem));
         }
         let gram = Mat::from_fn(size, size, |i, j| problem.gram()[(active[i], active[j])]);
-        let inverse = cholesky::inverse(gram, DEPENDENCE)?;
+        let inverse = cholesky::inverse(gram)?;
         let coefficients: Vec<f64> = (0..size)
             .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.cross()[active[i]]).sum())
             .collect();
