@@ -1,7 +1,7 @@
 //! The simulated experiments of the paper, and those beyond it: numbers, figures, report.
 //!
-//! [`reproduce()`] runs them all and returns plain numbers, [`Results`]; [`figures()`] draws them and
-//! [`page()`] tells them. Every simulated log has a known truth, so each claim can be judged.
+//! [`reproduce()`] runs them all and returns plain numbers, [`Results`]; [`figures()`] draws them
+//! and [`page()`] tells them. Every simulated log has a known truth, so each claim can be judged.
 //!
 //! ```no_run
 //! use torquewise_experiments::{Settings, page, reproduce};

@@ -75,8 +75,8 @@ pub fn criterion() -> Selector {
 }
 
 /// The same plan with another rule for which terms stay.
-pub fn selecting(plan: Plan, selector: Selector) -> Plan {
-    Plan { selector, ..plan }
+pub fn selecting(plan: &Plan, selector: Selector) -> Plan {
+    Plan { selector, ..*plan }
 }
 
 /// The same plan in a single step on all rows.

@@ -26,8 +26,8 @@ const EVALUATION_WORK: usize = 30;
 /// `progress` is called when work begins or is done, from any thread.
 ///
 /// # Errors
-/// [`ExperimentError::Setting`] for settings that ask for nothing, else what kept an experiment from
-/// being done.
+/// [`ExperimentError::Setting`] for settings that ask for nothing, else what kept an experiment
+/// from being done.
 pub fn reproduce(
     settings: &Settings,
     progress: &(dyn Fn(Progress) + Sync),

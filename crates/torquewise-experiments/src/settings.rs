@@ -107,7 +107,7 @@ impl Settings {
             }
         }
         let lengths = self.lengths.iter().chain(std::iter::once(&self.seconds));
-        match lengths.chain(self.arms.iter().map(|(_, s)| s)).find(|s| !(**s >= 10.0)) {
+        match lengths.chain(self.arms.iter().map(|(_, s)| s)).find(|s| s.is_nan() || **s < 10.0) {
             Some(seconds) => Err(ExperimentError::Setting {
                 what: "the length of a log [s]",
                 found: seconds.to_string(),

@@ -111,7 +111,10 @@ fn expanded(term: &Term) -> Vec<(f64, Product)> {
         let joint = factor.multiples.iter().position(|&multiple| multiple != 0).unwrap_or(0);
         let parts = parts(factor.multiples[joint], factor.function);
         for _ in 0..factor.power {
-            sum = sum.iter().flat_map(|(weight, product)| times(*weight, product, joint, parts)).collect();
+            sum = sum
+                .iter()
+                .flat_map(|(weight, product)| times(*weight, product, joint, parts))
+                .collect();
         }
     }
     sum

@@ -1,5 +1,4 @@
 //! The energy model of the reference arm over ten logs: terms, error and intervals.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use torquewise_experiments::Settings;
 use torquewise_experiments::agenda::Agenda;

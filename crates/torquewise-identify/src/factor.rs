@@ -3,6 +3,7 @@
 use crate::candidates::Group;
 use crate::noise::NoiseFloor;
 use faer::Mat;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -52,7 +53,7 @@ impl Fit<'_> {
 pub(crate) struct FactorSum<'a> {
     fit: &'a Fit<'a>,
     triangle: Triangle,
-    /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1).
+    /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1), lower triangle.
     bias: Mat<f64>,
     random: ChaCha8Rng,
 }
@@ -92,10 +93,12 @@ impl<'a> FactorSum<'a> {
                 variables: &samples.variables + faer::Scale(sign) * &variables,
                 responses: samples.responses.clone(),
             };
-            for (moved, still) in self.rows(&shifted)?.iter().zip(rows) {
-                add_gram(&mut self.bias, moved, 0.5);
-                add_gram(&mut self.bias, still, -0.5);
+            for moved in self.rows(&shifted)? {
+                add_gram(&mut self.bias, &moved, 0.5);
             }
+        }
+        for still in rows {
+            add_gram(&mut self.bias, still, -1.0);
         }
         Ok(())
     }
@@ -113,7 +116,7 @@ pub(crate) struct Factor {
     pub(crate) r: Mat<f64>,
     /// RᵀR
     pub(crate) gram: Mat<f64>,
-    /// What noise adds to it.
+    /// What noise adds to it, lower triangle.
     pub(crate) bias: Mat<f64>,
     /// Rows of all equations.
     pub(crate) rows: usize,
@@ -131,12 +134,16 @@ fn draw(random: &mut ChaCha8Rng, rows: usize, deviations: &[f64]) -> Mat<f64> {
     out
 }
 
+/// Adds weight·XᵀX to the lower triangle of `target`.
 pub(crate) fn add_gram(target: &mut Mat<f64>, rows: &Mat<f64>, weight: f64) {
-    faer::linalg::matmul::matmul(
+    triangular::matmul(
         target.as_mut(),
+        BlockStructure::TriangularLower,
         faer::Accum::Add,
         rows.transpose(),
+        BlockStructure::Rectangular,
         rows.as_ref(),
+        BlockStructure::Rectangular,
         weight,
         faer::Par::Seq,
     );

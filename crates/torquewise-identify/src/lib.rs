@@ -28,7 +28,7 @@ pub use activation::Scaling;
 pub use diagnose::{Diagnosis, diagnose};
 pub use error::IdentifyError;
 pub use noise::NoiseFloor;
-pub use orders::{OrderCurve, OrderPlan, orders};
+pub use orders::orders;
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Method, Plan};
 pub use reconstruct::{Progress, Reconstruction, reconstruct};

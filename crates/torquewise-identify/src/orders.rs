@@ -133,8 +133,7 @@ fn feasible<T>(largest: u8, library: impl Fn(u8) -> Vec<T>) -> (u8, Vec<T>) {
 
 /// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
 fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
-    let (largest, terms) =
-        feasible(largest, |order| product_library(n, order, &Degree::up_to(2)));
+    let (largest, terms) = feasible(largest, |order| product_library(n, order, &Degree::up_to(2)));
     let rungs = (1..=2_u8)
         .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
         .map(|(order, motion)| {
@@ -177,9 +176,7 @@ fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
     let (largest, terms) = feasible(largest, |order| energy_library(n, Some(order.into())));
     let rungs = (1..=largest)
         .map(|order| {
-            let fits = |&column: &usize| {
-                terms[column].function.interaction() <= usize::from(order)
-            };
+            let fits = |&column: &usize| terms[column].function.interaction() <= usize::from(order);
             (order, 0, (0..terms.len()).filter(fits).collect())
         })
         .collect();
@@ -289,7 +286,8 @@ fn fit(
     }
     // The joints share their columns, hence the factor of their normal equations.
     let part = &half[0];
-    let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| part.gram[(columns[i], columns[j])]);
+    let gram =
+        Mat::from_fn(columns.len(), columns.len(), |i, j| part.gram[(columns[i], columns[j])]);
     let cross =
         Mat::from_fn(columns.len(), torque_std.len(), |i, joint| part.cross[(columns[i], joint)]);
     let rows = f64::max(part.rows as f64, 1.0);

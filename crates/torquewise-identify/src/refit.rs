@@ -213,10 +213,13 @@ impl Group<'_> {
             }
         }
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
+        let lower = |sums: &Mat<f64>, i: usize, j: usize| sums[(i.max(j), i.min(j))];
+        let information = |i, j| gram[(i, j)] - lower(&bias, i, j);
+        let spread = |i, j| lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0);
         let mut equations = Equations {
-            information: Mat::from_fn(p, p, |i, j| gram[(i, j)] - bias[(i, j)]),
-            right: (0..p).map(|j| gram[(j, p)] - bias[(j, p)]).collect(),
-            spread: Mat::from_fn(p, p, |i, j| spread[(i, j)] - sum[i] * sum[j] / rows.max(1.0)),
+            information: Mat::from_fn(p, p, information),
+            right: (0..p).map(|j| information(j, p)).collect(),
+            spread: Mat::from_fn(p, p, spread),
             floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
         };
         for &j in &self.start.dependent {

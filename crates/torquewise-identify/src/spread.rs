@@ -15,7 +15,7 @@ pub(crate) struct ScoreSum<'a> {
     pub(crate) squares: Vec<f64>,
     /// Scores Σ w y r, p.
     pub(crate) sum: Vec<f64>,
-    /// Their products, p×p.
+    /// Their products, p×p, lower triangle.
     pub(crate) spread: Mat<f64>,
     pub(crate) rows: usize,
 }

@@ -1,7 +1,7 @@
 //! What can be wrong with a log file, and where.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-use arrow::error::ArrowError;
+use arrow_schema::ArrowError;
 use parquet::errors::ParquetError;
 use std::fmt;
 use std::io;

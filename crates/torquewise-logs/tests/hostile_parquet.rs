@@ -1,8 +1,9 @@
 //! Parquet files of foreign types, and files that are broken: an error, never a panic.
 #![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
-use arrow::array::{ArrayRef, Float32Array, Float64Array, Int32Array, StringArray, UInt8Array};
-use arrow::record_batch::RecordBatch;
+use arrow_array::{
+    ArrayRef, Float32Array, Float64Array, Int32Array, RecordBatch, StringArray, UInt8Array,
+};
 use faer::Mat;
 use parquet::arrow::ArrowWriter;
 use proptest::prelude::*;

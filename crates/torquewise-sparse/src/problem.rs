@@ -205,8 +205,8 @@ impl Problem {
     /// - `cross`: Xᵀ of the responses, p×r
     ///
     /// # Errors
-    /// [`SparseError::Column`] if an active column is not below p, [`SparseError::Shape`] if `cross`
-    /// does not have p rows.
+    /// [`SparseError::Column`] if an active column is not below p, [`SparseError::Shape`] if
+    /// `cross` does not have p rows.
     pub fn refit_each(
         &self,
         active: &[usize],

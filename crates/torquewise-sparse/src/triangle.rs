@@ -7,7 +7,8 @@ use faer::{Mat, MatRef, Par};
 
 /// The R factor of the rows seen so far; stacking two and factoring again merges them.
 ///
-/// Rows wait until there are about as many as columns, since factoring costs as much for few.
+/// Rows wait until there are twice as many as columns: R is factored again with each batch, so that
+/// small batches would mostly factor R.
 #[derive(Clone, Debug)]
 pub struct Triangle {
     r: Mat<f64>,
@@ -46,7 +47,7 @@ impl Triangle {
         }
         self.waiting.push(rows.to_owned());
         let waiting: usize = self.waiting.iter().map(Mat::nrows).sum();
-        if waiting >= k.max(WORTH_FACTORING) {
+        if waiting >= (2 * k).max(WORTH_FACTORING) {
             self.r = upper_factor(self.stacked());
             self.waiting.clear();
         }

@@ -54,7 +54,8 @@ proptest! {
 
     #[test]
     fn responses_refitted_together_get_the_weights_of_each_alone(seed in 0..u64::MAX) {
-        let (one, mut other) = (planted::rows(seed, 60, 8, 3, 0.2), planted::rows(seed, 60, 8, 3, 0.2));
+        let one = planted::rows(seed, 60, 8, 3, 0.2);
+        let mut other = planted::rows(seed, 60, 8, 3, 0.2);
         other.response.reverse();
         let problems = [one.problem(), other.problem()];
         let active = [0, 2, 3, 7];

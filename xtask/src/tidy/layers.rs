@@ -39,11 +39,7 @@ const LAYERS: [Layer; 11] = [
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
-    layer(
-        FRONT_DOOR,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS],
-        &[],
-    ),
+    layer(FRONT_DOOR, &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS], &[]),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
     layer("xtask", &[], &[]),
 ];
@@ -95,7 +91,8 @@ mod tests {
 
     /// Messages for a crate with this manifest, in a workspace that also has the usual crates.
     fn messages(name: &str, manifest: &str) -> Vec<String> {
-        let others = [MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS, FRONT_DOOR];
+        let others =
+            [MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS, FRONT_DOOR];
         let mut packages = vec![package(name, manifest, &[])];
         packages.extend(others.iter().filter(|o| **o != name).map(|o| package(o, "", &[])));
         check(&workspace(packages)).into_iter().map(|violation| violation.message).collect()

@@ -60,7 +60,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     if arguments.report.as_ref() == Some(&arguments.output) {
         let file = arguments.output.display();
-        let message = format!("model and report are both {file}: give the report a name of its own");
+        let message =
+            format!("model and report are both {file}: give the report a name of its own");
         return Err(CliError::Usage(message).into());
     }
     let plan = arguments.plan.plan(match arguments.method {
@@ -73,23 +74,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = &timed.found.model;
     write_whole(&arguments.output, &to_json(model)?)?;
 
-    let mut text = text(arguments, &timed);
+    let mut text = vec![text(arguments, &timed)];
     let mut json = json(arguments, &timed);
-    let mut warnings: Vec<String> =
-        timed.found.warnings.iter().map(ToString::to_string).collect();
+    let mut warnings: Vec<String> = timed.found.warnings.iter().map(ToString::to_string).collect();
     if let Some(test) = &test {
         model.check_joints(test.joints())?;
         let scores = score(model, &Watched::new(test, "predicting"))?;
-        text += &format!("\nOn the test log:\n\n{}", score_table::text(&scores));
+        text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
         json["test"] = score_table::json(&scores);
         warnings.extend(score_table::warnings(&scores));
     }
     if let Some(file) = &arguments.report {
         write_report(arguments, &timed.found, test.as_ref().unwrap_or(&logs), file)?;
-        text += &format!("report: {}\n", file.display());
+        text.push(format!("report: {}\n", file.display()));
         json["report"] = json!(file.display().to_string());
     }
-    Ok(Outcome { text, json, warnings })
+    Ok(Outcome { text: text.concat(), json, warnings })
 }
 
 fn open(paths: &[PathBuf]) -> Result<Logs> {
@@ -114,10 +114,11 @@ fn write_report(
         };
         paths.iter().map(name).collect::<Vec<_>>().join(", ")
     };
-    let mut title = format!("Torque model from {}", names(&arguments.logs));
-    if !arguments.test.is_empty() {
-        title += &format!(", judged by {}", names(&arguments.test));
-    }
+    let logs = names(&arguments.logs);
+    let title = match &arguments.test[..] {
+        [] => format!("Torque model from {logs}"),
+        test => format!("Torque model from {logs}, judged by {}", names(test)),
+    };
     let page = fit_report(found, &diagnosis, Some(physics.checks()), &title)?;
     Ok(write_whole(file, &page)?)
 }

@@ -9,7 +9,7 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::identify::{OrderCurve, OrderPlan, orders};
+use torquewise::identify::orders::{OrderCurve, OrderPlan, orders};
 use torquewise::logs::Logs;
 use torquewise::report::{chart_figure, order_charts};
 
@@ -55,19 +55,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         patterns: arguments.patterns.plan(),
     };
     let curves = orders(&Watched::new(&logs, "trying orders"), &plan)?;
-    let mut text: String = curves.iter().map(|curve| curve_text(curve, logs.joints())).collect();
+    let mut text: Vec<String> =
+        curves.iter().map(|curve| curve_text(curve, logs.joints())).collect();
     if let Some(file) = &arguments.output {
         let log = arguments.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
         let charts = order_charts(&[(log.join(", "), curves.as_slice())]);
         write_whole(file, &chart_figure("Residual against order", &charts, 2)?)?;
-        text += &format!("figure: {}\n", file.display());
+        text.push(format!("figure: {}\n", file.display()));
     }
     let json = json!({
         "joints": logs.joints(),
         "libraries": curves,
         "file": arguments.output.as_ref().map(|file| file.display().to_string()),
     });
-    Ok(Outcome { text, json, warnings: Vec::new() })
+    Ok(Outcome { text: text.concat(), json, warnings: Vec::new() })
 }
 
 /// A table of the residuals of one library, its chosen order marked.
@@ -89,5 +90,10 @@ fn curve_text(curve: &OrderCurve, joints: &[String]) -> String {
         cells.extend((place == curve.chosen).then(|| "<- chosen".to_owned()));
         table.row(&point.order.to_string(), cells);
     }
-    format!("{}, {} rows, held-out residual of std(tau):\n{}\n", curve.name, curve.rows, table.text())
+    format!(
+        "{}, {} rows, held-out residual of std(tau):\n{}\n",
+        curve.name,
+        curve.rows,
+        table.text()
+    )
 }

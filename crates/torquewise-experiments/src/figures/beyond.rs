@@ -108,8 +108,7 @@ fn coefficients(results: &CoefficientResults) -> Figure {
         Some((row.estimate? - row.truth) / row.std_error.filter(|error| *error > 0.0)?)
     };
     let rows = || results.terms.iter().enumerate();
-    let points =
-        rows().filter_map(|(place, row)| Some([place as f64, deviation(row)?])).collect();
+    let points = rows().filter_map(|(place, row)| Some([place as f64, deviation(row)?])).collect();
     let deviations = Chart {
         title: "Error of each coefficient, first seed".into(),
         x: places("", results.terms.iter().map(|row| row.name.clone())),

@@ -19,10 +19,7 @@ fn terms(results: &Results) -> Figure {
     let truth = &results.true_terms;
     let products = |counts: &[usize]| counts.iter().sum::<usize>() as f64;
     let guides = |products: f64, energies: usize| {
-        vec![
-            Guide::at_y(products, "true products"),
-            Guide::at_y(energies as f64, "true energies"),
-        ]
+        vec![Guide::at_y(products, "true products"), Guide::at_y(energies as f64, "true energies")]
     };
     Figure {
         name: "fig7_terms".into(),

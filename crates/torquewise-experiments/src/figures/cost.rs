@@ -11,13 +11,14 @@ pub(crate) fn figure(costs: &[MethodCost]) -> Figure {
     Figure {
         name: "fig6_cost".into(),
         title: "Fig. 6: candidates and computing time".into(),
-        caption: "Each method with its rule for which terms stay. Above: candidates of all steps and \
+        caption:
+            "Each method with its rule for which terms stay. Above: candidates of all steps and \
                   of the largest regression. Below: CPU time of one thread, median with the range \
                   over the timed runs. The regression is normal equations and selection; the whole \
                   adds survey, clusters and the last refit on all rows. The third mark is the \
                   paper's way to the normal equations alone: every column evaluated on every row, \
                   in place of sums of moments [E3]."
-            .into(),
+                .into(),
         charts: vec![candidates(costs), times(costs)],
         columns: 1,
     }

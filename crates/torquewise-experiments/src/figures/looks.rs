@@ -22,8 +22,7 @@ pub fn spread_series(
     mark: Mark,
     points: impl Iterator<Item = (f64, Spread)>,
 ) -> Series {
-    let (points, spread) =
-        points.map(|(x, y)| ([x, y.median], [y.least, y.greatest])).unzip();
+    let (points, spread) = points.map(|(x, y)| ([x, y.median], [y.least, y.greatest])).unzip();
     Series { spread, ..Series::new(label, mark, colour, points) }
 }
 

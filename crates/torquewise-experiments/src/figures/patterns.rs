@@ -18,12 +18,13 @@ fn activation(results: &PatternResults) -> Figure {
     Figure {
         name: "fig1_activation".into(),
         title: "Fig. 1: the activation plane".into(),
-        caption: "Each dot is a row of the log, coloured by what the arm truly does; rings are the \
+        caption:
+            "Each dot is a row of the log, coloured by what the arm truly does; rings are the \
                   centres of three clusters. With the scaled index the three patterns are three \
                   heaps. With the printed one, uniform and variable motion spread over the whole \
-                  plane: for motion in the negative direction I = 1 − W‖a‖₁, which falls back to 0, \
-                  the place of standstill, where ‖a‖₁ = 1/W."
-            .into(),
+                  plane: for motion in the negative direction I = 1 − W‖a‖₁, which falls back to \
+                  0, the place of standstill, where ‖a‖₁ = 1/W."
+                .into(),
         charts,
         columns: 2,
     }

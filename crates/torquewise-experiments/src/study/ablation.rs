@@ -3,8 +3,7 @@
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;
 use crate::method::{
-    Method, correcting_noise, in_one_step, lasso, selecting, threshold,
-    with_printed_index,
+    Method, correcting_noise, in_one_step, lasso, selecting, threshold, with_printed_index,
 };
 use crate::scenario::{Decibels, Scenario, outside};
 use crate::settings::Settings;
@@ -58,8 +57,8 @@ fn rows() -> Vec<Row> {
             row(AS_IT_IS, "", plan.clone()),
             row(PRINTED, "[E1]", with_printed_index(plan.clone())),
             row("one step, all rows", "", in_one_step(plan.clone())),
-            row("terms chosen by LASSO + BIC", "[E5]", selecting(plan.clone(), lasso())),
-            row("terms chosen by |c| > 0.1", "[E5]", selecting(plan.clone(), threshold())),
+            row("terms chosen by LASSO + BIC", "[E5]", selecting(&plan, lasso())),
+            row("terms chosen by |c| > 0.1", "[E5]", selecting(&plan, threshold())),
             (name, "no refit after the last step", "[E6]", plan.clone(), true),
             row("no noise correction", "[E7]", correcting_noise(plan, false)),
         ]);
@@ -99,11 +98,7 @@ impl VariantPlan {
     ///
     /// # Errors
     /// [`ExperimentError`] if a trial is missing.
-    pub fn result(
-        &self,
-        settings: &Settings,
-        trials: &Trials,
-    ) -> Result<Variant, ExperimentError> {
+    pub fn result(&self, settings: &Settings, trials: &Trials) -> Result<Variant, ExperimentError> {
         let test = outside(settings.arm, settings.seed)?;
         let (mut errors, mut terms) = (Vec::new(), Vec::new());
         for &id in &self.trials {

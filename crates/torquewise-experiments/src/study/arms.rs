@@ -83,7 +83,8 @@ impl ArmPlan {
             log_length: self.scenario.seconds,
             energy_candidates: energy_library(n, None).len(),
             product_candidates: gravity + angles * (monomials(n, 2) + n),
-            sindy_candidates: angles * (0..=2).map(|degree| monomials(2 * n, degree)).sum::<usize>(),
+            sindy_candidates: angles
+                * (0..=2).map(|degree| monomials(2 * n, degree)).sum::<usize>(),
             true_terms: truth.len(),
             terms: trial.terms,
             right_terms,

@@ -1,4 +1,4 @@
-//! Energy models over many seeds → coefficients beside the truth, and how often their intervals hold.
+//! Energy models over many seeds → coefficients beside the truth, and how often intervals hold.
 
 use crate::agenda::Trials;
 use crate::error::ExperimentError;

@@ -55,12 +55,13 @@ pub struct SecondsOf {
 
 /// The three methods of the figure, and LASSO and the threshold for all, like with like.
 pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CostPlan> {
-    let [energy, product, sindy] = [Method::Energy, Method::Product, Method::Sindy].map(Method::plan);
+    let [energy, product, sindy] =
+        [Method::Energy, Method::Product, Method::Sindy].map(Method::plan);
     let rows = [
         (ENERGY, CRITERION, energy),
         (PRODUCT, CRITERION, product.clone()),
-        (PRODUCT, LASSO, selecting(product.clone(), lasso())),
-        (PRODUCT, THRESHOLD, selecting(product, threshold())),
+        (PRODUCT, LASSO, selecting(&product, lasso())),
+        (PRODUCT, THRESHOLD, selecting(&product, threshold())),
         (SINDY, CRITERION, Method::SindyCriterion.plan()),
         (SINDY, LASSO, Method::SindyLasso.plan()),
         (SINDY, THRESHOLD, sindy),
@@ -97,8 +98,8 @@ fn scenario(settings: &Settings, seed: u64) -> Scenario {
 }
 
 /// CPU time \[s\] of the normal equations of each plan, column by column: what the shortcut over
-/// moments \[E3\] saves. Measured on a part of the log in a pool of one thread; plans of one library
-/// share it. The time is proportional to the rows.
+/// moments \[E3\] saves. Measured on a part of the log in a pool of one thread; plans of one
+/// library share it. The time is proportional to the rows.
 ///
 /// # Errors
 /// [`ExperimentError`] if the log cannot be made.
@@ -114,9 +115,7 @@ pub fn evaluate(plans: &[CostPlan], settings: &Settings) -> Result<Vec<f64>, Exp
         let known = plans.iter().zip(&seconds).find(|(known, _)| known.name == *name);
         seconds.push(match known {
             Some((_, &seconds)) => seconds,
-            None => {
-                times * one_thread.install(|| evaluate_all(&log, &simulation.truth, plan))?
-            }
+            None => times * one_thread.install(|| evaluate_all(&log, &simulation.truth, plan))?,
         });
     }
     Ok(seconds)
@@ -137,7 +136,8 @@ pub fn costs(
     for (CostPlan { name, rule, trials: ids, .. }, &evaluated) in plans.iter().zip(evaluated) {
         let done = ids.iter().map(|&id| trials.get(id)).collect::<Result<Vec<_>, _>>()?;
         let Some(first) = done.first() else { continue };
-        let spread = |part: fn(&Cost) -> f64| Spread::of(done.iter().map(|trial| part(&trial.cost)));
+        let spread =
+            |part: fn(&Cost) -> f64| Spread::of(done.iter().map(|trial| part(&trial.cost)));
         costs.push(MethodCost {
             name,
             rule,

@@ -37,7 +37,9 @@ pub struct Point {
 /// Each level of noise.
 pub fn ask_noise(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
     let levels = settings.noise_levels.iter();
-    levels.flat_map(|&noise| ask(agenda, settings, &Method::SWEPT, noise, settings.seconds)).collect()
+    levels
+        .flat_map(|&noise| ask(agenda, settings, &Method::SWEPT, noise, settings.seconds))
+        .collect()
 }
 
 /// Each length of the log, with the noise of case 3, for the methods that are not ruined by it.
