@@ -50,7 +50,8 @@ pub fn text(model: &Model) -> String {
         "SI units, ± standard error"
     };
     if let Form::Energy(terms) = &model.form {
-        lines.push(format!("Energies: T = 1/2 dq' M(q) dq and V(q), {units}"));
+        lines.push("Energies: T = 1/2 dq' M(q) dq and V(q)".into());
+        lines.push(units.into());
         for (place, terms) in by_place(terms) {
             lines.push(String::new());
             lines.push(format!("{} =", place.name()));
@@ -59,7 +60,8 @@ pub fn text(model: &Model) -> String {
         lines.push(String::new());
         lines.push("Torques that follow: tau = d/dt dT/d(dq) - dT/dq + dV/dq".into());
     } else {
-        lines.push(format!("Torques, {units}"));
+        lines.push("Torques".into());
+        lines.push(units.into());
     }
     for (joint, equation) in weighted_equations(model).into_iter().enumerate() {
         lines.push(String::new());
