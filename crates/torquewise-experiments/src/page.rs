@@ -40,30 +40,3 @@ impl Drawn {
         found.map_or_else(Vec::new, Figure::items)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::reproduce::reproduce;
-    use crate::settings::Settings;
-
-    #[test]
-    fn the_report_shows_every_figure_and_every_claim() {
-        let settings = Settings { seconds: 30.0, seeds: 1, ..Settings::quick(2) };
-        let results = reproduce(&settings, &|_| {}).unwrap();
-
-        let html = page(&results).unwrap();
-
-        for claim in &results.claims {
-            let words = torquewise_report::html::markup::escape(claim.claim);
-            assert!(html.contains(&words), "{words}");
-        }
-        for figure in figures(&results) {
-            for chart in &figure.charts {
-                let words = torquewise_report::html::markup::escape(&chart.title);
-                assert!(html.contains(&words), "{words}");
-            }
-            assert!(!figure.svg().unwrap().contains("NaN"), "{}", figure.name);
-        }
-    }
-}

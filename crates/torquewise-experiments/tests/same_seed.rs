@@ -7,7 +7,16 @@ use torquewise_experiments::{Settings, reproduce};
 /// All results as JSON, times taken out.
 fn without_times(threads: usize) -> Value {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let settings = Settings { seconds: 40.0, seeds: 1, ..Settings::quick(3) };
+    let settings = Settings {
+        seconds: 20.0,
+        seeds: 1,
+        timed_seeds: 1,
+        lengths: vec![20.0],
+        arms: vec![("planar-2", 20.0)],
+        trig_order: 3,
+        whole_order: 2,
+        ..Settings::quick(3)
+    };
     let results = pool.install(|| reproduce(&settings, &|_| {})).unwrap();
     let mut json = serde_json::from_str(&results.to_json().unwrap()).unwrap();
     assert!(remove_seconds(&mut json) > 0, "times are told, and told apart");

@@ -3,14 +3,14 @@
 use crate::candidates::{columns_of_energies, columns_of_terms};
 use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
-use crate::rows::{Gathering, samples_of};
+use crate::rows::{Gathering, cut, samples_of};
 use crate::survey::survey;
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
 use torquewise_model::library::{Degree, energy_library, product_library};
 use torquewise_model::{Kind, Term};
-use torquewise_motion::{Motion, Pattern, ReadError, Recording};
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_sparse::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
 use torquewise_sparse::design::Design;
 use torquewise_sparse::gram::Gram;
@@ -67,6 +67,8 @@ pub struct OrderCurve {
 
 /// Libraries larger than this are not tried: least squares on all of one would take minutes.
 pub const MOST_COLUMNS: usize = 4_000;
+/// Pieces that a log is dealt out in at least, so that both halves of a short one hold all motions.
+const PIECES: usize = 64;
 /// Largest N₁ of the parts of the library that the earlier steps have found.
 const BEFORE: u8 = 4;
 /// A higher order must take this part off the residual of some joint.
@@ -76,9 +78,9 @@ const RESOLUTION: f64 = 1e-6;
 
 /// Residuals of all orders from one pass over the data after the survey.
 ///
-/// Rows are dealt out in blocks to two halves; each half is fitted by least squares and judged on
-/// the other. All orders are columns of the largest library, so one Gram matrix per half serves
-/// them all.
+/// Rows are dealt out in turn, in pieces of the log, to two halves; each half is fitted by least
+/// squares and judged on the other. All orders are columns of the largest library, so one Gram
+/// matrix per half serves them all.
 ///
 /// # Errors
 /// [`IdentifyError`]: the reader's message, missing torque, or a library too large.
@@ -214,6 +216,8 @@ fn accumulate(
         .iter()
         .map(|design| (Gathering::new(n), Lanes::with_count(2, |_| design.start(n))))
         .collect();
+    // Pieces of one size, or one half would get all the remainders.
+    let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
     let mut add = |block: &Motion| -> Result<(), ReadError> {
         let (samples, labels) = (samples_of(block)?, patterns.label(block));
         for (ladder, (gathering, lanes)) in ladders.iter().zip(&mut bins) {
@@ -221,7 +225,7 @@ fn accumulate(
                 if ladder.pattern.is_none_or(|pattern| pattern == label)
                     && let Some(full) = gathering.push(&samples, row)
                 {
-                    lanes.push(full)?;
+                    cut(full, piece).into_iter().try_for_each(|piece| lanes.push(piece))?;
                 }
             }
         }
@@ -231,7 +235,7 @@ fn accumulate(
     let mut sums = Vec::with_capacity(bins.len());
     for (mut gathering, mut lanes) in bins {
         if let Some(rest) = gathering.take() {
-            lanes.push(rest)?;
+            cut(rest, piece).into_iter().try_for_each(|piece| lanes.push(piece))?;
         }
         let mut halves = lanes.parts()?.into_iter().map(GramSum::grams);
         sums.push(std::array::from_fn(|_| halves.next().unwrap_or_default()));

@@ -3,7 +3,7 @@
 /// Fewer decades than this are divided evenly: no three round ratios lie between their ends.
 const FEW_DECADES: f64 = 0.7;
 /// Fewer decades than this get numbers between them.
-const SOME_DECADES: f64 = 2.2;
+const SOME_DECADES: f64 = 1.9;
 /// Part of the range a tick may lie beyond the end for the sake of rounding.
 const SLACK: f64 = 1e-9;
 
