@@ -24,8 +24,19 @@ pub(crate) enum CliError {
     NoFolder { file: PathBuf, folder: PathBuf },
     #[error("{} is a folder: name a file in it", .0.display())]
     OutputIsFolder(PathBuf),
-    #[error("{} is read by this command: give -o another name", .0.display())]
+    #[error("{} is a file: name a folder", .0.display())]
+    NotAFolder(PathBuf),
+    #[error("{} is read by this command: give the output another name", .0.display())]
     OutputIsInput(PathBuf),
+    #[error("{} would be written twice: give each output a name of its own", .0.display())]
+    SameOutput(PathBuf),
+    #[error("{} would not hold what its name says: expected {expected}", file.display())]
+    Ending { file: PathBuf, expected: String },
+    #[error(
+        "the test log is of another arm, its joints are {found}, expected {expected}: \
+         give logs of one arm"
+    )]
+    TestOfAnotherArm { found: String, expected: String },
     #[error("the results cannot be written to standard output: check where it is redirected to")]
     Stdout { source: io::Error },
 }

@@ -50,6 +50,35 @@ pub(crate) fn check_output(file: &Path, inputs: &[PathBuf]) -> Result<(), CliErr
     Ok(())
 }
 
+/// Refuses two outputs that are one file, under whatever names.
+pub(crate) fn check_distinct<'a>(
+    files: impl IntoIterator<Item = &'a PathBuf>,
+) -> Result<(), CliError> {
+    let mut seen: Vec<PathBuf> = Vec::new();
+    for file in files {
+        // A file that does not exist yet has a folder that does.
+        let folder = folder_of(file).canonicalize().unwrap_or_else(|_| folder_of(file).into());
+        let real = file
+            .canonicalize()
+            .unwrap_or_else(|_| folder.join(file.file_name().unwrap_or_default()));
+        if seen.contains(&real) {
+            return Err(CliError::SameOutput(file.clone()));
+        }
+        seen.push(real);
+    }
+    Ok(())
+}
+
+/// Refuses a file whose name promises another format.
+pub(crate) fn check_ending(file: &Path, endings: &[&str]) -> Result<(), CliError> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if ending.is_some_and(|ending| endings.contains(&&*ending)) {
+        return Ok(());
+    }
+    let expected = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
+    Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
+}
+
 /// Writes a text to a file in the same folder and renames it when it is whole.
 pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), CliError> {
     let failed = |source| CliError::Write { file: file.into(), source };
@@ -68,9 +97,14 @@ pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Makes a folder for results.
+/// Makes a folder for results, and tries whether files can be written there.
 pub(crate) fn create_folder(folder: &Path) -> Result<(), CliError> {
-    fs::create_dir_all(folder).map_err(|source| CliError::Write { file: folder.into(), source })
+    if folder.exists() && !folder.is_dir() {
+        return Err(CliError::NotAFolder(folder.into()));
+    }
+    let failed = |source| CliError::Write { file: folder.into(), source };
+    fs::create_dir_all(folder).map_err(failed)?;
+    tempfile::tempfile_in(folder).map_err(failed).map(drop)
 }
 
 fn folder_of(file: &Path) -> &Path {

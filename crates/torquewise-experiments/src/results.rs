@@ -55,12 +55,57 @@ pub struct Claim {
     /// Where it says so.
     pub source: &'static str,
     /// What is measured here, times left out.
-    pub measured: String,
-    /// Times that were measured, where the claim is about time.
-    #[serde(rename = "seconds", skip_serializing_if = "Option::is_none")]
-    pub times: Option<String>,
+    measured: String,
     /// Whether it holds.
-    pub verdict: Verdict,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    verdict: Option<Verdict>,
+    /// The same for a claim about time, which is another in every run.
+    #[serde(rename = "seconds", skip_serializing_if = "Option::is_none")]
+    times: Option<Times>,
+}
+
+/// What was measured of time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Times {
+    measured: String,
+    verdict: Verdict,
+}
+
+impl Claim {
+    /// A claim judged by what is the same in every run.
+    pub(crate) fn new(
+        claim: &'static str,
+        source: &'static str,
+        measured: String,
+        verdict: Verdict,
+    ) -> Self {
+        Self { claim, source, measured, verdict: Some(verdict), times: None }
+    }
+
+    /// A claim judged by time.
+    pub(crate) fn timed(
+        claim: &'static str,
+        source: &'static str,
+        [measured, times]: [String; 2],
+        verdict: Verdict,
+    ) -> Self {
+        let times = Some(Times { measured: times, verdict });
+        Self { claim, source, measured, verdict: None, times }
+    }
+
+    /// What is measured here, times among it.
+    pub fn measurement(&self) -> String {
+        match &self.times {
+            Some(times) => format!("{} {}", self.measured, times.measured),
+            None => self.measured.clone(),
+        }
+    }
+
+    /// Whether it holds.
+    pub fn verdict(&self) -> Verdict {
+        let timed = self.times.as_ref().map(|times| times.verdict);
+        timed.or(self.verdict).unwrap_or(Verdict::HoldsInPart)
+    }
 }
 
 /// Whether a claim holds.

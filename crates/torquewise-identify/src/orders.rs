@@ -5,6 +5,7 @@ use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
 use crate::rows::{Gathering, cut, samples_of};
 use crate::survey::survey;
+use crate::warning::Warning;
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -61,7 +62,7 @@ pub struct OrderCurve {
     /// One point per order, from low to high.
     pub points: Vec<OrderPoint>,
     /// Place of the point chosen: the first that no later one improves by more than
-    /// [`WORTHWHILE`] for any joint.
+    /// [`WORTHWHILE`], in the product of the residuals of all joints.
     pub chosen: usize,
 }
 
@@ -71,8 +72,11 @@ pub const MOST_COLUMNS: usize = 4_000;
 const PIECES: usize = 64;
 /// Largest N₁ of the parts of the library that the earlier steps have found.
 const BEFORE: u8 = 4;
-/// A higher order must take this part off the residual of some joint.
+/// A higher order must take this part off the residual of one joint, without a loss elsewhere that
+/// outweighs it.
 pub const WORTHWHILE: f64 = 0.1;
+/// A library that leaves this part of a joint's torque has explained little.
+const LITTLE: f64 = 0.5;
 /// Residuals below this part of the torque are rounding: normal equations resolve no less.
 const RESOLUTION: f64 = 1e-6;
 
@@ -99,6 +103,22 @@ pub fn orders(
         curves.push(ladder.climb(halves, &survey.torque_std)?);
     }
     Ok(curves)
+}
+
+/// What to know before trusting the orders chosen.
+///
+/// - `joints`: their names, n
+pub fn warnings(curves: &[OrderCurve], joints: &[String]) -> Vec<Warning> {
+    let missing =
+        Pattern::ALL.into_iter().filter(|pattern| !curves.iter().any(|c| c.name == pattern.name()));
+    let unexplained = curves.iter().filter_map(|curve| {
+        let chosen = curve.points.get(curve.chosen)?;
+        let residuals = joints.iter().zip(&chosen.residual);
+        let (joint, &residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
+        let (library, joint) = (curve.name.clone(), joint.clone());
+        (residual > LITTLE).then_some(Warning::Unexplained { library, joint, residual })
+    });
+    missing.map(Warning::NoOrder).chain(unexplained).collect()
 }
 
 /// A library with the columns of each of its orders.
@@ -349,12 +369,14 @@ fn error(part: &Gram, response: usize, columns: &[usize], weights: &[f64]) -> f6
     left.max(0.0)
 }
 
-/// The first point that no later one improves worthwhile for any joint.
+/// The first point that no later one improves worthwhile. Ratios of all joints are multiplied, so
+/// that what one joint gains can be lost in another.
 fn choose(points: &[OrderPoint]) -> usize {
     let improves = |from: &OrderPoint, to: &OrderPoint| {
-        from.residual.iter().zip(&to.residual).any(|(&before, &after)| {
-            after.max(RESOLUTION) < (1.0 - WORTHWHILE) * before.max(RESOLUTION)
-        })
+        let ratios = from.residual.iter().zip(&to.residual);
+        let ratio =
+            |(&before, &after): (&f64, &f64)| after.max(RESOLUTION) / before.max(RESOLUTION);
+        ratios.map(ratio).product::<f64>() < 1.0 - WORTHWHILE
     };
     (0..points.len())
         .find(|&place| !points[place + 1..].iter().any(|later| improves(&points[place], later)))

@@ -34,6 +34,17 @@ pub enum Warning {
         /// Their names.
         terms: Vec<String>,
     },
+    /// Rows of a pattern are missing, so no order can be chosen for its step.
+    NoOrder(Pattern),
+    /// Even the order chosen explains little of a joint's torque.
+    Unexplained {
+        /// Name of the library or step.
+        library: String,
+        /// Name of the joint.
+        joint: String,
+        /// Held-out residual over the standard deviation of its torque.
+        residual: f64,
+    },
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -122,6 +133,18 @@ impl fmt::Display for Warning {
                  move more joints, through more of their range",
                 terms.len(),
                 terms.join(", ")
+            ),
+            Self::NoOrder(pattern) => write!(
+                f,
+                "the log shows no {}: no order can be chosen for its step; \
+                 record dwells and strokes of constant speed",
+                pattern.name()
+            ),
+            Self::Unexplained { library, joint, residual } => write!(
+                f,
+                "{library}: even the order chosen leaves {:.0} % of the torque of {joint} \
+                 unexplained on held-out rows; try higher ones, or record more motion",
+                100.0 * residual
             ),
             Self::Units { joint, largest } => write!(
                 f,

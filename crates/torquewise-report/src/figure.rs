@@ -9,6 +9,7 @@ mod names;
 mod legend;
 mod axes;
 mod plot;
+mod labels;
 mod panel;
 
 use crate::error::ReportError;

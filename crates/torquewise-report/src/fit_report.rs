@@ -8,6 +8,7 @@ use torquewise_model::Checks;
 mod clock;
 mod summary;
 mod torques;
+mod other_motion;
 mod equations;
 mod activation;
 mod steps;
@@ -21,13 +22,15 @@ pub(crate) struct Findings<'a> {
     pub(crate) found: &'a Reconstruction,
     pub(crate) diagnosis: &'a Diagnosis,
     pub(crate) checks: Option<&'a Checks>,
+    pub(crate) test: Option<&'a Diagnosis>,
 }
 
 /// The report of a fit as one HTML text, see [`Page::to_html`].
 ///
 /// - `found`: what was reconstructed from a log
-/// - `diagnosis`: the residuals of that model, over the same log or another one of the same arm
+/// - `diagnosis`: the residuals of that model over the log
 /// - `checks`: whether the model is physics, if that was looked at
+/// - `test`: its residuals over a log of another motion, if there is one
 /// - `title`: what stands above the report, such as the name of the log
 ///
 /// The text holds the summary and all warnings first; then torques, equations, patterns, steps,
@@ -42,9 +45,10 @@ pub fn fit_report(
     found: &Reconstruction,
     diagnosis: &Diagnosis,
     checks: Option<&Checks>,
+    test: Option<&Diagnosis>,
     title: &str,
 ) -> Result<String, ReportError> {
-    let findings = Findings { found, diagnosis, checks };
+    let findings = Findings { found, diagnosis, checks, test };
     findings.check()?;
     let page = Page {
         title: title.into(),
@@ -56,15 +60,15 @@ pub fn fit_report(
 
 impl Findings<'_> {
     fn sections(&self) -> Result<Vec<Section>, ReportError> {
-        let mut sections = vec![
-            summary::section(self),
-            torques::section(self),
+        let mut sections = vec![summary::section(self), torques::section(self)];
+        sections.extend(self.test.map(|test| other_motion::section(self, test)));
+        sections.extend([
             equations::section(self),
             activation::section(self),
             steps::section(self)?,
             residuals::section(self),
             importance::section(self),
-        ];
+        ]);
         sections.extend(self.checks.map(physics::section));
         sections.push(ranges::section(self));
         Ok(sections)
@@ -82,7 +86,12 @@ impl Findings<'_> {
 
     /// Whether both parts are of one arm, and there is something to show.
     fn check(&self) -> Result<(), ReportError> {
-        let trace = &self.diagnosis.trace;
+        let diagnoses = std::iter::once(self.diagnosis).chain(self.test);
+        diagnoses.map(|diagnosis| self.check_shape(diagnosis)).collect()
+    }
+
+    fn check_shape(&self, diagnosis: &Diagnosis) -> Result<(), ReportError> {
+        let trace = &diagnosis.trace;
         let (rows, n) = (trace.motion.n_rows(), self.n_joints());
         if rows < 2 || n == 0 {
             return Err(ReportError::Empty { rows, joints: n });
@@ -90,10 +99,10 @@ impl Findings<'_> {
         let per_joint = [
             ("diagnosed motion", trace.motion.n_joints()),
             ("diagnosed torque", trace.tau_hat.ncols()),
-            ("scores", self.diagnosis.scores.joints.len()),
-            ("residual histograms", self.diagnosis.histograms.len()),
-            ("residual autocorrelation", self.diagnosis.autocorrelation.len()),
-            ("importance of terms", self.diagnosis.importance.len()),
+            ("scores", diagnosis.scores.joints.len()),
+            ("residual histograms", diagnosis.histograms.len()),
+            ("residual autocorrelation", diagnosis.autocorrelation.len()),
+            ("importance of terms", diagnosis.importance.len()),
         ];
         let mut shapes: Vec<(&str, usize, usize)> =
             per_joint.into_iter().map(|(signal, columns)| (signal, rows, columns)).collect();

@@ -19,7 +19,8 @@ fn chart(name: &str, logs: &[(String, &[OrderCurve])]) -> Chart {
         let Some(curve) = curves.iter().find(|curve| curve.name == name) else { continue };
         if guides.is_empty() {
             let best = curve.points.get(curve.chosen);
-            guides.extend(best.map(|point| Guide::at_x(f64::from(point.order), "chosen")));
+            let label = if logs.len() > 1 { format!("chosen, {log}") } else { "chosen".into() };
+            guides.extend(best.map(|point| Guide::at_x(f64::from(point.order), label)));
         }
         series.extend(lines(curve, log, series.len()));
     }

@@ -2,7 +2,7 @@
 
 use crate::arguments::PlanArguments;
 use crate::error::CliError;
-use crate::files::{check_output, write_whole};
+use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::physics::Physics;
 use crate::progress::Watched;
@@ -12,7 +12,7 @@ use crate::timed::{Timed, timed};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use torquewise::identify::{Method, Reconstruction, diagnose, score};
 use torquewise::logs::Logs;
 use torquewise::model::to_json;
@@ -31,8 +31,7 @@ pub(crate) struct Arguments {
     /// Report to write: what was found and how far to trust it, with charts
     #[arg(long, value_name = "FILE.html")]
     report: Option<PathBuf>,
-    /// Log of another motion to judge the model by; repeat for several. The report then judges by
-    /// it, too
+    /// Log of another motion to judge the model by, in the report too; repeat for several
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
     /// Standstill, uniform and variable velocity in turn, or all at once
@@ -54,22 +53,12 @@ enum MethodName {
 
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    for file in std::iter::once(&arguments.output).chain(&arguments.report) {
-        check_output(file, &arguments.logs)?;
-        check_output(file, &arguments.test)?;
-    }
-    if arguments.report.as_ref() == Some(&arguments.output) {
-        let file = arguments.output.display();
-        let message =
-            format!("model and report are both {file}: give the report a name of its own");
-        return Err(CliError::Usage(message).into());
-    }
+    check_outputs(arguments)?;
     let plan = arguments.plan.plan(match arguments.method {
         MethodName::Stepwise => Method::Stepwise,
         MethodName::Sindy => Method::Sindy,
     })?;
-    let logs = open(&arguments.logs)?;
-    let test = (!arguments.test.is_empty()).then(|| open(&arguments.test)).transpose()?;
+    let (logs, test) = open(arguments)?;
     let timed = timed(&logs, &plan)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, &to_json(model)?)?;
@@ -78,35 +67,60 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut json = json(arguments, &timed);
     let mut warnings: Vec<String> = timed.found.warnings.iter().map(ToString::to_string).collect();
     if let Some(test) = &test {
-        model.check_joints(test.joints())?;
         let scores = score(model, &Watched::new(test, "predicting"))?;
         text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
         json["test"] = score_table::json(&scores);
         warnings.extend(score_table::warnings(&scores));
     }
     if let Some(file) = &arguments.report {
-        write_report(arguments, &timed.found, test.as_ref().unwrap_or(&logs), file)?;
+        write_whole(file, &report(arguments, &timed.found, &logs, test.as_ref())?)?;
         text.push(format!("report: {}\n", file.display()));
         json["report"] = json!(file.display().to_string());
     }
     Ok(Outcome { text: text.concat(), json, warnings })
 }
 
-fn open(paths: &[PathBuf]) -> Result<Logs> {
-    let logs = Logs::open(paths)?;
-    logs.require_tau()?;
-    Ok(logs)
+fn check_outputs(arguments: &Arguments) -> Result<()> {
+    let outputs = || std::iter::once(&arguments.output).chain(&arguments.report);
+    for file in outputs() {
+        check_output(file, &arguments.logs)?;
+        check_output(file, &arguments.test)?;
+    }
+    check_distinct(outputs())?;
+    if let Some(report) = &arguments.report {
+        check_ending(report, &["html", "htm"])?;
+    }
+    Ok(())
 }
 
-/// Writes the report of a model over the logs that judge it.
-fn write_report(
+/// The logs to fit on, and those to judge by.
+fn open(arguments: &Arguments) -> Result<(Logs, Option<Logs>)> {
+    let open = |paths: &Vec<PathBuf>| -> Result<Logs> {
+        let logs = Logs::open(paths)?;
+        logs.require_tau()?;
+        Ok(logs)
+    };
+    let logs = open(&arguments.logs)?;
+    let test = Some(&arguments.test).filter(|test| !test.is_empty()).map(open).transpose()?;
+    if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
+        let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
+        return Err(CliError::TestOfAnotherArm { found, expected }.into());
+    }
+    Ok((logs, test))
+}
+
+/// The report of a model over its logs and those of another motion.
+fn report(
     arguments: &Arguments,
     found: &Reconstruction,
-    judges: &Logs,
-    file: &Path,
-) -> Result<()> {
-    let watched = Watched::new(judges, "looking at the residuals");
-    let diagnosis = diagnose(&found.model, &found.patterns, &watched)?;
+    logs: &Logs,
+    test: Option<&Logs>,
+) -> Result<String> {
+    let look = |logs: &Logs| {
+        let watched = Watched::new(logs, "looking at the residuals");
+        diagnose(&found.model, &found.patterns, &watched)
+    };
+    let (diagnosis, test) = (look(logs)?, test.map(look).transpose()?);
     let physics = Physics::of(&found.model)?;
     let names = |paths: &[PathBuf]| {
         let name = |path: &PathBuf| {
@@ -117,10 +131,9 @@ fn write_report(
     let logs = names(&arguments.logs);
     let title = match &arguments.test[..] {
         [] => format!("Torque model from {logs}"),
-        test => format!("Torque model from {logs}, judged by {}", names(test)),
+        test => format!("Torque model from {logs}, tested on {}", names(test)),
     };
-    let page = fit_report(found, &diagnosis, Some(physics.checks()), &title)?;
-    Ok(write_whole(file, &page)?)
+    Ok(fit_report(found, &diagnosis, Some(physics.checks()), test.as_ref(), &title)?)
 }
 
 fn text(arguments: &Arguments, timed: &Timed) -> String {

@@ -1,22 +1,27 @@
 //! Logs → residual against order, and the orders chosen.
 
 use crate::arguments::PatternArguments;
-use crate::files::{check_output, write_whole};
+use crate::files::{check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
 use crate::table::{Table, number};
 use anyhow::Result;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::PathBuf;
-use torquewise::identify::orders::{OrderCurve, OrderPlan, orders};
+use torquewise::identify::orders::{OrderCurve, OrderPlan, OrderPoint, orders, warnings};
 use torquewise::logs::Logs;
 use torquewise::report::{chart_figure, order_charts};
 
 /// Show what each order of the libraries leaves unexplained, and which orders that asks for
 ///
-/// Least squares on one half of the rows, judged on the other; the order chosen is the first that
-/// no higher one improves by more than a tenth for any joint.
+/// N1 is the number of sines and cosines in a term, N2 that of velocities and accelerations; the
+/// steps have N2 fixed. Least squares on one half of the rows, judged on the other. The order
+/// chosen is the first that no higher one improves by more than a tenth, the ratios of all joints
+/// multiplied. Of a step only its own terms change with N1, those of the steps before stay at 4.
+///
+/// `fit --library product` takes the N1 of standstill as --gravity-order and that of the other
+/// steps as --trig-order; `fit` takes that of the energy library as --interaction.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Logs of one arm
@@ -45,6 +50,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = &arguments.output {
         check_output(file, &arguments.logs)?;
+        check_ending(file, &["svg"])?;
     }
     let logs = Logs::open(&arguments.logs)?;
     logs.require_tau()?;
@@ -65,10 +71,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let json = json!({
         "joints": logs.joints(),
-        "libraries": curves,
+        "libraries": curves.iter().map(curve_json).collect::<Vec<_>>(),
         "file": arguments.output.as_ref().map(|file| file.display().to_string()),
     });
-    Ok(Outcome { text: text.concat(), json, warnings: Vec::new() })
+    let warnings = warnings(&curves, logs.joints()).iter().map(ToString::to_string).collect();
+    Ok(Outcome { text: text.concat(), json, warnings })
+}
+
+fn curve_json(curve: &OrderCurve) -> Value {
+    let point = |point: &OrderPoint| {
+        let percent = |residuals: &[f64]| residuals.iter().map(|r| 100.0 * r).collect::<Vec<_>>();
+        json!({
+            "order": point.order,
+            "motion_order": point.motion_order,
+            "candidates": point.candidates,
+            "residual_percent": percent(&point.residual),
+            "fitted_percent": percent(&point.fitted),
+        })
+    };
+    json!({
+        "name": curve.name,
+        "rows": curve.rows,
+        "points": curve.points.iter().map(point).collect::<Vec<_>>(),
+        "chosen": curve.points.get(curve.chosen).map(point),
+    })
 }
 
 /// A table of the residuals of one library, its chosen order marked.

@@ -1,6 +1,6 @@
 //! Nothing → every simulated experiment of the paper and those beyond it.
 
-use crate::files::{create_folder, write_whole};
+use crate::files::{check_output, create_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use anyhow::Result;
@@ -35,6 +35,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let seeds = arguments.seeds.map_or(usual.seeds, u64::from);
     let settings = Settings { seeds, ..usual };
     create_folder(output)?;
+    let report = output.join("report.html");
+    let numbers = output.join("results.json");
+    check_output(&report, &[])?;
+    check_output(&numbers, &[])?;
     let start = Instant::now();
     let results = {
         let bar = share_bar();
@@ -46,15 +50,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let seconds = start.elapsed().as_secs_f64();
 
-    write_whole(&output.join("results.json"), &results.to_json()?)?;
-    write_whole(&output.join("report.html"), &page(&results)?)?;
+    write_whole(&numbers, &results.to_json()?)?;
+    write_whole(&report, &page(&results)?)?;
     let mut files = Vec::new();
     for figure in figures(&results) {
         let file = output.join(format!("{}.svg", figure.name));
         write_whole(&file, &figure.svg()?)?;
         files.push(file.display().to_string());
     }
-    let report = output.join("report.html").display().to_string();
+    let report = report.display().to_string();
     let text = format!(
         "{}\n{} figures, results.json and report.html in {}, {seconds:.0} s\nreport: {report}\n",
         claims_text(&results),
@@ -64,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let json = json!({
         "claims": claims_json(&results),
         "report": report,
-        "results": output.join("results.json").display().to_string(),
+        "results": numbers.display().to_string(),
         "figures": files,
         "seconds": seconds,
     });
@@ -73,9 +77,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 fn claims_text(results: &Results) -> String {
     let claim = |claim: &Claim| {
-        let Claim { source, claim: words, measured, times, verdict } = claim;
-        let times = times.as_ref().map(|times| format!(" {times}.")).unwrap_or_default();
-        format!("{source}: {}\n  claim: {words}\n  here:  {measured}{times}\n", verdict.name())
+        let (source, words, verdict) = (claim.source, claim.claim, claim.verdict().name());
+        format!("{source}: {verdict}\n  claim: {words}\n  here:  {}\n", claim.measurement())
     };
     results.claims.iter().map(claim).collect::<Vec<_>>().join("\n")
 }
@@ -87,8 +90,8 @@ fn claims_json(results: &Results) -> Vec<Value> {
             json!({
                 "claim": claim.claim,
                 "source": claim.source,
-                "measured": claim.measured,
-                "verdict": claim.verdict.name(),
+                "measured": claim.measurement(),
+                "verdict": claim.verdict(),
             })
         })
         .collect()

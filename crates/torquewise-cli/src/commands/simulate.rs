@@ -1,7 +1,7 @@
 //! Arm, motion, noise → log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::files::{check_output, read_arm};
+use crate::files::{check_distinct, check_output, read_arm};
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json};
 use crate::progress::Watched;
@@ -78,6 +78,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     for file in std::iter::once(&arguments.output).chain(&arguments.truth) {
         check_output(file, &inputs)?;
     }
+    check_distinct(std::iter::once(&arguments.output).chain(&arguments.truth))?;
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };

@@ -123,7 +123,7 @@ fn coefficients(results: &CoefficientResults) -> Figure {
     };
     Figure {
         name: "beyond_coefficients".into(),
-        title: "Coefficients beside the truth".into(),
+        title: format!("Coefficients beside the truth, case {}", results.case),
         caption: format!(
             "Case {}. If the standard errors are right, nine of ten marks lie between the outer \
              lines; over {} runs {:.0} % do.",

@@ -104,9 +104,9 @@ fn torque(case: &CaseResults) -> Figure {
         name: format!("fig8_case{}", case.case),
         title: format!("Fig. 8, case {}: torque outside the training log", case.case),
         caption: format!(
-            "Smooth motion that no training log holds, without noise. Models of the first seed, \
-             learned from a log with noise {}. The axes are those of the torque that is needed; \
-             a prediction that leaves them is cut off.",
+            "Smooth motion that no training log holds, without noise. Models of the first seed; \
+             noise in the log they are learned from: {}. The axes are those of the torque that is \
+             needed; a prediction that leaves them is cut off.",
             case.noise.name()
         ),
         charts: (0..needed.len()).map(chart).collect(),

@@ -49,8 +49,7 @@ fn plane(title: &str, plane: &Plane) -> Chart {
 }
 
 fn elbow(results: &PatternResults) -> Figure {
-    let mut series = Vec::new();
-    let mut told = Vec::new();
+    let (mut series, mut guides, mut told) = (Vec::new(), Vec::new(), Vec::new());
     let first_noise = results.studies.first().map(|study| study.noise);
     let shown = results.studies.iter().filter(|study| Some(study.noise) == first_noise);
     for (place, study) in shown.enumerate() {
@@ -59,6 +58,7 @@ fn elbow(results: &PatternResults) -> Figure {
         let points = points.map(|(k, inertia)| [f64::from(k), inertia / whole]).collect();
         let label = format!("{} index", study.index);
         series.push(Series::new(label, Mark::DottedLine, Colour::Series(place), points));
+        guides.push(Guide::at_x(study.elbow as f64, format!("elbow, {}", study.index)));
         told.push(format!("k = {} with the {} index", study.elbow, study.index));
     }
     Figure {
@@ -74,7 +74,7 @@ fn elbow(results: &PatternResults) -> Figure {
             x: Axis::named("clusters k"),
             y: Axis::log("inertia over that of one cluster [–]"),
             series,
-            guides: vec![Guide::at_x(3.0, "k = 3")],
+            guides,
             ..Chart::default()
         }],
         columns: 1,

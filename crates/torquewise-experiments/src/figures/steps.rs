@@ -13,7 +13,10 @@ pub(crate) fn figure(results: &Results) -> Option<Figure> {
     let joints = 0..case.prediction.needed.len();
     Some(Figure {
         name: "fig10_steps".into(),
-        title: "Fig. 10, simulated: torque after step 1, 2 and 3".into(),
+        title: format!(
+            "Fig. 10, simulated: torque after steps 1, 2 and 3 ({}, case 2)",
+            steps.method.name()
+        ),
         caption: format!(
             "The same motion, predicted with what is known after each step ({}, case 2). Step 1 \
              knows gravity; step 2 adds what depends on velocity; step 3 adds inertia, without \

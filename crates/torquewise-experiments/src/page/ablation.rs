@@ -36,8 +36,9 @@ pub(super) fn section(results: &Results) -> Section {
         heading: "What each choice buys".into(),
         items: vec![
             Item::Text(
-                "One choice is changed at a time, in case 3. The two libraries beside each other \
-                 test [E4]; “one step” takes the steps away and leaves everything else."
+                "One choice of a stepwise method is changed at a time, in case 3. The two \
+                 libraries beside each other test [E4]; “one step” takes the steps away and leaves \
+                 everything else."
                     .into(),
             ),
             Item::Bars(bars),

@@ -84,8 +84,8 @@ fn arm_table(arms: &[ArmResults]) -> Item {
         Column::numbers("CPU time [s]"),
     ];
     let caption = "Candidates of each library, and what the energy library finds in one log with \
-                   the noise of case 3. True terms that are missed are too small to be seen in \
-                   that noise.";
+                   the noise of case 3. Where terms are missed or false, the error says \
+                   how much they matter.";
     table(caption, columns, arms.iter().map(row).collect())
 }
 

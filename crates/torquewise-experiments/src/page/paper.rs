@@ -118,8 +118,8 @@ fn costs(results: &Results) -> Item {
         Column::words("whole [s]"),
         Column::numbers("normal equations, columns evaluated [s]"),
     ];
-    let caption = "CPU time of one thread, median and range over the timed runs, with nothing else \
-                   at work. Compare rows with the same rule: the rule decides as much about the \
+    let caption = "CPU time of one thread, median and range over the timed runs, done one by \
+                   one. Compare rows with the same rule: the rule decides as much about the \
                    time as the steps do.";
     table(caption, columns, results.costs.iter().map(row).collect())
 }

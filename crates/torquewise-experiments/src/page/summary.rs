@@ -4,13 +4,13 @@ use crate::claims::worst;
 use crate::figures::looks::worst_joint;
 use crate::method::Method;
 use crate::page::cells::table;
-use crate::results::{Results, Verdict};
+use crate::results::{Claim, Results, Verdict};
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Callout, Column, Fact, Item, Section, Tone};
 
 /// One paragraph below the title.
 pub(super) fn lead(results: &Results) -> String {
-    let held = |verdict| results.claims.iter().filter(|c| c.verdict == verdict).count();
+    let held = |verdict| results.claims.iter().filter(|c| c.verdict() == verdict).count();
     format!(
         "Every simulated experiment of D. Guo, J. Xu and S. Zhang, “Stepwise Model Reconstruction \
          of Robotic Manipulator Based on Data-Driven Method”, done again on the arm {}, and those \
@@ -89,8 +89,8 @@ fn harder(results: &Results) -> String {
     };
     match (of(Method::Product), of(Method::SindyCriterion)) {
         (Some((noise, stepwise)), Some((_, at_once))) => format!(
-            " Where it is hard they pay: at {noise} {} % stepwise, {} % in one shot by the same \
-             criterion.",
+            " Where it is hard they pay: at {noise} {} % stepwise, {} % in one shot with the same \
+             rule and noise correction.",
             significant(stepwise, 2),
             significant(at_once, 2)
         ),
@@ -100,12 +100,9 @@ fn harder(results: &Results) -> String {
 
 fn claims(results: &Results) -> Item {
     let columns = ["the paper says", "where", "measured here", "verdict"];
-    let row = |claim: &crate::results::Claim| {
-        let measured = match &claim.times {
-            Some(times) => format!("{} {times}.", claim.measured),
-            None => claim.measured.clone(),
-        };
-        vec![claim.claim.into(), claim.source.into(), measured, claim.verdict.name().into()]
+    let row = |claim: &Claim| {
+        let verdict = claim.verdict().name().into();
+        vec![claim.claim.into(), claim.source.into(), claim.measurement(), verdict]
     };
     table(
         "The claims of the paper, judged.",

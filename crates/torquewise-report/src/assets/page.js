@@ -32,12 +32,6 @@
     return minus(+text === 0 ? text.replace("-", "") : text);
   }
 
-  const isDecade = (value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
-
-  function logTick(value) {
-    return value >= 1e-3 && value < 1e5 ? minus(String(+value.toPrecision(6))) : power(value, 1);
-  }
-
   /* A number that is read out: five significant digits. */
   function readable(value) {
     if (value == null) return "–";
@@ -47,6 +41,103 @@
   }
 
   const place = (axis, value) => axis.places[Math.round(value)] ?? readable(value);
+
+  /* --- numbers at a logarithmic axis --- */
+
+  /* Fewer decades than this are divided evenly: no three round ratios lie between their ends. */
+  const FEW_DECADES = 0.7;
+  /* Fewer decades than this get numbers between them. */
+  const SOME_DECADES = 1.9;
+  const SLACK = 1e-9;
+  const range = (first, last) => Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => first + k);
+  /* Without the last digits, which are wrong after a multiplication. */
+  const exact = (value) => +value.toPrecision(12);
+
+  /* Round numbers from low to high, at most about so many. */
+  function logTicks(axis, low, high, most) {
+    const [from, to] = [Math.log10(low), Math.log10(high)];
+    const span = to - from;
+    if (span < FEW_DECADES) return evenTicks(axis, low, high, most);
+    const factors = span < SOME_DECADES ? [1, 2, 5] : [1];
+    const every = Math.floor(Math.floor(span) / Math.max(1, most)) + 1;
+    return range(Math.floor(from), Math.ceil(to))
+      .filter((exponent) => exponent % every === 0)
+      .flatMap((exponent) => factors.map((factor) => exact(factor * 10 ** exponent)))
+      .filter((value) => Math.log10(value) >= from - SLACK && Math.log10(value) <= to + SLACK)
+      .filter((value) => !axis.whole || value >= 1);
+  }
+
+  function evenTicks(axis, low, high, most) {
+    const rough = Math.max((high - low) / Math.max(1, most), axis.whole ? 1 : 0);
+    const unit = 10 ** Math.floor(Math.log10(rough));
+    const step = exact(unit * ([1, 2, 5].find((factor) => factor * unit >= rough * (1 - SLACK)) ?? 10));
+    return range(Math.ceil(low / step - SLACK), Math.floor(high / step + SLACK)).map((k) => exact(k * step));
+  }
+
+  /* Plain if there are few zeros; evenly divided numbers have the same decimals. */
+  function logTexts(ticks) {
+    const isEven = ticks.length > 1 && ticks.at(-1) / ticks[0] < 10 ** FEW_DECADES;
+    const decimals = isEven ? Math.max(0, -Math.floor(Math.log10(ticks[1] - ticks[0]) + SLACK)) : null;
+    return ticks.map((value) => {
+      const exponent = Math.floor(Math.log10(value) + SLACK);
+      if (exponent < -3 || exponent > 5) return `${exact(value / 10 ** exponent)}e${exponent}`;
+      return decimals === null ? String(value) : value.toFixed(decimals);
+    });
+  }
+
+  /* --- names at an axis --- */
+
+  const FONT = getComputedStyle(document.body).fontFamily;
+  const SMALL = 12;
+  const MOST_LETTERS = 40;
+  const short = (name) => (name.length > MOST_LETTERS ? `${name.slice(0, MOST_LETTERS - 1)}…` : name);
+  const ruler = document.createElement("canvas").getContext("2d");
+
+  function textWidth(text) {
+    ruler.font = `${SMALL}px ${FONT}`;
+    return ruler.measureText(text).width;
+  }
+
+  /* How names stand below an axis: level where they fit side by side, else slanted, else upright,
+     and where even so there is no room only every k-th. A slanted name ends at its place: there has
+     to be room for it to the left of it. */
+  function standing(places, slot, leftOf) {
+    const lengths = places.map((name) => textWidth(short(name)));
+    const longest = Math.max(0, ...lengths);
+    if (longest + 8 <= slot) return { angle: 0, every: 1, height: SMALL };
+    const slant = Math.SQRT1_2;
+    const fits = lengths.every((length, i) => leftOf(i) < 0 || (length + SMALL) * slant <= leftOf(i));
+    if (fits && slot * slant >= SMALL + 2) return { angle: 45, every: 1, height: (longest + SMALL) * slant };
+    return { angle: 90, every: Math.ceil(SMALL / slot), height: longest };
+  }
+
+  /* The same for a plot as it is zoomed. */
+  function standingOf(plot, places) {
+    const { min, max } = plot.scales.x;
+    const slot = plot.bbox.width / uPlot.pxRatio / (max - min);
+    return standing(places, slot, (i) => (i < min ? -1 : plot.bbox.left / uPlot.pxRatio + (i - min) * slot));
+  }
+
+  function namesBelow(plot, places, shown) {
+    const { angle, every } = standingOf(plot, places);
+    const right = plot.width - plot.bbox.left / uPlot.pxRatio;
+    return shown.map((i) => {
+      const name = short(places[i]);
+      const at = plot.valToPos(i, "x");
+      /* A level name at the edge of a zoomed plot would be cut off. */
+      const isCut = angle === 0 && at + textWidth(name) / 2 > right;
+      return i % every || isCut ? "" : name;
+    });
+  }
+
+  /* A chart with turned names is higher, so that its curves keep their room. */
+  function withNames({ width, height }, { x: { places } }) {
+    if (!places.length) return { width, height };
+    const left = 50;
+    const slot = (width - left - 12) / places.length;
+    const names = standing(places, slot, (i) => left + (i + 0.5) * slot);
+    return { width, height: Math.round(height + names.height - SMALL) };
+  }
 
   /* --- points --- */
 
@@ -123,13 +214,10 @@
     };
   }
 
-  /* Whole decades unless there are many, so that a number stands at the axis. */
   function logRange(low, high) {
     const [from, to] = [Math.log10(low), Math.log10(high)];
-    const pad = Math.max(0.04 * (to - from), 0.02);
-    let [bottom, top] = [from - pad, to + pad];
-    if (top - bottom < 3) [bottom, top] = [Math.floor(bottom), Math.ceil(top)];
-    return [10 ** bottom, 10 ** top];
+    const pad = to - from > 1e-6 ? 0.05 * (to - from) : 0.5;
+    return [10 ** (from - pad), 10 ** (to + pad)];
   }
 
   /* --- what uPlot does not draw --- */
@@ -176,36 +264,97 @@
     });
   }
 
-  function drawGuides(plot, spec) {
+  function drawGuides(plot, spec, data) {
     clipped(plot, (ctx, { left, top, width, height }, ratio) => {
       ctx.strokeStyle = colour("faded");
       ctx.fillStyle = colour("faded");
       ctx.lineWidth = ratio;
       ctx.font = `${11 * ratio}px ${FONT}`;
-      for (const { axis, at, label } of spec.guides) {
+      ctx.setLineDash([5 * ratio, 4 * ratio]);
+      for (const { axis, at } of spec.guides) {
         const position = plot.valToPos(at, axis, true);
-        ctx.setLineDash([5 * ratio, 4 * ratio]);
         ctx.beginPath();
         if (axis === "x") { ctx.moveTo(position, top); ctx.lineTo(position, top + height); }
         else { ctx.moveTo(left, position); ctx.lineTo(left + width, position); }
         ctx.stroke();
-        if (axis === "x") {
-          const fits = position + 5 * ratio + ctx.measureText(label).width < left + width;
-          ctx.textAlign = fits ? "left" : "right";
-          ctx.textBaseline = "top";
-          ctx.fillText(label, position + (fits ? 5 : -5) * ratio, top + 3 * ratio);
-        } else {
-          ctx.textAlign = "right";
-          ctx.textBaseline = "bottom";
-          ctx.fillText(label, left + width - 3 * ratio, position - 2 * ratio);
-        }
       }
+      ctx.textAlign = "left";
+      ctx.textBaseline = "top";
+      for (const { label, box } of guideLabels(plot, spec, data)) ctx.fillText(label, box[0], box[1] + 2 * ratio);
     });
+  }
+
+  /* Where the labels of guides stand: from left and top to right and bottom. That of an upright line
+     is at its upper end; that of a level line hides as little as it can. */
+  function guideLabels(plot, spec, data) {
+    const { left, top, width, height } = plot.bbox;
+    const ratio = uPlot.pxRatio;
+    const [right, bottom, line, gap] = [left + width, top + height, 14 * ratio, 4 * ratio];
+    const drawn = whatIsDrawn(plot, spec, data);
+    const named = spec.guides.filter((g) => g.label).map(({ axis, at, label }) =>
+      ({ axis, label, position: plot.valToPos(at, axis, true), long: plot.ctx.measureText(label).width }));
+    const boxAt = (start, high, long) => [start, high, start + long, high + line];
+    const upright = named.filter((g) => g.axis === "x").map(({ label, position, long }) => {
+      const fits = position + gap + long < right;
+      return { label, box: boxAt(fits ? position + gap : position - gap - long, top, long) };
+    });
+    drawn.boxes.push(...upright.map((placed) => placed.box));
+    const level = named.filter((g) => g.axis === "y").map(({ label, position, long }) => {
+      const starts = [right - gap - long, left + gap, left + (width - long) / 2];
+      const tried = [position - line, position + ratio].flatMap((high) => starts.map((start) => boxAt(start, high, long)));
+      const inside = tried.filter((box) => box[1] >= top && box[3] <= bottom);
+      const box = inside.reduce((best, next) => (hidden(drawn, next) < hidden(drawn, best) ? next : best), inside[0] ?? tried[0]);
+      drawn.boxes.push(box);
+      return { label, box };
+    });
+    return [...upright, ...level];
+  }
+
+  /* Boxes around points, bars and error bars, and lines as lists of places. */
+  function whatIsDrawn(plot, spec, data) {
+    const [boxes, lines] = [[], []];
+    if (!spec.guides.some((g) => g.axis === "y" && g.label)) return { boxes, lines };
+    const [acrossOf, downOf] = ["x", "y"].map((axis) => (value) => plot.valToPos(value, axis, true));
+    const across = data.x.map(acrossOf);
+    const apart = across.slice(1).reduce((least, at, k) => Math.min(least, at - across[k]), 90 * uPlot.pxRatio);
+    spec.series.forEach((series, i) => {
+      if (!plot.series[i + 1].show) return;
+      const half = series.mark === "bars" ? 0.43 * apart : 0.5 * (DOT[series.mark] ?? 2) * uPlot.pxRatio;
+      let line = [];
+      across.forEach((at, k) => {
+        const y = data.y[i][k];
+        if (y === undefined) return;
+        if (y === null) { lines.push(line); line = []; return; }
+        const down = downOf(y);
+        const [high, low] = [data.high[i][k], data.low[i][k]].map((end) => (end == null ? down : downOf(end)));
+        if (series.mark === "bars") boxes.push([at - half, Math.min(down, downOf(0)), at + half, Math.max(down, downOf(0))]);
+        else boxes.push([at - half, Math.min(down - half, high), at + half, Math.max(down + half, low)]);
+        line.push([at, down]);
+      });
+      if (!["cloud", "rings", "bars"].includes(series.mark)) lines.push(line);
+    });
+    return { boxes, lines };
+  }
+
+  /* How much a box would hide: 0 for nothing, 1 for a line between points, 2 for a point. */
+  function hidden({ boxes, lines }, [left, top, right, bottom]) {
+    if (boxes.some((box) => box[0] <= right && box[2] >= left && box[1] <= bottom && box[3] >= top)) return 2;
+    const crosses = ([x0, y0], [x1, y1]) => {
+      let [enter, leave] = [0, 1];
+      for (const [from, run, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
+        if (run === 0 && (from < low || from > high)) return false;
+        if (run === 0) continue;
+        const [one, other] = [(low - from) / run, (high - from) / run];
+        enter = Math.max(enter, Math.min(one, other));
+        leave = Math.min(leave, Math.max(one, other));
+      }
+      return enter <= leave;
+    };
+    return lines.some((line) => line.some((at, k) => k > 0 && crosses(line[k - 1], at))) ? 1 : 0;
   }
 
   /* --- one chart --- */
 
-  const FONT = getComputedStyle(document.body).fontFamily;
   const HEIGHT = 270;
   const LOW_HEIGHT = 230;
   const DOT = { cloud: 3.4, rings: 13, dotted: 6.5 };
@@ -243,29 +392,53 @@
     return Math.ceil(axis.ticks.size + axis.gap + plot.ctx.measureText(longest).width / uPlot.pxRatio + 4);
   }
 
+  /* Distances of numbers that stand at an axis of whole numbers. */
+  const WHOLE_STEPS = range(0, 15).flatMap((exponent) => [1, 2, 5].map((factor) => factor * 10 ** exponent));
+
   function axisOptions(axis, isX) {
+    const space = isX ? 60 : 34;
     const options = {
       scale: isX ? "x" : "y",
-      font: `12px ${FONT}`,
+      font: `${SMALL}px ${FONT}`,
       stroke: () => colour("faded"),
-      grid: {
-        stroke: () => colour("grid"),
-        width: 1,
-        show: !(isX && axis.places.length),
-        filter: (_, splits) => (axis.log ? splits.map((v) => (isDecade(v) ? v : null)) : splits),
-      },
+      grid: { stroke: () => colour("grid"), width: 1, show: !(isX && axis.places.length) },
       ticks: { stroke: () => colour("grid"), width: 1, size: 4 },
       gap: 5,
-      values: (_, splits, __, ___, step) =>
-        splits.map((v) => (v == null ? "" : axis.log ? logTick(v) : tick(v, step))),
+      space,
+      filter: (_, splits) => splits,
+      values: (_, splits, __, ___, step) => splits.map((v) => (v == null ? "" : tick(v, step))),
     };
-    if (axis.places.length) {
-      options.splits = () => axis.places.map((_, i) => i);
-      options.values = () => axis.places;
-    }
-    if (isX) Object.assign(options, { label: axis.label, labelFont: `12px ${FONT}`, labelSize: 18, labelGap: 2, size: 26, space: 60 });
-    else Object.assign(options, { size: axisSize, space: 34 });
+    if (axis.whole) options.incrs = WHOLE_STEPS;
+    if (isX) Object.assign(options, { label: axis.label, labelFont: `${SMALL}px ${FONT}`, labelSize: 18, labelGap: 2, size: 26 });
+    else options.size = axisSize;
+    if (axis.places.length) Object.assign(options, placesOptions(axis.places, isX));
+    else if (axis.log) Object.assign(options, logOptions(axis, isX, space));
     return options;
+  }
+
+  /* The ticks are given: any step will do, but without one uPlot draws none. */
+  const anyStep = (_, __, low, high) => [high - low];
+
+  function logOptions(axis, isX, space) {
+    const room = (plot) => (isX ? plot.bbox.width : plot.bbox.height) / uPlot.pxRatio;
+    return {
+      incrs: anyStep,
+      splits: (plot, _, low, high) => logTicks(axis, low, high, Math.floor(room(plot) / space)),
+      values: (_, splits) => logTexts(splits),
+    };
+  }
+
+  function placesOptions(places, isX) {
+    const splits = (_, __, low, high) => range(0, places.length - 1).filter((i) => i >= low && i <= high);
+    if (!isX) return { incrs: anyStep, splits, values: (_, shown) => shown.map((i) => short(places[i])) };
+    return {
+      incrs: anyStep,
+      splits,
+      values: (plot, shown) => namesBelow(plot, places, shown),
+      rotate: (plot) => standingOf(plot, places).angle,
+      /* Ticks and gap, and a little below. */
+      size: (plot) => Math.ceil(standingOf(plot, places).height + 14),
+    };
   }
 
   /* The row a series is read out at: the nearest point of a cloud, else the nearest abscissa. */
@@ -364,7 +537,7 @@
           plot.over.addEventListener("mouseleave", () => { isOver = false; box.hidden = true; });
         }],
         drawClear: [(plot) => drawBands(plot, spec)],
-        draw: [(plot) => { drawGuides(plot, spec); drawSpread(plot, spec, data); }],
+        draw: [(plot) => { drawGuides(plot, spec, data); drawSpread(plot, spec, data); }],
         setCursor: [(plot) => {
           if (!isOver || plot.cursor.left < 0) { box.hidden = true; return; }
           fillReadout(box, plot, spec, data);
@@ -397,18 +570,19 @@
 
   /* --- the page --- */
 
-  const sizeOf = (host) => {
+  const sizeOf = (host, spec) => {
     const width = Math.max(120, Math.floor(host.clientWidth));
-    return { width, height: width < 480 ? LOW_HEIGHT : HEIGHT };
+    return withNames({ width, height: width < 480 ? LOW_HEIGHT : HEIGHT }, spec);
   };
 
   function draw(figure) {
     const spec = JSON.parse(figure.querySelector("script").textContent);
     const host = figure.querySelector(".plot");
     const data = align(spec);
-    const plot = new uPlot(options(figure, spec, data, sizeOf(host)), [data.x, ...data.y], host);
+    const plot = new uPlot(options(figure, spec, data, sizeOf(host, spec)), [data.x, ...data.y], host);
     plot.linked = spec.linked;
     figure.plot = plot;
+    figure.spec = spec;
     plots.push(plot);
     requestAnimationFrame(() => { figure.whole = limits(plot); });
     for (const key of figure.querySelectorAll("button.key")) {
@@ -421,7 +595,7 @@
     }
     figure.querySelector(".reset").addEventListener("click", () => plot.setData(plot.data));
     new ResizeObserver(() => {
-      const size = sizeOf(host);
+      const size = sizeOf(host, spec);
       const isOther = size.width !== plot.width || size.height !== plot.height;
       if (isOther && host.clientWidth > 0 && !root.dataset.printing) plot.setSize(size);
     }).observe(host);
@@ -446,14 +620,15 @@
     closed.forEach((details) => { details.open = true; });
     for (const figure of figures) {
       const isBeside = figure.parentElement.classList.contains("beside");
-      figure.plot.setSize({ width: isBeside ? 340 : 700, height: isBeside ? 210 : 240 });
+      const size = { width: isBeside ? 340 : 700, height: isBeside ? 210 : 240 };
+      figure.plot.setSize(withNames(size, figure.spec));
     }
     repaint();
   });
   addEventListener("afterprint", () => {
     delete root.dataset.printing;
     closed.forEach((details) => { details.open = false; });
-    figures.forEach((figure) => figure.plot.setSize(sizeOf(figure.querySelector(".plot"))));
+    figures.forEach((figure) => figure.plot.setSize(sizeOf(figure.querySelector(".plot"), figure.spec)));
     repaint();
   });
   root.dataset.ready = figures.length;

@@ -3,8 +3,9 @@
 use crate::error::ReportError;
 use crate::figure::DOTS;
 use crate::figure::marks;
+use crate::figure::scale::is_shown;
 use crate::figure::words::{Area, SMALL, drawing, style, width};
-use crate::html::{Chart, Mark};
+use crate::html::{Chart, Mark, Series};
 use crate::palette::FADED_INK;
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -35,16 +36,23 @@ impl<'a> Legend<'a> {
     /// The names of a chart that has several, in rows of some length.
     pub(crate) fn new(chart: &'a Chart, room: i32) -> Self {
         let bands = chart.bands.iter().map(|band| (&band.label, band.colour, None));
-        let series = chart.series.iter().map(|s| (&s.label, s.colour, Some(s.mark)));
-        let named: Vec<_> = bands.chain(series).filter(|(label, _, _)| !label.is_empty()).collect();
+        let bands = bands.map(|band| (band, true));
+        let series = chart.series.iter().map(|series| {
+            ((&series.label, series.colour, Some(series.mark)), has_points(chart, series))
+        });
+        let named = bands.chain(series).filter(|((label, _, _), _)| !label.is_empty());
+        let named: Vec<_> = named.collect();
         let mut entries = Vec::new();
         let (mut x, mut row) = (0, 0);
-        for (label, colour, mark) in named.iter().filter(|_| named.len() > 1) {
+        // One that is left of several still has to be told from those that are not there.
+        let is_needed = named.len() > 1;
+        let shown = named.into_iter().filter(|(_, has_points)| is_needed && *has_points);
+        for ((label, colour, mark), _) in shown {
             let length = SAMPLE + GAP + width(label, SMALL);
             if x > 0 && x + length > room {
                 (x, row) = (0, row + 1);
             }
-            entries.push(Entry { label, colour: colour.on_paper(), mark: *mark, x, row });
+            entries.push(Entry { label, colour: colour.on_paper(), mark, x, row });
             x += length + SPACE;
         }
         Self { entries }
@@ -66,6 +74,12 @@ impl<'a> Legend<'a> {
         }
         Ok(())
     }
+}
+
+/// Whether the axes can show any point of a series.
+fn has_points(chart: &Chart, series: &Series) -> bool {
+    let shown = |[x, y]: &[f64; 2]| is_shown(chart.x.log, *x) && is_shown(chart.y.log, *y);
+    series.points.iter().any(shown)
 }
 
 fn sample(area: &Area<'_>, entry: &Entry<'_>, x: i32, y: i32) -> Result<(), ReportError> {

@@ -109,7 +109,7 @@ impl<'a> Panel<'a> {
         chart.bands.iter().try_for_each(|band| plot.band(band))?;
         chart.guides.iter().try_for_each(|guide| plot.guide(guide))?;
         chart.series.iter().try_for_each(|series| plot.series(series))?;
-        plot.guide_labels(&chart.guides)
+        plot.guide_labels(chart)
     }
 
     /// Title, legend and names of places.

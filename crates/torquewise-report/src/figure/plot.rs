@@ -1,12 +1,11 @@
 //! Bands, guides, series → marks between the axes.
 
 use crate::error::ReportError;
-use crate::figure::DOTS;
 use crate::figure::axes::half_bar;
 use crate::figure::marks::{self, Dot};
 use crate::figure::scale::Scale;
 use crate::figure::strokes::strokes;
-use crate::figure::words::{Area, SMALL, drawing, style, width};
+use crate::figure::words::Area;
 use crate::html::chart::Position;
 use crate::html::thin::{MOST_POINTS, Sorted, rows_of_cloud, rows_of_curves, sorted};
 use crate::html::{Band, Guide, Mark, Series};
@@ -15,14 +14,9 @@ use plotters::backend::SVGBackend;
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::drawing::DrawingArea;
 use plotters::style::RGBColor;
-use plotters::style::text_anchor::{HPos, VPos};
 
 /// Dots of a cloud at most: each is an element of its own.
 const MOST_DOTS: usize = 2_000;
-/// Space between a guide and its label.
-const GAP: i32 = 5 * DOTS;
-/// From one label of a guide to the next.
-const LINE: i32 = 15 * DOTS;
 
 /// The area between the axes, in their units.
 pub(crate) type Plane<'a> = DrawingArea<SVGBackend<'a>, Cartesian2d<Scale, Scale>>;
@@ -31,7 +25,7 @@ pub(crate) type Plane<'a> = DrawingArea<SVGBackend<'a>, Cartesian2d<Scale, Scale
 pub(crate) struct Plot<'a, 'b> {
     plane: &'a Plane<'b>,
     /// The same in dots.
-    area: Area<'b>,
+    pub(crate) area: Area<'b>,
 }
 
 impl<'a, 'b> Plot<'a, 'b> {
@@ -39,16 +33,18 @@ impl<'a, 'b> Plot<'a, 'b> {
         Self { plane, area: plane.strip_coord_spec() }
     }
 
-    fn x(&self) -> &Scale {
+    /// The axis to the right.
+    pub(crate) fn x(&self) -> &Scale {
         self.plane.as_coord_spec().x_spec()
     }
 
-    fn y(&self) -> &Scale {
+    /// The axis up.
+    pub(crate) fn y(&self) -> &Scale {
         self.plane.as_coord_spec().y_spec()
     }
 
     /// Where values stand that the axes contain.
-    fn dot(&self, x: f64, y: f64) -> Dot {
+    pub(crate) fn dot(&self, x: f64, y: f64) -> Dot {
         let (left, top) = self.plane.get_base_pixel();
         let (x, y) = self.plane.map_coordinate(&(x, y));
         (x - left, y - top)
@@ -77,40 +73,6 @@ impl<'a, 'b> Plot<'a, 'b> {
             _ => return Ok(()),
         };
         marks::guide(&self.area, FADED_INK, ends)
-    }
-
-    /// The labels of all guides, apart where the guides may be close to each other.
-    pub(crate) fn guide_labels(&self, guides: &[Guide]) -> Result<(), ReportError> {
-        let (x, y) = (self.x(), self.y());
-        let (right, _) = self.dot(x.value(1.0), y.value(0.0));
-        let (mut upright, mut level) = (0, 0);
-        for guide in guides.iter().filter(|guide| !guide.label.is_empty()) {
-            let long = width(&guide.label, SMALL);
-            let (is_left, left, top) = match guide.at {
-                Position::X(at) if x.contains(at) => {
-                    let (at, _) = self.dot(at, y.value(1.0));
-                    let has_room = at + GAP + long <= right;
-                    upright += 1;
-                    let left = if has_room { at + GAP } else { at - GAP - long };
-                    (has_room, left, LINE * (upright - 1) + GAP / 2)
-                }
-                Position::Y(at) if y.contains(at) => {
-                    let (_, at) = self.dot(x.value(0.0), at);
-                    level += 1;
-                    let is_odd = level % 2 == 1;
-                    let left = if is_odd { GAP } else { right - GAP - long };
-                    let is_high = at < LINE + GAP;
-                    (is_odd, left, if is_high { at + GAP / 2 } else { at - LINE - GAP / 2 })
-                }
-                _ => continue,
-            };
-            marks::veil(&self.area, [(left, top), (left + long, top + LINE)])?;
-            // The width is an estimate: words start or end beside their guide.
-            let (at, h) = if is_left { (left, HPos::Left) } else { (left + long, HPos::Right) };
-            let words = style(SMALL, FADED_INK, h, VPos::Center);
-            self.area.draw_text(&guide.label, &words, (at, top + LINE / 2)).map_err(drawing)?;
-        }
-        Ok(())
     }
 
     /// All marks of a series.

@@ -47,7 +47,8 @@ pub(crate) fn extent(axis: &Axis, values: impl Iterator<Item = f64>) -> [f64; 2]
     })
 }
 
-fn is_shown(log: bool, value: f64) -> bool {
+/// Whether an axis can show a value.
+pub(crate) fn is_shown(log: bool, value: f64) -> bool {
     if log { (1.0 / LARGEST..LARGEST).contains(&value) } else { value.abs() < LARGEST }
 }
 
@@ -68,8 +69,8 @@ impl Scale {
         };
         let ticks = match (log, axis.places.is_empty()) {
             (_, false) => Vec::new(),
-            (true, true) => decades(ends, needs.ticks),
-            (false, true) => steps(ends, needs.ticks),
+            (true, true) => decades(ends, needs.ticks, axis.whole),
+            (false, true) => steps(ends, needs.ticks, axis.whole),
         };
         let [low, high] = ends;
         let inner = if log {

@@ -10,9 +10,10 @@ const SLACK: f64 = 1e-9;
 /// A number at an axis and how it is written.
 pub(crate) type Tick = (f64, String);
 
-/// At most about `most` numbers from `low` to `high`.
-pub(crate) fn steps([low, high]: [f64; 2], most: i32) -> Vec<Tick> {
+/// At most about `most` numbers from `low` to `high`, only whole ones if so wished.
+pub(crate) fn steps([low, high]: [f64; 2], most: i32, is_whole: bool) -> Vec<Tick> {
     let rough = (high - low) / f64::from(most.max(1));
+    let rough = if is_whole { rough.max(1.0) } else { rough };
     let decade = rough.log10().floor();
     let unit = 10_f64.powf(decade);
     let factor = [1.0, 2.0, 5.0, 10.0].into_iter().find(|factor| factor * unit >= rough);
@@ -38,18 +39,19 @@ pub(crate) fn steps([low, high]: [f64; 2], most: i32) -> Vec<Tick> {
     values.into_iter().map(|value| (value, text(value))).collect()
 }
 
-/// At most about `most` numbers on a logarithmic axis, from 10 to the power of `low`.
-pub(crate) fn decades([low, high]: [f64; 2], most: i32) -> Vec<Tick> {
+/// At most about `most` numbers on a logarithmic axis, from 10 to the power of `low`; only whole
+/// ones if so wished.
+pub(crate) fn decades([low, high]: [f64; 2], most: i32, is_whole: bool) -> Vec<Tick> {
     let span = high - low;
     if span < FEW_DECADES {
-        return steps([10_f64.powf(low), 10_f64.powf(high)], most);
+        return steps([10_f64.powf(low), 10_f64.powf(high)], most, is_whole);
     }
     let factors: &[f64] = if span < SOME_DECADES { &[1.0, 2.0, 5.0] } else { &[1.0] };
     let (first, last) = (whole(low.floor()), whole(high.ceil()));
     let every = (whole(span.floor()) / i64::from(most.max(1)) + 1).max(1);
     let slack = SLACK * span;
     (first..=last)
-        .filter(|exponent| exponent % every == 0)
+        .filter(|exponent| exponent % every == 0 && (!is_whole || *exponent >= 0))
         .flat_map(|exponent| factors.iter().map(move |factor| (exponent, *factor)))
         .map(|(exponent, factor)| (factor * 10_f64.powf(exponent as f64), exponent, factor))
         .filter(|(value, _, _)| (low - slack..=high + slack).contains(&value.log10()))
@@ -83,31 +85,42 @@ mod tests {
 
     #[test]
     fn numbers_at_an_axis_are_round() {
-        assert_eq!(texts(steps([-0.5, 10.5], 6)), ["0", "2", "4", "6", "8", "10"]);
+        assert_eq!(texts(steps([-0.5, 10.5], 6, false)), ["0", "2", "4", "6", "8", "10"]);
         assert_eq!(
-            texts(steps([0.0, 0.3], 6)),
+            texts(steps([0.0, 0.3], 6, false)),
             ["0.00", "0.05", "0.10", "0.15", "0.20", "0.25", "0.30"]
         );
-        assert_eq!(texts(steps([-1.0, 1.0], 3)), ["-1", "0", "1"]);
+        assert_eq!(texts(steps([-1.0, 1.0], 3, false)), ["-1", "0", "1"]);
     }
 
     #[test]
     fn very_large_and_small_numbers_are_short() {
-        assert_eq!(texts(steps([0.0, 2e9], 4)), ["0", "5e8", "1.0e9", "1.5e9", "2.0e9"]);
-        assert_eq!(texts(steps([-2e-7, 0.0], 2)), ["-2e-7", "-1e-7", "0"]);
+        assert_eq!(texts(steps([0.0, 2e9], 4, false)), ["0", "5e8", "1.0e9", "1.5e9", "2.0e9"]);
+        assert_eq!(texts(steps([-2e-7, 0.0], 2, false)), ["-2e-7", "-1e-7", "0"]);
     }
 
     #[test]
     fn a_logarithmic_axis_shows_decades_plainly() {
-        assert_eq!(texts(decades([-2.1, 1.1], 6)), ["0.01", "0.1", "1", "10"]);
-        assert_eq!(texts(decades([-14.0, -11.5], 6)), ["1e-14", "1e-13", "1e-12"]);
-        assert_eq!(texts(decades([4.0, 6.0], 6)), ["10000", "100000", "1e6"]);
-        assert_eq!(texts(decades([-12.0, 12.0], 5)), ["1e-10", "1e-5", "1", "100000", "1e10"]);
+        assert_eq!(texts(decades([-2.1, 1.1], 6, false)), ["0.01", "0.1", "1", "10"]);
+        assert_eq!(texts(decades([-14.0, -11.5], 6, false)), ["1e-14", "1e-13", "1e-12"]);
+        assert_eq!(texts(decades([4.0, 6.0], 6, false)), ["10000", "100000", "1e6"]);
+        assert_eq!(
+            texts(decades([-12.0, 12.0], 5, false)),
+            ["1e-10", "1e-5", "1", "100000", "1e10"]
+        );
     }
 
     #[test]
     fn a_short_logarithmic_axis_has_numbers_too() {
-        assert_eq!(texts(decades([0.0, 1.0], 6)), ["1", "2", "5", "10"]);
-        assert_eq!(texts(decades([0.0, 0.17], 6)), ["1.0", "1.1", "1.2", "1.3", "1.4"]);
+        assert_eq!(texts(decades([0.0, 1.0], 6, false)), ["1", "2", "5", "10"]);
+        assert_eq!(texts(decades([0.0, 0.17], 6, false)), ["1.0", "1.1", "1.2", "1.3", "1.4"]);
+    }
+
+    #[test]
+    fn what_is_counted_has_whole_numbers() {
+        assert_eq!(texts(steps([0.5, 3.5], 6, true)), ["1", "2", "3"]);
+        assert_eq!(texts(steps([0.0, 40.0], 4, true)), ["0", "10", "20", "30", "40"]);
+        assert_eq!(texts(decades([-0.3, 1.1], 6, true)), ["1", "2", "5", "10"]);
+        assert_eq!(texts(decades([0.0, 0.5], 6, true)), ["1", "2", "3"]);
     }
 }

@@ -3,6 +3,7 @@
 use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Fact, Item, Label, Section, Table, Tone};
+use torquewise_identify::Diagnosis;
 use torquewise_model::Form;
 use torquewise_motion::Pattern;
 
@@ -28,8 +29,12 @@ pub(crate) fn lead(findings: &Findings<'_>) -> String {
 
 /// Warnings, the numbers that matter most, and what they mean.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
-    let items =
-        vec![warnings(findings), facts(findings), Item::Text(words(findings)), scores(findings)];
+    let items = vec![
+        warnings(findings),
+        facts(findings),
+        Item::Text(words(findings)),
+        score_table(findings, findings.diagnosis),
+    ];
     Section { heading: "Summary".into(), items }
 }
 
@@ -111,7 +116,8 @@ pub(crate) fn share(findings: &Findings<'_>, pattern: Pattern) -> f64 {
     100.0 * own as f64 / patterns.len().max(1) as f64
 }
 
-fn scores(findings: &Findings<'_>) -> Item {
+/// Errors of each joint over what a diagnosis looked at.
+pub(crate) fn score_table(findings: &Findings<'_>, diagnosis: &Diagnosis) -> Item {
     let active = findings.found.model.form.active(findings.n_joints());
     let row = |(joint, terms): (&torquewise_identify::score::JointScore, usize)| -> Vec<Label> {
         vec![
@@ -133,7 +139,7 @@ fn scores(findings: &Findings<'_>) -> Item {
             Column::numbers("NRMSE [%]"),
             Column::numbers("R²"),
         ],
-        rows: findings.diagnosis.scores.joints.iter().zip(active).map(row).collect(),
+        rows: diagnosis.scores.joints.iter().zip(active).map(row).collect(),
     })
 }
 

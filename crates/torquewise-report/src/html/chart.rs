@@ -36,6 +36,8 @@ pub struct Axis {
     pub range: Option<[f64; 2]>,
     /// Names of the places 0, 1, 2, … instead of numbers; empty for numbers.
     pub places: Vec<String>,
+    /// Whether only whole numbers stand at it: for what is counted.
+    pub whole: bool,
 }
 
 impl Axis {
@@ -47,6 +49,11 @@ impl Axis {
     /// A logarithmic axis as long as its points need.
     pub fn log(label: impl Into<String>) -> Self {
         Self { log: true, ..Self::named(label) }
+    }
+
+    /// A linear axis with whole numbers only.
+    pub fn whole(label: impl Into<String>) -> Self {
+        Self { whole: true, ..Self::named(label) }
     }
 }
 

@@ -25,6 +25,7 @@ struct AxisSpec<'a> {
     log: bool,
     range: Option<[f64; 2]>,
     places: &'a [String],
+    whole: bool,
 }
 
 #[derive(Serialize)]
@@ -153,7 +154,8 @@ fn axis_spec(axis: &Axis) -> AxisSpec<'_> {
         range.iter().all(|end| end.is_finite() && (!axis.log || *end > 0.0)) && range[0] < range[1]
     };
     let range = axis.range.filter(usable);
-    AxisSpec { label: &axis.label, log: axis.log, range, places: &axis.places }
+    let Axis { label, log, places, whole, .. } = axis;
+    AxisSpec { label, log: *log, range, places, whole: *whole }
 }
 
 fn band_spec(band: &Band) -> BandSpec {

@@ -42,7 +42,7 @@ fn report() -> String {
     let states: Vec<_> =
         (0..20).map(|k| (row_of(log.q(), 100 * k), row_of(log.dq(), 100 * k))).collect();
     let checks = check(&found.model, &states).unwrap();
-    fit_report(&found, &diagnosis, Some(&checks), HOSTILE).unwrap()
+    fit_report(&found, &diagnosis, Some(&checks), Some(&diagnosis), HOSTILE).unwrap()
 }
 
 /// One chart of each kind of mark, axis and decoration.
