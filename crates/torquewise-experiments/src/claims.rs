@@ -220,6 +220,7 @@ fn fails(results: &Results) -> Option<Claim> {
 }
 
 fn steps(results: &Results) -> Option<Claim> {
+    results.steps.first()?;
     let means = |steps: &StepResults| -> Vec<f64> {
         let joints = steps.refitted_nrmse_percent.len().max(1) as f64;
         steps.nrmse_percent.iter().map(|step| step.iter().sum::<f64>() / joints).collect()

@@ -86,8 +86,8 @@ impl Findings<'_> {
 
     /// Whether both parts are of one arm, and there is something to show.
     fn check(&self) -> Result<(), ReportError> {
-        let diagnoses = std::iter::once(self.diagnosis).chain(self.test);
-        diagnoses.map(|diagnosis| self.check_shape(diagnosis)).collect()
+        let mut diagnoses = std::iter::once(self.diagnosis).chain(self.test);
+        diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))
     }
 
     fn check_shape(&self, diagnosis: &Diagnosis) -> Result<(), ReportError> {

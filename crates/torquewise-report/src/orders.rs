@@ -27,7 +27,7 @@ fn chart(name: &str, logs: &[(String, &[OrderCurve])]) -> Chart {
     let order = if name == "energy" { "joint angles in a term" } else { "N₁" };
     Chart {
         title: title(name),
-        x: Axis::named(order),
+        x: Axis::whole(order),
         y: Axis::log("held-out residual, worst joint [%]"),
         series,
         guides,

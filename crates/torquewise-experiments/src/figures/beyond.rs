@@ -67,7 +67,7 @@ fn arms(arms: &[ArmResults]) -> Figure {
         let points = arms.iter().map(|arm| [arm.joints as f64, y(arm)]).collect();
         Series::new(label, Mark::DottedLine, Colour::Series(place), points)
     };
-    let x = || Axis::named("joints");
+    let x = || Axis::whole("joints");
     let candidates = Chart {
         title: "Candidates".into(),
         x: x(),

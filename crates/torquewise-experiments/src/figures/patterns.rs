@@ -71,7 +71,7 @@ fn elbow(results: &PatternResults) -> Figure {
         ),
         charts: vec![Chart {
             title: "Inertia of k clusters".into(),
-            x: Axis::named("clusters k"),
+            x: Axis::whole("clusters k"),
             y: Axis::log("inertia over that of one cluster [–]"),
             series,
             guides,

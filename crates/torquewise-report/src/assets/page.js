@@ -301,7 +301,9 @@
     drawn.boxes.push(...upright.map((placed) => placed.box));
     const level = named.filter((g) => g.axis === "y").map(({ label, position, long }) => {
       const starts = [right - gap - long, left + gap, left + (width - long) / 2];
-      const tried = [position - line, position + ratio].flatMap((high) => starts.map((start) => boxAt(start, high, long)));
+      /* At the line, or as far from it as a ring on it reaches. */
+      const heights = [0, 9 * ratio].flatMap((away) => [position - line - away, position + ratio + away]);
+      const tried = heights.flatMap((high) => starts.map((start) => boxAt(start, high, long)));
       const inside = tried.filter((box) => box[1] >= top && box[3] <= bottom);
       const box = inside.reduce((best, next) => (hidden(drawn, next) < hidden(drawn, best) ? next : best), inside[0] ?? tried[0]);
       drawn.boxes.push(box);
@@ -409,15 +411,16 @@
       values: (_, splits, __, ___, step) => splits.map((v) => (v == null ? "" : tick(v, step))),
     };
     if (axis.whole) options.incrs = WHOLE_STEPS;
-    if (isX) Object.assign(options, { label: axis.label, labelFont: `${SMALL}px ${FONT}`, labelSize: 18, labelGap: 2, size: 26 });
+    if (isX) Object.assign(options, { label: axis.label || null, labelFont: `${SMALL}px ${FONT}`, labelSize: 18, labelGap: 2, size: 26 });
     else options.size = axisSize;
     if (axis.places.length) Object.assign(options, placesOptions(axis.places, isX));
     else if (axis.log) Object.assign(options, logOptions(axis, isX, space));
     return options;
   }
 
-  /* The ticks are given: any step will do, but without one uPlot draws none. */
-  const anyStep = (_, __, low, high) => [high - low];
+  /* The ticks are given: any step will do, but without one uPlot draws none, and of steps below
+     5 it wants to know the decimals. */
+  const anyStep = (_, __, low, high) => [Math.max(5, high - low)];
 
   function logOptions(axis, isX, space) {
     const room = (plot) => (isX ? plot.bbox.width : plot.bbox.height) / uPlot.pxRatio;

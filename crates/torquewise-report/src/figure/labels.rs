@@ -105,7 +105,10 @@ impl Plot<'_, '_> {
     fn along(&self, at: f64, long: i32, drawn: &Drawn) -> Placed {
         let (right, bottom) = self.end();
         let (_, at) = self.dot(self.x().value(0.0), at);
-        let places = [at - LINE - GAP / 2, at + GAP / 2].into_iter().flat_map(|top| {
+        // At the line, or as far from it as a ring on it reaches.
+        let above_and_below = |away| [at - LINE - away, at + away];
+        let places = [GAP / 2, 2 * GAP + GAP / 2].into_iter().flat_map(above_and_below);
+        let places = places.flat_map(|top| {
             [
                 Placed::new(right - GAP - long, top, long, HPos::Right),
                 Placed::new(GAP, top, long, HPos::Left),

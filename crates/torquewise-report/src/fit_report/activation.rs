@@ -68,7 +68,7 @@ fn elbow(findings: &Findings<'_>) -> Chart {
     Chart {
         title: "Elbow".into(),
         caption: "Beyond the elbow, one more cluster makes little difference.".into(),
-        x: Axis::named("clusters"),
+        x: Axis::whole("clusters"),
         y: if can_be_log { Axis::log(y) } else { Axis::named(y) },
         series: vec![Series::new("inertia", Mark::DottedLine, Colour::Series(0), points)],
         guides: vec![Guide::at_x(chosen as f64, format!("{chosen} chosen"))],

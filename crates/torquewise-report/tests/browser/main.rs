@@ -181,6 +181,75 @@ fn a_gap_is_not_bridged_by_the_points_of_another_curve() {
     assert_eq!(tab.value(gaps), 6);
 }
 
+/// Numbers at the axes of the first charts: from left to right, and up.
+const TICKS: &str = "[...document.querySelectorAll('figure.chart')].map(({ plot: { axes } }) => \
+    axes.map((axis) => axis._values))";
+
+fn page_of(charts: Vec<Chart>) -> String {
+    let sections = vec![Section { heading: "Charts".into(), items: vec![Item::Charts(charts)] }];
+    Page { title: "Charts".into(), lead: String::new(), sections }.to_html().unwrap()
+}
+
+#[test]
+fn numbers_at_an_axis_are_round() {
+    let Some(mut desk) = Desk::new() else { return };
+    let chart = |x: Axis, y: Axis| Chart {
+        x: Axis { range: Some([1.0, 3.0]), ..x },
+        y,
+        series: vec![Series::line("a", vec![[1.0, 1.0], [3.0, 1.0]])],
+        ..Chart::default()
+    };
+    let log = |low, high| Axis { range: Some([low, high]), ..Axis::log("y") };
+    let charts = vec![
+        chart(Axis::whole("count"), log(0.008, 20.0)),
+        chart(Axis::log("x"), log(0.9, 12.0)),
+        chart(Axis { whole: true, ..Axis::log("x") }, log(3e-14, 2e-11)),
+        chart(Axis::named("x"), log(0.98, 1.31)),
+    ];
+
+    let mut tab = desk.open(&page_of(charts));
+
+    let ticks = tab.value(TICKS);
+    assert_eq!(ticks[0], json!([["1", "2", "3"], ["0.01", "0.1", "1", "10"]]));
+    assert_eq!(ticks[1], json!([["1.0", "1.5", "2.0", "2.5", "3.0"], ["1", "2", "5", "10"]]));
+    assert_eq!(ticks[2], json!([["1", "2", "3"], ["1e-13", "1e-12", "1e-11"]]));
+    assert_eq!(ticks[3][1], json!(["1.0", "1.1", "1.2", "1.3"]));
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[test]
+fn names_at_an_axis_turn_where_they_have_no_room() {
+    let Some(mut desk) = Desk::new() else { return };
+    let chart = |names: Vec<String>| Chart {
+        series: vec![Series::line("a", vec![[0.0, 1.0], [1.0, 2.0]])],
+        x: Axis { places: names, ..Axis::named("x") },
+        ..Chart::default()
+    };
+    let few = ["case 1", "case 2", "case 3"].map(String::from).to_vec();
+    let many = (0..40).map(|k| format!("M{k} sin(2*q2)*cos(q3)")).collect();
+    let mut tab = desk.open(&page_of(vec![chart(few), chart(many)]));
+    // How the names stand, how many there are, and whether each has its line and its length.
+    let state = "[...document.querySelectorAll('figure.chart')].map(({ plot }) => { \
+        const { _rotate, _values, _splits, _size } = plot.axes[0]; \
+        const shown = _splits.filter((_, k) => _values[k]); \
+        const at = shown.map((v) => plot.valToPos(v, 'x')); \
+        const apart = Math.min(...at.slice(1).map((x, k) => x - at[k])); \
+        const longest = Math.max(...shown.map((_, k) => _values[k].length)); \
+        return [_rotate, shown.length, apart >= (_rotate ? 12 : longest * 5), \
+        _rotate ? _size > 4 * longest : true, plot.bbox.height > 100]; })";
+
+    for (width, turned, shown) in [(1280, 90, 40), (380, 90, 20)] {
+        tab.resize(width, 800);
+
+        let found = tab.value(state);
+        assert_eq!(found[0], json!([0, 3, true, true, true]), "at {width}");
+        assert_eq!(found[1][0], turned, "{found} at {width}");
+        assert!(found[1][1].as_u64().unwrap() <= shown, "{found} at {width}");
+        assert_eq!(json!(found[1].as_array().unwrap()[2..]), json!([true, true, true]), "{found}");
+    }
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
 #[test]
 fn pointing_at_a_curve_reads_it_out() {
     let Some(mut desk) = Desk::new() else { return };
