@@ -40,24 +40,21 @@ impl<R: Recording + ?Sized> Recording for Watched<'_, R> {
     }
 }
 
-/// A bar on stderr; indicatif hides it where that is no terminal.
+/// A bar for rows of which nobody knows how many there are.
 fn bar(doing: &str) -> ProgressBar {
-    let bar = ProgressBar::no_length().with_finish(ProgressFinish::AndClear);
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}: {human_pos} rows, {elapsed}")
-    {
-        bar.set_style(style);
-    }
+    let bar = shown(ProgressBar::no_length(), "{spinner} {msg}: {human_pos} rows, {elapsed}");
     bar.set_message(doing.to_owned());
-    if !bar.is_hidden() {
-        bar.enable_steady_tick(Duration::from_millis(100));
-    }
     bar
 }
 
-/// A bar on stderr for work whose amount is known; hidden where that is no terminal.
+/// A bar for work whose amount is known.
 pub(crate) fn share_bar() -> ProgressBar {
-    let bar = ProgressBar::new(1).with_finish(ProgressFinish::AndClear);
-    let template = "{spinner} {msg} {wide_bar} {percent} %, {elapsed}, {eta} left";
+    shown(ProgressBar::new(1), "{spinner} {msg} {wide_bar} {percent} %, {elapsed}, {eta} left")
+}
+
+/// A bar on stderr, gone when it is done; indicatif hides it where that is no terminal.
+fn shown(bar: ProgressBar, template: &str) -> ProgressBar {
+    let bar = bar.with_finish(ProgressFinish::AndClear);
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }

@@ -1,7 +1,7 @@
 //! Name → plan: the methods that are compared, and the one choice in which variants differ.
 
 use serde::Serialize;
-use torquewise_identify::{LibraryKind, Method as Steps, Plan, Scaling};
+use torquewise_identify::{Method as Steps, Plan, Scaling};
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::lasso::Lasso;
 use torquewise_sparse::select::stlsq::Stlsq;
@@ -88,11 +88,6 @@ pub fn with_printed_index(mut plan: Plan) -> Plan {
     plan.patterns.scaling = Scaling::Paper;
     plan.patterns.clusters = Some(3);
     plan
-}
-
-/// The same plan with terms of at most this many joint angles.
-pub fn up_to_interaction(plan: Plan, interaction: Option<usize>) -> Plan {
-    Plan { library: LibraryKind::Energy { interaction }, ..plan }
 }
 
 #[cfg(test)]

@@ -57,11 +57,18 @@ pub struct Claim {
     /// What is measured here, times left out.
     measured: String,
     /// Whether it holds.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    verdict: Option<Verdict>,
-    /// The same for a claim about time, which is another in every run.
-    #[serde(rename = "seconds", skip_serializing_if = "Option::is_none")]
-    times: Option<Times>,
+    #[serde(flatten)]
+    judgement: Judgement,
+}
+
+/// What a verdict rests on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+enum Judgement {
+    /// On what is the same in every run.
+    Lasting { verdict: Verdict },
+    /// On time, which is another in every run.
+    Timed { seconds: Times },
 }
 
 /// What was measured of time.
@@ -79,7 +86,7 @@ impl Claim {
         measured: String,
         verdict: Verdict,
     ) -> Self {
-        Self { claim, source, measured, verdict: Some(verdict), times: None }
+        Self { claim, source, measured, judgement: Judgement::Lasting { verdict } }
     }
 
     /// A claim judged by time.
@@ -89,22 +96,24 @@ impl Claim {
         [measured, times]: [String; 2],
         verdict: Verdict,
     ) -> Self {
-        let times = Some(Times { measured: times, verdict });
-        Self { claim, source, measured, verdict: None, times }
+        let seconds = Times { measured: times, verdict };
+        Self { claim, source, measured, judgement: Judgement::Timed { seconds } }
     }
 
     /// What is measured here, times among it.
     pub fn measurement(&self) -> String {
-        match &self.times {
-            Some(times) => format!("{} {}", self.measured, times.measured),
-            None => self.measured.clone(),
+        match &self.judgement {
+            Judgement::Lasting { .. } => self.measured.clone(),
+            Judgement::Timed { seconds } => format!("{} {}", self.measured, seconds.measured),
         }
     }
 
     /// Whether it holds.
     pub fn verdict(&self) -> Verdict {
-        let timed = self.times.as_ref().map(|times| times.verdict);
-        timed.or(self.verdict).unwrap_or(Verdict::HoldsInPart)
+        match &self.judgement {
+            Judgement::Lasting { verdict }
+            | Judgement::Timed { seconds: Times { verdict, .. } } => *verdict,
+        }
     }
 }
 

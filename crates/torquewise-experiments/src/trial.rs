@@ -55,8 +55,6 @@ pub struct Trial {
     pub rmse: Vec<f64>,
     /// CPU time on one thread.
     pub cost: Cost,
-    /// What the reconstruction warned of.
-    pub warnings: Vec<String>,
 }
 
 /// Does a trial and judges it on a motion it has not seen.
@@ -82,7 +80,6 @@ pub fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, ExperimentErro
         nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
         cost: stopwatch.cost,
-        warnings: found.warnings.iter().map(ToString::to_string).collect(),
         model: found.model,
     })
 }

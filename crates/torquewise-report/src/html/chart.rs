@@ -78,6 +78,17 @@ pub enum Mark {
 }
 
 impl Mark {
+    /// Every one of them.
+    pub const ALL: [Self; 7] = [
+        Self::Line,
+        Self::BroadLine,
+        Self::DashedLine,
+        Self::DottedLine,
+        Self::Cloud,
+        Self::Rings,
+        Self::Bars,
+    ];
+
     /// Whether points are joined from left to right, so that peaks matter more than density.
     pub(crate) fn is_line(self) -> bool {
         !matches!(self, Self::Cloud | Self::Rings)

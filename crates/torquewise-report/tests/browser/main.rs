@@ -48,17 +48,8 @@ fn report() -> String {
 /// One chart of each kind of mark, axis and decoration.
 fn every_kind_of_chart() -> String {
     let points = || (1..40).map(|k| [f64::from(k), 10_f64.powf(0.1 * f64::from(k % 20))]).collect();
-    let marks = [
-        Mark::Line,
-        Mark::BroadLine,
-        Mark::DashedLine,
-        Mark::DottedLine,
-        Mark::Cloud,
-        Mark::Rings,
-        Mark::Bars,
-    ];
     let mut charts = Vec::new();
-    for mark in marks {
+    for mark in Mark::ALL {
         for (x, y) in [(Axis::named("x"), Axis::named("y")), (Axis::log("x"), Axis::log("y"))] {
             let mut series = Series::new("points", mark, Colour::Series(1), points());
             series.spread = series.points.iter().map(|[_, y]| [0.5 * y, 2.0 * y]).collect();
