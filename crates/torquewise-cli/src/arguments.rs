@@ -3,7 +3,7 @@
 use crate::error::CliError;
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
-use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan, Scaling};
+use torquewise::identify::{FrictionKind, LibraryKind, Method, PatternPlan, Plan, Scaling};
 use torquewise::sparse::select::Selector;
 use torquewise::sparse::select::criterion::Criterion;
 use torquewise::sparse::select::lasso::Lasso;
@@ -55,6 +55,33 @@ pub(crate) enum Library {
     Energy,
     /// Products of sines, cosines, velocities and accelerations, for each joint on its own
     Product,
+    /// Energies of a chain of rigid bodies whose geometry is learned too: for four joints and more,
+    /// noisy logs and friction
+    Chain,
+}
+
+/// Friction beside inertia, Coriolis and gravity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Friction {
+    /// None
+    None,
+    /// Offset, viscous and dry friction
+    Linear,
+    /// The same and the Stribeck curve, forward and backward apart
+    Stribeck,
+    /// Whichever predicts held-out rows best
+    Auto,
+}
+
+impl From<Friction> for FrictionKind {
+    fn from(friction: Friction) -> Self {
+        match friction {
+            Friction::None => Self::None,
+            Friction::Linear => Self::Linear,
+            Friction::Stribeck => Self::Stribeck,
+            Friction::Auto => Self::Auto,
+        }
+    }
 }
 
 /// Which terms stay.
@@ -71,9 +98,13 @@ pub(crate) enum Select {
 /// How a log becomes a model, the method left open.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct PlanArguments {
-    /// Candidates; energy unless --method sindy
+    /// Candidates [default: energy; product with --method sindy; chain for filtered logs or
+    /// friction]
     #[arg(long, value_enum)]
     library: Option<Library>,
+    /// Friction, with --library chain [default: auto; none with the other libraries]
+    #[arg(long, value_enum)]
+    friction: Option<Friction>,
     /// Which terms stay; bic, and stlsq for one-shot SINDy
     #[arg(long, value_enum)]
     select: Option<Select>,
@@ -104,10 +135,21 @@ impl PlanArguments {
     ///
     /// # Errors
     /// [`CliError::Usage`] if an order is given for the library that is not used.
-    pub(crate) fn plan(&self, method: Method) -> Result<Plan, CliError> {
-        let usual = if method == Method::Sindy { Library::Product } else { Library::Energy };
+    pub(crate) fn plan(&self, method: Method, filtered: bool) -> Result<Plan, CliError> {
+        let rubs = self.friction.is_some_and(|friction| friction != Friction::None);
+        let usual = match method {
+            Method::Sindy => Library::Product,
+            _ if filtered || rubs => Library::Chain,
+            _ => Library::Energy,
+        };
         let library = self.library.unwrap_or(usual);
         let misplaced = match library {
+            Library::Energy | Library::Product if rubs => "--friction is for --library chain",
+            Library::Chain if method == Method::Sindy => "--method sindy is for --library product",
+            Library::Chain if self.interaction.is_some() => "--interaction is for --library energy",
+            Library::Chain if self.trig_order.is_some() || self.gravity_order.is_some() => {
+                "orders are for --library product"
+            }
             Library::Energy if self.trig_order.is_some() => "--trig-order is for --library product",
             Library::Energy if self.gravity_order.is_some() => {
                 "--gravity-order is for --library product"
@@ -122,7 +164,8 @@ impl PlanArguments {
 
     /// Stepwise reconstruction, and one-shot SINDy over the product library beside it.
     pub(crate) fn both_plans(&self) -> (Plan, Plan) {
-        let library = self.library.unwrap_or(Library::Energy);
+        let library = self.library.filter(|library| *library != Library::Chain);
+        let library = library.unwrap_or(Library::Energy);
         let sindy = self.plan_with(Library::Product, Method::Sindy);
         (self.plan_with(library, Method::Stepwise), sindy)
     }
@@ -132,7 +175,7 @@ impl PlanArguments {
         let patterns = self.patterns.plan();
         Plan {
             library: match library {
-                Library::Energy => {
+                Library::Energy | Library::Chain => {
                     LibraryKind::Energy { interaction: self.interaction.map(usize::from) }
                 }
                 Library::Product => self.product(),
@@ -143,7 +186,12 @@ impl PlanArguments {
             seed: patterns.seed,
             bags: self.bags.map_or(usual.bags, usize::from),
             patterns,
-            method,
+            method: if library == Library::Chain { Method::Chain } else { method },
+            friction: match (self.friction, library) {
+                (Some(friction), _) => friction.into(),
+                (None, Library::Chain) => FrictionKind::Auto,
+                (None, _) => FrictionKind::None,
+            },
         }
     }
 

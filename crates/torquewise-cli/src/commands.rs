@@ -2,6 +2,7 @@
 
 mod arms;
 mod simulate;
+mod excite;
 mod inspect;
 mod patterns;
 mod orders;
@@ -39,6 +40,7 @@ pub(crate) enum Command {
     Demo(demo::Arguments),
     Arms(arms::Arguments),
     Simulate(simulate::Arguments),
+    Excite(excite::Arguments),
     Inspect(inspect::Arguments),
     Patterns(patterns::Arguments),
     Orders(orders::Arguments),
@@ -58,6 +60,7 @@ impl Command {
             Self::Demo(arguments) => demo::run(arguments),
             Self::Arms(arguments) => Ok(arms::run(arguments)),
             Self::Simulate(arguments) => simulate::run(arguments),
+            Self::Excite(arguments) => excite::run(arguments),
             Self::Inspect(arguments) => inspect::run(arguments),
             Self::Patterns(arguments) => patterns::run(arguments),
             Self::Orders(arguments) => orders::run(arguments),

@@ -6,6 +6,7 @@ mod score_table;
 mod outcome;
 mod files;
 mod progress;
+mod recorded;
 mod timed;
 mod arguments;
 mod pattern_table;

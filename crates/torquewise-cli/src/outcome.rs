@@ -7,6 +7,7 @@ use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use torquewise::dynamics::DynamicsError;
+use torquewise::excite::ExciteError;
 use torquewise::identify::IdentifyError;
 use torquewise::logs::LogError;
 use torquewise::model::ModelError;
@@ -125,6 +126,7 @@ fn explanation(error: &Error) -> Vec<String> {
 fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<CliError>()
         || cause.is::<LogError>()
+        || cause.is::<ExciteError>()
         || cause.is::<IdentifyError>()
         || cause.is::<ModelError>()
         || cause.is::<DynamicsError>()

@@ -32,7 +32,7 @@ pub(crate) fn timed(
         bar.set_message(doing(progress));
         events.push((progress, Instant::now()));
     })?;
-    let is_step = |pair: &&[(Progress, Instant)]| matches!(pair[0].0, Progress::Step(_));
+    let is_step = |pair: &&[(Progress, Instant)]| matches!(pair[0].0, Progress::Step(_) | Progress::Geometry);
     let step_seconds = events
         .windows(2)
         .filter(is_step)
@@ -45,6 +45,7 @@ fn doing(progress: Progress) -> String {
     match progress {
         Progress::Survey => "looking through the log".to_owned(),
         Progress::Patterns => "clustering".to_owned(),
+        Progress::Geometry => "learning the geometry".to_owned(),
         Progress::Evidence => "summing the normal equations".to_owned(),
         Progress::Step(step) => format!("selecting terms, step {step}"),
         Progress::Refit => "fitting the terms that were kept".to_owned(),

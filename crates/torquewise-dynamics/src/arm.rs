@@ -23,6 +23,28 @@ pub(crate) struct Joint {
     pub(crate) rotor: f64,
     /// Positions \[rad\] that simulated motions keep to.
     pub(crate) range: [f64; 2],
+    /// Limits its file gives.
+    pub(crate) limits: JointLimits,
+}
+
+/// What the file of an arm says a joint may do at most; `None` where it says nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointLimits {
+    /// Lower and upper position \[rad\].
+    pub position: Option<[f64; 2]>,
+    /// Speed \[rad/s\], more than zero.
+    pub velocity: Option<f64>,
+    /// Acceleration \[rad/s²\], more than zero.
+    pub acceleration: Option<f64>,
+}
+
+impl JointLimits {
+    /// Limits from numbers of which zero, infinity and NaN mean that there is none.
+    pub(crate) fn new([lower, upper]: [f64; 2], velocity: f64, acceleration: f64) -> Self {
+        let given = |most: f64| (most > 0.0 && most.is_finite()).then_some(most);
+        let position = (lower < upper && (upper - lower).is_finite()).then_some([lower, upper]);
+        Self { position, velocity: given(velocity), acceleration: given(acceleration) }
+    }
 }
 
 /// A serial arm of revolute joints on a fixed base, with all its masses known.
@@ -83,6 +105,14 @@ impl Arm {
     /// Lower and upper position \[rad\] of each joint that simulated motions keep to, n.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
         self.joints.iter().map(|joint| joint.range).collect()
+    }
+
+    /// Limits of each joint as the file of the arm gives them, n.
+    ///
+    /// Unlike [`Arm::ranges`] these may be more than a turn apart. Nothing in this crate keeps to
+    /// the speeds and accelerations.
+    pub fn limits(&self) -> Vec<JointLimits> {
+        self.joints.iter().map(|joint| joint.limits).collect()
     }
 
     /// Joints base to tip.

@@ -1,7 +1,7 @@
 //! DH table in TOML → Arm: standard Denavit–Hartenberg rows with the mass of each link.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::arm::{Arm, Joint, STANDARD_GRAVITY, check_body, check_finite};
+use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, check_body, check_finite};
 use crate::error::DynamicsError;
 use crate::spatial::{Body, Pose};
 use nalgebra::Vector3;
@@ -35,16 +35,11 @@ struct Row {
     inertia: [f64; 6],
     #[serde(default)]
     rotor: f64,
-    #[serde(default = "full_turn")]
-    range: [f64; 2],
+    range: Option<[f64; 2]>,
 }
 
 fn standard_gravity() -> [f64; 3] {
     STANDARD_GRAVITY
-}
-
-fn full_turn() -> [f64; 2] {
-    [-PI, PI]
 }
 
 impl Arm {
@@ -98,7 +93,8 @@ impl Arm {
                 axis: Vector3::z_axis(),
                 body: body.seen_from(&X_JF),
                 rotor: row.rotor,
-                range: row.range,
+                range: row.range.unwrap_or([-PI, PI]),
+                limits: JointLimits { position: row.range, ..JointLimits::default() },
             };
             joints.push((row.name, joint));
             X_PF = X_JF;

@@ -19,19 +19,19 @@ pub(crate) struct Twist {
     /// Angular velocity \[rad/s\].
     pub(crate) w: Vector3<f64>,
     /// Angular acceleration \[rad/s²\].
-    dw: Vector3<f64>,
+    pub(crate) dw: Vector3<f64>,
     /// Acceleration of the origin \[m/s²\]; a base that falls upward stands for gravity.
-    a: Vector3<f64>,
+    pub(crate) a: Vector3<f64>,
 }
 
 impl Twist {
     /// The base: at rest, but for gravity \[m/s²\].
-    fn base(gravity: Vector3<f64>) -> Self {
+    pub(crate) fn base(gravity: Vector3<f64>) -> Self {
         Self { w: Vector3::zeros(), dw: Vector3::zeros(), a: -gravity }
     }
 
     /// One joint outward.
-    fn beyond(&self, joint: &Joint, X_PJ: &Pose, dq: f64, ddq: f64) -> Self {
+    pub(crate) fn beyond(&self, joint: &Joint, X_PJ: &Pose, dq: f64, ddq: f64) -> Self {
         let into = X_PJ.R_AB.transpose();
         let (axis, p) = (joint.axis.into_inner(), X_PJ.p_AB);
         let w_parent = into * self.w;

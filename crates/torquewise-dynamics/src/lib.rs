@@ -24,6 +24,7 @@ pub mod dh;
 pub mod urdf;
 pub mod arms;
 pub mod inverse;
+pub mod regressor;
 pub mod mass;
 pub mod forward;
 pub mod energy;
@@ -32,7 +33,7 @@ mod trajectory;
 pub mod simulate;
 pub mod noise;
 
-pub use arm::Arm;
+pub use arm::{Arm, JointLimits};
 pub use arms::{ArmSummary, arms};
 pub use error::DynamicsError;
 pub use noise::{Noise, add_noise};

@@ -4,7 +4,7 @@
 mod markup;
 mod tree;
 
-use crate::arm::{Arm, Joint, STANDARD_GRAVITY, at_most_one_turn, direction};
+use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, at_most_one_turn, direction};
 use crate::error::DynamicsError;
 use tree::Tree;
 use urdf_rs::JointType;
@@ -14,7 +14,8 @@ impl Arm {
     ///
     /// Revolute and continuous joints move. Fixed joints and the joints named in `locked` (held at
     /// position 0, whatever their type) weld their links together: no mass is lost. Limits of a
-    /// joint become the range of simulated motions; damping and friction are not read.
+    /// joint become the range of simulated motions and its [`Arm::limits`]; damping and friction
+    /// are not read.
     ///
     /// # Errors
     /// [`DynamicsError::Urdf`] and its neighbours if the text is no URDF;
@@ -41,6 +42,7 @@ impl Arm {
                 body: after.body,
                 rotor: 0.0,
                 range: at_most_one_turn(range),
+                limits: JointLimits::new(range, joint.limit.velocity, joint.limit.acceleration),
             };
             joints.push((joint.name.clone(), moved));
             before = after;

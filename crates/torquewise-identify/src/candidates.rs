@@ -121,7 +121,7 @@ impl Terms {
             Self::Torque(terms) => terms[*column].kind() == kind,
             Self::Energy(terms) => match (terms[*column].place, kind) {
                 (place, Kind::Gravity) => place == Place::Potential,
-                (Place::Potential, _) => false,
+                (Place::Potential, _) | (_, Kind::Friction) => false,
                 (_, Kind::Coriolis) => !terms[*column].function.factors.is_empty(),
                 (_, Kind::Inertia) => true,
             },
@@ -149,7 +149,7 @@ fn energy_terms(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> 
 fn product_terms(n_joints: usize, gravity: u8, order: u8, method: Method) -> Vec<Term> {
     match method {
         Method::Sindy => product_library(n_joints, order, &Degree::up_to(2)),
-        Method::Stepwise => {
+        Method::Stepwise | Method::Chain => {
             [(Kind::Gravity, gravity), (Kind::Coriolis, order), (Kind::Inertia, order)]
                 .into_iter()
                 .flat_map(|(kind, order)| product_library(n_joints, order, &[Degree::of(kind)]))

@@ -32,6 +32,8 @@ pub enum IdentifyError {
          limit it to {limit} candidates by a lower interaction order or lower orders"
     )]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
+    #[error("no chain of rigid bodies could be learned: {0}")]
+    Chain(#[from] torquewise_chain::ChainError),
     #[error("numerical work failed: please report this log to the authors of torquewise")]
     Sparse(#[from] SparseError),
 }

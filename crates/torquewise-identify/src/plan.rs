@@ -1,5 +1,6 @@
 //! What the user wants → plan: library, method, selector, clusters.
 
+use crate::beside::FrictionKind;
 use crate::patterns::PatternPlan;
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::criterion::Criterion;
@@ -38,6 +39,9 @@ pub enum Method {
     Stepwise,
     /// The whole library on all rows at once.
     Sindy,
+    /// The energy of a chain of rigid bodies whose geometry is learned as well (E8); the library
+    /// of the plan is not asked.
+    Chain,
 }
 
 /// How a log becomes a model.
@@ -47,6 +51,8 @@ pub struct Plan {
     pub library: LibraryKind,
     /// One-shot or stepwise.
     pub method: Method,
+    /// Friction beside M, C and G (17).
+    pub friction: FrictionKind,
     /// Which terms stay.
     pub selector: Selector,
     /// Coefficients at most this large are dropped, in units of the coefficient (the paper: 0.1).
@@ -66,6 +72,7 @@ impl Default for Plan {
         Self {
             library: LibraryKind::Energy { interaction: None },
             method: Method::Stepwise,
+            friction: FrictionKind::None,
             selector: Selector::Criterion(Criterion::default()),
             threshold: None,
             noise_correction: true,

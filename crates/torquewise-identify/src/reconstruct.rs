@@ -1,6 +1,7 @@
 //! Recording → Reconstruction: the whole method on one page.
 
 use crate::candidates::{Candidates, Group};
+use crate::chain::by_chain;
 use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step, gather_evidence, one_shot, plan_steps};
 use crate::factor::Kept;
@@ -61,6 +62,8 @@ pub enum Progress {
     Survey,
     /// Rows are clustered.
     Patterns,
+    /// The geometry of the arm is learned (E8).
+    Geometry,
     /// Normal equations are summed.
     Evidence,
     /// Terms are selected in a step, counted from 1.
@@ -92,10 +95,13 @@ pub fn reconstruct(
     progress(Progress::Patterns);
     let patterns = find_patterns(&survey, &plan.patterns)?;
 
+    if plan.method == Method::Chain {
+        return by_chain(survey, patterns, plan, progress);
+    }
     let candidates = Candidates::new(survey.joints.len(), plan.library, plan.method)?;
     let (steps, orphans) = match plan.method {
         Method::Stepwise => plan_steps(&candidates, &patterns.present),
-        Method::Sindy => (one_shot(&candidates), Vec::new()),
+        Method::Sindy | Method::Chain => (one_shot(&candidates), Vec::new()),
     };
 
     progress(Progress::Evidence);
@@ -186,6 +192,7 @@ impl<'a> Found<'a> {
             rows: evidence.rows,
             candidates: step.offered.len(),
             form,
+            friction: Vec::new(),
         });
         Ok(())
     }
@@ -259,7 +266,8 @@ impl<'a> Found<'a> {
         };
         let form = form(self.candidates, &terms);
         let joints = survey.joints.clone();
-        let model = Model { joints, form, stages: self.stages, training };
+        let (stages, friction, choices) = (self.stages, Vec::new(), Vec::new());
+        let model = Model { joints, form, friction, stages, training, choices };
         let candidates = self.candidates.len();
         Reconstruction {
             model,

@@ -1,6 +1,7 @@
 //! Survey, patterns, fit → warnings: what the user should know, in words.
 
 use crate::candidates::Candidates;
+use crate::excitation::{Finding, findings};
 use crate::patterns::Patterns;
 use crate::plan::{Method, Plan};
 use crate::refit::Refitted;
@@ -45,6 +46,8 @@ pub enum Warning {
         /// Held-out residual over the standard deviation of its torque.
         residual: f64,
     },
+    /// What the motion of the log leaves open.
+    Excitation(Finding),
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -85,7 +88,7 @@ impl Warning {
         warnings
     }
 
-    fn of_survey(survey: &Survey) -> Vec<Self> {
+    pub(crate) fn of_survey(survey: &Survey) -> Vec<Self> {
         let name = |joint: usize| survey.joints[joint].clone();
         let mut warnings: Vec<Self> = survey
             .constant_joints()
@@ -102,6 +105,7 @@ impl Warning {
                 warnings.push(Self::Units { joint: name(joint), largest });
             }
         }
+        warnings.extend(findings(survey).into_iter().map(Self::Excitation));
         warnings
     }
 }
@@ -146,6 +150,7 @@ impl fmt::Display for Warning {
                  unexplained on held-out rows; try higher ones, or record more motion",
                 100.0 * residual
             ),
+            Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Units { joint, largest } => write!(
                 f,
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"

@@ -1,11 +1,28 @@
-//! Rows → Motion blocks: split at gaps, q̇ and q̈ completed, in fixed memory.
+//! Rows of signals → blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
 use crate::error::LogError;
 use crate::gaps::UsualStep;
 use crate::layout::Signal;
-use crate::rows::Rows;
+use crate::signal_rows::{Origin, ReadReport, SignalRows};
 use faer::Mat;
 use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
+
+/// Some rows of a trajectory as they were recorded, in SI units: nothing is derived or smoothed.
+///
+/// Time stamps advance, but need not be even. All values are finite.
+#[derive(Clone, Debug)]
+pub struct RawBlock {
+    /// Time stamps \[s\], m.
+    pub t: Vec<f64>,
+    /// Joint positions \[rad\], m×n.
+    pub q: Mat<f64>,
+    /// Joint velocities \[rad/s\], m×n, if recorded.
+    pub dq: Option<Mat<f64>>,
+    /// Joint accelerations \[rad/s²\], m×n, if recorded.
+    pub ddq: Option<Mat<f64>>,
+    /// Joint torques \[N·m\], m×n, if recorded.
+    pub tau: Option<Mat<f64>>,
+}
 
 /// The blocks of one log file.
 ///
@@ -16,10 +33,10 @@ use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signal
 /// done … known  of this trajectory
 /// known …       not yet looked at; of the next trajectory if `ended`
 /// ```
-pub(crate) struct Blocks<'a> {
-    rows: Box<dyn Rows>,
-    joints: &'a [String],
-    /// How missing q̇ or q̈ are found; `None` if the file has both.
+pub(crate) struct Blocks {
+    rows: SignalRows,
+    joints: Vec<String>,
+    /// How missing q̇ or q̈ are found; `None` if the file has both or none is wanted.
     polynomial: Option<LocalPolynomial>,
     columns: Vec<Vec<f64>>,
     done: usize,
@@ -28,23 +45,23 @@ pub(crate) struct Blocks<'a> {
     at_end_of_file: bool,
     usual_step: Option<UsualStep>,
     trajectory: usize,
-    /// Data row of the first row in `columns`.
-    first_row: u64,
+    /// Where the rows of `columns` come from.
+    origins: Vec<Origin>,
 }
 
-impl<'a> Blocks<'a> {
+impl Blocks {
     pub(crate) fn new(
-        rows: Box<dyn Rows>,
-        joints: &'a [String],
-        polynomial: LocalPolynomial,
+        rows: SignalRows,
+        joints: &[String],
+        polynomial: Option<LocalPolynomial>,
     ) -> Self {
         let layout = rows.layout();
         let complete = [Signal::Dq, Signal::Ddq].iter().all(|s| layout.slot(*s).is_some());
-        let columns = vec![Vec::new(); layout.columns().len()];
+        let columns = vec![Vec::new(); layout.n_slots()];
         Self {
             rows,
-            joints,
-            polynomial: (!complete).then_some(polynomial),
+            joints: joints.to_vec(),
+            polynomial: polynomial.filter(|_| !complete),
             columns,
             done: 0,
             known: 0,
@@ -52,29 +69,46 @@ impl<'a> Blocks<'a> {
             at_end_of_file: false,
             usual_step: None,
             trajectory: 0,
-            first_row: 1,
+            origins: Vec::new(),
         }
     }
 
     /// The next block and the index of its trajectory in this file; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<(usize, Motion)>, LogError> {
+        let Some(rows) = self.next_rows()? else { return Ok(None) };
+        let block = self.block(rows)?;
+        self.hand_out(rows);
+        Ok(Some((self.trajectory, block)))
+    }
+
+    /// The same as it was recorded.
+    pub(crate) fn next_raw(&mut self) -> Result<Option<(usize, RawBlock)>, LogError> {
+        let Some(rows) = self.next_rows()? else { return Ok(None) };
+        let block = self.raw_block(rows)?;
+        self.hand_out(rows);
+        Ok(Some((self.trajectory, block)))
+    }
+
+    /// What was read so far.
+    pub(crate) fn report(&self) -> ReadReport {
+        self.rows.report()
+    }
+
+    /// How many rows the next block has; `None` at the end.
+    fn next_rows(&mut self) -> Result<Option<usize>, LogError> {
         self.look_ahead()?;
         if self.known == self.done && self.ended {
             self.begin_trajectory();
             self.look_ahead()?;
         }
         let rows = (self.known - self.done).min(BLOCK_ROWS);
-        if rows == 0 {
-            let file = self.rows.place().file;
-            return if self.first_row == 1 && self.done == 0 {
-                Err(LogError::NoRows { file })
-            } else {
-                Ok(None)
-            };
+        if rows > 0 {
+            return Ok(Some(rows));
         }
-        let block = self.block(rows)?;
-        self.hand_out(rows);
-        Ok(Some((self.trajectory, block)))
+        if self.rows.report().rows > 0 {
+            return Ok(None);
+        }
+        Err(self.rows.none_left())
     }
 
     /// Rows that a window reaches to each side.
@@ -90,9 +124,9 @@ impl<'a> Blocks<'a> {
         let wanted = self.done + BLOCK_ROWS + self.reach();
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
-            self.at_end_of_file = !self.rows.next(&mut row)?;
-            if !self.at_end_of_file {
-                self.push(&row)?;
+            match self.rows.next(&mut row)? {
+                Some(origin) => self.push(&row, origin)?,
+                None => self.at_end_of_file = true,
             }
         }
         let t = &self.columns[0];
@@ -101,13 +135,14 @@ impl<'a> Blocks<'a> {
         }
         let usual = self.usual_step.get_or_insert_with(|| UsualStep::new(t));
         while self.known < t.len() && !self.ended {
-            self.ended = usual.is_gap(t[self.known] - t[self.known - 1]);
+            let another = self.origins[self.known].part != self.origins[self.known - 1].part;
+            self.ended = another || usual.is_gap(t[self.known] - t[self.known - 1]);
             self.known += usize::from(!self.ended);
         }
         Ok(())
     }
 
-    fn push(&mut self, row: &[f64]) -> Result<(), LogError> {
+    fn push(&mut self, row: &[f64], origin: Origin) -> Result<(), LogError> {
         let t = row[0];
         if let Some(&before) = self.columns[0].last().filter(|before| **before >= t) {
             return Err(LogError::TimeOrder { place: self.rows.place(), t, before });
@@ -115,6 +150,7 @@ impl<'a> Blocks<'a> {
         for (column, value) in self.columns.iter_mut().zip(row) {
             column.push(*value);
         }
+        self.origins.push(origin);
         Ok(())
     }
 
@@ -144,31 +180,44 @@ impl<'a> Blocks<'a> {
         for column in &mut self.columns {
             column.drain(..rows);
         }
-        self.first_row += rows as u64;
+        self.origins.drain(..rows);
     }
 
     fn block(&self, rows: usize) -> Result<Motion, LogError> {
-        let (start, end) = (self.done, self.done + rows);
-        let refused = |source| LogError::Motion {
-            file: self.rows.place().file,
-            row: self.first_row + start as u64,
-            source,
-        };
-        let part = |signal| self.signal(signal, start, end);
-        let Some(q) = part(Signal::Q) else {
-            return Err(refused(MotionError::Missing("q")));
-        };
-        let dq = part(Signal::Dq).map_or_else(|| self.derived(Signal::Q, 1, rows), Ok)?;
-        let ddq = part(Signal::Ddq).map_or_else(
-            || match self.rows.layout().slot(Signal::Dq) {
-                Some(_) => self.derived(Signal::Dq, 1, rows),
-                None => self.derived(Signal::Q, 2, rows),
+        let RawBlock { t, q, dq, ddq, tau } = self.raw_block(rows)?;
+        let has_dq = dq.is_some();
+        let dq = dq.map_or_else(|| self.derived(Signal::Q, 1, rows), Ok)?;
+        let ddq = ddq.map_or_else(
+            || {
+                let (signal, order) = if has_dq { (Signal::Dq, 1) } else { (Signal::Q, 2) };
+                self.derived(signal, order, rows)
             },
             Ok,
         )?;
-        let t = self.columns[0][start..end].to_vec();
-        let tau = part(Signal::Tau);
-        Motion::new(Signals { joints: self.joints.to_vec(), t, q, dq, ddq, tau }).map_err(refused)
+        let signals = Signals { joints: self.joints.clone(), t, q, dq, ddq, tau };
+        Motion::new(signals).map_err(|source| self.refused(self.done, source))
+    }
+
+    fn raw_block(&self, rows: usize) -> Result<RawBlock, LogError> {
+        let (start, end) = (self.done, self.done + rows);
+        let part = |signal| self.signal(signal, start, end);
+        let no_q = || self.refused(start, MotionError::Missing("q"));
+        Ok(RawBlock {
+            t: self.columns[0][start..end].to_vec(),
+            q: part(Signal::Q).ok_or_else(no_q)?,
+            dq: part(Signal::Dq),
+            ddq: part(Signal::Ddq),
+            tau: part(Signal::Tau),
+        })
+    }
+
+    /// Number in the file of the row at `place` of `columns`.
+    fn row(&self, place: usize) -> u64 {
+        self.origins.get(place).map_or(1, |origin| origin.number)
+    }
+
+    fn refused(&self, place: usize, source: MotionError) -> LogError {
+        LogError::Motion { file: self.rows.place().file, row: self.row(place), source }
     }
 
     /// Rows `start` … `end` of a signal, if the file has it.
@@ -183,15 +232,10 @@ impl<'a> Blocks<'a> {
         let polynomial = self.polynomial.unwrap_or_default();
         let end = self.known.min(self.done + rows + polynomial.half_window());
         let refused = |source| match source {
-            MotionError::TooFewRows { rows, needed } => LogError::TooShort {
-                file: self.rows.place().file,
-                row: self.first_row,
-                rows,
-                needed,
-            },
-            source => {
-                LogError::Motion { file: self.rows.place().file, row: self.first_row, source }
+            MotionError::TooFewRows { rows, needed } => {
+                LogError::TooShort { file: self.rows.place().file, row: self.row(0), rows, needed }
             }
+            source => self.refused(0, source),
         };
         let x = self.signal(signal, 0, end).ok_or(refused(MotionError::Missing(signal.name())))?;
         let derived = derivative(&self.columns[0][..end], x.as_ref(), polynomial, order);

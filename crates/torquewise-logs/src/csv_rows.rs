@@ -1,8 +1,7 @@
-//! CSV bytes → rows.
+//! CSV bytes → rows, one line at a time.
 
 use crate::error::{LogError, Place, shown};
 use crate::joints::{self, CSV_COMMENT};
-use crate::layout::Layout;
 use crate::lines::{Advance, Lines, MAX_LINE, split};
 use crate::rows::Rows;
 use std::io::BufRead;
@@ -16,8 +15,9 @@ const MAX_FIELD: usize = 4_096;
 pub(crate) struct CsvRows<R> {
     file: PathBuf,
     lines: Lines<R>,
-    layout: Layout,
+    names: Vec<String>,
     joints: Option<Vec<String>>,
+    chosen: Vec<usize>,
     fields: Vec<Range<usize>>,
     row: u64,
 }
@@ -26,39 +26,39 @@ impl<R: BufRead> CsvRows<R> {
     /// Reads up to the header; `file` is named in errors.
     pub(crate) fn new(file: &Path, input: R) -> Result<Self, LogError> {
         let mut lines = Lines::new(input);
-        let mut names = None;
+        let mut joints = None;
         let mut fields = Vec::new();
-        if !next_line(file, &mut lines, &mut fields, Some(&mut names))? {
+        if !next_line(file, &mut lines, &mut fields, Some(&mut joints))? {
             return Err(LogError::Empty { file: file.into() });
         }
-        let layout = layout(file, &lines, &fields)?;
-        let joints =
-            names.map(|names| joints::checked(file, names, layout.n_joints())).transpose()?;
-        Ok(Self { file: file.into(), lines, layout, joints, fields, row: 0 })
+        let names = header(file, &lines, &fields)?;
+        let file = file.into();
+        Ok(Self { file, lines, names, joints, chosen: Vec::new(), fields, row: 0 })
     }
 
-    fn number(&self, slot: usize, column: usize) -> Result<f64, LogError> {
+    fn number(&self, column: usize) -> Result<f64, LogError> {
         let text = self.lines.line()[self.fields[column].clone()].trim_ascii();
         let number = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
-        let value: f64 = number.ok_or_else(|| LogError::NotANumber {
+        number.ok_or_else(|| LogError::NotANumber {
             place: self.place(),
-            column: self.layout.name(slot),
+            column: self.names[column].clone(),
             text: shown(text),
-        })?;
-        if value.is_finite() {
-            return Ok(value);
-        }
-        Err(LogError::NotFinite { place: self.place(), column: self.layout.name(slot), value })
+        })
     }
 }
 
 impl<R: BufRead> Rows for CsvRows<R> {
-    fn layout(&self) -> &Layout {
-        &self.layout
+    fn names(&self) -> &[String] {
+        &self.names
     }
 
     fn joints(&self) -> Option<&[String]> {
         self.joints.as_deref()
+    }
+
+    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+        self.chosen = columns.to_vec();
+        Ok(())
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
@@ -66,12 +66,12 @@ impl<R: BufRead> Rows for CsvRows<R> {
             return Ok(false);
         }
         self.row += 1;
-        let (found, expected) = (self.fields.len(), self.layout.n_columns());
+        let (found, expected) = (self.fields.len(), self.names.len());
         if found != expected {
             return Err(LogError::Ragged { place: self.place(), found, expected });
         }
-        for (slot, (value, column)) in row.iter_mut().zip(self.layout.columns()).enumerate() {
-            *value = self.number(slot, *column)?;
+        for (value, column) in row.iter_mut().zip(&self.chosen) {
+            *value = self.number(*column)?;
         }
         Ok(true)
     }
@@ -120,18 +120,18 @@ fn joint_names<R: BufRead>(file: &Path, lines: &Lines<R>) -> Result<Option<Vec<S
     Ok(Some(joints::parse(std::str::from_utf8(names).map_err(not_utf8)?)))
 }
 
-fn layout<R: BufRead>(
+/// The names in the header line.
+fn header<R: BufRead>(
     file: &Path,
     lines: &Lines<R>,
     fields: &[Range<usize>],
-) -> Result<Layout, LogError> {
+) -> Result<Vec<String>, LogError> {
     let not_utf8 = |_| LogError::NotUtf8 { file: file.into(), line: lines.number() };
     let header = std::str::from_utf8(lines.line()).map_err(not_utf8)?;
     if let ([_], Some(found)) = (fields, header.chars().find(|c| matches!(c, ';' | '\t'))) {
         return Err(LogError::Delimiter { file: file.into(), found });
     }
-    let names: Vec<_> = fields.iter().map(|field| &header[field.clone()]).collect();
-    Layout::new(file, &names)
+    Ok(fields.iter().map(|field| header[field.clone()].trim().to_owned()).collect())
 }
 
 fn too_long<R: BufRead>(

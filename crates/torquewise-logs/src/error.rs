@@ -33,21 +33,23 @@ pub enum LogError {
     #[error("no log file is given: name at least one")]
     NoFiles,
     #[error(
-        "{}: {extension:?} is no log format known here: rename or convert it to .csv or .parquet",
+        "{}: {extension:?} is no log format known here: logs are .csv, .parquet, .db3, .mcap, \
+         .npz or .mat files; convert it to one of them",
         file.display()
     )]
     UnknownExtension { file: PathBuf, extension: String },
-    #[error(
-        "{}: .{extension} logs are not yet supported: convert it to .csv or .parquet with the \
-         columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units",
-        file.display()
-    )]
-    NotYetSupported { file: PathBuf, extension: &'static str },
     #[error("{} cannot be read: check that it exists and may be read", file.display())]
     Read { file: PathBuf, source: io::Error },
 
     #[error("{} is empty: expected a header with t, q1, …", file.display())]
     Empty { file: PathBuf },
+    #[error("{}, trajectory {trajectory}: its signals cannot be conditioned", file.display())]
+    Signals { file: PathBuf, trajectory: usize, source: torquewise_signals::SignalError },
+    #[error(
+        "no trajectory is long enough to be filtered at {cutoff:.2} Hz: \
+         raise the cut-off, or record longer motions"
+    )]
+    NothingLeft { cutoff: f64 },
     #[error("{} has a header but no rows: record the motion again", file.display())]
     NoRows { file: PathBuf },
     #[error(
@@ -115,6 +117,103 @@ pub enum LogError {
     RowGroup { file: PathBuf, source: ArrowError },
     #[error("{} is damaged beyond decoding: copy or convert it again", file.display())]
     Damaged { file: PathBuf },
+    #[error("{} cannot be decoded: copy or convert it again", file.display())]
+    Decode { file: PathBuf, source: io::Error },
+
+    #[error(
+        "{} is no bag of ROS 2 (an SQLite database with tables topics and messages): record it \
+         again or convert it with ros2 bag convert",
+        file.display()
+    )]
+    NoBag { file: PathBuf },
+    #[error("{} cannot be read as an SQLite bag: copy it again or repair it", file.display())]
+    Database { file: PathBuf, source: rusqlite::Error },
+    #[error("{} is no whole MCAP file: copy it again or run mcap recover", file.display())]
+    Mcap { file: PathBuf, source: Box<mcap::McapError> },
+    #[error(
+        "{} has no joint states (sensor_msgs/msg/JointState in CDR), its topics are {found}: \
+         record /joint_states",
+        file.display()
+    )]
+    NoJointState { file: PathBuf, found: String },
+    #[error(
+        "{} has several topics of joint states, {found}: choose one with topic = \"…\" \
+         in a profile",
+        file.display()
+    )]
+    SeveralTopics { file: PathBuf, found: String },
+    #[error(
+        "{} has no joint states on topic {topic}, its topics are {found}: choose one of type \
+         sensor_msgs/msg/JointState that has messages",
+        file.display()
+    )]
+    NoSuchTopic { file: PathBuf, topic: String, found: String },
+    #[error(
+        "{} has no message of the joints {wanted}, its first names {found}: name joints as the bag \
+         does",
+        file.display()
+    )]
+    NoSuchJoints { file: PathBuf, wanted: String, found: String },
+    #[error("{place}: the message is no joint state, {reason}: record or convert the bag again")]
+    Message { place: Place, reason: &'static str },
+    #[error(
+        "{place}: the message does not name joint {joint}, only {found}: list the joints that all \
+         messages have as joints = […] in a profile"
+    )]
+    JointGone { place: Place, joint: String, found: String },
+    #[error("{} is no whole NumPy archive: save it again with numpy.savez", file.display())]
+    Npz { file: PathBuf, source: zip::result::ZipError },
+    #[error("{}, array {array}: {reason}: save it again with numpy.savez", file.display())]
+    Array { file: PathBuf, array: String, reason: &'static str },
+    #[error("{} is no whole MAT file of version 5: save it again with -v7", file.display())]
+    Mat { file: PathBuf, source: io::Error },
+    #[error(
+        "{}: column {column} has {found} values, column {first} has {expected}: use arrays with \
+         the same number of instants",
+        file.display()
+    )]
+    ArrayLength { file: PathBuf, column: String, found: usize, first: String, expected: usize },
+
+    #[error("{profile}, line {line}: {reason}: see the keys of a profile in profiles/README.md")]
+    ProfileText { profile: String, line: usize, reason: String },
+    #[error("{profile}: {key} has {found}, expected {expected}")]
+    ProfileKey { profile: String, key: String, found: String, expected: String },
+    #[error(
+        "{} has no column {missing} for {key} of the profile, found {found}: name the columns as \
+         the file does",
+        file.display()
+    )]
+    NoProfileColumn { file: PathBuf, key: String, missing: String, found: String },
+    #[error(
+        "{} has no clock, found {found}: name its column as [t] column = \"…\" or give \
+         rate = … (Hz) in the profile",
+        file.display()
+    )]
+    NoClock { file: PathBuf, found: String },
+    #[error("{}: the profile leaves out all joints: keep one", file.display())]
+    NoJointsLeft { file: PathBuf },
+    #[error(
+        "{}: no column of it is used: name its columns as NAME.column, or drop it from [beside]",
+        file.display()
+    )]
+    BesideUnused { file: PathBuf },
+    #[error(
+        "{} has {found} rows, {} has {expected}: files beside each other have the same rows",
+        file.display(),
+        log.display()
+    )]
+    RowsDiffer { file: PathBuf, found: u64, log: PathBuf, expected: u64 },
+    #[error(
+        "{place}: column {column} is {found} s, in the log it is {expected} s: files beside each \
+         other have the same clock"
+    )]
+    ClocksDiffer { place: Place, column: String, found: f64, expected: f64 },
+    #[error(
+        "{}: none of its {found} rows is left, {dropped} were not finite: check rows and seconds \
+         of the profile, and the columns",
+        file.display()
+    )]
+    NoRowsLeft { file: PathBuf, found: u64, dropped: u64 },
 
     #[error(
         "{} names {found} joints but has {expected}: name each joint once",
@@ -161,6 +260,8 @@ pub enum LogError {
         file.display()
     )]
     Write { file: PathBuf, source: io::Error },
+    #[error("{}: this format is only read: name the output .csv or .parquet", file.display())]
+    NotWritten { file: PathBuf },
     #[error("{} cannot be written as Parquet: check that the disk has room", file.display())]
     WriteParquet { file: PathBuf, source: ParquetError },
     #[error("{}: {found} columns of values for a table of {expected}", file.display())]
@@ -181,6 +282,18 @@ pub enum LogError {
 impl LogError {
     pub(crate) fn read(file: &Path) -> impl Fn(io::Error) -> Self {
         move |source| Self::Read { file: file.into(), source }
+    }
+
+    pub(crate) fn damaged(file: &Path) -> impl Fn(io::Error) -> Self {
+        move |source| Self::Decode { file: file.into(), source }
+    }
+
+    pub(crate) fn database(file: &Path) -> impl Fn(rusqlite::Error) -> Self {
+        move |source| Self::Database { file: file.into(), source }
+    }
+
+    pub(crate) fn npz(file: &Path) -> impl Fn(zip::result::ZipError) -> Self {
+        move |source| Self::Npz { file: file.into(), source }
     }
 
     pub(crate) fn parquet(file: &Path) -> impl Fn(ParquetError) -> Self {

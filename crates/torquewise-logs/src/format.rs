@@ -3,32 +3,40 @@
 use crate::error::{LogError, shown};
 use std::path::Path;
 
-/// Formats whose readers are still to come.
-const PLANNED: [&str; 4] = ["db3", "mcap", "npz", "mat"];
-
-/// A log format that can be read and written.
+/// A log format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     Csv,
     Parquet,
+    /// Bag of ROS 2 in an SQLite database.
+    Db3,
+    /// Bag of ROS 2 in an MCAP container.
+    Mcap,
+    /// Arrays of NumPy.
+    Npz,
+    /// Variables of MATLAB, version 5 of the format.
+    Mat,
 }
 
 impl Format {
+    const NAMED: [(&str, Self); 6] = [
+        ("csv", Self::Csv),
+        ("parquet", Self::Parquet),
+        ("db3", Self::Db3),
+        ("mcap", Self::Mcap),
+        ("npz", Self::Npz),
+        ("mat", Self::Mat),
+    ];
+
     /// The format named by the extension of `file`, in upper or lower case.
     pub(crate) fn of(file: &Path) -> Result<Self, LogError> {
         let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
         let extension = extension.unwrap_or_default();
-        if let Some(planned) = PLANNED.into_iter().find(|planned| *planned == extension) {
-            return Err(LogError::NotYetSupported { file: file.into(), extension: planned });
-        }
-        match extension.as_str() {
-            "csv" => Ok(Self::Csv),
-            "parquet" => Ok(Self::Parquet),
-            _ => {
-                let extension = shown(extension.as_bytes());
-                Err(LogError::UnknownExtension { file: file.into(), extension })
-            }
-        }
+        let known = Self::NAMED.into_iter().find(|(name, _)| *name == extension);
+        known.map(|(_, format)| format).ok_or_else(|| LogError::UnknownExtension {
+            file: file.into(),
+            extension: shown(extension.as_bytes()),
+        })
     }
 }
 
@@ -39,18 +47,22 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn csv_and_parquet_are_known_in_any_case() {
-        assert_eq!(Format::of(Path::new("a/b.csv")).unwrap(), Format::Csv);
-        assert_eq!(Format::of(Path::new("B.CSV")).unwrap(), Format::Csv);
-        assert_eq!(Format::of(Path::new("x.y.Parquet")).unwrap(), Format::Parquet);
+    fn formats_are_known_in_any_case() {
+        for (file, format) in [
+            ("a/b.csv", Format::Csv),
+            ("B.CSV", Format::Csv),
+            ("x.y.Parquet", Format::Parquet),
+            ("a.db3", Format::Db3),
+            ("a.MCAP", Format::Mcap),
+            ("a.npz", Format::Npz),
+            ("a.mat", Format::Mat),
+        ] {
+            assert_eq!(Format::of(Path::new(file)).unwrap(), format, "{file}");
+        }
     }
 
     #[test]
-    fn planned_formats_are_told_from_unknown_ones() {
-        for planned in ["a.db3", "a.mcap", "a.NPZ", "a.mat"] {
-            let refused = Format::of(Path::new(planned));
-            assert!(matches!(refused, Err(LogError::NotYetSupported { .. })), "{planned}");
-        }
+    fn unknown_formats_are_refused() {
         for unknown in ["a.txt", "a", ".csv", "a.csv.gz"] {
             let refused = Format::of(Path::new(unknown));
             assert!(matches!(refused, Err(LogError::UnknownExtension { .. })), "{unknown}");

@@ -35,7 +35,8 @@ pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<S
     check(&names).map(|()| names)
 }
 
-fn check(names: &[String]) -> Result<(), LogError> {
+/// Makes sure that [`join`] can keep them.
+pub(crate) fn check(names: &[String]) -> Result<(), LogError> {
     let mut seen = HashSet::new();
     let keepable = |name: &str| {
         !name.is_empty()

@@ -1,8 +1,12 @@
-//! Motion logs of robot arms: CSV and Parquet, read in fixed memory and checked.
+//! Motion logs of robot arms: read in bounded memory and checked, whatever program wrote them.
 //!
 //! Columns are `t`, `q1…qn`, `dq1…dqn`, `ddq1…ddqn`, `tau1…taun` in SI units and in any order;
-//! dq, ddq and tau may be missing. [`Logs`] reads several files as one
-//! [`Recording`](torquewise_motion::Recording), [`LogWriter`] and [`TableWriter`] write them.
+//! dq, ddq and tau may be missing. Any other layout is described by a [`Profile`], which
+//! [`suggest`](suggest()) drafts. Read are CSV, Parquet, bags of ROS 2 (`.db3` and `.mcap` with
+//! joint states), NumPy archives (`.npz`) and MATLAB files (`.mat`).
+//!
+//! [`Logs`] reads several files as one [`Recording`](torquewise_motion::Recording), or as recorded
+//! with [`Logs::read_raw`]; [`LogWriter`] and [`TableWriter`] write CSV and Parquet.
 //!
 //! ```
 //! use torquewise_logs::Logs;
@@ -20,26 +24,43 @@
 //! ```
 
 pub mod error;
+mod guarded;
 mod format;
 mod joints;
-mod layout;
 mod rows;
 mod lines;
 mod csv_rows;
 mod parquet_rows;
-mod source;
+mod bag;
+mod arrays;
+mod layout;
+mod mapping;
+mod plain;
+pub mod profile;
+mod by_profile;
+mod beside;
+pub mod signal_rows;
+pub mod source;
 mod gaps;
-mod blocks;
+pub mod blocks;
 pub mod logs;
+pub mod conditioned;
+pub mod suggest;
 pub mod units;
 pub mod columns;
 mod sink;
 pub mod table;
 pub mod log_writer;
 
+pub use blocks::RawBlock;
+pub use conditioned::ConditionedLogs;
 pub use columns::{Column, ColumnKind, Values};
 pub use error::{LogError, Place};
 pub use log_writer::{Contents, LogWriter, write_motion};
 pub use logs::Logs;
+pub use profile::Profile;
+pub use signal_rows::{Clock, ReadReport};
+pub use source::Options;
+pub use suggest::{Suggestion, suggest};
 pub use table::TableWriter;
 pub use units::{UnitWarning, unit_warnings};

@@ -1,13 +1,15 @@
 //! Log files → Recording: several files read as one, any number of times.
 
-use crate::blocks::Blocks;
+use crate::blocks::{Blocks, RawBlock};
 use crate::error::LogError;
 use crate::joints;
 use crate::layout::Signal;
-use crate::source::Source;
+use crate::signal_rows::ReadReport;
+use crate::source::{Options, Source};
 use faer::Mat;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::{LocalPolynomial, Motion, MotionError, ReadError, Recording, Signals};
 
 /// Log files of one arm.
@@ -24,19 +26,30 @@ pub struct Logs {
     paths: Vec<PathBuf>,
     joints: Vec<String>,
     polynomial: LocalPolynomial,
+    report: Arc<Mutex<ReadReport>>,
 }
 
 impl Logs {
-    /// Reads the headers of `.csv` and `.parquet` files; their rows are checked when read.
+    /// Reads the headers of files in columns `t`, `q1`…`qn`, … and the messages of bags; other rows
+    /// are checked when read.
     ///
     /// # Errors
     /// [`LogError`] if a file cannot be opened, its header is not understood, or the files differ
     /// in the number or the names of their joints.
     pub fn open(paths: &[PathBuf]) -> Result<Self, LogError> {
-        let sources = paths.iter().map(|path| Source::open(path)).collect::<Result<Vec<_>, _>>()?;
+        Self::open_with(paths, &Options::default())
+    }
+
+    /// The same for files with other columns, bags with several topics, or faulty rows.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open), and if a file does not have what the profile says.
+    pub fn open_with(paths: &[PathBuf], options: &Options) -> Result<Self, LogError> {
+        let open = |path: &PathBuf| Source::open(path, options);
+        let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let joints = agreed_joints(&sources)?;
-        let polynomial = LocalPolynomial::default();
-        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial })
+        let (polynomial, report) = (LocalPolynomial::default(), Arc::default());
+        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, report })
     }
 
     /// The same logs, with missing dq and ddq found by `polynomial`.
@@ -74,7 +87,7 @@ impl Logs {
     /// # Errors
     /// [`LogError::NoTorque`] names the first that does not.
     pub fn require_tau(&self) -> Result<(), LogError> {
-        match self.sources.iter().find(|source| source.layout.slot(Signal::Tau).is_none()) {
+        match self.sources.iter().find(|source| source.mapping.layout.slot(Signal::Tau).is_none()) {
             Some(source) => Err(LogError::NoTorque { file: source.file.clone() }),
             None => Ok(()),
         }
@@ -82,7 +95,7 @@ impl Logs {
 
     /// Columns of any file that are not read, in alphabetical order.
     pub fn ignored_columns(&self) -> Vec<String> {
-        let ignored = self.sources.iter().flat_map(|source| source.layout.ignored());
+        let ignored = self.sources.iter().flat_map(|source| &source.mapping.ignored);
         ignored.cloned().collect::<BTreeSet<_>>().into_iter().collect()
     }
 
@@ -105,23 +118,54 @@ impl Logs {
     }
 
     fn all_have(&self, signal: Signal) -> bool {
-        self.sources.iter().all(|source| source.layout.slot(signal).is_some())
+        self.sources.iter().all(|source| source.mapping.layout.slot(signal).is_some())
+    }
+
+    /// Calls `visit` with each block as it was recorded, and with the index of its trajectory.
+    ///
+    /// Blocks have at most 1 024 rows and are cut as those of [`Recording::read`] are, but missing
+    /// dq and ddq stay missing.
+    ///
+    /// # Errors
+    /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
+    pub fn read_raw<E: From<LogError>>(
+        &self,
+        visit: &mut dyn FnMut(usize, &RawBlock) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.each(None, Blocks::next_raw, visit)
+    }
+
+    /// What the last complete reading came to: rows, and what was dropped or sorted.
+    pub fn report(&self) -> ReadReport {
+        *self.report.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn visit<E: From<LogError>>(
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), E>,
     ) -> Result<(), E> {
+        self.each(Some(self.polynomial), Blocks::next, visit)
+    }
+
+    fn each<B, E: From<LogError>>(
+        &self,
+        polynomial: Option<LocalPolynomial>,
+        next: impl Fn(&mut Blocks) -> Result<Option<(usize, B)>, LogError>,
+        visit: &mut dyn FnMut(usize, &B) -> Result<(), E>,
+    ) -> Result<(), E> {
         let mut first = 0;
+        let mut report = ReadReport::default();
         for source in &self.sources {
-            let mut blocks = Blocks::new(source.rows()?, &self.joints, self.polynomial);
+            let mut blocks = Blocks::new(source.rows()?, &self.joints, polynomial);
             let mut last = first;
-            while let Some((trajectory, block)) = blocks.next()? {
+            while let Some((trajectory, block)) = next(&mut blocks)? {
                 last = first + trajectory;
                 visit(last, &block)?;
             }
             first = last + 1;
+            report = report.and(blocks.report());
         }
+        *self.report.lock().unwrap_or_else(PoisonError::into_inner) = report;
         Ok(())
     }
 }
@@ -142,9 +186,10 @@ impl Recording for Logs {
 /// The joint names of all files: those of the first file that has any.
 fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
     let first = sources.first().ok_or(LogError::NoFiles)?;
-    let expected = first.layout.n_joints();
-    if let Some(other) = sources.iter().find(|source| source.layout.n_joints() != expected) {
-        let (file, found) = (other.file.clone(), other.layout.n_joints());
+    let expected = first.mapping.layout.n_joints();
+    if let Some(other) = sources.iter().find(|source| source.mapping.layout.n_joints() != expected)
+    {
+        let (file, found) = (other.file.clone(), other.mapping.layout.n_joints());
         return Err(LogError::JointCount { file, found, first: first.file.clone(), expected });
     }
     let mut named = sources.iter().filter_map(|s| Some((s.file.as_path(), s.joints.as_ref()?)));

@@ -1,19 +1,44 @@
-//! Log file → rows: what every format is decoded to, one row of numbers after the other.
+//! Log file → rows: what every format is decoded to, named columns of numbers.
 
 use crate::error::{LogError, Place};
-use crate::layout::Layout;
 
-/// The rows of one log file, in order.
+/// The rows of one log file, in order, as they stand in it.
 pub(crate) trait Rows {
-    /// Which signals the rows hold.
-    fn layout(&self) -> &Layout;
+    /// Names of the columns that can be chosen, as the file gives them less outer space.
+    fn names(&self) -> &[String];
 
     /// Joint names, if the file keeps any.
-    fn joints(&self) -> Option<&[String]>;
+    fn joints(&self) -> Option<&[String]> {
+        None
+    }
 
-    /// Puts the next row into `row`, one finite value per slot of the layout; `false` at the end.
+    /// Chooses the columns that rows are made of, in their order; called before the first row.
+    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError>;
+
+    /// Puts the next row into `row`, one value per chosen column; `false` at the end. A value that
+    /// is not there is NaN.
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError>;
+
+    /// Whether the file has a null where the row last read has NaN; `column` as chosen.
+    fn is_null(&self, column: usize) -> bool {
+        let _ = column;
+        false
+    }
 
     /// Where the row last read stands.
     fn place(&self) -> Place;
+
+    /// What was not taken as it stands so far.
+    fn irregular(&self) -> Irregular {
+        Irregular::default()
+    }
+}
+
+/// Rows that a reader put elsewhere or passed over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Irregular {
+    /// Rows that came after one with a later time stamp and were sorted.
+    pub(crate) sorted: u64,
+    /// Messages of other joints.
+    pub(crate) passed_over: u64,
 }

@@ -1,11 +1,20 @@
-//! Path → rows: a log file that can be read any number of times.
+//! Path → rows of signals: a log file that can be read any number of times.
 
+use crate::arrays::{ArrayFormat, ArrayRows};
+use crate::bag::{BagRows, Storage, Survey, Wanted};
+use crate::beside::{Beside, ClockColumn, SideBySide};
+use crate::by_profile::{Offer, by_profile};
 use crate::csv_rows::CsvRows;
 use crate::error::LogError;
 use crate::format::Format;
-use crate::layout::Layout;
+use crate::joints;
+use crate::mapping::Mapping;
 use crate::parquet_rows::ParquetRows;
+use crate::plain::plain;
+use crate::profile::Profile;
+use crate::profile::unit::time_factor;
 use crate::rows::Rows;
+use crate::signal_rows::{Clock, SignalRows};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -13,40 +22,136 @@ use std::path::{Path, PathBuf};
 /// Bytes read from a text file at once.
 const BUFFER_BYTES: usize = 1 << 16;
 
+/// How logs are to be read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// What their columns mean; without it they are `t`, `q1`…`qn`, … in SI units.
+    pub profile: Option<Profile>,
+    /// Topic of the joint states of a bag; goes before that of the profile.
+    pub topic: Option<String>,
+    /// What becomes of faulty rows. With a profile they are dropped in any case.
+    pub clock: Clock,
+}
+
 /// A log file and what its header says.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     pub(crate) file: PathBuf,
-    pub(crate) layout: Layout,
+    pub(crate) mapping: Mapping,
     pub(crate) joints: Option<Vec<String>>,
+    opening: Opening,
+    names: Vec<String>,
+    clock: Clock,
+}
+
+/// All that is needed to open the files of a log again.
+#[derive(Clone, Debug)]
+struct Opening {
     format: Format,
+    survey: Option<Survey>,
+    beside: Vec<(String, PathBuf)>,
+    clock_column: Option<ClockColumn>,
 }
 
 impl Source {
-    /// Reads the header only.
-    pub(crate) fn open(file: &Path) -> Result<Self, LogError> {
-        let format = Format::of(file)?;
-        let rows = rows(file, format)?;
-        let joints = rows.joints().map(<[String]>::to_vec);
-        Ok(Self { file: file.into(), layout: rows.layout().clone(), joints, format })
+    /// Reads the header; of a bag all messages, which say what it holds.
+    pub(crate) fn open(file: &Path, options: &Options) -> Result<Self, LogError> {
+        let profile = options.profile.as_ref();
+        let opening = Opening::new(file, options)?;
+        let rows = opening.rows(file)?;
+        let is_bag = opening.survey.is_some();
+        let offer = Offer { file, names: rows.names(), joints: rows.joints(), is_bag };
+        let mapping = match profile {
+            Some(profile) => by_profile(profile, offer)?,
+            None if is_bag => by_profile(&Profile::default(), offer)?,
+            None => plain(file, rows.names())?,
+        };
+        let n = mapping.layout.n_joints();
+        let own = |names: &[String]| joints::checked(file, names.to_vec(), n);
+        let joints = match &mapping.joints {
+            Some(names) => Some(names.clone()),
+            None => rows.joints().map(own).transpose()?,
+        };
+        let clock = if profile.is_some() { Clock::Repair } else { options.clock };
+        let names = rows.names().to_vec();
+        let source = Self { file: file.into(), mapping, joints, opening, names, clock };
+        // Columns that cannot be read are told now.
+        source.rows_from(rows)?;
+        Ok(source)
     }
 
     /// The rows, from the first one.
-    pub(crate) fn rows(&self) -> Result<Box<dyn Rows>, LogError> {
-        let rows = rows(&self.file, self.format)?;
-        if *rows.layout() != self.layout {
+    pub(crate) fn rows(&self) -> Result<SignalRows, LogError> {
+        let rows = self.opening.rows(&self.file)?;
+        if rows.names() != self.names {
             return Err(LogError::Changed { file: self.file.clone() });
         }
-        Ok(rows)
+        self.rows_from(rows)
+    }
+
+    fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows, LogError> {
+        let reads_on = !self.opening.beside.is_empty();
+        SignalRows::new(rows, self.mapping.clone(), self.clock, reads_on)
     }
 }
 
-fn rows(file: &Path, format: Format) -> Result<Box<dyn Rows>, LogError> {
+impl Opening {
+    fn new(file: &Path, options: &Options) -> Result<Self, LogError> {
+        let profile = options.profile.as_ref();
+        let format = Format::of(file)?;
+        let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
+        let joints = profile.map_or(&[][..], |profile| &profile.joints);
+        let survey = survey(file, format, Wanted { topic, joints })?;
+        let folder = file.parent().unwrap_or(Path::new(""));
+        let beside = profile.map(|profile| &profile.beside).into_iter().flatten();
+        let beside = beside.map(|(name, path)| (name.clone(), folder.join(path))).collect();
+        let clock_column = profile
+            .and_then(|profile| profile.t.as_ref())
+            .map(|t| (t.column.clone(), time_factor(t.unit.as_deref()).unwrap_or(1.0)));
+        Ok(Self { format, survey, beside, clock_column })
+    }
+
+    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
+        let log = rows(file, self.format, self.survey.as_ref())?;
+        if self.beside.is_empty() {
+            return Ok(log);
+        }
+        let beside = |(name, path): &(String, PathBuf)| {
+            Ok(Beside { file: path.clone(), name: name.clone(), rows: named_rows(path)? })
+        };
+        let beside = self.beside.iter().map(beside).collect::<Result<_, LogError>>()?;
+        Ok(Box::new(SideBySide::new((file.into(), log), beside, self.clock_column.clone())))
+    }
+}
+
+/// The rows of any file as they stand, of a bag all joints of its first message.
+pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>, LogError> {
+    let format = Format::of(file)?;
+    let survey = survey(file, format, Wanted::default())?;
+    rows(file, format, survey.as_ref())
+}
+
+/// What a bag holds; `None` for another file.
+fn survey(file: &Path, format: Format, wanted: Wanted<'_>) -> Result<Option<Survey>, LogError> {
+    match format {
+        Format::Db3 => Survey::new(file, Storage::Db3, wanted).map(Some),
+        Format::Mcap => Survey::new(file, Storage::Mcap, wanted).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// The rows of a file as they stand; a bag has been surveyed before.
+fn rows(file: &Path, format: Format, survey: Option<&Survey>) -> Result<Box<dyn Rows>, LogError> {
+    if let Some(survey) = survey {
+        return Ok(Box::new(BagRows::open(file, survey.clone())?));
+    }
     Ok(match format {
-        Format::Csv => {
+        Format::Parquet => Box::new(ParquetRows::open(file)?),
+        Format::Npz => Box::new(ArrayRows::open(file, ArrayFormat::Npz)?),
+        Format::Mat => Box::new(ArrayRows::open(file, ArrayFormat::Mat)?),
+        _ => {
             let input = File::open(file).map_err(LogError::read(file))?;
             Box::new(CsvRows::new(file, BufReader::with_capacity(BUFFER_BYTES, input))?)
         }
-        Format::Parquet => Box::new(ParquetRows::open(file)?),
     })
 }

@@ -43,6 +43,7 @@ impl TableWriter {
         let sink: Box<dyn Sink> = match Format::of(file)? {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints.as_deref())?),
             Format::Parquet => Box::new(ParquetSink::create(file, columns, joints)?),
+            _ => return Err(LogError::NotWritten { file: file.into() }),
         };
         Ok(Self { file: file.into(), columns: columns.to_vec(), sink })
     }

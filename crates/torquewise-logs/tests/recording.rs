@@ -76,6 +76,16 @@ fn one_named_file_names_the_joints_of_all() {
 }
 
 #[test]
+fn joint_names_that_are_not_as_many_as_the_joints_are_refused() {
+    let files = Files::new();
+    let file = files.add("a.csv", "# joints: hip\nt,q1,q2\n0,1,2\n");
+
+    let refused = Logs::open(&[file]).unwrap_err();
+
+    assert!(matches!(refused, LogError::JointNameCount { found: 1, expected: 2, .. }));
+}
+
+#[test]
 fn files_of_different_arms_are_refused() {
     let files = Files::new();
     let one = files.add("a.csv", ONE_JOINT);
@@ -94,7 +104,7 @@ fn files_that_cannot_be_opened_are_refused() {
 
     assert!(matches!(Logs::open(&[]), Err(LogError::NoFiles)));
     assert!(matches!(Logs::open(&[missing]), Err(LogError::Read { .. })));
-    assert!(matches!(Logs::open(&[bag]), Err(LogError::NotYetSupported { .. })));
+    assert!(matches!(Logs::open(&[bag]), Err(LogError::Empty { .. })));
     let folder = files.0.path().join("folder.csv");
     std::fs::create_dir(&folder).unwrap();
     assert!(matches!(Logs::open(&[folder]), Err(LogError::Read { .. })));

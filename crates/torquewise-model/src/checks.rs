@@ -64,14 +64,12 @@ fn skew_defect(torque: &Torque, q: &[f64], dq: &[f64]) -> Result<f64, ModelError
     let n = q.len();
     let moved = |h: f64| -> Vec<f64> { q.iter().zip(dq).map(|(q, dq)| q + h * dq).collect() };
     let (ahead, behind) = (torque.mass_matrix(&moved(STEP))?, torque.mass_matrix(&moved(-STEP))?);
-    let rest = vec![0.0; n];
-    let (with, without) = (torque.at(q, dq, &rest)?, torque.at(q, &rest, &rest)?);
+    let coriolis = torque.coriolis(q, dq)?;
 
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     let m_dot_dq: Vec<f64> = (0..n)
         .map(|i| (0..n).map(|j| (ahead[(i, j)] - behind[(i, j)]) / (2.0 * STEP) * dq[j]).sum())
         .collect();
-    let coriolis: Vec<f64> = with.iter().zip(&without).map(|(a, b)| a - b).collect();
     let norm = |a: &[f64]| dot(a, a).sqrt();
     let scale = norm(dq) * (norm(&m_dot_dq) + 2.0 * norm(&coriolis));
     let power = dot(dq, &m_dot_dq) - 2.0 * dot(dq, &coriolis);

@@ -18,7 +18,7 @@ pub enum ModelError {
     #[error("not a model file: {reason}; it may be cut off or of another program: fit it anew")]
     NotAModel { reason: String },
     #[error(
-        "the model file has version {found}, this program reads version {known}: \
+        "the model file has version {found}, this program reads up to version {known}: \
          update torquewise, or fit the model anew"
     )]
     Version { found: u64, known: u64 },
@@ -26,6 +26,11 @@ pub enum ModelError {
     Step { found: usize, known: usize },
     #[error("the model file is damaged: {what} is not finite in {place}; fit the model anew")]
     NotFinite { what: &'static str, place: String },
+    #[error(
+        "the model file is damaged: {what} of the friction {place} is {found}, expected \
+         {expected}; fit the model anew"
+    )]
+    Friction { what: &'static str, place: String, found: String, expected: &'static str },
     #[error(transparent)]
     Motion(#[from] torquewise_motion::MotionError),
 }

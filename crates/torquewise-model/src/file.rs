@@ -1,12 +1,15 @@
 //! Model → text → Model: a versioned JSON file.
 
 use crate::error::ModelError;
+use crate::friction::{Direction, FrictionLaw, FrictionTerm};
 use crate::model::{Form, Model, Weighted};
 use crate::term::Term;
 use serde::{Deserialize, Serialize};
+use std::fmt::Display;
 
-/// Version of the file format this program writes, and the newest it reads.
-pub const FILE_VERSION: u64 = 1;
+/// Version of the file format this program writes, and the newest it reads. Version 1 had neither
+/// friction nor choices.
+pub const FILE_VERSION: u64 = 2;
 const FORMAT: &str = "torquewise-model";
 
 #[derive(Serialize)]
@@ -26,7 +29,8 @@ struct Header {
 /// The text of a model file.
 ///
 /// # Errors
-/// [`ModelError::NotFinite`] if a coefficient is not finite, which JSON cannot hold.
+/// [`ModelError::NotFinite`] if a coefficient is not finite, which JSON cannot hold, or what
+/// [`from_json`] would find wrong with the parts of the model.
 pub fn to_json(model: &Model) -> Result<String, ModelError> {
     check(model)?;
     let written = Written { format: FORMAT, version: FILE_VERSION, model };
@@ -39,8 +43,8 @@ pub fn to_json(model: &Model) -> Result<String, ModelError> {
 ///
 /// # Errors
 /// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if a
-/// newer program wrote it, [`ModelError::Shape`] or [`ModelError::NotFinite`] if its parts do not
-/// fit.
+/// newer program wrote it, [`ModelError::Shape`], [`ModelError::NotFinite`] or
+/// [`ModelError::Friction`] if its parts do not fit.
 pub fn from_json(text: &str) -> Result<Model, ModelError> {
     let not_a_model =
         |error: serde_json::Error| ModelError::NotAModel { reason: error.to_string() };
@@ -49,7 +53,7 @@ pub fn from_json(text: &str) -> Result<Model, ModelError> {
     if header.format != FORMAT {
         return Err(ModelError::NotAModel { reason: format!("its format is {:?}", header.format) });
     }
-    if header.version != FILE_VERSION {
+    if !(1..=FILE_VERSION).contains(&header.version) {
         return Err(ModelError::Version { found: header.version, known: FILE_VERSION });
     }
     if let Some(fields) = value.as_object_mut() {
@@ -67,8 +71,19 @@ fn check(model: &Model) -> Result<(), ModelError> {
     if n == 0 {
         return Err(ModelError::NotAModel { reason: "it has no joints".into() });
     }
-    let stages = model.stages.iter().map(|stage| &stage.form);
-    std::iter::once(&model.form).chain(stages).try_for_each(|form| check_form(form, n))
+    let stages = model.stages.iter().map(|stage| (&stage.form, &stage.friction));
+    for (form, friction) in std::iter::once((&model.form, &model.friction)).chain(stages) {
+        check_form(form, n)?;
+        friction.iter().try_for_each(|weighted| check_friction(weighted, n))?;
+    }
+    for candidate in model.choices.iter().flat_map(|choice| &choice.from) {
+        for (what, value) in
+            [("a held-out error", candidate.error), ("its standard error", candidate.std_error)]
+        {
+            finite(what, value, || candidate.label.clone())?;
+        }
+    }
+    Ok(())
 }
 
 fn check_form(form: &Form, n: usize) -> Result<(), ModelError> {
@@ -92,14 +107,47 @@ fn check_weighted<T>(weighted: &Weighted<T>, term: &Term, n: usize) -> Result<()
     for factor in &term.factors {
         expect("the angles of a term", factor.multiples.len(), n)?;
     }
-    for (what, value) in
-        [("a coefficient", weighted.coefficient), ("a standard error", weighted.std_error)]
-    {
-        if !value.is_finite() {
-            return Err(ModelError::NotFinite { what, place: term.name() });
-        }
+    finite("a coefficient", weighted.coefficient, || term.name())?;
+    finite("a standard error", weighted.std_error, || term.name())
+}
+
+/// Whether the shaft is one of n joints and turns, and the law is a function of its speed.
+fn check_friction(weighted: &Weighted<FrictionTerm>, n: usize) -> Result<(), ModelError> {
+    let term = &weighted.term;
+    expect("the shaft of a friction term", term.shaft.len(), n)?;
+    for &shaft in &term.shaft {
+        finite("a shaft", shaft, || term.name())?;
     }
-    Ok(())
+    let refuse = |what, found: &dyn Display, expected| {
+        let (place, found) = (term.name(), found.to_string());
+        Err(ModelError::Friction { what, place, found, expected })
+    };
+    if term.shaft.iter().all(|shaft| *shaft == 0.0) {
+        return refuse("every entry of the shaft", &0, "one that turns with it");
+    }
+    if let FrictionLaw::Stribeck { speed, .. } = term.law
+        && !(speed.is_finite() && speed > 0.0)
+    {
+        return refuse("the Stribeck speed", &speed, "a finite one above 0");
+    }
+    if let FrictionLaw::Coulomb { width } | FrictionLaw::Stribeck { width, .. } = term.law
+        && !(width.is_finite() && width >= 0.0)
+    {
+        return refuse("the width", &width, "a finite one, 0 or above");
+    }
+    if term.law == FrictionLaw::Offset && term.direction != Direction::Both {
+        return refuse("the direction", &"one of two", "both, as an offset has none");
+    }
+    finite("a coefficient", weighted.coefficient, || term.name())?;
+    finite("a standard error", weighted.std_error, || term.name())
+}
+
+fn finite(
+    what: &'static str,
+    value: f64,
+    place: impl FnOnce() -> String,
+) -> Result<(), ModelError> {
+    if value.is_finite() { Ok(()) } else { Err(ModelError::NotFinite { what, place: place() }) }
 }
 
 fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), ModelError> {

@@ -1,11 +1,13 @@
 //! Closed-form torque models of robot arms: terms, weights, prediction, files.
 //!
 //! A [`Model`] is plain data: for each joint a sum of [`Term`]s with coefficients, or one set of
-//! energies M(q), V(q) that all joints share. [`Torque`] evaluates it, [`checks`] asks whether it
-//! is physics, [`print`](mod@print) writes it down, [`file`](mod@file) keeps it.
+//! energies M(q), V(q) that all joints share, and the [`friction`] of their shafts. [`Torque`]
+//! evaluates it, [`checks`] asks whether it is physics, [`print`](mod@print) writes it down,
+//! [`file`](mod@file) keeps it.
 
 pub mod error;
 pub mod term;
+pub mod friction;
 pub mod energy;
 pub mod library;
 pub mod model;
@@ -18,6 +20,7 @@ pub use checks::{Checks, check};
 pub use energy::{EnergyTerm, Place};
 pub use error::ModelError;
 pub use file::{FILE_VERSION, from_json, to_json};
+pub use friction::FrictionTerm;
 pub use library::Degree;
 pub use model::{Form, Model, Stage, Training, Weighted};
 pub use term::{Kind, Term, Trig};

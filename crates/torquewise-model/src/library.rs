@@ -14,9 +14,11 @@ pub struct Degree {
 
 impl Degree {
     /// F₂ of a step: 1 at standstill (14), products of two velocities at uniform velocity (15), one
-    /// acceleration at variable velocity, which is what (16) adds to the earlier steps.
+    /// acceleration at variable velocity, which is what (16) adds to the earlier steps. Of the laws
+    /// of friction (17) this library holds one, the viscous.
     pub fn of(kind: Kind) -> Self {
         match kind {
+            Kind::Friction => Self { velocity: 1, acceleration: 0 },
             Kind::Gravity => Self { velocity: 0, acceleration: 0 },
             Kind::Coriolis => Self { velocity: 2, acceleration: 0 },
             Kind::Inertia => Self { velocity: 0, acceleration: 1 },

@@ -2,6 +2,7 @@
 
 use crate::energy::EnergyTerm;
 use crate::error::ModelError;
+use crate::friction::FrictionTerm;
 use crate::term::{Sum, Term, collect};
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +43,37 @@ pub struct Stage {
     pub candidates: usize,
     /// All that was found up to and with this step.
     pub form: Form,
+    /// Friction as it was known then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub friction: Vec<Weighted<FrictionTerm>>,
+}
+
+/// What was chosen on held-out data, and from what.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Choice {
+    /// What there was to choose, such as `friction`.
+    pub what: String,
+    /// Label of the candidate that was taken.
+    pub chosen: String,
+    /// How, such as `one standard error, 5 blocks in time`.
+    pub rule: String,
+    /// What it was chosen from, in the order in which it is to be read.
+    pub from: Vec<Candidate>,
+}
+
+/// One of the ways there were to choose from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Candidate {
+    /// Its name, as [`Choice::chosen`] has it.
+    pub label: String,
+    /// Error on held-out rows: mean NRMSE over the joints, a fraction of 1.
+    pub error: f64,
+    /// Standard error of that.
+    pub std_error: f64,
+    /// Number of coefficients.
+    pub complexity: usize,
 }
 
 /// The data a model was fitted on, kept to judge what it is asked later.
@@ -62,7 +94,7 @@ pub struct Training {
     pub ddq_peak: Vec<f64>,
 }
 
-/// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) (1).
+/// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
@@ -70,10 +102,16 @@ pub struct Model {
     pub joints: Vec<String>,
     /// Terms and weights.
     pub form: Form,
+    /// Friction of the shafts, n entries each; none for an arm without.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub friction: Vec<Weighted<FrictionTerm>>,
     /// The model after each step, if it was found stepwise.
     pub stages: Vec<Stage>,
     /// What it was fitted on.
     pub training: Training,
+    /// What was chosen on held-out data, if anything was.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub choices: Vec<Choice>,
 }
 
 impl Form {
@@ -121,7 +159,21 @@ impl Model {
         self.joints.len()
     }
 
-    /// τᵢ of each joint as a sum of terms.
+    /// Number of coefficients, those of friction included.
+    pub fn n_coefficients(&self) -> usize {
+        self.form.n_coefficients() + self.friction.len()
+    }
+
+    /// Number of coefficients that act on each joint, those of friction included, n.
+    pub fn active(&self) -> Vec<usize> {
+        let mut active = self.form.active(self.n_joints());
+        for (joint, count) in active.iter_mut().enumerate() {
+            *count += self.friction.iter().filter(|w| w.term.acts_on(joint)).count();
+        }
+        active
+    }
+
+    /// τᵢ of each joint as a sum of terms, without friction.
     pub fn equations(&self) -> Vec<Sum> {
         self.form.equations(self.n_joints())
     }
@@ -134,7 +186,8 @@ impl Model {
         let known = self.stages.len();
         let stage = step.checked_sub(1).and_then(|place| self.stages.get(place));
         let stage = stage.ok_or(ModelError::Step { found: step, known })?;
-        Ok(Self { form: stage.form.clone(), stages: Vec::new(), ..self.clone() })
+        let (form, friction) = (stage.form.clone(), stage.friction.clone());
+        Ok(Self { form, friction, stages: Vec::new(), ..self.clone() })
     }
 
     /// Whether a log may be of the arm this is a model of.

@@ -1,10 +1,10 @@
 //! Model → equations to read: plain text and LaTeX, with the digits that mean something.
 
 use crate::energy::{EnergyTerm, Place};
+use crate::friction::FrictionTerm;
 use crate::model::{Form, Model, Weighted};
 use crate::term::Term;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 
 /// Digits shown where no uncertainty is known, or where it is below the precision of the data.
 const MAX_DIGITS: i32 = 10;
@@ -39,7 +39,8 @@ fn digits_before(x: f64) -> i32 {
     exponent + 1
 }
 
-/// The equations as text: energies first where the model has them, then the torque of each joint.
+/// The equations as text: energies first where the model has them, then the torque of each joint,
+/// its friction last.
 ///
 /// Behind a term stands the share of resampled logs in which it stays, where that was asked for.
 pub fn text(model: &Model) -> String {
@@ -55,39 +56,44 @@ pub fn text(model: &Model) -> String {
         for (place, terms) in by_place(terms) {
             lines.push(String::new());
             lines.push(format!("{} =", place.name()));
-            lines.extend(terms.iter().map(|w| line(w, &w.term.function)));
+            lines.extend(terms.iter().map(|w| line(w, &w.term.function.name())));
         }
         lines.push(String::new());
-        lines.push("Torques that follow: tau = d/dt dT/d(dq) - dT/dq + dV/dq".into());
+        let friction = if model.friction.is_empty() { "" } else { " + friction" };
+        lines.push(format!("Torques that follow: tau = d/dt dT/d(dq) - dT/dq + dV/dq{friction}"));
     } else {
         lines.push("Torques".into());
         lines.push(units.into());
     }
-    for (joint, equation) in weighted_equations(model).into_iter().enumerate() {
+    let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
+    for (joint, (equation, friction)) in equations.enumerate() {
         lines.push(String::new());
         lines.push(format!("tau{} = [{}]", joint + 1, model.joints[joint]));
-        if equation.is_empty() {
+        if equation.is_empty() && friction.is_empty() {
             lines.push("    0".into());
         }
-        for w in equation {
-            lines.push(line(&w, &w.term));
+        lines.extend(equation.iter().map(|w| line(w, &w.term.name())));
+        if !friction.is_empty() {
+            lines.push("  friction:".into());
         }
+        lines.extend(friction.iter().map(|w| line(w, &w.term.formula())));
     }
     lines.join("\n") + "\n"
 }
 
 fn has_inclusion(model: &Model) -> bool {
-    match &model.form {
+    let in_form = match &model.form {
         Form::Torque(joints) => joints.iter().flatten().any(|w| w.inclusion.is_some()),
         Form::Energy(terms) => terms.iter().any(|w| w.inclusion.is_some()),
-    }
+    };
+    in_form || model.friction.iter().any(|w| w.inclusion.is_some())
 }
 
-fn line<T>(weighted: &Weighted<T>, function: &Term) -> String {
+fn line<T>(weighted: &Weighted<T>, function: &str) -> String {
     let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };
     let number = with_error(weighted.coefficient.abs(), weighted.std_error);
     let share = weighted.inclusion.map(|share| format!("  ({:.0} %)", 100.0 * share));
-    format!("  {sign} {number} * {}{}", function.name(), share.unwrap_or_default())
+    format!("  {sign} {number} * {function}{}", share.unwrap_or_default())
 }
 
 /// The equations as a LaTeX `align*` environment.
@@ -99,13 +105,16 @@ pub fn latex(model: &Model) -> String {
                 Place::Potential => "V".to_owned(),
                 Place::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
             };
-            let sum = terms.iter().map(|w| (w.coefficient, w.std_error, &w.term.function));
-            rows.push(latex_row(&name, sum));
+            let sum = terms.iter().map(|w| signed(w, &w.term.function.latex()));
+            rows.push(latex_row(&name, &sum.collect::<Vec<_>>(), &[]));
         }
     }
-    for (joint, equation) in weighted_equations(model).iter().enumerate() {
-        let sum = equation.iter().map(|w| (w.coefficient, w.std_error, &w.term));
-        rows.push(latex_row(&format!(r"\tau_{{{}}}", joint + 1), sum));
+    let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
+    for (joint, (equation, friction)) in equations.enumerate() {
+        let sum: Vec<_> = equation.iter().map(|w| signed(w, &w.term.latex())).collect();
+        let friction: Vec<_> = friction.iter().map(|w| signed(w, &w.term.latex())).collect();
+        let name = format!(r"\tau_{{{}}}", joint + 1);
+        rows.push(latex_row(&name, &sum, &friction));
     }
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", rows.join(" \\\\\n"))
 }
@@ -113,27 +122,29 @@ pub fn latex(model: &Model) -> String {
 /// Terms to a line, so that long equations stay on the page.
 const TERMS_PER_LINE: usize = 4;
 
-fn latex_row<'a>(name: &str, sum: impl Iterator<Item = (f64, f64, &'a Term)>) -> String {
-    let mut text = format!("{name} ={{}}& ");
-    let mut empty = true;
-    for (place, (coefficient, std_error, term)) in sum.enumerate() {
-        if place > 0 && place % TERMS_PER_LINE == 0 {
-            text.push_str(" \\\\\n & \\quad ");
-        }
-        let sign = match (coefficient < 0.0, empty) {
-            (true, _) => "-",
-            (false, true) => "",
-            (false, false) => "+",
-        };
-        let decimals = decimals(coefficient, std_error);
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{sign} {:.decimals$}\\,{} ", coefficient.abs(), term.latex());
-        empty = false;
+/// A sum and the friction that adds to it, which starts a line of its own.
+fn latex_row(name: &str, sum: &[String], friction: &[String]) -> String {
+    let lines: Vec<String> = [sum, friction]
+        .into_iter()
+        .flat_map(|part| part.chunks(TERMS_PER_LINE))
+        .map(|line| line.join(" "))
+        .collect();
+    let text = lines.join(" \\\\\n & \\quad ");
+    // No sign before a sum that begins with +.
+    let text = text.strip_prefix("+ ").unwrap_or(if text.is_empty() { "0" } else { &text });
+    format!("{name} ={{}}& {text}")
+}
+
+/// Sign, coefficient and function.
+fn signed<T>(weighted: &Weighted<T>, function: &str) -> String {
+    let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };
+    let decimals = decimals(weighted.coefficient, weighted.std_error);
+    let number = format!("{:.decimals$}", weighted.coefficient.abs());
+    if function.is_empty() {
+        format!("{sign} {number}")
+    } else {
+        format!("{sign} {number}\\,{function}")
     }
-    if empty {
-        text.push('0');
-    }
-    text.trim_end().to_owned()
 }
 
 /// Energy terms grouped: M₁₁, M₁₂, … then V.
@@ -177,6 +188,21 @@ pub fn weighted_equations(model: &Model) -> Vec<Vec<Weighted<Term>>> {
                 .collect();
             equation.sort_by_key(|w| std::cmp::Reverse(w.term.kind()));
             equation
+        })
+        .collect()
+}
+
+/// The friction of each joint, with the coefficients and errors its shafts hand on to it.
+pub fn weighted_friction(model: &Model) -> Vec<Vec<Weighted<FrictionTerm>>> {
+    (0..model.n_joints())
+        .map(|joint| {
+            let terms = model.friction.iter().filter(|w| w.term.acts_on(joint));
+            let share = |w: &Weighted<FrictionTerm>| {
+                let shaft = w.term.shaft[joint];
+                let (coefficient, std_error) = (shaft * w.coefficient, shaft.abs() * w.std_error);
+                Weighted { coefficient, std_error, ..w.clone() }
+            };
+            terms.map(share).collect()
         })
         .collect()
 }

@@ -30,12 +30,26 @@ pub struct Factor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
+    /// F(q̇); a [`Term`] is never of this kind, a [`FrictionTerm`](crate::FrictionTerm) always.
+    Friction,
     /// G(q)
     Gravity,
     /// C(q, q̇)q̇
     Coriolis,
     /// M(q)q̈
     Inertia,
+}
+
+impl Kind {
+    /// `inertia`, `coriolis`, `gravity` or `friction`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inertia => "inertia",
+            Self::Coriolis => "coriolis",
+            Self::Gravity => "gravity",
+            Self::Friction => "friction",
+        }
+    }
 }
 
 /// A function of the state: a product of sines and cosines, velocities and accelerations.

@@ -1,13 +1,14 @@
 //! Model → torque: at one state, over a motion, whole or in parts.
 
 use crate::error::ModelError;
-use crate::model::Model;
+use crate::friction::FrictionTerm;
+use crate::model::{Model, Weighted};
 use crate::term::{Factor, Kind, Sum};
 use faer::Mat;
 use std::collections::BTreeMap;
 use torquewise_motion::Motion;
 
-/// The parts of the torque (1).
+/// The parts of the torque (1) and (17).
 #[derive(Clone, Debug)]
 pub struct Parts {
     /// M(q)q̈ \[N·m\], m×n.
@@ -16,12 +17,14 @@ pub struct Parts {
     pub coriolis: Mat<f64>,
     /// G(q) \[N·m\], m×n.
     pub gravity: Mat<f64>,
+    /// F(q̇) \[N·m\], m×n.
+    pub friction: Mat<f64>,
 }
 
 impl Parts {
     /// The whole torque τ̂ \[N·m\], m×n.
     pub fn total(&self) -> Mat<f64> {
-        &(&self.inertia + &self.coriolis) + &self.gravity
+        &(&(&self.inertia + &self.coriolis) + &self.gravity) + &self.friction
     }
 }
 
@@ -39,8 +42,10 @@ impl Parts {
 ///         std_error: 0.0,
 ///         inclusion: None,
 ///     }]]),
+///     friction: vec![],
 ///     stages: vec![],
 ///     training: Training::default(),
+///     choices: vec![],
 /// };
 /// let tau = Torque::new(&pendulum).at(&[0.5], &[0.0], &[0.0])?;
 /// assert_eq!(tau, [3.3 * 0.5_f64.sin()]);
@@ -51,6 +56,7 @@ pub struct Torque {
     n_joints: usize,
     factors: Vec<Factor>,
     joints: Vec<Vec<Product>>,
+    friction: Vec<Weighted<FrictionTerm>>,
 }
 
 /// One term with its functions looked up by place.
@@ -66,34 +72,8 @@ struct Product {
 impl Torque {
     /// Makes a model ready.
     pub fn new(model: &Model) -> Self {
-        Self::of_equations(model.n_joints(), &model.equations())
-    }
-
-    fn of_equations(n_joints: usize, equations: &[Sum]) -> Self {
-        let mut places: BTreeMap<Factor, usize> = BTreeMap::new();
-        let mut joints = Vec::with_capacity(equations.len());
-        for equation in equations {
-            let mut products = Vec::with_capacity(equation.len());
-            for (coefficient, term) in equation {
-                let mut factors = Vec::with_capacity(term.factors.len());
-                for factor in &term.factors {
-                    let next = places.len();
-                    factors.push(*places.entry(factor.clone()).or_insert(next));
-                }
-                let powers = term.dq.iter().chain(&term.ddq);
-                let rates = powers
-                    .enumerate()
-                    .flat_map(|(place, &power)| std::iter::repeat_n(place, power.into()))
-                    .collect();
-                let kind = term.kind();
-                products.push(Product { coefficient: *coefficient, kind, factors, rates });
-            }
-            joints.push(products);
-        }
-        let mut numbered: Vec<(Factor, usize)> = places.into_iter().collect();
-        numbered.sort_by_key(|(_, place)| *place);
-        let factors = numbered.into_iter().map(|(factor, _)| factor).collect();
-        Self { n_joints, factors, joints }
+        let (factors, joints) = numbered(&model.equations());
+        Self { n_joints: model.n_joints(), factors, joints, friction: model.friction.clone() }
     }
 
     /// τ̂ \[N·m\] at one state: q \[rad\], dq \[rad/s\], ddq \[rad/s²\], n each.
@@ -106,7 +86,7 @@ impl Torque {
         Ok(tau)
     }
 
-    /// τ̂ = M̂q̈ + Ĉq̇ + Ĝ \[N·m\] over a motion, in parts, m×n each.
+    /// τ̂ = M̂q̈ + Ĉq̇ + Ĝ + F̂ \[N·m\] over a motion, in parts, m×n each.
     ///
     /// # Errors
     /// [`ModelError::JointCount`] if the motion is of another arm.
@@ -116,7 +96,8 @@ impl Torque {
             return Err(ModelError::JointCount { model: n, log: motion.n_joints() });
         }
         let zeros = || Mat::zeros(m, n);
-        let mut parts = Parts { inertia: zeros(), coriolis: zeros(), gravity: zeros() };
+        let (inertia, coriolis, gravity, friction) = (zeros(), zeros(), zeros(), zeros());
+        let mut parts = Parts { inertia, coriolis, gravity, friction };
         let row_of = |signal: faer::MatRef<'_, f64>, row| -> Vec<f64> {
             (0..n).map(|joint| signal[(row, joint)]).collect()
         };
@@ -128,6 +109,7 @@ impl Torque {
                     Kind::Inertia => &mut parts.inertia,
                     Kind::Coriolis => &mut parts.coriolis,
                     Kind::Gravity => &mut parts.gravity,
+                    Kind::Friction => &mut parts.friction,
                 };
                 part[(row, joint)] += value;
             })?;
@@ -163,6 +145,60 @@ impl Torque {
         Ok(matrix)
     }
 
+    /// C(q, q̇)q̇ \[N·m\], n: q \[rad\], dq \[rad/s\], n each.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] if one has another length than the model has joints.
+    pub fn coriolis(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        self.part(Kind::Coriolis, q, dq)
+    }
+
+    /// G(q) \[N·m\], n: q \[rad\], n.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] if `q` has another length than the model has joints.
+    pub fn gravity(&self, q: &[f64]) -> Result<Vec<f64>, ModelError> {
+        self.part(Kind::Gravity, q, &vec![0.0; self.n_joints])
+    }
+
+    /// F(q̇) \[N·m\], n: dq \[rad/s\], n.
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] if `dq` has another length than the model has joints.
+    pub fn friction(&self, dq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        let mut tau = vec![0.0; self.n_joints];
+        self.check_length("dq", dq)?;
+        self.visit_friction(dq, |joint, _, value| tau[joint] += value);
+        Ok(tau)
+    }
+
+    /// One part of the torque of an arm that does not accelerate.
+    fn part(&self, wanted: Kind, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        let mut tau = vec![0.0; self.n_joints];
+        self.visit(q, dq, &vec![0.0; self.n_joints], |joint, kind, value| {
+            if kind == wanted {
+                tau[joint] += value;
+            }
+        })?;
+        Ok(tau)
+    }
+
+    fn check_length(&self, what: &'static str, values: &[f64]) -> Result<(), ModelError> {
+        let (found, expected) = (values.len(), self.n_joints);
+        if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
+    }
+
+    fn visit_friction(&self, dq: &[f64], mut add: impl FnMut(usize, Kind, f64)) {
+        for weighted in &self.friction {
+            let load = weighted.coefficient * weighted.term.value(dq);
+            for (joint, &shaft) in weighted.term.shaft.iter().enumerate().take(self.n_joints) {
+                if shaft != 0.0 {
+                    add(joint, Kind::Friction, shaft * load);
+                }
+            }
+        }
+    }
+
     fn visit(
         &self,
         q: &[f64],
@@ -172,9 +208,7 @@ impl Torque {
     ) -> Result<(), ModelError> {
         let n = self.n_joints;
         for (what, values) in [("q", q), ("dq", dq), ("ddq", ddq)] {
-            if values.len() != n {
-                return Err(ModelError::Shape { what, found: values.len(), expected: n });
-            }
+            self.check_length(what, values)?;
         }
         let factors: Vec<f64> = self.factors.iter().map(|factor| factor.value(q)).collect();
         let rate = |place: usize| if place < n { dq[place] } else { ddq[place - n] };
@@ -185,6 +219,35 @@ impl Torque {
                 add(joint, product.kind, product.coefficient * angles * rates);
             }
         }
+        self.visit_friction(dq, add);
         Ok(())
     }
+}
+
+/// The functions of all terms, each once, and the terms of each joint that look them up.
+fn numbered(equations: &[Sum]) -> (Vec<Factor>, Vec<Vec<Product>>) {
+    let mut places: BTreeMap<Factor, usize> = BTreeMap::new();
+    let mut joints = Vec::with_capacity(equations.len());
+    for equation in equations {
+        let mut products = Vec::with_capacity(equation.len());
+        for (coefficient, term) in equation {
+            let mut factors = Vec::with_capacity(term.factors.len());
+            for factor in &term.factors {
+                let next = places.len();
+                factors.push(*places.entry(factor.clone()).or_insert(next));
+            }
+            let powers = term.dq.iter().chain(&term.ddq);
+            let rates = powers
+                .enumerate()
+                .flat_map(|(place, &power)| std::iter::repeat_n(place, power.into()))
+                .collect();
+            let kind = term.kind();
+            products.push(Product { coefficient: *coefficient, kind, factors, rates });
+        }
+        joints.push(products);
+    }
+    let mut by_place: Vec<(Factor, usize)> = places.into_iter().collect();
+    by_place.sort_by_key(|(_, place)| *place);
+    let factors = by_place.into_iter().map(|(factor, _)| factor).collect();
+    (factors, joints)
 }

@@ -51,12 +51,15 @@ fn two_link() -> (Arm, Model) {
         rows: 10,
         candidates: 8,
         form: Form::Energy(terms[5..].to_vec()),
+        friction: vec![],
     };
     let model = Model {
         joints: vec!["joint1".into(), "joint2".into()],
         form: Form::Energy(terms),
+        friction: vec![],
         stages: vec![stage],
         training: Training::default(),
+        choices: vec![],
     };
     (arm, model)
 }
@@ -129,11 +132,11 @@ fn a_file_cut_off_anywhere_is_an_error() {
 
 #[test]
 fn an_unknown_version_is_named() {
-    let newer = to_json(&two_link().1).unwrap().replace("\"version\": 1", "\"version\": 7");
+    let newer = to_json(&two_link().1).unwrap().replace("\"version\": 2", "\"version\": 7");
 
     let error = from_json(&newer).unwrap_err();
 
-    assert!(matches!(error, ModelError::Version { found: 7, known: 1 }), "{error}");
+    assert!(matches!(error, ModelError::Version { found: 7, known: 2 }), "{error}");
 }
 
 #[test]

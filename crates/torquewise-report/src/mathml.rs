@@ -5,9 +5,10 @@ use crate::html::markup::escape;
 use crate::html::number::{aligned, count};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::print::with_error;
 use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, Kind, Place, Term, Trig, Weighted};
+use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig, Weighted};
 
 /// A sum with its left side, before it is written.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Equation {
     pub note: String,
     /// Its terms, in the order in which they are to be read.
     pub terms: Vec<Weighted<Term>>,
+    /// Friction that adds to them, set apart below them.
+    pub friction: Vec<Weighted<FrictionTerm>>,
     /// Unit of the coefficients; `None` for that of a torque, by the kind of each term.
     pub unit: Option<&'static str>,
     /// Smaller terms that are not shown.
@@ -38,7 +41,9 @@ impl Equation {
         if !self.note.is_empty() {
             push(&mut html, format_args!("<small>{}</small>", escape(&self.note)));
         }
-        let numbers: Vec<[String; 2]> = self.terms.iter().map(number_and_error).collect();
+        let numbers: Vec<[String; 2]> = (self.terms.iter().map(number_and_error))
+            .chain(self.friction.iter().map(number_and_error))
+            .collect();
         let coefficients: Vec<String> = numbers.iter().map(|[number, _]| number.clone()).collect();
         let coefficients = aligned(&coefficients);
         let widest = coefficients.iter().map(|text| text.chars().count()).max().unwrap_or(1);
@@ -49,15 +54,23 @@ impl Equation {
             &mut html,
             format_args!("</div><div class=\"sum\" style=\"--w:{widest};--e:{wide}\">"),
         );
-        if self.terms.is_empty() {
+        if numbers.is_empty() {
             html.push_str(
                 "<div class=\"term\"><span></span><span class=\"coefficient\">0</span></div>",
             );
         }
-        for ((weighted, coefficient), [_, error]) in
-            self.terms.iter().zip(&coefficients).zip(&numbers)
-        {
-            self.push_term(&mut html, weighted, coefficient, error);
+        let mut written =
+            coefficients.iter().map(String::as_str).zip(numbers.iter().map(|[_, e]| e.as_str()));
+        for (weighted, shown) in self.terms.iter().zip(&mut written) {
+            let unit = self.unit.unwrap_or_else(|| unit_of(&weighted.term));
+            push_term(&mut html, weighted, shown, unit, &function_of(&weighted.term));
+        }
+        if !self.friction.is_empty() && !self.terms.is_empty() {
+            html.push_str("<div class=\"part\">friction</div>");
+        }
+        for (weighted, shown) in self.friction.iter().zip(&mut written) {
+            let term = &weighted.term;
+            push_term(&mut html, weighted, shown, friction_unit(term), friction(term).as_str());
         }
         html.push_str("</div>");
         if self.left_out > 0 {
@@ -67,41 +80,40 @@ impl Equation {
         html.push_str("</div>");
         Markup::trusted(html)
     }
+}
 
-    fn push_term(
-        &self,
-        html: &mut String,
-        weighted: &Weighted<Term>,
-        coefficient: &str,
-        error: &str,
-    ) {
-        let sign = if weighted.coefficient < 0.0 { "−" } else { "+" };
-        let unit = self.unit.unwrap_or_else(|| unit_of(&weighted.term));
-        let number = coefficient.trim_end_matches(['\u{2007}', '\u{2008}']);
-        let mut title = format!("{sign}{number} {unit}");
-        if !error.is_empty() {
-            push(&mut title, format_args!(", standard error {error}"));
-        }
-        let mut kept = String::new();
-        if let Some(inclusion) = weighted.inclusion {
-            let percent = 100.0 * inclusion;
-            push(&mut title, format_args!(", stayed in {percent:.0} % of resampled logs"));
-            if inclusion < CERTAIN {
-                kept = format!(" <span class=\"kept\">in {percent:.0} %</span>");
-            }
-        }
-        let error = if error.is_empty() { String::new() } else { format!("± {error}") };
-        push(
-            html,
-            format_args!(
-                "<div class=\"term\" title=\"{}\"><span class=\"sign\">{sign}</span>\
-                 <span class=\"coefficient\">{coefficient}</span>\
-                 <span class=\"error\">{error}</span><span>{}{kept}</span></div>",
-                escape(&title),
-                function_of(&weighted.term)
-            ),
-        );
+/// One line of a sum: sign, size and error as shown, and the function they stand before.
+fn push_term<T>(
+    html: &mut String,
+    weighted: &Weighted<T>,
+    (coefficient, error): (&str, &str),
+    unit: &str,
+    function: &str,
+) {
+    let sign = if weighted.coefficient < 0.0 { "−" } else { "+" };
+    let number = coefficient.trim_end_matches(['\u{2007}', '\u{2008}']);
+    let mut title = format!("{sign}{number} {unit}");
+    if !error.is_empty() {
+        push(&mut title, format_args!(", standard error {error}"));
     }
+    let mut kept = String::new();
+    if let Some(inclusion) = weighted.inclusion {
+        let percent = 100.0 * inclusion;
+        push(&mut title, format_args!(", stayed in {percent:.0} % of resampled logs"));
+        if inclusion < CERTAIN {
+            kept = format!(" <span class=\"kept\">in {percent:.0} %</span>");
+        }
+    }
+    let error = if error.is_empty() { String::new() } else { format!("± {error}") };
+    push(
+        html,
+        format_args!(
+            "<div class=\"term\" title=\"{}\"><span class=\"sign\">{sign}</span>\
+             <span class=\"coefficient\">{coefficient}</span>\
+             <span class=\"error\">{error}</span><span>{function}{kept}</span></div>",
+            escape(&title),
+        ),
+    );
 }
 
 /// The function a coefficient stands before; nothing for the constant 1.
@@ -129,7 +141,15 @@ pub fn energies(terms: &[Weighted<EnergyTerm>]) -> Vec<Equation> {
     let equation = |(at, terms): (Place, Vec<Weighted<Term>>)| {
         let unit = if at == Place::Potential { "J" } else { "kg·m²" };
         let (name, note) = (at.name(), format!("[{unit}]"));
-        Equation { name, left: place(at), note, terms, unit: Some(unit), left_out: 0 }
+        Equation {
+            name,
+            left: place(at),
+            note,
+            terms,
+            friction: Vec::new(),
+            unit: Some(unit),
+            left_out: 0,
+        }
     };
     inertia.into_iter().chain(potential).map(equation).collect()
 }
@@ -154,6 +174,11 @@ pub fn torque(joint: usize) -> Markup {
     math(&format!("<msub><mi>τ</mi><mn>{}</mn></msub><mo>=</mo>", joint + 1))
 }
 
+/// F₂ =, the friction of the joint at a place counted from 0.
+pub fn friction_torque(joint: usize) -> Markup {
+    math(&format!("<msub><mi>F</mi><mn>{}</mn></msub><mo>=</mo>", joint + 1))
+}
+
 /// A term: sin q₂ cos² q₃ q̇₁ q̇₂.
 pub fn term(term: &Term) -> Markup {
     let mut parts: Vec<String> = term.factors.iter().map(factor).collect();
@@ -166,6 +191,73 @@ pub fn term(term: &Term) -> Markup {
         return math("<mn>1</mn>");
     }
     math(&parts.join("<mspace width=\"0.2em\"/>"))
+}
+
+/// f(v) of a friction term: sign q̇₂, e^−(q̇₂/0.05)² sign q̇₂; nothing for an offset.
+pub fn friction(term: &FrictionTerm) -> Markup {
+    let speed = shaft(&term.shaft);
+    let several = term.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
+    let whole = if several { brackets(&speed) } else { speed.clone() };
+    let sign = |width: f64| {
+        if width > 0.0 {
+            format!("<mi>tanh</mi>{}", brackets(&over(&whole, width)))
+        } else {
+            format!("<mi>sign</mi>{}", brackets(&speed))
+        }
+    };
+    let law = match term.law {
+        FrictionLaw::Offset => String::new(),
+        FrictionLaw::Viscous => whole.clone(),
+        FrictionLaw::Coulomb { width } => sign(width),
+        FrictionLaw::Stribeck { speed: stribeck, width } => {
+            let ratio = brackets(&over(&whole, stribeck));
+            let square = format!("<mo>−</mo><msup><mrow>{ratio}</mrow><mn>2</mn></msup>");
+            format!(
+                "<msup><mi>e</mi><mrow>{square}</mrow></msup><mspace width=\"0.2em\"/>{}",
+                sign(width)
+            )
+        }
+    };
+    let relation = match term.direction {
+        Direction::Both if law.is_empty() => return Markup::trusted(String::new()),
+        Direction::Both => return math(&law),
+        Direction::Forward => "&gt;",
+        Direction::Backward => "&lt;",
+    };
+    math(&format!(
+        "{law}<mspace width=\"0.4em\"/><mo stretchy=\"false\">[</mo>{speed}<mo>{relation}</mo>\
+         <mn>0</mn><mo stretchy=\"false\">]</mo>"
+    ))
+}
+
+/// Its unit, as that of a coefficient.
+fn friction_unit(term: &FrictionTerm) -> &'static str {
+    if term.law == FrictionLaw::Viscous { "N·m·s" } else { "N·m" }
+}
+
+/// The speed of a shaft: q̇₂, q̇₅ + q̇₆.
+fn shaft(shaft: &[f64]) -> String {
+    let mut text = String::new();
+    for (joint, weight) in shaft.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+        match (*weight < 0.0, text.is_empty()) {
+            (true, _) => text.push_str("<mo>−</mo>"),
+            (false, true) => {}
+            (false, false) => text.push_str("<mo>+</mo>"),
+        }
+        if (weight.abs() - 1.0).abs() > f64::EPSILON {
+            push(&mut text, format_args!("<mn>{}</mn>", weight.abs()));
+        }
+        text.push_str(&rate(DOT, joint, 1));
+    }
+    text
+}
+
+fn over(speed: &str, number: f64) -> String {
+    format!("<mrow>{speed}</mrow><mo>/</mo><mn>{number}</mn>")
+}
+
+fn brackets(inner: &str) -> String {
+    format!("<mo stretchy=\"false\">(</mo>{inner}<mo stretchy=\"false\">)</mo>")
 }
 
 fn factor(factor: &Factor) -> String {
@@ -251,7 +343,15 @@ mod tests {
 
     fn equation(terms: Vec<Weighted<Term>>) -> Equation {
         let (name, note) = ("\"tau2".into(), "<elbow>".into());
-        Equation { name, left: torque(1), note, terms, unit: None, left_out: 0 }
+        Equation {
+            name,
+            left: torque(1),
+            note,
+            terms,
+            friction: Vec::new(),
+            unit: None,
+            left_out: 0,
+        }
     }
 
     fn weighted(coefficient: f64, std_error: f64) -> Weighted<Term> {
@@ -271,6 +371,58 @@ mod tests {
         assert!(html.contains("<mi>𝑞̇</mi><mn>1</mn><mn>2</mn></msubsup>"), "{html}");
         assert!(html.ends_with("<mi>𝑞̈</mi><mn>2</mn></msub></math>"), "{html}");
         assert_eq!(term(&Term::one(1)).as_str(), "<math><mn>1</mn></math>");
+    }
+
+    fn rubbing(shaft: [f64; 2], law: FrictionLaw, direction: Direction) -> FrictionTerm {
+        FrictionTerm { shaft: shaft.to_vec(), law, direction }
+    }
+
+    #[test]
+    fn friction_is_written_as_its_law() {
+        let dq2 = "<msub><mi>𝑞̇</mi><mn>2</mn></msub>";
+        let (knee, both) = ([0.0, 1.0], Direction::Both);
+        let written = |term: &FrictionTerm| friction(term).to_string();
+
+        let stribeck = FrictionLaw::Stribeck { speed: 0.05, width: 0.0 };
+        let html = written(&rubbing(knee, stribeck, Direction::Backward));
+        assert!(html.starts_with("<math><msup><mi>e</mi>"), "{html}");
+        assert!(html.contains(&format!("<mrow>{dq2}</mrow><mo>/</mo><mn>0.05</mn>")), "{html}");
+        assert!(html.contains("<mi>sign</mi>"), "{html}");
+        assert!(html.contains(&format!("{dq2}<mo>&lt;</mo><mn>0</mn>")), "{html}");
+        let smooth = written(&rubbing(knee, FrictionLaw::Coulomb { width: 0.01 }, both));
+        assert!(smooth.contains("<mi>tanh</mi>") && !smooth.contains("sign"), "{smooth}");
+        assert_eq!(written(&rubbing(knee, FrictionLaw::Offset, both)), "");
+        let viscous = written(&rubbing(knee, FrictionLaw::Viscous, both));
+        assert_eq!(viscous, format!("<math>{dq2}</math>"));
+        let wrist = written(&rubbing([1.0, -0.5], FrictionLaw::Viscous, both));
+        let half = format!("<mo>−</mo><mn>0.5</mn>{dq2}<mo stretchy=\"false\">)</mo>");
+        assert!(wrist.contains(&half), "{wrist}");
+        let smooth = FrictionLaw::Coulomb { width: 0.01 };
+        let wrist = written(&rubbing([1.0, -0.5], smooth, both));
+        assert!(wrist.contains(&format!("{half}</mrow><mo>/</mo>")), "{wrist}");
+    }
+
+    #[test]
+    fn friction_stands_below_the_other_terms() {
+        let dry = rubbing([0.0, 1.0], FrictionLaw::Coulomb { width: 0.0 }, Direction::Both);
+        let lossy = rubbing([0.0, 1.0], FrictionLaw::Viscous, Direction::Both);
+        let friction = [(dry, -0.75), (lossy, 12.5)].map(|(term, coefficient)| Weighted {
+            term,
+            coefficient,
+            std_error: 0.01,
+            inclusion: None,
+        });
+        let whole = Equation { friction: friction.to_vec(), ..equation(vec![weighted(3.0, 0.1)]) };
+
+        let html = whole.to_markup().to_string();
+
+        let (terms, below) = html.split_once("<div class=\"part\">friction</div>").unwrap();
+        assert!(terms.contains("<mi>sin</mi>") && !terms.contains("<mi>sign</mi>"), "{terms}");
+        assert!(below.contains("title=\"−0.750 N·m, standard error 0.010\""), "{below}");
+        assert!(below.contains("title=\"+12.500 N·m·s, standard error 0.010\""), "{below}");
+        let alone = Equation { friction: friction.to_vec(), ..equation(Vec::new()) };
+        let html = alone.to_markup().to_string();
+        assert!(!html.contains(">0</span>") && !html.contains("class=\"part\""), "{html}");
     }
 
     #[test]

@@ -22,24 +22,36 @@ const fn layer(
 const MOTION: &str = "torquewise-motion";
 const SPARSE: &str = "torquewise-sparse";
 const MODEL: &str = "torquewise-model";
+const CHAIN: &str = "torquewise-chain";
 const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
+const SIGNALS: &str = "torquewise-signals";
 const IDENTIFY: &str = "torquewise-identify";
 const REPORT: &str = "torquewise-report";
+const EXCITE: &str = "torquewise-excite";
 const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 11] = [
+const LAYERS: [Layer; 14] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
     layer(MODEL, &[MOTION], &[DYNAMICS]),
     layer(DYNAMICS, &[MOTION], &[]),
-    layer(LOGS, &[MOTION], &[DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, SPARSE, MODEL], &[DYNAMICS]),
+    layer(SIGNALS, &[MOTION], &[DYNAMICS]),
+    layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
+    layer(CHAIN, &[MODEL], &[MOTION, DYNAMICS]),
+    layer(IDENTIFY, &[MOTION, SPARSE, MODEL, CHAIN], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
+    layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
     layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
-    layer(FRONT_DOOR, &[MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS], &[]),
+    layer(
+        FRONT_DOOR,
+        &[
+            MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, LOGS, IDENTIFY, REPORT, EXCITE, EXPERIMENTS,
+        ],
+        &[],
+    ),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
     layer("xtask", &[], &[]),
 ];
@@ -91,8 +103,20 @@ mod tests {
 
     /// Messages for a crate with this manifest, in a workspace that also has the usual crates.
     fn messages(name: &str, manifest: &str) -> Vec<String> {
-        let others =
-            [MOTION, SPARSE, MODEL, DYNAMICS, LOGS, IDENTIFY, REPORT, EXPERIMENTS, FRONT_DOOR];
+        let others = [
+            MOTION,
+            SPARSE,
+            MODEL,
+            CHAIN,
+            DYNAMICS,
+            LOGS,
+            SIGNALS,
+            IDENTIFY,
+            REPORT,
+            EXCITE,
+            EXPERIMENTS,
+            FRONT_DOOR,
+        ];
         let mut packages = vec![package(name, manifest, &[])];
         packages.extend(others.iter().filter(|o| **o != name).map(|o| package(o, "", &[])));
         check(&workspace(packages)).into_iter().map(|violation| violation.message).collect()

@@ -64,8 +64,8 @@ impl Contender {
             "candidates_by_step":
                 found.steps.iter().map(|step| step.candidates).collect::<Vec<_>>(),
             "seconds": self.timed.seconds,
-            "active": found.model.form.active(found.model.n_joints()),
-            "active_total": found.model.form.n_coefficients(),
+            "active": found.model.active(),
+            "active_total": found.model.n_coefficients(),
             "nrmse_percent": percent,
             "rmse": rmse,
         })
@@ -84,7 +84,7 @@ fn text(contenders: &[Contender], joints: &[String]) -> String {
         let scores = contender.scores.joints.iter().map(|joint| number(joint.nrmse_percent));
         let counts = [
             found.candidates.to_string(),
-            found.model.form.n_coefficients().to_string(),
+            found.model.n_coefficients().to_string(),
             format!("{:.2}", contender.timed.seconds),
         ];
         table.row(contender.name, counts.into_iter().chain(scores));

@@ -140,7 +140,7 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
     for Found { name, timed, scores: found, .. } in found {
         let counts = [
             timed.found.candidates.to_string(),
-            timed.found.model.form.n_coefficients().to_string(),
+            timed.found.model.n_coefficients().to_string(),
             format!("{:.2}", timed.seconds),
         ];
         let errors = found.joints.iter().map(|joint| number(joint.nrmse_percent));
@@ -175,8 +175,8 @@ fn json(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
         json!({
             "name": name,
             "candidates": timed.found.candidates,
-            "active": timed.found.model.form.active(log.n_joints()),
-            "active_total": timed.found.model.form.n_coefficients(),
+            "active": timed.found.model.active(),
+            "active_total": timed.found.model.n_coefficients(),
             "seconds": timed.seconds,
             "nrmse_percent": percent.collect::<Vec<_>>(),
             "file": file(model),

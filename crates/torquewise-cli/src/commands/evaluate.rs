@@ -3,12 +3,12 @@
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
+use crate::recorded::{ProfileArguments, SignalArguments};
 use crate::score_table;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::identify::score;
-use torquewise::logs::Logs;
 
 /// Compare the torque a model predicts with the torque measured
 #[derive(Args, Debug)]
@@ -18,19 +18,24 @@ pub(crate) struct Arguments {
     /// Logs of the arm
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
+    #[command(flatten)]
+    profile: ProfileArguments,
+    #[command(flatten)]
+    signals: SignalArguments,
 }
 
 /// Scores the model.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
-    let logs = Logs::open(&arguments.logs)?;
+    let logs = arguments.profile.open(&arguments.logs)?;
     model.check_joints(logs.joints())?;
     logs.require_tau()?;
+    let logs = arguments.signals.prepare(logs)?;
     let scores = score(&model, &Watched::new(&logs, "predicting"))?;
 
     Ok(Outcome {
-        text: format!("{}\n{} rows\n", score_table::text(&scores), scores.rows),
+        text: format!("{}{}\n{} rows\n", logs.text(), score_table::text(&scores), scores.rows),
         json: score_table::json(&scores),
-        warnings: score_table::warnings(&scores),
+        warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
     })
 }

@@ -6,6 +6,7 @@ use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::physics::Physics;
 use crate::progress::Watched;
+use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
 use crate::score_table;
 use crate::table::{Table, counts, number};
 use crate::timed::{Timed, timed};
@@ -14,8 +15,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::{Method, Reconstruction, diagnose, score};
-use torquewise::logs::Logs;
-use torquewise::model::to_json;
+use torquewise::motion::Recording;
+use torquewise::model::{Model, to_json};
 use torquewise::report::fit_report;
 use torquewise::sparse::accumulate::Route;
 
@@ -39,6 +40,10 @@ pub(crate) struct Arguments {
     method: MethodName,
     #[command(flatten)]
     plan: PlanArguments,
+    #[command(flatten)]
+    profile: ProfileArguments,
+    #[command(flatten)]
+    signals: SignalArguments,
 }
 
 /// One regression or three.
@@ -54,18 +59,22 @@ enum MethodName {
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
-    let plan = arguments.plan.plan(match arguments.method {
+    let method = match arguments.method {
         MethodName::Stepwise => Method::Stepwise,
         MethodName::Sindy => Method::Sindy,
-    })?;
+    };
+    // Wrong usage is told before the log is read.
+    arguments.plan.plan(method, false)?;
     let (logs, test) = open(arguments)?;
+    let plan = arguments.plan.plan(method, logs.report().is_some())?;
     let timed = timed(&logs, &plan)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, &to_json(model)?)?;
 
-    let mut text = vec![text(arguments, &timed)];
+    let mut text = vec![logs.text(), text(arguments, &timed)];
     let mut json = json(arguments, &timed);
-    let mut warnings: Vec<String> = timed.found.warnings.iter().map(ToString::to_string).collect();
+    let found = timed.found.warnings.iter().map(ToString::to_string);
+    let mut warnings: Vec<String> = found.chain(logs.warnings()).collect();
     if let Some(test) = &test {
         let scores = score(model, &Watched::new(test, "predicting"))?;
         text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
@@ -94,11 +103,11 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
 }
 
 /// The logs to fit on, and those to judge by.
-fn open(arguments: &Arguments) -> Result<(Logs, Option<Logs>)> {
-    let open = |paths: &Vec<PathBuf>| -> Result<Logs> {
-        let logs = Logs::open(paths)?;
+fn open(arguments: &Arguments) -> Result<(Recorded, Option<Recorded>)> {
+    let open = |paths: &Vec<PathBuf>| -> Result<Recorded> {
+        let logs = arguments.profile.open(paths)?;
         logs.require_tau()?;
-        Ok(logs)
+        arguments.signals.prepare(logs)
     };
     let logs = open(&arguments.logs)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty()).map(open).transpose()?;
@@ -113,10 +122,10 @@ fn open(arguments: &Arguments) -> Result<(Logs, Option<Logs>)> {
 fn report(
     arguments: &Arguments,
     found: &Reconstruction,
-    logs: &Logs,
-    test: Option<&Logs>,
+    logs: &Recorded,
+    test: Option<&Recorded>,
 ) -> Result<String> {
-    let look = |logs: &Logs| {
+    let look = |logs: &Recorded| {
         let watched = Watched::new(logs, "looking at the residuals");
         diagnose(&found.model, &found.patterns, &watched)
     };
@@ -146,23 +155,39 @@ fn text(arguments: &Arguments, timed: &Timed) -> String {
     let model = &found.model;
     let mut joints = Table::new(&["joint", "active", "residual [N·m]", "of std(tau) [%]"]);
     let training = model.training.residual_rms.iter().zip(&model.training.torque_std);
-    let active = model.form.active(model.n_joints());
+    let active = model.active();
     for ((name, active), (&residual, &std)) in model.joints.iter().zip(active).zip(training) {
         let cells = [active.to_string(), number(residual), number(100.0 * residual / std)];
         joints.row(name, cells);
     }
     format!(
-        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{} of {} candidates kept, {:.2} s\nmodel: {}\n",
+        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\nmodel: {}\n",
         found.survey.rows,
         found.survey.seconds,
         number(found.survey.rate()),
         steps.text(),
         joints.text(),
-        model.form.n_coefficients(),
+        choices(model),
+        model.n_coefficients(),
         found.candidates,
         timed.seconds,
         arguments.output.display(),
     )
+}
+
+/// What was chosen on held-out data, and how much worse the runner-up is.
+fn choices(model: &Model) -> String {
+    if model.choices.is_empty() {
+        return String::new();
+    }
+    let mut table = Table::new(&["chosen on held-out rows", "", "error [%]", "from"]);
+    for choice in &model.choices {
+        let error = choice.from.iter().find(|candidate| candidate.label == choice.chosen);
+        let error = error.map_or_else(String::new, |chosen| number(100.0 * chosen.error));
+        let from = choice.from.len().to_string();
+        table.row(&choice.what, [choice.chosen.clone(), error, from]);
+    }
+    table.text() + "\n"
 }
 
 fn json(arguments: &Arguments, timed: &Timed) -> Value {
@@ -188,9 +213,10 @@ fn json(arguments: &Arguments, timed: &Timed) -> Value {
         "candidates": found.candidates,
         "candidates_by_step":
             found.steps.iter().map(|step| step.candidates).collect::<Vec<_>>(),
-        "active": model.form.active(model.n_joints()),
-        "active_total": model.form.n_coefficients(),
+        "active": model.active(),
+        "active_total": model.n_coefficients(),
         "steps": steps.collect::<Vec<_>>(),
+        "choices": model.choices,
         "seconds": timed.seconds,
         "route": overall_route(found),
         "noise": {

@@ -3,6 +3,7 @@
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
+use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
 use crate::table::{Table, number};
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -12,7 +13,7 @@ use std::path::PathBuf;
 use torquewise::identify::{
     NoiseFloor, PatternPlan, Patterns, Survey, Warning, find_patterns, survey,
 };
-use torquewise::logs::{Logs, UnitWarning, unit_warnings};
+use torquewise::logs::{Logs, UnitWarning, suggest, unit_warnings};
 use torquewise::motion::{Pattern, Recording};
 
 /// Show what a log holds and what it lacks
@@ -21,6 +22,10 @@ pub(crate) struct Arguments {
     /// Logs of one arm
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
+    #[command(flatten)]
+    profile: ProfileArguments,
+    #[command(flatten)]
+    signals: SignalArguments,
 }
 
 /// All that is known about the logs.
@@ -34,8 +39,12 @@ struct Inspection {
 
 /// Looks through the logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let logs = Logs::open(&arguments.logs)?;
-    let watched = Watched::new(&logs, "looking through the log");
+    let logs = match arguments.profile.open(&arguments.logs) {
+        Ok(logs) => logs,
+        Err(error) => return suggested(&arguments.logs, &arguments.profile).ok_or(error),
+    };
+    let recorded = arguments.signals.prepare(logs)?;
+    let watched = Watched::new(&recorded, "looking through the log");
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;
     let mut table = PatternTable::create(None)?;
@@ -51,11 +60,37 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         .map_err(|error| anyhow!(error))?;
     drop(watched);
     let (counts, units) = (table.finish()?, units.into_values().collect());
-    let inspection = Inspection { logs, survey, patterns, counts, units };
+    let inspection = Inspection { logs: recorded.logs().clone(), survey, patterns, counts, units };
     Ok(Outcome {
-        text: inspection.text(),
+        text: inspection.text() + &signals_text(&recorded),
         json: inspection.json(),
-        warnings: inspection.warnings(),
+        warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
+    })
+}
+
+/// What was done to the signals before they were looked at.
+fn signals_text(recorded: &Recorded) -> String {
+    recorded.report().map_or_else(String::new, |report| format!("\nsignals\n{report}\n"))
+}
+
+/// A profile for a log whose columns are not understood.
+fn suggested(logs: &[PathBuf], known: &ProfileArguments) -> Option<Outcome> {
+    let suggestion = logs.first().filter(|_| !known.is_given()).map(|log| suggest(log))?.ok()?;
+    let reasons: Vec<String> =
+        suggestion.reasons.iter().map(|reason| format!("- {reason}\n")).collect();
+    Some(Outcome {
+        text: format!(
+            "The columns of this log need a profile. A suggestion, to be saved as profile.toml \
+             and used with --profile profile.toml:\n\n{}\n{}",
+            suggestion.toml,
+            reasons.concat()
+        ),
+        json: json!({
+            "profile": suggestion.toml,
+            "reasons": suggestion.reasons,
+            "complete": suggestion.is_complete,
+        }),
+        warnings: vec!["nothing but the header was looked at: write a profile first".to_owned()],
     })
 }
 

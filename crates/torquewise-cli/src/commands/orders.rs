@@ -4,13 +4,13 @@ use crate::arguments::PatternArguments;
 use crate::files::{check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
+use crate::recorded::ProfileArguments;
 use crate::table::{Table, number};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::orders::{OrderCurve, OrderPlan, OrderPoint, orders, warnings};
-use torquewise::logs::Logs;
 use torquewise::report::{chart_figure, order_charts};
 
 /// Show what each order of the libraries leaves unexplained, and which orders that asks for
@@ -44,6 +44,8 @@ pub(crate) struct Arguments {
     interaction: u8,
     #[command(flatten)]
     patterns: PatternArguments,
+    #[command(flatten)]
+    profile: ProfileArguments,
 }
 
 /// Tries all orders.
@@ -52,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         check_output(file, &arguments.logs)?;
         check_ending(file, &["svg"])?;
     }
-    let logs = Logs::open(&arguments.logs)?;
+    let logs = arguments.profile.open(&arguments.logs)?;
     logs.require_tau()?;
     let plan = OrderPlan {
         trig_order: arguments.trig_order,

@@ -5,6 +5,7 @@ use crate::files::check_output;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
+use crate::recorded::ProfileArguments;
 use crate::table::number;
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -25,6 +26,8 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
     #[command(flatten)]
     patterns: PatternArguments,
+    #[command(flatten)]
+    profile: ProfileArguments,
 }
 
 /// Clusters the logs and labels their rows, counted from 1 through all logs.
@@ -32,7 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = &arguments.output {
         check_output(file, &arguments.logs)?;
     }
-    let logs = Logs::open(&arguments.logs)?;
+    let logs = arguments.profile.open(&arguments.logs)?;
     let found = {
         let watched = Watched::new(&logs, "looking through the log");
         find_patterns(&survey(&watched)?, &arguments.patterns.plan())?

@@ -3,6 +3,7 @@
 use crate::files::{check_output, read_model};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
+use crate::recorded::ProfileArguments;
 use crate::table::{Table, number};
 use crate::training_range::AskedRange;
 use anyhow::{Result, anyhow};
@@ -10,7 +11,7 @@ use clap::Args;
 use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::logs::{Column, ColumnKind, Logs, TableWriter, Values};
+use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
 use torquewise::model::{Model, Torque};
 use torquewise::motion::{Motion, ReadError, Recording};
 
@@ -24,12 +25,14 @@ pub(crate) struct Arguments {
     /// Table to write, .csv or .parquet
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Add the columns inertia, coriolis and gravity of each joint
+    /// Add the columns inertia, coriolis, gravity and friction of each joint
     #[arg(long)]
     parts: bool,
     /// Predict with what was known after this step
     #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
     step: Option<u8>,
+    #[command(flatten)]
+    profile: ProfileArguments,
 }
 
 /// Predicts row by row.
@@ -41,7 +44,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Some(step) => whole.after_step(step.into())?,
         None => whole,
     };
-    let logs = Logs::open(std::slice::from_ref(&arguments.log))?;
+    let logs = arguments.profile.open(std::slice::from_ref(&arguments.log))?;
     model.check_joints(logs.joints())?;
 
     let names = column_names(model.n_joints(), arguments.parts);
@@ -68,8 +71,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 fn column_names(n_joints: usize, parts: bool) -> Vec<String> {
-    let signals: &[&str] =
-        if parts { &["tau_hat", "inertia", "coriolis", "gravity"] } else { &["tau_hat"] };
+    let signals: &[&str] = if parts {
+        &["tau_hat", "inertia", "coriolis", "gravity", "friction"]
+    } else {
+        &["tau_hat"]
+    };
     let numbered = |signal: &&str| {
         let signal = (*signal).to_owned();
         (1..=n_joints).map(move |joint| format!("{signal}{joint}"))
@@ -88,7 +94,7 @@ fn append(
     let total = parts.total();
     let mut signals = vec![&total];
     if with_parts {
-        signals.extend([&parts.inertia, &parts.coriolis, &parts.gravity]);
+        signals.extend([&parts.inertia, &parts.coriolis, &parts.gravity, &parts.friction]);
     }
     let joints = 0..block.n_joints();
     let columns = signals

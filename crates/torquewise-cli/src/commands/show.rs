@@ -3,11 +3,13 @@
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::physics::Physics;
+use crate::table::{Table, number};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use torquewise::model::{Form, Kind, Model, Term, Weighted, print};
+use torquewise::model::model::Choice;
+use torquewise::model::{Form, FrictionTerm, Kind, Model, Weighted, print};
 
 /// Print the equations of a model
 #[derive(Args, Debug)]
@@ -44,17 +46,35 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Format::Latex => print::latex(&model),
         Format::Json => json.to_string() + "\n",
     };
-    if let Some(physics) = physics.as_ref().filter(|_| arguments.format == Format::Text) {
-        text.push_str(&physics.text());
+    if arguments.format == Format::Text {
+        text.extend(model.choices.iter().map(choice_text));
+        text.extend(physics.as_ref().map(Physics::text));
     }
     let warnings = physics.iter().filter_map(Physics::warning).collect();
     Ok(Outcome { text, json, warnings })
 }
 
+/// What there was to choose from, and what was taken.
+fn choice_text(choice: &Choice) -> String {
+    let Choice { what, chosen, rule, from } = choice;
+    let mut table = Table::new(&["candidate", "error [%]", "± [%]", "coefficients", ""]);
+    for candidate in from {
+        let [error, std_error] = [candidate.error, candidate.std_error].map(|x| number(100.0 * x));
+        let mark = if candidate.label == *chosen { "chosen" } else { "" };
+        let coefficients = candidate.complexity.to_string();
+        table.row(&candidate.label, [error, std_error, coefficients, mark.to_owned()]);
+    }
+    format!("\n{what}: {chosen}, chosen on held-out data ({rule})\n\n{}", table.text())
+}
+
 fn json(model: &Model, physics: Option<&Physics>) -> Value {
     let equations = print::weighted_equations(model);
-    let joints = model.joints.iter().zip(&equations).map(|(name, equation)| {
-        json!({ "name": name, "terms": equation.iter().map(term_json).collect::<Vec<_>>() })
+    let frictions = print::weighted_friction(model);
+    let joints = model.joints.iter().zip(equations.iter().zip(&frictions));
+    let joints = joints.map(|(name, (equation, friction))| {
+        let terms = equation.iter().map(|w| term_json(w, &w.term.name(), w.term.kind()));
+        let friction = friction.iter().map(|w| term_json(w, &w.term.formula(), Kind::Friction));
+        json!({ "name": name, "terms": terms.chain(friction).collect::<Vec<_>>() })
     });
     let energies = match &model.form {
         Form::Torque(_) => Value::Null,
@@ -74,19 +94,27 @@ fn json(model: &Model, physics: Option<&Physics>) -> Value {
     json!({
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
+        "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
+        "choices": model.choices,
         "checks": physics.map(Physics::json),
     })
 }
 
-fn term_json(weighted: &Weighted<Term>) -> Value {
-    let kind = match weighted.term.kind() {
-        Kind::Gravity => "gravity",
-        Kind::Coriolis => "coriolis",
-        Kind::Inertia => "inertia",
-    };
+fn term_json<T>(weighted: &Weighted<T>, name: &str, kind: Kind) -> Value {
+    json!({
+        "term": name,
+        "kind": kind.name(),
+        "coefficient": weighted.coefficient,
+        "std_error": weighted.std_error,
+        "inclusion": weighted.inclusion,
+    })
+}
+
+/// Friction of a shaft, before its joints share it.
+fn friction_json(weighted: &Weighted<FrictionTerm>) -> Value {
     json!({
         "term": weighted.term.name(),
-        "kind": kind,
+        "shaft": weighted.term.shaft,
         "coefficient": weighted.coefficient,
         "std_error": weighted.std_error,
         "inclusion": weighted.inclusion,

@@ -5,5 +5,7 @@ mod terminal;
 mod whole_way;
 mod reports;
 mod json_contract;
+mod excite;
+mod friction;
 mod bad_input;
 mod usage;

@@ -56,6 +56,7 @@ fn every_verb_has_a_line_in_the_help() {
         "demo",
         "arms",
         "simulate",
+        "excite",
         "inspect",
         "patterns",
         "orders",

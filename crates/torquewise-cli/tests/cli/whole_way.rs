@@ -4,7 +4,7 @@ use crate::terminal::Terminal;
 use std::collections::HashMap;
 
 /// Columns of a CSV file by name.
-fn columns(text: &str) -> HashMap<String, Vec<f64>> {
+pub(crate) fn columns(text: &str) -> HashMap<String, Vec<f64>> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     let rows: Vec<Vec<f64>> =
@@ -66,7 +66,8 @@ fn the_parts_of_a_torque_add_up_to_it() {
         let sizes = part("tau_hat").iter().map(|tau| tau.abs());
         let scale = sizes.fold(0.0, f64::max);
         for row in 0..3000 {
-            let sum = part("inertia")[row] + part("coriolis")[row] + part("gravity")[row];
+            let names = ["inertia", "coriolis", "gravity", "friction"];
+            let sum: f64 = names.iter().map(|name| part(name)[row]).sum();
             assert!((sum - part("tau_hat")[row]).abs() <= 1e-12 * scale);
         }
     }

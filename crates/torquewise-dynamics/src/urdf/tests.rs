@@ -1,6 +1,6 @@
 //! URDF files that must be refused, and what is left of a file with locked joints.
 
-use crate::arm::Arm;
+use crate::arm::{Arm, JointLimits};
 use crate::error::DynamicsError;
 use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
@@ -48,6 +48,21 @@ fn revolute_and_continuous_joints_move_within_their_limits() {
 
     assert_eq!((arm.name(), arm.joints()), ("test", &["j1".to_string(), "j2".to_string()][..]));
     assert_eq!(arm.ranges(), [[-1.0, 2.0], [-std::f64::consts::PI, std::f64::consts::PI]]);
+}
+
+#[test]
+fn limits_are_those_of_the_file_and_none_where_it_gives_none() {
+    let text = two_joints("revolute", "continuous");
+    let wide = text.replace("lower='-1' upper='2'", "lower='-7' upper='7'");
+    let without = text.replace("velocity='1'", "velocity='0'").replace("lower='-1' upper='2'", "");
+    let unlimited = JointLimits::default();
+
+    let limits = |text: &str| Arm::from_urdf(text, &[]).unwrap().limits();
+
+    let first = JointLimits { position: Some([-1.0, 2.0]), velocity: Some(1.0), ..unlimited };
+    assert_eq!(limits(&text), [first, JointLimits { position: None, ..first }]);
+    assert_eq!(limits(&wide)[0].position, Some([-7.0, 7.0]), "more than a turn");
+    assert_eq!(limits(&without), [unlimited; 2]);
 }
 
 #[test]

@@ -161,7 +161,7 @@ fn evaluate_all(log: &Motion, truth: &[Pattern], plan: &Plan) -> Result<f64, Exp
     let candidates = Candidates::new(n, plan.library, plan.method).map_err(named)?;
     let steps = match plan.method {
         Steps::Stepwise => plan_steps(&candidates, &Pattern::ALL).0,
-        Steps::Sindy => one_shot(&candidates),
+        Steps::Sindy | Steps::Chain => one_shot(&candidates),
     };
     let start = now();
     for step in steps {

@@ -3,6 +3,9 @@
 use super::Blocks;
 use crate::csv_rows::CsvRows;
 use crate::error::LogError;
+use crate::plain::plain;
+use crate::rows::Rows;
+use crate::signal_rows::{Clock, SignalRows};
 use faer::Mat;
 use std::fmt::Write;
 use std::path::Path;
@@ -10,9 +13,12 @@ use torquewise_motion::{LocalPolynomial, Motion, derivative};
 
 /// Blocks of a text with one joint.
 fn blocks(text: &str) -> Result<Vec<(usize, Motion)>, LogError> {
-    let rows = CsvRows::new(Path::new("arm.csv"), std::io::Cursor::new(text.to_owned()))?;
+    let file = Path::new("arm.csv");
+    let rows = CsvRows::new(file, std::io::Cursor::new(text.to_owned()))?;
+    let mapping = plain(file, rows.names())?;
+    let rows = SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)?;
     let joints = ["joint1".to_owned()];
-    let mut blocks = Blocks::new(Box::new(rows), &joints, LocalPolynomial::default());
+    let mut blocks = Blocks::new(rows, &joints, Some(LocalPolynomial::default()));
     let mut read = Vec::new();
     while let Some(block) = blocks.next()? {
         read.push(block);

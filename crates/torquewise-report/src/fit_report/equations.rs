@@ -3,9 +3,9 @@
 use crate::fit_report::Findings;
 use crate::html::number::count;
 use crate::html::{Item, Section};
-use crate::mathml::{Equation, energies, torque};
+use crate::mathml::{Equation, energies, friction_torque, torque};
 use std::collections::BTreeMap;
-use torquewise_model::print::weighted_equations;
+use torquewise_model::print::{weighted_equations, weighted_friction};
 use torquewise_model::{Form, Term, Weighted};
 
 /// Terms of one equation written out at most; no one reads more.
@@ -27,8 +27,10 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
         ));
         let shown = energies(terms).into_iter().map(|energy| largest(energy, &BTreeMap::new()));
         items.extend(shown.map(|equation| written(&equation)));
+        items.extend(frictions(findings).iter().map(written));
+        let friction = if model.friction.is_empty() { "" } else { " + friction" };
         items.push(Item::Details {
-            summary: "The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q".into(),
+            summary: format!("The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q{friction}"),
             items: torques.iter().map(written).collect(),
         });
     } else {
@@ -43,7 +45,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 /// The equation, folded if it is long.
 fn written(equation: &Equation) -> Item {
     let markup = Item::Markup(equation.to_markup());
-    let n_terms = equation.terms.len() + equation.left_out;
+    let n_terms = equation.terms.len() + equation.friction.len() + equation.left_out;
     if n_terms <= LONG {
         return markup;
     }
@@ -51,17 +53,35 @@ fn written(equation: &Equation) -> Item {
     Item::Details { summary, items: vec![markup] }
 }
 
+/// What rubs at each joint where anything does.
+fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
+    let model = &findings.found.model;
+    let equation = |(joint, friction): (usize, Vec<_>)| Equation {
+        name: format!("Friction of {}", model.joints[joint]),
+        left: friction_torque(joint),
+        note: format!("friction of {} [N·m]", model.joints[joint]),
+        terms: Vec::new(),
+        friction,
+        unit: None,
+        left_out: 0,
+    };
+    let rubbing = weighted_friction(model).into_iter().enumerate();
+    rubbing.filter(|(_, friction)| !friction.is_empty()).map(equation).collect()
+}
+
 fn torques(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
-    let equation = |(joint, terms): (usize, Vec<Weighted<Term>>)| {
+    let equation = |(joint, (terms, friction)): (usize, (Vec<Weighted<Term>>, _))| {
         let importance = &findings.diagnosis.importance[joint];
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
         let name = format!("Torque of {}", model.joints[joint]);
         let note = format!("{} [N·m]", model.joints[joint]);
-        let all = Equation { name, left: torque(joint), note, terms, unit: None, left_out: 0 };
+        let left = torque(joint);
+        let all = Equation { name, left, note, terms, friction, unit: None, left_out: 0 };
         largest(all, &sizes)
     };
-    weighted_equations(model).into_iter().enumerate().map(equation).collect()
+    let friction = weighted_friction(model);
+    weighted_equations(model).into_iter().zip(friction).enumerate().map(equation).collect()
 }
 
 /// The terms that matter most, in their order: by their share of the torque where it is known, else
@@ -103,6 +123,7 @@ mod tests {
             left: torque(0),
             note: String::new(),
             terms,
+            friction: Vec::new(),
             unit: None,
             left_out: 0,
         };

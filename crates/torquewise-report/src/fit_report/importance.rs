@@ -3,9 +3,11 @@
 use crate::fit_report::Findings;
 use crate::html::number::count;
 use crate::html::{BarRow, Bars, Colour, Item, Label, Section};
-use crate::mathml::term;
+use crate::mathml::{friction, term};
 use std::collections::BTreeMap;
-use torquewise_model::Term;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::print::weighted_friction;
+use torquewise_model::{FrictionTerm, Term, Weighted};
 
 /// Terms of a joint that are shown.
 const MOST_TERMS: usize = 12;
@@ -15,36 +17,60 @@ const MOST_DROPPED: usize = 12;
 /// The most important terms of each joint.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let words = "Root mean square of what each term adds to the torque of its joint over the rows.";
-    let equations = findings.found.model.equations();
-    let joints = equations.iter().enumerate();
-    let bars = joints.map(|(joint, equation)| {
+    let model = &findings.found.model;
+    let equations = model.equations().into_iter().zip(weighted_friction(model));
+    let bars = equations.enumerate().map(|(joint, (equation, friction))| {
         let terms = equation.iter().map(|(_, term)| (term.name(), term)).collect();
-        joint_bars(findings, joint, &terms)
+        joint_bars(findings, joint, &terms, &friction)
     });
     let mut items = vec![Item::Text(words.into()), Item::BarsBeside(bars.collect())];
     items.extend(dropped(findings));
     Section { heading: "Terms".into(), items }
 }
 
-fn joint_bars(findings: &Findings<'_>, joint: usize, terms: &BTreeMap<String, &Term>) -> Bars {
+fn joint_bars(
+    findings: &Findings<'_>,
+    joint: usize,
+    terms: &BTreeMap<String, &Term>,
+    rubbing: &[Weighted<FrictionTerm>],
+) -> Bars {
     let importance = &findings.diagnosis.importance[joint];
-    let left_out = importance.len().saturating_sub(MOST_TERMS);
-    let row = |found: &torquewise_identify::diagnose::Importance| BarRow {
-        name: terms.get(&found.name).map_or_else(|| found.name.clone().into(), |t| term(t).into()),
-        sizes: vec![found.rms],
-    };
-    let caption = match left_out {
+    let mut rows: Vec<(Label, f64)> = importance
+        .iter()
+        .map(|found| {
+            let name = terms.get(&found.name).map(|found| term(found).into());
+            (name.unwrap_or_else(|| found.name.clone().into()), found.rms)
+        })
+        .collect();
+    rows.extend(rubbing.iter().map(|w| (friction_label(&w.term), friction_rms(findings, w))));
+    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let caption = match rows.len().saturating_sub(MOST_TERMS) {
         0 => String::new(),
         n => format!("{} smaller terms are not shown.", count(n)),
     };
+    let rows = rows.into_iter().take(MOST_TERMS);
     Bars {
         title: findings.joints()[joint].clone(),
         caption,
         label: "share of the torque [N·m]".into(),
         series: vec![("share".into(), Colour::Series(0))],
-        rows: importance.iter().take(MOST_TERMS).map(row).collect(),
+        rows: rows.map(|(name, rms)| BarRow { name, sizes: vec![rms] }).collect(),
         log: false,
     }
+}
+
+fn friction_label(term: &FrictionTerm) -> Label {
+    if term.law == FrictionLaw::Offset { "offset".into() } else { friction(term).into() }
+}
+
+/// RMS of a friction term of a joint, weighted for it, over the sampled rows.
+fn friction_rms(findings: &Findings<'_>, weighted: &Weighted<FrictionTerm>) -> f64 {
+    let dq = findings.diagnosis.trace.motion.dq();
+    let squares = (0..dq.nrows()).map(|row| {
+        let dq: Vec<f64> = dq.row(row).iter().copied().collect();
+        (weighted.coefficient * weighted.term.value(&dq)).powi(2)
+    });
+    (squares.sum::<f64>() / dq.nrows().max(1) as f64).sqrt()
 }
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {

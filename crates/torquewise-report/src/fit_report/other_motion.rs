@@ -19,6 +19,6 @@ pub(crate) fn section(findings: &Findings<'_>, test: &Diagnosis) -> Section {
         ),
         score_table(findings, test),
     ];
-    items.extend(charts(test, LINK));
+    items.extend(charts(findings, test, LINK));
     Section { heading: "Another motion".into(), items }
 }

@@ -31,8 +31,8 @@ fn found(findings: &Findings<'_>) -> Table {
         .iter()
         .map(|step| row(step.name, step.rows, step.candidates, &step.active))
         .collect();
-    let active = model.form.active(model.n_joints());
-    let kept = model.form.n_coefficients();
+    let active = model.active();
+    let kept = model.n_coefficients();
     rows.push(row("refit", findings.found.survey.rows, kept, &active));
     Table { caption: "Terms found up to and with each step.".into(), columns, rows }
 }

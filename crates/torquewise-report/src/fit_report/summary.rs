@@ -59,7 +59,7 @@ fn sentence(message: &str) -> String {
 
 fn facts(findings: &Findings<'_>) -> Item {
     let found = findings.found;
-    let terms = found.model.form.n_coefficients();
+    let terms = found.model.n_coefficients();
     let patterns = found.patterns.present.len();
     let checks = findings.checks.map(|checks| {
         let verdict = if checks.passed() { "passed" } else { "failed" };
@@ -97,6 +97,11 @@ fn words(findings: &Findings<'_>) -> String {
         }
         Form::Torque(_) => "Each joint has an equation of its own.",
     };
+    let friction = match found.model.friction.len() {
+        0 => String::new(),
+        1 => " One term is friction.".into(),
+        many => format!(" {} terms are friction.", count(many)),
+    };
     let shares: Vec<String> = Pattern::ALL
         .into_iter()
         .map(|pattern| format!("{} {} %", pattern.name(), significant(share(findings, pattern), 2)))
@@ -106,7 +111,7 @@ fn words(findings: &Findings<'_>) -> String {
     } else {
         "The white noise found in position, velocity and acceleration is listed under Ranges."
     };
-    format!("{form} The rows fall into {}. {noise}", shares.join(", "))
+    format!("{form}{friction} The rows fall into {}. {noise}", shares.join(", "))
 }
 
 /// Rows of a pattern in percent.
@@ -118,7 +123,7 @@ pub(crate) fn share(findings: &Findings<'_>, pattern: Pattern) -> f64 {
 
 /// Errors of each joint over what a diagnosis looked at.
 pub(crate) fn score_table(findings: &Findings<'_>, diagnosis: &Diagnosis) -> Item {
-    let active = findings.found.model.form.active(findings.n_joints());
+    let active = findings.found.model.active();
     let row = |(joint, terms): (&torquewise_identify::score::JointScore, usize)| -> Vec<Label> {
         vec![
             joint.name.as_str().into(),

@@ -5,29 +5,52 @@ use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series};
 use torquewise_identify::Diagnosis;
+use torquewise_model::Model;
 
 /// Charts of time with this word share their zoom.
 pub(crate) const LINK: &str = "time";
 
-/// One chart per joint, measured torque behind the predicted one.
+/// One chart per joint, measured torque behind the predicted one, and friction by itself if any.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let mut items = vec![Item::Text(
         "Drag across a chart to zoom in, double-click to see all again; all charts over time \
          follow."
             .into(),
     )];
-    items.extend(charts(findings.diagnosis, LINK));
+    items.extend(charts(findings, findings.diagnosis, LINK));
     Section { heading: "Torque".into(), items }
 }
 
 /// One chart per joint of what a diagnosis looked at; charts of one `link` share their zoom.
-pub(crate) fn charts(diagnosis: &Diagnosis, link: &str) -> Vec<Item> {
+pub(crate) fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Vec<Item> {
+    let friction = friction(&findings.found.model, diagnosis);
     let clock = Clock::new(diagnosis.trace.motion.t());
     let joints = 0..diagnosis.scores.joints.len();
-    joints.map(|joint| Item::Chart(chart(diagnosis, &clock, joint, link))).collect()
+    joints
+        .map(|joint| Item::Chart(chart(diagnosis, &clock, (joint, &friction[joint]), link)))
+        .collect()
 }
 
-fn chart(diagnosis: &Diagnosis, clock: &Clock, joint: usize, link: &str) -> Chart {
+/// Friction \[N·m\] of each joint at the rows of a diagnosis; empty for a joint without.
+fn friction(model: &Model, diagnosis: &Diagnosis) -> Vec<Vec<f64>> {
+    let dq = diagnosis.trace.motion.dq();
+    let of_joint = |joint: usize| {
+        let terms = || model.friction.iter().filter(move |w| w.term.acts_on(joint));
+        let torque = |row: usize| -> f64 {
+            let dq: Vec<f64> = dq.row(row).iter().copied().collect();
+            terms().map(|w| w.coefficient * w.term.torque(joint, &dq)).sum()
+        };
+        if terms().next().is_none() { Vec::new() } else { (0..dq.nrows()).map(torque).collect() }
+    };
+    (0..model.n_joints()).map(of_joint).collect()
+}
+
+fn chart(
+    diagnosis: &Diagnosis,
+    clock: &Clock,
+    (joint, friction): (usize, &[f64]),
+    link: &str,
+) -> Chart {
     let trace = &diagnosis.trace;
     let score = &diagnosis.scores.joints[joint];
     let measured = trace.motion.tau().map(|tau| {
@@ -35,11 +58,14 @@ fn chart(diagnosis: &Diagnosis, clock: &Clock, joint: usize, link: &str) -> Char
         Series::new("measured", Mark::BroadLine, Colour::Measured, points)
     });
     let predicted = Series::line("predicted", clock.curve(|row| trace.tau_hat[(row, joint)]));
+    let friction = (!friction.is_empty()).then(|| {
+        Series::new("friction", Mark::Line, Colour::Series(1), clock.curve(|row| friction[row]))
+    });
     Chart {
         title: format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3)),
         x: Axis::named(clock::LABEL),
         y: Axis::named("torque [N·m]"),
-        series: measured.into_iter().chain([predicted]).collect(),
+        series: measured.into_iter().chain([predicted]).chain(friction).collect(),
         linked: Some(link.into()),
         ..Chart::default()
     }

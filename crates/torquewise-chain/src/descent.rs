@@ -1,0 +1,196 @@
+//! A first geometry → the one that fits: Levenberg–Marquardt with the masses projected out.
+
+use crate::bodies::{Bodies, PER_BODY};
+use crate::error::ChainError;
+use crate::geometry::{Geometry, PER_BASE, PER_JOINT, nearest_right_angle};
+use crate::masses::Masses;
+use crate::rows::Rows;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+/// How a geometry is fitted.
+#[derive(Clone, Debug)]
+pub(crate) struct Target<'a> {
+    pub(crate) rows: &'a Rows,
+    /// One over the noise of each joint, n.
+    pub(crate) weights: &'a [f64],
+    /// Ridge of the masses, relative to the mean square of a column.
+    pub(crate) ridge: f64,
+    /// What the geometry is pulled to.
+    pub(crate) pull: Pull,
+}
+
+/// What is known of arms before any motion: axes at right angles, near each other.
+#[derive(Clone, Debug)]
+pub(crate) struct Pull {
+    strength: f64,
+    /// What each parameter is pulled to.
+    anchor: Vec<f64>,
+}
+
+impl Pull {
+    /// Pulls each axis to the right angle it is nearest to.
+    pub(crate) fn new(strength: f64, geometry: &Geometry) -> Self {
+        let mut anchor = Geometry::straight(geometry.n_joints());
+        for joint in 1..geometry.n_joints() {
+            anchor.set_direction(joint, nearest_right_angle(geometry.direction(joint)));
+        }
+        Self { strength, anchor: anchor.parameters().to_vec() }
+    }
+
+    /// Strength over the squared spread of a parameter.
+    fn stiffness(&self, parameter: usize) -> f64 {
+        let spread = match parameter.checked_sub(PER_BASE) {
+            None => TILT_SPREAD,
+            Some(place) if place % PER_JOINT < 2 => DIRECTION_SPREAD,
+            Some(_) => PLACE_SPREAD,
+        };
+        self.strength / (spread * spread)
+    }
+
+    fn cost(&self, geometry: &Geometry) -> f64 {
+        let apart = geometry.parameters().iter().zip(&self.anchor).enumerate();
+        apart.map(|(place, (x, a))| self.stiffness(place) * (x - a).powi(2)).sum()
+    }
+}
+
+/// Spreads of the parameters of arms: rad, rad, m.
+const TILT_SPREAD: f64 = 0.1;
+const DIRECTION_SPREAD: f64 = 0.3;
+const PLACE_SPREAD: f64 = 1.0;
+
+/// A geometry with its masses.
+#[derive(Clone, Debug)]
+pub(crate) struct Fitted {
+    pub(crate) geometry: Geometry,
+    pub(crate) masses: Masses,
+    /// Mean square of the weighted residual, ridge and pull counted in.
+    pub(crate) cost: f64,
+}
+
+/// Step of the numerical derivative: rad or m.
+const STEP: f64 = 1e-6;
+/// Longest step of a parameter in one round: rad or m.
+const LONGEST: f64 = 0.5;
+/// A round that gains less than this part of the cost is the last.
+const LEAST_GAIN: f64 = 1e-4;
+/// Trials of a round.
+const TRIALS: usize = 6;
+
+impl Target<'_> {
+    pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted, ChainError> {
+        let masses = Masses::fit(geometry, self.rows, self.weights, self.ridge)?;
+        let cost = masses.cost + self.pull.cost(geometry);
+        if !cost.is_finite() {
+            return Err(ChainError::Singular);
+        }
+        Ok(Fitted { geometry: geometry.clone(), masses, cost })
+    }
+
+    /// Weighted torque of the chain alone, m·n.
+    fn torque(&self, geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
+        let (m, n) = (self.rows.len(), self.rows.n_joints());
+        let bodies = Bodies::new(geometry);
+        let (mut out, mut torque) = (vec![0.0; m * n], vec![0.0; n]);
+        for row in 0..m {
+            bodies.torque(self.rows.state(row), inertial, &mut torque);
+            for (joint, tau) in torque.iter().enumerate() {
+                let k = joint * m + row;
+                out[k] = self.rows.shares[k] * self.weights[joint] * tau;
+            }
+        }
+        out
+    }
+
+    /// Change of the weighted torque per unit of each free parameter, the masses held, (m·n)×g.
+    fn changes(&self, fitted: &Fitted, free: &[usize]) -> Mat<f64> {
+        let inertial = &fitted.masses.coefficients[..PER_BODY * self.rows.n_joints()];
+        let mut changes = Mat::zeros(self.rows.torque.len(), free.len());
+        for (column, &parameter) in free.iter().enumerate() {
+            let mut moved = fitted.geometry.clone();
+            moved.parameters_mut()[parameter] += STEP;
+            let ahead = self.torque(&moved, inertial);
+            moved.parameters_mut()[parameter] -= 2.0 * STEP;
+            let behind = self.torque(&moved, inertial);
+            for (out, (a, b)) in
+                changes.col_as_slice_mut(column).iter_mut().zip(ahead.iter().zip(&behind))
+            {
+                *out = (a - b) / (2.0 * STEP);
+            }
+        }
+        changes
+    }
+
+    /// Improves the free parameters of a geometry in at most `rounds` rounds.
+    ///
+    /// The masses follow every step (variable projection, the approximation of Kaufman), so that
+    /// only the geometry is searched.
+    ///
+    /// Source: G. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973); L. Kaufman, BIT 15 (1975).
+    pub(crate) fn descend(
+        &self,
+        start: &Geometry,
+        free: &[usize],
+        rounds: usize,
+    ) -> Result<Fitted, ChainError> {
+        let mut best = self.fit(start)?;
+        let size = self.rows.torque.len() as f64;
+        let mut damping = 1e-2;
+        for _ in 0..rounds {
+            let changes = self.changes(&best, free);
+            let mut curvature = best.masses.projected(&changes);
+            let mut slope = vec![0.0; free.len()];
+            for (j, &parameter) in free.iter().enumerate() {
+                let stiffness = size * self.pull.stiffness(parameter);
+                curvature[(j, j)] += stiffness;
+                let apart = best.geometry.parameters()[parameter] - self.pull.anchor[parameter];
+                let column = changes.col_as_slice(j).iter();
+                let falls: f64 = column.zip(&best.masses.residual).map(|(d, r)| d * r).sum();
+                slope[j] = falls - stiffness * apart;
+            }
+            let before = best.cost;
+            if !self.step(&mut best, free, (&curvature, &slope), &mut damping) {
+                break;
+            }
+            if before - best.cost < LEAST_GAIN * before {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Takes the longest step that lowers the cost; false if none does.
+    fn step(
+        &self,
+        best: &mut Fitted,
+        free: &[usize],
+        (curvature, slope): (&Mat<f64>, &[f64]),
+        damping: &mut f64,
+    ) -> bool {
+        let largest = (0..free.len()).fold(0.0_f64, |most, j| most.max(curvature[(j, j)]));
+        for _ in 0..TRIALS {
+            let mut damped = curvature.clone();
+            for j in 0..free.len() {
+                damped[(j, j)] += *damping * curvature[(j, j)].max(1e-6 * largest);
+            }
+            if let Ok(factor) = damped.llt(Side::Lower) {
+                let step = factor.solve(faer::ColRef::from_slice(slope));
+                let longest = step.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                let share = if longest > LONGEST { LONGEST / longest } else { 1.0 };
+                let mut geometry = best.geometry.clone();
+                for (&parameter, x) in free.iter().zip(step.iter()) {
+                    geometry.parameters_mut()[parameter] += share * x;
+                }
+                if let Ok(found) = self.fit(&geometry)
+                    && found.cost < best.cost
+                {
+                    *best = found;
+                    *damping = (*damping / 5.0).max(1e-9);
+                    return true;
+                }
+            }
+            *damping *= 5.0;
+        }
+        false
+    }
+}

@@ -1,0 +1,43 @@
+//! What can keep a chain from being learned.
+
+/// An error of this crate.
+#[derive(Debug, thiserror::Error)]
+pub enum ChainError {
+    /// Signals of different shapes.
+    #[error("{what} has {found} entries where {expected} were expected")]
+    Shape {
+        /// Which signal.
+        what: &'static str,
+        /// Its entries.
+        found: usize,
+        /// What the others ask for.
+        expected: usize,
+    },
+    /// Too little to learn from.
+    #[error(
+        "{rows} rows of {joints} joints cannot determine a chain: at least {needed} are needed; \
+         record a longer motion"
+    )]
+    TooFewRows {
+        /// Rows at hand.
+        rows: usize,
+        /// Joints of the arm.
+        joints: usize,
+        /// Rows needed.
+        needed: usize,
+    },
+    /// The normal equations have no solution in floating point.
+    #[error(
+        "the normal equations of the chain cannot be solved: \
+         are there joints that never move, or values that are not finite?"
+    )]
+    Singular,
+    /// More joints than the expansion can list.
+    #[error("the energy of {joints} joints has too many terms to list; at most {most} joints")]
+    TooManyJoints {
+        /// Joints of the arm.
+        joints: usize,
+        /// Joints at most.
+        most: usize,
+    },
+}

@@ -1,0 +1,196 @@
+//! Parameters → geometry: where the joint axes of a chain lie, in as few numbers as torque can tell.
+
+use crate::error::ChainError;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Standard gravity \[m/s²\].
+pub const GRAVITY: f64 = 9.81;
+/// Numbers that place a joint in the frame before it.
+pub const PER_JOINT: usize = 4;
+/// Numbers that say where gravity points in the base.
+pub const PER_BASE: usize = 2;
+
+/// Where the joint axes of a chain of n revolute joints lie.
+///
+/// Joint 1 turns about z of the base. Joint i + 1 turns about an axis that is fixed in the frame of
+/// joint i: its direction is that of z turned by the rotation vector (w₁, w₂, 0), its place the
+/// shift (p₁, p₂, 0) seen from the turned frame. Neither a shift along the axis nor a turn about it
+/// is a parameter: the masses of the link behind it are free, so torque cannot tell them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// Turns of gravity from −z of the base about x and y \[rad\], then w₁, w₂ \[rad\], p₁, p₂
+    /// \[m\] of joints 2…n.
+    parameters: Vec<f64>,
+}
+
+/// A frame that is fixed in the frame before it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    /// Turns components of the new frame into those of the one before.
+    pub(crate) rotation: Matrix3<f64>,
+    /// Its origin \[m\], in the frame before.
+    pub(crate) origin: Vector3<f64>,
+}
+
+/// Axes along ±x, ±y, ±z of the frame before, as rotation vectors.
+pub const RIGHT_ANGLES: [[f64; 2]; 6] = [
+    [0.0, 0.0],
+    [FRAC_PI_2, 0.0],
+    [-FRAC_PI_2, 0.0],
+    [0.0, FRAC_PI_2],
+    [0.0, -FRAC_PI_2],
+    [PI, 0.0],
+];
+/// Place of −z among the right angles.
+const HALF_TURN: usize = 5;
+
+impl Geometry {
+    /// All axes along z, through one point.
+    pub fn straight(n_joints: usize) -> Self {
+        Self { parameters: vec![0.0; PER_BASE + PER_JOINT * n_joints.saturating_sub(1)] }
+    }
+
+    /// A chain whose axes lie as `parameters` say: two of gravity, then four of each joint from the
+    /// second on; rad and m.
+    ///
+    /// # Errors
+    /// [`ChainError::Shape`] if their number is that of no chain.
+    pub fn new(parameters: &[f64]) -> Result<Self, ChainError> {
+        let found = parameters.len();
+        let joints = found.saturating_sub(PER_BASE) / PER_JOINT;
+        let expected = PER_BASE + PER_JOINT * joints;
+        if found != expected {
+            return Err(ChainError::Shape { what: "geometry", found, expected });
+        }
+        Ok(Self { parameters: parameters.to_vec() })
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        (self.parameters.len() - PER_BASE) / PER_JOINT + 1
+    }
+
+    /// The parameters: two of gravity, then four of each joint from the second on.
+    pub fn parameters(&self) -> &[f64] {
+        &self.parameters
+    }
+
+    pub(crate) fn parameters_mut(&mut self) -> &mut [f64] {
+        &mut self.parameters
+    }
+
+    /// Direction (w₁, w₂) of the axis of a joint, counted from 0, in the frame before; that of the
+    /// first is z itself.
+    ///
+    /// # Panics
+    /// If the chain has no such joint.
+    pub fn direction(&self, joint: usize) -> [f64; 2] {
+        self.pair(joint, 0)
+    }
+
+    /// Place (p₁, p₂) \[m\] of the axis of a joint, counted from 0.
+    ///
+    /// # Panics
+    /// If the chain has no such joint.
+    pub fn place(&self, joint: usize) -> [f64; 2] {
+        self.pair(joint, 2)
+    }
+
+    fn pair(&self, joint: usize, first: usize) -> [f64; 2] {
+        let Some(before) = joint.checked_sub(1) else { return [0.0; 2] };
+        let start = PER_BASE + PER_JOINT * before + first;
+        [self.parameters[start], self.parameters[start + 1]]
+    }
+
+    pub(crate) fn set_direction(&mut self, joint: usize, direction: [f64; 2]) {
+        self.set_pair(joint, 0, direction);
+    }
+
+    pub(crate) fn set_place(&mut self, joint: usize, place: [f64; 2]) {
+        self.set_pair(joint, 2, place);
+    }
+
+    fn set_pair(&mut self, joint: usize, first: usize, values: [f64; 2]) {
+        if let Some(before) = joint.checked_sub(1) {
+            let start = PER_BASE + PER_JOINT * before + first;
+            self.parameters[start..start + 2].copy_from_slice(&values);
+        }
+    }
+
+    /// The same chain with axes that are within `angle` \[rad\] of a right angle, and within
+    /// `distance` \[m\] of the axis before, put exactly there; and the parameters that are left
+    /// free.
+    pub fn snapped(&self, angle: f64, distance: f64) -> (Self, Vec<usize>) {
+        let mut snapped = self.clone();
+        let mut free = Vec::new();
+        let tilt = self.parameters[0].hypot(self.parameters[1]);
+        if tilt < angle {
+            snapped.parameters[..PER_BASE].fill(0.0);
+        } else {
+            free.extend(0..PER_BASE);
+        }
+        for joint in 1..self.n_joints() {
+            let first = PER_BASE + PER_JOINT * (joint - 1);
+            let direction = self.direction(joint);
+            let right = nearest_right_angle(direction);
+            let apart = axis(direction).angle(&axis(right));
+            if apart < angle {
+                snapped.set_direction(joint, right);
+            } else {
+                free.extend([first, first + 1]);
+            }
+            for place in first + 2..first + PER_JOINT {
+                if self.parameters[place].abs() < distance {
+                    snapped.parameters[place] = 0.0;
+                } else {
+                    free.push(place);
+                }
+            }
+        }
+        (snapped, free)
+    }
+
+    /// Acceleration of gravity \[m/s²\] in the base.
+    pub fn gravity(&self) -> [f64; 3] {
+        let turned = turn([self.parameters[0], self.parameters[1]]) * Vector3::z();
+        (-GRAVITY * turned).into()
+    }
+
+    /// The frame of each joint in the one before, at q = 0, n.
+    pub(crate) fn placements(&self) -> Vec<Placement> {
+        (0..self.n_joints())
+            .map(|joint| {
+                let rotation = turn(self.direction(joint));
+                let [x, y] = self.place(joint);
+                Placement { rotation, origin: rotation * Vector3::new(x, y, 0.0) }
+            })
+            .collect()
+    }
+}
+
+fn turn(w: [f64; 2]) -> Matrix3<f64> {
+    *Rotation3::new(Vector3::new(w[0], w[1], 0.0)).matrix()
+}
+
+/// The direction of an axis, a unit vector.
+fn axis(direction: [f64; 2]) -> Vector3<f64> {
+    turn(direction) * Vector3::z()
+}
+
+/// The right angle nearest to a direction.
+pub(crate) fn nearest_right_angle(direction: [f64; 2]) -> [f64; 2] {
+    let apart = |other: &[f64; 2]| (axis(direction) - axis(*other)).norm_squared();
+    let order =
+        |&a: &usize, &b: &usize| apart(&RIGHT_ANGLES[a]).total_cmp(&apart(&RIGHT_ANGLES[b]));
+    let nearest = (0..RIGHT_ANGLES.len()).min_by(order).unwrap_or(0);
+    // Half a turn about any axis is the same direction: take the one that lies nearest.
+    let size = direction[0].hypot(direction[1]);
+    if nearest == HALF_TURN && size > 0.0 {
+        return direction.map(|w| w * PI / size);
+    }
+    RIGHT_ANGLES[nearest]
+}
+
+#[cfg(test)]
+mod tests;

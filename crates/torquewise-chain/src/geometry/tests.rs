@@ -1,0 +1,96 @@
+//! Right angles, what is put there, and what stays free.
+
+use super::{Geometry, RIGHT_ANGLES, axis, nearest_right_angle};
+use crate::error::ChainError;
+use approx::assert_relative_eq;
+use nalgebra::Vector3;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+#[test]
+fn right_angles_are_the_six_directions_of_the_frame_before() {
+    let mut axes: Vec<[i32; 3]> = RIGHT_ANGLES
+        .iter()
+        .map(|w| {
+            let axis = axis(*w);
+            let whole: Vector3<f64> = axis.map(f64::round);
+            assert_relative_eq!(axis, whole, epsilon = 1e-15);
+            #[expect(clippy::cast_possible_truncation, reason = "−1, 0 or 1")]
+            [whole.x as i32, whole.y as i32, whole.z as i32]
+        })
+        .collect();
+    axes.sort_unstable();
+
+    let all = [[-1, 0, 0], [0, -1, 0], [0, 0, -1], [0, 0, 1], [0, 1, 0], [1, 0, 0]];
+    assert_eq!(axes, all);
+}
+
+#[test]
+fn the_nearest_right_angle_of_one_is_itself() {
+    for right in RIGHT_ANGLES {
+        let near = [right[0] + 0.1, right[1] - 0.2];
+
+        let found = axis(nearest_right_angle(near));
+
+        assert_relative_eq!(found, axis(right), epsilon = 1e-14);
+    }
+}
+
+#[test]
+fn an_axis_turned_back_is_snapped_without_turning_its_frame() {
+    // Half a turn about x − y, which no right angle is written as.
+    let size = (PI - 0.1) / 2.0_f64.sqrt();
+
+    let found = nearest_right_angle([size, -size]);
+
+    assert_relative_eq!(found[0], -found[1], epsilon = 1e-14);
+    assert_relative_eq!(axis(found), -Vector3::z(), epsilon = 1e-14);
+}
+
+#[test]
+fn snapping_moves_what_is_near_and_frees_what_is_far() {
+    let far = [0.7, 0.1, 0.2, -0.3];
+    let near = [FRAC_PI_2 + 0.05, -0.02, 0.01, 0.4];
+    let geometry = Geometry::new(&[&[0.02, -0.03], &far[..], &near[..]].concat()).unwrap();
+
+    let (snapped, free) = geometry.snapped(0.1, 0.05);
+
+    // Gravity is near straight down, axis 2 far from all, axis 3 near x but for one place.
+    let expected = [0.0, 0.0, 0.7, 0.1, 0.2, -0.3, FRAC_PI_2, 0.0, 0.0, 0.4];
+    assert_eq!(snapped.parameters(), expected);
+    assert_eq!(free, [2, 3, 4, 5, 9]);
+}
+
+#[test]
+fn a_tilted_base_and_nothing_else_may_stay_free() {
+    let geometry = Geometry::new(&[0.3, 0.0, 0.0, 0.01, 0.0, 0.0]).unwrap();
+
+    let (snapped, free) = geometry.snapped(0.1, 0.05);
+
+    assert_eq!(snapped.parameters(), [0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(free, [0, 1]);
+}
+
+#[test]
+fn gravity_of_a_straight_chain_points_down() {
+    assert_eq!(Geometry::straight(3).gravity(), [0.0, 0.0, -super::GRAVITY]);
+}
+
+#[test]
+fn a_tilt_about_x_turns_gravity_towards_y() {
+    let [x, y, z] = Geometry::new(&[0.2, 0.0]).unwrap().gravity();
+
+    assert_relative_eq!(x, 0.0);
+    assert_relative_eq!(y, super::GRAVITY * 0.2_f64.sin(), epsilon = 1e-14);
+    assert_relative_eq!(z, -super::GRAVITY * 0.2_f64.cos(), epsilon = 1e-14);
+}
+
+#[test]
+fn numbers_that_make_no_chain_are_refused() {
+    for count in [0, 1, 3, 5, 7] {
+        let error = Geometry::new(&vec![0.0; count]).unwrap_err();
+
+        assert!(
+            matches!(error, ChainError::Shape { what: "geometry", found, .. } if found == count)
+        );
+    }
+}

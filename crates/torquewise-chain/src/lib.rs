@@ -1,0 +1,20 @@
+//! Chains of rigid bodies whose geometry is learned from motion and torque (E8).
+//!
+//! The energy library says what functions the torque of any arm may hold; for six joints these are
+//! thousands. A chain of rigid bodies needs a few dozen numbers to say the same: where each joint
+//! axis lies in the frame before it, and how each link is laden. This crate learns both from motion
+//! and torque alone, and lists the energy terms that follow.
+
+pub mod error;
+pub mod geometry;
+mod bodies;
+pub mod rows;
+mod masses;
+mod descent;
+pub mod search;
+mod expand;
+
+pub use error::ChainError;
+pub use geometry::Geometry;
+pub use rows::Rows;
+pub use search::{Chain, Search, fit, refine, search};

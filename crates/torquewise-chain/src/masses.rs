@@ -1,0 +1,126 @@
+//! Geometry, rows → masses: the inertial parameters that explain the torque best, and what is left.
+
+use crate::bodies::{Bodies, PER_BODY};
+use crate::error::ChainError;
+use crate::geometry::Geometry;
+use crate::rows::Rows;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, Side};
+
+/// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
+#[derive(Clone, Debug)]
+pub(crate) struct Masses {
+    /// Weighted columns, each scaled to unit RMS, (m·n)×p.
+    columns: Mat<f64>,
+    factor: Llt<f64>,
+    /// Coefficients in the units of the torque's columns, p.
+    pub(crate) coefficients: Vec<f64>,
+    /// Weighted residual, m·n.
+    pub(crate) residual: Vec<f64>,
+    /// Mean square of the weighted residual, the ridge counted in.
+    pub(crate) cost: f64,
+}
+
+/// Columns with less RMS than this times the largest say nothing.
+const NOTHING: f64 = 1e-9;
+
+/// Weighted columns of a chain and those beside it, (m·n)×p.
+fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]) -> Mat<f64> {
+    let (m, n) = (rows.len(), rows.n_joints());
+    let bodies = Bodies::new(geometry);
+    let of_bodies = PER_BODY * n;
+    let mut columns = Mat::zeros(m * n, of_bodies + rows.extras.ncols());
+    for row in 0..m {
+        bodies.columns(rows.state(row), |joint, parameter, value| {
+            let k = joint * m + row;
+            columns[(k, parameter)] = rows.shares[k] * weights[joint] * value;
+        });
+    }
+    for j in 0..rows.extras.ncols() {
+        let from = rows.extras.col_as_slice(j);
+        for (k, out) in columns.col_as_slice_mut(of_bodies + j).iter_mut().enumerate() {
+            *out = rows.shares[k] * weights[k / m] * from[k];
+        }
+    }
+    columns
+}
+
+impl Masses {
+    /// Ridge regression of the torque at a geometry.
+    ///
+    /// `ridge` is relative to the mean square of a column; `weights` is one over the noise of each
+    /// joint, n.
+    pub(crate) fn fit(
+        geometry: &Geometry,
+        rows: &Rows,
+        weights: &[f64],
+        ridge: f64,
+    ) -> Result<Self, ChainError> {
+        let m = rows.len();
+        let size = rows.torque.len() as f64;
+        let mut columns = weighted_columns(geometry, rows, weights);
+        let p = columns.ncols();
+        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / size).sqrt();
+        let mut scales: Vec<f64> = (0..p).map(|j| rms(columns.col_as_slice(j))).collect();
+        let least = NOTHING * scales.iter().fold(0.0_f64, |most, &s| most.max(s));
+        for (j, scale) in scales.iter_mut().enumerate() {
+            *scale = if *scale > least { *scale } else { f64::INFINITY };
+            let factor = 1.0 / *scale;
+            columns.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= factor);
+        }
+        let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
+        let target: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
+        let mut gram = Mat::zeros(p, p);
+        lower_gram(&mut gram, &columns);
+        for j in 0..p {
+            gram[(j, j)] += ridge * size;
+        }
+        let factor = gram.llt(Side::Lower).map_err(|_| ChainError::Singular)?;
+        let right = columns.transpose() * faer::ColRef::from_slice(&target);
+        let scaled = factor.solve(&right);
+        let fitted = &columns * &scaled;
+        let residual: Vec<f64> = target.iter().zip(fitted.iter()).map(|(t, f)| t - f).collect();
+        let squares: f64 = residual.iter().map(|r| r * r).sum();
+        let penalty: f64 = ridge * scaled.iter().map(|c| c * c).sum::<f64>();
+        let coefficients = scaled.iter().zip(&scales).map(|(c, s)| c / s).collect();
+        let cost = squares / size + penalty;
+        if !cost.is_finite() {
+            return Err(ChainError::Singular);
+        }
+        Ok(Self { columns, factor, coefficients, residual, cost })
+    }
+
+    /// What a change of the weighted torque at fixed coefficients leaves of itself once the
+    /// coefficients follow: DᵀD − (YᵀD)ᵀ(YᵀY + λ)⁻¹(YᵀD), g×g, for the changes D, (m·n)×g.
+    pub(crate) fn projected(&self, changes: &Mat<f64>) -> Mat<f64> {
+        let across = self.columns.transpose() * changes;
+        let followed = self.factor.solve(&across);
+        changes.transpose() * changes - across.transpose() * followed
+    }
+
+    /// Mean square residual of each joint \[(N·m)²\], weights taken out.
+    pub(crate) fn variances(&self, rows: &Rows, weights: &[f64]) -> Vec<f64> {
+        let m = rows.len();
+        let parts = self.residual.chunks(m).zip(rows.shares.chunks(m)).zip(weights);
+        let of = |((part, shares), weight): ((&[f64], &[f64]), &f64)| {
+            let counted: f64 = shares.iter().map(|s| s * s).sum();
+            part.iter().map(|r| r * r).sum::<f64>() / (counted.max(1.0) * weight * weight)
+        };
+        parts.map(of).collect()
+    }
+}
+
+fn lower_gram(gram: &mut Mat<f64>, columns: &Mat<f64>) {
+    triangular::matmul(
+        gram.as_mut(),
+        BlockStructure::TriangularLower,
+        faer::Accum::Replace,
+        columns.transpose(),
+        BlockStructure::Rectangular,
+        columns.as_ref(),
+        BlockStructure::Rectangular,
+        1.0,
+        faer::Par::Seq,
+    );
+}

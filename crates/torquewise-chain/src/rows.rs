@@ -1,0 +1,130 @@
+//! Motion, torque, further columns → rows of a regression: what a chain is learned from.
+
+use crate::bodies::{MOST_JOINTS, State};
+use crate::error::ChainError;
+use faer::{Mat, MatRef};
+
+/// Rows of one arm and what is known beside the chain.
+#[derive(Clone, Debug)]
+pub struct Rows {
+    n_joints: usize,
+    /// q, q̇, q̈ of each row, 3n numbers a row.
+    states: Vec<f64>,
+    /// Torques, m·n: all rows of joint 1 first.
+    pub(crate) torque: Vec<f64>,
+    /// Further columns, (m·n)×e, rows as in `torque`.
+    pub(crate) extras: Mat<f64>,
+    /// How much each equation counts, m·n: zero where friction of a resting joint may be anything.
+    pub(crate) shares: Vec<f64>,
+}
+
+impl Rows {
+    /// Collects rows.
+    ///
+    /// - `q`, `dq`, `ddq`, `tau`: m×n; rad, rad/s, rad/s², N·m
+    /// - `extras`: columns that explain torque beside the chain (friction, offsets), one m×e matrix
+    ///   for each joint
+    ///
+    /// # Errors
+    /// [`ChainError::Shape`] if shapes differ, [`ChainError::TooManyJoints`].
+    pub fn new(
+        [q, dq, ddq, tau]: [MatRef<'_, f64>; 4],
+        extras: &[Mat<f64>],
+    ) -> Result<Self, ChainError> {
+        let (m, n) = (q.nrows(), q.ncols());
+        if n > MOST_JOINTS || n == 0 {
+            return Err(ChainError::TooManyJoints { joints: n, most: MOST_JOINTS });
+        }
+        for (what, x) in [("dq", dq), ("ddq", ddq), ("tau", tau)] {
+            if (x.nrows(), x.ncols()) != (m, n) {
+                let found = x.nrows() * x.ncols();
+                return Err(ChainError::Shape { what, found, expected: m * n });
+            }
+        }
+        if extras.len() != n {
+            let found = extras.len();
+            return Err(ChainError::Shape { what: "extras", found, expected: n });
+        }
+        let width = extras[0].ncols();
+        if let Some(odd) = extras.iter().find(|x| (x.nrows(), x.ncols()) != (m, width)) {
+            let found = odd.nrows() * odd.ncols();
+            return Err(ChainError::Shape { what: "extras", found, expected: m * width });
+        }
+        let mut states = Vec::with_capacity(3 * m * n);
+        for row in 0..m {
+            for x in [q, dq, ddq] {
+                states.extend((0..n).map(|joint| x[(row, joint)]));
+            }
+        }
+        let torque = (0..n).flat_map(|joint| (0..m).map(move |row| tau[(row, joint)])).collect();
+        let extras = Mat::from_fn(m * n, width, |row, column| extras[row / m][(row % m, column)]);
+        let shares = vec![1.0; m * n];
+        Ok(Self { n_joints: n, states, torque, extras, shares })
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.n_joints
+    }
+
+    /// Number of rows m.
+    pub fn len(&self) -> usize {
+        self.states.len() / (3 * self.n_joints)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.states.is_empty()
+    }
+
+    /// The torques \[N·m\] of a joint, counted from 0, m.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn torque_of(&self, joint: usize) -> &[f64] {
+        &self.torque[joint * self.len()..(joint + 1) * self.len()]
+    }
+
+    /// The same rows, of which the equation of a joint counts `share(row, joint)`, 0 to 1.
+    pub fn with_shares(mut self, share: impl Fn(usize, usize) -> f64) -> Self {
+        let m = self.len();
+        for (k, out) in self.shares.iter_mut().enumerate() {
+            *out = share(k % m, k / m).clamp(0.0, 1.0);
+        }
+        self
+    }
+
+    pub(crate) fn state(&self, row: usize) -> State<'_> {
+        let n = self.n_joints;
+        let state = &self.states[3 * n * row..3 * n * (row + 1)];
+        State { q: &state[..n], dq: &state[n..2 * n], ddq: &state[2 * n..] }
+    }
+
+    /// The rows named by `rows`, in that order.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn select(&self, rows: &[usize]) -> Self {
+        let (m, n) = (self.len(), self.n_joints);
+        let states = rows.iter().flat_map(|&row| &self.states[3 * n * row..3 * n * (row + 1)]);
+        let place = |k: usize| (k / rows.len()) * m + rows[k % rows.len()];
+        Self {
+            n_joints: n,
+            states: states.copied().collect(),
+            torque: (0..rows.len() * n).map(|k| self.torque[place(k)]).collect(),
+            extras: Mat::from_fn(rows.len() * n, self.extras.ncols(), |k, j| {
+                self.extras[(place(k), j)]
+            }),
+            shares: (0..rows.len() * n).map(|k| self.shares[place(k)]).collect(),
+        }
+    }
+
+    /// At most `count` rows, evenly spread.
+    pub fn thinned(&self, count: usize) -> Self {
+        let m = self.len();
+        if m <= count {
+            return self.clone();
+        }
+        self.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+    }
+}

@@ -1,0 +1,271 @@
+//! Rows → chain: many starts with axes at right angles, the best of them refined.
+
+use crate::bodies::{Bodies, PER_BODY};
+use crate::descent::{Fitted, Pull, Target};
+use crate::error::ChainError;
+use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
+use crate::rows::Rows;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+/// How a chain is looked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Search {
+    /// Starts: arms whose axes lie at right angles at random.
+    pub starts: usize,
+    /// How many of them, the best, are refined on all rows.
+    pub finalists: usize,
+    /// Rows of the first look at a start.
+    pub glance_rows: usize,
+    /// Rows on which a start is refined.
+    pub start_rows: usize,
+    /// Rows on which a finalist is refined.
+    pub final_rows: usize,
+    /// Rounds of refinement of a start.
+    pub rounds: usize,
+    /// Rounds of weighing joints by their residual and refining again, at least 1.
+    pub weighings: usize,
+    /// Ridge of the masses, relative to the mean square of a column.
+    pub ridge: f64,
+    /// How strongly axes are pulled to right angles and to each other.
+    pub pull: f64,
+    /// Seed of the starts.
+    pub seed: u64,
+}
+
+impl Default for Search {
+    fn default() -> Self {
+        Self {
+            starts: 16,
+            finalists: 4,
+            glance_rows: 120,
+            start_rows: 400,
+            final_rows: 1_200,
+            rounds: 25,
+            weighings: 3,
+            ridge: 1e-5,
+            pull: 3e-2,
+            seed: 0,
+        }
+    }
+}
+
+/// A chain of rigid bodies with what was fitted beside it.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// Where its axes lie.
+    pub geometry: Geometry,
+    /// Inertial parameters of each body, 10 each: m, m·c, then moments about the origin of its frame
+    /// xx, yy, zz, xy, xz, yz. Only what torque can tell is determined; the ridge picks the smallest
+    /// of the rest, so that a mass of its own may even be negative.
+    pub inertial: Vec<f64>,
+    /// Coefficients of the columns beside the chain, e.
+    pub beside: Vec<f64>,
+    /// RMS of the residual of each joint \[N·m\], n, on the rows it was refined on.
+    pub residual_rms: Vec<f64>,
+    /// Mean square of the weighted residual, the ridge counted in.
+    pub cost: f64,
+}
+
+impl Chain {
+    pub(crate) fn new(fitted: &Fitted, rows: &Rows, weights: &[f64]) -> Self {
+        let of_bodies = PER_BODY * fitted.geometry.n_joints();
+        let (inertial, beside) = fitted.masses.coefficients.split_at(of_bodies);
+        let variances = fitted.masses.variances(rows, weights);
+        Self {
+            geometry: fitted.geometry.clone(),
+            inertial: inertial.to_vec(),
+            beside: beside.to_vec(),
+            residual_rms: variances.into_iter().map(f64::sqrt).collect(),
+            cost: fitted.cost,
+        }
+    }
+}
+
+impl Chain {
+    /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
+    pub fn torque(&self, rows: &Rows) -> Vec<f64> {
+        let (m, n) = (rows.len(), rows.n_joints());
+        let bodies = Bodies::new(&self.geometry);
+        let (mut out, mut torque) = (vec![0.0; m * n], vec![0.0; n]);
+        for row in 0..m {
+            bodies.torque(rows.state(row), &self.inertial, &mut torque);
+            for (joint, tau) in torque.iter().enumerate() {
+                out[joint * m + row] = *tau;
+            }
+        }
+        for (j, coefficient) in self.beside.iter().enumerate() {
+            for (out, x) in out.iter_mut().zip(rows.extras.col_as_slice(j)) {
+                *out += coefficient * x;
+            }
+        }
+        out
+    }
+}
+
+/// Largest first guess of the place of an axis \[m\].
+const PLACE: f64 = 0.2;
+/// Sweeps through the joints of a start.
+const SWEEPS: usize = 4;
+/// A residual below this part of the torque is taken for it: weights stay finite.
+const LEAST_RESIDUAL: f64 = 1e-6;
+
+/// Part of the torque that is taken for noise before anything is fitted.
+const FIRST_NOISE: f64 = 0.1;
+
+/// One over the noise guessed of each joint, n.
+pub(crate) fn first_weights(rows: &Rows) -> Vec<f64> {
+    let weight = |joint| 1.0 / (FIRST_NOISE * spread(rows.torque_of(joint)));
+    (0..rows.n_joints()).map(weight).collect()
+}
+
+fn spread(x: &[f64]) -> f64 {
+    let m = x.len().max(1) as f64;
+    let mean = x.iter().sum::<f64>() / m;
+    let deviation = (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt();
+    if deviation > 0.0 { deviation } else { 1.0 }
+}
+
+/// Parameters that rows may move: the tilt of gravity and all axes.
+pub fn all_parameters(n_joints: usize) -> Vec<usize> {
+    (0..PER_BASE + PER_JOINT * n_joints.saturating_sub(1)).collect()
+}
+
+/// Learns chains from rows, the best first.
+///
+/// The same seed gives the same chains at any number of threads.
+///
+/// # Errors
+/// [`ChainError::TooFewRows`], or [`ChainError::Singular`] if no start can be fitted.
+pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
+    let n = rows.n_joints();
+    let needed = PER_BODY * n;
+    if rows.len() < needed {
+        return Err(ChainError::TooFewRows { rows: rows.len(), joints: n, needed });
+    }
+    let weights = first_weights(rows);
+    let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
+    let target = |rows, pull| Target { rows, weights: &weights, ridge: search.ridge, pull };
+    let free = all_parameters(n);
+    let mut found: Vec<(usize, Fitted)> = (0..search.starts)
+        .into_par_iter()
+        .filter_map(|place| {
+            let mut random = ChaCha8Rng::seed_from_u64(search.seed);
+            random.set_stream(place as u64);
+            let straight = Pull::new(0.0, &Geometry::straight(n));
+            let geometry = right_angles(&target(&glance, straight), &mut random)?;
+            let pull = Pull::new(search.pull, &geometry);
+            let fitted = target(&start, pull).descend(&geometry, &free, search.rounds);
+            Some((place, fitted.ok()?))
+        })
+        .collect();
+    found.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)));
+    found.truncate(search.finalists.max(1));
+    let finals = rows.thinned(search.final_rows);
+    let mut chains: Vec<Chain> = found
+        .into_par_iter()
+        .filter_map(|(_, fitted)| {
+            let unweighted =
+                Chain { residual_rms: Vec::new(), ..Chain::new(&fitted, &start, &weights) };
+            refine(&finals, &unweighted, &free, search).ok()
+        })
+        .collect();
+    chains.sort_by(|a, b| score(a, &finals).total_cmp(&score(b, &finals)));
+    if chains.is_empty() { Err(ChainError::Singular) } else { Ok(chains) }
+}
+
+/// Sum over joints of the logarithm of the residual's part of the torque: what chains of different
+/// weights are compared by.
+fn score(chain: &Chain, rows: &Rows) -> f64 {
+    let parts = chain.residual_rms.iter().zip(first_weights(rows));
+    parts.map(|(rms, weight)| (rms * weight).max(LEAST_RESIDUAL).ln()).sum()
+}
+
+/// Refines the free parameters of a geometry, joints weighed by what is left of them.
+///
+/// `known`: RMS of the residual of each joint, if an earlier chain left one \[N·m\], n; `free`: the
+/// parameters that may move.
+///
+/// # Errors
+/// [`ChainError::Shape`] if the start is of another arm or has no such parameter,
+/// [`ChainError::Singular`].
+pub fn refine(
+    rows: &Rows,
+    start: &Chain,
+    free: &[usize],
+    search: &Search,
+) -> Result<Chain, ChainError> {
+    let (found, expected) =
+        (start.geometry.parameters().len(), all_parameters(rows.n_joints()).len());
+    if found != expected {
+        return Err(ChainError::Shape { what: "geometry", found, expected });
+    }
+    if let Some(&found) = free.iter().find(|&&parameter| parameter >= expected) {
+        return Err(ChainError::Shape { what: "free", found, expected });
+    }
+    let first = first_weights(rows);
+    let mut weights: Vec<f64> = weights_of(&start.residual_rms, &first);
+    let mut geometry = start.geometry.clone();
+    let mut chain = None;
+    for _ in 0..search.weighings {
+        let pull = Pull::new(search.pull, &geometry);
+        let target = Target { rows, weights: &weights, ridge: search.ridge, pull };
+        let fitted = target.descend(&geometry, free, search.rounds)?;
+        let found = Chain::new(&fitted, rows, &weights);
+        weights = weights_of(&found.residual_rms, &first);
+        geometry = found.geometry.clone();
+        chain = Some(found);
+    }
+    chain.ok_or(ChainError::Singular)
+}
+
+/// Fits the masses and what is beside them at a known geometry.
+///
+/// # Errors
+/// [`ChainError::Shape`] if the start is of another arm, [`ChainError::Singular`].
+pub fn fit(rows: &Rows, start: &Chain, search: &Search) -> Result<Chain, ChainError> {
+    refine(rows, start, &[], &Search { rounds: 0, ..search.clone() })
+}
+
+/// One over the noise of each joint; the first guess where there is no residual.
+fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
+    let weight = |(joint, first): (usize, &f64)| {
+        residual_rms.get(joint).map_or(*first, |rms| 1.0 / rms.max(LEAST_RESIDUAL / first))
+    };
+    first.iter().enumerate().map(weight).collect()
+}
+
+/// A start: each axis in turn takes the right angle that explains most, until none changes.
+fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Geometry> {
+    let n = target.rows.n_joints();
+    let mut geometry = Geometry::straight(n);
+    for joint in 1..n {
+        geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
+        let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
+        geometry.set_place(joint, place);
+    }
+    let mut best = target.fit(&geometry).ok()?.masses.cost;
+    for _ in 0..SWEEPS {
+        let mut changed = false;
+        let mut order: Vec<usize> = (1..n).collect();
+        for k in (1..order.len()).rev() {
+            order.swap(k, random.random_range(0..=k));
+        }
+        for joint in order {
+            for direction in RIGHT_ANGLES {
+                let mut other = geometry.clone();
+                other.set_direction(joint, direction);
+                if let Ok(found) = target.fit(&other)
+                    && found.masses.cost < best
+                {
+                    (best, geometry, changed) = (found.masses.cost, other, true);
+                }
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    Some(geometry)
+}

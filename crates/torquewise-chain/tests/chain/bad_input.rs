@@ -1,0 +1,155 @@
+//! Logs that cannot be learned from → an error, never a panic, never a number that is none.
+
+use crate::twins::{chain, puma, rows, sines};
+use faer::{Mat, MatRef};
+use torquewise_chain::search::all_parameters;
+use torquewise_chain::{Chain, ChainError, Geometry, Rows, Search, fit, refine, search};
+use torquewise_dynamics::Arm;
+
+fn plan() -> Search {
+    Search { starts: 2, finalists: 1, rounds: 4, weighings: 1, ..Search::default() }
+}
+
+/// Rows of which every signal is `of(row, joint)`.
+fn made(m: usize, n: usize, of: impl Fn(usize, usize) -> f64) -> Rows {
+    let x = Mat::from_fn(m, n, of);
+    Rows::new([x.as_ref(); 4], &vec![Mat::zeros(m, 0); n]).unwrap()
+}
+
+fn is_finite(chain: &Chain) -> bool {
+    let numbers = [chain.geometry.parameters(), &chain.inertial, &chain.residual_rms];
+    numbers.into_iter().flatten().all(|x| x.is_finite()) && chain.cost.is_finite()
+}
+
+#[test]
+fn too_few_rows_are_named() {
+    for m in [0, 1, 29] {
+        let error = search(&made(m, 3, |row, _| row as f64), &plan()).unwrap_err();
+
+        let known = ChainError::TooFewRows { rows: m, joints: 3, needed: 30 };
+        assert_eq!(error.to_string(), known.to_string());
+        assert!(error.to_string().ends_with("record a longer motion"));
+    }
+}
+
+#[test]
+fn signals_of_different_shapes_are_refused() {
+    let (right, wrong) = (Mat::<f64>::zeros(5, 2), Mat::<f64>::zeros(4, 2));
+    let none = vec![Mat::zeros(5, 0); 2];
+    for (place, name) in [(1, "dq"), (2, "ddq"), (3, "tau")] {
+        let mut signals: [MatRef<'_, f64>; 4] = [right.as_ref(); 4];
+        signals[place] = wrong.as_ref();
+
+        let error = Rows::new(signals, &none).unwrap_err();
+
+        assert_eq!(error.to_string(), format!("{name} has 8 entries where 10 were expected"));
+    }
+}
+
+#[test]
+fn columns_beside_the_chain_of_other_shapes_are_refused() {
+    let x = Mat::<f64>::zeros(5, 2);
+    let short = vec![Mat::zeros(4, 1), Mat::zeros(5, 1)];
+    let uneven = vec![Mat::zeros(5, 1), Mat::zeros(5, 3)];
+    for extras in [vec![], vec![Mat::zeros(5, 1)], short, uneven] {
+        let error = Rows::new([x.as_ref(); 4], &extras).unwrap_err();
+
+        assert!(matches!(error, ChainError::Shape { what: "extras", .. }), "{error}");
+    }
+}
+
+#[test]
+fn no_joint_and_too_many_are_refused() {
+    for n in [0, 17] {
+        let x = Mat::<f64>::zeros(5, n);
+
+        let error = Rows::new([x.as_ref(); 4], &vec![Mat::zeros(5, 0); n]).unwrap_err();
+
+        assert!(matches!(error, ChainError::TooManyJoints { joints, .. } if joints == n));
+    }
+}
+
+#[test]
+fn the_energies_of_nine_joints_are_not_listed() {
+    let (geometry, inertial) = (Geometry::straight(9), vec![1.0; 90]);
+    let chain = Chain { geometry, inertial, beside: vec![], residual_rms: vec![], cost: 0.0 };
+
+    let error = chain.energy_terms().unwrap_err();
+
+    assert!(matches!(error, ChainError::TooManyJoints { joints: 9, most: 8 }));
+}
+
+#[test]
+fn joints_that_never_move_do_not_panic() {
+    // No joint moves; the last does not; torque is zero throughout.
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let motion = sines(&arm, 4.0, 1);
+    let moving = |x: MatRef<'_, f64>, still: usize| {
+        Mat::from_fn(x.nrows(), 3, |row, joint| if joint < still { x[(row, joint)] } else { 0.0 })
+    };
+    let none = vec![Mat::zeros(motion.n_rows(), 0); 3];
+    for still in [0, 2] {
+        let [q, dq, ddq] = [motion.q(), motion.dq(), motion.ddq()].map(|x| moving(x, still));
+        for tau in [motion.require_tau().unwrap(), Mat::zeros(motion.n_rows(), 3).as_ref()] {
+            let rows = Rows::new([q.as_ref(), dq.as_ref(), ddq.as_ref(), tau], &none).unwrap();
+
+            let found = search(&rows, &plan()).unwrap();
+
+            assert!(found.iter().all(is_finite));
+            assert!(found[0].torque(&rows).iter().all(|tau| tau.is_finite()));
+        }
+    }
+}
+
+#[test]
+fn values_that_are_no_numbers_are_an_error() {
+    for odd in [f64::NAN, f64::INFINITY, 1e300] {
+        let of = |row: usize, joint: usize| {
+            if row == 7 { odd } else { (row as f64 * 0.1 + joint as f64).sin() }
+        };
+
+        let result = search(&made(60, 2, of), &plan());
+
+        assert!(matches!(result, Err(ChainError::Singular)), "{odd}: {result:?}");
+    }
+}
+
+#[test]
+fn a_search_of_nothing_finds_nothing() {
+    let rows = made(60, 2, |row, joint| (row as f64 * 0.1 + joint as f64).sin());
+    for plan in [
+        Search { starts: 0, ..plan() },
+        Search { glance_rows: 0, ..plan() },
+        Search { start_rows: 0, ..plan() },
+        Search { final_rows: 0, ..plan() },
+        Search { weighings: 0, ..plan() },
+        Search { ridge: f64::NAN, ..plan() },
+        Search { pull: f64::NAN, ..plan() },
+    ] {
+        let result = search(&rows, &plan);
+
+        assert!(matches!(result, Err(ChainError::Singular)), "{plan:?}: {result:?}");
+    }
+}
+
+#[test]
+fn a_start_of_another_arm_is_refused() {
+    let rows = rows(&sines(&Arm::builtin("planar-2").unwrap(), 4.0, 1));
+    let other = chain(&puma(), [0.0; 2]);
+
+    let fitted = fit(&rows, &other, &plan());
+    let refined = refine(&rows, &other, &all_parameters(2), &plan());
+
+    for result in [fitted, refined] {
+        assert!(matches!(result, Err(ChainError::Shape { what: "geometry", .. })), "{result:?}");
+    }
+}
+
+#[test]
+fn parameters_that_no_geometry_has_are_refused() {
+    let rows = rows(&sines(&Arm::builtin("puma560-3").unwrap(), 4.0, 1));
+
+    let result = refine(&rows, &chain(&puma(), [0.0; 2]), &[10], &plan());
+
+    assert!(matches!(result, Err(ChainError::Shape { what: "free", .. })), "{result:?}");
+}

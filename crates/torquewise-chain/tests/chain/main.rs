@@ -1,0 +1,9 @@
+//! Chains → the arms they stand for: dynamics, energies, recovery, bad input.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod twins;
+mod dynamics;
+mod expansion;
+mod recovery;
+mod bad_input;

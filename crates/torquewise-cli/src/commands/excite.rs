@@ -1,0 +1,203 @@
+//! Arm, limits → recordings to make: motions from which a model can be reconstructed.
+
+mod figure;
+mod summary;
+
+use crate::files::{check_output, create_folder, read_arm, write_whole};
+use crate::outcome::Outcome;
+use crate::progress::share_bar;
+use anyhow::{Result, anyhow};
+use clap::Args;
+use std::fs;
+use std::path::{Path, PathBuf};
+use torquewise::excite::{
+    Excitation, Limits, PerJoint, Plan, Planned, Wishes, excite, joint_trajectory, limits,
+};
+use torquewise::logs::{Contents, LogWriter};
+use torquewise::motion::Recording;
+
+/// Plan the recordings from which a model can be reconstructed
+///
+/// Three recordings, each from home to home: poses held, constant speeds, accelerated motion. Each
+/// is written as .csv and as ROS 2 JointTrajectory in .yaml. Limits are those of the URDF. Values
+/// per joint are one for all, one for each, or some by name: 1.5 or 1,1,2 or elbow=1.5,wrist=2.
+/// The arm's own shape and its surroundings are not known: try the motion in a simulator first.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Built-in arm (see `torquewise arms`), .urdf file, or .toml file with a DH table
+    arm: String,
+    /// Folder for the recordings and their figure
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+    /// Seconds at most of the recording of held poses
+    #[arg(long, value_name = "S", default_value_t = Plan::default().seconds[0])]
+    standstill: f64,
+    /// Seconds at most of the recording at constant speeds
+    #[arg(long, value_name = "S", default_value_t = Plan::default().seconds[1])]
+    uniform: f64,
+    /// Seconds at most of the recording of sines
+    #[arg(long, value_name = "S", default_value_t = Plan::default().seconds[2])]
+    variable: f64,
+    /// Seconds a pose is held
+    #[arg(long, value_name = "S", default_value_t = Plan::default().dwell)]
+    dwell: f64,
+    /// Pass the poses slowly in both directions instead: dry friction then has a sign
+    #[arg(long)]
+    slow_sweeps: bool,
+    /// Positions in rad to keep to, within the limits of the arm, as [JOINT=]FROM:TO,...
+    #[arg(long, value_name = "A:B", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(visible_alias = "position", value_parser = range_of_joint)]
+    range: Vec<(Option<String>, [f64; 2])>,
+    /// Distance from each limit of the position, as a share of the way between them
+    #[arg(long, value_name = "SHARE", default_value_t = Wishes::default().margin)]
+    margin: f64,
+    /// Limits of the speed in rad/s, as [JOINT=]V,... [default: of the URDF, else 2]
+    #[arg(long, value_name = "V", value_delimiter = ',', value_parser = number_of_joint)]
+    max_velocity: Vec<(Option<String>, f64)>,
+    /// Accelerations in rad/s² to keep to, as [JOINT=]A,... [default: planned speed in 0.5 s]
+    #[arg(long, value_name = "A", value_delimiter = ',', value_parser = number_of_joint)]
+    max_acceleration: Vec<(Option<String>, f64)>,
+    /// Speeds of the plan as a share of their limits
+    #[arg(long, value_name = "SHARE", default_value_t = Wishes::default().speed_scale)]
+    speed_scale: f64,
+    /// Pose at both ends in rad, one number per joint [default: 0, or the middle of the range]
+    #[arg(long, value_name = "Q", value_delimiter = ',', allow_hyphen_values = true)]
+    home: Option<Vec<f64>>,
+    /// Joints of a .urdf to hold at 0
+    #[arg(long, value_name = "JOINT", value_delimiter = ',')]
+    lock: Vec<String>,
+    /// Joint angles in a term that the motion is to tell apart [default: 2, 1 for many joints]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
+    interaction: Option<u8>,
+    /// Poses, sweeps and sines to choose from, each time; more take longer
+    #[arg(long, value_name = "N", default_value_t = Plan::default().tries)]
+    tries: usize,
+    /// Rows per second of the .csv files
+    #[arg(long, value_name = "HZ", default_value_t = Plan::default().rate)]
+    rate: f64,
+    /// Points per second of the .yaml files at least; splines between them make the same motion
+    #[arg(long, value_name = "HZ", default_value_t = 20.0)]
+    ros_rate: f64,
+    /// Seed of everything random
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+/// Where everything goes.
+struct Files {
+    /// .csv and .yaml of each recording.
+    recordings: [[PathBuf; 2]; 3],
+    figure: PathBuf,
+}
+
+/// Plans, then writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let arm = read_arm(&arguments.arm, &arguments.lock)?;
+    let limits = limits(&arm, &arguments.wishes())?;
+    let files = Files::within(&arguments.output);
+    let is_new = !arguments.output.exists();
+    create_folder(&arguments.output)?;
+    let inputs = [PathBuf::from(&arguments.arm)];
+    files.all().try_for_each(|file| check_output(file, &inputs))?;
+    let written = plan_and_write(arguments, &limits, &files);
+    if written.is_err() && is_new {
+        // Only if it is empty, as it was before.
+        let _ = fs::remove_dir(&arguments.output);
+    }
+    let planned = written?;
+    Ok(summary::outcome(arguments, &limits, &planned, &files))
+}
+
+fn plan_and_write(arguments: &Arguments, limits: &[Limits], files: &Files) -> Result<Excitation> {
+    let planned = {
+        let bar = share_bar();
+        bar.set_length(1000);
+        excite(limits, &arguments.plan(), &mut |share, doing| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "from 0 to 1000; a float cast saturates"
+            )]
+            bar.set_position((1000.0 * share) as u64);
+            bar.set_message(doing);
+        })?
+    };
+    let texts = planned.recordings.each_ref().map(|r| joint_trajectory(r, arguments.ros_rate));
+    let figure = figure::figure(&arguments.arm, limits, &planned)?;
+    for ((recording, [log, trajectory]), text) in
+        planned.recordings.iter().zip(&files.recordings).zip(texts)
+    {
+        let text = text?;
+        write_log(log, recording)?;
+        write_whole(trajectory, &text)?;
+    }
+    write_whole(&files.figure, &figure)?;
+    Ok(planned)
+}
+
+fn write_log(file: &Path, recording: &Planned) -> Result<()> {
+    let contents = Contents { tau: false, ..Contents::default() };
+    let mut writer = LogWriter::create(file, recording.joints(), contents)?;
+    recording.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;
+    Ok(writer.finish()?)
+}
+
+impl Files {
+    fn within(folder: &Path) -> Self {
+        let of = |name: &str| ["csv", "yaml"].map(|ending| folder.join(format!("{name}.{ending}")));
+        let recordings = ["standstill", "uniform", "variable"].map(of);
+        Self { recordings, figure: folder.join("excite.svg") }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &PathBuf> {
+        self.recordings.iter().flatten().chain([&self.figure])
+    }
+}
+
+impl Arguments {
+    fn wishes(&self) -> Wishes {
+        Wishes {
+            range: PerJoint(self.range.clone()),
+            velocity: PerJoint(self.max_velocity.clone()),
+            acceleration: PerJoint(self.max_acceleration.clone()),
+            speed_scale: self.speed_scale,
+            margin: self.margin,
+        }
+    }
+
+    fn plan(&self) -> Plan {
+        Plan {
+            seconds: [self.standstill, self.uniform, self.variable],
+            dwell: self.dwell,
+            slow_sweeps: self.slow_sweeps,
+            rate: self.rate,
+            home: self.home.clone(),
+            interaction: self.interaction.map(usize::from),
+            tries: self.tries,
+            seed: self.seed,
+        }
+    }
+}
+
+/// `[JOINT=]VALUE` as name and text of the value.
+fn named(text: &str) -> (Option<String>, &str) {
+    match text.rsplit_once('=') {
+        Some((joint, value)) => (Some(joint.trim().to_owned()), value),
+        None => (None, text),
+    }
+}
+
+fn number_of_joint(text: &str) -> Result<(Option<String>, f64), String> {
+    let (joint, value) = named(text);
+    let number = value.trim().parse();
+    number.map(|number| (joint, number)).map_err(|_| "expected 1.5 or elbow=1.5".to_owned())
+}
+
+fn range_of_joint(text: &str) -> Result<(Option<String>, [f64; 2]), String> {
+    let (joint, value) = named(text);
+    let numbers = value.split_once(':').map(|(from, to)| (from.trim().parse(), to.trim().parse()));
+    match numbers {
+        Some((Ok(from), Ok(to))) => Ok((joint, [from, to])),
+        _ => Err("expected -1.5:1.5 or elbow=-1.5:1.5".to_owned()),
+    }
+}

@@ -1,0 +1,201 @@
+//! Plan → what is said about it: peaks beside limits, how well it tells coefficients apart.
+
+use super::{Arguments, Files};
+use crate::outcome::Outcome;
+use crate::table::{Table, number};
+use serde_json::{Value, json};
+use torquewise::excite::{Bounds, Criterion, Excitation, Limits, Peaks};
+
+/// What a plan cannot know.
+const UNKNOWN: &str = "Collisions are not checked: neither the shape of the arm nor its \
+                       surroundings are known here. Try the motion in a simulator, then slowly on \
+                       the arm; --range keeps joints out of the way.";
+/// What each criterion is about.
+const ABOUT: [(&str, &str); 3] =
+    [("standstill", "gravity"), ("uniform", "Coriolis, friction"), ("all", "everything")];
+
+/// Tables, an object, warnings.
+pub(super) fn outcome(
+    arguments: &Arguments,
+    limits: &[Limits],
+    planned: &Excitation,
+    files: &Files,
+) -> Outcome {
+    Outcome {
+        text: text(arguments, limits, planned, files),
+        json: json(arguments, limits, planned, files),
+        warnings: warnings(planned),
+    }
+}
+
+fn warnings(planned: &Excitation) -> Vec<String> {
+    let alone = &planned.not_alone;
+    let alone = (!alone.is_empty()).then(|| {
+        format!("no time to sweep {} alone: give --uniform more seconds", alone.join(", "))
+    });
+    let all = &planned.criteria[2];
+    let told = (!all.condition.is_finite()).then(|| {
+        format!(
+            "not all {} coefficients can be told apart: give more seconds or a lower --interaction",
+            all.columns
+        )
+    });
+    alone.into_iter().chain(told).collect()
+}
+
+fn text(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &Files) -> String {
+    let written = planned.recordings.iter().zip(&files.recordings).map(|(recording, files)| {
+        let [log, trajectory] = files.each_ref().map(|file| file.display());
+        let (seconds, rows) = (recording.seconds(), recording.n_rows());
+        format!("{log}, {trajectory}: {seconds:.1} s, {rows} rows, {} parts\n", recording.n_parts())
+    });
+    let home: Vec<String> = planned.recordings[0].home().iter().map(|q| number(*q)).collect();
+    format!(
+        "{}: planned within {} of the speed limits, home at {} rad\n\n{}{}\n\
+         Condition number of the columns, and information per second (D-optimality), beside\n\
+         those of a random plan within the same limits; – where some cannot be told apart;\n\
+         interaction order {}:\n\n{}\n{}figure: {}\n\n{}\n",
+        arguments.arm,
+        arguments.speed_scale,
+        home.join(" "),
+        limits_text(limits, planned),
+        assumed_text(limits),
+        planned.interaction,
+        criteria_text(planned),
+        written.collect::<String>(),
+        files.figure.display(),
+        UNKNOWN,
+    )
+}
+
+/// Largest of the three recordings.
+fn peaks(planned: &Excitation, joint: usize) -> Peaks {
+    let [mut most, others @ ..] = planned.peaks.each_ref().map(|peaks| peaks[joint]);
+    for other in others {
+        let [least, greatest] = other.position;
+        most.position = [most.position[0].min(least), most.position[1].max(greatest)];
+        most.velocity = most.velocity.max(other.velocity);
+        most.acceleration = most.acceleration.max(other.acceleration);
+    }
+    most
+}
+
+fn limits_text(limits: &[Limits], planned: &Excitation) -> String {
+    let headings =
+        ["joint", "q [rad]", "limits", "peak dq [rad/s]", "limit", "peak ddq [rad/s²]", "limit"];
+    let mut table = Table::new(&headings);
+    for (joint, limits) in limits.iter().enumerate() {
+        let (most, arm) = (peaks(planned, joint), limits.arm);
+        let ends = |[lower, upper]: [f64; 2]| format!("{lower:.2} … {upper:.2}");
+        let cells = [
+            ends(most.position),
+            ends(arm.position),
+            number(most.velocity),
+            number(arm.velocity),
+            number(most.acceleration),
+            number(arm.acceleration),
+        ];
+        table.row(&limits.joint, cells);
+    }
+    table.text()
+}
+
+/// Which limits nobody gave.
+fn assumed_text(limits: &[Limits]) -> String {
+    let flags = [
+        ("position", "--range", "one turn"),
+        ("velocity", "--max-velocity", "2 rad/s"),
+        ("acceleration", "--max-acceleration", "planned speed in 0.5 s"),
+    ];
+    let line = |(what, flag, value): (&str, &str, &str)| {
+        let joints = limits.iter().filter(|limits| limits.assumed.contains(&what));
+        let joints: Vec<&str> = joints.map(|limits| limits.joint.as_str()).collect();
+        let all = if joints.len() == limits.len() { "all".into() } else { joints.join(", ") };
+        (!joints.is_empty()).then(|| format!("assumed {what} of {all}: {value}; see {flag}\n"))
+    };
+    flags.into_iter().filter_map(line).collect()
+}
+
+fn criteria_text(planned: &Excitation) -> String {
+    let mut table = Table::new(&[
+        "recording",
+        "about",
+        "columns",
+        "condition",
+        "random",
+        "information [1/s]",
+        "random",
+    ]);
+    let pairs = planned.criteria.iter().zip(&planned.random);
+    for ((name, about), (own, random)) in ABOUT.into_iter().zip(pairs) {
+        let cells = [
+            about.to_owned(),
+            own.columns.to_string(),
+            number(own.condition),
+            number(random.condition),
+            number(own.information),
+            number(random.information),
+        ];
+        table.row(name, cells);
+    }
+    table.text()
+}
+
+fn json(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &Files) -> Value {
+    let joints = limits.iter().enumerate().map(|(joint, limits)| {
+        json!({
+            "name": limits.joint,
+            "limit": bounds(&limits.arm),
+            "planned": bounds(&limits.planned),
+            "peak": peak(&peaks(planned, joint)),
+            "assumed": limits.assumed,
+        })
+    });
+    let recordings = planned.recordings.iter().zip(&planned.peaks).zip(&files.recordings);
+    let recordings = recordings.map(|((recording, peaks), [log, trajectory])| {
+        json!({
+            "name": recording.name,
+            "seconds": recording.seconds(),
+            "rows": recording.n_rows(),
+            "parts": recording.n_parts(),
+            "peaks": peaks.iter().map(peak).collect::<Vec<_>>(),
+            "file": log.display().to_string(),
+            "ros_file": trajectory.display().to_string(),
+        })
+    });
+    let pairs = planned.criteria.iter().zip(&planned.random);
+    let criteria = ABOUT.into_iter().zip(pairs).map(|((name, about), (own, random))| {
+        let (own, random) = (criterion(own), criterion(random));
+        json!({ "recording": name, "about": about, "planned": own, "random": random })
+    });
+    json!({
+        "arm": arguments.arm,
+        "joints": joints.collect::<Vec<_>>(),
+        "recordings": recordings.collect::<Vec<_>>(),
+        "interaction": planned.interaction,
+        "criteria": criteria.collect::<Vec<_>>(),
+        "home": planned.recordings[0].home(),
+        "rate_hz": arguments.rate,
+        "ros_rate_hz": arguments.ros_rate,
+        "tries": arguments.tries,
+        "seed": arguments.seed,
+        "figure": files.figure.display().to_string(),
+        "not_checked": UNKNOWN,
+    })
+}
+
+fn bounds(bounds: &Bounds) -> Value {
+    let Bounds { position, velocity, acceleration } = bounds;
+    json!({ "position": position, "velocity": velocity, "acceleration": acceleration })
+}
+
+fn peak(peak: &Peaks) -> Value {
+    let Peaks { position, velocity, acceleration } = peak;
+    json!({ "position": position, "velocity": velocity, "acceleration": acceleration })
+}
+
+/// A condition without bound is null.
+fn criterion(criterion: &Criterion) -> Value {
+    let Criterion { columns, condition, information } = criterion;
+    json!({ "columns": columns, "condition": condition, "information": information })
+}

@@ -1,0 +1,193 @@
+//! Words of the command line → recording: which files, by which profile, filtered how.
+
+use crate::error::CliError;
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
+use torquewise::motion::{Motion, ReadError, Recording};
+use torquewise::signals::{ConditionReport, Conditioning, Cutoff};
+
+/// How the columns of a file become signals.
+#[derive(Args, Clone, Debug, Default)]
+pub(crate) struct ProfileArguments {
+    /// What the columns are: units, gears, clock, rows; `torquewise inspect` suggests one
+    #[arg(long, value_name = "FILE.toml")]
+    profile: Option<PathBuf>,
+    /// Topic of a bag that holds several
+    #[arg(long, value_name = "NAME")]
+    topic: Option<String>,
+    /// Drop rows that repeat a time stamp, go back in time or hold no number, as a profile does
+    #[arg(long)]
+    repair: bool,
+}
+
+impl ProfileArguments {
+    /// Whether a profile is named.
+    pub(crate) fn is_given(&self) -> bool {
+        self.profile.is_some()
+    }
+
+    /// Opens logs.
+    pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Logs> {
+        let profile = self.profile.as_ref().map(|file| Profile::read(file)).transpose()?;
+        let clock = if self.repair { Clock::Repair } else { Clock::Strict };
+        let options = Options { profile, topic: self.topic.clone(), clock };
+        Ok(Logs::open_with(paths, &options)?)
+    }
+}
+
+/// How signals are conditioned.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct SignalArguments {
+    /// Zero-phase low-pass filter: its cut-off in Hz, `auto` to filter logs without ddq at a
+    /// cut-off chosen from the spectrum, or `none`
+    #[arg(long, value_name = "auto|none|HZ", default_value = "auto", value_parser = filter)]
+    filter: Filter,
+    /// Seconds by which the torque lags the motion, or `auto` to estimate it where signals are
+    /// filtered
+    #[arg(long, value_name = "auto|S", default_value = "auto", value_parser = delay,
+          allow_hyphen_values = true)]
+    delay: Delay,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Filter {
+    Auto,
+    None,
+    Hz(f64),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Delay {
+    Auto,
+    Seconds(f64),
+}
+
+fn filter(text: &str) -> Result<Filter, String> {
+    match text {
+        "auto" => Ok(Filter::Auto),
+        "none" => Ok(Filter::None),
+        _ => positive(text).map(Filter::Hz),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let known = text.parse().ok().filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
+    known.ok_or_else(|| "expected auto, none, or a cut-off above 0 Hz".to_owned())
+}
+
+fn delay(text: &str) -> Result<Delay, String> {
+    if text == "auto" {
+        return Ok(Delay::Auto);
+    }
+    let known = text.parse().ok().filter(|s: &f64| s.abs() <= 1.0);
+    known.map(Delay::Seconds).ok_or_else(|| "expected auto, or seconds within ±1".to_owned())
+}
+
+/// Logs ready to be read.
+#[derive(Debug)]
+pub(crate) enum Recorded {
+    /// As they are.
+    Plain(Logs),
+    /// Filtered.
+    Conditioned(Box<ConditionedLogs>),
+}
+
+impl SignalArguments {
+    /// Logs as they are asked for: filtered, unless they hold accelerations or it is not wanted.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] if a delay is given and nothing is filtered.
+    pub(crate) fn prepare(&self, logs: Logs) -> Result<Recorded> {
+        let cutoff = match self.filter {
+            Filter::Auto if logs.has_ddq() => None,
+            Filter::None => None,
+            Filter::Auto => Some(Cutoff::Auto),
+            Filter::Hz(hz) => Some(Cutoff::Hz(hz)),
+        };
+        let Some(cutoff) = cutoff else {
+            return match self.delay {
+                Delay::Seconds(s) if s != 0.0 => Err(CliError::Usage(
+                    "--delay is for filtered signals: give --filter HZ too".into(),
+                )
+                .into()),
+                _ => Ok(Recorded::Plain(logs)),
+            };
+        };
+        let (delay, find) = match self.delay {
+            Delay::Auto => (0.0, true),
+            Delay::Seconds(seconds) => (seconds, false),
+        };
+        let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
+        Ok(Recorded::Conditioned(Box::new(ConditionedLogs::new(logs, &settings, find)?)))
+    }
+}
+
+impl Recorded {
+    /// The files.
+    pub(crate) fn logs(&self) -> &Logs {
+        match self {
+            Self::Plain(logs) => logs,
+            Self::Conditioned(logs) => logs.logs(),
+        }
+    }
+
+    /// What was done to the signals, if anything was.
+    pub(crate) fn report(&self) -> Option<&ConditionReport> {
+        match self {
+            Self::Plain(_) => None,
+            Self::Conditioned(logs) => Some(logs.report()),
+        }
+    }
+
+    /// The same as text, one line per finding.
+    pub(crate) fn text(&self) -> String {
+        self.report().map_or_else(String::new, |report| format!("{report}\n\n"))
+    }
+
+    /// What should be known of torques of few levels.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let coarse = self.report().into_iter().flat_map(|report| &report.signals);
+        coarse
+            .filter(|signal| signal.signal == "tau" && signal.is_coarse())
+            .map(|signal| {
+                format!(
+                    "the torque of {} has few levels for its size: its sensor is too coarse for \
+                     what the joint does, expect a poor fit",
+                    signal.joint
+                )
+            })
+            .chain(dropped(self.logs()))
+            .collect()
+    }
+}
+
+/// What reading left out.
+fn dropped(logs: &Logs) -> Option<String> {
+    let report = logs.report();
+    let parts = [
+        (report.repeated, "whose time stamp does not advance"),
+        (report.not_finite, "without a number"),
+    ];
+    let parts: Vec<String> = (parts.iter().filter(|(rows, _)| *rows > 0))
+        .map(|(rows, what)| format!("{rows} rows {what}"))
+        .collect();
+    (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
+}
+
+impl Recording for Recorded {
+    fn joints(&self) -> &[String] {
+        self.logs().joints()
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        match self {
+            Self::Plain(logs) => logs.read(visit),
+            Self::Conditioned(logs) => logs.read(visit),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Recordings planned: files, limits and words.
+
+use crate::terminal::Terminal;
+use serde_json::Value;
+
+/// Two joints of a URDF: one from −1 to 2 rad at 1.5 rad/s, one without end at 2 rad/s.
+const URDF: &str = "<robot name='two'>\
+    <link name='base'/>\
+    <link name='upper'><inertial><origin xyz='0 0 0.2'/><mass value='2'/>\
+    <inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\
+    <link name='fore'><inertial><origin xyz='0 0 0.1'/><mass value='1'/>\
+    <inertia ixx='0.1' ixy='0' ixz='0' iyy='0.1' iyz='0' izz='0.1'/></inertial></link>\
+    <joint name='shoulder' type='revolute'><parent link='base'/><child link='upper'/>\
+    <axis xyz='0 1 0'/><limit lower='-1' upper='2' velocity='1.5' effort='9'/></joint>\
+    <joint name='elbow' type='continuous'><parent link='upper'/><child link='fore'/>\
+    <origin xyz='0 0 0.4'/><axis xyz='0 1 0'/><limit velocity='2' effort='9'/></joint></robot>";
+
+/// A plan that takes little time.
+const QUICK: &str = "--standstill 15 --uniform 40 --variable 30 --tries 3 --rate 50";
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn recordings_are_written_as_logs_and_as_trajectories_with_a_figure() {
+    let terminal = Terminal::new();
+    terminal.write("two.urdf", URDF);
+
+    let text = terminal.done(&format!("excite two.urdf -o plan {QUICK}"));
+
+    for words in ["shoulder", "elbow", "Collisions are not checked", "condition", "random"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    for name in ["standstill", "uniform", "variable"] {
+        let log = terminal.read(&format!("plan/{name}.csv"));
+        assert!(log.starts_with("# joints: shoulder,elbow\nt,q1,q2,dq1,dq2,ddq1,ddq2\n0.0,"));
+        let trajectory = terminal.read(&format!("plan/{name}.yaml"));
+        assert!(trajectory.contains("joint_names: [\"shoulder\", \"elbow\"]\npoints:\n"));
+    }
+    let svg = terminal.read("plan/excite.svg");
+    assert!(svg.starts_with("<svg") && svg.contains("shoulder") && svg.contains("dq [rad/s]"));
+    let files = std::fs::read_dir(terminal.path("plan")).unwrap().count();
+    assert_eq!(files, 7, "nothing is left over");
+}
+
+#[test]
+fn limits_of_the_file_are_kept_and_reported() {
+    let terminal = Terminal::new();
+    terminal.write("two.urdf", URDF);
+
+    let line = format!("excite two.urdf -o plan {QUICK} --range elbow=-0.5:1 --slow-sweeps");
+    let found = terminal.json(&format!("{line} --max-acceleration 3,4"));
+
+    let joints = found["joints"].as_array().unwrap();
+    assert_eq!(numbers(&joints[0]["limit"]["position"]), [-1.0, 2.0]);
+    assert_eq!(numbers(&joints[1]["planned"]["position"]), [-0.5, 1.0]);
+    let planned = [(-0.85, 1.85, 0.75, 3.0), (-0.5, 1.0, 1.0, 4.0)];
+    for (joint, (lower, upper, velocity, acceleration)) in joints.iter().zip(planned) {
+        let peak = &joint["peak"];
+        let position = numbers(&peak["position"]);
+        assert!(position[0] >= lower - 1e-12 && position[1] <= upper + 1e-12, "{joint}");
+        assert!(peak["velocity"].as_f64().unwrap() <= velocity + 1e-12, "{joint}");
+        assert!(peak["acceleration"].as_f64().unwrap() <= acceleration + 1e-12, "{joint}");
+    }
+    for (recording, most) in found["recordings"].as_array().unwrap().iter().zip([15.0, 40.0, 30.0])
+    {
+        assert!(recording["seconds"].as_f64().unwrap() <= most, "{recording}");
+    }
+    let all = &found["criteria"][2];
+    let information = |plan: &str| all[plan]["information"].as_f64().unwrap();
+    assert!(information("planned") > information("random"), "{all}");
+}
+
+#[test]
+fn a_plan_repeats_with_its_seed_and_is_read_back_as_a_log() {
+    let terminal = Terminal::new();
+    for folder in ["a", "b"] {
+        terminal.run(&format!("excite planar-2 -o {folder} {QUICK} --seed 7"));
+    }
+
+    for name in ["uniform.csv", "variable.yaml", "excite.svg"] {
+        assert_eq!(terminal.read(&format!("a/{name}")), terminal.read(&format!("b/{name}")));
+    }
+    let logs = "a/standstill.csv a/uniform.csv a/variable.csv";
+    let found = terminal.json(&format!("inspect {logs}"));
+    assert_eq!(found["missing"], serde_json::json!(["tau"]));
+    let rows = found["patterns"].as_array().unwrap().iter().map(|p| p["rows"].as_u64().unwrap());
+    assert!(rows.min().unwrap() > 100, "all three patterns: {}", found["patterns"]);
+}
+
+#[test]
+fn what_cannot_be_planned_is_refused_and_leaves_no_folder() {
+    let terminal = Terminal::new();
+    terminal.write("two.urdf", URDF);
+    terminal.write("file", "");
+
+    let cases = [
+        ("excite two.urdf -o plan --range wrist=0:1", &["wrist", "shoulder, elbow"][..]),
+        ("excite two.urdf -o plan --range 3:4", &["shoulder", "lower < upper"]),
+        ("excite two.urdf -o plan --home 0,9", &["home of joint `elbow`", "9 rad"]),
+        ("excite two.urdf -o plan --max-velocity 0", &["velocity of joint `shoulder`"]),
+        ("excite two.urdf -o plan --variable 1.5", &["`variable`", "more seconds"]),
+        ("excite two.urdf -o plan --tries 0", &["number of tries"]),
+        ("excite two.urdf -o plan --ros-rate 0 --tries 1", &["ROS rate"]),
+        ("excite two.urdf -o file --tries 1", &["file is a file", "name a folder"]),
+        ("excite unknown-9 -o plan", &["no arm is called"]),
+    ];
+
+    for (line, words) in cases {
+        terminal.refused(line, words);
+    }
+    assert_eq!(terminal.run("excite two.urdf -o plan --range 1").code, 2);
+}

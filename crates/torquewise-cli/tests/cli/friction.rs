@@ -1,0 +1,87 @@
+//! A model with friction, as `show` and `predict` tell it.
+
+use crate::terminal::Terminal;
+use crate::whole_way::columns;
+use serde_json::{Value, json};
+
+/// The fitted model of a log without friction, with friction and a choice written into its file.
+fn with_friction() -> Terminal {
+    let terminal = Terminal::with_model();
+    let mut model: Value = serde_json::from_str(&terminal.read("model.json")).unwrap();
+    let term = |shaft: [f64; 2], law: Value, coefficient: f64| {
+        let term = json!({ "shaft": shaft, "law": law });
+        json!({ "term": term, "coefficient": coefficient, "std_error": 0.01, "inclusion": 0.9 })
+    };
+    model["friction"] = json!([
+        term([1.0, 0.5], json!("viscous"), 2.0),
+        term([0.0, 1.0], json!({ "coulomb": { "width": 0.0 } }), 0.7),
+    ]);
+    let candidate = |label: &str, error: f64, n: usize| {
+        let spread = 0.002;
+        json!({ "label": label, "error": error, "std_error": spread, "complexity": n })
+    };
+    model["choices"] = json!([{
+        "what": "friction",
+        "chosen": "sign, viscous",
+        "rule": "one standard error, 5 blocks in time",
+        "from": [candidate("none", 0.31, 0), candidate("sign, viscous", 0.045, 2)],
+    }]);
+    terminal.write("rubbing.json", &model.to_string());
+    terminal
+}
+
+#[test]
+fn show_sets_friction_apart_and_tells_what_was_chosen() {
+    let terminal = with_friction();
+
+    let text = terminal.done("show rubbing.json");
+    let shown = terminal.json("show rubbing.json");
+
+    assert!(text.contains("  friction:\n  + 1.0000 ± 0.0050 * (dq1 + 0.5*dq2)  (90 %)"), "{text}");
+    assert!(text.contains("  + 0.700 ± 0.010 * sign(dq2)  (90 %)"), "{text}");
+    let chosen = "friction: sign, viscous, chosen on held-out data (one standard error, 5 blocks \
+                  in time)\n\n\
+                  candidate      error [%]   ± [%]  coefficients\n\
+                  none               31.00  0.2000             0\n\
+                  sign, viscous      4.500  0.2000             2  chosen\n";
+    assert!(text.ends_with(chosen), "{text}");
+    let terms = shown["joints"][1]["terms"].as_array().unwrap();
+    let friction: Vec<&Value> = terms.iter().filter(|term| term["kind"] == "friction").collect();
+    assert_eq!(friction.len(), 2);
+    assert_eq!(friction[0]["coefficient"], 1.0);
+    assert_eq!(shown["friction"][0]["coefficient"], 2.0);
+    assert_eq!(shown["friction"][1]["term"], "sign(dq2)");
+    assert_eq!(shown["choices"][0]["from"][1]["complexity"], 2);
+    let latex = terminal.done("show rubbing.json --format latex");
+    assert!(latex.contains(r"\operatorname{sign}(\dot q_{2})"), "{latex}");
+    assert_eq!(terminal.json("show rubbing.json --check")["checks"]["passed"], true);
+}
+
+#[test]
+fn predict_writes_friction_as_a_part() {
+    let terminal = with_friction();
+
+    let json = terminal.json("predict rubbing.json log.csv -o torque.csv --parts");
+
+    assert_eq!(json["columns"][9], "friction1");
+    let (log, torque) = (columns(&terminal.read("log.csv")), columns(&terminal.read("torque.csv")));
+    for (row, (dq1, dq2)) in log["dq1"].iter().zip(&log["dq2"]).enumerate() {
+        let shaft = 2.0 * (dq1 + 0.5 * dq2);
+        let dry = if *dq2 == 0.0 { 0.0 } else { 0.7 * dq2.signum() };
+        for (name, expected) in [("friction1", shaft), ("friction2", 0.5 * shaft + dry)] {
+            assert!((torque[name][row] - expected).abs() < 1e-12, "{name}, row {row}");
+        }
+    }
+    let bare = terminal.json("predict model.json log.csv -o bare.csv --parts");
+    assert_eq!(bare["columns"], json["columns"]);
+    assert!(columns(&terminal.read("bare.csv"))["friction2"].iter().all(|part| *part == 0.0));
+}
+
+#[test]
+fn friction_that_cannot_be_is_named() {
+    let terminal = with_friction();
+    let whole = terminal.read("rubbing.json");
+    terminal.write("bad.json", &whole.replace("\"width\":0.0", "\"width\":-1.0"));
+
+    terminal.refused("show bad.json", &["the width of the friction sign(dq2) is -1", "fit"]);
+}

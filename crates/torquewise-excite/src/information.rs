@@ -1,0 +1,226 @@
+//! Rows → information: the Gram matrix, what rows would add to it, how well it is conditioned.
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{
+    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
+};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, Mat, MatRef, Par, Spec};
+
+/// Σ aᵀa over rows a, plus a small multiple of one, and its factor. One thread, so that the same
+/// rows give the same bits.
+#[derive(Clone, Debug)]
+pub(crate) struct Information {
+    /// Lower triangle, p×p.
+    gram: Mat<f64>,
+    /// L of L Lᵀ, lower triangle.
+    factor: Mat<f64>,
+}
+
+/// An eigenvalue this much below the largest says nothing but roundings.
+const ROUNDINGS: f64 = 1e-15;
+
+impl Information {
+    /// Some rows known, and that no column is worth less than `ridge`.
+    pub(crate) fn new(columns: usize, ridge: f64, known: &[Mat<f64>]) -> Self {
+        let mut gram = Mat::zeros(columns, columns);
+        for j in 0..columns {
+            gram[(j, j)] = ridge;
+        }
+        for rows in known {
+            add_square(&mut gram, rows.as_ref(), 1.0);
+        }
+        let factor = factor(&gram);
+        Self { gram, factor }
+    }
+
+    /// Adds rows, `sign` 1, or takes rows that were added away, `sign` −1.
+    pub(crate) fn add(&mut self, rows: MatRef<'_, f64>, sign: f64) {
+        add_square(&mut self.gram, rows, sign);
+        self.factor = factor(&self.gram);
+    }
+
+    /// log det(G + Σ aᵀa) − log det G for some rows a.
+    pub(crate) fn gain(&self, rows: MatRef<'_, f64>) -> f64 {
+        let (k, p) = (rows.nrows(), rows.ncols());
+        if k >= p {
+            let mut gram = self.gram.clone();
+            add_square(&mut gram, rows, 1.0);
+            return log_det(&factor(&gram)) - log_det(&self.factor);
+        }
+        // The same as det(I + A G⁻¹ Aᵀ), which is smaller.
+        let mut white = rows.transpose().to_owned();
+        solve_lower_triangular_in_place(self.factor.as_ref(), white.as_mut(), Par::Seq);
+        let mut small = Mat::identity(k, k);
+        add_square(&mut small, white.as_ref(), 1.0);
+        log_det(&factor(&small))
+    }
+}
+
+/// How well the coefficients of a library can be told from each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criterion {
+    /// Columns judged: energies, offsets, friction.
+    pub columns: usize,
+    /// Condition number of the columns, each of unit length; infinite if some depend on others.
+    pub condition: f64,
+    /// Geometric mean of the eigenvalues of the information per second, columns being of size one
+    /// over the limits; zero if some depend on others. D-optimality is to make this large.
+    pub information: f64,
+}
+
+impl Criterion {
+    /// Of rows weighted by the root of the seconds they stand for.
+    pub(crate) fn of(rows: MatRef<'_, f64>, seconds: f64) -> Self {
+        let p = rows.ncols();
+        let mut gram = Mat::zeros(p, p);
+        add_square(&mut gram, rows, 1.0 / seconds);
+        let eigenvalues = eigenvalues(&gram);
+        let information = if is_regular(&eigenvalues) {
+            (eigenvalues.iter().map(|x| x.ln()).sum::<f64>() / p as f64).exp()
+        } else {
+            0.0
+        };
+        let lengths: Vec<f64> = (0..p).map(|j| gram[(j, j)].sqrt()).collect();
+        for j in 0..p {
+            for i in j..p {
+                gram[(i, j)] /= lengths[i] * lengths[j];
+            }
+        }
+        let eigenvalues = self::eigenvalues(&gram);
+        let condition = match (eigenvalues.first(), eigenvalues.last()) {
+            (Some(least), Some(most)) if is_regular(&eigenvalues) => (most / least).sqrt(),
+            _ => f64::INFINITY,
+        };
+        Self { columns: p, condition, information }
+    }
+}
+
+fn is_regular(eigenvalues: &[f64]) -> bool {
+    let p = eigenvalues.len() as f64;
+    match (eigenvalues.first(), eigenvalues.last()) {
+        (Some(least), Some(most)) => *least > ROUNDINGS * p * most,
+        _ => false,
+    }
+}
+
+/// Eigenvalues of a symmetric matrix, lower triangle read, ascending; empty if there are none.
+fn eigenvalues(matrix: &Mat<f64>) -> Vec<f64> {
+    let p = matrix.nrows();
+    if (0..p).any(|j| (j..p).any(|i| !matrix[(i, j)].is_finite())) {
+        return Vec::new();
+    }
+    let mut values = Diag::zeros(p);
+    let no = ComputeEigenvectors::No;
+    let scratch = self_adjoint_evd_scratch::<f64>(p, no, Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    let found =
+        self_adjoint_evd(matrix.as_ref(), values.as_mut(), None, Par::Seq, stack, Spec::default());
+    let values = found.is_ok().then(|| values.column_vector().iter().copied().collect());
+    let mut values: Vec<f64> = values.unwrap_or_default();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// Adds sign · AᵀA to a lower triangle.
+fn add_square(gram: &mut Mat<f64>, rows: MatRef<'_, f64>, sign: f64) {
+    triangular::matmul(
+        gram.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        rows.transpose(),
+        BlockStructure::Rectangular,
+        rows,
+        BlockStructure::Rectangular,
+        sign,
+        Par::Seq,
+    );
+}
+
+/// L of a positive definite matrix; not a number on the diagonal if it is none.
+fn factor(matrix: &Mat<f64>) -> Mat<f64> {
+    let p = matrix.nrows();
+    let mut factor = matrix.clone();
+    let scratch = cholesky_in_place_scratch::<f64>(p, Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    let plain = LltRegularization::default();
+    let done = cholesky_in_place(factor.as_mut(), plain, Par::Seq, stack, Spec::default());
+    if done.is_err() {
+        for j in 0..p {
+            factor[(j, j)] = f64::NAN;
+        }
+    }
+    factor
+}
+
+/// Logarithm of the determinant of L Lᵀ.
+fn log_det(factor: &Mat<f64>) -> f64 {
+    (0..factor.nrows()).map(|j| 2.0 * factor[(j, j)].ln()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    /// Numbers without order, of size one.
+    fn rows(k: usize, p: usize, phase: f64) -> Mat<f64> {
+        Mat::from_fn(k, p, |i, j| (phase + 1.3 * (i * p + j) as f64 + (j * j) as f64).sin())
+    }
+
+    #[test]
+    fn the_gain_is_what_adding_the_rows_brings() {
+        for k in [2, 9] {
+            let mut information = Information::new(5, 1e-6, &[]);
+            information.add(rows(7, 5, 0.1).as_ref(), 1.0);
+            let before = log_det(&information.factor);
+            let more = rows(k, 5, 0.7);
+
+            let gain = information.gain(more.as_ref());
+            information.add(more.as_ref(), 1.0);
+
+            assert_relative_eq!(gain, log_det(&information.factor) - before, epsilon = 1e-10);
+        }
+    }
+
+    #[test]
+    fn rows_that_are_taken_away_leave_what_was_there() {
+        let mut information = Information::new(5, 1e-3, &[]);
+        information.add(rows(7, 5, 0.1).as_ref(), 1.0);
+        let before = log_det(&information.factor);
+
+        information.add(rows(4, 5, 0.7).as_ref(), 1.0);
+        information.add(rows(4, 5, 0.7).as_ref(), -1.0);
+
+        assert_relative_eq!(log_det(&information.factor), before, epsilon = 1e-10);
+    }
+
+    #[test]
+    fn the_condition_is_that_of_the_columns_whatever_their_lengths() {
+        // Columns at 60 degrees: eigenvalues 1 ± 1/2.
+        let rows = faer::mat![[1.0, 5.0], [0.0, 5.0 * 3.0_f64.sqrt()]];
+
+        let found = Criterion::of(rows.as_ref(), 2.0);
+
+        assert_relative_eq!(found.condition, 3.0_f64.sqrt(), max_relative = 1e-12);
+        // det(YᵀY) = 1·100·(1 − 1/4), per second a quarter of it.
+        let geometric_mean = (75.0_f64 / 4.0).sqrt();
+        assert_relative_eq!(found.information, geometric_mean, max_relative = 1e-12);
+    }
+
+    #[test]
+    fn dependent_columns_have_no_condition() {
+        let twice = faer::mat![[1.0, 2.0], [3.0, 6.0], [-1.0, -2.0]];
+        let empty = faer::mat![[1.0, 0.0], [3.0, 0.0]];
+
+        for rows in [twice, empty] {
+            let found = Criterion::of(rows.as_ref(), 1.0);
+            assert!(found.condition.is_infinite() && found.information <= 0.0, "{found:?}");
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Instant → state: positions, velocities and accelerations of n joints.
+
+/// Where the joints are and how they move at one instant, n each.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Positions \[rad\].
+    pub q: Vec<f64>,
+    /// Velocities \[rad/s\].
+    pub dq: Vec<f64>,
+    /// Accelerations \[rad/s²\].
+    pub ddq: Vec<f64>,
+}
+
+impl State {
+    /// At rest.
+    pub fn at_rest(q: &[f64]) -> Self {
+        Self { q: q.to_vec(), dq: vec![0.0; q.len()], ddq: vec![0.0; q.len()] }
+    }
+}

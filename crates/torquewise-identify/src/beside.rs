@@ -1,0 +1,174 @@
+//! Friction, rotors, springs → columns: what loads a joint beside the links of the arm.
+
+use faer::Mat;
+use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
+use torquewise_motion::Motion;
+
+/// Something that loads joints in proportion to one coefficient.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Beside {
+    /// Friction of a shaft (17).
+    Friction(FrictionTerm),
+    /// Inertia of a rotor on a shaft that turns with Σ shaft\[j\]·q̇ⱼ: T = ½ (Σ shaft\[j\]·q̇ⱼ)².
+    Rotor(Vec<f64>),
+    /// Energy of a spring or counterbalance: a function of one joint angle in V(q).
+    Spring(EnergyTerm),
+}
+
+/// Which friction is looked for (17).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionKind {
+    /// None: simulated arms, or torque measured behind the gears.
+    #[default]
+    None,
+    /// Offset, viscous and dry friction of each joint.
+    Linear,
+    /// The same and the Stribeck curve, from a dictionary of speeds; forward and backward apart.
+    Stribeck,
+    /// None, linear or Stribeck, whichever predicts held-out rows best.
+    Auto,
+}
+
+impl FrictionKind {
+    /// As the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Linear => "linear",
+            Self::Stribeck => "stribeck",
+            Self::Auto => "auto",
+        }
+    }
+}
+
+/// Stribeck speeds offered, as parts of the peak speed of a joint.
+const STRIBECK_PARTS: [f64; 2] = [0.05, 0.15];
+
+impl Beside {
+    /// Offset, viscous and dry friction of each joint; `width`: half width of the dead zone of each
+    /// \[rad/s\], n.
+    pub(crate) fn linear(width: &[f64]) -> Vec<Self> {
+        let n = width.len();
+        let laws = |joint: usize| {
+            [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width: width[joint] }]
+                .map(|law| Self::Friction(FrictionTerm::of_joint(n, joint, law)))
+        };
+        (0..n).flat_map(laws).collect()
+    }
+
+    /// What the Stribeck curve of each joint adds to linear friction: exponentials of several
+    /// speeds, and backward motion apart from forward motion.
+    pub(crate) fn stribeck(width: &[f64], peak: &[f64]) -> Vec<Self> {
+        let n = width.len();
+        let mut all = Vec::new();
+        for joint in 0..n {
+            let width = width[joint];
+            for part in STRIBECK_PARTS {
+                let speed = (part * peak[joint]).max(f64::MIN_POSITIVE);
+                let law = FrictionLaw::Stribeck { speed, width };
+                all.push(Self::Friction(FrictionTerm::of_joint(n, joint, law)));
+            }
+            for law in [FrictionLaw::Viscous, FrictionLaw::Coulomb { width }] {
+                let own = FrictionTerm::of_joint(n, joint, law);
+                all.push(Self::Friction(FrictionTerm { direction: Direction::Backward, ..own }));
+            }
+        }
+        all
+    }
+
+    /// Rotors of all joints, each on its own shaft.
+    pub(crate) fn rotors(n_joints: usize) -> Vec<Self> {
+        (0..n_joints).map(|joint| Self::Rotor(unit(n_joints, joint))).collect()
+    }
+
+    /// A shaft that two joints turn together, as in a coupled wrist: its rotor and its friction.
+    pub(crate) fn shared_shaft(shaft: &[f64], width: f64) -> Vec<Self> {
+        let friction = |law| {
+            let direction = Direction::Both;
+            Self::Friction(FrictionTerm { shaft: shaft.to_vec(), law, direction })
+        };
+        vec![
+            friction(FrictionLaw::Viscous),
+            friction(FrictionLaw::Coulomb { width }),
+            Self::Rotor(shaft.to_vec()),
+        ]
+    }
+
+    /// A counterbalance of a joint: what a spring adds to V(q) that no mass does, since the masses
+    /// that weigh are those that resist.
+    pub(crate) fn counterbalance(n_joints: usize, joint: usize) -> Vec<Self> {
+        let harmonics = [(Trig::Cos, 1), (Trig::Sin, 1), (Trig::Cos, 2), (Trig::Sin, 2)];
+        let spring = |(trig, multiple)| {
+            let function = Term::one(n_joints).times(trig, joint, multiple, 1);
+            Self::Spring(EnergyTerm { place: Place::Potential, function })
+        };
+        harmonics.map(spring).to_vec()
+    }
+
+    /// Whether it is friction of one direction only.
+    pub(crate) fn is_one_way(&self) -> bool {
+        matches!(self, Self::Friction(term) if !term.direction.is_both())
+    }
+
+    /// What it loads a joint with, per unit of its coefficient, at q, q̇ and q̈.
+    fn load(&self, joint: usize, [q, dq, ddq]: [&[f64]; 3]) -> f64 {
+        match self {
+            Self::Friction(term) => term.torque(joint, dq),
+            Self::Rotor(shaft) => {
+                let turning: f64 = shaft.iter().zip(ddq).map(|(s, a)| s * a).sum();
+                shaft[joint] * turning
+            }
+            Self::Spring(term) => {
+                let slope = term.function.derivative(joint);
+                slope.iter().map(|(weight, term)| weight * term.value(q, dq, ddq)).sum()
+            }
+        }
+    }
+
+    /// The energy terms it is, with their coefficients; friction has none.
+    pub(crate) fn energy_terms(&self, coefficient: f64) -> Vec<(EnergyTerm, f64)> {
+        match self {
+            Self::Friction(_) => Vec::new(),
+            Self::Spring(term) => vec![(term.clone(), coefficient)],
+            Self::Rotor(shaft) => {
+                let n = shaft.len();
+                let pairs = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
+                pairs
+                    .filter(|&(i, j)| shaft[i] * shaft[j] != 0.0)
+                    .map(|(i, j)| {
+                        let place = Place::Inertia(i, j);
+                        let term = EnergyTerm { place, function: Term::one(n) };
+                        (term, coefficient * shaft[i] * shaft[j])
+                    })
+                    .collect()
+            }
+        }
+    }
+}
+
+fn unit(n: usize, joint: usize) -> Vec<f64> {
+    (0..n).map(|j| f64::from(u8::from(j == joint))).collect()
+}
+
+/// Columns of what is beside the links over a motion: one m×e matrix for each joint.
+pub(crate) fn columns(beside: &[Beside], motion: &Motion) -> Vec<Mat<f64>> {
+    let (m, n) = (motion.n_rows(), motion.n_joints());
+    let mut columns = vec![Mat::zeros(m, beside.len()); n];
+    let row_of = |x: faer::MatRef<'_, f64>, row: usize| -> Vec<f64> {
+        (0..n).map(|joint| x[(row, joint)]).collect()
+    };
+    for row in 0..m {
+        let state = [motion.q(), motion.dq(), motion.ddq()].map(|x| row_of(x, row));
+        let [q, dq, ddq] = &state;
+        for (k, beside) in beside.iter().enumerate() {
+            for (joint, columns) in columns.iter_mut().enumerate() {
+                columns[(row, k)] = beside.load(joint, [q, dq, ddq]);
+            }
+        }
+    }
+    columns
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,120 @@
+//! Recording → Reconstruction by a learned chain: geometry, masses and friction to energy terms (E8).
+
+use crate::beside::Beside;
+use crate::error::IdentifyError;
+use crate::learn::{Learned, learn};
+use crate::noise::NoiseFloor;
+use crate::patterns::Patterns;
+use crate::plan::Plan;
+use crate::prune::prune;
+use crate::reconstruct::{Progress, Reconstruction, StepReport};
+use crate::survey::Survey;
+use crate::warning::Warning;
+use std::collections::BTreeMap;
+use torquewise_chain::Chain;
+use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Training, Weighted};
+use torquewise_sparse::accumulate::Route;
+
+/// Energy terms with their coefficients, equal terms added up.
+type Energies = BTreeMap<EnergyTerm, f64>;
+
+/// Learns a chain from the sample of a survey and lists the equations of motion that follow.
+pub(crate) fn by_chain(
+    survey: Survey,
+    patterns: Patterns,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
+    progress(Progress::Geometry);
+    let learned = learn(&survey.sample, plan.friction, plan.seed)?;
+    progress(Progress::Refit);
+    let all = energies(&learned.chain, &learned.beside)?;
+    let candidates = all.len() + friction(&learned).len();
+    let kept = prune(
+        all.into_iter().collect(),
+        &survey.sample,
+        &learned.chain.residual_rms,
+        plan.seed,
+    );
+    let without = (learned.without.iter())
+        .map(|chain| energies(chain, &learned.beside))
+        .collect::<Result<Vec<_>, _>>()?;
+    let terms: Vec<Weighted<EnergyTerm>> = kept
+        .into_iter()
+        .map(|(term, coefficient)| {
+            let others: Vec<f64> =
+                without.iter().map(|all| all.get(&term).copied().unwrap_or(0.0)).collect();
+            Weighted { std_error: jackknife(&others), term, coefficient, inclusion: None }
+        })
+        .collect();
+    let friction = friction(&learned);
+    progress(Progress::Done);
+    let warnings = Warning::of_survey(&survey);
+    let form = Form::Energy(terms);
+    let joints = survey.joints.clone();
+    let training = Training {
+        rows: survey.rows,
+        residual_rms: learned.chain.residual_rms.clone(),
+        torque_std: survey.torque_std.clone(),
+        q_range: survey.q_range.clone(),
+        dq_peak: survey.dq_peak.clone(),
+        ddq_peak: survey.ddq_peak.clone(),
+    };
+    let model =
+        Model { joints, form, friction, stages: Vec::new(), training, choices: learned.choices };
+    let step = StepReport {
+        name: "all rows",
+        rows: survey.rows,
+        candidates,
+        active: model.active(),
+        route: Route::Direct,
+    };
+    let noise: NoiseFloor = survey.noise.clone();
+    let (steps, dropped) = (vec![step], Vec::new());
+    Ok(Reconstruction {
+        model,
+        survey,
+        patterns,
+        noise,
+        candidates,
+        steps,
+        dropped,
+        warnings,
+    })
+}
+
+/// All energy terms of a chain and what stands beside it.
+fn energies(chain: &Chain, beside: &[Beside]) -> Result<Energies, IdentifyError> {
+    let mut all = Energies::new();
+    let of_beside = beside.iter().zip(&chain.beside).flat_map(|(beside, &c)| beside.energy_terms(c));
+    for (term, coefficient) in chain.energy_terms()?.into_iter().chain(of_beside) {
+        *all.entry(term).or_insert(0.0) += coefficient;
+    }
+    Ok(all)
+}
+
+/// The friction that was learned, with standard errors.
+fn friction(learned: &Learned) -> Vec<Weighted<FrictionTerm>> {
+    let weighted = |(place, beside): (usize, &Beside)| {
+        let Beside::Friction(term) = beside else { return None };
+        let others: Vec<f64> = learned.without.iter().map(|chain| chain.beside[place]).collect();
+        Some(Weighted {
+            term: term.clone(),
+            coefficient: learned.chain.beside[place],
+            std_error: jackknife(&others),
+            inclusion: None,
+        })
+    };
+    learned.beside.iter().enumerate().filter_map(weighted).collect()
+}
+
+/// Standard error of a coefficient from its values with each block of the log left out.
+///
+/// Source: B. Efron, The Jackknife, the Bootstrap and Other Resampling Plans (1982), with blocks in
+/// place of samples, since neighbours in time are alike.
+fn jackknife(without: &[f64]) -> f64 {
+    let count = without.len() as f64;
+    let mean = without.iter().sum::<f64>() / count;
+    let squares: f64 = without.iter().map(|x| (x - mean).powi(2)).sum();
+    ((count - 1.0) / count * squares).sqrt()
+}

@@ -1,0 +1,422 @@
+//! A sample of a log → chain: the geometry of the arm, its masses and its friction (E8).
+
+use crate::beside::{Beside, FrictionKind, columns};
+use crate::error::IdentifyError;
+use crate::held_out::{BLOCKS, Trial, choose, split};
+use rayon::prelude::*;
+use torquewise_chain::search::all_parameters;
+use torquewise_chain::{Chain, Rows, Search, refine, search};
+use torquewise_model::model::Choice;
+use torquewise_motion::Motion;
+
+/// A chain with what stands beside it, and how both were chosen.
+#[derive(Clone, Debug)]
+pub(crate) struct Learned {
+    pub(crate) chain: Chain,
+    pub(crate) beside: Vec<Beside>,
+    pub(crate) choices: Vec<Choice>,
+    /// The same fit with each block of the log left out, for standard errors.
+    pub(crate) without: Vec<Chain>,
+}
+
+/// What a fit is made of, beside the geometry.
+#[derive(Clone, Debug)]
+struct Recipe {
+    beside: Vec<Beside>,
+    search: Search,
+    /// Parameters of the geometry that move.
+    free: Vec<usize>,
+}
+
+impl Recipe {
+    /// Whether friction is fitted.
+    fn rubs(&self) -> bool {
+        self.beside.iter().any(|beside| matches!(beside, Beside::Friction(_)))
+    }
+}
+
+/// Half width of the smooth sign, as a part of the peak speed of a joint.
+const WIDTH: f64 = 0.01;
+/// Pulls to right angles that are tried, the strongest first.
+const PULLS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
+/// Parts of the pull that are tried once axes are at right angles.
+const RELEASED: [f64; 3] = [1.0, 0.1, 0.01];
+/// Ridges that are tried, the strongest first.
+const RIDGES: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// Axes nearer to a right angle \[rad\] and to the axis before \[m\] than this are put there, if
+/// held-out rows agree.
+const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
+/// Rows of a joint slower than this part of its peak speed say nothing of its friction, which may
+/// be anything at rest.
+const AT_REST: f64 = 0.03;
+/// What such a row counts in a fit: little, but it knows gravity.
+const SHARE_AT_REST: f64 = 0.1;
+/// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
+const SHAFT_GAIN: f64 = 0.85;
+/// Rounds of refinement on all but a held-out block.
+const ROUNDS: usize = 6;
+/// Rows that trials are fitted on.
+const TRIAL_ROWS: usize = 900;
+/// Rows that the last fit is made on.
+const LAST_ROWS: usize = 4_000;
+/// Shared shafts at most.
+const MOST_SHAFTS: usize = 2;
+/// A counterbalance must lower the error to this part; it is felt by one joint alone.
+const SPRING_GAIN: f64 = 0.97;
+/// Errors below this are rounding.
+const LEAST_ERROR: f64 = 1e-12;
+/// Two chains whose costs are closer than this are one.
+const SAME: f64 = 1e-3;
+
+/// Learns the chain of an arm, choosing on held-out blocks of time.
+///
+/// # Errors
+/// [`IdentifyError::Chain`] if no chain can be fitted.
+pub(crate) fn learn(
+    motion: &Motion,
+    friction: FrictionKind,
+    seed: u64,
+) -> Result<Learned, IdentifyError> {
+    let n = motion.n_joints();
+    let school = School::new(motion);
+    let mut beside = Beside::rotors(n);
+    if friction != FrictionKind::None {
+        beside.extend(Beside::linear(&school.width));
+    }
+    let search = Search { seed, ..Search::default() };
+    let mut recipe = Recipe { beside, search, free: all_parameters(n) };
+    let mut choices = Vec::new();
+
+    let mut chain = school.geometry(&mut recipe, None, &mut choices)?;
+    let rubs = friction != FrictionKind::None;
+    if rubs && school.shafts(&mut recipe, &chain, &mut choices)? {
+        choices.retain(|choice: &Choice| choice.what != PULL);
+        chain = school.geometry(&mut recipe, Some(chain), &mut choices)?;
+    }
+    school.counterbalances(&mut recipe, &chain, &mut choices)?;
+    school.friction(&mut recipe, &chain, friction, &mut choices)?;
+    school.ridge(&mut recipe, &chain, &mut choices)?;
+    chain = school.right_angles(&mut recipe, chain, &mut choices)?;
+    school.finish(recipe, &chain, choices)
+}
+
+const PULL: &str = "pull to right angles";
+
+/// The log in the hands of the learner.
+struct School<'a> {
+    motion: &'a Motion,
+    /// Half width of the smooth sign of each joint \[rad/s\], n.
+    width: Vec<f64>,
+    /// Peak speed of each joint \[rad/s\], n.
+    peak: Vec<f64>,
+}
+
+impl<'a> School<'a> {
+    fn new(motion: &'a Motion) -> Self {
+        let speed = |joint: usize| {
+            motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
+        };
+        let peak: Vec<f64> = (0..motion.n_joints()).map(speed).collect();
+        let width = peak.iter().map(|peak| WIDTH * peak).collect();
+        Self { motion, width, peak }
+    }
+
+    fn rows(&self, recipe: &Recipe, count: usize) -> Result<Rows, IdentifyError> {
+        let motion = thinned(self.motion, count);
+        let beside = columns(&recipe.beside, &motion);
+        let tau = motion.require_tau()?;
+        let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &beside)?;
+        if !recipe.rubs() {
+            return Ok(rows);
+        }
+        Ok(rows.with_shares(|row, joint| {
+            let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.peak[joint];
+            if moves { 1.0 } else { SHARE_AT_REST }
+        }))
+    }
+
+    /// Searches the geometry, then chooses how strongly it is pulled to right angles.
+    fn geometry(
+        &self,
+        recipe: &mut Recipe,
+        known: Option<Chain>,
+        choices: &mut Vec<Choice>,
+    ) -> Result<Chain, IdentifyError> {
+        let mut starts = search(&self.rows(recipe, LAST_ROWS)?, &recipe.search)?;
+        starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
+        starts.extend(known);
+        let rows = self.rows(recipe, TRIAL_ROWS)?;
+        let pairs: Vec<(f64, &Chain)> =
+            PULLS.iter().flat_map(|&pull| starts.iter().map(move |start| (pull, start))).collect();
+        let trials = pairs
+            .par_iter()
+            .map(|(pull, start)| {
+                let search = Search { pull: *pull, ..recipe.search.clone() };
+                let recipe = Recipe { search, ..recipe.clone() };
+                trial(format!("{pull}"), &recipe, &rows, start, ROUNDS)
+            })
+            .collect::<Result<Vec<Trial>, IdentifyError>>()?;
+        // Of each pull, the start that does best.
+        let best: Vec<usize> = (0..PULLS.len())
+            .filter_map(|pull| {
+                let own = pull * starts.len()..(pull + 1) * starts.len();
+                own.min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()))
+            })
+            .collect();
+        let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
+        let place = record(PULL, &candidates, choices);
+        let (pull, start) = pairs[best[place]];
+        recipe.search.pull = pull;
+        let rows = self.rows(recipe, recipe.search.final_rows)?;
+        Ok(refine(&rows, start, &recipe.free, &recipe.search)?)
+    }
+
+    /// Looks for shafts that two neighbouring joints turn together, as in a coupled wrist.
+    fn shafts(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<bool, IdentifyError> {
+        let n = self.motion.n_joints();
+        let mut found = false;
+        for _ in 0..MOST_SHAFTS {
+            let mut ways = vec![("none".to_owned(), recipe.clone())];
+            for joint in 1..n {
+                for sign in [1.0, -1.0] {
+                    let mut shaft = vec![0.0; n];
+                    (shaft[joint - 1], shaft[joint]) = (1.0, sign);
+                    let mut with = recipe.clone();
+                    let width = self.width[joint - 1].min(self.width[joint]);
+                    with.beside.extend(Beside::shared_shaft(&shaft, width));
+                    let sign = if sign > 0.0 { '+' } else { '-' };
+                    ways.push((format!("dq{joint} {sign} dq{}", joint + 1), with));
+                }
+            }
+            // All are as complex: the best of them against none.
+            let trials = self.trials(&ways, chain, 0)?;
+            let best = (1..ways.len())
+                .min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()));
+            let Some(best) = best else { break };
+            let pair = [trials[0].clone(), trials[best].clone()];
+            if trials[best].error() > SHAFT_GAIN * trials[0].error()
+                || record("shared shaft", &pair, choices) == 0
+            {
+                break;
+            }
+            *recipe = ways[best].1.clone();
+            found = true;
+        }
+        Ok(found)
+    }
+
+    /// Looks for counterbalances, joint by joint.
+    fn counterbalances(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let n = self.motion.n_joints();
+        for joint in 0..n {
+            let mut with = recipe.clone();
+            with.beside.extend(Beside::counterbalance(n, joint));
+            let ways = [("none".to_owned(), recipe.clone()), ("spring".to_owned(), with)];
+            let what = format!("counterbalance of {}", self.motion.joints()[joint]);
+            let trials = self.trials(&ways, chain, 0)?;
+            if trials[1].error() <= SPRING_GAIN * trials[0].error()
+                && record(&what, &trials, choices) == 1
+            {
+                *recipe = ways[1].1.clone();
+            }
+        }
+        Ok(())
+    }
+
+    /// Chooses the law of friction, or adds the one asked for.
+    fn friction(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        kind: FrictionKind,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let mut stribeck = recipe.clone();
+        stribeck.beside.extend(Beside::stribeck(&self.width, &self.peak));
+        match kind {
+            FrictionKind::None | FrictionKind::Linear => {}
+            FrictionKind::Stribeck => *recipe = stribeck,
+            FrictionKind::Auto => {
+                let mut none = recipe.clone();
+                none.beside.retain(|beside| !matches!(beside, Beside::Friction(_)));
+                let mut alike = stribeck.clone();
+                alike.beside.retain(|beside| !beside.is_one_way());
+                let ways = [
+                    ("none".to_owned(), none),
+                    ("linear".to_owned(), recipe.clone()),
+                    ("stribeck".to_owned(), alike),
+                    ("stribeck, forward and backward apart".to_owned(), stribeck),
+                ];
+                let place = self.choose("friction", &ways, chain, 0, choices)?;
+                *recipe = ways[place].1.clone();
+            }
+        }
+        Ok(())
+    }
+
+    fn ridge(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let ways = RIDGES.map(|ridge| {
+            let search = Search { ridge, ..recipe.search.clone() };
+            (format!("{ridge:e}"), Recipe { search, ..recipe.clone() })
+        });
+        let place = self.choose("ridge", &ways, chain, 2, choices)?;
+        *recipe = ways[place].1.clone();
+        Ok(())
+    }
+
+    /// Puts axes at right angles and on each other where held-out rows do not object: each
+    /// parameter that is zero makes the model shorter.
+    fn right_angles(
+        &self,
+        recipe: &mut Recipe,
+        chain: Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<Chain, IdentifyError> {
+        let mut ways: Vec<(String, Recipe, Chain)> = SNAPS
+            .into_iter()
+            .map(|(angle, distance)| {
+                let (geometry, free) = chain.geometry.snapped(angle, distance);
+                let label = format!("{angle} rad, {distance} m: {} free", free.len());
+                (label, Recipe { free, ..recipe.clone() }, Chain { geometry, ..chain.clone() })
+            })
+            .collect();
+        ways.push((format!("none: {} free", recipe.free.len()), recipe.clone(), chain));
+        let rows = self.rows(recipe, TRIAL_ROWS)?;
+        let trials = ways
+            .par_iter()
+            .map(|(label, recipe, start)| trial(label.clone(), recipe, &rows, start, ROUNDS))
+            .collect::<Result<Vec<_>, _>>()?;
+        let (_, chosen, chain) = ways.swap_remove(record("right angles", &trials, choices));
+        *recipe = chosen;
+        // What is left free lies where it lies: the pull has done its work.
+        let ways = RELEASED.map(|part| {
+            let pull = part * recipe.search.pull;
+            let search = Search { pull, ..recipe.search.clone() };
+            (format!("{pull:.1e}"), Recipe { search, ..recipe.clone() })
+        });
+        let place = self.choose("pull on free axes", &ways, &chain, ROUNDS, choices)?;
+        *recipe = ways[place].1.clone();
+        Ok(chain)
+    }
+
+    /// Fits the chosen recipe on all rows, and with each block left out.
+    fn finish(
+        &self,
+        recipe: Recipe,
+        chain: &Chain,
+        choices: Vec<Choice>,
+    ) -> Result<Learned, IdentifyError> {
+        let rows = self.rows(&recipe, LAST_ROWS)?;
+        let chain = refine(&rows, chain, &recipe.free, &recipe.search)?;
+        let search = Search { rounds: ROUNDS, weighings: 1, ..recipe.search.clone() };
+        let without = (0..BLOCKS)
+            .into_par_iter()
+            .map(|block| {
+                let rest = rows.select(&split(rows.len(), block).1);
+                Ok(refine(&rest, &chain, &recipe.free, &search)?)
+            })
+            .collect::<Result<_, IdentifyError>>()?;
+        Ok(Learned { chain, beside: recipe.beside, choices, without })
+    }
+
+    fn choose(
+        &self,
+        what: &str,
+        ways: &[(String, Recipe)],
+        chain: &Chain,
+        rounds: usize,
+        choices: &mut Vec<Choice>,
+    ) -> Result<usize, IdentifyError> {
+        Ok(record(what, &self.trials(ways, chain, rounds)?, choices))
+    }
+
+    fn trials(
+        &self,
+        ways: &[(String, Recipe)],
+        chain: &Chain,
+        rounds: usize,
+    ) -> Result<Vec<Trial>, IdentifyError> {
+        ways.par_iter()
+            .map(|(label, recipe)| {
+                let rows = self.rows(recipe, TRIAL_ROWS)?;
+                trial(label.clone(), recipe, &rows, chain, rounds)
+            })
+            .collect()
+    }
+}
+
+/// Makes a choice and its record.
+fn record(what: &str, trials: &[Trial], choices: &mut Vec<Choice>) -> usize {
+    choose(what, trials).map_or(0, |(place, choice)| {
+        choices.push(choice);
+        place
+    })
+}
+
+/// Fits a recipe with each block left out, and scores it there.
+fn trial(
+    label: String,
+    recipe: &Recipe,
+    rows: &Rows,
+    start: &Chain,
+    rounds: usize,
+) -> Result<Trial, IdentifyError> {
+    let search = Search { rounds, weighings: 1, ..recipe.search.clone() };
+    let errors = (0..BLOCKS)
+        .into_par_iter()
+        .map(|block| {
+            let (held, rest) = split(rows.len(), block);
+            let free: &[usize] = if rounds > 0 { &recipe.free } else { &[] };
+            let chain = refine(&rows.select(&rest), start, free, &search)?;
+            Ok(error(&chain, &rows.select(&held), rows))
+        })
+        .collect::<Result<Vec<f64>, IdentifyError>>()?;
+    let complexity = start.inertial.len() + recipe.beside.len();
+    Ok(Trial { label, complexity, errors })
+}
+
+/// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
+/// whose torque is mostly noise has no more say than the others.
+fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
+    let (m, predicted) = (held.len(), chain.torque(held));
+    let parts: Vec<f64> = (0..held.n_joints())
+        .filter_map(|joint| {
+            let spread = deviation(all.torque_of(joint));
+            let pairs = held.torque_of(joint).iter().zip(&predicted[joint * m..]);
+            let squares: f64 = pairs.map(|(tau, found)| (tau - found).powi(2)).sum();
+            let rms = (squares / m.max(1) as f64).sqrt();
+            (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
+        })
+        .collect();
+    (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
+}
+
+fn deviation(x: &[f64]) -> f64 {
+    let m = x.len().max(1) as f64;
+    let mean = x.iter().sum::<f64>() / m;
+    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt()
+}
+
+/// At most `count` rows, evenly spread.
+fn thinned(motion: &Motion, count: usize) -> Motion {
+    let m = motion.n_rows();
+    if m <= count {
+        return motion.clone();
+    }
+    motion.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+}

@@ -1,0 +1,10 @@
+//! File of named arrays → rows: each array read as columns, time along its longer side.
+
+mod array;
+mod npy;
+mod npz;
+mod mat_elements;
+mod mat;
+mod rows;
+
+pub(crate) use rows::{ArrayFormat, ArrayRows};

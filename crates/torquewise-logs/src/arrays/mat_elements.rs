@@ -1,0 +1,189 @@
+//! Bytes of a MAT file → elements: tag, body and padding, read without going back.
+//!
+//! Source: MathWorks, MAT-File Format, R2024b, chapter 1 (level 5).
+
+use std::io::{self, Read};
+
+/// Kinds of elements.
+pub(super) const MATRIX: u32 = 14;
+pub(super) const COMPRESSED: u32 = 15;
+
+/// The start of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Tag {
+    pub(super) kind: u32,
+    pub(super) length: u64,
+    /// The body, if it stands in the tag itself.
+    small: Option<[u8; 4]>,
+}
+
+/// Elements that follow each other in `left` bytes.
+pub(super) struct Elements<'a> {
+    input: &'a mut dyn Read,
+    left: u64,
+    is_big_endian: bool,
+}
+
+impl<'a> Elements<'a> {
+    pub(super) fn new(input: &'a mut dyn Read, left: u64, is_big_endian: bool) -> Self {
+        Self { input, left, is_big_endian }
+    }
+
+    pub(super) fn is_big_endian(&self) -> bool {
+        self.is_big_endian
+    }
+
+    /// The next tag; `None` where the bytes end before it.
+    pub(super) fn next(&mut self) -> io::Result<Option<Tag>> {
+        let mut head = Vec::new();
+        let n_read = self.input.take(self.left.min(8)).read_to_end(&mut head)?;
+        self.left -= n_read as u64;
+        if head.is_empty() {
+            return Ok(None);
+        }
+        let (first, second) = head.split_at_checked(4).ok_or(io::ErrorKind::UnexpectedEof)?;
+        let kind = self.word(first).ok_or(io::ErrorKind::UnexpectedEof)?;
+        if kind >> 16 != 0 {
+            let length = u64::from(kind >> 16);
+            let small = second.try_into().ok().filter(|_| length <= 4);
+            let small = small.ok_or_else(|| wrong("a small element is over 4 bytes long"))?;
+            return Ok(Some(Tag { kind: kind & 0xffff, length, small: Some(small) }));
+        }
+        let length = u64::from(self.word(second).ok_or(io::ErrorKind::UnexpectedEof)?);
+        Ok(Some(Tag { kind, length, small: None }))
+    }
+
+    /// The next tag, where there must be one.
+    pub(super) fn require(&mut self) -> io::Result<Tag> {
+        self.next()?.ok_or_else(|| io::ErrorKind::UnexpectedEof.into())
+    }
+
+    /// The body of the element whose tag was read last, of at most `longest` bytes.
+    pub(super) fn body(&mut self, tag: Tag, longest: u64) -> io::Result<Vec<u8>> {
+        if tag.length > longest {
+            return Err(wrong("an element is longer than it can be"));
+        }
+        if let Some(small) = tag.small {
+            let within = (0..tag.length).zip(small);
+            return Ok(within.map(|(_, byte)| byte).collect());
+        }
+        let mut body = Vec::new();
+        // Grows as bytes come, whatever the tag claims.
+        let n_read = self.input.take(tag.length.min(self.left)).read_to_end(&mut body)? as u64;
+        self.left -= n_read;
+        if n_read < tag.length {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        self.pad(tag)?;
+        Ok(body)
+    }
+
+    /// Passes over the body of the element whose tag was read last.
+    pub(super) fn skip(&mut self, tag: Tag) -> io::Result<()> {
+        if tag.small.is_none() {
+            self.pass(tag.length)?;
+            self.pad(tag)?;
+        }
+        Ok(())
+    }
+
+    /// Works on the elements within the one whose tag was read last, and passes over the rest.
+    pub(super) fn within<T>(
+        &mut self,
+        tag: Tag,
+        work: impl FnOnce(&mut Elements<'_>) -> io::Result<T>,
+    ) -> io::Result<T> {
+        if tag.small.is_some() || tag.length > self.left {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        let mut inner = Elements::new(&mut *self.input, tag.length, self.is_big_endian);
+        let done = work(&mut inner)?;
+        inner.pass(inner.left)?;
+        self.left -= tag.length;
+        self.pad(tag)?;
+        Ok(done)
+    }
+
+    /// Works on the bytes of the element whose tag was read last; all of them must be there.
+    pub(super) fn bytes_within<T>(
+        &mut self,
+        tag: Tag,
+        work: impl FnOnce(&mut dyn Read) -> io::Result<T>,
+    ) -> io::Result<T> {
+        let mut body = (&mut *self.input).take(tag.length.min(self.left));
+        let done = work(&mut body)?;
+        io::copy(&mut body, &mut io::sink())?;
+        if body.limit() > 0 || tag.length > self.left {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        self.left -= tag.length;
+        Ok(done)
+    }
+
+    /// Elements begin at multiples of eight bytes; the last may lack its padding.
+    fn pad(&mut self, tag: Tag) -> io::Result<()> {
+        let padding = (tag.length.next_multiple_of(8) - tag.length).min(self.left);
+        let passed = io::copy(&mut self.input.take(padding), &mut io::sink())?;
+        self.left -= passed;
+        Ok(())
+    }
+
+    fn pass(&mut self, length: u64) -> io::Result<()> {
+        let passed = io::copy(&mut self.input.take(length.min(self.left)), &mut io::sink())?;
+        self.left -= passed;
+        if passed < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
+    }
+
+    fn word(&self, bytes: &[u8]) -> Option<u32> {
+        let bytes = bytes.try_into().ok()?;
+        Some(if self.is_big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+}
+
+/// What contradicts the format.
+pub(super) fn wrong(what: &'static str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what)
+}
+
+/// The numbers in the body of an element of this kind; `None` for a kind that holds none.
+pub(super) fn numbers(kind: u32, body: &[u8], is_big_endian: bool) -> Option<Vec<f64>> {
+    fn each<const N: usize>(
+        body: &[u8],
+        is_big_endian: bool,
+        number: impl Fn([u8; N]) -> f64,
+    ) -> Vec<f64> {
+        let (items, _) = body.as_chunks::<N>();
+        let ordered = |mut item: [u8; N]| {
+            if is_big_endian {
+                item.reverse();
+            }
+            number(item)
+        };
+        items.iter().map(|item| ordered(*item)).collect()
+    }
+    let big = is_big_endian;
+    Some(match kind {
+        1 => each(body, big, |x| f64::from(i8::from_le_bytes(x))),
+        2 => each(body, big, |x| f64::from(u8::from_le_bytes(x))),
+        3 => each(body, big, |x| f64::from(i16::from_le_bytes(x))),
+        4 => each(body, big, |x| f64::from(u16::from_le_bytes(x))),
+        5 => each(body, big, |x| f64::from(i32::from_le_bytes(x))),
+        6 => each(body, big, |x| f64::from(u32::from_le_bytes(x))),
+        7 => each(body, big, |x| f64::from(f32::from_le_bytes(x))),
+        9 => each(body, big, f64::from_le_bytes),
+        12 => each(body, big, |x| i64::from_le_bytes(x) as f64),
+        13 => each(body, big, |x| u64::from_le_bytes(x) as f64),
+        _ => return None,
+    })
+}
+
+/// The 32-bit whole numbers in a body; one that is negative counts as 0.
+pub(super) fn sizes(body: &[u8], is_big_endian: bool) -> Vec<usize> {
+    let (items, _) = body.as_chunks::<4>();
+    let size = |item: &[u8; 4]| {
+        let size =
+            if is_big_endian { i32::from_be_bytes(*item) } else { i32::from_le_bytes(*item) };
+        usize::try_from(size).unwrap_or(0)
+    };
+    items.iter().map(size).collect()
+}

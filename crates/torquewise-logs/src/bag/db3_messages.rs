@@ -1,0 +1,142 @@
+//! SQLite bag (.db3) → topics and messages, some thousand rows at a time.
+
+use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
+use crate::error::LogError;
+use rusqlite::limits::Limit;
+use rusqlite::{Connection, OpenFlags, params};
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Messages asked for at once.
+const PAGE: u32 = 1_024;
+
+const MAGIC: &[u8] = b"SQLite format 3\0";
+
+const TOPICS: &str = "SELECT t.name, t.type, t.serialization_format, \
+    (SELECT COUNT(*) FROM messages m WHERE m.topic_id = t.id) FROM topics t ORDER BY t.id";
+
+const MESSAGES: &str = "SELECT id, timestamp, data FROM messages \
+    WHERE topic_id IN (SELECT id FROM topics WHERE name = ?1) AND (timestamp, id) > (?2, ?3) \
+    ORDER BY timestamp, id LIMIT ?4";
+
+/// All topics of a bag, with the number of their messages.
+pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
+    let refused = LogError::database(file);
+    let connection = open(file)?;
+    let mut statement = connection.prepare(TOPICS).map_err(&refused)?;
+    let topics = statement.query_map([], |row| {
+        Ok(Topic {
+            name: row.get(0)?,
+            kind: row.get(1)?,
+            encoding: row.get(2)?,
+            n_messages: u64::try_from(row.get::<_, i64>(3)?).unwrap_or(0),
+        })
+    });
+    topics.map_err(&refused)?.collect::<Result<_, _>>().map_err(&refused)
+}
+
+/// The messages of a topic in order of the time they were received.
+pub(super) struct Db3Messages {
+    file: PathBuf,
+    connection: Connection,
+    topic: String,
+    page: VecDeque<Message>,
+    /// Time and id of the last message of the page.
+    last: (i64, i64),
+    ended: bool,
+}
+
+impl Db3Messages {
+    pub(super) fn open(file: &Path, topic: &str) -> Result<Self, LogError> {
+        Ok(Self {
+            file: file.into(),
+            connection: open(file)?,
+            topic: topic.to_owned(),
+            page: VecDeque::new(),
+            last: (i64::MIN, i64::MIN),
+            ended: false,
+        })
+    }
+
+    fn next_page(&mut self) -> Result<(), LogError> {
+        let refused = LogError::database(&self.file);
+        let mut statement = self.connection.prepare_cached(MESSAGES).map_err(&refused)?;
+        let (received, id) = self.last;
+        let mut rows =
+            statement.query(params![self.topic, received, id, PAGE]).map_err(&refused)?;
+        while let Some(row) = rows.next().map_err(&refused)? {
+            let id = row.get(0).map_err(&refused)?;
+            let received = row.get(1).map_err(&refused)?;
+            let bytes = row.get(2).map_err(&refused)?;
+            self.last = (received, id);
+            self.page.push_back(Message { received, bytes });
+        }
+        self.ended = self.page.is_empty();
+        Ok(())
+    }
+}
+
+impl Messages for Db3Messages {
+    fn next(&mut self) -> Result<Option<Message>, LogError> {
+        if self.page.is_empty() && !self.ended {
+            self.next_page()?;
+        }
+        Ok(self.page.pop_front())
+    }
+}
+
+/// Opens a bag to be read only.
+fn open(file: &Path) -> Result<Connection, LogError> {
+    check_magic(file)?;
+    let refused = LogError::database(file);
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let connection = match unchanging(file) {
+        Some(address) => Connection::open_with_flags(address, flags | OpenFlags::SQLITE_OPEN_URI),
+        None => Connection::open_with_flags(file, flags),
+    };
+    let connection = connection.map_err(&refused)?;
+    let longest = i32::try_from(MAX_BYTES).unwrap_or(i32::MAX);
+    connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest).map_err(&refused)?;
+    connection.pragma_update(None, "trusted_schema", false).map_err(&refused)?;
+    // A view or a virtual table under these names could do anything.
+    let tables = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
+        AND name IN ('topics', 'messages')";
+    let n_tables: i64 = connection.query_row(tables, [], |row| row.get(0)).map_err(&refused)?;
+    if n_tables == 2 { Ok(connection) } else { Err(LogError::NoBag { file: file.into() }) }
+}
+
+/// SQLite takes an empty or missing file for a new database.
+fn check_magic(file: &Path) -> Result<(), LogError> {
+    let mut head = Vec::new();
+    let input = File::open(file).map_err(LogError::read(file))?;
+    input.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(LogError::read(file))?;
+    match head.as_slice() {
+        [] => Err(LogError::Empty { file: file.into() }),
+        MAGIC => Ok(()),
+        _ => Err(LogError::NoBag { file: file.into() }),
+    }
+}
+
+/// The address under which SQLite writes nothing beside the file, unless a recording left parts of
+/// it in files of their own.
+fn unchanging(file: &Path) -> Option<String> {
+    let is_whole = ["-wal", "-journal"].iter().all(|end| {
+        let mut beside = OsString::from(file);
+        beside.push(end);
+        !Path::new(&beside).exists()
+    });
+    let path = std::path::absolute(file).ok().filter(|_| is_whole && cfg!(unix))?;
+    let mut address = String::from("file://");
+    for byte in path.to_str()?.bytes() {
+        match byte {
+            b'/' | b'.' | b'-' | b'_' => address.push(char::from(byte)),
+            _ if byte.is_ascii_alphanumeric() => address.push(char::from(byte)),
+            _ => write!(address, "%{byte:02x}").ok()?,
+        }
+    }
+    Some(address + "?immutable=1")
+}

@@ -1,0 +1,125 @@
+//! CDR bytes → joint states: what a sensor_msgs/msg/JointState holds.
+//!
+//! Source: OMG CORBA 3.4, part 2, chapter 9.3 (CDR); OMG DDS-RTPS 2.5, chapter 10 (encapsulation);
+//! OMG DDS-XTypes 1.3, chapter 7.4 (alignment of version 2).
+
+/// One message: a time stamp, and what is known of each joint.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct JointState {
+    /// Time of the state as its sender stamped it \[ns\].
+    pub(crate) stamp: i64,
+    pub(crate) names: Vec<String>,
+    pub(crate) position: Vec<f64>,
+    pub(crate) velocity: Vec<f64>,
+    pub(crate) effort: Vec<f64>,
+}
+
+/// What is wrong with a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Malformed {
+    Encapsulation,
+    Short,
+    Text,
+    Counts,
+}
+
+impl Malformed {
+    pub(crate) fn reason(self) -> &'static str {
+        match self {
+            Self::Encapsulation => "it is not encoded in plain CDR",
+            Self::Short => "it ends before its last value",
+            Self::Text => "a joint name is not UTF-8 text",
+            Self::Counts => "it has not one position, velocity and effort for each name",
+        }
+    }
+}
+
+impl JointState {
+    /// Decodes a message; its own lengths are held against the bytes there are.
+    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, Malformed> {
+        let mut cdr = Cdr::new(bytes)?;
+        let seconds = i64::from(cdr.u32()?.cast_signed());
+        let nanoseconds = i64::from(cdr.u32()?);
+        // header.frame_id means nothing here.
+        cdr.text()?;
+        let n_names = cdr.count(4)?;
+        let names = (0..n_names).map(|_| Ok(cdr.text()?.to_owned())).collect::<Result<_, _>>()?;
+        let state = Self {
+            stamp: seconds * 1_000_000_000 + nanoseconds,
+            names,
+            position: cdr.numbers()?,
+            velocity: cdr.numbers()?,
+            effort: cdr.numbers()?,
+        };
+        let fits = |values: &[f64]| values.is_empty() || values.len() == state.names.len();
+        let whole = [&state.position, &state.velocity, &state.effort].into_iter().all(|x| fits(x));
+        if whole { Ok(state) } else { Err(Malformed::Counts) }
+    }
+}
+
+/// Bytes after the encapsulation header, read from the front.
+struct Cdr<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big_endian: bool,
+    /// Numbers of eight bytes are aligned to this.
+    widest: usize,
+}
+
+impl<'a> Cdr<'a> {
+    fn new(bytes: &'a [u8]) -> Result<Self, Malformed> {
+        let (header, body) = bytes.split_at_checked(4).ok_or(Malformed::Short)?;
+        let (big_endian, widest) = match header[..2] {
+            [0, 0] => (true, 8),
+            [0, 1] => (false, 8),
+            [0, 6] => (true, 4),
+            [0, 7] => (false, 4),
+            _ => return Err(Malformed::Encapsulation),
+        };
+        Ok(Self { bytes: body, at: 0, big_endian, widest })
+    }
+
+    fn take(&mut self, length: usize) -> Result<&'a [u8], Malformed> {
+        let end = self.at.checked_add(length).ok_or(Malformed::Short)?;
+        let taken = self.bytes.get(self.at..end).ok_or(Malformed::Short)?;
+        self.at = end;
+        Ok(taken)
+    }
+
+    /// The next `N` bytes from a multiple of `align` on, least significant first.
+    fn little_endian<const N: usize>(&mut self, align: usize) -> Result<[u8; N], Malformed> {
+        self.at = self.at.next_multiple_of(align);
+        let mut number: [u8; N] = self.take(N)?.try_into().map_err(|_| Malformed::Short)?;
+        if self.big_endian {
+            number.reverse();
+        }
+        Ok(number)
+    }
+
+    fn u32(&mut self) -> Result<u32, Malformed> {
+        Ok(u32::from_le_bytes(self.little_endian(4)?))
+    }
+
+    /// A number of items that take at least `size` bytes each.
+    fn count(&mut self, size: usize) -> Result<usize, Malformed> {
+        let count = usize::try_from(self.u32()?).map_err(|_| Malformed::Short)?;
+        let left = self.bytes.len().saturating_sub(self.at);
+        if count <= left / size { Ok(count) } else { Err(Malformed::Short) }
+    }
+
+    fn text(&mut self) -> Result<&'a str, Malformed> {
+        let length = self.count(1)?;
+        let text = self.take(length)?;
+        let text = text.strip_suffix(&[0]).unwrap_or(text);
+        std::str::from_utf8(text).map_err(|_| Malformed::Text)
+    }
+
+    fn numbers(&mut self) -> Result<Vec<f64>, Malformed> {
+        let count = self.count(8)?;
+        let widest = self.widest;
+        (0..count).map(|_| Ok(f64::from_le_bytes(self.little_endian(widest)?))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

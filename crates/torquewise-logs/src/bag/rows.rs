@@ -1,0 +1,116 @@
+//! Joint states → rows, sorted by time.
+
+use crate::bag::aligned::Aligned;
+use crate::bag::in_order::{InOrder, Stamped};
+use crate::bag::messages::Messages;
+use crate::bag::survey::{Survey, decoded, places};
+use crate::error::{LogError, Place};
+use crate::rows::{Irregular, Rows};
+use std::path::{Path, PathBuf};
+
+/// The rows of a bag: columns `t`, then `NAME.position` of each joint, then `NAME.velocity` and
+/// `NAME.effort` where the messages have them.
+pub(crate) struct BagRows {
+    file: PathBuf,
+    survey: Survey,
+    names: Vec<String>,
+    messages: Box<dyn Messages>,
+    aligned: Aligned,
+    chosen: Vec<usize>,
+    in_order: InOrder,
+    n_messages: u64,
+    n_passed_over: u64,
+    ended: bool,
+    /// Number of the message that the row last read was.
+    row: u64,
+}
+
+impl BagRows {
+    pub(crate) fn open(file: &Path, survey: Survey) -> Result<Self, LogError> {
+        let of_joints = |signal: &'static str| {
+            survey.joints.iter().map(move |joint| format!("{joint}.{signal}"))
+        };
+        let mut names = vec!["t".to_owned()];
+        names.extend(of_joints("position"));
+        for (signal, is_known) in [("velocity", survey.has_velocity), ("effort", survey.has_effort)]
+        {
+            names.extend(of_joints(signal).filter(|_| is_known));
+        }
+        Ok(Self {
+            file: file.into(),
+            names,
+            messages: survey.messages(file)?,
+            aligned: survey.aligned(),
+            survey,
+            chosen: Vec::new(),
+            in_order: InOrder::default(),
+            n_messages: 0,
+            n_passed_over: 0,
+            ended: false,
+            row: 0,
+        })
+    }
+
+    /// Reads messages until the next row in order is known.
+    fn look_ahead(&mut self) -> Result<(), LogError> {
+        while !self.ended && !self.in_order.is_full(self.chosen.len()) {
+            let Some(message) = self.messages.next()? else {
+                self.ended = true;
+                break;
+            };
+            self.n_messages += 1;
+            let (file, number) = (&self.file, self.n_messages);
+            let place = || Place { file: file.clone(), row: number, line: None };
+            let state = decoded(&message.bytes, place)?;
+            let Some(places) = places(&mut self.aligned, &state, place)? else {
+                self.n_passed_over += 1;
+                continue;
+            };
+            let stamp = self.survey.stamp(&state, message.received);
+            let n = places.len();
+            let mut signals = vec![&state.position];
+            signals.extend(self.survey.has_velocity.then_some(&state.velocity));
+            signals.extend(self.survey.has_effort.then_some(&state.effort));
+            let value = |column: &usize| match column.checked_sub(1) {
+                None => stamp as f64 / 1e9,
+                Some(k) => signals[k / n].get(places[k % n]).copied().unwrap_or(f64::NAN),
+            };
+            let values = self.chosen.iter().map(value).collect();
+            self.in_order.push(Stamped { stamp, number, values });
+        }
+        Ok(())
+    }
+}
+
+impl Rows for BagRows {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn joints(&self) -> Option<&[String]> {
+        Some(&self.survey.joints)
+    }
+
+    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+        self.chosen = columns.to_vec();
+        Ok(())
+    }
+
+    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+        self.look_ahead()?;
+        let Some(next) = self.in_order.pop() else { return Ok(false) };
+        self.row = next.number;
+        for (value, read) in row.iter_mut().zip(next.values) {
+            *value = read;
+        }
+        Ok(true)
+    }
+
+    fn place(&self) -> Place {
+        Place { file: self.file.clone(), row: self.row, line: None }
+    }
+
+    fn irregular(&self) -> Irregular {
+        Irregular { sorted: self.in_order.n_late, passed_over: self.n_passed_over }
+    }
+}

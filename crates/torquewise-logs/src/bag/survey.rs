@@ -1,0 +1,199 @@
+//! Bag → what its joint states hold: found in one pass before the rows are read.
+
+use crate::bag::aligned::{Aligned, Holds};
+use crate::bag::db3_messages::{self, Db3Messages};
+use crate::bag::joint_state::JointState;
+use crate::bag::mcap_messages::{self, McapMessages};
+use crate::bag::messages::{JOINT_STATE, Messages, Topic};
+use crate::error::{LogError, Place, shown};
+use crate::joints;
+use std::path::Path;
+
+/// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.
+const LONGEST_RUN: i64 = 1_000_000_000_000_000;
+
+/// How a bag is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Storage {
+    Db3,
+    Mcap,
+}
+
+/// What is to be read of a bag.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Wanted<'a> {
+    pub(crate) topic: Option<&'a str>,
+    /// Joints, in order; those of the first message unless given.
+    pub(crate) joints: &'a [String],
+}
+
+/// Which time a message has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stamps {
+    /// That of its sender.
+    Sent,
+    /// That of the bag, since no sender gave any.
+    Received,
+}
+
+/// What the joint states of a bag hold.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Survey {
+    storage: Storage,
+    topic: String,
+    pub(crate) joints: Vec<String>,
+    /// Whether the joints were asked for by name, so that messages of others are passed over.
+    passes_over: bool,
+    clock: Stamps,
+    /// Time stamp that counts as zero \[ns\].
+    zero: i64,
+    pub(crate) has_velocity: bool,
+    pub(crate) has_effort: bool,
+}
+
+impl Survey {
+    /// Goes through the messages of the topic that is wanted, or of the only one there is.
+    pub(crate) fn new(file: &Path, storage: Storage, wanted: Wanted<'_>) -> Result<Self, LogError> {
+        let topics = match storage {
+            Storage::Db3 => db3_messages::topics(file)?,
+            Storage::Mcap => mcap_messages::topics(file)?,
+        };
+        let mut survey = Self {
+            storage,
+            topic: chosen(file, &topics, wanted.topic)?,
+            joints: wanted.joints.to_vec(),
+            passes_over: !wanted.joints.is_empty(),
+            clock: Stamps::Received,
+            zero: 0,
+            has_velocity: false,
+            has_effort: false,
+        };
+        survey.complete(file)?;
+        joints::check(&survey.joints)?;
+        Ok(survey)
+    }
+
+    /// The messages of the topic, from the first.
+    pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>, LogError> {
+        Ok(match self.storage {
+            Storage::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
+            Storage::Mcap => Box::new(McapMessages::open(file, Some(&self.topic))?),
+        })
+    }
+
+    /// Finds the joints in messages.
+    pub(super) fn aligned(&self) -> Aligned {
+        Aligned::new(&self.joints, self.passes_over)
+    }
+
+    /// Time of a message \[ns\].
+    pub(super) fn stamp(&self, state: &JointState, received: i64) -> i64 {
+        let stamp = match self.clock {
+            Stamps::Sent => state.stamp,
+            Stamps::Received => received,
+        };
+        stamp.saturating_sub(self.zero)
+    }
+
+    fn complete(&mut self, file: &Path) -> Result<(), LogError> {
+        let mut messages = self.messages(file)?;
+        let mut aligned = self.passes_over.then(|| Aligned::new(&self.joints, true));
+        let (mut first_stamp, mut first_received) = (i64::MAX, i64::MAX);
+        let mut first_names = None;
+        let (mut n_messages, mut n_found) = (0, 0_u64);
+        while let Some(message) = messages.next()? {
+            n_messages += 1;
+            let place = || Place { file: file.into(), row: n_messages, line: None };
+            let state = decoded(&message.bytes, place)?;
+            first_names.get_or_insert_with(|| state.names.clone());
+            let aligned = aligned.get_or_insert_with(|| Aligned::new(&state.names, false));
+            let Some(places) = places(aligned, &state, place)? else { continue };
+            let is_known = |values: &[f64]| {
+                places.iter().any(|place| values.get(*place).is_some_and(|value| !value.is_nan()))
+            };
+            self.has_velocity |= is_known(&state.velocity);
+            self.has_effort |= is_known(&state.effort);
+            if state.stamp != 0 {
+                self.clock = Stamps::Sent;
+            }
+            first_stamp = first_stamp.min(state.stamp);
+            first_received = first_received.min(message.received);
+            n_found += 1;
+        }
+        let found = first_names.ok_or_else(|| LogError::NoRows { file: file.into() })?;
+        if self.joints.is_empty() {
+            self.joints.clone_from(&found);
+        }
+        if n_found == 0 || found.is_empty() {
+            let (wanted, found) = (self.joints.join(", "), shown_names(&found));
+            return Err(LogError::NoSuchJoints { file: file.into(), wanted, found });
+        }
+        let first = match self.clock {
+            Stamps::Sent => first_stamp,
+            Stamps::Received => first_received,
+        };
+        self.zero = if first > LONGEST_RUN { first } else { 0 };
+        Ok(())
+    }
+}
+
+/// Decodes a message, or says what is wrong with it.
+pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState, LogError> {
+    let malformed = |wrong: super::joint_state::Malformed| LogError::Message {
+        place: place(),
+        reason: wrong.reason(),
+    };
+    JointState::decode(bytes).map_err(malformed)
+}
+
+/// Where the joints stand in a message; `None` if it is about other joints.
+pub(super) fn places<'a>(
+    aligned: &'a mut Aligned,
+    state: &JointState,
+    place: impl Fn() -> Place,
+) -> Result<Option<&'a [usize]>, LogError> {
+    match aligned.find(state) {
+        Holds::All(places) => Ok(Some(places)),
+        Holds::None => Ok(None),
+        Holds::NotThis(joint) => Err(LogError::JointGone {
+            place: place(),
+            joint: shown(joint.as_bytes()),
+            found: shown_names(&state.names),
+        }),
+    }
+}
+
+/// The topic to be read.
+fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String, LogError> {
+    let listed = |topics: &[&Topic]| {
+        let topic = |topic: &&Topic| {
+            let (name, kind) = (shown(topic.name.as_bytes()), shown(topic.kind.as_bytes()));
+            format!("{name} ({kind}, {} messages)", topic.n_messages)
+        };
+        topics.iter().map(topic).collect::<Vec<_>>().join(", ")
+    };
+    let is_read = |topic: &&Topic| {
+        topic.kind == JOINT_STATE && topic.encoding == "cdr" && topic.n_messages > 0
+    };
+    let read: Vec<_> = topics.iter().filter(is_read).collect();
+    let found = || {
+        if topics.is_empty() { "none".into() } else { listed(&topics.iter().collect::<Vec<_>>()) }
+    };
+    match (wanted, read.as_slice()) {
+        (Some(wanted), read) if read.iter().any(|topic| topic.name == wanted) => Ok(wanted.into()),
+        (Some(wanted), _) => {
+            let (file, topic) = (file.into(), shown(wanted.as_bytes()));
+            Err(LogError::NoSuchTopic { file, topic, found: found() })
+        }
+        (None, [only]) => Ok(only.name.clone()),
+        (None, []) => Err(LogError::NoJointState { file: file.into(), found: found() }),
+        (None, several) => {
+            Err(LogError::SeveralTopics { file: file.into(), found: listed(several) })
+        }
+    }
+}
+
+fn shown_names(names: &[String]) -> String {
+    let all: Vec<_> = names.iter().take(40).map(|name| shown(name.as_bytes())).collect();
+    all.join(", ") + if names.len() > 40 { ", …" } else { "" }
+}

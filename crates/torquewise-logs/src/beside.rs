@@ -1,0 +1,153 @@
+//! Rows of a log and of files beside it → rows with the columns of all.
+
+use crate::error::{LogError, Place};
+use crate::rows::{Irregular, Rows};
+use std::path::PathBuf;
+
+/// Clocks may differ by this \[s\], and by a few roundings of a long time.
+const CLOCK_TOLERANCE: f64 = 1e-6;
+
+/// A file with the same rows as the log.
+pub(crate) struct Beside {
+    pub(crate) file: PathBuf,
+    /// What its columns are called with: `NAME.column`.
+    pub(crate) name: String,
+    pub(crate) rows: Box<dyn Rows>,
+}
+
+/// The clock of the log: name of its column, and seconds of its unit.
+pub(crate) type ClockColumn = (String, f64);
+
+/// The rows of several files, side by side; the first is the log.
+pub(crate) struct SideBySide {
+    parts: Vec<Part>,
+    names: Vec<String>,
+    clock: Option<ClockColumn>,
+    /// For each chosen column, its part and its place in the row of it.
+    chosen: Vec<(usize, usize)>,
+}
+
+struct Part {
+    file: PathBuf,
+    rows: Box<dyn Rows>,
+    /// Place of its first column among all.
+    first: usize,
+    row: Vec<f64>,
+    clock: Option<usize>,
+}
+
+impl SideBySide {
+    pub(crate) fn new(
+        log: (PathBuf, Box<dyn Rows>),
+        beside: Vec<Beside>,
+        clock: Option<ClockColumn>,
+    ) -> Self {
+        let mut names = log.1.names().to_vec();
+        let part = |file, rows, first| Part { file, rows, first, row: Vec::new(), clock: None };
+        let mut parts = vec![part(log.0, log.1, 0)];
+        for Beside { file, name, rows } in beside {
+            let first = names.len();
+            names.extend(rows.names().iter().map(|column| format!("{name}.{column}")));
+            parts.push(part(file, rows, first));
+        }
+        Self { parts, names, clock, chosen: Vec::new() }
+    }
+
+    /// Reads a row of every part; whether each had one.
+    fn read(&mut self) -> Result<Vec<bool>, LogError> {
+        self.parts.iter_mut().map(|part| part.rows.next(&mut part.row)).collect()
+    }
+
+    fn check_clocks(&self) -> Result<(), LogError> {
+        let Some((column, seconds)) = &self.clock else { return Ok(()) };
+        let clock = |part: &Part| part.clock.map(|place| part.row[place] * seconds);
+        let Some(expected) = self.parts.first().and_then(clock) else { return Ok(()) };
+        for part in &self.parts[1..] {
+            let Some(found) = clock(part) else { continue };
+            let tolerance = CLOCK_TOLERANCE + 4.0 * f64::EPSILON * expected.abs();
+            if (found - expected).abs() > tolerance || found.is_nan() != expected.is_nan() {
+                let (place, column) = (part.rows.place(), column.clone());
+                return Err(LogError::ClocksDiffer { place, column, found, expected });
+            }
+        }
+        Ok(())
+    }
+
+    /// The error that names how many rows each of two files has.
+    fn rows_differ(&mut self, had_one: &[bool]) -> Result<LogError, LogError> {
+        let mut counts = Vec::new();
+        for (part, had_one) in self.parts.iter_mut().zip(had_one) {
+            while *had_one && part.rows.next(&mut part.row)? {}
+            counts.push(part.rows.place().row);
+        }
+        let expected = counts.first().copied().unwrap_or_default();
+        let other = counts.iter().position(|count| *count != expected).unwrap_or_default();
+        Ok(LogError::RowsDiffer {
+            file: self.parts[other].file.clone(),
+            found: counts[other],
+            log: self.parts[0].file.clone(),
+            expected,
+        })
+    }
+}
+
+impl Rows for SideBySide {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn joints(&self) -> Option<&[String]> {
+        self.parts.first().and_then(|log| log.rows.joints())
+    }
+
+    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+        let of = |column: usize| self.parts.partition_point(|part| part.first <= column) - 1;
+        self.chosen.clear();
+        let mut own: Vec<Vec<usize>> = vec![Vec::new(); self.parts.len()];
+        for column in columns {
+            let k = of(*column);
+            self.chosen.push((k, own[k].len()));
+            own[k].push(column - self.parts[k].first);
+        }
+        for (part, mut own) in self.parts.iter_mut().zip(own) {
+            if own.is_empty() {
+                return Err(LogError::BesideUnused { file: part.file.clone() });
+            }
+            let clock = self.clock.as_ref().map(|(name, _)| name);
+            let clock = part.rows.names().iter().position(|name| Some(name) == clock);
+            part.clock = clock.map(|_| own.len());
+            own.extend(clock);
+            part.rows.choose(&own)?;
+            part.row = vec![0.0; own.len()];
+        }
+        Ok(())
+    }
+
+    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+        let had_one = self.read()?;
+        if !had_one.contains(&true) {
+            return Ok(false);
+        }
+        if had_one.contains(&false) {
+            return Err(self.rows_differ(&had_one)?);
+        }
+        self.check_clocks()?;
+        for (value, (part, place)) in row.iter_mut().zip(&self.chosen) {
+            *value = self.parts[*part].row[*place];
+        }
+        Ok(true)
+    }
+
+    fn is_null(&self, column: usize) -> bool {
+        let chosen = self.chosen.get(column);
+        chosen.is_some_and(|(part, place)| self.parts[*part].rows.is_null(*place))
+    }
+
+    fn place(&self) -> Place {
+        self.parts[0].rows.place()
+    }
+
+    fn irregular(&self) -> Irregular {
+        self.parts[0].rows.irregular()
+    }
+}

@@ -1,0 +1,220 @@
+//! Profile and column names → mapping.
+
+use crate::error::{LogError, shown};
+use crate::joints;
+use crate::layout::{Layout, Signal};
+use crate::mapping::{Mapping, Ranges, Slot, Time};
+use crate::profile::unit::{factor, time_factor};
+use crate::profile::{Columns, Parts, PerJoint, Profile};
+use std::path::Path;
+
+/// What a file offers to a profile.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Offer<'a> {
+    pub(crate) file: &'a Path,
+    pub(crate) names: &'a [String],
+    /// Joint names, if the file keeps any.
+    pub(crate) joints: Option<&'a [String]>,
+    /// Whether columns are called `NAME.position` and so on.
+    pub(crate) is_bag: bool,
+}
+
+/// The mapping that a profile describes for a file.
+pub(crate) fn by_profile(profile: &Profile, offer: Offer<'_>) -> Result<Mapping, LogError> {
+    let mut build = Build { offer, chosen: Vec::new() };
+    let time = build.time(profile)?;
+    let joints = build.joints(profile);
+    profile.check_counts(Some(joints.len()), "profile")?;
+    let kept = kept(profile, &joints, offer.file)?;
+    let mut present = Vec::new();
+    let mut slots = Vec::new();
+    for signal in Signal::ALL {
+        let parts = profile.parts(signal);
+        let Some(columns) = build.columns(signal, parts, &joints)? else { continue };
+        present.push(signal);
+        let all = signal_slots(signal, parts, &columns);
+        slots.extend(kept.iter().filter_map(|joint| all.get(*joint).cloned()));
+    }
+    let named = kept.iter().filter_map(|joint| joints.get(*joint).cloned()).collect();
+    Ok(Mapping {
+        time,
+        ranges: Ranges { rows: profile.rows.clone(), seconds: profile.seconds.clone() },
+        joints: Some(named),
+        ..Mapping::new(Layout::new(kept.len(), present), build.chosen, slots)
+    })
+}
+
+/// A mapping in the making.
+struct Build<'a> {
+    offer: Offer<'a>,
+    chosen: Vec<usize>,
+}
+
+impl Build<'_> {
+    fn time(&mut self, profile: &Profile) -> Result<Time, LogError> {
+        if let Some(rate) = profile.rate {
+            return Ok(Time::Rate(rate));
+        }
+        let (column, unit) = match &profile.t {
+            Some(t) => (t.column.as_str(), t.unit.as_deref()),
+            None if self.has("t") => ("t", None),
+            None => {
+                let (file, found) = (self.offer.file.into(), self.found());
+                return Err(LogError::NoClock { file, found });
+            }
+        };
+        self.choose("t.column", column)?;
+        Ok(Time::Column(time_factor(unit).unwrap_or(1.0)))
+    }
+
+    /// Names of all joints, those that are left out among them.
+    fn joints(&self, profile: &Profile) -> Vec<String> {
+        if !profile.joints.is_empty() {
+            return profile.joints.clone();
+        }
+        let n = match profile.q.as_ref().and_then(|q| q.columns.as_ref()) {
+            Some(Columns::Names(names)) => names.len(),
+            Some(Columns::Prefix(prefix)) => self.count(prefix),
+            None => 0,
+        };
+        match self.offer.joints {
+            Some(names) if self.offer.is_bag || names.len() == n => names.to_vec(),
+            _ => joints::numbered(n),
+        }
+    }
+
+    /// How many joints the columns with a prefix are of.
+    fn count(&self, prefix: &str) -> usize {
+        let all = 1..=self.offer.names.len();
+        let numbered = all.take_while(|joint| self.has(&format!("{prefix}{joint}"))).count();
+        numbered.max(usize::from(self.has(prefix)))
+    }
+
+    /// Places of the columns of a signal among the chosen; `None` if there is no such signal.
+    fn columns(
+        &mut self,
+        signal: Signal,
+        parts: Option<Parts<'_>>,
+        joints: &[String],
+    ) -> Result<Option<Vec<usize>>, LogError> {
+        let key = format!("{}.columns", signal.name());
+        let names: Vec<String> = match parts.and_then(|parts| parts.columns) {
+            Some(Columns::Names(names)) => names.clone(),
+            Some(Columns::Prefix(prefix)) => self.numbered(prefix, joints.len()),
+            None if self.offer.is_bag => {
+                let names = of_bag(signal, joints);
+                let is_there = names.first().is_some_and(|name| self.has(name));
+                if parts.is_none() && signal != Signal::Q && !is_there {
+                    return Ok(None);
+                }
+                names
+            }
+            None if parts.is_none() && signal != Signal::Q => return Ok(None),
+            None => return Err(self.missing(&key, "one column per joint")),
+        };
+        if names.is_empty() {
+            return Err(self.missing(&key, "columns of a signal, such as q1, q2, …"));
+        }
+        names.iter().map(|name| self.choose(&key, name)).collect::<Result<_, _>>().map(Some)
+    }
+
+    fn numbered(&self, prefix: &str, n: usize) -> Vec<String> {
+        let first = format!("{prefix}1");
+        if n == 1 && !self.has(&first) && self.has(prefix) {
+            return vec![prefix.to_owned()];
+        }
+        (1..=n.max(1)).map(|joint| format!("{prefix}{joint}")).collect()
+    }
+
+    /// The place of a column among the chosen.
+    fn choose(&mut self, key: &str, name: &str) -> Result<usize, LogError> {
+        let name = name.trim();
+        let mut columns = (0..).zip(self.offer.names).filter(|(_, known)| *known == name);
+        let (column, _) = columns.next().ok_or_else(|| self.missing(key, name))?;
+        if columns.next().is_some() {
+            let (file, column) = (self.offer.file.into(), shown(name.as_bytes()));
+            return Err(LogError::DuplicateColumn { file, column });
+        }
+        let place = self.chosen.iter().position(|chosen| *chosen == column);
+        Ok(place.unwrap_or_else(|| {
+            self.chosen.push(column);
+            self.chosen.len() - 1
+        }))
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.offer.names.iter().any(|known| known == name)
+    }
+
+    fn found(&self) -> String {
+        let names: Vec<_> =
+            self.offer.names.iter().take(30).map(|name| shown(name.as_bytes())).collect();
+        names.join(", ") + if self.offer.names.len() > 30 { ", …" } else { "" }
+    }
+
+    fn missing(&self, key: &str, missing: &str) -> LogError {
+        LogError::NoProfileColumn {
+            file: self.offer.file.into(),
+            key: key.into(),
+            missing: shown(missing.as_bytes()),
+            found: self.found(),
+        }
+    }
+}
+
+/// What the columns of a bag are called.
+fn of_bag(signal: Signal, joints: &[String]) -> Vec<String> {
+    let field = match signal {
+        Signal::Q => "position",
+        Signal::Dq => "velocity",
+        Signal::Ddq => return Vec::new(),
+        Signal::Tau => "effort",
+    };
+    joints.iter().map(|joint| format!("{joint}.{field}")).collect()
+}
+
+/// Places of the joints that are not left out.
+fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>, LogError> {
+    let is_unknown = |name: &&String| !joints.contains(name);
+    if let Some(unknown) = profile.leave_out.iter().find(is_unknown) {
+        return Err(LogError::ProfileKey {
+            profile: "profile".into(),
+            key: "leave_out".into(),
+            found: shown(unknown.as_bytes()),
+            expected: format!("one of the joints {}", joints.join(", ")),
+        });
+    }
+    let kept: Vec<_> =
+        (0..joints.len()).filter(|joint| !profile.leave_out.contains(&joints[*joint])).collect();
+    if kept.is_empty() && !joints.is_empty() {
+        Err(LogError::NoJointsLeft { file: file.into() })
+    } else {
+        Ok(kept)
+    }
+}
+
+/// A slot for each joint.
+fn signal_slots(signal: Signal, parts: Option<Parts<'_>>, columns: &[usize]) -> Vec<Slot> {
+    let Some(parts) = parts else {
+        return columns.iter().map(|place| Slot::as_it_stands(*place)).collect();
+    };
+    let unit = factor(signal, parts.unit).unwrap_or(1.0);
+    let of = |values: Option<&PerJoint>, joint, default| {
+        values.and_then(|values| values.of(joint)).unwrap_or(default)
+    };
+    let column_factor = |joint| {
+        let motor = of(parts.gear, joint, 1.0) * of(parts.torque_constant, joint, 1.0);
+        motor * of(parts.scale, joint, 1.0) * unit
+    };
+    let coupling = |joint: usize, column: usize| match parts.matrix {
+        Some(matrix) => matrix[joint][column],
+        None => f64::from(u8::from(joint == column)),
+    };
+    let slot = |joint| {
+        let terms = (0..columns.len())
+            .map(|column| (columns[column], coupling(joint, column) * column_factor(column)));
+        let terms = terms.filter(|(_, factor)| *factor != 0.0).collect();
+        Slot { terms, offset: of(parts.offset, joint, 0.0) }
+    };
+    (0..columns.len()).map(slot).collect()
+}

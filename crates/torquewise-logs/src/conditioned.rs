@@ -1,0 +1,241 @@
+//! Logs → conditioned Recording: resampled, filtered and differentiated, in fixed memory.
+
+use crate::blocks::RawBlock;
+use crate::error::LogError;
+use crate::logs::Logs;
+use faer::Mat;
+use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
+use torquewise_signals::{
+    ConditionReport, Conditioner, Conditioning, Cutoff, Plan, Raw, SignalError, condition,
+    torque_delay,
+};
+
+/// Rows that the cut-off is chosen from, and that a trajectory is planned by.
+const FIRST_ROWS: usize = 1 << 15;
+
+/// Logs whose signals are conditioned as they are read: [`torquewise_signals`] tells how.
+///
+/// The cut-off, and the lag of the torque if it is asked for, are chosen from the first rows of the
+/// first trajectory and hold for all.
+#[derive(Clone, Debug)]
+pub struct ConditionedLogs {
+    logs: Logs,
+    settings: Conditioning,
+    report: ConditionReport,
+}
+
+/// A reading that ended early, since enough is known.
+enum Halt {
+    Enough,
+    Error(LogError),
+}
+
+impl From<LogError> for Halt {
+    fn from(error: LogError) -> Self {
+        Self::Error(error)
+    }
+}
+
+impl ConditionedLogs {
+    /// Looks at the first trajectory and settles how all are conditioned.
+    ///
+    /// - `find_delay`: whether the lag of the torque is estimated, in place of that of `settings`
+    ///
+    /// # Errors
+    /// [`LogError`] if the logs cannot be read, or [`LogError::Signals`] if the first trajectory
+    /// cannot be conditioned.
+    pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self, LogError> {
+        let raw = first_rows(&logs)?;
+        let refused = |source| signals(&logs, 0, source);
+        let mut first = condition(&raw, settings).map_err(refused)?;
+        let cutoff = first.report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
+        let mut settings = Conditioning { cutoff, ..*settings };
+        if find_delay
+            && raw.tau.is_some()
+            && let Some(lag) = torque_delay(&first.motion).map_err(refused)?
+        {
+            settings.delay += lag.seconds;
+            let choice = first.report.choice.take();
+            first = condition(&raw, &settings).map_err(refused)?;
+            first.report.choice = choice;
+        }
+        Ok(Self { logs, settings, report: first.report })
+    }
+
+    /// The logs as they were recorded.
+    pub fn logs(&self) -> &Logs {
+        &self.logs
+    }
+
+    /// How every trajectory is conditioned, the choices made.
+    pub fn settings(&self) -> &Conditioning {
+        &self.settings
+    }
+
+    /// What was found in the first rows, and why the cut-off is what it is.
+    pub fn report(&self) -> &ConditionReport {
+        &self.report
+    }
+
+    fn visit(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let mut out = Cutter { trajectory: 0, visit };
+        let mut own: Option<(usize, Stretch)> = None;
+        self.logs.read_raw(&mut |trajectory, block| -> Result<(), ReadError> {
+            if own.as_ref().is_none_or(|(current, _)| *current != trajectory) {
+                if let Some((ended, stretch)) = own.take() {
+                    self.end(ended, stretch, &mut out)?;
+                }
+                own = Some((trajectory, Stretch::Waiting(Vec::new())));
+            }
+            match &mut own {
+                Some((_, stretch)) => self.push(trajectory, stretch, block, &mut out),
+                None => Ok(()),
+            }
+        })?;
+        if let Some((ended, stretch)) = own {
+            self.end(ended, stretch, &mut out)?;
+        }
+        if out.trajectory == 0 {
+            let cutoff = self.report.cutoff.unwrap_or_default();
+            return Err(LogError::NothingLeft { cutoff }.into());
+        }
+        Ok(())
+    }
+
+    fn push(
+        &self,
+        trajectory: usize,
+        stretch: &mut Stretch,
+        block: &RawBlock,
+        out: &mut Cutter<'_>,
+    ) -> Result<(), ReadError> {
+        let failed = |source| signals(&self.logs, trajectory, source);
+        match stretch {
+            Stretch::Waiting(blocks) => {
+                blocks.push(block.clone());
+                let rows: usize = blocks.iter().map(|block| block.t.len()).sum();
+                if rows >= FIRST_ROWS {
+                    let raw = joined(self.logs.joints(), blocks);
+                    let plan = Plan::new(&raw, &self.settings).map_err(failed)?;
+                    let mut conditioner = Box::new(Conditioner::new(plan));
+                    out.hand_out(conditioner.push(&raw).map_err(failed)?)?;
+                    *stretch = Stretch::Running(conditioner);
+                }
+                Ok(())
+            }
+            Stretch::Running(conditioner) => {
+                let raw = joined(self.logs.joints(), std::slice::from_ref(block));
+                out.hand_out(conditioner.push(&raw).map_err(failed)?)
+            }
+        }
+    }
+
+    /// The rest of a trajectory; one that is too short to be filtered is left out.
+    fn end(&self, trajectory: usize, rest: Stretch, out: &mut Cutter<'_>) -> Result<(), ReadError> {
+        let failed = |source| signals(&self.logs, trajectory, source);
+        let motions = match rest {
+            Stretch::Running(conditioner) => conditioner.finish().map_err(failed)?,
+            Stretch::Waiting(blocks) => {
+                let raw = joined(self.logs.joints(), &blocks);
+                match condition(&raw, &self.settings) {
+                    Ok(conditioned) => vec![conditioned.motion],
+                    Err(SignalError::TooFewRows { .. }) => return Ok(()),
+                    Err(error) => return Err(failed(error).into()),
+                }
+            }
+        };
+        out.hand_out(motions)?;
+        out.trajectory += 1;
+        Ok(())
+    }
+}
+
+impl Recording for ConditionedLogs {
+    fn joints(&self) -> &[String] {
+        self.logs.joints()
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.visit(visit)
+    }
+}
+
+/// A trajectory on its way through the filter.
+enum Stretch {
+    /// Too few rows to plan by so far.
+    Waiting(Vec<RawBlock>),
+    Running(Box<Conditioner>),
+}
+
+/// Cuts motion into blocks.
+struct Cutter<'a> {
+    /// Trajectories handed out whole.
+    trajectory: usize,
+    visit: &'a mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+}
+
+impl Cutter<'_> {
+    fn hand_out(&mut self, motions: Vec<Motion>) -> Result<(), ReadError> {
+        for motion in motions {
+            let rows: Vec<usize> = (0..motion.n_rows()).collect();
+            for block in rows.chunks(BLOCK_ROWS) {
+                (self.visit)(self.trajectory, &motion.select(block))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn signals(logs: &Logs, trajectory: usize, source: SignalError) -> LogError {
+    let file = logs.paths().first().cloned().unwrap_or_default();
+    LogError::Signals { file, trajectory: trajectory + 1, source }
+}
+
+/// The first rows of the first trajectory.
+fn first_rows(logs: &Logs) -> Result<Raw, LogError> {
+    let mut blocks: Vec<RawBlock> = Vec::new();
+    let mut rows = 0;
+    let read = logs.read_raw(&mut |trajectory, block| -> Result<(), Halt> {
+        if trajectory > 0 || rows >= FIRST_ROWS {
+            return Err(Halt::Enough);
+        }
+        rows += block.t.len();
+        blocks.push(block.clone());
+        Ok(())
+    });
+    match read {
+        Err(Halt::Error(error)) => Err(error),
+        Ok(()) | Err(Halt::Enough) => Ok(joined(logs.joints(), &blocks)),
+    }
+}
+
+/// Blocks of one trajectory, one after the other.
+fn joined(joints: &[String], blocks: &[RawBlock]) -> Raw {
+    let n = joints.len();
+    let t: Vec<f64> = blocks.iter().flat_map(|block| &block.t).copied().collect();
+    let place = {
+        let mut places = Vec::with_capacity(t.len());
+        for (index, block) in blocks.iter().enumerate() {
+            places.extend((0..block.t.len()).map(|row| (index, row)));
+        }
+        places
+    };
+    let signal = |of: &dyn Fn(&RawBlock) -> Option<&Mat<f64>>| -> Option<Mat<f64>> {
+        let parts: Vec<&Mat<f64>> = blocks.iter().map(of).collect::<Option<_>>()?;
+        Some(Mat::from_fn(t.len(), n, |row, joint| {
+            let (index, row) = place[row];
+            parts[index][(row, joint)]
+        }))
+    };
+    let q = signal(&|block| Some(&block.q)).unwrap_or_else(|| Mat::zeros(t.len(), n));
+    let dq = signal(&|block| block.dq.as_ref());
+    let ddq = signal(&|block| block.ddq.as_ref());
+    let tau = signal(&|block| block.tau.as_ref());
+    Raw { joints: joints.to_vec(), q, dq, ddq, tau, t }
+}

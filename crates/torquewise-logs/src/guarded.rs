@@ -1,0 +1,14 @@
+//! Work of a decoder → its result, also where it panics.
+
+use crate::error::LogError;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+/// The decoder of another crate may panic on a damaged file; here that is an error like any other.
+pub(crate) fn guarded<T>(
+    file: &Path,
+    work: impl FnOnce() -> Result<T, LogError>,
+) -> Result<T, LogError> {
+    let damaged = |_| Err(LogError::Damaged { file: file.into() });
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(damaged)
+}

@@ -1,0 +1,127 @@
+//! Columns of a file → slots of signals in SI units: what is multiplied by what and added.
+
+use crate::layout::Layout;
+
+/// How the rows of a file become rows of signals.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Mapping {
+    pub(crate) layout: Layout,
+    /// The columns of the file that are read, in the order they are read.
+    pub(crate) chosen: Vec<usize>,
+    pub(crate) time: Time,
+    /// One per slot after t.
+    pub(crate) slots: Vec<Slot>,
+    pub(crate) ranges: Ranges,
+    /// Names of the joints, if the mapping gives them.
+    pub(crate) joints: Option<Vec<String>>,
+    /// Columns with names that mean nothing here.
+    pub(crate) ignored: Vec<String>,
+}
+
+/// Where t comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Time {
+    /// The first chosen column, in units of so many seconds.
+    Column(f64),
+    /// The number of the row, at so many rows per second.
+    Rate(f64),
+}
+
+/// A value of a row: Σ factor · column + offset.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Slot {
+    /// Place among the chosen columns, and factor.
+    pub(crate) terms: Vec<(usize, f64)>,
+    pub(crate) offset: f64,
+}
+
+/// Which rows are read; empty lists stand for all.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Ranges {
+    /// First and last row, 1 for the first of the file.
+    pub(crate) rows: Vec<[u64; 2]>,
+    /// Begin and end \[s\], 0 for the first row of the file.
+    pub(crate) seconds: Vec<[f64; 2]>,
+}
+
+impl Mapping {
+    /// All rows, t in seconds in the first chosen column.
+    pub(crate) fn new(layout: Layout, chosen: Vec<usize>, slots: Vec<Slot>) -> Self {
+        Self {
+            layout,
+            chosen,
+            time: Time::Column(1.0),
+            slots,
+            ranges: Ranges::default(),
+            joints: None,
+            ignored: Vec::new(),
+        }
+    }
+}
+
+impl Slot {
+    /// A column that is in SI units already.
+    pub(crate) fn as_it_stands(place: usize) -> Self {
+        Self { terms: vec![(place, 1.0)], offset: 0.0 }
+    }
+
+    pub(crate) fn value(&self, row: &[f64]) -> f64 {
+        let products = self.terms.iter().map(|(place, factor)| row[*place] * factor);
+        let sum = products.reduce(|sum, product| sum + product).unwrap_or(0.0);
+        // 0 is not added, for it would turn -0 into 0.
+        if self.offset == 0.0 { sum } else { sum + self.offset }
+    }
+}
+
+impl Ranges {
+    /// The trajectory of a row, by the ranges it is in; `None` if it is in none.
+    pub(crate) fn part(&self, row: u64, seconds: f64) -> Option<usize> {
+        let of_rows = place(&self.rows, row)?;
+        let of_seconds = place(&self.seconds, seconds)?;
+        Some(of_rows * self.seconds.len().max(1) + of_seconds)
+    }
+
+    /// The last row that is read, if any row may come after it.
+    pub(crate) fn last_row(&self) -> Option<u64> {
+        self.rows.last().map(|range| range[1])
+    }
+}
+
+/// The range that a value is in; 0 if there are no ranges.
+fn place<T: PartialOrd + Copy>(ranges: &[[T; 2]], value: T) -> Option<usize> {
+    if ranges.is_empty() {
+        return Some(0);
+    }
+    ranges.iter().position(|[first, last]| *first <= value && value <= *last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Ranges, Slot};
+
+    #[test]
+    fn a_column_as_it_stands_keeps_its_bits() {
+        let slot = Slot::as_it_stands(1);
+        for value in [-0.0, 1e-310, 0.1] {
+            assert_eq!(slot.value(&[7.0, value]).to_bits(), f64::to_bits(value));
+        }
+    }
+
+    #[test]
+    fn terms_and_offset_are_added() {
+        let slot = Slot { terms: vec![(2, -3.0), (0, 0.5)], offset: 10.0 };
+
+        assert_eq!(slot.value(&[4.0, 99.0, 1.0]).to_bits(), 9.0_f64.to_bits());
+    }
+
+    #[test]
+    fn rows_belong_to_the_ranges_they_are_in() {
+        let ranges = Ranges { rows: vec![[2, 3], [5, 9]], seconds: vec![[0.0, 0.4], [0.6, 1.0]] };
+
+        let parts: Vec<_> = (1..=9).map(|row| ranges.part(row, 0.1 * row as f64)).collect();
+
+        assert_eq!(parts[..3], [None, Some(0), Some(0)]);
+        assert_eq!(parts[3..], [None, None, Some(3), Some(3), Some(3), Some(3)]);
+        assert_eq!(Ranges::default().part(7, -1.0), Some(0));
+    }
+}

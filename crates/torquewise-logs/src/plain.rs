@@ -1,0 +1,103 @@
+//! Column names → mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units.
+
+use crate::error::{LogError, shown};
+use crate::layout::{Layout, Signal};
+use crate::mapping::{Mapping, Slot};
+use std::path::Path;
+
+/// Columns a plain log may have at most.
+pub(crate) const MAX_COLUMNS: usize = 1_000;
+
+/// Finds the signals among the column names of `file`.
+pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping, LogError> {
+    if names.len() > MAX_COLUMNS {
+        let (file, found) = (file.into(), names.len());
+        return Err(LogError::TooManyColumns { file, found, limit: MAX_COLUMNS });
+    }
+    let mut found = Found::default();
+    for (column, name) in names.iter().enumerate() {
+        found.add(file, column, name)?;
+    }
+    let lacks = |missing| {
+        let found = shown(names.join(", ").as_bytes());
+        LogError::NoColumn { file: file.into(), missing, found }
+    };
+    let t = found.t.ok_or_else(|| lacks("t"))?;
+    if found.signals[Signal::Q as usize].is_empty() {
+        return Err(lacks("q1"));
+    }
+    let n_joints = found.count_joints(file)?;
+    let signals = &found.signals;
+    let present = Signal::ALL.into_iter().filter(|s| !signals[*s as usize].is_empty()).collect();
+    let columns: Vec<_> = std::iter::once(t).chain(signals.iter().flatten().map(|c| c.1)).collect();
+    let slots = (1..columns.len()).map(Slot::as_it_stands).collect();
+    Ok(Mapping {
+        ignored: found.ignored,
+        ..Mapping::new(Layout::new(n_joints, present), columns, slots)
+    })
+}
+
+/// The signal and the joint number that a column name means.
+fn meaning(name: &str) -> Option<(Signal, usize)> {
+    let digits = name.find(|c: char| c.is_ascii_digit())?;
+    let (signal, number) = name.split_at(digits);
+    let signal = Signal::ALL.into_iter().find(|known| known.name() == signal)?;
+    let plain = number.bytes().all(|c| c.is_ascii_digit());
+    let number = number.parse().ok().filter(|n| *n == 0 || !number.starts_with('0'));
+    number.filter(|_| plain).map(|number| (signal, number))
+}
+
+/// Columns found so far; each signal as (joint number, column), in order of the joints.
+#[derive(Default)]
+struct Found {
+    t: Option<usize>,
+    signals: [Vec<(usize, usize)>; 4],
+    ignored: Vec<String>,
+}
+
+impl Found {
+    fn add(&mut self, file: &Path, column: usize, name: &str) -> Result<(), LogError> {
+        let twice = || LogError::DuplicateColumn { file: file.into(), column: name.into() };
+        if name == "t" {
+            return self.t.replace(column).map_or(Ok(()), |_| Err(twice()));
+        }
+        let Some((signal, joint)) = meaning(name) else {
+            self.ignored.push(name.to_owned());
+            return Ok(());
+        };
+        if joint == 0 {
+            return Err(LogError::ZeroBased { file: file.into(), column: name.into() });
+        }
+        let joints = &mut self.signals[signal as usize];
+        match joints.binary_search_by_key(&joint, |found| found.0) {
+            Ok(_) => Err(twice()),
+            Err(place) => {
+                joints.insert(place, (joint, column));
+                Ok(())
+            }
+        }
+    }
+
+    /// n, if every signal that occurs has joints 1…n.
+    fn count_joints(&self, file: &Path) -> Result<usize, LogError> {
+        let last = |signal: Signal| self.signals[signal as usize].last().map_or(0, |c| c.0);
+        let widest = Signal::ALL.into_iter().max_by_key(|s| (last(*s), *s == Signal::Q));
+        let (widest, n) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));
+        for signal in Signal::ALL {
+            let joints = &self.signals[signal as usize];
+            let gap = joints.iter().zip(1..).find(|(c, number)| c.0 != *number);
+            let missing = gap.map_or(joints.len() + 1, |(_, number)| number);
+            if !joints.is_empty() && missing <= n {
+                return Err(LogError::MissingColumn {
+                    file: file.into(),
+                    missing: format!("{}{missing}", signal.name()),
+                    present: format!("{}{n}", widest.name()),
+                });
+            }
+        }
+        Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,186 @@
+//! Rows and mapping → rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
+
+use crate::error::{LogError, Place};
+use crate::layout::Layout;
+use crate::mapping::{Mapping, Time};
+use crate::rows::{Irregular, Rows};
+
+/// Clocks that begin later than this \[s\] count from a date; such times are counted from the first
+/// row, for seconds since 1970 cannot tell microseconds in 64 bits.
+const LONGEST_RUN: f64 = 1e6;
+
+/// What becomes of rows that are not finite or whose time stamp does not advance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Clock {
+    /// They are errors.
+    #[default]
+    Strict,
+    /// They are dropped and counted.
+    Repair,
+}
+
+/// What a reading came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadReport {
+    /// Rows handed out.
+    pub rows: u64,
+    /// Rows dropped since their time stamp did not advance.
+    pub repeated: u64,
+    /// Rows dropped since a value was missing, NaN or infinite.
+    pub not_finite: u64,
+    /// Messages of a bag that came after one with a later time stamp and were sorted.
+    pub sorted: u64,
+    /// Messages of a bag that were about other joints.
+    pub passed_over: u64,
+}
+
+/// The rows of signals of one file.
+pub(crate) struct SignalRows {
+    rows: Box<dyn Rows>,
+    mapping: Mapping,
+    clock: Clock,
+    /// Whether rows after the last range have to be read too.
+    reads_on: bool,
+    raw: Vec<f64>,
+    number: u64,
+    /// Time of the first row of the file, as its column has it and in seconds.
+    first: Option<(f64, f64)>,
+    last_t: Option<f64>,
+    report: ReadReport,
+}
+
+/// Where a row belongs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Origin {
+    /// The range it is in.
+    pub(crate) part: usize,
+    /// Its number in the file, 1 for the first.
+    pub(crate) number: u64,
+}
+
+impl SignalRows {
+    /// Chooses the columns that the mapping needs.
+    pub(crate) fn new(
+        mut rows: Box<dyn Rows>,
+        mapping: Mapping,
+        clock: Clock,
+        reads_on: bool,
+    ) -> Result<Self, LogError> {
+        rows.choose(&mapping.chosen)?;
+        let raw = vec![0.0; mapping.chosen.len()];
+        let (number, report) = (0, ReadReport::default());
+        Ok(Self { rows, mapping, clock, reads_on, raw, number, first: None, last_t: None, report })
+    }
+
+    pub(crate) fn layout(&self) -> &Layout {
+        &self.mapping.layout
+    }
+
+    /// Where the row last read stands.
+    pub(crate) fn place(&self) -> Place {
+        self.rows.place()
+    }
+
+    /// Why no row was handed out.
+    pub(crate) fn none_left(&self) -> LogError {
+        let file = self.place().file;
+        match self.number {
+            0 => LogError::NoRows { file },
+            found => LogError::NoRowsLeft { file, found, dropped: self.report.not_finite },
+        }
+    }
+
+    /// What was read, dropped and sorted so far.
+    pub(crate) fn report(&self) -> ReadReport {
+        let Irregular { sorted, passed_over } = self.rows.irregular();
+        ReadReport { sorted, passed_over, ..self.report }
+    }
+
+    /// Puts the next row of the ranges into `row`, one value per slot; `None` at the end.
+    ///
+    /// All values are finite. Time stamps advance if the clock is repaired.
+    pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>, LogError> {
+        loop {
+            let last = self.mapping.ranges.last_row();
+            if !self.reads_on && last.is_some_and(|last| self.number >= last) {
+                return Ok(None);
+            }
+            if !self.rows.next(&mut self.raw)? {
+                return Ok(None);
+            }
+            self.number += 1;
+            let (t, since_first) = self.time();
+            let part = self.mapping.ranges.part(self.number, since_first);
+            // A row without a time is in no range of time, but its fault is to be told.
+            let part = if since_first.is_nan() { part.or(Some(0)) } else { part };
+            let Some(part) = part else { continue };
+            for (value, slot) in row[1..].iter_mut().zip(&self.mapping.slots) {
+                *value = slot.value(&self.raw);
+            }
+            row[0] = t;
+            if let Some(slot) = row.iter().position(|value| !value.is_finite()) {
+                self.accept_fault(slot, row[slot])?;
+                self.report.not_finite += 1;
+                continue;
+            }
+            if self.clock == Clock::Repair && self.last_t.is_some_and(|last| t <= last) {
+                self.report.repeated += 1;
+                continue;
+            }
+            self.last_t = Some(t);
+            self.report.rows += 1;
+            return Ok(Some(Origin { part, number: self.number }));
+        }
+    }
+
+    /// Time of the row \[s\], and since the first row of the file.
+    fn time(&mut self) -> (f64, f64) {
+        let (raw, factor) = match self.mapping.time {
+            Time::Column(factor) => (self.raw.first().copied().unwrap_or(f64::NAN), factor),
+            Time::Rate(rate) => {
+                let t = (self.number - 1) as f64 / rate;
+                return (t, t);
+            }
+        };
+        if self.first.is_none() && raw.is_finite() {
+            self.first = Some((raw, raw * factor));
+        }
+        let Some((first, seconds)) = self.first else { return (f64::NAN, f64::NAN) };
+        let since_first = (raw - first) * factor;
+        let is_date = factor < 1.0 && seconds.abs() > LONGEST_RUN;
+        (if is_date { since_first } else { raw * factor }, since_first)
+    }
+
+    /// An error that names the column at fault, unless such rows are dropped.
+    fn accept_fault(&self, slot: usize, value: f64) -> Result<(), LogError> {
+        if self.clock == Clock::Repair {
+            return Ok(());
+        }
+        let places: Vec<usize> = match slot.checked_sub(1) {
+            None => vec![0],
+            Some(slot) => self.mapping.slots[slot].terms.iter().map(|(place, _)| *place).collect(),
+        };
+        let at_fault = places.iter().find(|place| !self.raw[**place].is_finite());
+        let Some(chosen) = at_fault.or(places.first()).copied() else { return Ok(()) };
+        let name = self.rows.names().get(self.mapping.chosen[chosen]).cloned();
+        let (place, column) = (self.place(), name.unwrap_or_default());
+        if self.rows.is_null(chosen) {
+            return Err(LogError::Null { place, column });
+        }
+        let value = at_fault.map_or(value, |place| self.raw[*place]);
+        Err(LogError::NotFinite { place, column, value })
+    }
+}
+
+impl ReadReport {
+    /// Both together, for several files.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            rows: self.rows + other.rows,
+            repeated: self.repeated + other.repeated,
+            not_finite: self.not_finite + other.not_finite,
+            sorted: self.sorted + other.sorted,
+            passed_over: self.passed_over + other.passed_over,
+        }
+    }
+}

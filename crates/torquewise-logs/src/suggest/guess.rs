@@ -1,0 +1,213 @@
+//! Column names → families: columns of one signal, one per joint.
+
+use crate::joints;
+use crate::layout::Signal;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Words that a signal, or the clock, is called by.
+const WORDS: [(Meaning, &[&str]); 5] = [
+    (Meaning::Time, &["t", "time", "timestamp", "stamp", "clock"]),
+    (
+        Meaning::Signal(Signal::Q),
+        &["q", "pos", "position", "positions", "angle", "angles", "theta", "qp", "qpos"],
+    ),
+    (
+        Meaning::Signal(Signal::Dq),
+        &["dq", "qd", "qv", "vel", "velocity", "velocities", "speed", "omega", "qvel"],
+    ),
+    (Meaning::Signal(Signal::Ddq), &["ddq", "qdd", "qa", "acc", "accel", "acceleration"]),
+    (
+        Meaning::Signal(Signal::Tau),
+        &[
+            "tau", "torque", "torques", "effort", "efforts", "moment", "trq", "current",
+            "currents", "cur", "curr",
+        ],
+    ),
+];
+
+const CURRENT: [&str; 4] = ["current", "currents", "cur", "curr"];
+
+/// Words of what was measured, and of what was wanted, worked out or wrong.
+const MEASURED: [&str; 5] = ["meas", "measured", "act", "actual", "mot"];
+const NOT_MEASURED: [&str; 14] = [
+    "des",
+    "desired",
+    "ref",
+    "reference",
+    "cmd",
+    "command",
+    "con",
+    "target",
+    "error",
+    "err",
+    "fric",
+    "ff",
+    "sim",
+    "model",
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Meaning {
+    Time,
+    Signal(Signal),
+}
+
+/// Columns of one signal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Family {
+    /// Names of the columns, joint by joint.
+    pub(super) columns: Vec<String>,
+    /// What all begin with, if they are called that and 1, 2, ….
+    pub(super) prefix: Option<String>,
+    /// The word that told, and where it stood.
+    pub(super) told_by: String,
+    /// Whether the name says current.
+    pub(super) is_current: bool,
+    /// Whether the name says degrees.
+    pub(super) is_degrees: bool,
+    /// How much the name speaks for a measurement.
+    pub(super) score: usize,
+}
+
+/// What was made out of the columns of a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Found {
+    pub(super) time: Option<String>,
+    pub(super) signals: BTreeMap<Signal, Family>,
+    /// Families of the same signals that were not taken.
+    pub(super) passed_over: Vec<String>,
+}
+
+impl Found {
+    pub(super) fn get(&self, signal: Signal) -> Option<&Family> {
+        self.signals.get(&signal)
+    }
+}
+
+/// The families among the columns of a file; its own name tells where those of columns do not.
+pub(super) fn families(file: &Path, names: &[String]) -> Found {
+    let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let stem = words(&stem.unwrap_or_default());
+    let mut found = Found::default();
+    let mut all: Vec<(Meaning, Family)> = Vec::new();
+    for (key, columns) in grouped(names) {
+        let Some((meaning, word)) = meaning(&words(&key)) else { continue };
+        match meaning {
+            Meaning::Time => {
+                found.time.get_or_insert_with(|| columns[0].clone());
+            }
+            Meaning::Signal(_) => all.push((meaning, family(columns, &key, word))),
+        }
+    }
+    if all.is_empty() {
+        all.extend(by_stem(&stem, names, found.time.as_ref()));
+    }
+    for (meaning, family) in all {
+        let Meaning::Signal(signal) = meaning else { continue };
+        let passed_over = match found.signals.get(&signal) {
+            Some(best) if best.score >= family.score => Some(family),
+            _ => found.signals.insert(signal, family),
+        };
+        found.passed_over.extend(passed_over.and_then(|family| family.columns.first().cloned()));
+    }
+    found
+}
+
+/// The numbered columns that mean nothing by themselves, by the name of the file.
+fn by_stem(stem: &[String], names: &[String], time: Option<&String>) -> Option<(Meaning, Family)> {
+    let told = meaning(stem).filter(|(meaning, _)| *meaning != Meaning::Time);
+    let (meaning, word) = told.unwrap_or((Meaning::Signal(Signal::Q), "no name"));
+    let numbered = grouped(names).into_iter().filter(|(key, columns)| {
+        columns.len() > 1 && !columns.contains(key) && columns.iter().all(|c| Some(c) != time)
+    });
+    let (key, columns) = numbered.max_by_key(|(_, columns)| columns.len())?;
+    let mut family = family(columns, &key, word);
+    family.is_current = stem.iter().any(|word| CURRENT.contains(&word.as_str()));
+    Some((meaning, family))
+}
+
+/// Columns that differ in the number at their end, or in the joint before the word that tells.
+fn grouped(names: &[String]) -> Vec<(String, Vec<String>)> {
+    let mut groups: Vec<(String, Vec<String>)> = Vec::new();
+    for name in names {
+        let prefix = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let last =
+            words(name).into_iter().rfind(|word| meaning(std::slice::from_ref(word)).is_some());
+        let key = match last {
+            _ if prefix.len() < name.len() && !prefix.is_empty() => prefix.to_owned(),
+            // arm_1_joint_position and arm_2_joint_position: one group by their last word.
+            Some(word) if name.to_lowercase().ends_with(&word) && name.len() > word.len() => {
+                format!("… {word}")
+            }
+            _ => name.clone(),
+        };
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, columns)) => columns.push(name.clone()),
+            None => groups.push((key, vec![name.clone()])),
+        }
+    }
+    groups
+}
+
+fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
+    let number = |name: &String| name[key.len().min(name.len())..].parse::<usize>().ok();
+    let is_numbered = columns.iter().all(|name| name.starts_with(key) && number(name).is_some());
+    if is_numbered {
+        columns.sort_by_key(number);
+    }
+    let from_one = columns.iter().zip(1..).all(|(name, joint)| *name == format!("{key}{joint}"));
+    let all = words(key);
+    let has = |list: &[&str]| all.iter().any(|word| list.contains(&word.as_str()));
+    let counted = |list: &[&str]| all.iter().filter(|word| list.contains(&word.as_str())).count();
+    // What was wanted or worked out comes after anything else.
+    let score = if has(&NOT_MEASURED) { 0 } else { 1 + counted(&MEASURED) };
+    Family {
+        columns,
+        prefix: from_one.then(|| key.to_owned()),
+        told_by: word.to_owned(),
+        is_current: has(&CURRENT),
+        is_degrees: has(&["deg", "degrees", "degree"]),
+        score,
+    }
+}
+
+impl Family {
+    /// Names of the joints, if the columns are called `NAME_position` or the like.
+    pub(super) fn joints(&self) -> Option<Vec<String>> {
+        let joint = |column: &String| {
+            let lower = column.to_lowercase();
+            let joint = column.get(..lower.strip_suffix(&self.told_by)?.len())?;
+            let joint = joint.trim_matches(|c: char| !c.is_alphanumeric());
+            (!joint.is_empty()).then(|| joint.to_owned())
+        };
+        let names: Vec<String> = self.columns.iter().map(joint).collect::<Option<_>>()?;
+        joints::check(&names).ok().map(|()| names)
+    }
+}
+
+/// What a name means, and the word that tells; the first that does.
+fn meaning(words: &[String]) -> Option<(Meaning, &'static str)> {
+    words.iter().find_map(|word| {
+        WORDS.into_iter().find_map(|(meaning, known)| {
+            known.iter().find(|known| *known == word).map(|known| (meaning, *known))
+        })
+    })
+}
+
+/// The words of a name: split where letters end, and at capitals.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_lower = false;
+    for c in name.chars() {
+        if !c.is_alphabetic() || (was_lower && c.is_uppercase()) {
+            words.push(String::new());
+        }
+        if let Some(word) = words.last_mut().filter(|_| c.is_alphabetic()) {
+            word.extend(c.to_lowercase());
+        }
+        was_lower = c.is_lowercase();
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}

@@ -1,0 +1,105 @@
+//! First rows of a log → its usual step, ranges, and velocities beside the slopes of positions.
+
+use crate::error::LogError;
+use crate::layout::Signal;
+use crate::source::named_rows;
+use crate::suggest::guess::Found;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Rows that are looked at closely.
+const SAMPLE: usize = 20_000;
+
+/// What the rows tell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Measured {
+    pub(super) n_rows: u64,
+    /// Median of the steps of the clock, in its own unit.
+    pub(super) step: Option<f64>,
+    /// Largest absolute position.
+    pub(super) largest_q: Option<f64>,
+    /// Velocity over slope of the position, where both are known.
+    pub(super) ratio: Option<f64>,
+}
+
+/// Reads all rows once; those after the first 20 000 are counted only.
+pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Measured, LogError> {
+    let place = |name: &String| names.iter().position(|known| known == name);
+    let of = |signal| -> Vec<usize> {
+        let columns = found.get(signal).map(|family| family.columns.iter());
+        columns.into_iter().flatten().filter_map(place).collect()
+    };
+    let time: Vec<usize> = found.time.iter().filter_map(place).collect();
+    let (q, dq) = (of(Signal::Q), of(Signal::Dq));
+    let chosen = [time.clone(), q.clone(), dq.clone()].concat();
+    let mut rows = named_rows(file)?;
+    rows.choose(&chosen)?;
+    let mut row = vec![0.0; chosen.len()];
+    let mut columns = vec![Vec::new(); chosen.len()];
+    let mut n_rows = 0;
+    while rows.next(&mut row)? {
+        n_rows += 1;
+        if columns.first().is_some_and(|first: &Vec<f64>| first.len() < SAMPLE) {
+            columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
+        }
+    }
+    let (t, rest) = columns.split_at(time.len());
+    let (q_values, dq_values) = rest.split_at(q.len());
+    let largest = q_values.iter().flatten().filter(|x| x.is_finite());
+    let step = t.first().and_then(|t| median_step(t));
+    let seconds = step.map_or(1.0, |step| unit_of(step).1);
+    Ok(Measured {
+        n_rows,
+        step,
+        largest_q: largest.map(|x| x.abs()).reduce(f64::max),
+        ratio: t.first().and_then(|t| ratio(t, seconds, q_values, dq_values)),
+    })
+}
+
+/// The unit of time whose usual steps are of this length, for logs of 10 Hz to 10 kHz.
+pub(super) fn unit_of(step: f64) -> (&'static str, f64) {
+    match step {
+        step if step < 0.2 => ("s", 1.0),
+        step if step < 200.0 => ("ms", 1e-3),
+        step if step < 2e5 => ("us", 1e-6),
+        _ => ("ns", 1e-9),
+    }
+}
+
+/// Units of position and velocity that fit a ratio of velocity and slope to 10 %.
+pub(super) fn units_of(ratio: f64) -> Option<(&'static str, &'static str)> {
+    let known = [
+        (1.0, ("", "")),
+        (180.0 / PI, ("rad", "deg/s")),
+        (PI / 180.0, ("deg", "rad/s")),
+        (30.0 / PI, ("rad", "rpm")),
+        (1.0 / 6.0, ("deg", "rpm")),
+    ];
+    known.into_iter().find(|(x, _)| (ratio / x - 1.0).abs() < 0.1).map(|(_, units)| units)
+}
+
+fn median_step(t: &[f64]) -> Option<f64> {
+    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied()
+}
+
+/// Σ velocity · slope over Σ slope², slopes over ten rows so that noise counts little.
+fn ratio(t: &[f64], seconds: f64, q: &[Vec<f64>], dq: &[Vec<f64>]) -> Option<f64> {
+    const REACH: usize = 5;
+    let (mut product, mut square) = (0.0, 0.0);
+    for (q, dq) in q.iter().zip(dq) {
+        let rows = REACH..t.len().min(q.len()).min(dq.len()).saturating_sub(REACH);
+        for row in rows {
+            let step = (t[row + REACH] - t[row - REACH]) * seconds;
+            let slope = (q[row + REACH] - q[row - REACH]) / step;
+            let mean = dq[row - REACH..=row + REACH].iter().sum::<f64>() / (2 * REACH + 1) as f64;
+            if step > 0.0 && slope.is_finite() && mean.is_finite() {
+                product += mean * slope;
+                square += slope * slope;
+            }
+        }
+    }
+    Some(product / square).filter(|ratio| ratio.is_finite())
+}

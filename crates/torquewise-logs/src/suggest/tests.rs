@@ -1,0 +1,131 @@
+//! Suggestions for logs made as robots write them.
+
+use super::{Suggestion, suggest};
+use crate::logs::Logs;
+use crate::profile::{Columns, Profile};
+use crate::source::Options;
+use std::path::Path;
+
+fn write(file: &Path, header: &str, rows: u32, row: impl Fn(f64) -> Vec<f64>) {
+    let line = |k| {
+        let values: Vec<_> = row(f64::from(k)).iter().map(|value| format!("{value:?}")).collect();
+        values.join(",") + "\n"
+    };
+    let lines: String = (0..rows).map(line).collect();
+    std::fs::write(file, format!("{header}\n{lines}")).unwrap();
+}
+
+/// A suggestion that must read the log it was made for.
+fn readable(file: &Path) -> (Suggestion, Profile) {
+    let suggestion = suggest(file).unwrap();
+    assert!(suggestion.is_complete, "{suggestion:?}");
+    let profile = Profile::from_toml(&suggestion.toml).unwrap();
+    let options = Options { profile: Some(profile.clone()), ..Options::default() };
+    Logs::open_with(&[file.to_owned()], &options).unwrap().read_all().unwrap();
+    (suggestion, profile)
+}
+
+fn wave(t: f64) -> (f64, f64) {
+    ((3.0 * t).sin(), 3.0 * (3.0 * t).cos())
+}
+
+#[test]
+fn measured_columns_are_preferred_and_units_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.csv");
+    let header =
+        "time_ms, pos_des1,pos_des2,pos_meas1,pos_meas2,vel_meas1,vel_meas2,tau_meas1,tau_meas2";
+    write(&file, header, 800, |k| {
+        let (q, dq) = wave(0.005 * k);
+        let degrees = 60.0 * q;
+        vec![5.0 * k, 0.0, 0.0, degrees, -degrees, 60.0 * dq, -60.0 * dq, 1.0, 2.0]
+    });
+
+    let (suggestion, profile) = readable(&file);
+
+    assert_eq!(profile.t.unwrap().unit.as_deref(), Some("ms"));
+    let q = profile.q.unwrap();
+    assert_eq!(q.columns, Some(Columns::Prefix("pos_meas".into())));
+    assert_eq!(q.unit.as_deref(), Some("deg"));
+    assert_eq!(profile.dq.unwrap().unit.as_deref(), Some("deg/s"));
+    assert_eq!(profile.tau.unwrap().columns, Some(Columns::Prefix("tau_meas".into())));
+    let reasons = suggestion.reasons.join("\n");
+    assert!(reasons.contains("200 rows per second"), "{reasons}");
+    assert!(reasons.contains("Not taken, since others fit better: pos_des1"), "{reasons}");
+}
+
+#[test]
+fn velocity_in_another_unit_than_position_is_told_by_slopes() {
+    let folder = tempfile::tempdir().unwrap();
+    for (factor, unit) in
+        [(1.0, "rad/s"), (180.0 / std::f64::consts::PI, "deg/s"), (9.549_3, "rpm")]
+    {
+        let file = folder.path().join("run.csv");
+        write(&file, "t,q0,q1,dq0,dq1", 500, |k| {
+            let (q, dq) = wave(0.01 * k);
+            vec![0.01 * k, q, 2.0 * q, factor * dq, 2.0 * factor * dq]
+        });
+
+        let (_, profile) = readable(&file);
+
+        assert_eq!(profile.dq.unwrap().unit.as_deref(), Some(unit));
+        // Counted from 0: a list, for a prefix counts from 1.
+        let names = Columns::Names(vec!["q0".into(), "q1".into()]);
+        assert_eq!(profile.q.unwrap().columns, Some(names));
+    }
+}
+
+#[test]
+fn joints_named_within_columns_and_files_beside_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |signal: &str| format!("t,- hip_joint_{signal},- knee_joint_{signal}");
+    for (name, signal) in [("arm_position", "position"), ("arm_effort", "effort")] {
+        let file = folder.path().join(format!("{name}.csv"));
+        write(&file, &of(signal), 100, |k| vec![0.01 * k, wave(k).0, 1.0]);
+    }
+    let other = folder.path().join("other.csv");
+    write(&other, &of("velocity"), 90, |k| vec![0.01 * k, 0.0, 0.0]);
+
+    let (_, profile) = readable(&folder.path().join("arm_position.csv"));
+
+    assert_eq!(
+        (profile.beside.len(), profile.joints),
+        (1, vec!["hip_joint".into(), "knee_joint".into()])
+    );
+    let names = ["torque.- hip_joint_effort", "torque.- knee_joint_effort"].map(str::to_owned);
+    assert_eq!(profile.tau.unwrap().columns, Some(Columns::Names(names.to_vec())));
+    assert!(profile.dq.is_none());
+}
+
+#[test]
+fn what_no_file_tells_is_left_to_be_filled_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("pos_read_data.csv");
+    write(&file, "Joint_1,Joint_2", 100, |k| vec![k, 50.0]);
+    write(&folder.path().join("curr_data.csv"), "Joint_1,Joint_2", 100, |k| vec![k, 2.0]);
+
+    let suggestion = suggest(&file).unwrap();
+
+    assert!(!suggestion.is_complete);
+    for line in [
+        "# rate = 1000.0",
+        "current = \"curr_data.csv\"",
+        "columns = \"current.Joint_\"",
+        "# unit = \"A\"",
+        "# torque_constant = [1.0, 1.0] # N·m/A, sign included",
+    ] {
+        assert!(suggestion.toml.lines().any(|found| found == line), "{}", suggestion.toml);
+    }
+    assert!(suggestion.reasons.iter().any(|reason| reason.contains("radians of the motors")));
+}
+
+#[test]
+fn columns_that_mean_nothing_give_a_draft_and_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("x.csv");
+    write(&file, "alpha,\"be\"\"ta\"", 10, |k| vec![k, k]);
+
+    let suggestion = suggest(&file).unwrap();
+
+    assert!(!suggestion.is_complete && suggestion.toml.contains("# columns = [\"…\"]"));
+}

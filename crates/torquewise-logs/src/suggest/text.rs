@@ -1,0 +1,214 @@
+//! What was guessed and measured → text of a profile, and reasons.
+
+use crate::layout::Signal;
+use crate::suggest::Suggestion;
+use crate::suggest::guess::{Family, Found};
+use crate::suggest::measure::{Measured, unit_of, units_of};
+use crate::suggest::neighbours::Neighbour;
+use std::f64::consts::PI;
+
+/// Positions beyond this \[rad\] are degrees, or angles of motors.
+const LARGEST_RADIANS: f64 = 4.0 * PI;
+
+/// Lines of a profile and reasons, in the making.
+#[derive(Default)]
+struct Draft {
+    lines: Vec<String>,
+    reasons: Vec<String>,
+}
+
+impl Draft {
+    fn line(&mut self, line: impl Into<String>) {
+        self.lines.push(line.into());
+    }
+
+    fn reason(&mut self, reason: impl Into<String>) {
+        self.reasons.push(reason.into());
+    }
+
+    fn finish(self, is_complete: bool) -> Suggestion {
+        let toml = self.lines.join("\n") + "\n";
+        Suggestion { toml, reasons: self.reasons, is_complete }
+    }
+}
+
+/// A bag says all but the unit of its efforts.
+pub(super) fn of_bag(joints: &[String], columns: &[String]) -> Suggestion {
+    let mut draft = Draft::default();
+    draft.line("robot = \"\"");
+    draft.line("# Base to tip: put them in order, and drop those that are no joints of the arm.");
+    draft.line(format!("joints = {}", list(joints)));
+    draft.reason("A bag names its joints and is in SI units: q, dq and tau need no columns.");
+    if columns.iter().any(|column| column.ends_with(".effort")) {
+        draft.line("");
+        draft.line("# Effort may be a current. If so, take away the marks and fill in:");
+        draft.line("# [tau]");
+        current_lines(&mut draft, joints.len());
+        draft.reason("ROS 2 wants efforts in N·m; some drivers give currents all the same.");
+    } else {
+        draft.reason("The messages have no effort: there is nothing to fit a model to.");
+    }
+    draft.finish(!joints.is_empty())
+}
+
+/// A profile for a file of columns.
+pub(super) fn of_columns(found: &Found, measured: &Measured, beside: &[Neighbour]) -> Suggestion {
+    let mut draft = Draft::default();
+    draft.line("robot = \"\"");
+    if let Some(q) = found.get(Signal::Q) {
+        let numbered = || (1..=q.columns.len()).map(|joint| format!("joint_{joint}")).collect();
+        draft.line("# Base to tip.");
+        draft.line(format!("joints = {}", list(&q.joints().unwrap_or_else(numbered))));
+    }
+    if found.time.is_none() {
+        draft
+            .line("# The file has no clock that is known by its name: fill in rows per second, or");
+        draft.line("# name the column of the clock below as [t] column = \"…\".");
+        draft.line("# rate = 1000.0");
+        draft.reason("No column is called t, time or stamp: fill in rate.");
+    }
+    neighbours(&mut draft, beside);
+    if let Some(time) = &found.time {
+        clock(&mut draft, time, measured);
+    }
+    signals(&mut draft, found, measured);
+    if !found.passed_over.is_empty() {
+        let names = found.passed_over.join(", ");
+        draft.reason(format!("Not taken, since others fit better: {names}."));
+    }
+    draft.finish(found.time.is_some() && found.get(Signal::Q).is_some())
+}
+
+fn neighbours(draft: &mut Draft, beside: &[Neighbour]) {
+    for neighbour in beside {
+        let signals: Vec<_> = neighbour.signals.iter().map(|signal| signal.name()).collect();
+        draft.reason(format!(
+            "{} has as many rows and is read beside the log for {}.",
+            neighbour.file,
+            signals.join(", ")
+        ));
+    }
+    if !beside.is_empty() {
+        draft.line("");
+        draft.line("[beside]");
+        for Neighbour { name, file, .. } in beside {
+            draft.line(format!("{name} = {}", quoted(file)));
+        }
+    }
+}
+
+fn signals(draft: &mut Draft, found: &Found, measured: &Measured) {
+    let units = units(draft, found, measured);
+    let q = found.get(Signal::Q);
+    if q.is_none() {
+        draft.line("");
+        draft.line("# No column is known for a position by its name: name them.");
+        draft.line("# [q]");
+        draft.line("# columns = [\"…\"]");
+        draft.reason("No column is called q, pos or angle, and none is numbered: name them.");
+    }
+    // Without positions the first signal says how many joints there are.
+    let first = q.or_else(|| found.signals.values().next());
+    let n = first.map_or(0, |family| family.columns.len());
+    for (signal, family) in &found.signals {
+        let unit = match signal {
+            Signal::Q => units.0,
+            Signal::Dq => units.1,
+            Signal::Ddq if units.0 == "deg" => "deg/s2",
+            Signal::Ddq => "rad/s2",
+            Signal::Tau => "N.m",
+        };
+        signal_lines(draft, *signal, family, unit, n);
+    }
+    if found.get(Signal::Tau).is_none() {
+        draft.reason("No column is called tau, torque, effort or current: no model can be fitted.");
+    }
+}
+
+fn clock(draft: &mut Draft, time: &str, measured: &Measured) {
+    draft.line("");
+    draft.line("[t]");
+    draft.line(format!("column = {}", quoted(time)));
+    if let Some(step) = measured.step {
+        let (unit, seconds) = unit_of(step);
+        draft.line(format!("unit = \"{unit}\""));
+        let rate = (1.0 / (step * seconds)).round();
+        draft.reason(format!(
+            "Clock {time}: the usual step is {step}, so it counts {unit}, {rate} rows per second."
+        ));
+    }
+}
+
+/// Units of positions and velocities.
+fn units(draft: &mut Draft, found: &Found, measured: &Measured) -> (&'static str, &'static str) {
+    let says_degrees = |signal| found.get(signal).is_some_and(|family| family.is_degrees);
+    let is_large = measured.largest_q.is_some_and(|largest| largest > LARGEST_RADIANS);
+    let q = if says_degrees(Signal::Q) || is_large { "deg" } else { "rad" };
+    if let Some(largest) = measured.largest_q {
+        draft.reason(if q == "deg" && !says_degrees(Signal::Q) {
+            format!(
+                "Positions reach {largest}: degrees, or radians of the motors; if so, set unit \
+                 = \"rad\" and scale to one over the gear ratio."
+            )
+        } else {
+            format!("Positions reach {largest}: {q}.")
+        });
+    }
+    let same = if q == "deg" { ("deg", "deg/s") } else { ("rad", "rad/s") };
+    let Some(ratio) = measured.ratio else { return same };
+    let (units, verdict) = match units_of(ratio) {
+        Some(("", _)) => (same, "the same angle is used in both"),
+        Some(units) => (units, "their units differ"),
+        None => (same, "this fits no unit: check both"),
+    };
+    draft.reason(format!("Velocities are {ratio:.3} times the slopes of positions: {verdict}."));
+    units
+}
+
+fn signal_lines(draft: &mut Draft, signal: Signal, family: &Family, unit: &str, n: usize) {
+    let Family { columns, prefix, told_by, is_current, .. } = family;
+    draft.line("");
+    if columns.len() != n {
+        let (signal, found) = (signal.name(), columns.len());
+        let first = columns.first().map_or("", String::as_str);
+        draft.reason(format!("{signal} has {found} columns ({first}, …), not {n}: left out."));
+        draft.line(format!("# [{signal}] has {found} columns for {n} joints."));
+        return;
+    }
+    draft.line(format!("[{}]", signal.name()));
+    let columns_value = prefix.as_ref().map_or_else(|| list(columns), |prefix| quoted(prefix));
+    draft.line(format!("columns = {columns_value}"));
+    draft.reason(format!("{} is {columns_value}, told by \"{told_by}\".", signal.name()));
+    if *is_current {
+        draft.line("# The name says current: take away the marks and fill in.");
+        current_lines(draft, n);
+        draft.reason("Torque constants and gear ratios stand in no log: fill them in.");
+    } else {
+        draft.line(format!("unit = \"{unit}\""));
+    }
+    if told_by.starts_with("effort") {
+        draft.line("# Effort may be a current. If so, take away the marks and fill in, instead of");
+        draft.line("# the unit above.");
+        current_lines(draft, n);
+        draft.reason("Efforts are N·m by the rules of ROS, but some drivers give currents.");
+    }
+}
+
+fn current_lines(draft: &mut Draft, n: usize) {
+    draft.line("# unit = \"A\"");
+    draft.line(format!("# torque_constant = [{}] # N·m/A, sign included", ones(n)));
+    draft.line(format!("# gear = [{}] # turns of the motor for one of the joint", ones(n)));
+}
+
+fn ones(n: usize) -> String {
+    vec!["1.0"; n].join(", ")
+}
+
+fn list(names: &[String]) -> String {
+    let names: Vec<_> = names.iter().map(|name| quoted(name)).collect();
+    format!("[{}]", names.join(", "))
+}
+
+fn quoted(name: &str) -> String {
+    toml::Value::String(name.to_owned()).to_string()
+}

@@ -1,0 +1,347 @@
+//! Arrays of NumPy and MATLAB: read as columns, time along their longer side.
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use ndarray::{Array1, Array2, ShapeBuilder};
+use ndarray_npy::NpzWriter;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use torquewise_logs::{LogError, Logs, Options, Profile};
+use torquewise_motion::Motion;
+
+const ROWS: usize = 30;
+
+fn t() -> Array1<f64> {
+    (0..ROWS).map(|row| 0.01 * row as f64).collect()
+}
+
+/// Value of joint `joint` at `row`: any that tells rows and joints apart.
+fn value(row: usize, joint: usize) -> f64 {
+    row as f64 + 100.0 * (joint + 1) as f64
+}
+
+fn tall(n: usize) -> Array2<f64> {
+    Array2::from_shape_fn((ROWS, n), |(row, joint)| value(row, joint))
+}
+
+/// The same as whole numbers.
+fn whole(n: usize) -> Array2<u16> {
+    Array2::from_shape_fn((ROWS, n), |(row, joint)| u16::try_from(row + 100 * (joint + 1)).unwrap())
+}
+
+fn with(profile: &str) -> Options {
+    Options { profile: Some(Profile::from_toml(profile).unwrap()), ..Options::default() }
+}
+
+fn read(file: &Path, options: &Options) -> Result<Motion, LogError> {
+    let logs = Logs::open_with(&[file.to_owned()], options)?;
+    Ok(logs.read_all()?.remove(0))
+}
+
+fn assert_is_read(motion: &Motion, factor: f64) {
+    assert_eq!((motion.n_rows(), motion.n_joints()), (ROWS, 2));
+    assert_eq!(motion.t(), t().as_slice().unwrap());
+    for (row, joint) in [(0, 0), (7, 1), (ROWS - 1, 0), (ROWS - 1, 1)] {
+        let expected = factor * value(row, joint);
+        assert!((motion.q()[(row, joint)] - expected).abs() < 1e-12 * expected, "{row} {joint}");
+    }
+}
+
+fn npz(folder: &TempDir, add: impl FnOnce(&mut NpzWriter<File>)) -> PathBuf {
+    let file = folder.path().join("log.npz");
+    let mut writer = NpzWriter::new_compressed(File::create(&file).unwrap());
+    add(&mut writer);
+    writer.finish().unwrap();
+    file
+}
+
+#[test]
+fn arrays_in_any_order_and_type_are_read_as_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    let fortran = Array2::from_shape_fn((ROWS, 2).f(), |(row, joint)| value(row, joint));
+    let flat = tall(2).reversed_axes();
+    for layout in 0..4 {
+        let file = npz(&folder, |file| {
+            file.add_array("t", &t()).unwrap();
+            match layout {
+                0 => file.add_array("q", &tall(2)).unwrap(),
+                1 => file.add_array("q", &fortran).unwrap(),
+                2 => file.add_array("q", &flat.as_standard_layout()).unwrap(),
+                _ => file.add_array("q", &whole(2).mapv(f32::from)).unwrap(),
+            }
+            file.add_array("dq", &whole(2).mapv(i64::from)).unwrap();
+            file.add_array("ddq", &whole(2)).unwrap();
+            file.add_array("scalar", &Array1::from(vec![1.0])).unwrap();
+        });
+
+        let motion = read(&file, &Options::default()).unwrap();
+
+        assert_is_read(&motion, 1.0);
+        assert_eq!((motion.dq()[(3, 1)], motion.ddq()[(3, 0)]), (203.0, 103.0));
+    }
+}
+
+#[test]
+fn a_profile_maps_arrays_and_a_vector_is_a_column_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = npz(&folder, |file| {
+        file.add_array("stamp", &t().mapv(|t| (1e3 * t).round())).unwrap();
+        file.add_array("pos", &tall(2)).unwrap();
+        file.add_array("first", &tall(1).column(0).to_owned()).unwrap();
+    });
+    let clock = "t = { column = \"stamp\", unit = \"ms\" }\n";
+
+    let two = read(&file, &with(&format!("{clock}q = {{ columns = \"pos\", unit = \"deg\" }}")));
+    let one = read(&file, &with(&format!("{clock}q = {{ columns = \"first\" }}"))).unwrap();
+
+    assert_eq!((one.n_joints(), one.q()[(4, 0)]), (1, 104.0));
+    let two = two.unwrap();
+    assert!((two.q()[(4, 1)] - 204_f64.to_radians()).abs() < 1e-12);
+    assert!((two.t()[7] - 0.07).abs() < 1e-15);
+}
+
+#[test]
+fn the_profile_of_the_simulated_arm_reads_what_its_comment_says_to_save() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = npz(&folder, |file| {
+        file.add_array("t", &t()).unwrap();
+        for (name, offset) in [("q", 0.0), ("dq", 1.0), ("ddq", 2.0), ("tau", 3.0)] {
+            file.add_array(name, &(tall(2) + offset)).unwrap();
+        }
+    });
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles/delan_character.toml");
+    let options = Options { profile: Some(Profile::read(&path).unwrap()), ..Options::default() };
+
+    let motion = read(&file, &options).unwrap();
+
+    assert_is_read(&motion, 1.0);
+    assert_eq!((motion.dq()[(2, 0)], motion.ddq()[(2, 1)]), (103.0, 204.0));
+    assert_eq!((motion.require_tau().unwrap()[(2, 1)], motion.n_rows()), (205.0, ROWS));
+}
+
+#[test]
+fn arrays_of_another_length_are_refused_if_they_are_used() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = npz(&folder, |file| {
+        file.add_array("t", &t()).unwrap();
+        file.add_array("q", &Array2::<f64>::zeros((ROWS + 1, 2))).unwrap();
+        file.add_array("gain", &Array1::<f64>::zeros(7)).unwrap();
+    });
+
+    let refused = read(&file, &Options::default()).unwrap_err().to_string();
+
+    assert!(refused.contains("column q1 has 31 values, column t has 30"), "{refused}");
+}
+
+/// An archive with one array q whose header is as given.
+fn archive(folder: &TempDir, header: &str, body: &[u8]) -> PathBuf {
+    let file = folder.path().join("lies.npz");
+    let mut zip = zip::ZipWriter::new(File::create(&file).unwrap());
+    zip.start_file("q.npy", zip::write::SimpleFileOptions::default()).unwrap();
+    zip.write_all(b"\x93NUMPY\x01\x00").unwrap();
+    zip.write_all(&u16::try_from(header.len()).unwrap().to_le_bytes()).unwrap();
+    zip.write_all(header.as_bytes()).unwrap();
+    zip.write_all(body).unwrap();
+    zip.finish().unwrap();
+    file
+}
+
+#[test]
+fn an_array_that_claims_more_than_it_has_allocates_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = with("rate = 100.0\nq = { columns = \"q\" }");
+    for shape in ["(4000000000000, 2)", "(18446744073709551615, 2)", "(9, 1)"] {
+        let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}\n");
+        let refused = read(&archive(&folder, &header, &[0; 64]), &options);
+        assert!(matches!(refused, Err(LogError::Array { .. })), "{shape}");
+    }
+}
+
+#[test]
+fn headers_of_many_brackets_are_not_followed() {
+    let folder = tempfile::tempdir().unwrap();
+    let deep = format!("{{'descr': {}", "(".repeat(60_000));
+
+    let refused = read(&archive(&folder, &deep, b""), &Options::default());
+
+    assert!(matches!(refused, Err(LogError::NoColumn { .. })), "{refused:?}");
+}
+
+/// An element of a MAT file: tag, body, padding.
+fn element(kind: u32, body: &[u8]) -> Vec<u8> {
+    let mut bytes = [kind.to_le_bytes(), u32::try_from(body.len()).unwrap().to_le_bytes()].concat();
+    bytes.extend(body);
+    bytes.resize(bytes.len().next_multiple_of(8), 0);
+    bytes
+}
+
+/// An element whose body of at most four bytes stands in its tag.
+fn small_element(kind: u32, body: &[u8]) -> Vec<u8> {
+    let head = kind | u32::try_from(body.len()).unwrap() << 16;
+    let mut bytes = head.to_le_bytes().to_vec();
+    bytes.extend(body);
+    bytes.resize(8, 0);
+    bytes
+}
+
+/// A variable of a class, with the elements that the class has.
+fn variable(class: u32, size: [usize; 2], name: &str, content: &[Vec<u8>]) -> Vec<u8> {
+    let flags: Vec<u8> = [class, 0].iter().flat_map(|word| word.to_le_bytes()).collect();
+    let size: Vec<u8> =
+        size.iter().flat_map(|n| i32::try_from(*n).unwrap().to_le_bytes()).collect();
+    let name = name.as_bytes();
+    let name = if name.len() <= 4 { small_element(1, name) } else { element(1, name) };
+    let parts = [element(6, &flags), element(5, &size), name, content.concat()].concat();
+    element(14, &parts)
+}
+
+fn doubles(name: &str, values: &Array2<f64>) -> Vec<u8> {
+    // By column.
+    let by_column: Vec<u8> = values.t().iter().flat_map(|x| x.to_le_bytes()).collect();
+    variable(6, [values.nrows(), values.ncols()], name, &[element(9, &by_column)])
+}
+
+/// A structure of one element.
+fn structure(name: &str, fields: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let names = fields.iter().flat_map(|(name, _)| {
+        let mut name = name.as_bytes().to_vec();
+        name.resize(32, 0);
+        name
+    });
+    let names: Vec<u8> = names.collect();
+    let mut content = vec![small_element(5, &32_i32.to_le_bytes()), element(1, &names)];
+    content.extend(fields.iter().map(|(_, value)| value.clone()));
+    variable(2, [1, 1], name, &content)
+}
+
+fn compressed(variable: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(variable).unwrap();
+    let body = encoder.finish().unwrap();
+    let length = u32::try_from(body.len()).unwrap();
+    [15_u32.to_le_bytes().to_vec(), length.to_le_bytes().to_vec(), body].concat()
+}
+
+fn mat(folder: &TempDir, variables: &[Vec<u8>]) -> PathBuf {
+    let file = folder.path().join("log.mat");
+    let mut bytes = vec![b' '; 124];
+    bytes[..19].copy_from_slice(b"MATLAB 5.0 MAT-file");
+    bytes.extend([0, 1, b'I', b'M']);
+    bytes.extend(variables.concat());
+    std::fs::write(&file, bytes).unwrap();
+    file
+}
+
+fn column(values: &Array1<f64>) -> Array2<f64> {
+    values.clone().insert_axis(ndarray::Axis(1))
+}
+
+/// Variables as a recorder would leave them: a structure in a structure, small types, text.
+fn record() -> Vec<Vec<u8>> {
+    let small: Vec<u8> = (0..ROWS).map(|row| u8::try_from(row).unwrap()).collect();
+    let inner = structure("", &[("deg", doubles("", &tall(2).reversed_axes().to_owned()))]);
+    let record = structure(
+        "rec",
+        &[
+            ("time", doubles("", &column(&t()))),
+            ("pos", inner),
+            ("steps", variable(6, [1, ROWS], "", &[element(2, &small)])),
+            ("nothing", element(14, b"")),
+        ],
+    );
+    let text = variable(4, [1, 3], "note", &[small_element(4, b"abc")]);
+    vec![text, record, doubles("gain", &tall(2))]
+}
+
+const RECORD: &str = "t = { column = \"rec.time\" }\n\
+    q = { columns = \"rec.pos.deg\", unit = \"deg\" }\n\
+    tau = { columns = [\"rec.steps\", \"gain2\"] }";
+
+#[test]
+fn structures_are_read_whether_they_are_compressed_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let packed: Vec<_> = record().iter().map(|variable| compressed(variable)).collect();
+    for variables in [record(), packed] {
+        let motion = read(&mat(&folder, &variables), &with(RECORD)).unwrap();
+
+        assert_is_read(&motion, 1_f64.to_radians());
+        let tau = motion.require_tau().unwrap();
+        assert_eq!((tau[(9, 0)], tau[(9, 1)]), (9.0, 209.0));
+    }
+}
+
+#[test]
+fn a_plain_mat_file_needs_no_profile() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = mat(&folder, &[doubles("t", &column(&t())), compressed(&doubles("q", &tall(2)))]);
+
+    assert_is_read(&read(&file, &Options::default()).unwrap(), 1.0);
+}
+
+#[test]
+fn other_versions_of_the_format_are_told_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = mat(&folder, &[]);
+    let mut bytes = std::fs::read(&file).unwrap();
+    bytes[124..].copy_from_slice(&[0, 2, b'I', b'M']);
+    std::fs::write(&file, bytes).unwrap();
+
+    let refused = read(&file, &Options::default()).unwrap_err();
+
+    assert!(refused.to_string().contains("save it again with -v7"), "{refused}");
+}
+
+fn is_refused_wherever_cut(file: &Path, options: &Options) {
+    assert!(read(file, options).is_ok());
+    let whole = std::fs::read(file).unwrap();
+    for end in (0..whole.len()).step_by(64) {
+        std::fs::write(file, &whole[..end]).unwrap();
+        assert!(read(file, options).is_err(), "cut to {end} of {} bytes", whole.len());
+    }
+}
+
+#[test]
+fn a_file_cut_short_is_refused_wherever_it_ends() {
+    let folder = tempfile::tempdir().unwrap();
+    let packed: Vec<_> = record().iter().map(|variable| compressed(variable)).collect();
+    for variables in [record(), packed] {
+        is_refused_wherever_cut(&mat(&folder, &variables), &with(RECORD));
+    }
+    let archive = npz(&folder, |file| {
+        file.add_array("t", &t()).unwrap();
+        file.add_array("q", &tall(2)).unwrap();
+    });
+    is_refused_wherever_cut(&archive, &Options::default());
+}
+
+#[test]
+fn a_damaged_file_never_panics() {
+    let folder = tempfile::tempdir().unwrap();
+    let packed: Vec<_> = record().iter().map(|variable| compressed(variable)).collect();
+    let archive = npz(&folder, |file| {
+        file.add_array("t", &t()).unwrap();
+        file.add_array("q", &tall(2)).unwrap();
+    });
+    let make = |which: usize| match which {
+        0 => (mat(&folder, &record()), with(RECORD)),
+        1 => (mat(&folder, &packed), with(RECORD)),
+        _ => (archive.clone(), Options::default()),
+    };
+    for which in 0..3 {
+        let (file, options) = make(which);
+        let whole = std::fs::read(&file).unwrap();
+        for at in (0..whole.len()).step_by(3) {
+            for change in [0x01, 0xff] {
+                let mut damaged = whole.clone();
+                damaged[at] ^= change;
+                std::fs::write(&file, &damaged).unwrap();
+                if let Ok(motion) = read(&file, &options) {
+                    assert!(motion.n_rows() <= 2 * ROWS);
+                }
+            }
+        }
+    }
+}

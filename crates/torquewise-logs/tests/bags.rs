@@ -1,0 +1,349 @@
+//! Bags of ROS 2: what their messages hold is read by joint name and time, whatever the storage.
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
+
+mod made_bags;
+
+use made_bags::{KIND, Made, joint_state, write, write_mcap};
+use mcap::{Compression, WriteOptions};
+use std::path::{Path, PathBuf};
+use torquewise_logs::{Clock, LogError, Logs, Options, Profile};
+use torquewise_motion::{Motion, Recording};
+
+const STORAGES: [&str; 2] = ["bag.db3", "bag.mcap"];
+const TOPIC: &str = "/joint_states";
+
+/// Nanoseconds of so many hundredths of a second.
+fn hundredths(count: i64) -> i64 {
+    count * 10_000_000
+}
+
+/// Messages of joints a and b, one each hundredth of a second: q = row and -row.
+fn messages(rows: i64, make: impl Fn(i64) -> Vec<u8>) -> Vec<Made> {
+    let made = |row| Made { topic: TOPIC, received: hundredths(row) + 77, bytes: make(row) };
+    (0..rows).map(made).collect()
+}
+
+fn plain(row: i64) -> Vec<u8> {
+    let x = row as f64;
+    joint_state(hundredths(row), &["a", "b"], [&[x, -x], &[100.0, -100.0], &[1.5, 2.5]])
+}
+
+/// Writes a bag in either storage and reads each.
+fn each_storage(messages: &[Made], check: impl Fn(&Path)) {
+    let folder = tempfile::tempdir().unwrap();
+    for storage in STORAGES {
+        let file = folder.path().join(storage);
+        write(&file, &[(TOPIC, KIND), ("/camera", "sensor_msgs/msg/Image")], messages);
+        check(&file);
+    }
+}
+
+fn open(file: &Path, options: &Options) -> Result<Logs, LogError> {
+    Logs::open_with(&[file.to_owned()], options)
+}
+
+fn read(file: &Path) -> Vec<Motion> {
+    open(file, &Options::default()).unwrap().read_all().unwrap()
+}
+
+fn with_profile(text: &str) -> Options {
+    Options { profile: Some(Profile::from_toml(text).unwrap()), ..Options::default() }
+}
+
+#[test]
+fn a_bag_is_read_without_a_profile() {
+    let mut made = messages(40, plain);
+    made.insert(3, Made { topic: "/camera", received: 1, bytes: vec![9; 50] });
+    each_storage(&made, |file| {
+        let logs = open(file, &Options::default()).unwrap();
+        let swing = &logs.read_all().unwrap()[0];
+
+        assert_eq!((logs.joints(), logs.has_dq(), logs.has_tau()), (swing.joints(), true, true));
+        assert_eq!((swing.n_rows(), swing.joints()[1].as_str()), (40, "b"));
+        assert_eq!((swing.t()[39], swing.q()[(39, 1)], swing.dq()[(7, 0)]), (0.39, -39.0, 100.0));
+        assert_eq!((swing.require_tau().unwrap()[(0, 1)], swing.t()[0]), (2.5, 0.0));
+        // Acceleration is derived from a velocity that does not change.
+        assert!(swing.ddq()[(20, 0)].abs() < 1e-9);
+    });
+}
+
+#[test]
+fn many_messages_are_read_page_by_page_in_either_compression() {
+    let made = messages(5_000, plain);
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = vec![folder.path().join("bag.db3")];
+    write(&files[0], &[(TOPIC, KIND)], &made);
+    for (name, compression) in
+        [("zstd", Some(Compression::Zstd)), ("lz4", Some(Compression::Lz4)), ("none", None)]
+    {
+        let file = folder.path().join(format!("{name}.mcap"));
+        let options = WriteOptions::default().compression(compression).chunk_size(Some(10_000));
+        write_mcap(&file, &[(TOPIC, KIND)], &made, options);
+        files.push(file);
+    }
+    for file in files {
+        let swing = &read(&file)[0];
+
+        assert_eq!((swing.n_rows(), swing.q()[(4_999, 0)]), (5_000, 4_999.0), "{}", file.display());
+    }
+}
+
+#[test]
+fn joints_in_another_order_or_among_others_are_found_by_name() {
+    let made = messages(20, |row| {
+        let (x, stamp) = (row as f64, hundredths(row));
+        match row % 3 {
+            0 => joint_state(stamp, &["a", "b"], [&[x, -x], &[], &[1.0, 2.0]]),
+            1 => joint_state(stamp, &["b", "a"], [&[-x, x], &[], &[2.0, 1.0]]),
+            _ => joint_state(stamp, &["c", "b", "a"], [&[9.0, -x, x], &[], &[9.0, 2.0, 1.0]]),
+        }
+    });
+    each_storage(&made, |file| {
+        let logs = open(file, &Options::default()).unwrap();
+        let swing = &logs.read_all().unwrap()[0];
+
+        assert!(!logs.has_dq());
+        for row in 0..20 {
+            let tau = swing.require_tau().unwrap()[(row, 0)];
+            let (q, x) = ((swing.q()[(row, 0)], swing.q()[(row, 1)]), row as f64);
+            assert_eq!((q, tau), ((x, -x), 1.0));
+        }
+    });
+}
+
+#[test]
+fn a_joint_that_is_gone_is_named_with_the_message() {
+    let made = messages(9, |row| {
+        let names: &[&str] = if row == 4 { &["a", "c"] } else { &["a", "b"] };
+        joint_state(hundredths(row), names, [&[0.0, 0.0], &[], &[]])
+    });
+    each_storage(&made, |file| {
+        let refused = open(file, &Options::default()).unwrap_err().to_string();
+
+        assert!(refused.contains("row 5: the message does not name joint b, only a, c"));
+    });
+}
+
+#[test]
+fn a_profile_chooses_joints_and_passes_over_messages_of_others() {
+    let made = messages(30, |row| match row % 2 {
+        0 => joint_state(hundredths(row), &["gripper"], [&[0.5], &[], &[]]),
+        _ => joint_state(
+            hundredths(row),
+            &["a", "b", "c"],
+            [&[1.0, 2.0, 3.0], &[], &[4.0, 5.0, 6.0]],
+        ),
+    });
+    let profile = "joints = [\"c\", \"b\", \"a\"]\nleave_out = [\"b\"]\n\
+        [tau]\nunit = \"A\"\ntorque_constant = [0.1, 1.0, -0.1]\ngear = 100.0\n";
+    each_storage(&made, |file| {
+        let logs = open(file, &with_profile(profile)).unwrap();
+        let swing = &logs.read_all().unwrap()[0];
+
+        assert_eq!((logs.joints(), swing.n_rows()), (&["c".to_owned(), "a".to_owned()][..], 15));
+        assert_eq!((swing.q()[(3, 0)], swing.q()[(3, 1)]), (3.0, 1.0));
+        let tau = swing.require_tau().unwrap();
+        assert!((tau[(3, 0)] - 60.0).abs() < 1e-12 && (tau[(3, 1)] + 40.0).abs() < 1e-12);
+        assert_eq!((logs.report().passed_over, logs.report().rows), (15, 15));
+
+        let unknown = open(file, &with_profile("joints = [\"x\"]")).unwrap_err().to_string();
+        assert!(unknown.contains("no message of the joints x, its first names gripper"));
+        let partly = open(file, &with_profile("joints = [\"a\", \"x\"]")).unwrap_err();
+        assert!(matches!(partly, LogError::JointGone { .. }), "{partly}");
+    });
+}
+
+#[test]
+fn several_topics_are_listed_and_one_can_be_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut made = messages(12, plain);
+    let two = Made { topic: "/left/joint_states", ..made[0].clone() };
+    made.push(two);
+    for storage in STORAGES {
+        let file = folder.path().join(storage);
+        let topics = [(TOPIC, KIND), ("/left/joint_states", KIND), ("/camera", "image")];
+        write(&file, &topics, &made);
+
+        let refused = open(&file, &Options::default()).unwrap_err().to_string();
+        let chosen = Options { topic: Some(TOPIC.into()), ..Options::default() };
+        let by_profile = open(&file, &with_profile("topic = \"/joint_states\"")).unwrap();
+        let wrong = Options { topic: Some("/right".into()), ..Options::default() };
+        let wrong = open(&file, &wrong).unwrap_err().to_string();
+
+        for part in [
+            "/joint_states (sensor_msgs/msg/JointState, 12 messages)",
+            "/left/joint_states (sensor_msgs/msg/JointState, 1 messages)",
+            "choose one with topic = \"…\" in a profile",
+        ] {
+            assert!(refused.contains(part), "{refused}");
+        }
+        assert_eq!(open(&file, &chosen).unwrap().read_all().unwrap()[0].n_rows(), 12);
+        assert_eq!(by_profile.read_all().unwrap()[0].n_rows(), 12);
+        assert!(wrong.contains("no joint states on topic /right, its topics are"), "{wrong}");
+    }
+}
+
+#[test]
+fn a_bag_without_joint_states_lists_what_it_has() {
+    let made = [Made { topic: "/camera", received: 5, bytes: vec![1, 2, 3] }];
+    each_storage(&made, |file| {
+        let refused = open(file, &Options::default()).unwrap_err().to_string();
+
+        assert!(refused.contains("/camera (sensor_msgs/msg/Image, 1 messages)"), "{refused}");
+    });
+}
+
+#[test]
+fn messages_out_of_order_are_sorted_by_stamp_and_counted() {
+    let mut made = messages(50, plain);
+    made.swap(10, 11);
+    made.swap(30, 33);
+    for (made, row) in made.iter_mut().zip(0..) {
+        made.received = hundredths(row);
+    }
+    each_storage(&made, |file| {
+        let logs = open(file, &Options::default()).unwrap();
+        let swing = &logs.read_all().unwrap()[0];
+
+        assert!((0..50).map(f64::from).eq(swing.q().col(0).iter().copied()));
+        // Row 10 came late, and after row 33 rows 31, 32 and 30.
+        assert_eq!(logs.report().sorted, 4);
+    });
+}
+
+#[test]
+fn without_stamps_time_is_when_the_bag_received_a_message() {
+    let made = messages(20, |row| joint_state(0, &["a"], [&[row as f64], &[], &[]]));
+    each_storage(&made, |file| {
+        let swing = &read(file)[0];
+
+        assert_eq!((swing.t()[0], swing.t()[19]), (77e-9, 0.190_000_077));
+        assert!(swing.tau().is_none());
+    });
+}
+
+#[test]
+fn dates_are_counted_from_the_first_message_to_the_nanosecond() {
+    let date = 1_700_000_000_123_456_789;
+    let made = messages(20, |row| {
+        joint_state(date + hundredths(row) + row % 2, &["a"], [&[0.0], &[], &[]])
+    });
+    each_storage(&made, |file| {
+        let swing = &read(file)[0];
+
+        assert_eq!(swing.t()[..3], [0.0, 0.010_000_001, 0.02]);
+    });
+}
+
+#[test]
+fn effort_that_is_nowhere_a_number_is_missing() {
+    let nan = f64::NAN;
+    let nowhere = messages(9, |row| joint_state(hundredths(row), &["a"], [&[0.0], &[], &[nan]]));
+    let once = messages(9, |row| {
+        let effort = if row == 4 { nan } else { 1.0 };
+        joint_state(hundredths(row), &["a"], [&[0.0], &[], &[effort]])
+    });
+    each_storage(&nowhere, |file| {
+        assert!(!open(file, &Options::default()).unwrap().has_tau());
+    });
+    each_storage(&once, |file| {
+        let refused = open(file, &Options::default()).unwrap().read_all().unwrap_err().to_string();
+        let repaired = Options { clock: Clock::Repair, ..Options::default() };
+        let repaired = open(file, &repaired).unwrap();
+
+        assert!(refused.contains("row 5, column a.effort is NaN"), "{refused}");
+        assert_eq!(repaired.read_all().unwrap()[0].n_rows(), 8);
+        assert_eq!(repaired.report().not_finite, 1);
+    });
+}
+
+#[test]
+fn a_message_that_is_no_joint_state_is_named() {
+    let mut made = messages(5, plain);
+    made[2].bytes.truncate(60);
+    each_storage(&made, |file| {
+        let refused = open(file, &Options::default()).unwrap_err().to_string();
+
+        assert!(refused.contains("row 3: the message is no joint state"), "{refused}");
+    });
+    made[2].bytes = joint_state(0, &["a", "b"], [&[1.0], &[], &[]]);
+    each_storage(&made, |file| {
+        let refused = open(file, &Options::default()).unwrap_err().to_string();
+
+        assert!(refused.contains("not one position, velocity and effort for each"), "{refused}");
+    });
+}
+
+#[test]
+fn a_bag_cut_short_is_refused_wherever_it_ends() {
+    each_storage(&messages(60, plain), |file| {
+        let whole = std::fs::read(file).unwrap();
+        for end in (0..whole.len()).step_by(64) {
+            std::fs::write(file, &whole[..end]).unwrap();
+            let read = open(file, &Options::default()).and_then(|logs| logs.read_all());
+            assert!(read.is_err(), "{} cut to {end} of {} bytes", file.display(), whole.len());
+        }
+    });
+}
+
+#[test]
+fn a_damaged_bag_never_panics() {
+    each_storage(&messages(60, plain), |file| {
+        let whole = std::fs::read(file).unwrap();
+        for at in (0..whole.len()).step_by(37) {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 0xff;
+            std::fs::write(file, &damaged).unwrap();
+            if let Ok(parts) = open(file, &Options::default()).and_then(|logs| logs.read_all()) {
+                assert!(parts.iter().map(Motion::n_rows).sum::<usize>() <= 60, "{at}");
+            }
+        }
+    });
+}
+
+#[test]
+fn what_is_no_bag_is_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| -> PathBuf {
+        let file = folder.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        file
+    };
+    let other = folder.path().join("other.db3");
+    rusqlite::Connection::open(&other).unwrap().execute_batch("CREATE TABLE topics(a)").unwrap();
+    let view = folder.path().join("view.db3");
+    let views = "CREATE TABLE a(id); CREATE VIEW topics AS SELECT * FROM a;
+        CREATE VIEW messages AS SELECT * FROM a";
+    rusqlite::Connection::open(&view).unwrap().execute_batch(views).unwrap();
+
+    for bag in [file("text.db3", b"t,q1\n0,1\n"), other, view] {
+        let refused = open(&bag, &Options::default());
+        assert!(matches!(refused, Err(LogError::NoBag { .. })), "{}", bag.display());
+    }
+    for empty in ["a.db3", "a.mcap"] {
+        let refused = open(&file(empty, b""), &Options::default());
+        assert!(matches!(refused, Err(LogError::Empty { .. })), "{empty}");
+    }
+    let refused = open(&file("text.mcap", b"t,q1\n0,1\n"), &Options::default());
+    assert!(matches!(refused, Err(LogError::Mcap { .. })));
+    assert!(matches!(open(Path::new("no.db3"), &Options::default()), Err(LogError::Read { .. })));
+}
+
+#[test]
+fn a_recording_of_a_bag_can_be_read_again() {
+    each_storage(&messages(30, plain), |file| {
+        let logs = open(file, &Options::default()).unwrap();
+        let mut rows = 0;
+        for _ in 0..2 {
+            logs.read(&mut |_, block| {
+                rows += block.n_rows();
+                Ok(())
+            })
+            .unwrap();
+        }
+
+        assert_eq!(rows, 60);
+        let left: Vec<_> = std::fs::read_dir(file.parent().unwrap()).unwrap().collect();
+        assert!(left.len() <= 2, "nothing is written beside a bag: {left:?}");
+    });
+}

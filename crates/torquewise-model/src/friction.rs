@@ -1,0 +1,220 @@
+//! Speed of a shaft → friction: the parts of the Stribeck curve (17), each with its own weight.
+
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+
+/// A law of friction on a shaft that turns with v = Σ shaft\[j\]·q̇ⱼ \[rad/s\].
+///
+/// By virtual work it loads joint j with shaft\[j\]·f(v), so that its power is f(v)·v.
+///
+/// ```
+/// use torquewise_model::FrictionTerm;
+/// use torquewise_model::friction::FrictionLaw;
+///
+/// let dry = FrictionTerm::of_joint(2, 1, FrictionLaw::Coulomb { width: 0.0 });
+/// assert_eq!(dry.name(), "sign(dq2)");
+/// assert_eq!([dry.torque(0, &[3.0, -0.1]), dry.torque(1, &[3.0, -0.1])], [0.0, -1.0]);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionTerm {
+    /// Speed of the shaft per speed of each joint, n: 1 at its own joint and 0 elsewhere, several
+    /// entries for the coupled joints of a wrist.
+    pub shaft: Vec<f64>,
+    /// What the shaft feels at a speed.
+    pub law: FrictionLaw,
+    /// Where it acts; [`FrictionLaw::Offset`] acts in both directions.
+    #[serde(default, skip_serializing_if = "Direction::is_both")]
+    pub direction: Direction,
+}
+
+/// f(v) of one part of the curve, per unit of its coefficient.
+///
+/// The exact sign of v, with sign(0) = 0, jumps at reversal, which no controller should follow. A
+/// `width` \[rad/s\] above 0 smooths it to tanh(v/width): for |v| < width, the dead zone, the sign
+/// is not yet ±1 (0.76 at its edge), and the dry friction of an arm at rest is not represented.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum FrictionLaw {
+    /// 1: offset of the drive, load of cables.
+    Offset,
+    /// v
+    Viscous,
+    /// sign(v)
+    Coulomb {
+        /// Half width of the dead zone \[rad/s\]; 0 for the exact sign.
+        width: f64,
+    },
+    /// exp(−(v/speed)²)·sign(v)
+    Stribeck {
+        /// The Stribeck speed v_s \[rad/s\], above 0.
+        speed: f64,
+        /// Half width of the dead zone \[rad/s\]; 0 for the exact sign.
+        width: f64,
+    },
+}
+
+/// Directions of the shaft in which a law acts; it is zero in the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// Both.
+    #[default]
+    Both,
+    /// v > 0
+    Forward,
+    /// v < 0
+    Backward,
+}
+
+impl Direction {
+    /// Whether it is both, as for a drive that rubs alike either way.
+    pub fn is_both(&self) -> bool {
+        *self == Self::Both
+    }
+
+    fn holds(self, speed: f64) -> bool {
+        match self {
+            Self::Both => true,
+            Self::Forward => speed > 0.0,
+            Self::Backward => speed < 0.0,
+        }
+    }
+}
+
+impl FrictionLaw {
+    /// f(v) at a speed \[rad/s\].
+    ///
+    /// Source: method.md (17). Checked against: the curve itself, `tests/friction.rs`.
+    pub fn value(self, speed: f64) -> f64 {
+        match self {
+            Self::Offset => 1.0,
+            Self::Viscous => speed,
+            Self::Coulomb { width } => sign(speed, width),
+            Self::Stribeck { speed: stribeck, width } => {
+                (-(speed / stribeck).powi(2)).exp() * sign(speed, width)
+            }
+        }
+    }
+}
+
+/// sign(v), smoothed within the width; sign(0) = 0.
+fn sign(speed: f64, width: f64) -> f64 {
+    if width > 0.0 {
+        (speed / width).tanh()
+    } else if speed == 0.0 {
+        0.0
+    } else {
+        speed.signum()
+    }
+}
+
+impl FrictionTerm {
+    /// A law on the shaft of one of n joints, counted from 0, in both directions.
+    pub fn of_joint(n_joints: usize, joint: usize, law: FrictionLaw) -> Self {
+        let shaft = (0..n_joints).map(|j| f64::from(u8::from(j == joint))).collect();
+        Self { shaft, law, direction: Direction::Both }
+    }
+
+    /// Speed of the shaft \[rad/s\] at joint speeds dq \[rad/s\], n.
+    pub fn speed(&self, dq: &[f64]) -> f64 {
+        self.shaft.iter().zip(dq).map(|(shaft, dq)| shaft * dq).sum()
+    }
+
+    /// f(v) at joint speeds dq \[rad/s\], n.
+    pub fn value(&self, dq: &[f64]) -> f64 {
+        let speed = self.speed(dq);
+        if self.direction.holds(speed) { self.law.value(speed) } else { 0.0 }
+    }
+
+    /// What it adds to the torque of a joint, counted from 0, per unit of its coefficient; dq
+    /// \[rad/s\], n.
+    pub fn torque(&self, joint: usize, dq: &[f64]) -> f64 {
+        if self.acts_on(joint) { self.shaft[joint] * self.value(dq) } else { 0.0 }
+    }
+
+    /// Whether it loads a joint, counted from 0.
+    pub fn acts_on(&self, joint: usize) -> bool {
+        self.shaft.get(joint).is_some_and(|shaft| *shaft != 0.0)
+    }
+
+    /// Readable name, joints counted from 1: `sign(dq2)`, `dq5 + dq6 [dq5 + dq6 > 0]`,
+    /// `exp(-(dq2/0.05)^2)*sign(dq2)`; an offset names its joint, `1 [joint2]`.
+    pub fn name(&self) -> String {
+        match self.law {
+            FrictionLaw::Offset => format!("1 [{}]", self.sum("joint", "*")),
+            _ => self.formula(),
+        }
+    }
+
+    /// f(v) as it stands in the torque equation of a joint: the name, but `1` for an offset.
+    pub fn formula(&self) -> String {
+        let speed = self.sum("dq", "*");
+        let several = self.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
+        let whole = if several { format!("({speed})") } else { speed.clone() };
+        let sign = |width: f64| {
+            if width > 0.0 { format!("tanh({whole}/{width})") } else { format!("sign({speed})") }
+        };
+        let law = match self.law {
+            FrictionLaw::Offset => "1".into(),
+            FrictionLaw::Viscous => whole.clone(),
+            FrictionLaw::Coulomb { width } => sign(width),
+            FrictionLaw::Stribeck { speed: stribeck, width } => {
+                format!("exp(-({whole}/{stribeck})^2)*{}", sign(width))
+            }
+        };
+        law + &self.condition(|relation| format!(" [{speed} {relation} 0]"))
+    }
+
+    /// The same in LaTeX; nothing for an offset.
+    pub fn latex(&self) -> String {
+        let speed = self.sum(r"\dot q_", r"\,");
+        let several = self.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
+        let whole = if several { format!("({speed})") } else { speed.clone() };
+        let sign = |width: f64| {
+            if width > 0.0 {
+                format!(r"\tanh({whole}/{width})")
+            } else {
+                format!(r"\operatorname{{sign}}({speed})")
+            }
+        };
+        let law = match self.law {
+            FrictionLaw::Offset => String::new(),
+            FrictionLaw::Viscous => whole.clone(),
+            FrictionLaw::Coulomb { width } => sign(width),
+            FrictionLaw::Stribeck { speed: stribeck, width } => {
+                format!(r"e^{{-({whole}/{stribeck})^{{2}}}}\,{}", sign(width))
+            }
+        };
+        law + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))
+    }
+
+    /// Iverson's bracket of the direction.
+    fn condition(&self, bracket: impl Fn(&str) -> String) -> String {
+        match self.direction {
+            Direction::Both => String::new(),
+            Direction::Forward => bracket(">"),
+            Direction::Backward => bracket("<"),
+        }
+    }
+
+    /// The shaft as a sum over its joints: `dq5 + dq6`, `dq5 - 0.5*dq6`.
+    fn sum(&self, letter: &str, times: &str) -> String {
+        let mut text = String::new();
+        let [open, close] = if letter.ends_with('_') { ["{", "}"] } else { ["", ""] };
+        for (joint, &shaft) in self.shaft.iter().enumerate().filter(|(_, shaft)| **shaft != 0.0) {
+            text.push_str(match (shaft < 0.0, text.is_empty()) {
+                (true, true) => "-",
+                (true, false) => " - ",
+                (false, true) => "",
+                (false, false) => " + ",
+            });
+            // Writing to a String cannot fail.
+            if (shaft.abs() - 1.0).abs() > f64::EPSILON {
+                let _ = write!(text, "{}{times}", shaft.abs());
+            }
+            let _ = write!(text, "{letter}{open}{}{close}", joint + 1);
+        }
+        text
+    }
+}

@@ -1,0 +1,371 @@
+//! Friction → torque, text and back: the Stribeck curve, coupled shafts, files old and hostile.
+
+#![expect(clippy::float_cmp, reason = "the same bits are meant")]
+
+use faer::Mat;
+use proptest::prelude::*;
+use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_model::model::{Candidate, Choice};
+use torquewise_model::print::{latex, text};
+use torquewise_model::{
+    Form, FrictionTerm, Kind, Model, ModelError, Stage, Term, Torque, Training, Trig, Weighted,
+    check, from_json, to_json,
+};
+use torquewise_motion::{Motion, Signals};
+
+fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
+    Weighted { term, coefficient, std_error: 0.01, inclusion: Some(0.98) }
+}
+
+/// Two joints with an inertia, a Coriolis and a gravity term, and this friction.
+fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
+    let one = Term::one(2);
+    let gravity = one.clone().times(Trig::Sin, 0, 1, 1);
+    let coriolis = one.clone().times(Trig::Sin, 1, 1, 1).times_dq(0).times_dq(1);
+    let first = vec![
+        weighted(one.clone().times_ddq(0), 2.0),
+        weighted(coriolis, -0.4),
+        weighted(gravity, 3.3),
+    ];
+    Model {
+        joints: vec!["hip".into(), "knee".into()],
+        form: Form::Torque(vec![first, vec![weighted(one.times_ddq(1), 0.5)]]),
+        friction,
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
+    }
+}
+
+const EXACT: FrictionLaw = FrictionLaw::Coulomb { width: 0.0 };
+
+fn directed(law: FrictionLaw, direction: Direction) -> FrictionTerm {
+    FrictionTerm { direction, ..FrictionTerm::of_joint(2, 1, law) }
+}
+
+/// One of each law, the offset on a coupled shaft.
+fn all_laws() -> Vec<Weighted<FrictionTerm>> {
+    let coupled = |law| FrictionTerm { shaft: vec![1.0, -0.5], law, direction: Direction::Both };
+    vec![
+        weighted(coupled(FrictionLaw::Offset), 0.3),
+        weighted(coupled(FrictionLaw::Viscous), 1.2),
+        weighted(directed(FrictionLaw::Coulomb { width: 0.01 }, Direction::Forward), 0.7),
+        weighted(directed(FrictionLaw::Viscous, Direction::Backward), 0.2),
+        weighted(directed(FrictionLaw::Stribeck { speed: 0.05, width: 0.0 }, Direction::Both), 0.4),
+    ]
+}
+
+#[test]
+fn three_terms_are_the_stribeck_curve() {
+    let (f_c, f_s, v_s, f_v): (f64, f64, f64, f64) = (1.5, 2.3, 0.08, 0.6);
+    let stribeck = FrictionLaw::Stribeck { speed: v_s, width: 0.0 };
+    let part = |law, coefficient| weighted(FrictionTerm::of_joint(2, 1, law), coefficient);
+    let friction =
+        vec![part(EXACT, f_c), part(stribeck, f_s - f_c), part(FrictionLaw::Viscous, f_v)];
+    let torque = Torque::new(&model(friction));
+
+    for v in [1e-6_f64, 0.01, 0.08, 0.2, 1.0, 5.0] {
+        // (17) as the paper prints it, forward; it is odd.
+        let forward = f_c + (f_s - f_c) * (-v * v / (v_s * v_s)).exp() + f_v * v;
+        for (dq, expected) in [(v, forward), (-v, -forward)] {
+            let found = torque.friction(&[9.0, dq]).unwrap();
+            assert_eq!(found[0], 0.0);
+            assert!((found[1] - expected).abs() < 1e-12 * expected.abs(), "{v}: {found:?}");
+        }
+    }
+    assert_eq!(torque.friction(&[1.0, 0.0]).unwrap(), [0.0, 0.0], "sign(0) is 0");
+}
+
+#[test]
+fn a_width_smooths_the_reversal_and_nothing_else() {
+    let width = 0.01;
+    let smooth = FrictionLaw::Coulomb { width };
+
+    assert!((smooth.value(width) - 1.0_f64.tanh()).abs() < 1e-15);
+    assert!((smooth.value(1e-9) - 1e-7).abs() < 1e-15, "slope 1/width at 0");
+    for v in [0.2, 3.0] {
+        assert_eq!([smooth.value(v), smooth.value(-v)], [EXACT.value(v), EXACT.value(-v)]);
+    }
+    let stribeck = FrictionLaw::Stribeck { speed: 0.05, width }.value(0.005);
+    let expected = (-0.01_f64).exp() * 0.5_f64.tanh();
+    assert!((stribeck - expected).abs() < 1e-15);
+}
+
+#[test]
+fn a_directed_law_acts_in_its_direction_only() {
+    for law in [EXACT, FrictionLaw::Viscous, FrictionLaw::Stribeck { speed: 1.0, width: 0.1 }] {
+        let [forward, backward] =
+            [Direction::Forward, Direction::Backward].map(|direction| directed(law, direction));
+        let both = directed(law, Direction::Both);
+        for v in [0.3, -0.3] {
+            let (acts, rests) = if v > 0.0 { (&forward, &backward) } else { (&backward, &forward) };
+            let dq = [7.0, v];
+            assert_eq!([acts.value(&dq), rests.value(&dq)], [law.value(v), 0.0], "{law:?}");
+            assert_eq!(both.value(&dq), law.value(v));
+        }
+        assert_eq!([forward.value(&[1.0, 0.0]), backward.value(&[1.0, 0.0])], [0.0, 0.0]);
+    }
+}
+
+#[test]
+fn a_coupled_shaft_does_the_work_of_its_friction() {
+    let shaft = vec![1.0, -0.5];
+    for law in [EXACT, FrictionLaw::Viscous, FrictionLaw::Stribeck { speed: 0.4, width: 0.02 }] {
+        let term = FrictionTerm { shaft: shaft.clone(), law, direction: Direction::Both };
+        let torque = Torque::new(&model(vec![weighted(term, 1.7)]));
+        for dq in [[0.3, 0.1], [-0.2, 0.9], [0.05, 0.1]] {
+            let v = dq[0] - 0.5 * dq[1];
+            let tau = torque.friction(&dq).unwrap();
+            let power: f64 = tau.iter().zip(dq).map(|(tau, dq)| tau * dq).sum();
+            assert!((power - 1.7 * law.value(v) * v).abs() < 1e-15, "{law:?} {dq:?}");
+            assert!(power >= 0.0, "friction takes energy");
+        }
+    }
+}
+
+#[test]
+fn friction_is_a_part_of_its_own() {
+    let (rubbing, bare) = (model(all_laws()), model(vec![]));
+    let (with, without) = (Torque::new(&rubbing), Torque::new(&bare));
+    let (q, dq, ddq) = ([0.4, 1.1], [0.2, -0.9], [1.0, 2.0]);
+
+    assert_eq!(with.gravity(&q).unwrap(), without.gravity(&q).unwrap());
+    assert_eq!(with.gravity(&q).unwrap(), [3.3 * 0.4_f64.sin(), 0.0]);
+    assert_eq!(with.coriolis(&q, &dq).unwrap(), without.coriolis(&q, &dq).unwrap());
+    assert_eq!(with.mass_matrix(&q).unwrap(), without.mass_matrix(&q).unwrap());
+    let states = [(q.to_vec(), dq.to_vec())];
+    assert_eq!(check(&rubbing, &states).unwrap(), check(&bare, &states).unwrap());
+    let (whole, rest) = (with.at(&q, &dq, &ddq).unwrap(), without.at(&q, &dq, &ddq).unwrap());
+    let friction = with.friction(&dq).unwrap();
+    for joint in 0..2 {
+        assert!((whole[joint] - rest[joint] - friction[joint]).abs() < 1e-14);
+    }
+    assert!(friction.iter().all(|tau| tau.abs() > 0.1), "{friction:?}");
+    assert!(matches!(with.friction(&[1.0]), Err(ModelError::Shape { what: "dq", .. })));
+    assert_eq!(rubbing.n_coefficients(), bare.n_coefficients() + 5);
+    assert_eq!([rubbing.active(), bare.active()], [vec![5, 6], vec![3, 1]]);
+}
+
+#[test]
+fn terms_read_as_their_formulas() {
+    let wrist = |law| FrictionTerm { shaft: vec![1.0, 1.0], law, direction: Direction::Both };
+    let stribeck = FrictionLaw::Stribeck { speed: 0.05, width: 0.0 };
+    let names = [
+        (directed(EXACT, Direction::Both), "sign(dq2)"),
+        (directed(EXACT, Direction::Backward), "sign(dq2) [dq2 < 0]"),
+        (directed(FrictionLaw::Viscous, Direction::Forward), "dq2 [dq2 > 0]"),
+        (directed(stribeck, Direction::Both), "exp(-(dq2/0.05)^2)*sign(dq2)"),
+        (directed(FrictionLaw::Offset, Direction::Both), "1 [joint2]"),
+        (directed(FrictionLaw::Coulomb { width: 0.01 }, Direction::Both), "tanh(dq2/0.01)"),
+        (wrist(EXACT), "sign(dq1 + dq2)"),
+        (wrist(FrictionLaw::Viscous), "(dq1 + dq2)"),
+        (FrictionTerm { shaft: vec![-1.0, -0.5], ..wrist(EXACT) }, "sign(-dq1 - 0.5*dq2)"),
+    ];
+
+    for (term, name) in names {
+        assert_eq!(term.name(), name);
+    }
+    let tex = directed(stribeck, Direction::Forward).latex();
+    assert_eq!(
+        tex,
+        r"e^{-(\dot q_{2}/0.05)^{2}}\,\operatorname{sign}(\dot q_{2})\,[\dot q_{2} > 0]"
+    );
+}
+
+#[test]
+fn each_torque_ends_with_its_friction() {
+    let shown = text(&model(all_laws()));
+    let (hip, knee) = shown.split_once("tau2 =").unwrap();
+
+    // The knee feels the coupled shaft by half, and turned round.
+    assert!(hip.ends_with(
+        "* sin(q1)  (98 %)\n  friction:\n  + 0.300 ± 0.010 * 1  (98 %)\n  \
+         + 1.200 ± 0.010 * (dq1 - 0.5*dq2)  (98 %)\n\n"
+    ));
+    assert!(knee.contains("  - 0.1500 ± 0.0050 * 1  (98 %)\n"), "{knee}");
+    assert!(knee.contains("  + 0.400 ± 0.010 * exp(-(dq2/0.05)^2)*sign(dq2)"), "{knee}");
+    assert!(!text(&model(vec![])).contains("friction"));
+    let tex = latex(&model(all_laws()));
+    assert!(tex.contains("\\sin q_{1} \\\\\n & \\quad + 0.300 + 1.200\\,(\\dot q_{1}"), "{tex}");
+}
+
+#[test]
+fn a_saved_model_keeps_friction_steps_and_choices() {
+    let mut whole = model(all_laws());
+    whole.friction[1].coefficient = 0.1 + 0.2;
+    whole.stages = vec![Stage {
+        name: "uniform".into(),
+        rows: 7,
+        candidates: 9,
+        form: whole.form.clone(),
+        friction: vec![whole.friction[2].clone()],
+    }];
+    let candidate = |label: &str, error, complexity| Candidate {
+        label: label.into(),
+        error,
+        std_error: 0.002,
+        complexity,
+    };
+    whole.choices = vec![Choice {
+        what: "friction".into(),
+        chosen: "sign, viscous".into(),
+        rule: "one standard error, 5 blocks in time".into(),
+        from: vec![candidate("none", 0.31, 0), candidate("sign, viscous", 0.04, 4)],
+    }];
+
+    let read = from_json(&to_json(&whole).unwrap()).unwrap();
+
+    assert_eq!(read, whole);
+    let early = read.after_step(1).unwrap();
+    assert_eq!(early.friction, [whole.friction[2].clone()]);
+    assert_eq!(early.choices, whole.choices);
+}
+
+#[test]
+fn a_file_of_version_1_still_reads() {
+    let old = r#"{"format": "torquewise-model", "version": 1, "joints": ["pivot"],
+        "form": {"torque": [[{
+            "term": {
+                "factors": [{"multiples": [1], "function": "sin", "power": 1}],
+                "dq": [0], "ddq": [0]
+            },
+            "coefficient": 3.3, "std_error": 0.01
+        }]]},
+        "stages": [{"name": "standstill", "rows": 5, "candidates": 3,
+            "form": {"torque": [[]]}}],
+        "training": {"rows": 5, "residual_rms": [0.1], "torque_std": [1.0],
+            "q_range": [[-1.0, 1.0]], "dq_peak": [2.0], "ddq_peak": [3.0]}}"#;
+
+    let read = from_json(old).unwrap();
+
+    assert!(read.friction.is_empty() && read.choices.is_empty());
+    let tau = Torque::new(&read).at(&[0.5], &[4.0], &[0.0]).unwrap();
+    assert_eq!(tau, [3.3 * 0.5_f64.sin()]);
+    for version in ["0", "3"] {
+        let other = old.replace("\"version\": 1", &format!("\"version\": {version}"));
+        assert!(matches!(from_json(&other), Err(ModelError::Version { known: 2, .. })));
+    }
+}
+
+#[test]
+fn friction_that_cannot_be_is_refused() {
+    let good = all_laws()[4].clone();
+    let law = |law| Weighted { term: directed(law, Direction::Both), ..good.clone() };
+    let shaft = |shaft: Vec<f64>| Weighted {
+        term: FrictionTerm { shaft, ..good.term.clone() },
+        ..good.clone()
+    };
+    let offset = directed(FrictionLaw::Offset, Direction::Forward);
+    let hostile = [
+        shaft(vec![1.0]),
+        shaft(vec![0.0, 1.0, 0.0]),
+        shaft(vec![0.0, 0.0]),
+        shaft(vec![f64::NAN, 1.0]),
+        law(FrictionLaw::Stribeck { speed: 0.0, width: 0.0 }),
+        law(FrictionLaw::Stribeck { speed: -0.1, width: 0.0 }),
+        law(FrictionLaw::Stribeck { speed: f64::INFINITY, width: 0.0 }),
+        law(FrictionLaw::Stribeck { speed: 0.1, width: f64::NAN }),
+        law(FrictionLaw::Coulomb { width: -1e-3 }),
+        law(FrictionLaw::Coulomb { width: f64::INFINITY }),
+        Weighted { term: offset, ..good.clone() },
+        Weighted { coefficient: f64::NAN, ..good.clone() },
+        Weighted { std_error: f64::INFINITY, ..good.clone() },
+    ];
+
+    assert!(to_json(&model(vec![good.clone()])).is_ok());
+    for broken in hostile {
+        let place = format!("{broken:?}");
+        let mut staged = model(vec![]);
+        staged.stages = vec![Stage {
+            name: "uniform".into(),
+            rows: 7,
+            candidates: 9,
+            form: staged.form.clone(),
+            friction: vec![broken.clone()],
+        }];
+        assert!(to_json(&staged).is_err(), "{place}");
+        assert!(to_json(&model(vec![broken])).is_err(), "{place}");
+    }
+}
+
+#[test]
+fn a_tampered_file_is_refused_with_the_place() {
+    let whole = to_json(&model(all_laws())).unwrap();
+    let tampered = [
+        ("\"speed\": 0.05", "\"speed\": 0", "the Stribeck speed of the friction exp("),
+        ("\"width\": 0.01", "\"width\": -0.01", "the width of the friction sign(dq2) [dq2 > 0]"),
+        ("\"speed\": 0.05", "\"speed\": 1e999", "number out of range"),
+        ("\"direction\": \"forward\"", "\"direction\": \"sideways\"", "unknown variant"),
+        ("\"speed\": 0.05", "\"speed\": 0.05, \"mass\": 1", "unknown field"),
+    ];
+
+    for (from, to, message) in tampered {
+        let broken = whole.replacen(from, to, 1);
+        assert_ne!(broken, whole, "{from}");
+        let error = from_json(&broken).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}
+
+#[test]
+fn a_choice_without_a_number_is_refused() {
+    let mut whole = model(vec![]);
+    let label = "none".to_owned();
+    let from = vec![Candidate { label, error: f64::NAN, std_error: 0.0, complexity: 1 }];
+    let [what, chosen, rule] = ["friction", "none", "least error"].map(String::from);
+    whole.choices = vec![Choice { what, chosen, rule, from }];
+
+    assert!(matches!(to_json(&whole), Err(ModelError::NotFinite { .. })));
+}
+
+fn friction_term() -> impl Strategy<Value = FrictionTerm> {
+    let law = prop_oneof![
+        Just(FrictionLaw::Offset),
+        Just(FrictionLaw::Viscous),
+        (0.0..0.2).prop_map(|width| FrictionLaw::Coulomb { width }),
+        (0.01..1.0, 0.0..0.2).prop_map(|(speed, width)| FrictionLaw::Stribeck { speed, width }),
+    ];
+    let direction =
+        prop_oneof![Just(Direction::Both), Just(Direction::Forward), Just(Direction::Backward)];
+    (proptest::collection::vec(-2.0..2.0, 2), law, direction)
+        .prop_map(|(shaft, law, direction)| FrictionTerm { shaft, law, direction })
+}
+
+fn signal(rows: usize) -> impl Strategy<Value = Mat<f64>> {
+    proptest::collection::vec(-3.0..3.0, 2 * rows)
+        .prop_map(move |values| Mat::from_fn(rows, 2, |row, joint| values[2 * row + joint]))
+}
+
+proptest! {
+    #[test]
+    fn the_parts_add_up_to_the_torque(
+        terms in proptest::collection::vec((friction_term(), -5.0..5.0), 0..6),
+        (q, dq, ddq) in (signal(4), signal(4), signal(4)),
+    ) {
+        let friction = terms.into_iter().map(|(term, c)| weighted(term, c)).collect();
+        let torque = Torque::new(&model(friction));
+        let t = vec![0.0, 0.1, 0.2, 0.3];
+        let joints = vec!["hip".into(), "knee".into()];
+        let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: None }).unwrap();
+
+        let parts = torque.parts(&motion).unwrap();
+        let total = parts.total();
+
+        for row in 0..4 {
+            let [q, dq, ddq] = [motion.q(), motion.dq(), motion.ddq()]
+                .map(|x| vec![x[(row, 0)], x[(row, 1)]]);
+            let (whole, rub) = (torque.at(&q, &dq, &ddq).unwrap(), torque.friction(&dq).unwrap());
+            for joint in 0..2 {
+                prop_assert!((total[(row, joint)] - whole[joint]).abs() < 1e-12);
+                prop_assert_eq!(parts.friction[(row, joint)], rub[joint]);
+            }
+        }
+    }
+}
+
+#[test]
+fn friction_has_a_kind_by_name() {
+    let names = [Kind::Inertia, Kind::Coriolis, Kind::Gravity, Kind::Friction].map(Kind::name);
+
+    assert_eq!(names, ["inertia", "coriolis", "gravity", "friction"]);
+}

@@ -1,0 +1,38 @@
+//! A report of a model with friction shows it as a part of its own.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use torquewise_dynamics::{Arm, MotionPlan, simulate};
+use torquewise_identify::{Plan, diagnose, reconstruct};
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::{FrictionTerm, Weighted};
+use torquewise_report::fit_report;
+
+fn report(friction: &[Weighted<FrictionTerm>]) -> String {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let plan = MotionPlan { seconds: 10.0, rate: 50.0, ..MotionPlan::default() };
+    let log = simulate(&arm, &plan).unwrap().motion;
+    let mut found = reconstruct(&log, &Plan::default(), &mut |_| ()).unwrap();
+    found.model.friction = friction.to_vec();
+    let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
+    fit_report(&found, &diagnosis, None, Some(&diagnosis), "A test").unwrap()
+}
+
+#[test]
+fn friction_is_drawn_written_and_weighed() {
+    let law = FrictionLaw::Coulomb { width: 0.0 };
+    let term = FrictionTerm::of_joint(2, 1, law);
+    let dry = Weighted { term, coefficient: 0.7, std_error: 0.01, inclusion: None };
+
+    let (without, with) = (report(&[]), report(&[dry]));
+
+    let [before, after] = [&without, &with].map(|html| html.matches("\"friction\"").count());
+    // One curve for the joint that rubs, in the log and in the other motion; none for the first.
+    assert_eq!(after, before + 2);
+    assert!(!without.contains("<div class=\"part\">friction</div>"));
+    assert_eq!(with.matches("<div class=\"part\">friction</div>").count(), 1);
+    assert!(with.contains("One term is friction.") && with.contains("∂q + friction"));
+    // Beside the energies, in the torque that follows and among the shares of the torque.
+    assert_eq!(with.matches("<mi>sign</mi>").count(), 3);
+    assert!(with.contains("friction of joint2 [N·m]") && !with.contains("friction of joint1"));
+}

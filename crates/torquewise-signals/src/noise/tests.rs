@@ -1,0 +1,79 @@
+//! Noise and quantisation put into a signal are found again.
+
+use super::*;
+use approx::assert_relative_eq;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+
+fn gaussian(n: usize, sigma: f64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(11);
+    let draw = |_| {
+        let x: f64 = StandardNormal.sample(&mut rng);
+        sigma * x
+    };
+    (0..n).map(draw).collect()
+}
+
+#[test]
+fn noise_on_a_motion_is_found() {
+    let noise = gaussian(4000, 1e-3);
+    let x: Vec<f64> = (0..4000).map(|k| (0.01 * f64::from(k)).sin()).collect();
+    let x: Vec<f64> = x.iter().zip(&noise).map(|(x, e)| x + e).collect();
+
+    let found = white_noise(&x, &vec![false; 4000]);
+
+    assert!(!found.standstill);
+    assert_relative_eq!(found.sigma, 1e-3, max_relative = 0.08);
+}
+
+#[test]
+fn noise_is_taken_from_standstill_where_there_is_some() {
+    let noise = gaussian(4000, 1.0);
+    let x: Vec<f64> = (0..4000).map(|k| if k < 2000 { 0.1 } else { 1.0 } * noise[k]).collect();
+    let dq: Vec<f64> = (0..4000).map(|k| if k < 2000 { 0.001 } else { 0.5 }).collect();
+
+    let still = standstill(&dq);
+    let found = white_noise(&x, &still);
+
+    assert_eq!(still.iter().filter(|still| **still).count(), 2000);
+    assert!(found.standstill);
+    assert_relative_eq!(found.sigma, 0.1, max_relative = 0.08);
+}
+
+#[test]
+fn the_step_of_an_encoder_is_found() {
+    let step = 2.0 * std::f64::consts::PI / 16384.0;
+    let x: Vec<f64> =
+        (0..3000).map(|k| ((0.01 * f64::from(k)).sin() / step).round() * step).collect();
+
+    let found = quantisation(&x).unwrap();
+
+    assert_relative_eq!(found.step, step, max_relative = 1e-6);
+    assert!((found.levels - 2.0 / step).abs() < 2.0);
+}
+
+#[test]
+fn seven_levels_of_a_current_are_counted() {
+    let x: Vec<f64> = (0..500).map(|k| f64::from((k * 5) % 7) * 0.01 - 0.03).collect();
+
+    let found = quantisation(&x).unwrap();
+
+    assert_relative_eq!(found.step, 0.01, max_relative = 1e-9);
+    assert_relative_eq!(found.levels, 7.0);
+    assert_relative_eq!(found.share_of_deviation, 0.5, max_relative = 0.01);
+}
+
+#[test]
+fn a_step_that_never_occurs_alone_is_found() {
+    let x: Vec<f64> = (0..200).map(|k| 0.1 * f64::from([0, 2, 5, 9, 12][k % 5])).collect();
+
+    assert_relative_eq!(quantisation(&x).unwrap().step, 0.1, max_relative = 1e-9);
+}
+
+#[test]
+fn a_continuous_signal_has_no_step() {
+    assert_eq!(quantisation(&gaussian(2000, 1.0)), None);
+    assert_eq!(quantisation(&[0.3; 50]), None);
+    assert_eq!(quantisation(&[]), None);
+}

@@ -1,0 +1,102 @@
+//! Spikes are found and taken out, motion and friction are left alone.
+
+use super::*;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::PI;
+
+fn times(n: usize) -> Vec<f64> {
+    (0..n).map(|k| k as f64 * 0.01).collect()
+}
+
+/// Torque of a joint in multi-sine motion: inertia, gravity, and friction that jumps.
+fn torque(t: f64) -> f64 {
+    let dq = (2.0 * PI * 0.4 * t).sin() + 0.7 * (2.0 * PI * 1.1 * t).cos();
+    let sine = 8.0 * (2.0 * PI * 0.4 * t).cos() + 5.0 * (2.0 * PI * 3.1 * t).sin();
+    sine + 6.0 * dq.signum()
+}
+
+#[test]
+fn a_clean_torque_with_friction_steps_is_left_alone() {
+    let t = times(3000);
+    let clean: Vec<f64> = t.iter().map(|t| torque(*t)).collect();
+    let mut x = clean.clone();
+    let scale = spike_scale(&x);
+
+    let rows = replace_outliers(&t, &mut x, scale, Hampel::default()).unwrap();
+
+    assert_eq!(rows, [0; 0]);
+    assert_eq!(x, clean);
+}
+
+#[test]
+fn sharp_peaks_of_a_fast_sine_are_left_alone() {
+    let t = times(2000);
+    for frequency in [0.3, 2.0, 9.0, 17.0, 31.0] {
+        let mut x: Vec<f64> = t.iter().map(|t| (2.0 * PI * frequency * t).sin()).collect();
+        let scale = spike_scale(&x);
+
+        let rows = replace_outliers(&t, &mut x, scale, Hampel::default()).unwrap();
+
+        assert_eq!(rows, [0; 0], "{frequency} Hz");
+    }
+}
+
+#[test]
+fn spikes_of_one_to_three_rows_are_removed() {
+    let t = times(3000);
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut noise = || {
+        let e: f64 = StandardNormal.sample(&mut rng);
+        0.05 * e
+    };
+    let clean: Vec<f64> = t.iter().map(|t| torque(*t) + noise()).collect();
+    let mut x = clean.clone();
+    // In the middle of smooth parts, found by hand.
+    let places = [(405, 1), (906, 2), (1440, 3), (2207, 1)];
+    for (row, length) in places {
+        x[row..row + length].iter_mut().for_each(|x| *x += 17.0);
+    }
+
+    let scale = spike_scale(&x);
+    let rows = replace_outliers(&t, &mut x, scale, Hampel::default()).unwrap();
+
+    let expected: Vec<usize> = places.iter().flat_map(|&(row, length)| row..row + length).collect();
+    assert_eq!(rows, expected);
+    for row in rows {
+        assert!((x[row] - clean[row]).abs() < 1.0, "row {row}");
+    }
+}
+
+#[test]
+fn white_noise_is_no_spike() {
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let mut x: Vec<f64> = (0..20_000).map(|_| StandardNormal.sample(&mut rng)).collect();
+
+    let scale = spike_scale(&x);
+    let rows = replace_outliers(&times(20_000), &mut x, scale, Hampel::default()).unwrap();
+
+    // Six deviations and more: 4e-5 rows of 20 000 if the deviation were known exactly.
+    assert!(rows.len() <= 2, "{rows:?}");
+}
+
+#[test]
+fn a_quantised_ramp_is_left_alone() {
+    let mut x: Vec<f64> = (0..4000).map(|k| (f64::from(k) * 0.013).round() * 0.01).collect();
+
+    let scale = spike_scale(&x);
+    let rows = replace_outliers(&times(4000), &mut x, scale, Hampel::default()).unwrap();
+
+    assert_eq!(rows, [0; 0]);
+}
+
+#[test]
+fn a_pulse_of_four_rows_is_no_spike() {
+    let mut x = vec![0.0; 200];
+    x[100..104].fill(1.0);
+
+    let rows = replace_outliers(&times(200), &mut x, 1e-3, Hampel::default()).unwrap();
+
+    assert_eq!(rows, [0; 0]);
+}

@@ -1,0 +1,163 @@
+//! The sets: where they are, how they are split, and the kinematics the regressor is given.
+
+use std::error::Error;
+use std::path::Path;
+use torquewise::dynamics::Arm;
+
+/// How rows are split into training and test.
+#[derive(Clone, Copy, Debug)]
+pub enum Split {
+    /// The first 70 % of the time for training.
+    Time,
+    /// Of each three blocks of this many seconds, the third for testing.
+    Blocks(f64),
+}
+
+/// A public log of a real arm.
+#[derive(Clone, Copy)]
+pub struct Set {
+    pub name: &'static str,
+    pub log: &'static str,
+    pub profile: &'static str,
+    pub split: Split,
+    /// How much worse than the regressor a joint may be.
+    pub limit: f64,
+    /// Joints that count; the torque of the others is mostly quantisation.
+    pub counted: usize,
+    /// Pairs of joints that turn a shaft together, known to the regressor.
+    pub shafts: &'static [[usize; 2]],
+    kinematics: Kinematics,
+}
+
+#[derive(Clone, Copy)]
+enum Kinematics {
+    /// A URDF beside the data, and the joints that move.
+    Urdf(&'static str, &'static [&'static str]),
+    /// A table of Denavit–Hartenberg rows: a, alpha, d, offset; then roll of the base.
+    Dh(&'static [[f64; 4]], f64),
+}
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+const KR300: [[f64; 4]; 6] = [
+    [0.35, FRAC_PI_2, -0.675, 0.0],
+    [1.15, 0.0, -0.189, 0.0],
+    [0.041, -FRAC_PI_2, 0.189, FRAC_PI_2],
+    [0.0, FRAC_PI_2, -1.0, 0.0],
+    [0.0, -FRAC_PI_2, 0.0, 0.0],
+    [0.0, PI, -0.24, 0.0],
+];
+
+/// Hanging down at q = 0: x of the links points down once the base is rolled by a quarter turn.
+const PENDULUM: [[f64; 4]; 2] = [[0.3, 0.0, 0.0, -FRAC_PI_2], [0.2, 0.0, 0.0, 0.0]];
+
+pub fn all() -> Vec<Set> {
+    let urdf = Kinematics::Urdf;
+    let set = |name, log, profile, split, limit, counted, shafts, kinematics| Set {
+        name,
+        log,
+        profile,
+        split,
+        limit,
+        counted,
+        shafts,
+        kinematics,
+    };
+    vec![
+        set(
+            "UR10",
+            "ur10_panda_unisa/ur10_exciting_trajectory.db3",
+            "ur10.toml",
+            Split::Time,
+            1.25,
+            6,
+            &[],
+            urdf("ur10_panda_unisa/ur10_from_example-robot-data.urdf", &["shoulder", "elbow", "wrist"]),
+        ),
+        set(
+            "Panda",
+            "ur10_panda_unisa/panda_exciting_trajectory.db3",
+            "panda.toml",
+            Split::Blocks(2.0),
+            1.5,
+            7,
+            &[],
+            urdf("../robots/panda.urdf", &["panda_joint"]),
+        ),
+        set(
+            "Stäubli TX40",
+            "staubli_tx40_figaroh/pos_read_data.csv",
+            "staubli_tx40.toml",
+            Split::Blocks(0.5),
+            1.25,
+            6,
+            &[[4, 5]],
+            urdf("staubli_tx40_figaroh/tx40_mdh_modified.urdf", &["joint"]),
+        ),
+        set(
+            "DFKI double pendulum",
+            "dfki_double_pendulum/A0_20220812/20220812-061157-PM_measured.csv",
+            "dfki_double_pendulum.toml",
+            Split::Time,
+            1.0,
+            2,
+            &[],
+            Kinematics::Dh(&PENDULUM, FRAC_PI_2),
+        ),
+        set(
+            "KUKA KR300",
+            "kuka_kr300_weigand/A/data.mat",
+            "kuka_kr300.toml",
+            Split::Time,
+            1.25,
+            6,
+            &[],
+            Kinematics::Dh(&KR300, PI),
+        ),
+        set(
+            "TIAGo arm",
+            "tiago_arm_figaroh/tiago_position.csv",
+            "tiago_arm.toml",
+            Split::Time,
+            1.25,
+            4,
+            &[],
+            urdf("tiago_arm_figaroh/tiago_48_schunk.urdf", &["arm_"]),
+        ),
+    ]
+}
+
+impl Set {
+    /// The arm, whose kinematics the regressor is given.
+    pub fn arm(&self, data: &Path) -> Result<Arm, Box<dyn Error + Send + Sync>> {
+        match self.kinematics {
+            Kinematics::Urdf(file, moving) => {
+                let text = std::fs::read_to_string(data.join(file))?;
+                let robot = urdf_rs::read_from_string(&text)?;
+                let fixed = urdf_rs::JointType::Fixed;
+                let locked: Vec<String> = (robot.joints.iter())
+                    .filter(|joint| joint.joint_type != fixed)
+                    .map(|joint| joint.name.clone())
+                    .filter(|name| !moving.iter().any(|part| name.starts_with(part)))
+                    .chain(robot.joints.iter().map(|j| j.name.clone()).filter(|n| n.contains("finger_joint")))
+                    .collect();
+                Ok(Arm::from_urdf(&text, &locked)?)
+            }
+            Kinematics::Dh(rows, roll) => {
+                let joints: Vec<String> = rows
+                    .iter()
+                    .enumerate()
+                    .map(|(joint, [a, alpha, d, offset])| {
+                        format!(
+                            "[[joints]]\nname = \"joint{joint}\"\na = {a:?}\nalpha = {alpha:?}\n\
+                             d = {d:?}\noffset = {offset:?}\nmass = 1.0\ncom = [0.0, 0.0, 0.0]\n\
+                             inertia = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]\n"
+                        )
+                    })
+                    .collect();
+                let head = format!("name = \"peer\"\nbase_rpy = [{roll:?}, 0.0, 0.0]\n");
+                Ok(Arm::from_dh_toml(&(head + &joints.concat()))?)
+            }
+        }
+    }
+}
