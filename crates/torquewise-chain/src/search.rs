@@ -37,7 +37,7 @@ pub struct Search {
 impl Default for Search {
     fn default() -> Self {
         Self {
-            starts: 16,
+            starts: 24,
             finalists: 4,
             glance_rows: 120,
             start_rows: 400,
@@ -108,6 +108,8 @@ impl Chain {
 const PLACE: f64 = 0.2;
 /// Sweeps through the joints of a start.
 const SWEEPS: usize = 4;
+/// Weighings of the joints of a start.
+const START_WEIGHINGS: usize = 2;
 /// A residual below this part of the torque is taken for it: weights stay finite.
 const LEAST_RESIDUAL: f64 = 1e-6;
 
@@ -148,28 +150,26 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
     let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
     let target = |rows, pull| Target { rows, weights: &weights, ridge: search.ridge, pull };
     let free = all_parameters(n);
-    let mut found: Vec<(usize, Fitted)> = (0..search.starts)
+    let mut found: Vec<(usize, Chain)> = (0..search.starts)
         .into_par_iter()
         .filter_map(|place| {
             let mut random = ChaCha8Rng::seed_from_u64(search.seed);
             random.set_stream(place as u64);
             let straight = Pull::new(0.0, &Geometry::straight(n));
-            let geometry = right_angles(&target(&glance, straight), &mut random)?;
-            let pull = Pull::new(search.pull, &geometry);
-            let fitted = target(&start, pull).descend(&geometry, &free, search.rounds);
-            Some((place, fitted.ok()?))
+            let fitted = right_angles(&target(&glance, straight), &mut random)?;
+            // A joint whose torque is mostly noise must not lead the way of the others.
+            let first = Chain::new(&fitted, &glance, &weights);
+            let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
+            Some((place, refine(&start, &first, &free, &weighed).ok()?))
         })
         .collect();
-    found.sort_by(|a, b| a.1.cost.total_cmp(&b.1.cost).then(a.0.cmp(&b.0)));
+    let rank = |chain: &Chain| score(chain, &start);
+    found.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
     found.truncate(search.finalists.max(1));
     let finals = rows.thinned(search.final_rows);
     let mut chains: Vec<Chain> = found
         .into_par_iter()
-        .filter_map(|(_, fitted)| {
-            let unweighted =
-                Chain { residual_rms: Vec::new(), ..Chain::new(&fitted, &start, &weights) };
-            refine(&finals, &unweighted, &free, search).ok()
-        })
+        .filter_map(|(_, chain)| refine(&finals, &chain, &free, search).ok())
         .collect();
     chains.sort_by(|a, b| score(a, &finals).total_cmp(&score(b, &finals)));
     if chains.is_empty() { Err(ChainError::Singular) } else { Ok(chains) }
@@ -237,7 +237,7 @@ fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
 }
 
 /// A start: each axis in turn takes the right angle that explains most, until none changes.
-fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Geometry> {
+fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Fitted> {
     let n = target.rows.n_joints();
     let mut geometry = Geometry::straight(n);
     for joint in 1..n {
@@ -245,7 +245,8 @@ fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Geometry
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
         geometry.set_place(joint, place);
     }
-    let mut best = target.fit(&geometry).ok()?.masses.cost;
+    let mut best = target.fit(&geometry).ok()?;
+    let mut least = logarithm(&best, target);
     for _ in 0..SWEEPS {
         let mut changed = false;
         let mut order: Vec<usize> = (1..n).collect();
@@ -254,12 +255,12 @@ fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Geometry
         }
         for joint in order {
             for direction in RIGHT_ANGLES {
-                let mut other = geometry.clone();
+                let mut other = best.geometry.clone();
                 other.set_direction(joint, direction);
                 if let Ok(found) = target.fit(&other)
-                    && found.masses.cost < best
+                    && logarithm(&found, target) < least
                 {
-                    (best, geometry, changed) = (found.masses.cost, other, true);
+                    (least, best, changed) = (logarithm(&found, target), found, true);
                 }
             }
         }
@@ -267,5 +268,12 @@ fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Geometry
             break;
         }
     }
-    Some(geometry)
+    Some(best)
+}
+
+/// Sum over joints of the logarithm of the mean square residual.
+fn logarithm(fitted: &Fitted, target: &Target<'_>) -> f64 {
+    let variances = fitted.masses.variances(target.rows, target.weights);
+    let relative = variances.iter().zip(target.weights).map(|(v, w)| v * w * w);
+    relative.map(|part| part.max(LEAST_RESIDUAL * LEAST_RESIDUAL).ln()).sum()
 }

@@ -55,6 +55,8 @@ const SHARE_AT_REST: f64 = 0.1;
 const SHAFT_GAIN: f64 = 0.85;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
+/// The same once axes were put elsewhere.
+const SNAP_ROUNDS: usize = 15;
 /// Rows that trials are fitted on.
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
@@ -62,7 +64,7 @@ const LAST_ROWS: usize = 4_000;
 /// Shared shafts at most.
 const MOST_SHAFTS: usize = 2;
 /// A counterbalance must lower the error to this part; it is felt by one joint alone.
-const SPRING_GAIN: f64 = 0.97;
+const SPRING_GAIN: f64 = 0.98;
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-12;
 /// Two chains whose costs are closer than this are one.
@@ -87,16 +89,16 @@ pub(crate) fn learn(
     let mut recipe = Recipe { beside, search, free: all_parameters(n) };
     let mut choices = Vec::new();
 
-    let mut chain = school.geometry(&mut recipe, None, &mut choices)?;
+    let (mut chain, mut starts) = school.geometry(&mut recipe, None, &mut choices)?;
     let rubs = friction != FrictionKind::None;
     if rubs && school.shafts(&mut recipe, &chain, &mut choices)? {
         choices.retain(|choice: &Choice| choice.what != PULL);
-        chain = school.geometry(&mut recipe, Some(chain), &mut choices)?;
+        (chain, starts) = school.geometry(&mut recipe, Some(chain), &mut choices)?;
     }
     school.counterbalances(&mut recipe, &chain, &mut choices)?;
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
     school.ridge(&mut recipe, &chain, &mut choices)?;
-    chain = school.right_angles(&mut recipe, chain, &mut choices)?;
+    chain = school.right_angles(&mut recipe, chain, &starts, &mut choices)?;
     school.finish(recipe, &chain, choices)
 }
 
@@ -141,7 +143,7 @@ impl<'a> School<'a> {
         recipe: &mut Recipe,
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
-    ) -> Result<Chain, IdentifyError> {
+    ) -> Result<(Chain, Vec<Chain>), IdentifyError> {
         let mut starts = search(&self.rows(recipe, LAST_ROWS)?, &recipe.search)?;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
@@ -157,18 +159,14 @@ impl<'a> School<'a> {
             })
             .collect::<Result<Vec<Trial>, IdentifyError>>()?;
         // Of each pull, the start that does best.
-        let best: Vec<usize> = (0..PULLS.len())
-            .filter_map(|pull| {
-                let own = pull * starts.len()..(pull + 1) * starts.len();
-                own.min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()))
-            })
-            .collect();
+        let best = best_of_each(&trials, starts.len());
         let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
         let place = record(PULL, &candidates, choices);
         let (pull, start) = pairs[best[place]];
         recipe.search.pull = pull;
         let rows = self.rows(recipe, recipe.search.final_rows)?;
-        Ok(refine(&rows, start, &recipe.free, &recipe.search)?)
+        let chain = refine(&rows, start, &recipe.free, &recipe.search)?;
+        Ok((chain, starts))
     }
 
     /// Looks for shafts that two neighbouring joints turn together, as in a coupled wrist.
@@ -285,23 +283,29 @@ impl<'a> School<'a> {
         &self,
         recipe: &mut Recipe,
         chain: Chain,
+        starts: &[Chain],
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
-        let mut ways: Vec<(String, Recipe, Chain)> = SNAPS
-            .into_iter()
-            .map(|(angle, distance)| {
-                let (geometry, free) = chain.geometry.snapped(angle, distance);
-                let label = format!("{angle} rad, {distance} m: {} free", free.len());
-                (label, Recipe { free, ..recipe.clone() }, Chain { geometry, ..chain.clone() })
-            })
-            .collect();
-        ways.push((format!("none: {} free", recipe.free.len()), recipe.clone(), chain));
         let rows = self.rows(recipe, TRIAL_ROWS)?;
+        let sources: Vec<&Chain> = std::iter::once(&chain).chain(starts).collect();
+        let mut ways: Vec<(String, Recipe, Chain)> = Vec::new();
+        for (angle, distance) in SNAPS {
+            for source in &sources {
+                let (geometry, free) = source.geometry.snapped(angle, distance);
+                let label = format!("{angle} rad, {distance} m: {} free", free.len());
+                let start = Chain { geometry, ..chain.clone() };
+                ways.push((label, Recipe { free, ..recipe.clone() }, start));
+            }
+        }
+        ways.push((format!("none: {} free", recipe.free.len()), recipe.clone(), chain.clone()));
         let trials = ways
             .par_iter()
-            .map(|(label, recipe, start)| trial(label.clone(), recipe, &rows, start, ROUNDS))
+            .map(|(label, recipe, start)| trial(label.clone(), recipe, &rows, start, SNAP_ROUNDS))
             .collect::<Result<Vec<_>, _>>()?;
-        let (_, chosen, chain) = ways.swap_remove(record("right angles", &trials, choices));
+        let best = best_of_each(&trials, sources.len());
+        let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
+        let place = best[record("right angles", &candidates, choices)];
+        let (_, chosen, chain) = ways.swap_remove(place);
         *recipe = chosen;
         // What is left free lies where it lies: the pull has done its work.
         let ways = RELEASED.map(|part| {
@@ -358,6 +362,13 @@ impl<'a> School<'a> {
             })
             .collect()
     }
+}
+
+/// Of each `count` trials in a row, the place of the best.
+fn best_of_each(trials: &[Trial], count: usize) -> Vec<usize> {
+    let places: Vec<usize> = (0..trials.len()).collect();
+    let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
+    places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect()
 }
 
 /// Makes a choice and its record.

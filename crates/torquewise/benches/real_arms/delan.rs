@@ -2,21 +2,22 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use torquewise::identify::{Plan, reconstruct};
-use torquewise::logs::{Clock, Logs, Options, Profile};
+use torquewise::identify::{FrictionKind, Method, Plan, reconstruct};
+use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::{Model, Torque};
 use torquewise::motion::{Motion, Recording};
+use torquewise::signals::Conditioning;
 
 /// RMS error of each part and joint over the RMS of the part, with q̈ given and with q̈ derived.
-pub struct Parts {
-    pub given: [[f64; 2]; 3],
-    pub derived: [[f64; 2]; 3],
-    pub terms: [usize; 2],
-    pub rows: usize,
+pub(crate) struct Parts {
+    pub(crate) given: [[f64; 2]; 3],
+    pub(crate) derived: [[f64; 2]; 3],
+    pub(crate) terms: [usize; 2],
+    pub(crate) rows: usize,
 }
 
 /// Runs the set if its archives are there: `examples/delan_to_npz.py` makes them.
-pub fn run(project: &Path) -> Result<Option<Parts>, Box<dyn Error + Send + Sync>> {
+pub(crate) fn run(project: &Path) -> Result<Option<Parts>, Box<dyn Error + Send + Sync>> {
     let Some(folder) = std::env::var_os("TORQUEWISE_DELAN").map(PathBuf::from) else {
         return Ok(None);
     };
@@ -34,12 +35,15 @@ pub fn run(project: &Path) -> Result<Option<Parts>, Box<dyn Error + Send + Sync>
     let without = profile.replace("[ddq]\ncolumns = \"ddq\"\nunit = \"rad/s2\"\n", "");
     let (given, derived) = (open(&profile)?, open(&without)?);
     let plan = Plan::default();
-    let [first, second] = [reconstruct(&given, &plan, &mut |_| {})?, reconstruct(&derived, &plan, &mut |_| {})?];
+    let first = reconstruct(&given, &plan, &mut |_| {})?;
+    let filtered = ConditionedLogs::new(derived, &Conditioning::default(), true)?;
+    let learned = Plan { method: Method::Chain, friction: FrictionKind::Auto, ..plan };
+    let second = reconstruct(&filtered, &learned, &mut |_| {})?;
     Ok(Some(Parts {
         terms: [first.model.n_coefficients(), second.model.n_coefficients()],
         rows: first.survey.rows,
         given: errors(&first.model, &given, &truths)?,
-        derived: errors(&second.model, &derived, &truths)?,
+        derived: errors(&second.model, &given, &truths)?,
     }))
 }
 

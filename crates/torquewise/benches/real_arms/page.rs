@@ -19,13 +19,13 @@ model that was told nothing predicts better than the one that knows the kinemati
 ";
 
 /// The whole page.
-pub fn page(outcomes: &[Outcome], delan: Option<&Parts>) -> String {
+pub(crate) fn page(outcomes: &[Outcome], delan: Option<&Parts>) -> String {
     let sections: Vec<String> = outcomes.iter().map(section).collect();
     format!("{HEAD}\n{}\n{}{}", summary(outcomes), sections.concat(), parts(delan))
 }
 
 /// The set whose parts are known.
-pub fn parts(delan: Option<&Parts>) -> String {
+pub(crate) fn parts(delan: Option<&Parts>) -> String {
     let Some(Parts { given, derived, terms, rows }) = delan else {
         return "\n## DeLaN characters\n\nNot run: make the archives by \
                 `python examples/delan_to_npz.py` and name their folder in `TORQUEWISE_DELAN`.\n"
@@ -75,7 +75,7 @@ fn ratio(outcome: &Outcome, joint: usize) -> f64 {
 }
 
 /// One set.
-pub fn section(outcome: &Outcome) -> String {
+pub(crate) fn section(outcome: &Outcome) -> String {
     let split = match outcome.set.split {
         Split::Time => "first 70 % of the time to train, the rest to test".to_owned(),
         Split::Blocks(seconds) => format!("blocks of {seconds} s, every third to test"),

@@ -19,7 +19,7 @@ const WIDTH: f64 = 0.01;
 const MOST_ROWS: usize = 4_000;
 
 /// Rigid bodies at known places, rotors, and offset, viscous and dry friction of each joint.
-pub struct Peer<'a> {
+pub(crate) struct Peer<'a> {
     arm: &'a Arm,
     friction: Vec<FrictionTerm>,
     shafts: Vec<Vec<f64>>,
@@ -27,7 +27,7 @@ pub struct Peer<'a> {
 }
 
 impl<'a> Peer<'a> {
-    pub fn fit(
+    pub(crate) fn fit(
         arm: &'a Arm,
         shared: &[[usize; 2]],
         motion: &Motion,
@@ -129,7 +129,7 @@ impl<'a> Peer<'a> {
         Mat::from_fn(m, n, |row, joint| torque[(joint * m + row, 0)])
     }
 
-    pub fn errors(&self, motion: &Motion) -> Result<Errors, Box<dyn Error + Send + Sync>> {
+    pub(crate) fn errors(&self, motion: &Motion) -> Result<Errors, Box<dyn Error + Send + Sync>> {
         let (tau, fitted) = (motion.require_tau()?, self.torque(motion));
         let m = motion.n_rows();
         let rmse: Vec<f64> = (0..motion.n_joints())

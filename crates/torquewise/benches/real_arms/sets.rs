@@ -6,7 +6,7 @@ use torquewise::dynamics::Arm;
 
 /// How rows are split into training and test.
 #[derive(Clone, Copy, Debug)]
-pub enum Split {
+pub(crate) enum Split {
     /// The first 70 % of the time for training.
     Time,
     /// Of each three blocks of this many seconds, the third for testing.
@@ -15,17 +15,17 @@ pub enum Split {
 
 /// A public log of a real arm.
 #[derive(Clone, Copy)]
-pub struct Set {
-    pub name: &'static str,
-    pub log: &'static str,
-    pub profile: &'static str,
-    pub split: Split,
+pub(crate) struct Set {
+    pub(crate) name: &'static str,
+    pub(crate) log: &'static str,
+    pub(crate) profile: &'static str,
+    pub(crate) split: Split,
     /// How much worse than the regressor a joint may be.
-    pub limit: f64,
+    pub(crate) limit: f64,
     /// Joints that count; the torque of the others is mostly quantisation.
-    pub counted: usize,
+    pub(crate) counted: usize,
     /// Pairs of joints that turn a shaft together, known to the regressor.
-    pub shafts: &'static [[usize; 2]],
+    pub(crate) shafts: &'static [[usize; 2]],
     kinematics: Kinematics,
 }
 
@@ -51,7 +51,7 @@ const KR300: [[f64; 4]; 6] = [
 /// Hanging down at q = 0: x of the links points down once the base is rolled by a quarter turn.
 const PENDULUM: [[f64; 4]; 2] = [[0.3, 0.0, 0.0, -FRAC_PI_2], [0.2, 0.0, 0.0, 0.0]];
 
-pub fn all() -> Vec<Set> {
+pub(crate) fn all() -> Vec<Set> {
     let urdf = Kinematics::Urdf;
     let set = |name, log, profile, split, limit, counted, shafts, kinematics| Set {
         name,
@@ -129,11 +129,15 @@ pub fn all() -> Vec<Set> {
 
 impl Set {
     /// The arm, whose kinematics the regressor is given.
-    pub fn arm(&self, data: &Path) -> Result<Arm, Box<dyn Error + Send + Sync>> {
+    pub(crate) fn arm(&self, data: &Path) -> Result<Arm, Box<dyn Error + Send + Sync>> {
         match self.kinematics {
             Kinematics::Urdf(file, moving) => {
                 let text = std::fs::read_to_string(data.join(file))?;
-                let robot = urdf_rs::read_from_string(&text)?;
+                let mut robot = urdf_rs::read_from_string(&text)?;
+                // Kinematics alone are used: masses that no body has are no obstacle.
+                for link in &mut robot.links {
+                    link.inertial = urdf_rs::Inertial::default();
+                }
                 let fixed = urdf_rs::JointType::Fixed;
                 let locked: Vec<String> = (robot.joints.iter())
                     .filter(|joint| joint.joint_type != fixed)
@@ -141,7 +145,7 @@ impl Set {
                     .filter(|name| !moving.iter().any(|part| name.starts_with(part)))
                     .chain(robot.joints.iter().map(|j| j.name.clone()).filter(|n| n.contains("finger_joint")))
                     .collect();
-                Ok(Arm::from_urdf(&text, &locked)?)
+                Ok(Arm::from_urdf(&urdf_rs::write_to_string(&robot)?, &locked)?)
             }
             Kinematics::Dh(rows, roll) => {
                 let joints: Vec<String> = rows
