@@ -11,7 +11,7 @@ const MOST_JOINTS: usize = 8;
 /// Coefficients below this part of the largest of their kind are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Values of a function on a grid of angles: the same number of evenly spaced angles for each joint.
+/// Values of a function on a grid: the same number of evenly spaced angles for each joint.
 struct Grid {
     joints: usize,
     /// Highest harmonic; 2·harmonics + 1 angles a joint.

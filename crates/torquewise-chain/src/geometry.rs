@@ -1,4 +1,4 @@
-//! Parameters → geometry: where the joint axes of a chain lie, in as few numbers as torque can tell.
+//! Parameters → geometry: where the joint axes of a chain lie, as far as torque can tell.
 
 use crate::error::ChainError;
 use nalgebra::{Matrix3, Rotation3, Vector3};

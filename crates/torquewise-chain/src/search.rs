@@ -44,7 +44,7 @@ impl Default for Search {
             final_rows: 1_200,
             rounds: 25,
             weighings: 3,
-            ridge: 1e-5,
+            ridge: 1e-4,
             pull: 3e-2,
             seed: 0,
         }
@@ -56,9 +56,9 @@ impl Default for Search {
 pub struct Chain {
     /// Where its axes lie.
     pub geometry: Geometry,
-    /// Inertial parameters of each body, 10 each: m, m·c, then moments about the origin of its frame
-    /// xx, yy, zz, xy, xz, yz. Only what torque can tell is determined; the ridge picks the smallest
-    /// of the rest, so that a mass of its own may even be negative.
+    /// Inertial parameters of each body, 10 each: m, m·c, then moments about the origin of its
+    /// frame xx, yy, zz, xy, xz, yz. Only what torque can tell is determined; the ridge picks the
+    /// smallest of the rest, so that a mass of its own may even be negative.
     pub inertial: Vec<f64>,
     /// Coefficients of the columns beside the chain, e.
     pub beside: Vec<f64>,

@@ -3,7 +3,8 @@
 use crate::error::CliError;
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
-use torquewise::identify::{FrictionKind, LibraryKind, Method, PatternPlan, Plan, Scaling};
+use torquewise::identify::plan::FrictionKind;
+use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan, Scaling};
 use torquewise::sparse::select::Selector;
 use torquewise::sparse::select::criterion::Criterion;
 use torquewise::sparse::select::lasso::Lasso;
@@ -146,7 +147,6 @@ impl PlanArguments {
         let misplaced = match library {
             Library::Energy | Library::Product if rubs => "--friction is for --library chain",
             Library::Chain if method == Method::Sindy => "--method sindy is for --library product",
-            Library::Chain if self.interaction.is_some() => "--interaction is for --library energy",
             Library::Chain if self.trig_order.is_some() || self.gravity_order.is_some() => {
                 "orders are for --library product"
             }
@@ -154,7 +154,7 @@ impl PlanArguments {
             Library::Energy if self.gravity_order.is_some() => {
                 "--gravity-order is for --library product"
             }
-            Library::Product if self.interaction.is_some() => {
+            Library::Product | Library::Chain if self.interaction.is_some() => {
                 "--interaction is for --library energy"
             }
             _ => return Ok(self.plan_with(library, method)),

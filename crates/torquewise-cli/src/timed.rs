@@ -32,7 +32,8 @@ pub(crate) fn timed(
         bar.set_message(doing(progress));
         events.push((progress, Instant::now()));
     })?;
-    let is_step = |pair: &&[(Progress, Instant)]| matches!(pair[0].0, Progress::Step(_) | Progress::Geometry);
+    let is_step =
+        |pair: &&[(Progress, Instant)]| matches!(pair[0].0, Progress::Step(_) | Progress::Geometry);
     let step_seconds = events
         .windows(2)
         .filter(is_step)

@@ -70,8 +70,9 @@ pub struct Excitation {
 const NAMES: [&str; 3] = ["standstill", "uniform", "variable"];
 /// What they are made of.
 const PIECES: [&str; 3] = ["pose", "sweep", "period of sines"];
-/// Rounds in which each part is looked at again.
+/// Rounds in which each part is looked at again, and one less for more columns than these.
 const ROUNDS: usize = 2;
+const QUICK_COLUMNS: usize = 700;
 /// States of the three recordings by which all of them together are judged, at least.
 const GRID: usize = 600;
 /// Rows of a recording at most: all are checked, and instants between them.
@@ -105,7 +106,12 @@ pub fn excite(
     let library = Library::new(&bounds, plan.interaction)?;
     let setting = Setting { plan, joints: &joints, bounds: &bounds, home: &home };
 
-    let effort = Effort { tries: plan.tries, rounds: if plan.tries > 1 { ROUNDS } else { 0 } };
+    let rounds = match plan.tries {
+        1 => 0,
+        _ if library.n_columns() > QUICK_COLUMNS => ROUNDS - 1,
+        _ => ROUNDS,
+    };
+    let effort = Effort { tries: plan.tries, rounds };
     let recordings = setting.design(&library, effort, progress)?;
     let first = Effort { tries: 1, rounds: 0 };
     let random = setting.design(&library, first, &mut |_, _| {})?;

@@ -180,7 +180,9 @@ fn work_of(plan: &TrialPlan) -> usize {
         .find(|arm| arm.name == plan.scenario.arm)
         .map_or(3, |arm| arm.joints);
     match (plan.plan.library, plan.plan.method, &plan.plan.selector) {
-        (LibraryKind::Energy { .. }, Method::Stepwise | Method::Sindy, _) => [1, 1, 1, 1, 4, 40][joints.min(5)],
+        (LibraryKind::Energy { .. }, Method::Stepwise | Method::Sindy, _) => {
+            [1, 1, 1, 1, 4, 40][joints.min(5)]
+        }
         (_, Method::Stepwise, _) => 3,
         (_, Method::Sindy, Selector::Lasso(_)) => 5,
         (_, Method::Sindy, _) => 16,

@@ -131,7 +131,9 @@ impl Stopwatch {
         let spent = now.saturating_sub(self.since).as_secs_f64();
         match self.stage {
             Progress::Survey | Progress::Patterns => self.cost.patterns += spent,
-            Progress::Geometry | Progress::Evidence | Progress::Step(_) => self.cost.regression += spent,
+            Progress::Geometry | Progress::Evidence | Progress::Step(_) => {
+                self.cost.regression += spent;
+            }
             Progress::Refit | Progress::Done => self.cost.refit += spent,
         }
         (self.since, self.stage) = (now, stage);

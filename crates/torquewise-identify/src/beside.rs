@@ -16,32 +16,6 @@ pub(crate) enum Beside {
     Spring(EnergyTerm),
 }
 
-/// Which friction is looked for (17).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FrictionKind {
-    /// None: simulated arms, or torque measured behind the gears.
-    #[default]
-    None,
-    /// Offset, viscous and dry friction of each joint.
-    Linear,
-    /// The same and the Stribeck curve, from a dictionary of speeds; forward and backward apart.
-    Stribeck,
-    /// None, linear or Stribeck, whichever predicts held-out rows best.
-    Auto,
-}
-
-impl FrictionKind {
-    /// As the command line has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Linear => "linear",
-            Self::Stribeck => "stribeck",
-            Self::Auto => "auto",
-        }
-    }
-}
-
 /// Stribeck speeds offered, as parts of the peak speed of a joint.
 const STRIBECK_PARTS: [f64; 2] = [0.05, 0.15];
 
@@ -51,8 +25,12 @@ impl Beside {
     pub(crate) fn linear(width: &[f64]) -> Vec<Self> {
         let n = width.len();
         let laws = |joint: usize| {
-            [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width: width[joint] }]
-                .map(|law| Self::Friction(FrictionTerm::of_joint(n, joint, law)))
+            [
+                FrictionLaw::Offset,
+                FrictionLaw::Viscous,
+                FrictionLaw::Coulomb { width: width[joint] },
+            ]
+            .map(|law| Self::Friction(FrictionTerm::of_joint(n, joint, law)))
         };
         (0..n).flat_map(laws).collect()
     }

@@ -1,13 +1,13 @@
-//! Recording → Reconstruction by a learned chain: geometry, masses and friction to energy terms (E8).
+//! Survey → Reconstruction by a learned chain: geometry, masses, friction to energy terms (E8).
 
 use crate::beside::Beside;
 use crate::error::IdentifyError;
+use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{Learned, learn};
 use crate::noise::NoiseFloor;
 use crate::patterns::Patterns;
 use crate::plan::Plan;
 use crate::prune::prune;
-use crate::reconstruct::{Progress, Reconstruction, StepReport};
 use crate::survey::Survey;
 use crate::warning::Warning;
 use std::collections::BTreeMap;
@@ -30,12 +30,8 @@ pub(crate) fn by_chain(
     progress(Progress::Refit);
     let all = energies(&learned.chain, &learned.beside)?;
     let candidates = all.len() + friction(&learned).len();
-    let kept = prune(
-        all.into_iter().collect(),
-        &survey.sample,
-        &learned.chain.residual_rms,
-        plan.seed,
-    );
+    let kept =
+        prune(all.into_iter().collect(), &survey.sample, &learned.chain.residual_rms, plan.seed);
     let without = (learned.without.iter())
         .map(|chain| energies(chain, &learned.beside))
         .collect::<Result<Vec<_>, _>>()?;
@@ -71,22 +67,14 @@ pub(crate) fn by_chain(
     };
     let noise: NoiseFloor = survey.noise.clone();
     let (steps, dropped) = (vec![step], Vec::new());
-    Ok(Reconstruction {
-        model,
-        survey,
-        patterns,
-        noise,
-        candidates,
-        steps,
-        dropped,
-        warnings,
-    })
+    Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
 }
 
 /// All energy terms of a chain and what stands beside it.
 fn energies(chain: &Chain, beside: &[Beside]) -> Result<Energies, IdentifyError> {
     let mut all = Energies::new();
-    let of_beside = beside.iter().zip(&chain.beside).flat_map(|(beside, &c)| beside.energy_terms(c));
+    let of_beside =
+        beside.iter().zip(&chain.beside).flat_map(|(beside, &c)| beside.energy_terms(c));
     for (term, coefficient) in chain.energy_terms()?.into_iter().chain(of_beside) {
         *all.entry(term).or_insert(0.0) += coefficient;
     }

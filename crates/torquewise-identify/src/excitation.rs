@@ -72,7 +72,8 @@ const LEAST_RESIDUAL: f64 = 0.005;
 pub fn findings(survey: &Survey) -> Vec<Finding> {
     let motion = &survey.sample;
     let still = survey.constant_joints();
-    let joints: Vec<usize> = (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
+    let joints: Vec<usize> =
+        (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
     let mut found = Vec::new();
     for &joint in &joints {
         found.extend(of_joint(survey, joint));
@@ -141,14 +142,13 @@ fn commanded(survey: &Survey, joint: usize) -> Option<Finding> {
     for j in 0..gram.ncols() {
         gram[(j, j)] += 1e-10 * m as f64;
     }
-    let weights = gram.llt(Side::Lower).ok()?.solve(columns.transpose() * ColRef::from_slice(&target));
+    let weights =
+        gram.llt(Side::Lower).ok()?.solve(columns.transpose() * ColRef::from_slice(&target));
     let fitted = &columns * &weights;
     let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();
     let residual = (squares / m as f64).sqrt() / survey.torque_std[joint];
-    (residual < LEAST_RESIDUAL).then(|| Finding::Commanded {
-        joint: survey.joints[joint].clone(),
-        residual,
-    })
+    (residual < LEAST_RESIDUAL)
+        .then(|| Finding::Commanded { joint: survey.joints[joint].clone(), residual })
 }
 
 impl fmt::Display for Finding {

@@ -1,4 +1,4 @@
-//! Errors on held-out blocks of time → a choice: the simplest within one standard error of the best.
+//! Errors on held-out blocks of time → a choice: the simplest near the best.
 
 use torquewise_model::model::{Candidate, Choice};
 

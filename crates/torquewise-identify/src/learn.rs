@@ -1,8 +1,10 @@
 //! A sample of a log → chain: the geometry of the arm, its masses and its friction (E8).
 
-use crate::beside::{Beside, FrictionKind, columns};
+use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
-use crate::held_out::{BLOCKS, Trial, choose, split};
+use crate::held_out::{BLOCKS, Trial, split};
+use crate::plan::FrictionKind;
+use crate::trial::{Recipe, best_of_each, record, trial};
 use rayon::prelude::*;
 use torquewise_chain::search::all_parameters;
 use torquewise_chain::{Chain, Rows, Search, refine, search};
@@ -19,22 +21,6 @@ pub(crate) struct Learned {
     pub(crate) without: Vec<Chain>,
 }
 
-/// What a fit is made of, beside the geometry.
-#[derive(Clone, Debug)]
-struct Recipe {
-    beside: Vec<Beside>,
-    search: Search,
-    /// Parameters of the geometry that move.
-    free: Vec<usize>,
-}
-
-impl Recipe {
-    /// Whether friction is fitted.
-    fn rubs(&self) -> bool {
-        self.beside.iter().any(|beside| matches!(beside, Beside::Friction(_)))
-    }
-}
-
 /// Half width of the smooth sign, as a part of the peak speed of a joint.
 const WIDTH: f64 = 0.01;
 /// Pulls to right angles that are tried, the strongest first.
@@ -42,7 +28,7 @@ const PULLS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
 /// Parts of the pull that are tried once axes are at right angles.
 const RELEASED: [f64; 3] = [1.0, 0.1, 0.01];
 /// Ridges that are tried, the strongest first.
-const RIDGES: [f64; 3] = [1e-3, 1e-4, 1e-5];
+const RIDGES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 /// Axes nearer to a right angle \[rad\] and to the axis before \[m\] than this are put there, if
 /// held-out rows agree.
 const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
@@ -65,8 +51,6 @@ const LAST_ROWS: usize = 4_000;
 const MOST_SHAFTS: usize = 2;
 /// A counterbalance must lower the error to this part; it is felt by one joint alone.
 const SPRING_GAIN: f64 = 0.98;
-/// Errors below this are rounding.
-const LEAST_ERROR: f64 = 1e-12;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
@@ -98,7 +82,7 @@ pub(crate) fn learn(
     school.counterbalances(&mut recipe, &chain, &mut choices)?;
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
     school.ridge(&mut recipe, &chain, &mut choices)?;
-    chain = school.right_angles(&mut recipe, chain, &starts, &mut choices)?;
+    chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
     school.finish(recipe, &chain, choices)
 }
 
@@ -193,8 +177,8 @@ impl<'a> School<'a> {
             }
             // All are as complex: the best of them against none.
             let trials = self.trials(&ways, chain, 0)?;
-            let best = (1..ways.len())
-                .min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()));
+            let best =
+                (1..ways.len()).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()));
             let Some(best) = best else { break };
             let pair = [trials[0].clone(), trials[best].clone()];
             if trials[best].error() > SHAFT_GAIN * trials[0].error()
@@ -272,7 +256,7 @@ impl<'a> School<'a> {
             let search = Search { ridge, ..recipe.search.clone() };
             (format!("{ridge:e}"), Recipe { search, ..recipe.clone() })
         });
-        let place = self.choose("ridge", &ways, chain, 2, choices)?;
+        let place = self.choose("ridge", &ways, chain, ROUNDS, choices)?;
         *recipe = ways[place].1.clone();
         Ok(())
     }
@@ -282,12 +266,12 @@ impl<'a> School<'a> {
     fn right_angles(
         &self,
         recipe: &mut Recipe,
-        chain: Chain,
+        chain: &Chain,
         starts: &[Chain],
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
         let rows = self.rows(recipe, TRIAL_ROWS)?;
-        let sources: Vec<&Chain> = std::iter::once(&chain).chain(starts).collect();
+        let sources: Vec<&Chain> = std::iter::once(chain).chain(starts).collect();
         let mut ways: Vec<(String, Recipe, Chain)> = Vec::new();
         for (angle, distance) in SNAPS {
             for source in &sources {
@@ -362,65 +346,6 @@ impl<'a> School<'a> {
             })
             .collect()
     }
-}
-
-/// Of each `count` trials in a row, the place of the best.
-fn best_of_each(trials: &[Trial], count: usize) -> Vec<usize> {
-    let places: Vec<usize> = (0..trials.len()).collect();
-    let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
-    places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect()
-}
-
-/// Makes a choice and its record.
-fn record(what: &str, trials: &[Trial], choices: &mut Vec<Choice>) -> usize {
-    choose(what, trials).map_or(0, |(place, choice)| {
-        choices.push(choice);
-        place
-    })
-}
-
-/// Fits a recipe with each block left out, and scores it there.
-fn trial(
-    label: String,
-    recipe: &Recipe,
-    rows: &Rows,
-    start: &Chain,
-    rounds: usize,
-) -> Result<Trial, IdentifyError> {
-    let search = Search { rounds, weighings: 1, ..recipe.search.clone() };
-    let errors = (0..BLOCKS)
-        .into_par_iter()
-        .map(|block| {
-            let (held, rest) = split(rows.len(), block);
-            let free: &[usize] = if rounds > 0 { &recipe.free } else { &[] };
-            let chain = refine(&rows.select(&rest), start, free, &search)?;
-            Ok(error(&chain, &rows.select(&held), rows))
-        })
-        .collect::<Result<Vec<f64>, IdentifyError>>()?;
-    let complexity = start.inertial.len() + recipe.beside.len();
-    Ok(Trial { label, complexity, errors })
-}
-
-/// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
-/// whose torque is mostly noise has no more say than the others.
-fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
-    let (m, predicted) = (held.len(), chain.torque(held));
-    let parts: Vec<f64> = (0..held.n_joints())
-        .filter_map(|joint| {
-            let spread = deviation(all.torque_of(joint));
-            let pairs = held.torque_of(joint).iter().zip(&predicted[joint * m..]);
-            let squares: f64 = pairs.map(|(tau, found)| (tau - found).powi(2)).sum();
-            let rms = (squares / m.max(1) as f64).sqrt();
-            (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
-        })
-        .collect();
-    (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
-}
-
-fn deviation(x: &[f64]) -> f64 {
-    let m = x.len().max(1) as f64;
-    let mean = x.iter().sum::<f64>() / m;
-    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt()
 }
 
 /// At most `count` rows, evenly spread.

@@ -1,6 +1,5 @@
 //! What the user wants → plan: library, method, selector, clusters.
 
-use crate::beside::FrictionKind;
 use crate::patterns::PatternPlan;
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::criterion::Criterion;
@@ -42,6 +41,32 @@ pub enum Method {
     /// The energy of a chain of rigid bodies whose geometry is learned as well (E8); the library
     /// of the plan is not asked.
     Chain,
+}
+
+/// Which friction is looked for (17).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionKind {
+    /// None: simulated arms, or torque measured behind the gears.
+    #[default]
+    None,
+    /// Offset, viscous and dry friction of each joint.
+    Linear,
+    /// The same and the Stribeck curve, from a dictionary of speeds; forward and backward apart.
+    Stribeck,
+    /// None, linear or Stribeck, whichever predicts held-out rows best.
+    Auto,
+}
+
+impl FrictionKind {
+    /// As the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Linear => "linear",
+            Self::Stribeck => "stribeck",
+            Self::Auto => "auto",
+        }
+    }
 }
 
 /// How a log becomes a model.

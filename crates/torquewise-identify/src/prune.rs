@@ -64,8 +64,8 @@ fn glance(
     states: &States,
     tolerance: &[f64],
 ) -> Vec<(EnergyTerm, f64)> {
-    let [dq, ddq] = [&states.dq, &states.ddq]
-        .map(|x| x.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
+    let [dq, ddq] =
+        [&states.dq, &states.ddq].map(|x| x.iter().fold(0.0_f64, |most, x| most.max(x.abs())));
     let inertial = 2.0 * ddq + 6.0 * states.n as f64 * dq * dq;
     let bound = |(term, coefficient): &(EnergyTerm, f64)| {
         coefficient.abs() * if term.place == Place::Potential { 1.0 } else { inertial }
@@ -119,7 +119,9 @@ impl States {
             let own = state * self.n..(state + 1) * self.n;
             let (dq, ddq) = (&self.dq[own.clone()], &self.ddq[own.clone()]);
             let value = coefficient * value(term, &self.waves[own], &mut slope);
-            slope.iter_mut().for_each(|slope| *slope *= coefficient);
+            for slope in &mut slope {
+                *slope *= coefficient;
+            }
             let Place::Inertia(i, j) = term.place else {
                 slope.iter().enumerate().for_each(|(joint, s)| loads[(state, joint)] = *s);
                 continue;
@@ -144,10 +146,14 @@ fn value(term: &EnergyTerm, waves: &[[f64; 4]], slope: &mut [f64]) -> f64 {
         let joint = factor.multiples.iter().position(|&k| k != 0)?;
         let k = f64::from(factor.multiples[joint]);
         let [c1, s1, c2, s2] = waves[joint];
-        let (cos, sin) = if k == 1.0 { (c1, s1) } else if k == 2.0 { (c2, s2) } else {
+        let (cos, sin) = match factor.multiples[joint] {
+            1 => (c1, s1),
+            2 => (c2, s2),
             // Springs alone hold higher harmonics.
-            let q = s1.atan2(c1);
-            ((k * q).cos(), (k * q).sin())
+            _ => {
+                let q = s1.atan2(c1);
+                ((k * q).cos(), (k * q).sin())
+            }
         };
         Some(match factor.function {
             Trig::Cos => (joint, cos, -k * sin),

@@ -2,25 +2,32 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::sync::LazyLock;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::{FrictionKind, Method, Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Torque, check, from_json, to_json};
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Signals};
 
 /// White noise in the torque, as a part of its spread.
 const NOISE: f64 = 0.01;
+/// Dry friction, as smooth as the learner takes it, but for a few percent.
+const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.016 };
 
-fn moving(arm: &Arm, seconds: f64, seed: u64) -> Motion {
+type Friction = Vec<(FrictionTerm, f64)>;
+
+fn sines(arm: &Arm, seconds: f64, seed: u64) -> Motion {
     let plan = MotionPlan { kind: MotionKind::Sines, seconds, rate: 50.0, seed };
     simulate(arm, &plan).unwrap().motion
 }
 
 /// The motion with friction and noise in its torque.
-fn rubbing(motion: &Motion, friction: &[(FrictionTerm, f64)], noise: f64) -> Motion {
+fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motion {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let mut signals = motion.clone().into_signals();
     let (dq, tau) = (&signals.dq, signals.tau.as_mut().unwrap());
@@ -38,94 +45,302 @@ fn rubbing(motion: &Motion, friction: &[(FrictionTerm, f64)], noise: f64) -> Mot
     Motion::new(signals).unwrap()
 }
 
-fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
-    let t0 = std::time::Instant::now();
-    let plan = Plan { method: Method::Chain, friction, ..Plan::default() };
-    let found = reconstruct(motion, &plan, &mut |_| {}).unwrap();
-    eprintln!("{:?} {} terms of {}", t0.elapsed(), found.model.n_coefficients(), found.candidates);
-    for c in &found.model.choices {
-        let from: Vec<String> = c.from.iter().map(|f| format!("{} {:.5}", f.label, f.error)).collect();
-        eprintln!("  {} -> {}: {}", c.what, c.chosen, from.join(", "));
-    }
-    for f in &found.model.friction {
-        eprintln!("  {} {:.4} ± {:.4}", f.term.name(), f.coefficient, f.std_error);
-    }
-    found
+fn plan(friction: FrictionKind) -> Plan {
+    Plan { method: Method::Chain, friction, ..Plan::default() }
 }
 
-/// Exact dry friction: the learner smooths the sign.
-const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.0 };
+fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
+    reconstruct(motion, &plan(friction), &mut |_| {}).unwrap()
+}
 
-fn linear(n: usize, joint: usize, [offset, viscous, dry]: [f64; 3]) -> Vec<(FrictionTerm, f64)> {
+/// Offset, viscous and dry friction of a joint.
+fn linear(n: usize, joint: usize, [offset, viscous, dry]: [f64; 3]) -> Friction {
     let laws = [(FrictionLaw::Offset, offset), (FrictionLaw::Viscous, viscous), (DRY, dry)];
     laws.map(|(law, c)| (FrictionTerm::of_joint(n, joint, law), c)).to_vec()
 }
 
-/// The coefficient of a law on a shaft, whatever its width.
-fn coefficient(found: &Reconstruction, shaft: &[f64], name: &str) -> f64 {
+/// The coefficient that was found for a law on a shaft, whatever its width.
+fn coefficient(found: &Reconstruction, wanted: &FrictionTerm) -> f64 {
+    let kind = std::mem::discriminant(&wanted.law);
     let like = |term: &FrictionTerm| {
-        let law = match term.law {
-            FrictionLaw::Offset => "offset",
-            FrictionLaw::Viscous => "viscous",
-            FrictionLaw::Coulomb { .. } => "dry",
-            FrictionLaw::Stribeck { .. } => "stribeck",
-        };
-        term.shaft == shaft && law == name
+        term.shaft == wanted.shaft && std::mem::discriminant(&term.law) == kind
     };
     found.model.friction.iter().find(|w| like(&w.term)).unwrap().coefficient
 }
 
-fn choice<'a>(found: &'a Reconstruction, what: &str) -> &'a str {
-    &found.model.choices.iter().find(|choice| choice.what == what).unwrap().chosen
+/// What was chosen, if there was a choice.
+fn chosen<'a>(found: &'a Reconstruction, what: &str) -> Option<&'a str> {
+    let mut choices = found.model.choices.iter();
+    choices.find(|choice| choice.what == what).map(|choice| choice.chosen.as_str())
+}
+
+fn reference_arm() -> Arm {
+    Arm::builtin("puma560-3").unwrap()
+}
+
+fn reference_friction() -> Friction {
+    let joints = [[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]];
+    (0..3).flat_map(|joint| linear(3, joint, joints[joint])).collect()
+}
+
+/// The reference arm with linear friction, any friction allowed for.
+static REFERENCE: LazyLock<Reconstruction> = LazyLock::new(|| {
+    let log = rubbing(&sines(&reference_arm(), 60.0, 1), &reference_friction(), NOISE);
+    fit(&log, FrictionKind::Auto)
+});
+
+/// Positions and speeds of an arm in motion.
+fn states(arm: &Arm) -> Vec<(Vec<f64>, Vec<f64>)> {
+    let motion = sines(arm, 10.0, 3);
+    let row = |x: faer::MatRef<'_, f64>, row| x.row(row).iter().copied().collect();
+    (0..motion.n_rows()).step_by(10).map(|k| (row(motion.q(), k), row(motion.dq(), k))).collect()
 }
 
 #[test]
-fn linear_friction_is_recovered() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let truth = [[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]];
-    let friction: Vec<_> = (0..3).flat_map(|joint| linear(3, joint, truth[joint])).collect();
-    let log = rubbing(&moving(&arm, 60.0, 1), &friction, NOISE);
+fn linear_friction_is_chosen_and_recovered_where_there_is_no_more() {
+    let found = &*REFERENCE;
 
-    let found = fit(&log, FrictionKind::Auto);
+    assert_eq!(chosen(found, "friction"), Some("linear"));
+    assert_eq!(chosen(found, "shared shaft"), None);
+    assert_eq!(found.model.friction.len(), 9);
+    for (term, truth) in reference_friction() {
+        let found = coefficient(found, &term);
+        assert!((found - truth).abs() < 0.02 * truth.abs(), "{}: {found}", term.name());
+    }
+}
 
-    for (joint, truth) in truth.into_iter().enumerate() {
-        let mut shaft = [0.0; 3];
-        shaft[joint] = 1.0;
-        for (law, truth) in ["offset", "viscous", "dry"].into_iter().zip(truth) {
-            let found = coefficient(&found, &shaft, law);
-            eprintln!("{joint} {law} {truth} {found}");
+#[test]
+fn mass_matrix_and_gravity_are_those_of_the_arm() {
+    let arm = reference_arm();
+    let torque = Torque::new(&REFERENCE.model);
+    let [mut wrong, mut size] = [[0.0; 2]; 2];
+
+    for (q, _) in states(&arm) {
+        let (mass, gravity) = (torque.mass_matrix(&q).unwrap(), torque.gravity(&q).unwrap());
+        let (true_mass, true_gravity) = (arm.mass_matrix(&q), arm.gravity_torque(&q));
+        for i in 0..3 {
+            wrong[0] += (gravity[i] - true_gravity[i]).powi(2);
+            size[0] += true_gravity[i].powi(2);
+            for j in 0..3 {
+                wrong[1] += (mass[(i, j)] - true_mass[(i, j)]).powi(2);
+                size[1] += true_mass[(i, j)].powi(2);
+            }
         }
     }
-    let test = rubbing(&moving(&arm, 10.0, 2), &friction, 0.0);
-    eprintln!("{:?}", score(&found.model, &test).unwrap());
-    assert_eq!(choice(&found, "friction"), "linear");
-    let json = to_json(&found.model).unwrap();
-    assert_eq!(from_json(&json).unwrap(), found.model);
-    let _ = (Torque::new(&found.model), check(&found.model, &[]));
+
+    for (wrong, size) in wrong.into_iter().zip(size) {
+        assert!((wrong / size).sqrt() < 0.02, "{wrong} of {size}");
+    }
 }
 
 #[test]
-fn shared() {
-    let arm = Arm::builtin("puma560-3").unwrap();
-    let mut friction: Vec<_> = (0..3).flat_map(|joint| linear(3, joint, [0.0, 2.0, 2.0])).collect();
-    let on = |law| FrictionTerm { shaft: vec![0.0, 1.0, 1.0], ..FrictionTerm::of_joint(3, 0, law) };
-    friction.extend([(on(FrictionLaw::Viscous), 4.0), (on(DRY), 5.0)]);
-    let log = rubbing(&moving(&arm, 60.0, 1), &friction, NOISE);
+fn other_motion_is_predicted() {
+    let test = rubbing(&sines(&reference_arm(), 10.0, 2), &reference_friction(), 0.0);
+
+    let scores = score(&REFERENCE.model, &test).unwrap();
+
+    for joint in scores.joints {
+        assert!(joint.nrmse_percent < 2.0, "{joint:?}");
+    }
+}
+
+#[test]
+fn the_model_of_a_chain_is_physics() {
+    let checks = check(&REFERENCE.model, &states(&reference_arm())).unwrap();
+
+    assert!(checks.passed(), "{checks:?}");
+}
+
+#[test]
+fn the_model_file_keeps_friction_and_choices() {
+    let model = &REFERENCE.model;
+
+    let read = from_json(&to_json(model).unwrap()).unwrap();
+
+    assert_eq!(&read, model);
+    assert_eq!((read.friction.len(), read.stages.len()), (9, 0));
+}
+
+#[test]
+fn every_choice_is_on_record_with_its_errors() {
+    let choices = &REFERENCE.model.choices;
+
+    let whats: Vec<&str> = choices.iter().map(|choice| choice.what.as_str()).collect();
+    for what in ["pull to right angles", "friction", "ridge", "right angles"] {
+        assert!(whats.contains(&what), "{what} in {whats:?}");
+    }
+    for choice in choices {
+        let chosen = choice.from.iter().find(|c| c.label == choice.chosen).unwrap();
+        let least = choice.from.iter().fold(f64::INFINITY, |least, c| least.min(c.error));
+        assert!(choice.from.len() > 1 && chosen.complexity > 0, "{choice:?}");
+        assert!(chosen.error.is_finite() && chosen.error < 2.0 * least, "{choice:?}");
+        assert!(choice.rule.starts_with("one standard error"), "{choice:?}");
+    }
+}
+
+#[test]
+fn standard_errors_are_of_the_size_of_the_errors() {
+    let found = &*REFERENCE;
+
+    let squares: Vec<f64> = reference_friction()
+        .iter()
+        .map(|(term, truth)| {
+            let w = found.model.friction.iter().find(|w| {
+                std::mem::discriminant(&w.term.law) == std::mem::discriminant(&term.law)
+                    && w.term.shaft == term.shaft
+            });
+            let w = w.unwrap();
+            ((w.coefficient - truth) / w.std_error).powi(2)
+        })
+        .collect();
+
+    // Nine of them from five blocks each: a factor of a few either way.
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    assert!((0.05..20.0).contains(&mean), "{squares:?}");
+}
+
+/// The last three joints of an arm whose base lies on its side: roll, pitch, roll.
+const WRIST: &str = r#"
+name = "wrist"
+gravity = [0.0, -9.81, 0.0]
+[[joints]]
+name = "roll"
+a = 0.0
+alpha = 1.5707963267948966
+d = 0.3
+mass = 6.0
+com = [0.03, -0.1, 0.05]
+inertia = [0.06, 0.03, 0.05, 0.002, 0.001, -0.002]
+[[joints]]
+name = "pitch"
+a = 0.0
+alpha = -1.5707963267948966
+d = 0.0
+mass = 3.0
+com = [0.02, 0.01, 0.12]
+inertia = [0.02, 0.025, 0.012, 0.001, 0.0, 0.001]
+[[joints]]
+name = "flange"
+a = 0.0
+alpha = 0.0
+d = 0.2
+mass = 2.0
+com = [0.08, -0.02, 0.03]
+inertia = [0.01, 0.014, 0.012, 0.0, 0.001, 0.0]
+"#;
+
+#[test]
+fn the_shaft_of_a_coupled_wrist_is_found() {
+    let arm = Arm::from_dh_toml(WRIST).unwrap();
+    let mut friction: Friction =
+        (0..3).flat_map(|joint| linear(3, joint, [0.0, 1.0, 1.5])).collect();
+    let coupled =
+        |law| FrictionTerm { shaft: vec![0.0, 1.0, -1.0], ..FrictionTerm::of_joint(3, 0, law) };
+    friction.extend([(coupled(FrictionLaw::Viscous), 2.0), (coupled(DRY), 2.5)]);
+    let log = rubbing(&sines(&arm, 60.0, 1), &friction, NOISE);
 
     let found = fit(&log, FrictionKind::Linear);
-    assert_eq!(choice(&found, "shared shaft"), "dq2 + dq3");
+
+    assert_eq!(chosen(&found, "shared shaft"), Some("dq2 - dq3"));
+    for (term, truth) in friction.into_iter().filter(|(_, truth)| *truth > 0.0) {
+        let found = coefficient(&found, &term);
+        assert!((found - truth).abs() < 0.02 * truth, "{}: {found}, not {truth}", term.name());
+    }
 }
 
 #[test]
-fn stribeck() {
+fn stribeck_friction_is_chosen_where_there_is_some() {
     let arm = Arm::builtin("planar-2").unwrap();
-    let mut friction: Vec<_> = (0..2).flat_map(|joint| linear(2, joint, [0.0, 2.0, 2.0])).collect();
+    let mut friction: Friction =
+        (0..2).flat_map(|joint| linear(2, joint, [0.0, 2.0, 2.0])).collect();
     for joint in 0..2 {
-        let law = FrictionLaw::Stribeck { speed: 0.1, width: 0.0 };
+        let law = FrictionLaw::Stribeck { speed: 0.12, width: 0.016 };
         friction.push((FrictionTerm::of_joint(2, joint, law), 2.0));
     }
-    let log = rubbing(&moving(&arm, 60.0, 1), &friction, NOISE);
+    let log = rubbing(&sines(&arm, 60.0, 1), &friction, NOISE);
 
     let found = fit(&log, FrictionKind::Auto);
-    assert!(choice(&found, "friction").starts_with("stribeck"));
+
+    assert_eq!(chosen(&found, "friction"), Some("stribeck"));
+    // No speed of the dictionary is the true one: it is the curve that counts.
+    let torque = Torque::new(&found.model);
+    for speed in [-1.2, -0.5, -0.2, -0.1, 0.05, 0.1, 0.2, 0.5, 1.2] {
+        let dq = [speed, 0.4 * speed];
+        let rubs = torque.friction(&dq).unwrap();
+        for (joint, rubs) in rubs.into_iter().enumerate() {
+            let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
+            assert!((rubs - truth).abs() < 0.02 * 4.0, "{speed} rad/s: {rubs}, not {truth}");
+        }
+    }
+}
+
+#[test]
+fn without_friction_none_is_listed() {
+    let arm = reference_arm();
+
+    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &vec![], NOISE), FrictionKind::None);
+
+    assert!(found.model.friction.is_empty());
+    let scores = score(&found.model, &sines(&arm, 10.0, 2)).unwrap();
+    assert!(scores.joints.iter().all(|joint| joint.nrmse_percent < 1.0), "{scores:?}");
+}
+
+#[test]
+fn a_pendulum_is_a_chain_of_one() {
+    let pendulum = WRIST.split("[[joints]]").take(2).collect::<Vec<_>>().join("[[joints]]");
+    let arm = Arm::from_dh_toml(&pendulum).unwrap();
+    let friction = linear(1, 0, [0.1, 0.5, 0.8]);
+
+    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &friction, NOISE), FrictionKind::Auto);
+
+    let test = rubbing(&sines(&arm, 10.0, 2), &friction, 0.0);
+    let scores = score(&found.model, &test).unwrap();
+    assert!(scores.joints[0].nrmse_percent < 1.0, "{scores:?}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_chain_model_at_any_number_of_threads() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let log = rubbing(&sines(&arm, 20.0, 1), &linear(2, 0, [0.1, 1.0, 1.0]), NOISE);
+    let model_with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| to_json(&fit(&log, FrictionKind::Auto).model).unwrap())
+    };
+
+    assert_eq!(model_with(1), model_with(2));
+}
+
+#[test]
+fn too_few_rows_for_a_chain_are_named() {
+    let arm = Arm::builtin("generic-6").unwrap();
+    let log = sines(&arm, 1.1, 1);
+
+    let error = reconstruct(&log, &plan(FrictionKind::Linear), &mut |_| {}).unwrap_err();
+
+    assert!(matches!(error, IdentifyError::Chain(_)), "{error}");
+    assert!(error.to_string().contains("55 rows of 6 joints"), "{error}");
+}
+
+#[test]
+fn joints_that_never_move_do_not_panic() {
+    let log = sines(&reference_arm(), 6.0, 1);
+    for moving in [0, 1, 2] {
+        let signals = log.clone().into_signals();
+        let held = |x: &Mat<f64>| {
+            Mat::from_fn(
+                x.nrows(),
+                3,
+                |row, joint| {
+                    if joint < moving { x[(row, joint)] } else { 0.0 }
+                },
+            )
+        };
+        let (q, dq, ddq) = (held(&signals.q), held(&signals.dq), held(&signals.ddq));
+        let log = Motion::new(Signals { q, dq, ddq, ..signals }).unwrap();
+
+        let found = fit(&log, FrictionKind::Auto);
+
+        let tau = Torque::new(&found.model).over(&log).unwrap();
+        assert!(tau.is_all_finite(), "{moving} joints move");
+    }
 }

@@ -53,8 +53,8 @@ pub mod table;
 pub mod log_writer;
 
 pub use blocks::RawBlock;
-pub use conditioned::ConditionedLogs;
 pub use columns::{Column, ColumnKind, Values};
+pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
 pub use log_writer::{Contents, LogWriter, write_motion};
 pub use logs::Logs;

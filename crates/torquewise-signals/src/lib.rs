@@ -45,7 +45,7 @@ mod torque_delay;
 pub use blocks::Conditioner;
 pub use clean::Outliers;
 pub use condition::{Conditioned, condition, condition_by};
-pub use cutoff::{CutoffChoice, SignalCutoff};
+pub use cutoff::CutoffChoice;
 pub use delay::{Shift, best_shift, shift};
 pub use error::SignalError;
 pub use plan::Plan;

@@ -18,7 +18,8 @@ use sets::{Set, Split};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use torquewise::identify::{FrictionKind, Method, Plan, reconstruct, score};
+use torquewise::identify::plan::FrictionKind;
+use torquewise::identify::{Method, Plan, reconstruct, score};
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::Model;
 use torquewise::motion::{Motion, Recording, Signals};
@@ -87,8 +88,7 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let (train, test) = (motion.select(&train), motion.select(&test));
 
     let start = Instant::now();
-    let plan =
-        Plan { method: Method::Chain, friction: FrictionKind::Auto, ..Plan::default() };
+    let plan = Plan { method: Method::Chain, friction: FrictionKind::Auto, ..Plan::default() };
     let found = reconstruct(&train, &plan, &mut |_| {})?;
     let seconds = start.elapsed().as_secs_f64();
     let scores = score(&found.model, &test)?;
@@ -142,7 +142,7 @@ fn split(motion: &Motion, split: Split) -> (Vec<usize>, Vec<usize>) {
     let (begin, end) = (t[0], t[t.len() - 1]);
     let is_test = |row: usize| match split {
         Split::Time => t[row] > begin + 0.7 * (end - begin),
-        Split::Blocks(seconds) => ((t[row] - begin) / seconds).floor() % 3.0 == 2.0,
+        Split::Blocks(seconds) => ((t[row] - begin) / seconds) % 3.0 >= 2.0,
     };
     (0..t.len()).partition(|&row| !is_test(row))
 }

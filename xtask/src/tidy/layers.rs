@@ -47,9 +47,7 @@ const LAYERS: [Layer; 14] = [
     layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
     layer(
         FRONT_DOOR,
-        &[
-            MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, LOGS, IDENTIFY, REPORT, EXCITE, EXPERIMENTS,
-        ],
+        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, LOGS, IDENTIFY, REPORT, EXCITE, EXPERIMENTS],
         &[],
     ),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),

@@ -72,7 +72,9 @@ fn a_tilted_base_and_nothing_else_may_stay_free() {
 
 #[test]
 fn gravity_of_a_straight_chain_points_down() {
-    assert_eq!(Geometry::straight(3).gravity(), [0.0, 0.0, -super::GRAVITY]);
+    let [x, y, z] = Geometry::straight(3).gravity();
+
+    assert_relative_eq!(Vector3::new(x, y, z), -super::GRAVITY * Vector3::z());
 }
 
 #[test]

@@ -15,8 +15,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::{Method, Reconstruction, diagnose, score};
-use torquewise::motion::Recording;
 use torquewise::model::{Model, to_json};
+use torquewise::motion::Recording;
 use torquewise::report::fit_report;
 use torquewise::sparse::accumulate::Route;
 

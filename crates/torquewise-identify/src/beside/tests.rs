@@ -36,12 +36,8 @@ fn a_rotor_loads_joints_as_its_energy_says() {
     let coefficient = 0.7;
     for shaft in [vec![0.0, 1.0, 0.0], vec![0.0, 1.0, -1.0], vec![0.5, 0.0, 2.0]] {
         let rotor = Beside::Rotor(shaft.clone());
-        let weighted = |(term, coefficient)| Weighted {
-            term,
-            coefficient,
-            std_error: 0.0,
-            inclusion: None,
-        };
+        let weighted =
+            |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
         let terms = rotor.energy_terms(coefficient).into_iter().map(weighted).collect();
         let model = Model {
             joints: motion.joints().to_vec(),

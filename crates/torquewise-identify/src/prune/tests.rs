@@ -88,9 +88,8 @@ fn what_is_left_out_is_below_the_tolerance() {
     let (motion, all) = (motion(), terms());
     let whole = torque(&all, &motion);
     for part in [0.3, 0.03, 0.003] {
-        let rms = |x: &Mat<f64>, joint: usize| {
-            x.col(joint).norm_l2() / (motion.n_rows() as f64).sqrt()
-        };
+        let rms =
+            |x: &Mat<f64>, joint: usize| x.col(joint).norm_l2() / (motion.n_rows() as f64).sqrt();
         let residual: Vec<f64> = (0..N).map(|joint| part * rms(&whole, joint)).collect();
 
         let kept = prune(all.clone(), &motion, &residual, 3);
@@ -126,10 +125,7 @@ fn without_residual_every_term_that_loads_stays() {
 #[test]
 fn terms_that_load_nothing_are_left_out() {
     let motion = motion();
-    let still = EnergyTerm {
-        place: Place::Potential,
-        function: torquewise_model::Term::one(N),
-    };
+    let still = EnergyTerm { place: Place::Potential, function: torquewise_model::Term::one(N) };
 
     let kept = prune(vec![(still, 5.0)], &motion, &[0.1; N], 3);
 

@@ -2,7 +2,8 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use torquewise::identify::{FrictionKind, Method, Plan, reconstruct};
+use torquewise::identify::plan::FrictionKind;
+use torquewise::identify::{Method, Plan, reconstruct};
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::{Model, Torque};
 use torquewise::motion::{Motion, Recording};
@@ -56,11 +57,14 @@ fn all(recording: &impl Recording) -> Result<Vec<Motion>, Box<dyn Error + Send +
     Ok(blocks)
 }
 
-fn errors(model: &Model, logs: &Logs, truths: &[Logs]) -> Result<[[f64; 2]; 3], Box<dyn Error + Send + Sync>> {
+fn errors(
+    model: &Model,
+    logs: &Logs,
+    truths: &[Logs],
+) -> Result<[[f64; 2]; 3], Box<dyn Error + Send + Sync>> {
     let torque = Torque::new(model);
-    let parts = (all(logs)?.iter())
-        .map(|block| torque.parts(block))
-        .collect::<Result<Vec<_>, _>>()?;
+    let parts =
+        (all(logs)?.iter()).map(|block| torque.parts(block)).collect::<Result<Vec<_>, _>>()?;
     let mut errors = [[0.0; 2]; 3];
     for (place, truth) in truths.iter().enumerate() {
         let truth = all(truth)?;

@@ -65,7 +65,8 @@ impl<'a> Peer<'a> {
         let mut weights: Vec<f64> =
             (0..n).map(|joint| 1.0 / deviation(motion, joint).max(1e-12)).collect();
         for _ in 0..ROUNDS {
-            let mut rows = Mat::from_fn(m * n, columns.ncols(), |k, j| weights[k / m] * columns[(k, j)]);
+            let mut rows =
+                Mat::from_fn(m * n, columns.ncols(), |k, j| weights[k / m] * columns[(k, j)]);
             let scales: Vec<f64> = (0..rows.ncols())
                 .map(|j| Some(rows.col(j).norm_l2()).filter(|s| *s > 0.0).unwrap_or(1.0))
                 .collect();
@@ -84,9 +85,8 @@ impl<'a> Peer<'a> {
             self.coefficients = scales.iter().enumerate().map(|(j, s)| found[(j, 0)] / s).collect();
             let fitted = self.torque(motion);
             for (joint, weight) in weights.iter_mut().enumerate() {
-                let squares: f64 = (0..m)
-                    .map(|row| (tau[(row, joint)] - fitted[(row, joint)]).powi(2))
-                    .sum();
+                let squares: f64 =
+                    (0..m).map(|row| (tau[(row, joint)] - fitted[(row, joint)]).powi(2)).sum();
                 *weight = 1.0 / (squares / m as f64).sqrt().max(1e-12);
             }
         }

@@ -51,79 +51,82 @@ const KR300: [[f64; 4]; 6] = [
 /// Hanging down at q = 0: x of the links points down once the base is rolled by a quarter turn.
 const PENDULUM: [[f64; 4]; 2] = [[0.3, 0.0, 0.0, -FRAC_PI_2], [0.2, 0.0, 0.0, 0.0]];
 
+/// Those of the University of Salerno, then the others.
 pub(crate) fn all() -> Vec<Set> {
+    light().into_iter().chain(heavy()).collect()
+}
+
+const PLAIN: Set = Set {
+    name: "",
+    log: "",
+    profile: "",
+    split: Split::Time,
+    limit: 1.25,
+    counted: 6,
+    shafts: &[],
+    kinematics: Kinematics::Dh(&[], 0.0),
+};
+
+fn light() -> Vec<Set> {
     let urdf = Kinematics::Urdf;
-    let set = |name, log, profile, split, limit, counted, shafts, kinematics| Set {
-        name,
-        log,
-        profile,
-        split,
-        limit,
-        counted,
-        shafts,
-        kinematics,
-    };
+    let ur10 = "ur10_panda_unisa/ur10_from_example-robot-data.urdf";
     vec![
-        set(
-            "UR10",
-            "ur10_panda_unisa/ur10_exciting_trajectory.db3",
-            "ur10.toml",
-            Split::Time,
-            1.25,
-            6,
-            &[],
-            urdf("ur10_panda_unisa/ur10_from_example-robot-data.urdf", &["shoulder", "elbow", "wrist"]),
-        ),
-        set(
-            "Panda",
-            "ur10_panda_unisa/panda_exciting_trajectory.db3",
-            "panda.toml",
-            Split::Blocks(2.0),
-            1.5,
-            7,
-            &[],
-            urdf("../robots/panda.urdf", &["panda_joint"]),
-        ),
-        set(
-            "Stäubli TX40",
-            "staubli_tx40_figaroh/pos_read_data.csv",
-            "staubli_tx40.toml",
-            Split::Blocks(0.5),
-            1.25,
-            6,
-            &[[4, 5]],
-            urdf("staubli_tx40_figaroh/tx40_mdh_modified.urdf", &["joint"]),
-        ),
-        set(
-            "DFKI double pendulum",
-            "dfki_double_pendulum/A0_20220812/20220812-061157-PM_measured.csv",
-            "dfki_double_pendulum.toml",
-            Split::Time,
-            1.0,
-            2,
-            &[],
-            Kinematics::Dh(&PENDULUM, FRAC_PI_2),
-        ),
-        set(
-            "KUKA KR300",
-            "kuka_kr300_weigand/A/data.mat",
-            "kuka_kr300.toml",
-            Split::Time,
-            1.25,
-            6,
-            &[],
-            Kinematics::Dh(&KR300, PI),
-        ),
-        set(
-            "TIAGo arm",
-            "tiago_arm_figaroh/tiago_position.csv",
-            "tiago_arm.toml",
-            Split::Time,
-            1.25,
-            4,
-            &[],
-            urdf("tiago_arm_figaroh/tiago_48_schunk.urdf", &["arm_"]),
-        ),
+        Set {
+            name: "UR10",
+            log: "ur10_panda_unisa/ur10_exciting_trajectory.db3",
+            profile: "ur10.toml",
+            kinematics: urdf(ur10, &["shoulder", "elbow", "wrist"]),
+            ..PLAIN
+        },
+        Set {
+            name: "Panda",
+            log: "ur10_panda_unisa/panda_exciting_trajectory.db3",
+            profile: "panda.toml",
+            split: Split::Blocks(2.0),
+            limit: 1.5,
+            counted: 7,
+            kinematics: urdf("../robots/panda.urdf", &["panda_joint"]),
+            ..PLAIN
+        },
+        Set {
+            name: "DFKI double pendulum",
+            log: "dfki_double_pendulum/A0_20220812/20220812-061157-PM_measured.csv",
+            profile: "dfki_double_pendulum.toml",
+            limit: 1.0,
+            counted: 2,
+            kinematics: Kinematics::Dh(&PENDULUM, FRAC_PI_2),
+            ..PLAIN
+        },
+    ]
+}
+
+fn heavy() -> Vec<Set> {
+    let urdf = Kinematics::Urdf;
+    vec![
+        Set {
+            name: "Stäubli TX40",
+            log: "staubli_tx40_figaroh/pos_read_data.csv",
+            profile: "staubli_tx40.toml",
+            split: Split::Blocks(0.5),
+            shafts: &[[4, 5]],
+            kinematics: urdf("staubli_tx40_figaroh/tx40_mdh_modified.urdf", &["joint"]),
+            ..PLAIN
+        },
+        Set {
+            name: "KUKA KR300",
+            log: "kuka_kr300_weigand/A/data.mat",
+            profile: "kuka_kr300.toml",
+            kinematics: Kinematics::Dh(&KR300, PI),
+            ..PLAIN
+        },
+        Set {
+            name: "TIAGo arm",
+            log: "tiago_arm_figaroh/tiago_position.csv",
+            profile: "tiago_arm.toml",
+            counted: 4,
+            kinematics: urdf("tiago_arm_figaroh/tiago_48_schunk.urdf", &["arm_"]),
+            ..PLAIN
+        },
     ]
 }
 
@@ -143,7 +146,13 @@ impl Set {
                     .filter(|joint| joint.joint_type != fixed)
                     .map(|joint| joint.name.clone())
                     .filter(|name| !moving.iter().any(|part| name.starts_with(part)))
-                    .chain(robot.joints.iter().map(|j| j.name.clone()).filter(|n| n.contains("finger_joint")))
+                    .chain(
+                        robot
+                            .joints
+                            .iter()
+                            .map(|j| j.name.clone())
+                            .filter(|n| n.contains("finger_joint")),
+                    )
                     .collect();
                 Ok(Arm::from_urdf(&urdf_rs::write_to_string(&robot)?, &locked)?)
             }

@@ -1,0 +1,64 @@
+//! Log → Reconstruction: what was found, how, and what was said on the way.
+
+use crate::form::Dropped;
+use crate::noise::NoiseFloor;
+use crate::patterns::Patterns;
+use crate::survey::Survey;
+use crate::warning::Warning;
+use torquewise_model::Model;
+use torquewise_sparse::accumulate::Route;
+
+/// What was found, and how.
+#[derive(Clone, Debug)]
+pub struct Reconstruction {
+    /// The equations of motion.
+    pub model: Model,
+    /// The log at a glance.
+    pub survey: Survey,
+    /// The patterns its rows fall into.
+    pub patterns: Patterns,
+    /// The white noise in its signals, from standstill where there is one.
+    pub noise: NoiseFloor,
+    /// Candidates in all.
+    pub candidates: usize,
+    /// The steps taken.
+    pub steps: Vec<StepReport>,
+    /// Terms that did not stay though resampled logs kept them, the likeliest first.
+    pub dropped: Vec<Dropped>,
+    /// What the user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// One step of the reconstruction.
+#[derive(Clone, Debug)]
+pub struct StepReport {
+    /// Name of its pattern.
+    pub name: &'static str,
+    /// Its rows.
+    pub rows: usize,
+    /// Candidates offered.
+    pub candidates: usize,
+    /// Terms found so far that act on each joint, n.
+    pub active: Vec<usize>,
+    /// How its normal equations were come by.
+    pub route: Route,
+}
+
+/// A stage of the work, told when it begins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// The log is looked through.
+    Survey,
+    /// Rows are clustered.
+    Patterns,
+    /// The geometry of the arm is learned (E8).
+    Geometry,
+    /// Normal equations are summed.
+    Evidence,
+    /// Terms are selected in a step, counted from 1.
+    Step(usize),
+    /// The kept terms are fitted on all rows.
+    Refit,
+    /// All is done.
+    Done,
+}

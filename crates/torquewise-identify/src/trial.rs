@@ -1,0 +1,85 @@
+//! Recipe, rows → trial: a chain fitted with each block of time left out, and judged there.
+
+use crate::beside::Beside;
+use crate::error::IdentifyError;
+use crate::held_out::{BLOCKS, Trial, choose, split};
+use rayon::prelude::*;
+use torquewise_chain::{Chain, Rows, Search, refine};
+use torquewise_model::model::Choice;
+
+/// What a fit is made of, beside the geometry.
+#[derive(Clone, Debug)]
+pub(crate) struct Recipe {
+    pub(crate) beside: Vec<Beside>,
+    pub(crate) search: Search,
+    /// Parameters of the geometry that move.
+    pub(crate) free: Vec<usize>,
+}
+
+impl Recipe {
+    /// Whether friction is fitted.
+    pub(crate) fn rubs(&self) -> bool {
+        self.beside.iter().any(|beside| matches!(beside, Beside::Friction(_)))
+    }
+}
+
+/// Errors below this are rounding.
+const LEAST_ERROR: f64 = 1e-12;
+/// Fits a recipe with each block left out, and scores it there.
+pub(crate) fn trial(
+    label: String,
+    recipe: &Recipe,
+    rows: &Rows,
+    start: &Chain,
+    rounds: usize,
+) -> Result<Trial, IdentifyError> {
+    let search = Search { rounds, weighings: 1, ..recipe.search.clone() };
+    let errors = (0..BLOCKS)
+        .into_par_iter()
+        .map(|block| {
+            let (held, rest) = split(rows.len(), block);
+            let free: &[usize] = if rounds > 0 { &recipe.free } else { &[] };
+            let chain = refine(&rows.select(&rest), start, free, &search)?;
+            Ok(error(&chain, &rows.select(&held), rows))
+        })
+        .collect::<Result<Vec<f64>, IdentifyError>>()?;
+    let complexity = start.inertial.len() + recipe.beside.len();
+    Ok(Trial { label, complexity, errors })
+}
+
+/// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
+/// whose torque is mostly noise has no more say than the others.
+fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
+    let (m, predicted) = (held.len(), chain.torque(held));
+    let parts: Vec<f64> = (0..held.n_joints())
+        .filter_map(|joint| {
+            let spread = deviation(all.torque_of(joint));
+            let pairs = held.torque_of(joint).iter().zip(&predicted[joint * m..]);
+            let squares: f64 = pairs.map(|(tau, found)| (tau - found).powi(2)).sum();
+            let rms = (squares / m.max(1) as f64).sqrt();
+            (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
+        })
+        .collect();
+    (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
+}
+
+fn deviation(x: &[f64]) -> f64 {
+    let m = x.len().max(1) as f64;
+    let mean = x.iter().sum::<f64>() / m;
+    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt()
+}
+
+/// Of each `count` trials in a row, the place of the best.
+pub(crate) fn best_of_each(trials: &[Trial], count: usize) -> Vec<usize> {
+    let places: Vec<usize> = (0..trials.len()).collect();
+    let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
+    places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect()
+}
+
+/// Makes a choice and its record.
+pub(crate) fn record(what: &str, trials: &[Trial], choices: &mut Vec<Choice>) -> usize {
+    choose(what, trials).map_or(0, |(place, choice)| {
+        choices.push(choice);
+        place
+    })
+}
