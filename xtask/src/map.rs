@@ -13,14 +13,18 @@ Every file with its first line, crates and modules in reading order. Written by 
 ";
 
 /// Crates from the bottom layer up; a crate not named here comes last.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 14] = [
     "torquewise-motion",
     "torquewise-sparse",
     "torquewise-model",
     "torquewise-dynamics",
+    "torquewise-signals",
     "torquewise-logs",
+    "torquewise-chain",
     "torquewise-identify",
     "torquewise-report",
+    "torquewise-excite",
+    "torquewise-experiments",
     "torquewise",
     "torquewise-cli",
     "xtask",

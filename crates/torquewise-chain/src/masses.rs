@@ -4,9 +4,10 @@ use crate::bodies::{Bodies, PER_BODY};
 use crate::error::ChainError;
 use crate::geometry::Geometry;
 use crate::rows::Rows;
+use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
+use faer::{Accum, Mat, MatRef, Par, Side};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
@@ -57,7 +58,7 @@ impl Masses {
         weights: &[f64],
         ridge: f64,
     ) -> Result<Self, ChainError> {
-        let m = rows.len();
+        let (m, n) = (rows.len(), rows.n_joints());
         let size = rows.torque.len() as f64;
         let mut columns = weighted_columns(geometry, rows, weights);
         let p = columns.ncols();
@@ -77,11 +78,14 @@ impl Masses {
             gram[(j, j)] += ridge * size;
         }
         let factor = gram.llt(Side::Lower).map_err(|_| ChainError::Singular)?;
-        let right = columns.transpose() * faer::ColRef::from_slice(&target);
+        let right =
+            product(columns.transpose(), MatRef::from_column_major_slice(&target, m * n, 1));
         let scaled = factor.solve(&right);
-        let fitted = &columns * &scaled;
-        let residual: Vec<f64> = target.iter().zip(fitted.iter()).map(|(t, f)| t - f).collect();
+        let fitted = product(columns.as_ref(), scaled.as_ref());
+        let pairs = target.iter().zip(fitted.col_as_slice(0));
+        let residual: Vec<f64> = pairs.map(|(t, f)| t - f).collect();
         let squares: f64 = residual.iter().map(|r| r * r).sum();
+        let scaled = scaled.col_as_slice(0);
         let penalty: f64 = ridge * scaled.iter().map(|c| c * c).sum::<f64>();
         let coefficients = scaled.iter().zip(&scales).map(|(c, s)| c / s).collect();
         let cost = squares / size + penalty;
@@ -94,9 +98,10 @@ impl Masses {
     /// What a change of the weighted torque at fixed coefficients leaves of itself once the
     /// coefficients follow: DᵀD − (YᵀD)ᵀ(YᵀY + λ)⁻¹(YᵀD), g×g, for the changes D, (m·n)×g.
     pub(crate) fn projected(&self, changes: &Mat<f64>) -> Mat<f64> {
-        let across = self.columns.transpose() * changes;
+        let across = product(self.columns.transpose(), changes.as_ref());
         let followed = self.factor.solve(&across);
-        changes.transpose() * changes - across.transpose() * followed
+        product(changes.transpose(), changes.as_ref())
+            - product(across.transpose(), followed.as_ref())
     }
 
     /// Mean square residual of each joint \[(N·m)²\], weights taken out.
@@ -111,16 +116,23 @@ impl Masses {
     }
 }
 
+/// A product whose bits do not depend on the number of threads; starts are fitted side by side.
+fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(left.nrows(), right.ncols());
+    matmul(out.as_mut(), Accum::Replace, left, right, 1.0, Par::Seq);
+    out
+}
+
 fn lower_gram(gram: &mut Mat<f64>, columns: &Mat<f64>) {
     triangular::matmul(
         gram.as_mut(),
         BlockStructure::TriangularLower,
-        faer::Accum::Replace,
+        Accum::Replace,
         columns.transpose(),
         BlockStructure::Rectangular,
         columns.as_ref(),
         BlockStructure::Rectangular,
         1.0,
-        faer::Par::Seq,
+        Par::Seq,
     );
 }

@@ -92,7 +92,9 @@ mod tests {
         for block in 0..BLOCKS {
             let (held, rest) = split(23, block);
             assert_eq!(held.len() + rest.len(), 23);
-            held.iter().for_each(|&row| seen[row] += 1);
+            for &row in &held {
+                seen[row] += 1;
+            }
             assert!(held.windows(2).all(|pair| pair[1] == pair[0] + 1));
         }
         assert_eq!(seen, [1; 23]);

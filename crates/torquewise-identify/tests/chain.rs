@@ -16,8 +16,6 @@ use torquewise_motion::{Motion, Signals};
 
 /// White noise in the torque, as a part of its spread.
 const NOISE: f64 = 0.01;
-/// Dry friction, as smooth as the learner takes it, but for a few percent.
-const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.016 };
 
 type Friction = Vec<(FrictionTerm, f64)>;
 
@@ -53,10 +51,20 @@ fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
     reconstruct(motion, &plan(friction), &mut |_| {}).unwrap()
 }
 
-/// Offset, viscous and dry friction of a joint.
-fn linear(n: usize, joint: usize, [offset, viscous, dry]: [f64; 3]) -> Friction {
-    let laws = [(FrictionLaw::Offset, offset), (FrictionLaw::Viscous, viscous), (DRY, dry)];
-    laws.map(|(law, c)| (FrictionTerm::of_joint(n, joint, law), c)).to_vec()
+/// Half width of the smooth sign of a joint that moves so: that of the learner, since a sharper one
+/// is something that linear friction does not have.
+fn width(motion: &Motion, joint: usize) -> f64 {
+    0.01 * motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
+}
+
+/// Offset, viscous and dry friction of each joint.
+fn linear(motion: &Motion, joints: &[[f64; 3]]) -> Friction {
+    let laws = |(joint, [offset, viscous, dry]): (usize, &[f64; 3])| {
+        let sign = FrictionLaw::Coulomb { width: width(motion, joint) };
+        let laws = [(FrictionLaw::Offset, *offset), (FrictionLaw::Viscous, *viscous), (sign, *dry)];
+        laws.map(|(law, c)| (FrictionTerm::of_joint(joints.len(), joint, law), c))
+    };
+    joints.iter().enumerate().flat_map(laws).collect()
 }
 
 /// The coefficient that was found for a law on a shaft, whatever its width.
@@ -78,15 +86,17 @@ fn reference_arm() -> Arm {
     Arm::builtin("puma560-3").unwrap()
 }
 
+fn reference_log() -> Motion {
+    sines(&reference_arm(), 40.0, 1)
+}
+
 fn reference_friction() -> Friction {
-    let joints = [[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]];
-    (0..3).flat_map(|joint| linear(3, joint, joints[joint])).collect()
+    linear(&reference_log(), &[[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]])
 }
 
 /// The reference arm with linear friction, any friction allowed for.
 static REFERENCE: LazyLock<Reconstruction> = LazyLock::new(|| {
-    let log = rubbing(&sines(&reference_arm(), 60.0, 1), &reference_friction(), NOISE);
-    fit(&log, FrictionKind::Auto)
+    fit(&rubbing(&reference_log(), &reference_friction(), NOISE), FrictionKind::Auto)
 });
 
 /// Positions and speeds of an arm in motion.
@@ -199,10 +209,10 @@ fn standard_errors_are_of_the_size_of_the_errors() {
     assert!((0.05..20.0).contains(&mean), "{squares:?}");
 }
 
-/// The last three joints of an arm whose base lies on its side: roll, pitch, roll.
+/// Roll, pitch, roll, as at the end of an arm.
 const WRIST: &str = r#"
 name = "wrist"
-gravity = [0.0, -9.81, 0.0]
+base_rpy = [0.9, 0.0, 0.0]
 [[joints]]
 name = "roll"
 a = 0.0
@@ -231,15 +241,15 @@ inertia = [0.01, 0.014, 0.012, 0.0, 0.001, 0.0]
 
 #[test]
 fn the_shaft_of_a_coupled_wrist_is_found() {
-    let arm = Arm::from_dh_toml(WRIST).unwrap();
-    let mut friction: Friction =
-        (0..3).flat_map(|joint| linear(3, joint, [0.0, 1.0, 1.5])).collect();
-    let coupled =
-        |law| FrictionTerm { shaft: vec![0.0, 1.0, -1.0], ..FrictionTerm::of_joint(3, 0, law) };
-    friction.extend([(coupled(FrictionLaw::Viscous), 2.0), (coupled(DRY), 2.5)]);
-    let log = rubbing(&sines(&arm, 60.0, 1), &friction, NOISE);
+    let motion = sines(&Arm::from_dh_toml(WRIST).unwrap(), 40.0, 1);
+    let mut friction = linear(&motion, &[[0.0, 1.0, 1.5]; 3]);
+    let sign = FrictionLaw::Coulomb { width: width(&motion, 1).min(width(&motion, 2)) };
+    for (law, c) in [(FrictionLaw::Viscous, 2.0), (sign, 2.5)] {
+        let shaft = vec![0.0, 1.0, -1.0];
+        friction.push((FrictionTerm { shaft, ..FrictionTerm::of_joint(3, 0, law) }, c));
+    }
 
-    let found = fit(&log, FrictionKind::Linear);
+    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Linear);
 
     assert_eq!(chosen(&found, "shared shaft"), Some("dq2 - dq3"));
     for (term, truth) in friction.into_iter().filter(|(_, truth)| *truth > 0.0) {
@@ -250,26 +260,26 @@ fn the_shaft_of_a_coupled_wrist_is_found() {
 
 #[test]
 fn stribeck_friction_is_chosen_where_there_is_some() {
-    let arm = Arm::builtin("planar-2").unwrap();
-    let mut friction: Friction =
-        (0..2).flat_map(|joint| linear(2, joint, [0.0, 2.0, 2.0])).collect();
-    for joint in 0..2 {
-        let law = FrictionLaw::Stribeck { speed: 0.12, width: 0.016 };
-        friction.push((FrictionTerm::of_joint(2, joint, law), 2.0));
+    let motion = reference_log();
+    let mut friction = linear(&motion, &[[0.0, 2.0, 2.0]; 3]);
+    for joint in 0..3 {
+        let width = width(&motion, joint);
+        // A speed of the dictionary: 5 % of the peak.
+        let law = FrictionLaw::Stribeck { speed: 5.0 * width, width };
+        friction.push((FrictionTerm::of_joint(3, joint, law), 2.0));
     }
-    let log = rubbing(&sines(&arm, 60.0, 1), &friction, NOISE);
 
-    let found = fit(&log, FrictionKind::Auto);
+    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Auto);
 
     assert_eq!(chosen(&found, "friction"), Some("stribeck"));
-    // No speed of the dictionary is the true one: it is the curve that counts.
+    // The other speed of the dictionary takes a little of each law: the curve is what counts.
     let torque = Torque::new(&found.model);
     for speed in [-1.2, -0.5, -0.2, -0.1, 0.05, 0.1, 0.2, 0.5, 1.2] {
-        let dq = [speed, 0.4 * speed];
-        let rubs = torque.friction(&dq).unwrap();
-        for (joint, rubs) in rubs.into_iter().enumerate() {
+        let dq = [speed, 0.4 * speed, -speed];
+        for (joint, rubs) in torque.friction(&dq).unwrap().into_iter().enumerate() {
             let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
-            assert!((rubs - truth).abs() < 0.02 * 4.0, "{speed} rad/s: {rubs}, not {truth}");
+            // 2 % of the greatest friction.
+            assert!((rubs - truth).abs() < 0.08, "{speed} rad/s: {rubs}, not {truth}");
         }
     }
 }
@@ -289,9 +299,10 @@ fn without_friction_none_is_listed() {
 fn a_pendulum_is_a_chain_of_one() {
     let pendulum = WRIST.split("[[joints]]").take(2).collect::<Vec<_>>().join("[[joints]]");
     let arm = Arm::from_dh_toml(&pendulum).unwrap();
-    let friction = linear(1, 0, [0.1, 0.5, 0.8]);
+    let motion = sines(&arm, 20.0, 1);
+    let friction = linear(&motion, &[[0.1, 0.5, 0.8]]);
 
-    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &friction, NOISE), FrictionKind::Auto);
+    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Auto);
 
     let test = rubbing(&sines(&arm, 10.0, 2), &friction, 0.0);
     let scores = score(&found.model, &test).unwrap();
@@ -300,8 +311,8 @@ fn a_pendulum_is_a_chain_of_one() {
 
 #[test]
 fn the_same_seed_gives_the_same_chain_model_at_any_number_of_threads() {
-    let arm = Arm::builtin("planar-2").unwrap();
-    let log = rubbing(&sines(&arm, 20.0, 1), &linear(2, 0, [0.1, 1.0, 1.0]), NOISE);
+    let motion = sines(&Arm::builtin("planar-2").unwrap(), 20.0, 1);
+    let log = rubbing(&motion, &linear(&motion, &[[0.1, 1.0, 1.0]; 2]), NOISE);
     let model_with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| to_json(&fit(&log, FrictionKind::Auto).model).unwrap())
@@ -323,7 +334,7 @@ fn too_few_rows_for_a_chain_are_named() {
 
 #[test]
 fn joints_that_never_move_do_not_panic() {
-    let log = sines(&reference_arm(), 6.0, 1);
+    let log = sines(&reference_arm(), 3.0, 1);
     for moving in [0, 1, 2] {
         let signals = log.clone().into_signals();
         let held = |x: &Mat<f64>| {

@@ -117,13 +117,18 @@ mod tests {
     use faer::Mat;
     use torquewise_motion::{Motion, Signals};
 
-    /// Two joints driven by sines; the torque is that of `lag` seconds ago.
+    /// Two joints driven by three sines each; the torque is that of `lag` seconds ago.
     fn motion(lag: f64) -> Motion {
         let t: Vec<f64> = (0..3_000).map(|row| 0.005 * f64::from(row)).collect();
-        let wave = |t: f64, joint: usize, order: i32| {
-            let (rate, turn) = (2.3 + 1.1 * joint as f64, 0.7 * joint as f64);
-            let angle = rate * t + turn + f64::from(order) * std::f64::consts::FRAC_PI_2;
-            rate.powi(order) * angle.sin()
+        // Of a single sine, a lag and a little more friction look the same: three make a motion.
+        let wave = |t: f64, joint: usize, order: i32| -> f64 {
+            let parts = [(0.9, 1.3), (0.5, 3.1), (0.3, 5.9)].into_iter().enumerate();
+            let part = |(k, (size, rate)): (usize, (f64, f64))| {
+                let rate = rate + 0.7 * joint as f64;
+                let angle = rate * t + k as f64 + f64::from(order) * std::f64::consts::FRAC_PI_2;
+                size * rate.powi(order) * angle.sin()
+            };
+            parts.map(part).sum()
         };
         let of = |order| Mat::from_fn(t.len(), 2, |row, joint| wave(t[row], joint, order));
         let tau = Mat::from_fn(t.len(), 2, |row, joint| {

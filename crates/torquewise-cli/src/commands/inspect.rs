@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use torquewise::identify::{
     NoiseFloor, PatternPlan, Patterns, Survey, Warning, find_patterns, survey,
 };
-use torquewise::logs::{Logs, UnitWarning, suggest, unit_warnings};
+use torquewise::logs::{LogError, Logs, UnitWarning, suggest, unit_warnings};
 use torquewise::motion::{Pattern, Recording};
 
 /// Show what a log holds and what it lacks
@@ -41,7 +41,11 @@ struct Inspection {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = match arguments.profile.open(&arguments.logs) {
         Ok(logs) => logs,
-        Err(error) => return suggested(&arguments.logs, &arguments.profile).ok_or(error),
+        // Columns by other names are no mistake; a mistake in our own names is.
+        Err(error) if matches!(error.downcast_ref(), Some(LogError::NoColumn { .. })) => {
+            return suggested(&arguments.logs, &arguments.profile).ok_or(error);
+        }
+        Err(error) => return Err(error),
     };
     let recorded = arguments.signals.prepare(logs)?;
     let watched = Watched::new(&recorded, "looking through the log");
