@@ -32,6 +32,7 @@ impl Pull {
     /// Pulls each axis to the right angle it is nearest to.
     pub(crate) fn new(strength: f64, geometry: &Geometry) -> Self {
         let mut anchor = Geometry::straight(geometry.n_joints());
+        anchor.set_tilt(nearest_right_angle(geometry.tilt()));
         for joint in 1..geometry.n_joints() {
             anchor.set_direction(joint, nearest_right_angle(geometry.direction(joint)));
         }

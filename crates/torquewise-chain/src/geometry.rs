@@ -111,6 +111,14 @@ impl Geometry {
         self.set_pair(joint, 2, place);
     }
 
+    pub(crate) fn tilt(&self) -> [f64; 2] {
+        [self.parameters[0], self.parameters[1]]
+    }
+
+    pub(crate) fn set_tilt(&mut self, tilt: [f64; 2]) {
+        self.parameters[..PER_BASE].copy_from_slice(&tilt);
+    }
+
     fn set_pair(&mut self, joint: usize, first: usize, values: [f64; 2]) {
         if let Some(before) = joint.checked_sub(1) {
             let start = PER_BASE + PER_JOINT * before + first;
@@ -124,9 +132,9 @@ impl Geometry {
     pub fn snapped(&self, angle: f64, distance: f64) -> (Self, Vec<usize>) {
         let mut snapped = self.clone();
         let mut free = Vec::new();
-        let tilt = self.parameters[0].hypot(self.parameters[1]);
-        if tilt < angle {
-            snapped.parameters[..PER_BASE].fill(0.0);
+        let right = nearest_right_angle(self.tilt());
+        if axis(self.tilt()).angle(&axis(right)) < angle {
+            snapped.set_tilt(right);
         } else {
             free.extend(0..PER_BASE);
         }

@@ -249,14 +249,18 @@ fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Fitted> 
     let mut least = logarithm(&best, target);
     for _ in 0..SWEEPS {
         let mut changed = false;
-        let mut order: Vec<usize> = (1..n).collect();
+        let mut order: Vec<usize> = (0..n).collect();
         for k in (1..order.len()).rev() {
             order.swap(k, random.random_range(0..=k));
         }
         for joint in order {
             for direction in RIGHT_ANGLES {
                 let mut other = best.geometry.clone();
-                other.set_direction(joint, direction);
+                if joint == 0 {
+                    other.set_tilt(direction);
+                } else {
+                    other.set_direction(joint, direction);
+                }
                 if let Ok(found) = target.fit(&other)
                     && logarithm(&found, target) < least
                 {
