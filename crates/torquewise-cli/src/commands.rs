@@ -21,9 +21,10 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 /// From the motion log of a robot arm to its equations of motion
 ///
-/// A LOG is a .csv or .parquet file with the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in
-/// SI units; dq and ddq may be missing. Exit codes: 0 done, 1 failed, 2 wrong usage, 3 done with
-/// warnings.
+/// A LOG is a ROS 2 bag (.db3, .mcap) of JointState messages, or a .csv, .parquet, .npz or .mat
+/// file with the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units; dq and ddq may be
+/// missing. A profile (--profile) tells of other columns and units. Exit codes: 0 done, 1 failed,
+/// 2 wrong usage, 3 done with warnings.
 #[derive(Debug, Parser)]
 #[command(name = "torquewise", version, propagate_version = true)]
 pub(crate) struct CommandLine {

@@ -1,6 +1,6 @@
 //! Sample of a log → findings: what its motion cannot determine, in words a person can act on.
 
-use crate::survey::Survey;
+use crate::survey::{Survey, thinned};
 use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};
 use std::fmt;
@@ -67,6 +67,9 @@ const MOST_CORRELATION: f64 = 0.98;
 /// A torque that position explains but for this share is no measurement of a moving joint.
 const LEAST_RESIDUAL: f64 = 0.005;
 
+/// Rows that tell a command.
+const COMMAND_ROWS: usize = 2_000;
+
 /// What the motion of a log leaves open, joint by joint; joints that never move are left to the
 /// warnings of the survey.
 pub fn findings(survey: &Survey) -> Vec<Finding> {
@@ -125,7 +128,7 @@ fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
 /// Whether a torque is what a controller makes of the position: the torque of a real joint that
 /// moves holds friction and inertia too.
 fn commanded(survey: &Survey, joint: usize) -> Option<Finding> {
-    let motion = &survey.sample;
+    let motion = thinned(&survey.sample, COMMAND_ROWS);
     let tau = motion.tau()?;
     let moves = survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION;
     let (m, n) = (motion.n_rows(), motion.n_joints());

@@ -4,6 +4,7 @@ use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
 use crate::held_out::{BLOCKS, Trial, split};
 use crate::plan::FrictionKind;
+use crate::survey::thinned;
 use crate::trial::{Recipe, best_of_each, record, trial};
 use rayon::prelude::*;
 use torquewise_chain::search::all_parameters;
@@ -346,13 +347,4 @@ impl<'a> School<'a> {
             })
             .collect()
     }
-}
-
-/// At most `count` rows, evenly spread.
-fn thinned(motion: &Motion, count: usize) -> Motion {
-    let m = motion.n_rows();
-    if m <= count {
-        return motion.clone();
-    }
-    motion.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
 }

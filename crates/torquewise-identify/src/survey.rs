@@ -185,6 +185,15 @@ impl Look {
     }
 }
 
+/// At most `count` rows, evenly spread.
+pub(crate) fn thinned(motion: &Motion, count: usize) -> Motion {
+    let m = motion.n_rows();
+    if m <= count {
+        return motion.clone();
+    }
+    motion.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+}
+
 fn row_of(block: &Motion, row: usize) -> Vec<f64> {
     let signals = [Some(block.q()), Some(block.dq()), Some(block.ddq()), block.tau()];
     let values = signals
