@@ -94,6 +94,14 @@ impl Rows {
         self
     }
 
+    /// Standard deviation of the torque of a joint \[N·m\].
+    pub fn deviation_of(&self, joint: usize) -> f64 {
+        let torque = self.torque_of(joint);
+        let m = torque.len().max(1) as f64;
+        let mean = torque.iter().sum::<f64>() / m;
+        (torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m).sqrt()
+    }
+
     pub(crate) fn state(&self, row: usize) -> State<'_> {
         let n = self.n_joints;
         let state = &self.states[3 * n * row..3 * n * (row + 1)];

@@ -81,9 +81,7 @@ impl Chain {
             cost: fitted.cost,
         }
     }
-}
 
-impl Chain {
     /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
     pub fn torque(&self, rows: &Rows) -> Vec<f64> {
         let (m, n) = (rows.len(), rows.n_joints());
@@ -118,15 +116,11 @@ const FIRST_NOISE: f64 = 0.1;
 
 /// One over the noise guessed of each joint, n.
 pub(crate) fn first_weights(rows: &Rows) -> Vec<f64> {
-    let weight = |joint| 1.0 / (FIRST_NOISE * spread(rows.torque_of(joint)));
+    let weight = |joint| {
+        let deviation = rows.deviation_of(joint);
+        1.0 / (FIRST_NOISE * if deviation > 0.0 { deviation } else { 1.0 })
+    };
     (0..rows.n_joints()).map(weight).collect()
-}
-
-fn spread(x: &[f64]) -> f64 {
-    let m = x.len().max(1) as f64;
-    let mean = x.iter().sum::<f64>() / m;
-    let deviation = (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt();
-    if deviation > 0.0 { deviation } else { 1.0 }
 }
 
 /// Parameters that rows may move: the tilt of gravity and all axes.
@@ -184,8 +178,8 @@ fn score(chain: &Chain, rows: &Rows) -> f64 {
 
 /// Refines the free parameters of a geometry, joints weighed by what is left of them.
 ///
-/// `known`: RMS of the residual of each joint, if an earlier chain left one \[N·m\], n; `free`: the
-/// parameters that may move.
+/// The residuals of `start` are the first weights, where it has any; `free` are the parameters that
+/// may move.
 ///
 /// # Errors
 /// [`ChainError::Shape`] if the start is of another arm or has no such parameter,

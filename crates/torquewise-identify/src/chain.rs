@@ -12,7 +12,7 @@ use crate::survey::Survey;
 use crate::warning::Warning;
 use std::collections::BTreeMap;
 use torquewise_chain::Chain;
-use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Training, Weighted};
+use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Weighted};
 use torquewise_sparse::accumulate::Route;
 
 /// Energy terms with their coefficients, equal terms added up.
@@ -29,7 +29,8 @@ pub(crate) fn by_chain(
     let learned = learn(&survey.sample, plan.friction, plan.seed)?;
     progress(Progress::Refit);
     let all = energies(&learned.chain, &learned.beside)?;
-    let candidates = all.len() + friction(&learned).len();
+    let friction = friction(&learned);
+    let candidates = all.len() + friction.len();
     let kept =
         prune(all.into_iter().collect(), &survey.sample, &learned.chain.residual_rms, plan.seed);
     let without = (learned.without.iter())
@@ -43,19 +44,11 @@ pub(crate) fn by_chain(
             Weighted { std_error: jackknife(&others), term, coefficient, inclusion: None }
         })
         .collect();
-    let friction = friction(&learned);
     progress(Progress::Done);
     let warnings = Warning::of_survey(&survey);
     let form = Form::Energy(terms);
     let joints = survey.joints.clone();
-    let training = Training {
-        rows: survey.rows,
-        residual_rms: learned.chain.residual_rms.clone(),
-        torque_std: survey.torque_std.clone(),
-        q_range: survey.q_range.clone(),
-        dq_peak: survey.dq_peak.clone(),
-        ddq_peak: survey.ddq_peak.clone(),
-    };
+    let training = survey.training(learned.chain.residual_rms.clone());
     let model =
         Model { joints, form, friction, stages: Vec::new(), training, choices: learned.choices };
     let step = StepReport {

@@ -2,7 +2,7 @@
 
 use crate::survey::{Survey, thinned};
 use faer::linalg::solvers::Solve;
-use faer::{ColRef, Mat, Side};
+use faer::{Mat, Side};
 use std::fmt;
 use torquewise_motion::Motion;
 
@@ -90,7 +90,7 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
             }
         }
     }
-    found.extend(joints.iter().filter_map(|&joint| commanded(survey, joint)));
+    found.extend(commanded(survey, &joints).unwrap_or_default());
     found
 }
 
@@ -125,14 +125,13 @@ fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
     if size > 0.0 { across / size } else { 0.0 }
 }
 
-/// Whether a torque is what a controller makes of the position: the torque of a real joint that
-/// moves holds friction and inertia too.
-fn commanded(survey: &Survey, joint: usize) -> Option<Finding> {
+/// Torques that are what a controller makes of the position: the torque of a real joint that moves
+/// holds friction and inertia too. `None` where that cannot be told.
+fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
     let motion = thinned(&survey.sample, COMMAND_ROWS);
     let tau = motion.tau()?;
-    let moves = survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION;
     let (m, n) = (motion.n_rows(), motion.n_joints());
-    if !moves || survey.torque_std[joint] <= 0.0 || m < 20 * (2 * n + 1) {
+    if m < 20 * (2 * n + 1) {
         return None;
     }
     let columns = Mat::from_fn(m, 2 * n + 1, |row, column| match column.checked_sub(1) {
@@ -140,18 +139,25 @@ fn commanded(survey: &Survey, joint: usize) -> Option<Finding> {
         Some(k) if k % 2 == 0 => motion.q()[(row, k / 2)].sin(),
         Some(k) => motion.q()[(row, k / 2)].cos(),
     });
-    let target: Vec<f64> = tau.col(joint).iter().copied().collect();
     let mut gram = columns.transpose() * &columns;
     for j in 0..gram.ncols() {
         gram[(j, j)] += 1e-10 * m as f64;
     }
-    let weights =
-        gram.llt(Side::Lower).ok()?.solve(columns.transpose() * ColRef::from_slice(&target));
-    let fitted = &columns * &weights;
-    let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();
-    let residual = (squares / m as f64).sqrt() / survey.torque_std[joint];
-    (residual < LEAST_RESIDUAL)
-        .then(|| Finding::Commanded { joint: survey.joints[joint].clone(), residual })
+    let factor = gram.llt(Side::Lower).ok()?;
+    let of_joint = |&joint: &usize| {
+        let moves =
+            survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION;
+        if !moves || survey.torque_std[joint] <= 0.0 {
+            return None;
+        }
+        let target = tau.col(joint);
+        let fitted = &columns * factor.solve(columns.transpose() * target);
+        let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();
+        let residual = (squares / m as f64).sqrt() / survey.torque_std[joint];
+        (residual < LEAST_RESIDUAL)
+            .then(|| Finding::Commanded { joint: survey.joints[joint].clone(), residual })
+    };
+    Some(joints.iter().filter_map(of_joint).collect())
 }
 
 impl fmt::Display for Finding {

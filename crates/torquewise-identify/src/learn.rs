@@ -5,7 +5,7 @@ use crate::error::IdentifyError;
 use crate::held_out::{BLOCKS, Trial, split};
 use crate::plan::FrictionKind;
 use crate::survey::thinned;
-use crate::trial::{Recipe, best_of_each, record, trial};
+use crate::trial::{Recipe, record, record_best, trial};
 use rayon::prelude::*;
 use torquewise_chain::search::all_parameters;
 use torquewise_chain::{Chain, Rows, Search, refine, search};
@@ -143,11 +143,7 @@ impl<'a> School<'a> {
                 trial(format!("{pull}"), &recipe, &rows, start, ROUNDS)
             })
             .collect::<Result<Vec<Trial>, IdentifyError>>()?;
-        // Of each pull, the start that does best.
-        let best = best_of_each(&trials, starts.len());
-        let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
-        let place = record(PULL, &candidates, choices);
-        let (pull, start) = pairs[best[place]];
+        let (pull, start) = pairs[record_best(PULL, &trials, starts.len(), choices)];
         recipe.search.pull = pull;
         let rows = self.rows(recipe, recipe.search.final_rows)?;
         let chain = refine(&rows, start, &recipe.free, &recipe.search)?;
@@ -287,9 +283,7 @@ impl<'a> School<'a> {
             .par_iter()
             .map(|(label, recipe, start)| trial(label.clone(), recipe, &rows, start, SNAP_ROUNDS))
             .collect::<Result<Vec<_>, _>>()?;
-        let best = best_of_each(&trials, sources.len());
-        let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
-        let place = best[record("right angles", &candidates, choices)];
+        let place = record_best("right angles", &trials, sources.len(), choices);
         let (_, chosen, chain) = ways.swap_remove(place);
         *recipe = chosen;
         // What is left free lies where it lies: the pull has done its work.

@@ -15,7 +15,7 @@ use crate::step;
 use crate::survey::{Survey, survey};
 use crate::warning::Warning;
 use rayon::prelude::*;
-use torquewise_model::{Model, Stage, Training};
+use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
 use torquewise_sparse::select::Selector;
 
@@ -201,14 +201,8 @@ impl<'a> Found<'a> {
     ) -> Reconstruction {
         let terms: Vec<_> = refitted.iter().map(|group| group.terms.clone()).collect();
         let dropped = dropped(self.candidates, &refitted);
-        let training = Training {
-            rows: survey.rows,
-            residual_rms: refitted.into_iter().flat_map(|group| group.residual_rms).collect(),
-            torque_std: survey.torque_std.clone(),
-            q_range: survey.q_range.clone(),
-            dq_peak: survey.dq_peak.clone(),
-            ddq_peak: survey.ddq_peak.clone(),
-        };
+        let left = refitted.into_iter().flat_map(|group| group.residual_rms).collect();
+        let training = survey.training(left);
         let form = form(self.candidates, &terms);
         let joints = survey.joints.clone();
         let (stages, friction, choices) = (self.stages, Vec::new(), Vec::new());

@@ -3,6 +3,7 @@
 use crate::error::IdentifyError;
 use crate::noise::{NoiseFloor, NoiseSum};
 use faer::Mat;
+use torquewise_model::Training;
 use torquewise_motion::{Motion, Recording, Signals};
 
 /// What one pass over a log tells.
@@ -204,6 +205,19 @@ fn row_of(block: &Motion, row: usize) -> Vec<f64> {
 }
 
 impl Survey {
+    /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque
+    /// of each joint \[N·m\], n.
+    pub(crate) fn training(&self, residual_rms: Vec<f64>) -> Training {
+        Training {
+            rows: self.rows,
+            residual_rms,
+            torque_std: self.torque_std.clone(),
+            q_range: self.q_range.clone(),
+            dq_peak: self.dq_peak.clone(),
+            ddq_peak: self.ddq_peak.clone(),
+        }
+    }
+
     /// Rows per second within trajectories \[Hz\]; zero for a single row.
     pub fn rate(&self) -> f64 {
         let steps = self.rows.saturating_sub(self.trajectories);

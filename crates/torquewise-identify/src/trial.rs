@@ -4,7 +4,7 @@ use crate::beside::Beside;
 use crate::error::IdentifyError;
 use crate::held_out::{BLOCKS, Trial, choose, split};
 use rayon::prelude::*;
-use torquewise_chain::{Chain, Rows, Search, refine};
+use torquewise_chain::{Chain, Rows, Search, fit, refine};
 use torquewise_model::model::Choice;
 
 /// What a fit is made of, beside the geometry.
@@ -25,7 +25,8 @@ impl Recipe {
 
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-12;
-/// Fits a recipe with each block left out, and scores it there.
+
+/// Fits a recipe with each block left out, and scores it there; without rounds the geometry stays.
 pub(crate) fn trial(
     label: String,
     recipe: &Recipe,
@@ -38,8 +39,11 @@ pub(crate) fn trial(
         .into_par_iter()
         .map(|block| {
             let (held, rest) = split(rows.len(), block);
-            let free: &[usize] = if rounds > 0 { &recipe.free } else { &[] };
-            let chain = refine(&rows.select(&rest), start, free, &search)?;
+            let rest = rows.select(&rest);
+            let chain = match rounds {
+                0 => fit(&rest, start, &search)?,
+                _ => refine(&rest, start, &recipe.free, &search)?,
+            };
             Ok(error(&chain, &rows.select(&held), rows))
         })
         .collect::<Result<Vec<f64>, IdentifyError>>()?;
@@ -53,7 +57,7 @@ fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
     let (m, predicted) = (held.len(), chain.torque(held));
     let parts: Vec<f64> = (0..held.n_joints())
         .filter_map(|joint| {
-            let spread = deviation(all.torque_of(joint));
+            let spread = all.deviation_of(joint);
             let pairs = held.torque_of(joint).iter().zip(&predicted[joint * m..]);
             let squares: f64 = pairs.map(|(tau, found)| (tau - found).powi(2)).sum();
             let rms = (squares / m.max(1) as f64).sqrt();
@@ -63,17 +67,20 @@ fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
     (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
 }
 
-fn deviation(x: &[f64]) -> f64 {
-    let m = x.len().max(1) as f64;
-    let mean = x.iter().sum::<f64>() / m;
-    (x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt()
-}
-
-/// Of each `count` trials in a row, the place of the best.
-pub(crate) fn best_of_each(trials: &[Trial], count: usize) -> Vec<usize> {
+/// Makes a choice among the best of each `count` trials in a row, which are alike but for where
+/// they start, and its record; returns the place of that trial among all.
+pub(crate) fn record_best(
+    what: &str,
+    trials: &[Trial],
+    count: usize,
+    choices: &mut Vec<Choice>,
+) -> usize {
     let places: Vec<usize> = (0..trials.len()).collect();
     let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
-    places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect()
+    let best: Vec<usize> =
+        places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect();
+    let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
+    best[record(what, &candidates, choices)]
 }
 
 /// Makes a choice and its record.
