@@ -45,7 +45,7 @@ impl PatternArguments {
             Activation::Scaled => Scaling::Scaled,
             Activation::Paper => Scaling::Paper,
         };
-        PatternPlan { scaling, clusters: self.clusters.0, seed: self.seed }
+        PatternPlan { scaling, clusters: self.clusters.0, slow: false, seed: self.seed }
     }
 }
 
@@ -103,7 +103,7 @@ pub(crate) struct PlanArguments {
     /// friction]
     #[arg(long, value_enum)]
     library: Option<Library>,
-    /// Friction, with --library chain [default: auto; none with the other libraries]
+    /// Friction of the joints [default: auto with --library chain, else none]
     #[arg(long, value_enum)]
     friction: Option<Friction>,
     /// Which terms stay; bic, and stlsq for one-shot SINDy
@@ -145,7 +145,9 @@ impl PlanArguments {
         };
         let library = self.library.unwrap_or(usual);
         let misplaced = match library {
-            Library::Energy | Library::Product if rubs => "--friction is for --library chain",
+            Library::Product if rubs && method == Method::Sindy => {
+                "--friction is for stepwise reconstruction"
+            }
             Library::Chain if method == Method::Sindy => "--method sindy is for --library product",
             Library::Chain if self.trig_order.is_some() || self.gravity_order.is_some() => {
                 "orders are for --library product"

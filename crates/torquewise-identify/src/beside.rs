@@ -16,43 +16,10 @@ pub(crate) enum Beside {
     Spring(EnergyTerm),
 }
 
-/// Stribeck speeds offered, as parts of the peak speed of a joint.
-const STRIBECK_PARTS: [f64; 2] = [0.05, 0.15];
-
 impl Beside {
-    /// Offset, viscous and dry friction of each joint; `width`: half width of the dead zone of each
-    /// \[rad/s\], n.
-    pub(crate) fn linear(width: &[f64]) -> Vec<Self> {
-        let n = width.len();
-        let laws = |joint: usize| {
-            [
-                FrictionLaw::Offset,
-                FrictionLaw::Viscous,
-                FrictionLaw::Coulomb { width: width[joint] },
-            ]
-            .map(|law| Self::Friction(FrictionTerm::of_joint(n, joint, law)))
-        };
-        (0..n).flat_map(laws).collect()
-    }
-
-    /// What the Stribeck curve of each joint adds to linear friction: exponentials of several
-    /// speeds, and backward motion apart from forward motion.
-    pub(crate) fn stribeck(width: &[f64], peak: &[f64]) -> Vec<Self> {
-        let n = width.len();
-        let mut all = Vec::new();
-        for joint in 0..n {
-            let width = width[joint];
-            for part in STRIBECK_PARTS {
-                let speed = (part * peak[joint]).max(f64::MIN_POSITIVE);
-                let law = FrictionLaw::Stribeck { speed, width };
-                all.push(Self::Friction(FrictionTerm::of_joint(n, joint, law)));
-            }
-            for law in [FrictionLaw::Viscous, FrictionLaw::Coulomb { width }] {
-                let own = FrictionTerm::of_joint(n, joint, law);
-                all.push(Self::Friction(FrictionTerm { direction: Direction::Backward, ..own }));
-            }
-        }
-        all
+    /// Laws of friction.
+    pub(crate) fn friction(terms: Vec<FrictionTerm>) -> impl Iterator<Item = Self> {
+        terms.into_iter().map(Self::Friction)
     }
 
     /// Rotors of all joints, each on its own shaft.

@@ -2,8 +2,9 @@
 
 use crate::error::IdentifyError;
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Method};
+use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::{Degree, energy_library, product_library};
-use torquewise_model::{EnergyTerm, Kind, Place, Term, Trig};
+use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_sparse::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_sparse::design::{Column, Design};
@@ -20,9 +21,11 @@ pub enum Terms {
 /// A library with its columns and the step in which each is offered.
 #[derive(Clone, Debug)]
 pub struct Candidates {
-    /// The terms, p.
+    /// The terms of M, C and G.
     pub terms: Terms,
-    /// Their columns, p.
+    /// Laws of friction, whose columns come after those of the terms.
+    pub friction: Vec<FrictionTerm>,
+    /// The columns of both, p.
     pub design: Design,
     /// Whether a column is found in a step: one list per pattern, least active first.
     pub offered: [Vec<usize>; 3],
@@ -34,6 +37,8 @@ pub struct Candidates {
 pub struct Group {
     /// (equation of the design, response) pairs.
     pub equations: Vec<(usize, usize)>,
+    /// Columns it has no use for: friction of other joints.
+    pub foreign: Vec<usize>,
 }
 
 impl Candidates {
@@ -46,6 +51,21 @@ impl Candidates {
         library: LibraryKind,
         method: Method,
     ) -> Result<Self, IdentifyError> {
+        Self::with_friction(n_joints, library, method, Vec::new())
+    }
+
+    /// The same with laws of friction, which every step is asked for.
+    ///
+    /// Values of the laws join the variables of a row: q̇, q̈, then one per law.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with_friction(
+        n_joints: usize,
+        library: LibraryKind,
+        method: Method,
+        mut friction: Vec<FrictionTerm>,
+    ) -> Result<Self, IdentifyError> {
         let terms = match library {
             LibraryKind::Energy { interaction } => {
                 Terms::Energy(energy_terms(n_joints, interaction))
@@ -54,19 +74,49 @@ impl Candidates {
                 Terms::Torque(product_terms(n_joints, gravity_order, trig_order, method))
             }
         };
-        let equations = match &terms {
+        let mut equations = match &terms {
             Terms::Torque(terms) => columns_of_terms(terms),
             Terms::Energy(terms) => columns_of_energies(terms, n_joints),
         };
-        check_size(terms.len(), equations.len())?;
-        let design = Design::new(n_joints, 2 * n_joints, &equations)?;
-        let offered = Pattern::ALL.map(|pattern| terms.offered(pattern));
-        Ok(Self { terms, design, offered, n_joints })
+        if matches!(terms, Terms::Torque(_)) {
+            // Every joint has a constant among its own terms.
+            friction.retain(|term| term.law != FrictionLaw::Offset);
+        }
+        let rubs = columns_of_friction(&friction, n_joints, equations.len());
+        for (columns, more) in equations.iter_mut().zip(rubs) {
+            for column in columns.iter_mut() {
+                for atom in column.iter_mut() {
+                    atom.monomial = wider(&atom.monomial, &friction);
+                }
+            }
+            columns.extend(more);
+        }
+        let p = terms.len() + friction.len();
+        check_size(p, equations.len())?;
+        let design = Design::new(n_joints, 2 * n_joints + friction.len(), &equations)?;
+        let mut offered = Pattern::ALL.map(|pattern| terms.offered(pattern));
+        for columns in &mut offered {
+            columns.extend(terms.len()..p);
+        }
+        Ok(Self { terms, friction, design, offered, n_joints })
+    }
+
+    /// Readable name of a candidate.
+    pub fn name(&self, column: usize) -> String {
+        match self.law(column) {
+            Some(law) => law.name(),
+            None => self.terms.name(column),
+        }
+    }
+
+    /// The law of friction that a column is, if it is one.
+    pub fn law(&self, column: usize) -> Option<&FrictionTerm> {
+        self.friction.get(column.checked_sub(self.terms.len())?)
     }
 
     /// Number of candidates p.
     pub fn len(&self) -> usize {
-        self.terms.len()
+        self.terms.len() + self.friction.len()
     }
 
     /// Whether there are none.
@@ -78,11 +128,21 @@ impl Candidates {
     pub fn groups(&self) -> Vec<Group> {
         let n = self.n_joints;
         match self.terms {
-            Terms::Torque(_) => (0..n).map(|joint| Group { equations: vec![(0, joint)] }).collect(),
+            Terms::Torque(_) => (0..n)
+                .map(|joint| Group { equations: vec![(0, joint)], foreign: self.foreign(joint) })
+                .collect(),
             Terms::Energy(_) => {
-                vec![Group { equations: (0..n).map(|joint| (joint, joint)).collect() }]
+                let equations = (0..n).map(|joint| (joint, joint)).collect();
+                vec![Group { equations, foreign: Vec::new() }]
             }
         }
+    }
+
+    /// Columns of friction that do not load a joint.
+    fn foreign(&self, joint: usize) -> Vec<usize> {
+        let first = self.terms.len();
+        let elsewhere = self.friction.iter().enumerate().filter(|(_, law)| !law.acts_on(joint));
+        elsewhere.map(|(place, _)| first + place).collect()
     }
 }
 
@@ -183,6 +243,32 @@ pub(crate) fn columns_of_energies(terms: &[EnergyTerm], n_joints: usize) -> Vec<
     (0..n_joints)
         .map(|joint| terms.iter().map(|term| column(&term.torque(joint))).collect())
         .collect()
+}
+
+/// The columns of laws of friction, the values of which are variables of their own: in one equation
+/// per joint each law loads its joints, in the one equation of all joints it stands bare.
+fn columns_of_friction(
+    friction: &[FrictionTerm],
+    n_joints: usize,
+    n_equations: usize,
+) -> Vec<Vec<Column>> {
+    let column = |equation: usize, place: usize| -> Column {
+        let share = if n_equations > 1 { friction[place].shaft[equation] } else { 1.0 };
+        let mut powers = vec![0; 2 * n_joints + friction.len()];
+        powers[2 * n_joints + place] = 1;
+        let wave = Wave::one(n_joints);
+        let atom = Atom { weight: share, wave, monomial: Monomial::new(powers) };
+        if share == 0.0 { Vec::new() } else { vec![atom] }
+    };
+    (0..n_equations)
+        .map(|equation| (0..friction.len()).map(|place| column(equation, place)).collect())
+        .collect()
+}
+
+/// A monomial in q̇ and q̈ as one in q̇, q̈ and the values of friction.
+fn wider(monomial: &Monomial, friction: &[FrictionTerm]) -> Monomial {
+    let none = friction.iter().map(|_| 0);
+    Monomial::new(monomial.powers().iter().copied().chain(none).collect())
 }
 
 /// A sum of terms as a sum of harmonic × monomial.

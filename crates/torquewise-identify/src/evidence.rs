@@ -5,6 +5,7 @@ use crate::error::IdentifyError;
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{Patterns, place_of};
 use crate::rows::{Gathering, samples_of};
+use torquewise_model::FrictionTerm;
 use torquewise_motion::{Motion, Pattern, ReadError, Recording};
 use torquewise_sparse::accumulate::{GramSum, Lanes, Prepared, Route, cheaper_route};
 use torquewise_sparse::gram::Gram;
@@ -88,7 +89,7 @@ pub fn gather_evidence(
         let route = cheaper_route(&design, n, n_rows / steps.len().max(1));
         prepared.push((Prepared::new(&design, route), route));
     }
-    let mut sorter = Sorter::new(n, steps, &prepared);
+    let mut sorter = Sorter::new(n, &candidates.friction, steps, &prepared);
     let mut noise = NoiseSum::new(n);
     recording
         .read(&mut |_, block| {
@@ -102,6 +103,7 @@ pub fn gather_evidence(
 
 /// Hands each row to the step of its pattern.
 struct Sorter<'a> {
+    friction: &'a [FrictionTerm],
     steps: Vec<Bin<'a>>,
 }
 
@@ -113,18 +115,23 @@ struct Bin<'a> {
 }
 
 impl<'a> Sorter<'a> {
-    fn new(n_joints: usize, steps: &[Step], prepared: &'a [(Prepared, Route)]) -> Self {
+    fn new(
+        n_joints: usize,
+        friction: &'a [FrictionTerm],
+        steps: &[Step],
+        prepared: &'a [(Prepared, Route)],
+    ) -> Self {
         let bin = |(step, (design, _)): (&Step, &'a (Prepared, Route))| Bin {
             pattern: step.pattern,
-            gathering: Gathering::new(n_joints),
+            gathering: Gathering::new(n_joints, friction.len()),
             lanes: Lanes::new(design.size(n_joints), |_| design.start(n_joints)),
             rows: 0,
         };
-        Self { steps: steps.iter().zip(prepared).map(bin).collect() }
+        Self { friction, steps: steps.iter().zip(prepared).map(bin).collect() }
     }
 
     fn add(&mut self, block: &Motion, labels: &[Pattern]) -> Result<(), ReadError> {
-        let samples = samples_of(block)?;
+        let samples = samples_of(block, self.friction)?;
         for bin in &mut self.steps {
             for (row, &label) in labels.iter().enumerate() {
                 if bin.pattern.is_none_or(|pattern| pattern == label) {

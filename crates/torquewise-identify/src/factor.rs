@@ -2,11 +2,13 @@
 
 use crate::candidates::Group;
 use crate::noise::NoiseFloor;
+use crate::rows::rub;
 use faer::Mat;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use torquewise_model::FrictionTerm;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::Accumulate;
 use torquewise_sparse::samples::{Evaluator, Samples};
@@ -27,6 +29,8 @@ pub(crate) struct Kept {
 pub(crate) struct Fit<'a> {
     pub(crate) kept: &'a Kept,
     pub(crate) evaluator: &'a Evaluator,
+    /// Laws of friction whose values are among the variables.
+    pub(crate) friction: &'a [FrictionTerm],
     pub(crate) noise: &'a NoiseFloor,
 }
 
@@ -88,11 +92,11 @@ impl<'a> FactorSum<'a> {
         let angles = draw(&mut self.random, samples.n_rows(), &noise.q);
         let variables = draw(&mut self.random, samples.n_rows(), &rates);
         for sign in [1.0, -1.0] {
-            let shifted = Samples {
-                angles: &samples.angles + faer::Scale(sign) * &angles,
-                variables: &samples.variables + faer::Scale(sign) * &variables,
-                responses: samples.responses.clone(),
-            };
+            let mut shifted = samples.clone();
+            shifted.angles += faer::Scale(sign) * &angles;
+            let mut moved = shifted.variables.subcols_mut(0, rates.len());
+            moved += faer::Scale(sign) * &variables;
+            rub(&mut shifted, self.fit.friction);
             for moved in self.rows(&shifted)? {
                 add_gram(&mut self.bias, &moved, 0.5);
             }

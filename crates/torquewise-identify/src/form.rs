@@ -2,7 +2,7 @@
 
 use crate::candidates::{Candidates, Terms};
 use crate::refit::{FittedTerm, Refitted};
-use torquewise_model::{Form, Weighted};
+use torquewise_model::{Form, FrictionTerm, Weighted};
 
 /// A term that did not stay, though some resampled logs kept it.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,22 +17,36 @@ pub struct Dropped {
 pub(crate) fn form(candidates: &Candidates, found: &[Vec<FittedTerm>]) -> Form {
     match &candidates.terms {
         Terms::Torque(terms) => {
-            Form::Torque(found.iter().map(|group| weigh(group, terms)).collect())
+            Form::Torque(found.iter().map(|group| weigh(group, |j| terms.get(j))).collect())
         }
         Terms::Energy(terms) => {
-            Form::Energy(found.iter().flat_map(|group| weigh(group, terms)).collect())
+            Form::Energy(found.iter().flat_map(|group| weigh(group, |j| terms.get(j))).collect())
         }
     }
 }
 
-fn weigh<T: Clone>(group: &[FittedTerm], terms: &[T]) -> Vec<Weighted<T>> {
-    let weighted = |fitted: &FittedTerm| Weighted {
-        term: terms[fitted.column].clone(),
-        coefficient: fitted.coefficient,
-        std_error: fitted.std_error,
-        inclusion: fitted.inclusion,
+/// The friction among fitted terms, per group.
+pub(crate) fn friction_of(
+    candidates: &Candidates,
+    found: &[Vec<FittedTerm>],
+) -> Vec<Weighted<FrictionTerm>> {
+    found.iter().flat_map(|group| weigh(group, |column| candidates.law(column))).collect()
+}
+
+/// The fitted terms of a group that `term` knows.
+fn weigh<'a, T: Clone + 'a>(
+    group: &[FittedTerm],
+    term: impl Fn(usize) -> Option<&'a T>,
+) -> Vec<Weighted<T>> {
+    let weighted = |fitted: &FittedTerm| {
+        term(fitted.column).map(|term| Weighted {
+            term: term.clone(),
+            coefficient: fitted.coefficient,
+            std_error: fitted.std_error,
+            inclusion: fitted.inclusion,
+        })
     };
-    group.iter().map(weighted).collect()
+    group.iter().filter_map(weighted).collect()
 }
 
 /// The terms that nearly made it, the likeliest first.
@@ -40,7 +54,7 @@ pub(crate) fn dropped(candidates: &Candidates, refitted: &[Refitted]) -> Vec<Dro
     let mut dropped: Vec<Dropped> = refitted
         .iter()
         .flat_map(|group| &group.dropped)
-        .map(|&(column, inclusion)| Dropped { name: candidates.terms.name(column), inclusion })
+        .map(|&(column, inclusion)| Dropped { name: candidates.name(column), inclusion })
         .collect();
     dropped.sort_by(|a, b| b.inclusion.total_cmp(&a.inclusion));
     dropped

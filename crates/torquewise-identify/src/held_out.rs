@@ -62,8 +62,15 @@ fn standard_error(x: &[f64]) -> f64 {
 ///
 /// Returns its place and the record of the choice; `None` without trials.
 pub(crate) fn choose(what: &str, trials: &[Trial]) -> Option<(usize, Choice)> {
+    choose_worth(what, trials, 0.0)
+}
+
+/// The same where complexity has a price of its own: a trial also passes for the best if it is
+/// worse by no more than this part.
+pub(crate) fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, Choice)> {
     let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
-    let near = |trial: &&Trial| trial.error() <= best.error() + trial.apart(best);
+    let near =
+        |trial: &&Trial| trial.error() <= best.error() + trial.apart(best).max(part * best.error());
     let place = trials.iter().position(|trial| near(&trial))?;
     let from = trials
         .iter()
@@ -80,7 +87,7 @@ pub(crate) fn choose(what: &str, trials: &[Trial]) -> Option<(usize, Choice)> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCKS, Trial, choose, split};
+    use super::{BLOCKS, Trial, choose, choose_worth, split};
 
     fn trial(label: &str, errors: [f64; BLOCKS]) -> Trial {
         Trial { label: label.into(), complexity: 1, errors: errors.to_vec() }
@@ -105,6 +112,15 @@ mod tests {
         let simple = trial("simple", [0.11, 0.09, 0.12, 0.10, 0.08]);
         let complex = trial("complex", [0.10, 0.10, 0.10, 0.10, 0.09]);
         assert_eq!(choose("x", &[simple, complex]).unwrap().0, 0);
+    }
+
+    #[test]
+    fn a_gain_too_small_to_be_worth_it_is_left() {
+        let simple = trial("simple", [0.100, 0.200, 0.300, 0.400, 0.500]);
+        let complex = trial("complex", [0.099, 0.199, 0.299, 0.399, 0.499]);
+        let both = [simple, complex];
+        assert_eq!(choose("x", &both).unwrap().0, 1);
+        assert_eq!(choose_worth("x", &both, 0.02).unwrap().0, 0);
     }
 
     #[test]

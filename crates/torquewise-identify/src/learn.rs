@@ -2,10 +2,11 @@
 
 use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
+use crate::friction::{Dictionary, WORTH};
 use crate::held_out::{BLOCKS, Trial, split};
 use crate::plan::FrictionKind;
 use crate::survey::thinned;
-use crate::trial::{Recipe, record, record_best, trial};
+use crate::trial::{Recipe, record, record_best, record_worth, trial};
 use rayon::prelude::*;
 use torquewise_chain::search::all_parameters;
 use torquewise_chain::{Chain, Rows, Search, refine, search};
@@ -22,8 +23,6 @@ pub(crate) struct Learned {
     pub(crate) without: Vec<Chain>,
 }
 
-/// Half width of the smooth sign, as a part of the peak speed of a joint.
-const WIDTH: f64 = 0.01;
 /// Pulls to right angles that are tried, the strongest first.
 const PULLS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
 /// Parts of the pull that are tried once axes are at right angles.
@@ -68,7 +67,7 @@ pub(crate) fn learn(
     let school = School::new(motion);
     let mut beside = Beside::rotors(n);
     if friction != FrictionKind::None {
-        beside.extend(Beside::linear(&school.width));
+        beside.extend(Beside::friction(school.laws.linear()));
     }
     let search = Search { seed, ..Search::default() };
     let mut recipe = Recipe { beside, search, free: all_parameters(n) };
@@ -92,10 +91,8 @@ const PULL: &str = "pull to right angles";
 /// The log in the hands of the learner.
 struct School<'a> {
     motion: &'a Motion,
-    /// Half width of the smooth sign of each joint \[rad/s\], n.
-    width: Vec<f64>,
-    /// Peak speed of each joint \[rad/s\], n.
-    peak: Vec<f64>,
+    /// Friction that is offered.
+    laws: Dictionary,
 }
 
 impl<'a> School<'a> {
@@ -103,9 +100,8 @@ impl<'a> School<'a> {
         let speed = |joint: usize| {
             motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
         };
-        let peak: Vec<f64> = (0..motion.n_joints()).map(speed).collect();
-        let width = peak.iter().map(|peak| WIDTH * peak).collect();
-        Self { motion, width, peak }
+        let laws = Dictionary::new((0..motion.n_joints()).map(speed).collect());
+        Self { motion, laws }
     }
 
     fn rows(&self, recipe: &Recipe, count: usize) -> Result<Rows, IdentifyError> {
@@ -117,7 +113,7 @@ impl<'a> School<'a> {
             return Ok(rows);
         }
         Ok(rows.with_shares(|row, joint| {
-            let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.peak[joint];
+            let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.peak[joint];
             if moves { 1.0 } else { SHARE_AT_REST }
         }))
     }
@@ -166,7 +162,7 @@ impl<'a> School<'a> {
                     let mut shaft = vec![0.0; n];
                     (shaft[joint - 1], shaft[joint]) = (1.0, sign);
                     let mut with = recipe.clone();
-                    let width = self.width[joint - 1].min(self.width[joint]);
+                    let width = self.laws.width[joint - 1].min(self.laws.width[joint]);
                     with.beside.extend(Beside::shared_shaft(&shaft, width));
                     let sign = if sign > 0.0 { '+' } else { '-' };
                     ways.push((format!("dq{joint} {sign} dq{}", joint + 1), with));
@@ -221,7 +217,7 @@ impl<'a> School<'a> {
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let mut stribeck = recipe.clone();
-        stribeck.beside.extend(Beside::stribeck(&self.width, &self.peak));
+        stribeck.beside.extend(Beside::friction(self.laws.stribeck()));
         match kind {
             FrictionKind::None | FrictionKind::Linear => {}
             FrictionKind::Stribeck => *recipe = stribeck,
@@ -236,7 +232,8 @@ impl<'a> School<'a> {
                     ("stribeck".to_owned(), alike),
                     ("stribeck, forward and backward apart".to_owned(), stribeck),
                 ];
-                let place = self.choose("friction", &ways, chain, 0, choices)?;
+                let trials = self.trials(&ways, chain, 0)?;
+                let place = record_worth("friction", &trials, WORTH, choices);
                 *recipe = ways[place].1.clone();
             }
         }

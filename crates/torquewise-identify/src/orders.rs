@@ -234,12 +234,12 @@ fn accumulate(
         .collect();
     let mut bins: Vec<(Gathering, Lanes<GramSum<'_>>)> = prepared
         .iter()
-        .map(|design| (Gathering::new(n), Lanes::with_count(2, |_| design.start(n))))
+        .map(|design| (Gathering::new(n, 0), Lanes::with_count(2, |_| design.start(n))))
         .collect();
     // Pieces of one size, or one half would get all the remainders.
     let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
     let mut add = |block: &Motion| -> Result<(), ReadError> {
-        let (samples, labels) = (samples_of(block)?, patterns.label(block));
+        let (samples, labels) = (samples_of(block, &[])?, patterns.label(block));
         for (ladder, (gathering, lanes)) in ladders.iter().zip(&mut bins) {
             for (row, &label) in labels.iter().enumerate() {
                 if ladder.pattern.is_none_or(|pattern| pattern == label)

@@ -16,6 +16,8 @@ const LEAST_SHARE: f64 = 0.005;
 /// What should be zero may be this many times the noise, or this part of the joint's range.
 const OF_NOISE: f64 = 3.0;
 const OF_RANGE: f64 = 0.04;
+/// Slow motion: at most this part of the range, so that what grows with q̇² is a hundredth.
+const SLOW: f64 = 0.1;
 
 /// How rows are clustered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,6 +26,9 @@ pub struct PatternPlan {
     pub scaling: Scaling,
     /// Number of clusters; `None` for the elbow.
     pub clusters: Option<usize>,
+    /// Whether slow motion of constant speed passes for standstill: where there is friction, which
+    /// may be anything at rest, it tells more of gravity.
+    pub slow: bool,
     /// Seed of k-means.
     pub seed: u64,
 }
@@ -79,7 +84,7 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     let labels = patterns.label(&survey.sample);
     patterns.present = Pattern::ALL
         .into_iter()
-        .filter(|&pattern| is_genuine(survey, &patterns, &labels, pattern))
+        .filter(|&pattern| is_genuine(survey, &patterns, &labels, pattern, plan.slow))
         .collect();
     Ok(patterns)
 }
@@ -96,7 +101,13 @@ fn named(moves: bool, accelerates: bool) -> Pattern {
 /// acceleration at uniform velocity, but for noise and a small part of the range.
 ///
 /// The printed index is taken at its word, to show what it does.
-fn is_genuine(survey: &Survey, patterns: &Patterns, labels: &[Pattern], pattern: Pattern) -> bool {
+fn is_genuine(
+    survey: &Survey,
+    patterns: &Patterns,
+    labels: &[Pattern],
+    pattern: Pattern,
+    slow: bool,
+) -> bool {
     let activation = &patterns.activation;
     let rows: Vec<usize> = (0..labels.len()).filter(|&row| labels[row] == pattern).collect();
     if (rows.len() as f64) <= LEAST_SHARE * labels.len() as f64 {
@@ -114,7 +125,8 @@ fn is_genuine(survey: &Survey, patterns: &Patterns, labels: &[Pattern], pattern:
     }
     (0..survey.joints.len()).all(|joint| {
         let squares: f64 = rows.iter().map(|&row| rates[(row, joint)].powi(2)).sum();
-        let limit = (OF_NOISE * noise[joint]).max(OF_RANGE * scale[joint]);
+        let range = if slow && pattern == Pattern::Standstill { SLOW } else { OF_RANGE };
+        let limit = (OF_NOISE * noise[joint]).max(range * scale[joint]);
         (squares / rows.len() as f64).sqrt() <= limit
     })
 }

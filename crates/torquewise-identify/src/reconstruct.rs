@@ -5,16 +5,18 @@ use crate::chain::by_chain;
 use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step, gather_evidence, one_shot, plan_steps};
 use crate::factor::Kept;
-use crate::form::{dropped, form};
+use crate::form::{dropped, form, friction_of};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
-use crate::patterns::{Patterns, find_patterns};
-use crate::plan::{Method, Plan};
+use crate::patterns::{PatternPlan, Patterns, find_patterns};
+use crate::plan::{FrictionKind, Method, Plan};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
+use crate::settings::{Settings, settle};
 use crate::step;
 use crate::survey::{Survey, survey};
 use crate::warning::Warning;
 use rayon::prelude::*;
+use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
 use torquewise_sparse::select::Selector;
@@ -38,12 +40,15 @@ pub fn reconstruct(
     require_rows(&survey)?;
 
     progress(Progress::Patterns);
-    let patterns = find_patterns(&survey, &plan.patterns)?;
+    let slow = plan.patterns.slow || plan.friction != FrictionKind::None;
+    let patterns = find_patterns(&survey, &PatternPlan { slow, ..plan.patterns })?;
 
     if plan.method == Method::Chain {
         return by_chain(survey, patterns, plan, progress);
     }
-    let candidates = Candidates::new(survey.joints.len(), plan.library, plan.method)?;
+    let Settings { library, friction, selector, choices } = settle(&survey, plan)?;
+    let candidates =
+        Candidates::with_friction(survey.joints.len(), library, plan.method, friction)?;
     let (steps, orphans) = match plan.method {
         Method::Stepwise => plan_steps(&candidates, &patterns.present),
         Method::Sindy | Method::Chain => (one_shot(&candidates), Vec::new()),
@@ -54,15 +59,15 @@ pub fn reconstruct(
         gather_evidence(recording, &patterns, &candidates, &steps, survey.rows)?;
     let noise = still.unwrap_or_else(|| survey.noise.clone());
 
-    let mut found = Found::new(&candidates);
+    let mut found = Found::new(&candidates, survey.rows, choices);
     for (place, (step, evidence)) in steps.iter().zip(&evidence).enumerate() {
         progress(Progress::Step(place + 1));
-        found.take_step(step, evidence, &plan.selector)?;
+        found.take_step(step, evidence, &selector)?;
     }
 
     progress(Progress::Refit);
     let bias = if plan.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted = found.refit(recording, plan, &bias, survey.rows)?;
+    let refitted = found.refit(recording, plan, &selector, &bias)?;
 
     progress(Progress::Done);
     let warnings = Warning::all(&survey, &patterns, plan, &candidates, &orphans, &refitted);
@@ -90,14 +95,18 @@ struct Found<'a> {
     row_weights: Vec<Vec<f64>>,
     stages: Vec<Stage>,
     reports: Vec<StepReport>,
+    /// Rows of the log.
+    rows: usize,
+    choices: Vec<Choice>,
 }
 
 impl<'a> Found<'a> {
-    fn new(candidates: &'a Candidates) -> Self {
+    fn new(candidates: &'a Candidates, rows: usize, choices: Vec<Choice>) -> Self {
         let groups = candidates.groups();
         let weights = vec![vec![0.0; candidates.len()]; groups.len()];
         let row_weights = groups.iter().map(|group| vec![1.0; group.equations.len()]).collect();
-        Self { candidates, groups, weights, row_weights, stages: Vec::new(), reports: Vec::new() }
+        let (stages, reports) = (Vec::new(), Vec::new());
+        Self { candidates, groups, weights, row_weights, stages, reports, rows, choices }
     }
 
     /// Regresses what is unexplained on the rows of a step, and adds what was found.
@@ -123,13 +132,18 @@ impl<'a> Found<'a> {
             let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
             self.row_weights[place] = step::noise_weights(evidence, &self.groups[place], &total);
         }
-        let form = form(self.candidates, &self.terms());
-        let n_joints = self.candidates.design.n_angles();
+        let terms = self.terms();
+        let form = form(self.candidates, &terms);
+        let friction = friction_of(self.candidates, &terms);
+        let mut active = form.active(self.candidates.design.n_angles());
+        for (joint, count) in active.iter_mut().enumerate() {
+            *count += friction.iter().filter(|law| law.term.acts_on(joint)).count();
+        }
         self.reports.push(StepReport {
             name: step.name(),
             rows: evidence.rows,
             candidates: step.offered.len(),
-            active: form.active(n_joints),
+            active,
             route: evidence.route,
         });
         self.stages.push(Stage {
@@ -137,7 +151,7 @@ impl<'a> Found<'a> {
             rows: evidence.rows,
             candidates: step.offered.len(),
             form,
-            friction: Vec::new(),
+            friction,
         });
         Ok(())
     }
@@ -160,8 +174,8 @@ impl<'a> Found<'a> {
         &self,
         recording: &(impl Recording + ?Sized),
         plan: &Plan,
+        selector: &Selector,
         noise: &NoiseFloor,
-        rows: usize,
     ) -> Result<Vec<Refitted>, IdentifyError> {
         let kept: Vec<Kept> = self
             .terms()
@@ -173,7 +187,8 @@ impl<'a> Found<'a> {
                 weights: weights.clone(),
             })
             .collect();
-        let least_t_squared = match &plan.selector {
+        let rows = self.rows;
+        let least_t_squared = match selector {
             Selector::Criterion(criterion) => {
                 criterion.threshold(rows as f64, self.candidates.len())
             }
@@ -204,8 +219,9 @@ impl<'a> Found<'a> {
         let left = refitted.into_iter().flat_map(|group| group.residual_rms).collect();
         let training = survey.training(left);
         let form = form(self.candidates, &terms);
+        let friction = friction_of(self.candidates, &terms);
         let joints = survey.joints.clone();
-        let (stages, friction, choices) = (self.stages, Vec::new(), Vec::new());
+        let (stages, choices) = (self.stages, self.choices);
         let model = Model { joints, form, friction, stages, training, choices };
         let candidates = self.candidates.len();
         Reconstruction {

@@ -10,6 +10,7 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use torquewise_model::FrictionTerm;
 use torquewise_motion::Recording;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::{Accumulate, Lanes};
@@ -81,11 +82,17 @@ pub(crate) fn refit(
     let fits: Vec<Fit<'_>> = kept
         .iter()
         .zip(&evaluators)
-        .map(|(kept, evaluator)| Fit { kept, evaluator, noise: plan.noise })
+        .map(|(kept, evaluator)| Fit {
+            kept,
+            evaluator,
+            friction: &candidates.friction,
+            noise: plan.noise,
+        })
         .collect();
     let size = (plan.rows, parts(kept));
+    let log = (recording, &candidates.friction[..]);
     let factors: Vec<Vec<Factor>> =
-        pass(recording, size, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?
+        pass(log, size, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?
             .into_iter()
             .map(|parts| parts.into_iter().map(FactorSum::finish).collect())
             .collect();
@@ -94,7 +101,7 @@ pub(crate) fn refit(
     let starts: Vec<(&Fit<'_>, &[f64])> =
         fits.iter().zip(&first).map(|(fit, start)| (fit, &start.coefficients[..])).collect();
     let scores =
-        pass(recording, size, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
+        pass(log, size, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
     fits.iter()
         .zip(factors.into_iter().zip(&first))
         .zip(scores)
@@ -112,7 +119,7 @@ fn parts(kept: &[Kept]) -> usize {
 
 /// Hands every block to a sum for each group; returns the sums of the parts of the log.
 fn pass<'a, T, A: Accumulate>(
-    recording: &(impl Recording + ?Sized),
+    (recording, friction): (&(impl Recording + ?Sized), &[FrictionTerm]),
     (rows, parts): (usize, usize),
     groups: &'a [T],
     start: impl Fn(&'a T, usize) -> A,
@@ -121,7 +128,7 @@ fn pass<'a, T, A: Accumulate>(
         groups.iter().map(|group| Lanes::with_count(parts, |lane| start(group, lane))).collect();
     recording
         .read(&mut |_, block| {
-            for samples in cut(samples_of(block)?, rows / (2 * parts)) {
+            for samples in cut(samples_of(block, friction)?, rows / (2 * parts)) {
                 lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
             }
             Ok(())

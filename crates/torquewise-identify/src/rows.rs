@@ -1,6 +1,7 @@
-//! Motion → samples: q as angles, q̇ and q̈ as variables, τ as responses, rows sorted by pattern.
+//! Motion → samples: q as angles; q̇, q̈ and friction as variables; τ as responses; by pattern.
 
 use faer::Mat;
+use torquewise_model::FrictionTerm;
 use torquewise_motion::{BLOCK_ROWS, Motion, MotionError};
 use torquewise_sparse::samples::Samples;
 
@@ -8,16 +9,40 @@ use torquewise_sparse::samples::Samples;
 ///
 /// # Errors
 /// [`MotionError::Missing`] if the motion holds no torque.
-pub(crate) fn samples_of(motion: &Motion) -> Result<Samples, MotionError> {
+pub(crate) fn samples_of(
+    motion: &Motion,
+    friction: &[FrictionTerm],
+) -> Result<Samples, MotionError> {
     let n = motion.n_joints();
     let (dq, ddq) = (motion.dq(), motion.ddq());
-    Ok(Samples {
+    let mut samples = Samples {
         angles: motion.q().to_owned(),
-        variables: Mat::from_fn(motion.n_rows(), 2 * n, |row, j| {
-            if j < n { dq[(row, j)] } else { ddq[(row, j - n)] }
+        variables: Mat::from_fn(motion.n_rows(), 2 * n + friction.len(), |row, j| match j {
+            _ if j < n => dq[(row, j)],
+            _ if j < 2 * n => ddq[(row, j - n)],
+            _ => 0.0,
         }),
         responses: motion.require_tau()?.to_owned(),
-    })
+    };
+    rub(&mut samples, friction);
+    Ok(samples)
+}
+
+/// Values of friction at the speeds of each row, in the last variables.
+pub(crate) fn rub(samples: &mut Samples, friction: &[FrictionTerm]) {
+    let n = samples.angles.ncols();
+    if friction.is_empty() {
+        return;
+    }
+    let mut speeds = vec![0.0; n];
+    for row in 0..samples.n_rows() {
+        for (joint, speed) in speeds.iter_mut().enumerate() {
+            *speed = samples.variables[(row, joint)];
+        }
+        for (place, law) in friction.iter().enumerate() {
+            samples.variables[(row, 2 * n + place)] = law.value(&speeds);
+        }
+    }
 }
 
 /// A block cut into pieces of at most `rows` rows, but not too small to be worth their cost.
@@ -50,9 +75,10 @@ pub(crate) struct Gathering {
 }
 
 impl Gathering {
-    pub(crate) fn new(n_joints: usize) -> Self {
+    /// - `friction`: number of laws
+    pub(crate) fn new(n_joints: usize, friction: usize) -> Self {
         let empty = |count| vec![Vec::with_capacity(BLOCK_ROWS); count];
-        Self { columns: [empty(n_joints), empty(2 * n_joints), empty(n_joints)] }
+        Self { columns: [empty(n_joints), empty(2 * n_joints + friction), empty(n_joints)] }
     }
 
     /// Adds a row; a block comes out when there are enough.

@@ -27,8 +27,10 @@ pub(crate) fn select(
     let before: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
     // What is offered is found anew; only the rest of what is known counts as explained.
     let mut fixed = before.clone();
+    let offered: Vec<usize> =
+        step.offered.iter().copied().filter(|column| !group.foreign.contains(column)).collect();
     let places: Vec<usize> =
-        step.offered.iter().filter_map(|column| step.columns.binary_search(column).ok()).collect();
+        offered.iter().filter_map(|column| step.columns.binary_search(column).ok()).collect();
     for &place in &places {
         fixed[place] = 0.0;
     }
@@ -46,7 +48,7 @@ pub(crate) fn select(
     }
     let Some(selection) = found else { return Ok(Vec::new()) };
     let active = selection.active.iter();
-    Ok(active.map(|&j| (step.offered[j], selection.coefficients[j])).collect())
+    Ok(active.map(|&j| (offered[j], selection.coefficients[j])).collect())
 }
 
 /// Normal equations of the offered columns for the unexplained torque, joints weighted.

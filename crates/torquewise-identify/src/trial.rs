@@ -2,7 +2,7 @@
 
 use crate::beside::Beside;
 use crate::error::IdentifyError;
-use crate::held_out::{BLOCKS, Trial, choose, split};
+use crate::held_out::{BLOCKS, Trial, choose_worth, split};
 use rayon::prelude::*;
 use torquewise_chain::{Chain, Rows, Search, fit, refine};
 use torquewise_model::model::Choice;
@@ -85,7 +85,17 @@ pub(crate) fn record_best(
 
 /// Makes a choice and its record.
 pub(crate) fn record(what: &str, trials: &[Trial], choices: &mut Vec<Choice>) -> usize {
-    choose(what, trials).map_or(0, |(place, choice)| {
+    record_worth(what, trials, 0.0, choices)
+}
+
+/// The same where a gain below a part is not worth it.
+pub(crate) fn record_worth(
+    what: &str,
+    trials: &[Trial],
+    part: f64,
+    choices: &mut Vec<Choice>,
+) -> usize {
+    choose_worth(what, trials, part).map_or(0, |(place, choice)| {
         choices.push(choice);
         place
     })

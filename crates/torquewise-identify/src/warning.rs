@@ -82,7 +82,7 @@ impl Warning {
         dependent.sort_unstable();
         dependent.dedup();
         if !dependent.is_empty() {
-            let name = |&column: &usize| candidates.terms.name(column);
+            let name = |&column: &usize| candidates.name(column);
             warnings.push(Self::Dependent { terms: dependent.iter().map(name).collect() });
         }
         warnings

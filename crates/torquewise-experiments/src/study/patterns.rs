@@ -132,7 +132,7 @@ fn named(source: IdentifyError) -> ExperimentError {
 
 /// Three clusters, and how many the elbow asks for.
 fn clustered(look: &Survey, scaling: Scaling) -> Result<(Patterns, usize), ExperimentError> {
-    let plan = PatternPlan { scaling, clusters: None, seed: 0 };
+    let plan = PatternPlan { scaling, ..PatternPlan::default() };
     let free = find_patterns(look, &plan).map_err(named)?;
     let elbow = free.n_clusters();
     if elbow == CLUSTERS {

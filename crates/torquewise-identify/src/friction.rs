@@ -1,0 +1,129 @@
+//! Peak speeds → the friction that is offered: laws of each joint (17), with their speeds.
+
+use crate::plan::FrictionKind;
+use torquewise_model::FrictionTerm;
+use torquewise_model::friction::{Direction, FrictionLaw};
+
+/// Half width of the smooth sign, as a part of the peak speed of a joint.
+const WIDTH: f64 = 0.01;
+/// The same where the noise of the speeds is known: the sign is as sharp as it allows.
+const LEAST_WIDTH: f64 = 0.001;
+const OF_NOISE: f64 = 2.0;
+/// Stribeck speeds offered, as parts of the peak speed of a joint: each twice the one before, so
+/// that a curve of any speed between them is nearly a sum of two.
+const STRIBECK_PARTS: [f64; 4] = [0.025, 0.05, 0.1, 0.2];
+
+/// A richer law must lower the error on held-out rows by this part, or it only follows how the sign
+/// is smoothed.
+pub(crate) const WORTH: f64 = 0.03;
+
+/// Laws of friction by the speeds that joints reach.
+#[derive(Clone, Debug)]
+pub(crate) struct Dictionary {
+    /// Peak speed of each joint \[rad/s\], n.
+    pub(crate) peak: Vec<f64>,
+    /// Half width of the smooth sign of each joint \[rad/s\], n.
+    pub(crate) width: Vec<f64>,
+}
+
+impl Dictionary {
+    /// - `peak`: peak speed of each joint \[rad/s\], n
+    pub(crate) fn new(peak: Vec<f64>) -> Self {
+        let width = peak.iter().map(|peak| rounded(WIDTH * peak)).collect();
+        Self { peak, width }
+    }
+
+    /// With signs as sharp as the noise of the speeds allows, so that slow motion tells of the
+    /// Stribeck curve.
+    ///
+    /// - `noise`: its standard deviation in the speed of each joint \[rad/s\], n
+    pub(crate) fn sharp(peak: &[f64], noise: &[f64]) -> Self {
+        let width = |(peak, noise): (&f64, &f64)| {
+            rounded((OF_NOISE * noise).clamp(LEAST_WIDTH * peak, WIDTH * peak))
+        };
+        let width = peak.iter().zip(noise).map(width).collect();
+        Self { peak: peak.to_vec(), width }
+    }
+
+    /// All laws of a kind, joint by joint; those of `auto` are the largest dictionary.
+    pub(crate) fn of(&self, kind: FrictionKind) -> Vec<FrictionTerm> {
+        match kind {
+            FrictionKind::None => Vec::new(),
+            FrictionKind::Linear => self.linear(),
+            FrictionKind::Stribeck | FrictionKind::Auto => {
+                let mut all = self.linear();
+                all.extend(self.stribeck());
+                all
+            }
+        }
+    }
+
+    /// Offset, viscous and dry friction of each joint.
+    pub(crate) fn linear(&self) -> Vec<FrictionTerm> {
+        let laws = |(joint, &width): (usize, &f64)| {
+            [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width }]
+                .map(|law| self.term(joint, law))
+        };
+        self.width.iter().enumerate().flat_map(laws).collect()
+    }
+
+    /// What the Stribeck curve of each joint adds to linear friction: exponentials of several
+    /// speeds, and backward motion apart from forward motion.
+    pub(crate) fn stribeck(&self) -> Vec<FrictionTerm> {
+        (0..self.peak.len())
+            .flat_map(|joint| {
+                let bumps = self.exponentials(joint);
+                let dry = FrictionLaw::Coulomb { width: self.width[joint] };
+                let backward = bumps.clone().into_iter().chain([FrictionLaw::Viscous, dry]);
+                let backward = backward.map(move |law| FrictionTerm {
+                    direction: Direction::Backward,
+                    ..self.term(joint, law)
+                });
+                bumps.into_iter().map(move |law| self.term(joint, law)).chain(backward)
+            })
+            .collect()
+    }
+
+    fn exponentials(&self, joint: usize) -> Vec<FrictionLaw> {
+        let width = self.width[joint];
+        let speed = |part| rounded(part * self.peak[joint]).max(f64::MIN_POSITIVE);
+        STRIBECK_PARTS.map(|part| FrictionLaw::Stribeck { speed: speed(part), width }).to_vec()
+    }
+
+    fn term(&self, joint: usize, law: FrictionLaw) -> FrictionTerm {
+        FrictionTerm::of_joint(self.peak.len(), joint, law)
+    }
+}
+
+/// To two digits: these are chosen, not measured, and people read them.
+fn rounded(x: f64) -> f64 {
+    if x <= 0.0 || !x.is_finite() {
+        return 0.0;
+    }
+    let unit = 10_f64.powf(x.log10().floor() - 1.0);
+    let digits = (x / unit).round();
+    // Dividing by a power of ten gives the decimal that is meant, multiplying a neighbour.
+    if unit < 1.0 { digits / (1.0 / unit).round() } else { digits * unit }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Dictionary, rounded};
+    use crate::plan::FrictionKind;
+
+    #[test]
+    fn speeds_are_decimals_of_two_digits() {
+        let text = [0.012_345, 1.987, 0.1, 43.21, 0.0].map(|x| format!("{}", rounded(x)));
+        assert_eq!(text, ["0.012", "2", "0.1", "43", "0"]);
+    }
+
+    #[test]
+    fn every_kind_holds_the_simpler_ones() {
+        let dictionary = Dictionary::new(vec![1.0, 2.0]);
+        let [none, linear, stribeck] =
+            [FrictionKind::None, FrictionKind::Linear, FrictionKind::Stribeck]
+                .map(|kind| dictionary.of(kind));
+        assert_eq!([none.len(), linear.len(), stribeck.len()], [0, 6, 26]);
+        assert!(linear.iter().all(|term| stribeck.contains(term)));
+    }
+}

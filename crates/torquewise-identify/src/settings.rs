@@ -1,0 +1,263 @@
+//! Survey, plan → settings: interaction order, friction and strictness, chosen on held-out blocks.
+
+use crate::candidates::{Candidates, Group};
+use crate::error::IdentifyError;
+use crate::evidence::{Evidence, Step};
+use crate::friction::{Dictionary, WORTH};
+use crate::held_out::{BLOCKS, Trial, choose, choose_worth, split};
+use crate::plan::{FrictionKind, LibraryKind, MOST_CANDIDATES, Method, Plan};
+use crate::rows::samples_of;
+use crate::step;
+use crate::survey::Survey;
+use rayon::prelude::*;
+use torquewise_model::FrictionTerm;
+use torquewise_model::model::Choice;
+use torquewise_sparse::accumulate::{Accumulate, GramSum, Prepared, cheaper_route};
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::select::Selector;
+
+/// What a plan leaves open, settled.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    pub(crate) library: LibraryKind,
+    pub(crate) friction: Vec<FrictionTerm>,
+    pub(crate) selector: Selector,
+    pub(crate) choices: Vec<Choice>,
+}
+
+/// Times the γ of a plan that are tried, the strictest first.
+const STRICTER: [f64; 3] = [4.0, 2.0, 1.0];
+/// A block of fewer rows judges nothing.
+const LEAST_ROWS: usize = 40;
+/// Held-out errors below this are rounding of the normal equations.
+const LEAST_ERROR: f64 = 1e-6;
+
+/// Settles what a plan leaves open on the sample of a survey: fitted without a block of time and
+/// judged on it.
+///
+/// Interaction orders grow one at a time, and no further once a higher one predicts no better. All
+/// rows of the sample are one step here: the steps tell terms apart, which does not change what
+/// the log can tell.
+pub(crate) fn settle(survey: &Survey, plan: &Plan) -> Result<Settings, IdentifyError> {
+    let laws = Dictionary::sharp(&survey.dq_peak, &survey.noise.dq);
+    let mut settings = Settings {
+        library: plan.library,
+        friction: laws.of(plan.friction),
+        selector: plan.selector.clone(),
+        choices: Vec::new(),
+    };
+    if plan.method != Method::Stepwise || survey.sample.n_rows() < BLOCKS * LEAST_ROWS {
+        return Ok(settings);
+    }
+    let mut school = None;
+    if plan.library == (LibraryKind::Energy { interaction: None }) {
+        school = settings.grow(survey, plan)?;
+    }
+    let auto = plan.friction == FrictionKind::Auto;
+    let strict = matches!(plan.selector, Selector::Criterion(_));
+    if !auto && !strict {
+        return Ok(settings);
+    }
+    let school = match school.filter(|_| !auto) {
+        Some(school) => school,
+        None => School::new(survey, plan, settings.library, settings.friction.clone())?,
+    };
+    if auto {
+        settings.choose_friction(&school, &laws)?;
+    }
+    settings.choose_strictness(&school)?;
+    Ok(settings)
+}
+
+impl Settings {
+    /// Adds joint angles to a term, one at a time, while held-out rows are predicted better.
+    fn grow<'a>(
+        &mut self,
+        survey: &'a Survey,
+        plan: &Plan,
+    ) -> Result<Option<School<'a>>, IdentifyError> {
+        let linear = match plan.friction {
+            FrictionKind::Auto => FrictionKind::Linear,
+            asked => asked,
+        };
+        let laws = Dictionary::sharp(&survey.dq_peak, &survey.noise.dq).of(linear);
+        let (mut trials, mut schools) = (Vec::<Trial>::new(), Vec::new());
+        for order in 1..=survey.joints.len() {
+            let library = LibraryKind::Energy { interaction: Some(order) };
+            let candidates =
+                Candidates::with_friction(survey.joints.len(), library, plan.method, laws.clone())?;
+            if order > 1 && candidates.len() > MOST_CANDIDATES {
+                break;
+            }
+            let school = School::of(survey, candidates)?;
+            let all: Vec<usize> = (0..school.candidates.len()).collect();
+            trials.push(school.trial(format!("{order}"), &all, &plan.selector)?);
+            schools.push(school);
+            // One more look: a pair of orders may help where one alone does not.
+            let best =
+                |trials: &[Trial]| trials.iter().map(Trial::error).fold(f64::INFINITY, f64::min);
+            if order > 2 && best(&trials[order - 2..]) >= best(&trials[..order - 2]) {
+                break;
+            }
+        }
+        let Some((place, choice)) = choose("joint angles in a term", &trials) else {
+            return Ok(None);
+        };
+        self.library = LibraryKind::Energy { interaction: Some(place + 1) };
+        self.choices.push(choice);
+        Ok(Some(schools.swap_remove(place)))
+    }
+
+    fn choose_friction(
+        &mut self,
+        school: &School<'_>,
+        laws: &Dictionary,
+    ) -> Result<(), IdentifyError> {
+        let stribeck = laws.of(FrictionKind::Stribeck);
+        let alike = stribeck.iter().filter(|law| law.direction.is_both()).cloned().collect();
+        let ways = [
+            ("none", Vec::new()),
+            ("linear", laws.of(FrictionKind::Linear)),
+            ("stribeck", alike),
+            ("stribeck, forward and backward apart", stribeck),
+        ];
+        let trials = ways
+            .iter()
+            .map(|(label, laws)| {
+                let offered = school.with_laws(laws);
+                school.trial((*label).into(), &offered, &self.selector)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some((place, choice)) = choose_worth("friction", &trials, WORTH) {
+            self.friction.clone_from(&ways[place].1);
+            self.choices.push(choice);
+        }
+        Ok(())
+    }
+
+    fn choose_strictness(&mut self, school: &School<'_>) -> Result<(), IdentifyError> {
+        let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
+        let offered = school.with_laws(&self.friction);
+        let mut ways = Vec::new();
+        for times in STRICTER {
+            let mut stricter = criterion;
+            stricter.gamma *= times;
+            ways.push(Selector::Criterion(stricter));
+        }
+        let trials = ways
+            .iter()
+            .zip(STRICTER)
+            .map(|(way, times)| school.trial(format!("{}", times * criterion.gamma), &offered, way))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some((place, choice)) = choose("strictness of selection (gamma)", &trials) {
+            self.selector = ways[place].clone();
+            self.choices.push(choice);
+        }
+        Ok(())
+    }
+}
+
+/// Candidates with the normal equations of each block of time.
+struct School<'a> {
+    survey: &'a Survey,
+    candidates: Candidates,
+    groups: Vec<Group>,
+    /// `[block][equation]`
+    blocks: Vec<Vec<Gram>>,
+}
+
+impl<'a> School<'a> {
+    fn new(
+        survey: &'a Survey,
+        plan: &Plan,
+        library: LibraryKind,
+        laws: Vec<FrictionTerm>,
+    ) -> Result<Self, IdentifyError> {
+        let n = survey.joints.len();
+        Self::of(survey, Candidates::with_friction(n, library, plan.method, laws)?)
+    }
+
+    fn of(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
+        let (m, n) = (survey.sample.n_rows(), survey.joints.len());
+        let route = cheaper_route(&candidates.design, n, m / BLOCKS);
+        let prepared = Prepared::new(&candidates.design, route);
+        let blocks = (0..BLOCKS)
+            .into_par_iter()
+            .map(|block| {
+                let rows = survey.sample.select(&split(m, block).0);
+                let mut sum = prepared.start(n);
+                sum.add(&samples_of(&rows, &candidates.friction)?)?;
+                Ok(GramSum::grams(sum))
+            })
+            .collect::<Result<_, IdentifyError>>()?;
+        let groups = candidates.groups();
+        Ok(Self { survey, candidates, groups, blocks })
+    }
+
+    /// Columns of all terms and of some laws of friction.
+    fn with_laws(&self, laws: &[FrictionTerm]) -> Vec<usize> {
+        let offered =
+            |&column: &usize| self.candidates.law(column).is_none_or(|law| laws.contains(law));
+        (0..self.candidates.len()).filter(offered).collect()
+    }
+
+    /// Selects among the offered columns with each block left out, and judges the block by it.
+    fn trial(
+        &self,
+        label: String,
+        offered: &[usize],
+        selector: &Selector,
+    ) -> Result<Trial, IdentifyError> {
+        let columns = (0..self.candidates.len()).collect();
+        let step = Step { pattern: None, offered: offered.to_vec(), columns };
+        let errors = (0..BLOCKS)
+            .map(|block| self.error(block, &step, selector))
+            .collect::<Result<_, _>>()?;
+        Ok(Trial { label, complexity: offered.len(), errors })
+    }
+
+    /// Geometric mean over the joints of RMSE on a block over the spread of the torque.
+    fn error(&self, block: usize, step: &Step, selector: &Selector) -> Result<f64, IdentifyError> {
+        let rest = self.evidence((0..BLOCKS).filter(|&other| other != block))?;
+        let judge = self.evidence(std::iter::once(block))?;
+        let errors: Vec<f64> = self
+            .groups
+            .par_iter()
+            .map(|group| {
+                let mut known = vec![0.0; self.candidates.len()];
+                for (column, weight) in step::select(step, &rest, group, &known, selector)? {
+                    known[column] = weight;
+                }
+                Ok(group
+                    .equations
+                    .iter()
+                    .filter_map(|&(equation, joint)| {
+                        let left = step::unexplained(&judge, equation, joint, &known);
+                        let spread = self.survey.torque_std[joint];
+                        let rms = (left / judge.rows.max(1) as f64).sqrt();
+                        (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
+                    })
+                    .collect::<Vec<f64>>())
+            })
+            .collect::<Result<Vec<_>, torquewise_sparse::SparseError>>()?
+            .concat();
+        Ok((errors.iter().sum::<f64>() / errors.len().max(1) as f64).exp())
+    }
+
+    /// The normal equations of some blocks together.
+    fn evidence(&self, blocks: impl Iterator<Item = usize>) -> Result<Evidence, IdentifyError> {
+        let mut grams: Vec<Gram> = Vec::new();
+        for block in blocks {
+            match &mut grams[..] {
+                [] => grams.clone_from(&self.blocks[block]),
+                sums => {
+                    for (sum, more) in sums.iter_mut().zip(&self.blocks[block]) {
+                        sum.merge(more)?;
+                    }
+                }
+            }
+        }
+        let rows = grams.first().map_or(0, |gram| gram.rows);
+        Ok(Evidence { grams, route: torquewise_sparse::accumulate::Route::Direct, rows })
+    }
+}
