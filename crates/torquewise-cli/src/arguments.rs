@@ -52,7 +52,8 @@ impl PatternArguments {
 /// Which candidates are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Library {
-    /// M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints
+    /// M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints; all terms for
+    /// up to four joints, or with --interaction, else those of a learned chain
     Energy,
     /// Products of sines, cosines, velocities and accelerations, for each joint on its own
     Product,
@@ -99,8 +100,8 @@ pub(crate) enum Select {
 /// How a log becomes a model, the method left open.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct PlanArguments {
-    /// Candidates [default: energy; product with --method sindy; chain for filtered logs or
-    /// friction]
+    /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
+    /// or five joints and more]
     #[arg(long, value_enum)]
     library: Option<Library>,
     /// Friction of the joints [default: auto with --library chain, else none]
@@ -131,19 +132,36 @@ pub(crate) struct PlanArguments {
     patterns: PatternArguments,
 }
 
+/// What is known of the logs when a plan is made.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Known {
+    /// Number of joints; 0 before they are read.
+    pub(crate) joints: usize,
+    /// Whether the signals went through a filter.
+    pub(crate) filtered: bool,
+}
+
+/// Joints up to which the whole energy library is offered.
+const MOST_WHOLE: usize = 4;
+
 impl PlanArguments {
     /// The plan for one method.
     ///
     /// # Errors
     /// [`CliError::Usage`] if an order is given for the library that is not used.
-    pub(crate) fn plan(&self, method: Method, filtered: bool) -> Result<Plan, CliError> {
+    pub(crate) fn plan(&self, method: Method, log: Known) -> Result<Plan, CliError> {
         let rubs = self.friction.is_some_and(|friction| friction != Friction::None);
+        let many = log.joints > MOST_WHOLE && self.interaction.is_none();
         let usual = match method {
             Method::Sindy => Library::Product,
-            _ if filtered || rubs => Library::Chain,
+            _ if log.filtered || rubs || many => Library::Chain,
             _ => Library::Energy,
         };
-        let library = self.library.unwrap_or(usual);
+        let library = match self.library.unwrap_or(usual) {
+            // Its terms are too many to be listed: they are grown along a chain.
+            Library::Energy if many && method != Method::Sindy => Library::Chain,
+            library => library,
+        };
         let misplaced = match library {
             Library::Product if rubs && method == Method::Sindy => {
                 "--friction is for stepwise reconstruction"

@@ -277,6 +277,15 @@ fn column(sum: &[(f64, Term)]) -> Column {
 }
 
 fn atoms(weight: f64, term: &Term) -> Vec<Atom> {
+    let monomial = Monomial::new(term.dq.iter().chain(&term.ddq).copied().collect());
+    waves_of(weight, term)
+        .into_iter()
+        .map(|(weight, wave)| Atom { weight, wave, monomial: monomial.clone() })
+        .collect()
+}
+
+/// The trigonometric part of a term, times a weight, as a sum of harmonics of joint sums.
+pub(crate) fn waves_of(weight: f64, term: &Term) -> Vec<(f64, Wave)> {
     let mut waves = vec![(weight, Wave::one(term.n_joints()))];
     for factor in &term.factors {
         let phase = if factor.function == Trig::Sin { Phase::Sin } else { Phase::Cos };
@@ -287,11 +296,7 @@ fn atoms(weight: f64, term: &Term) -> Vec<Atom> {
             waves = times(&waves, sign, &wave);
         }
     }
-    let monomial = Monomial::new(term.dq.iter().chain(&term.ddq).copied().collect());
     waves
-        .into_iter()
-        .map(|(weight, wave)| Atom { weight, wave, monomial: monomial.clone() })
-        .collect()
 }
 
 /// A sum of waves times a wave, equal ones joined.

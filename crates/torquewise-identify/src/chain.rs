@@ -1,5 +1,6 @@
 //! Survey → Reconstruction by a learned chain: geometry, masses, friction to energy terms (E8).
 
+use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
 use crate::error::IdentifyError;
 use crate::found::{Progress, Reconstruction, StepReport};
@@ -10,13 +11,9 @@ use crate::plan::Plan;
 use crate::prune::prune;
 use crate::survey::Survey;
 use crate::warning::Warning;
-use std::collections::BTreeMap;
 use torquewise_chain::Chain;
 use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Weighted};
 use torquewise_sparse::accumulate::Route;
-
-/// Energy terms with their coefficients, equal terms added up.
-type Energies = BTreeMap<EnergyTerm, f64>;
 
 /// Learns a chain from the sample of a survey and lists the equations of motion that follow.
 pub(crate) fn by_chain(
@@ -31,11 +28,19 @@ pub(crate) fn by_chain(
     let all = energies(&learned.chain, &learned.beside)?;
     let friction = friction(&learned);
     let candidates = all.len() + friction.len();
-    let kept =
-        prune(all.into_iter().collect(), &survey.sample, &learned.chain.residual_rms, plan.seed);
+    let few = |all: Energies| {
+        prune(all.into_iter().collect(), &survey.sample, &learned.chain.residual_rms, plan.seed)
+    };
+    let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
     let without = (learned.without.iter())
         .map(|chain| energies(chain, &learned.beside))
         .collect::<Result<Vec<_>, _>>()?;
+    // Parallel axes make sums shorter, others products.
+    let (kept, without) = if sums.len() < products.len() {
+        (sums, without.iter().map(joint_sums).collect())
+    } else {
+        (products, without)
+    };
     let terms: Vec<Weighted<EnergyTerm>> = kept
         .into_iter()
         .map(|(term, coefficient)| {

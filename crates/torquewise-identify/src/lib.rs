@@ -14,6 +14,7 @@ pub mod plan;
 mod friction;
 mod beside;
 pub mod candidates;
+mod basis;
 mod rows;
 pub mod evidence;
 mod step;

@@ -142,30 +142,44 @@ impl States {
 /// Value of the function of a term and its slope along each joint.
 fn value(term: &EnergyTerm, waves: &[[f64; 4]], slope: &mut [f64]) -> f64 {
     slope.fill(0.0);
-    let parts = term.function.factors.iter().filter_map(|factor| {
-        let joint = factor.multiples.iter().position(|&k| k != 0)?;
-        let k = f64::from(factor.multiples[joint]);
-        let [c1, s1, c2, s2] = waves[joint];
-        let (cos, sin) = match factor.multiples[joint] {
+    let factors = &term.function.factors;
+    let parts: Vec<[f64; 2]> = factors
+        .iter()
+        .map(|factor| {
+            let (sin, cos) = turn(&factor.multiples, waves);
+            match factor.function {
+                Trig::Cos => [cos, -sin],
+                Trig::Sin => [sin, cos],
+            }
+        })
+        .collect();
+    for (place, factor) in factors.iter().enumerate() {
+        let others = parts.iter().enumerate().filter(|(other, _)| *other != place);
+        let rest = parts[place][1] * others.map(|(_, part)| part[0]).product::<f64>();
+        for (slope, &k) in slope.iter_mut().zip(&factor.multiples) {
+            *slope += f64::from(k) * rest;
+        }
+    }
+    parts.iter().map(|part| part[0]).product()
+}
+
+/// Sine and cosine of a sum of joint angles.
+fn turn(multiples: &[i8], waves: &[[f64; 4]]) -> (f64, f64) {
+    let (mut sin, mut cos) = (0.0, 1.0);
+    for (&k, &[c1, s1, c2, s2]) in multiples.iter().zip(waves).filter(|(k, _)| **k != 0) {
+        let (c, s) = match k.unsigned_abs() {
             1 => (c1, s1),
             2 => (c2, s2),
             // Springs alone hold higher harmonics.
-            _ => {
-                let q = s1.atan2(c1);
-                ((k * q).cos(), (k * q).sin())
+            k => {
+                let (sin, cos) = (f64::from(k) * s1.atan2(c1)).sin_cos();
+                (cos, sin)
             }
         };
-        Some(match factor.function {
-            Trig::Cos => (joint, cos, -k * sin),
-            Trig::Sin => (joint, sin, k * cos),
-        })
-    });
-    let parts: Vec<(usize, f64, f64)> = parts.collect();
-    for (place, &(joint, _, derivative)) in parts.iter().enumerate() {
-        let others = parts.iter().enumerate().filter(|(other, _)| *other != place);
-        slope[joint] = derivative * others.map(|(_, part)| part.1).product::<f64>();
+        let s = f64::from(k.signum()) * s;
+        (sin, cos) = (sin * c + cos * s, cos * c - sin * s);
     }
-    parts.iter().map(|part| part.1).product()
+    (sin, cos)
 }
 
 #[cfg(test)]

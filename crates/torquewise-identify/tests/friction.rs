@@ -124,7 +124,7 @@ fn three_recordings_give_the_terms_and_the_friction_curve() {
     let truth = truth::energies(&arm);
     let missing: Vec<String> = (truth.keys())
         .filter(|term| !terms.iter().any(|w| w.term == **term))
-        .map(|term| term.name())
+        .map(torquewise_model::EnergyTerm::name)
         .collect();
     // sin(2 q2) of M11 has a hundredth of the size of the others: noise may hide it.
     assert!(missing.len() <= 1 && terms.len() <= truth.len() + 2, "{missing:?}");

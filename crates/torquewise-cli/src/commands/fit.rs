@@ -1,6 +1,6 @@
 //! Logs → model file: the main job.
 
-use crate::arguments::PlanArguments;
+use crate::arguments::{Known, PlanArguments};
 use crate::error::CliError;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
@@ -64,9 +64,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         MethodName::Sindy => Method::Sindy,
     };
     // Wrong usage is told before the log is read.
-    arguments.plan.plan(method, false)?;
+    arguments.plan.plan(method, Known::default())?;
     let (logs, test) = open(arguments)?;
-    let plan = arguments.plan.plan(method, logs.report().is_some())?;
+    let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
+    let plan = arguments.plan.plan(method, known)?;
     let timed = timed(&logs, &plan)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, &to_json(model)?)?;

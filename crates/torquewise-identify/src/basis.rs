@@ -1,0 +1,80 @@
+//! Products of sines and cosines → harmonics of joint sums, in which parallel axes need fewer (E4).
+
+use crate::candidates::waves_of;
+use std::collections::BTreeMap;
+use torquewise_model::term::Factor;
+use torquewise_model::{EnergyTerm, Term, Trig};
+use torquewise_sparse::atom::{Phase, Wave};
+
+/// Energy terms with their coefficients, equal terms added up.
+pub(crate) type Energies = BTreeMap<EnergyTerm, f64>;
+
+/// The same energies as harmonics cos(k·q), sin(k·q).
+///
+/// Links behind parallel axes turn by the sum of their angles: where the product basis needs
+/// cos q₂·cos q₃ and sin q₂·sin q₃, cos(q₂ + q₃) says both.
+pub(crate) fn joint_sums(energies: &Energies) -> Energies {
+    let mut sums = Energies::new();
+    for (term, coefficient) in energies {
+        for (weight, wave) in waves_of(*coefficient, &term.function) {
+            let function = harmonic(&wave);
+            *sums.entry(EnergyTerm { place: term.place, function }).or_insert(0.0) += weight;
+        }
+    }
+    sums
+}
+
+fn harmonic(wave: &Wave) -> Term {
+    let multiples = wave.multiples().to_vec();
+    let one = Term::one(multiples.len());
+    if multiples.iter().all(|&k| k == 0) {
+        return one;
+    }
+    let function = if wave.phase() == Phase::Sin { Trig::Sin } else { Trig::Cos };
+    Term { factors: vec![Factor { multiples, function, power: 1 }], ..one }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Energies, joint_sums};
+    use torquewise_model::{EnergyTerm, Place, Term, Trig};
+
+    fn term(place: Place, trigs: [Trig; 2]) -> EnergyTerm {
+        let one = Term::one(3);
+        EnergyTerm { place, function: one.times(trigs[0], 1, 1, 1).times(trigs[1], 2, 2, 1) }
+    }
+
+    #[test]
+    fn the_energy_is_the_same() {
+        let energies = Energies::from([
+            (term(Place::Inertia(0, 1), [Trig::Cos, Trig::Sin]), 1.5),
+            (term(Place::Inertia(0, 1), [Trig::Sin, Trig::Cos]), 0.7),
+            (EnergyTerm { place: Place::Inertia(0, 1), function: Term::one(3) }, 2.0),
+        ]);
+        let sums = joint_sums(&energies);
+        for q in [[0.1, 0.7, -1.3], [2.0, -0.4, 0.9]] {
+            let value = |energies: &Energies| -> f64 {
+                energies
+                    .iter()
+                    .map(|(term, c)| c * term.function.value(&q, &[0.0; 3], &[0.0; 3]))
+                    .sum()
+            };
+            assert!((value(&energies) - value(&sums)).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn parallel_axes_need_one_term_where_products_need_two() {
+        let place = Place::Potential;
+        let energies = Energies::from([
+            (term(place, [Trig::Cos, Trig::Cos]), 1.0),
+            (term(place, [Trig::Sin, Trig::Sin]), -1.0),
+        ]);
+        let sums: Vec<(String, f64)> = joint_sums(&energies)
+            .into_iter()
+            .filter(|(_, c)| *c != 0.0)
+            .map(|(term, c)| (term.name(), c))
+            .collect();
+        assert_eq!(sums, [("V: cos(q2+2*q3)".to_owned(), 1.0)]);
+    }
+}
