@@ -32,7 +32,15 @@ mod lower;
 pub mod program;
 mod text;
 pub mod c;
+pub mod rust;
+pub mod python;
+pub mod latex;
+pub mod vectors;
 
 pub use c::to_c;
 pub use error::ExportError;
+pub use latex::to_latex;
 pub use program::{Cost, Precision, Program, Quantity};
+pub use python::to_python;
+pub use rust::to_rust;
+pub use vectors::test_vectors;

@@ -8,7 +8,7 @@ mod witness;
 mod run;
 
 use models::{energies, products, states};
-use torquewise_export::{Precision, Program, to_c};
+use torquewise_export::{Precision, Program, to_c, to_python, to_rust};
 use torquewise_model::Model;
 use witness::{expected, worst};
 
@@ -65,4 +65,29 @@ fn single_precision_c_is_as_good_as_single_precision() {
     let error = worst(&found, &expected(&model, &states));
     assert!(error < 1e-5 && error > 1e-9, "{error:.1e}");
     assert!(!code.contains("double"));
+}
+
+#[test]
+fn exported_rust_computes_what_the_model_predicts() {
+    if !run::has("rustc") {
+        return;
+    }
+    for model in arms() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&model, |program, states| {
+            let code = to_rust(program, Precision::Double).unwrap();
+            run::rust(folder.path(), &code, states)
+        });
+    }
+}
+
+#[test]
+fn exported_python_computes_what_the_model_predicts() {
+    if !run::has("python3") {
+        return;
+    }
+    for model in arms() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&model, |program, states| run::python(folder.path(), &to_python(program), states));
+    }
 }
