@@ -36,11 +36,15 @@ pub mod rust;
 pub mod python;
 pub mod latex;
 pub mod vectors;
+pub mod fmu;
+pub mod ros;
 
 pub use c::to_c;
 pub use error::ExportError;
+pub use fmu::{fmu_archive, fmu_sources};
 pub use latex::to_latex;
 pub use program::{Cost, Precision, Program, Quantity};
 pub use python::to_python;
+pub use ros::ros_package;
 pub use rust::to_rust;
 pub use vectors::test_vectors;
