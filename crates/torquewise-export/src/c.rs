@@ -58,7 +58,7 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     put("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
     put(&format!("#ifndef {upper}_DECLARATIONS_ONLY\n\n#include <math.h>\n"));
     put(&identity(program, name));
-    put(&helpers(program, real));
+    put(&signs(program, real));
     for (quantity, roots) in &program.functions {
         put(&function(program, name, (*quantity, roots), precision));
     }
@@ -130,13 +130,14 @@ fn identity(program: &Program, name: &str) -> String {
     )
 }
 
-fn helpers(program: &Program, real: &str) -> String {
+fn signs(program: &Program, real: &str) -> String {
     let zero = if real == "float" { "0.0f" } else { "0.0" };
     let one = if real == "float" { "1.0f" } else { "1.0" };
     let mut text = String::new();
     if program.calls(Function::Sign) {
         text += &format!(
-            "static {real} sign({real} x)\n{{\n    return ({real})((x > {zero}) - (x < {zero}));\n}}\n"
+            "static {real} sign({real} x)\n{{\n    \
+             return ({real})((x > {zero}) - (x < {zero}));\n}}\n"
         );
     }
     if program.calls(Function::Positive) {

@@ -99,11 +99,7 @@ pub(crate) fn slopes(graph: &mut Graph, weighted: &[(Id, Id)], n_joints: usize) 
 }
 
 /// Slopes by the angles k·q → slopes by each q.
-fn by_joint(
-    graph: &mut Graph,
-    by_angle: &BTreeMap<Vec<i32>, Vec<Id>>,
-    n_joints: usize,
-) -> Vec<Id> {
+fn by_joint(graph: &mut Graph, by_angle: &BTreeMap<Vec<i32>, Vec<Id>>, n_joints: usize) -> Vec<Id> {
     let mut joints = vec![Vec::new(); n_joints];
     for (multiples, parts) in by_angle {
         let slope = graph.sum(parts);

@@ -75,8 +75,8 @@ const UNITS: [(&str, &str); 5] = [
 fn description(program: &Program, name: &str) -> String {
     let n = program.n_joints();
     let files = format!(
-        "    <SourceFiles>\n      <File name=\"{name}.c\"/>\n      <File name=\"{name}_fmu.c\"/>\n    \
-         </SourceFiles>\n"
+        "    <SourceFiles>\n      <File name=\"{name}.c\"/>\n      \
+         <File name=\"{name}_fmu.c\"/>\n    </SourceFiles>\n"
     );
     let units: String = UNITS
         .iter()
@@ -132,8 +132,8 @@ fn variables(program: &Program) -> (String, usize) {
         let _ = writeln!(
             text,
             "    <ScalarVariable name=\"{name}\" valueReference=\"{place}\" \
-             causality=\"{causality}\" variability=\"continuous\" description=\"{description}\">\n      \
-             <Real unit=\"{unit}\"{start}/>\n    </ScalarVariable>"
+             causality=\"{causality}\" variability=\"continuous\" description=\"{description}\">\n\
+             \x20     <Real unit=\"{unit}\"{start}/>\n    </ScalarVariable>"
         );
     }
     (text, rows.len() - 3 * n)

@@ -26,6 +26,7 @@
 pub mod error;
 mod graph;
 mod derivative;
+mod harmonics;
 mod polynomial;
 mod parts;
 mod lower;

@@ -147,9 +147,9 @@ pub(crate) fn from_equations(
 /// q̈ = 0.
 fn per_acceleration(equation: &Sum, column: usize) -> Sum {
     let alone = |powers: &[u8]| powers.iter().enumerate().all(|(j, &p)| (j == column) == (p > 0));
-    let held = equation.iter().filter(|(_, term)| {
-        alone(&term.ddq) && term.dq.iter().all(|&power| power == 0)
-    });
+    let held = equation
+        .iter()
+        .filter(|(_, term)| alone(&term.ddq) && term.dq.iter().all(|&power| power == 0));
     held.map(|(weight, term)| {
         let (mut term, n) = (term.clone(), term.n_joints());
         term.ddq = vec![0; n];

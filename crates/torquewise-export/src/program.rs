@@ -2,11 +2,12 @@
 
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
+use crate::harmonics::summed;
 use crate::lower::lowered;
 use crate::parts::{Grouping, Parts, friction, from_energies, from_equations};
 use crate::polynomial::Order;
 use std::fmt;
-use torquewise_model::{Form, Model, to_json};
+use torquewise_model::{EnergyTerm, Form, Model, Weighted, to_json};
 
 /// What a function of an exported file computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,14 +29,8 @@ pub enum Quantity {
 
 impl Quantity {
     /// All, in the order in which they are written.
-    pub const ALL: [Self; 6] = [
-        Self::Torque,
-        Self::Gravity,
-        Self::Coriolis,
-        Self::Inertia,
-        Self::Friction,
-        Self::Step1,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::Torque, Self::Gravity, Self::Coriolis, Self::Inertia, Self::Friction, Self::Step1];
 
     /// `torque`, `gravity`, `coriolis`, `inertia`, `friction` or `step1`.
     pub fn name(self) -> &'static str {
@@ -135,9 +130,7 @@ impl Program {
         let first = cheapest(&mut graph, &first.form, n, |parts| &parts.gravity);
         let friction = friction(&mut graph, &model.friction, n);
         let torque = (0..n)
-            .map(|joint| {
-                graph.sum(&[parts.motion[joint], parts.gravity[joint], friction[joint]])
-            })
+            .map(|joint| graph.sum(&[parts.motion[joint], parts.gravity[joint], friction[joint]]))
             .collect();
         let functions = vec![
             (Quantity::Torque, torque),
@@ -192,7 +185,8 @@ impl Program {
     pub(crate) fn remarks(&self) -> Vec<&'static str> {
         let mut remarks = Vec::new();
         if !self.symmetric {
-            remarks.push("Each joint was fitted on its own: entry (i, j) of M is the torque of joint");
+            remarks
+                .push("Each joint was fitted on its own: entry (i, j) of M is the torque of joint");
             remarks.push("i per unit acceleration of joint j at rest, and M is not symmetric.");
         }
         if self.steps == 0 {
@@ -229,17 +223,25 @@ impl Program {
     }
 }
 
+/// A way to compute the parts.
+type Way<'a> = Box<dyn Fn(&mut Graph) -> Parts + 'a>;
+
 /// The parts that cost least where it matters most, of all ways to compute them.
 fn cheapest(graph: &mut Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<Id>) -> Parts {
-    let mut ways: Vec<Box<dyn Fn(&mut Graph) -> Parts>> = Vec::new();
+    let equations = form.equations(n);
+    let mut energies = Vec::new();
+    if let Form::Energy(terms) = form {
+        energies = shortest_sums(terms, n);
+        energies.insert(0, terms.clone());
+    }
+    let mut ways: Vec<Way<'_>> = Vec::new();
     for order in [Order::Products, Order::Horner] {
-        if let Form::Energy(terms) = form {
+        for terms in &energies {
             ways.push(Box::new(move |graph| from_energies(graph, terms, n, order)));
         }
         for grouping in [Grouping::ByMotion, Grouping::None] {
-            ways.push(Box::new(move |graph| {
-                from_equations(graph, &form.equations(n), order, grouping)
-            }));
+            let equations = &equations;
+            ways.push(Box::new(move |graph| from_equations(graph, equations, order, grouping)));
         }
     }
     let tried = ways.iter().map(|way| {
@@ -251,6 +253,19 @@ fn cheapest(graph: &mut Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<
     let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
     let place = best.map_or(0, |(place, _)| place);
     ways[place](graph)
+}
+
+/// Ways to sum angles that are worth trying.
+const SUMS: usize = 3;
+
+/// The energies with the angles of some neighbouring joints summed, where that takes fewer terms.
+fn shortest_sums(terms: &[Weighted<EnergyTerm>], n: usize) -> Vec<Vec<Weighted<EnergyTerm>>> {
+    let ranges = (0..n).flat_map(|first| (first + 2..=n).map(move |end| first..end));
+    let mut sums: Vec<_> = ranges.filter_map(|joints| summed(terms, &joints)).collect();
+    sums.retain(|sum| sum.len() < terms.len());
+    sums.sort_by_key(Vec::len);
+    sums.truncate(SUMS);
+    sums
 }
 
 fn cost(graph: &Graph, roots: &[Id]) -> Cost {

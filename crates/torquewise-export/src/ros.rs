@@ -8,8 +8,8 @@ const NODE: &str = include_str!("assets/feed_forward.cpp");
 
 /// The files of the package: path within it and text.
 ///
-/// The node `feed_forward` reads `joint_states` and `~/reference`, adds to the torque of the desired
-/// motion a proportional and a derivative correction, bounds it and publishes it to
+/// The node `feed_forward` reads `joint_states` and `~/reference`, adds to the torque of the
+/// desired motion a proportional and a derivative correction, bounds it and publishes it to
 /// `effort_controller/commands`, where `effort_controllers/JointGroupEffortController` listens.
 ///
 /// # Errors
@@ -29,8 +29,9 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
     );
     let zeros = vec!["0.0"; n].join(", ");
     let parameters = format!(
-        "feed_forward:\n  ros__parameters:\n    # N m per joint; the node does not start without.\n    \
-         max_effort: [{zeros}]\n    # N m/rad and N m s/rad.\n    kp: [{zeros}]\n    kd: [{zeros}]\n    \
+        "feed_forward:\n  ros__parameters:\n    # N m per joint; the node does not start without.\n\
+         \x20   max_effort: [{zeros}]\n    # N m/rad and N m s/rad.\n\
+         \x20   kp: [{zeros}]\n    kd: [{zeros}]\n    \
          # Gravity of the first step alone.\n    gravity_only: false\n"
     );
     Ok(vec![

@@ -123,11 +123,7 @@ fn function(
         if quantity == Quantity::Inertia { format!("[{row}; JOINTS]") } else { row.clone() };
     let mut lines = vec![
         format!("/// {}: {}", quantity.formula(), program.cost(quantity)),
-        format!(
-            "pub fn {}<F: Math>({}) -> {result} {{",
-            quantity.name(),
-            arguments.join(", ")
-        ),
+        format!("pub fn {}<F: Math>({}) -> {result} {{", quantity.name(), arguments.join(", ")),
     ];
     for &input in &body.inputs {
         let (signal, joint) = signal_of(input);

@@ -175,9 +175,7 @@ fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> T
             text: format!("{}*{}", at(a, Level::Product), at(b, Level::Call)),
             level: Level::Product,
         },
-        Node::Neg(a) => {
-            Text { text: format!("-{}", at(a, Level::Product)), level: Level::Product }
-        }
+        Node::Neg(a) => Text { text: format!("-{}", at(a, Level::Product)), level: Level::Product },
         Node::Call(function, a) => {
             Text { text: language.call(*function, &at(a, Level::Sum)), level: Level::Call }
         }

@@ -11,8 +11,8 @@ use torquewise_model::{Model, Torque};
 /// States and expected values, one row each, computed by the model and not by exported code.
 ///
 /// Columns `q1…qn`, `dq1…`, `ddq1…`, then of each function in order `torque1…`, `gravity1…`,
-/// `coriolis1…`, `inertia1_1, inertia1_2, …`, `friction1…`, `step1_1…`; SI units, all digits. States
-/// are drawn evenly from what the model was fitted on; where that is not known, from a turn,
+/// `coriolis1…`, `inertia1_1, inertia1_2, …`, `friction1…`, `step1_1…`; SI units, all digits.
+/// States are drawn evenly from what the model was fitted on; where that is not known, from a turn,
 /// ±1 rad/s and ±1 rad/s².
 ///
 /// # Errors

@@ -116,12 +116,7 @@ fn friction(n: usize) -> Vec<Weighted<FrictionTerm>> {
     terms
 }
 
-fn model(
-    n: usize,
-    form: Form,
-    friction: Vec<Weighted<FrictionTerm>>,
-    stages: Vec<Stage>,
-) -> Model {
+fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Vec<Stage>) -> Model {
     // Names that a careless printer would break a string or a comment with.
     let names = (0..n).map(|joint| format!("gelenk \"{joint}\" */ ??/ é\\"));
     let joints = names.collect();

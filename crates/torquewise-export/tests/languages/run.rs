@@ -67,6 +67,28 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
     parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
 }
 
+/// Torques by the functions of FMI, called as an importer does.
+pub(crate) fn unit(
+    folder: &Path,
+    sources: &[(String, String)],
+    guid: &str,
+    states: &[State],
+) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
+    for (path, text) in sources {
+        let file = folder.join(path);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(file, text).unwrap();
+    }
+    let main = include_str!("importer.c").replace("JOINTS", &n.to_string());
+    fs::write(folder.join("main.c"), main.replace("THE_GUID", guid)).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1", "main.c"]);
+    compiler.args(["sources/arm.c", "sources/arm_fmu.c", "-o", "run", "-lm"]);
+    output(compiler.current_dir(folder), "");
+    parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
+}
+
 /// Number of results of a function.
 fn count(quantity: Quantity, n: usize) -> usize {
     if quantity == Quantity::Inertia { n * n } else { n }
@@ -90,11 +112,13 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
          fn sin_cos(x: f64) -> (f64, f64) {{ x.sin_cos() }}\n    \
          fn exp(x: f64) -> f64 {{ x.exp() }}\n    fn tanh(x: f64) -> f64 {{ x.tanh() }}\n}}\n\
          fn main() {{\n    for line in std::io::stdin().lines() {{\n        \
-         let x: Vec<f64> = line.unwrap().split_whitespace().map(|x| x.parse().unwrap()).collect();\n\
-         \x20       let part = |k: usize| -> [f64; {n}] {{ std::array::from_fn(|j| x[k * {n} + j]) }};\n\
+         let line = line.unwrap();\n        let words = line.split_whitespace();\n        \
+         let x: Vec<f64> = words.map(|x| x.parse().unwrap()).collect();\n\
+         \x20       let part = |k: usize| -> [f64; {n}] {{\n\
+         \x20           std::array::from_fn(|j| x[k * {n} + j])\n        }};\n\
          \x20       let (q, dq, ddq) = (part(0), part(1), part(2));\n        \
          let mut row: Vec<f64> = Vec::new();\n{calls}        \
-         println!(\"{{}}\", row.iter().map(|y| format!(\"{{y:?}}\")).collect::<Vec<_>>().join(\" \"));\n\
+         row.iter().for_each(|y| print!(\"{{y:?}} \"));\n        println!();\n\
          \x20   }}\n}}\n"
     );
     fs::write(folder.join("arm.rs"), code).unwrap();
@@ -125,8 +149,9 @@ pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64
         })
         .collect();
     let main = format!(
-        "import sys\nimport arm\nfor line in sys.stdin:\n    x = [float(x) for x in line.split()]\n    \
-         q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    y = []\n{calls}    print(*map(repr, y))\n",
+        "import sys\nimport arm\nfor line in sys.stdin:\n    \
+         x = [float(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
+         y = []\n{calls}    print(*map(repr, y))\n",
         2 * n,
         2 * n
     );

@@ -1,0 +1,104 @@
+//! Models → nanoseconds per call: exported C, the model interpreted, Pinocchio's RNEA, in one run.
+//!
+//! ```sh
+//! cargo bench -p torquewise-export --bench per_call -- puma.json ur5.json=ur5.urdf
+//! ```
+//!
+//! A model is timed beside the URDF behind its `=`, else beside as many revolute joints. For
+//! Pinocchio, `PINOCCHIO_FLAGS` holds what the C++ compiler needs to find it; see
+//! `docs/export.md`. Medians of 21 rounds, and the least in brackets: on a busy machine the least
+//! is nearer to what the code needs.
+
+#![expect(clippy::unwrap_used, reason = "a bench may panic")]
+
+use std::fs;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+use torquewise_export::{Precision, Program, to_c};
+use torquewise_model::{Model, Torque, from_json};
+
+const ROUNDS: usize = 21;
+
+fn main() {
+    let arguments: Vec<String> =
+        std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    if arguments.is_empty() {
+        println!("usage: cargo bench -p torquewise-export --bench per_call -- MODEL[=URDF]...");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let pinocchio = pinocchio(folder.path());
+    for argument in &arguments {
+        let (file, arm) = argument.split_once('=').unwrap_or((argument, ""));
+        let model = from_json(&fs::read_to_string(file).unwrap()).unwrap();
+        let program = Program::of(&model).unwrap();
+        let (n, count) = (model.n_joints(), model.n_coefficients());
+        println!("\n{file}: {n} joints, {count} coefficients");
+        for (name, median, least) in exported(&program, folder.path()) {
+            println!("  {name:12}{median:8.0} ns  ({least:.0})");
+        }
+        let (median, least) = interpreted(&model);
+        println!("  {:12}{median:8.0} ns  ({least:.0})", "interpreted");
+        if pinocchio {
+            let arm = if arm.is_empty() { n.to_string() } else { arm.to_owned() };
+            let text = run(Command::new(folder.path().join("pinocchio")).arg(arm));
+            let numbers: Vec<f64> =
+                text.split_whitespace().map(|number| number.parse().unwrap()).collect();
+            println!("  {:12}{:8.0} ns  ({:.0})", "RNEA", numbers[1], numbers[2]);
+        }
+    }
+}
+
+/// Name, median and least time of each function of the exported C.
+fn exported(program: &Program, folder: &Path) -> Vec<(String, f64, f64)> {
+    let code = to_c(program, "arm", Precision::Double).unwrap();
+    fs::write(folder.join("arm.c"), code).unwrap();
+    fs::write(folder.join("timing.c"), include_str!("timing.c")).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c99", "-O2", "timing.c", "arm.c", "-o", "timing", "-lm"]);
+    run(compiler.current_dir(folder));
+    let text = run(&mut Command::new(folder.join("timing")));
+    let line = |line: &str| {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        (words[0].to_owned(), words[1].parse().unwrap(), words[2].parse().unwrap())
+    };
+    text.lines().map(line).collect()
+}
+
+/// Median and least time of the torque by walking through the terms.
+fn interpreted(model: &Model) -> (f64, f64) {
+    let (n, torque) = (model.n_joints(), Torque::new(model));
+    let signal =
+        |seed: f64| -> Vec<f64> { (0..n).map(|j| (seed + 0.7 * j as f64).sin()).collect() };
+    let states: Vec<[Vec<f64>; 3]> =
+        (0..64).map(|k| [0.1, 0.2, 0.3].map(|shift| signal(f64::from(k) + shift))).collect();
+    let mut times: Vec<f64> = (0..ROUNDS)
+        .map(|_| {
+            let start = Instant::now();
+            for [q, dq, ddq] in &states {
+                black_box(torque.at(q, dq, ddq).unwrap());
+            }
+            start.elapsed().as_secs_f64() * 1e9 / states.len() as f64
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    (times[ROUNDS / 2], times[0])
+}
+
+/// Whether Pinocchio was asked for; then its program is in the folder.
+fn pinocchio(folder: &Path) -> bool {
+    let Ok(flags) = std::env::var("PINOCCHIO_FLAGS") else { return false };
+    fs::write(folder.join("pinocchio.cpp"), include_str!("pinocchio.cpp")).unwrap();
+    let mut compiler = Command::new("c++");
+    compiler.current_dir(folder).args(["-std=c++17", "-O3", "-DNDEBUG", "-w", "pinocchio.cpp"]);
+    run(compiler.args(flags.split_whitespace()).args(["-o", "pinocchio"]));
+    true
+}
+
+fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {complaint}");
+    String::from_utf8(output.stdout).unwrap()
+}
