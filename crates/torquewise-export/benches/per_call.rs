@@ -6,20 +6,19 @@
 //!
 //! A model is timed beside the URDF behind its `=`, else beside as many revolute joints. For
 //! Pinocchio, `PINOCCHIO_FLAGS` holds what the C++ compiler needs to find it; see
-//! `docs/export.md`. Medians of 21 rounds, and the least in brackets: on a busy machine the least
-//! is nearer to what the code needs.
+//! `docs/export.md`. Processor time, medians of 201 rounds, the least in brackets.
 
 #![expect(clippy::unwrap_used, reason = "a bench may panic")]
 
+use cpu_time::ProcessTime;
 use std::fs;
 use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
-use std::time::Instant;
-use torquewise_export::{Precision, Program, to_c};
+use torquewise_export::{Precision, Program, Quantity, to_c};
 use torquewise_model::{Model, Torque, from_json};
 
-const ROUNDS: usize = 21;
+const ROUNDS: usize = 201;
 
 fn main() {
     let arguments: Vec<String> =
@@ -34,7 +33,8 @@ fn main() {
         let model = from_json(&fs::read_to_string(file).unwrap()).unwrap();
         let program = Program::of(&model).unwrap();
         let (n, count) = (model.n_joints(), model.n_coefficients());
-        println!("\n{file}: {n} joints, {count} coefficients");
+        let cost = program.cost(Quantity::Torque);
+        println!("\n{file}: {n} joints, {count} coefficients, torque {cost}");
         for (name, median, least) in exported(&program, folder.path()) {
             println!("  {name:12}{median:8.0} ns  ({least:.0})");
         }
@@ -75,7 +75,7 @@ fn interpreted(model: &Model) -> (f64, f64) {
         (0..64).map(|k| [0.1, 0.2, 0.3].map(|shift| signal(f64::from(k) + shift))).collect();
     let mut times: Vec<f64> = (0..ROUNDS)
         .map(|_| {
-            let start = Instant::now();
+            let start = ProcessTime::now();
             for [q, dq, ddq] in &states {
                 black_box(torque.at(q, dq, ddq).unwrap());
             }
