@@ -35,7 +35,9 @@ fn main() {
         let (n, count) = (model.n_joints(), model.n_coefficients());
         let cost = program.cost(Quantity::Torque);
         println!("\n{file}: {n} joints, {count} coefficients, torque {cost}");
-        for (name, median, least) in exported(&program, folder.path()) {
+        let (functions, states) = exported(&program, folder.path());
+        println!("  differs from the model by {:.0e} of the torque", difference(&model, &states));
+        for (name, median, least) in functions {
             println!("  {name:12}{median:8.0} ns  ({least:.0})");
         }
         let (median, least) = interpreted(&model);
@@ -50,8 +52,12 @@ fn main() {
     }
 }
 
-/// Name, median and least time of each function of the exported C.
-fn exported(program: &Program, folder: &Path) -> Vec<(String, f64, f64)> {
+/// Name, median and least time of a function.
+type Timed = (String, f64, f64);
+
+/// Times of each function of the exported C, and its torque at some states: q, q̇, q̈, τ of each
+/// joint.
+fn exported(program: &Program, folder: &Path) -> (Vec<Timed>, Vec<Vec<[f64; 4]>>) {
     let code = to_c(program, "arm", Precision::Double).unwrap();
     fs::write(folder.join("arm.c"), code).unwrap();
     fs::write(folder.join("timing.c"), include_str!("timing.c")).unwrap();
@@ -59,11 +65,42 @@ fn exported(program: &Program, folder: &Path) -> Vec<(String, f64, f64)> {
     compiler.args(["-std=c99", "-O2", "timing.c", "arm.c", "-o", "timing", "-lm"]);
     run(compiler.current_dir(folder));
     let text = run(&mut Command::new(folder.join("timing")));
-    let line = |line: &str| {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        (words[0].to_owned(), words[1].parse().unwrap(), words[2].parse().unwrap())
+    let (states, times): (Vec<&str>, Vec<&str>) =
+        text.lines().partition(|line| line.starts_with("state"));
+    let numbers = |line: &str| -> Vec<f64> {
+        line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect()
     };
-    text.lines().map(line).collect()
+    let time = |line: &&str| {
+        let (name, times) = (line.split_whitespace().next().unwrap(), numbers(line));
+        (name.to_owned(), times[0], times[1])
+    };
+    let state = |line: &&str| numbers(line).as_chunks::<4>().0.to_vec();
+    (times.iter().map(time).collect(), states.iter().map(state).collect())
+}
+
+/// Largest difference of a torque from the model's, beside its root mean square at least.
+fn difference(model: &Model, states: &[Vec<[f64; 4]>]) -> f64 {
+    let torque = Torque::new(model);
+    let signal = |state: &[[f64; 4]], place: usize| -> Vec<f64> {
+        state.iter().map(|joint| joint[place]).collect()
+    };
+    let expected: Vec<Vec<f64>> = states
+        .iter()
+        .map(|state| {
+            let [q, dq, ddq] = [0, 1, 2].map(|place| signal(state, place));
+            torque.at(&q, &dq, &ddq).unwrap()
+        })
+        .collect();
+    let mut worst: f64 = 0.0;
+    for joint in 0..model.n_joints() {
+        let squares: f64 = expected.iter().map(|tau| tau[joint].powi(2)).sum();
+        let usual = (squares / states.len() as f64).sqrt();
+        for (state, tau) in states.iter().zip(&expected) {
+            let error = (state[joint][3] - tau[joint]).abs();
+            worst = worst.max(error / tau[joint].abs().max(usual));
+        }
+    }
+    worst
 }
 
 /// Median and least time of the torque by walking through the terms.

@@ -13,8 +13,13 @@ use torquewise_model::{EnergyTerm, Place, Term, Trig, Weighted};
 /// others that cancelled.
 const ROUNDING: f64 = 1e-15;
 
-/// The same energies with the functions of a range of joints as sines and cosines of sums, and how
-/// many terms that takes; `None` where the multiples leave their range.
+/// Sums that grow to more than this many times the terms do not become fewer.
+const GROWTH: usize = 4;
+/// So many are never too many.
+const FEW: usize = 100;
+
+/// The same energies with the functions of a range of joints as sines and cosines of sums; `None`
+/// where that takes far more terms.
 pub(crate) fn summed(
     terms: &[Weighted<EnergyTerm>],
     joints: &Range<usize>,
@@ -32,6 +37,9 @@ pub(crate) fn summed(
             let term = EnergyTerm { place: *place, function };
             *sums.entry(term).or_insert(0.0) += share * coefficient;
         }
+        if sums.len() > GROWTH * terms.len() + FEW {
+            return None;
+        }
     }
     let sums = sums.into_iter().map(|(term, coefficient)| Weighted {
         term,
@@ -47,7 +55,7 @@ fn within(factor: &Factor, joints: &Range<usize>) -> bool {
 }
 
 /// sin(k·q) or cos(k·q).
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Harmonic {
     function: Trig,
     multiples: Vec<i32>,
@@ -83,13 +91,19 @@ impl Harmonic {
 
 /// A product of sines and cosines as a sum of such, each with its share.
 fn product(factors: &[Factor], n_joints: usize) -> Vec<(f64, Harmonic)> {
-    let mut sum = vec![(1.0, Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] })];
+    let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
+    let mut sum = BTreeMap::from([(one, 1.0)]);
     for factor in factors {
         for _ in 0..factor.power {
-            sum = sum.into_iter().flat_map(|(share, left)| times(share, &left, factor)).collect();
+            let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
+            for (share, harmonic) in sum.iter().flat_map(|(left, &s)| times(s, left, factor)) {
+                *longer.entry(harmonic).or_insert(0.0) += share;
+            }
+            longer.retain(|_, share| *share != 0.0);
+            sum = longer;
         }
     }
-    sum
+    sum.into_iter().map(|(harmonic, share)| (share, harmonic)).collect()
 }
 
 /// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.

@@ -7,7 +7,7 @@ mod models;
 mod witness;
 mod run;
 
-use models::{energies, products, states};
+use models::{energies, parallel, products, states};
 use std::fs;
 use std::io::Read;
 use std::process::Command;
@@ -23,7 +23,9 @@ const AGREES: f64 = 1e-12;
 
 /// Arms of three, six and seven joints, by energies and by torque equations.
 fn arms() -> Vec<Model> {
-    vec![energies(3, 25, 1), products(3, 20, 2), energies(6, 200, 3), energies(7, 300, 4)]
+    let of_three = [energies(3, 25, 1), products(3, 20, 2)];
+    let of_more = [energies(6, 200, 3), parallel(6, 60, 5), energies(7, 300, 4)];
+    of_three.into_iter().chain(of_more).collect()
 }
 
 fn check(model: &Model, run: impl Fn(&Program, &[models::State]) -> Vec<Vec<f64>>) {

@@ -70,6 +70,25 @@ pub(crate) fn energies(n: usize, count: usize, seed: u64) -> Model {
     model(n, Form::Energy(terms), friction(n), vec![stage])
 }
 
+/// An arm whose second and third axis are parallel: its energies depend on q₂ + q₃, written as
+/// products of sines and cosines.
+pub(crate) fn parallel(n: usize, count: usize, seed: u64) -> Model {
+    let mut model = energies(n, count, seed);
+    if let Form::Energy(terms) = &mut model.form {
+        *terms = terms
+            .iter()
+            .flat_map(|Weighted { term: EnergyTerm { place, function }, coefficient, .. }| {
+                let times = |trig| function.clone().times(trig, 1, 1, 1).times(trig, 2, 1, 1);
+                [(Trig::Cos, 1.0), (Trig::Sin, -1.0)].map(|(trig, sign)| {
+                    let term = EnergyTerm { place: *place, function: times(trig) };
+                    weighted(term, sign * coefficient)
+                })
+            })
+            .collect();
+    }
+    model
+}
+
 /// Torques of each joint on its own, of `count` terms each.
 pub(crate) fn products(n: usize, count: usize, seed: u64) -> Model {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
