@@ -37,6 +37,15 @@ pub(crate) enum CliError {
          give logs of one arm"
     )]
     TestOfAnotherArm { found: String, expected: String },
+    #[error(
+        "there is no C compiler {compiler:?}, and a unit holds a binary: install one, name it in \
+         the variable CC, or give --no-binary and compile the sources where it is used"
+    )]
+    NoCompiler { compiler: String, source: io::Error },
+    #[error("{compiler:?} did not compile the unit, {complaint}: try another in the variable CC")]
+    Compiler { compiler: String, complaint: String },
+    #[error("{} exists and is not empty: name a new folder", .0.display())]
+    NotEmpty(PathBuf),
     #[error("the results cannot be written to standard output: check where it is redirected to")]
     Stdout { source: io::Error },
 }

@@ -79,8 +79,8 @@ pub(crate) fn check_ending(file: &Path, endings: &[&str]) -> Result<(), CliError
     Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
 }
 
-/// Writes a text to a file in the same folder and renames it when it is whole.
-pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), CliError> {
+/// Writes a text, or bytes, to a file in the same folder and renames it when it is whole.
+pub(crate) fn write_whole(file: &Path, text: impl AsRef<[u8]>) -> Result<(), CliError> {
     let failed = |source| CliError::Write { file: file.into(), source };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".torquewise-").suffix(".partial");
@@ -91,7 +91,7 @@ pub(crate) fn write_whole(file: &Path, text: &str) -> Result<(), CliError> {
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut temporary = builder.tempfile_in(folder_of(file)).map_err(failed)?;
-    temporary.write_all(text.as_bytes()).map_err(failed)?;
+    temporary.write_all(text.as_ref()).map_err(failed)?;
     temporary.as_file().sync_all().map_err(failed)?;
     temporary.persist(file).map_err(|refused| failed(refused.error))?;
     Ok(())

@@ -5,6 +5,7 @@ mod table;
 mod score_table;
 mod outcome;
 mod files;
+mod compiler;
 mod progress;
 mod recorded;
 mod timed;

@@ -8,6 +8,7 @@ use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 use torquewise::dynamics::DynamicsError;
 use torquewise::excite::ExciteError;
+use torquewise::export::ExportError;
 use torquewise::identify::IdentifyError;
 use torquewise::logs::LogError;
 use torquewise::model::ModelError;
@@ -133,6 +134,7 @@ fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
         || cause.is::<MotionError>()
         || cause.is::<SparseError>()
         || cause.is::<ReportError>()
+        || cause.is::<ExportError>()
 }
 
 #[cfg(test)]

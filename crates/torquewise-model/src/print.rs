@@ -98,17 +98,7 @@ fn line<T>(weighted: &Weighted<T>, function: &str) -> String {
 
 /// The equations as a LaTeX `align*` environment.
 pub fn latex(model: &Model) -> String {
-    let mut rows = Vec::new();
-    if let Form::Energy(terms) = &model.form {
-        for (place, terms) in by_place(terms) {
-            let name = match place {
-                Place::Potential => "V".to_owned(),
-                Place::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
-            };
-            let sum = terms.iter().map(|w| signed(w, &w.term.function.latex()));
-            rows.push(latex_row(&name, &sum.collect::<Vec<_>>(), &[]));
-        }
-    }
+    let mut rows = latex_energy_rows(model);
     let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
     for (joint, (equation, friction)) in equations.enumerate() {
         let sum: Vec<_> = equation.iter().map(|w| signed(w, &w.term.latex())).collect();
@@ -116,6 +106,36 @@ pub fn latex(model: &Model) -> String {
         let name = format!(r"\tau_{{{}}}", joint + 1);
         rows.push(latex_row(&name, &sum, &friction));
     }
+    latex_align(&rows)
+}
+
+/// M(q), V(q) and the friction of each joint as a LaTeX `align*` environment, without the torques
+/// that follow, which may be a hundred times as long; a model of torques has friction alone.
+pub fn latex_energies(model: &Model) -> String {
+    let mut rows = latex_energy_rows(model);
+    for (joint, friction) in weighted_friction(model).iter().enumerate() {
+        let friction: Vec<_> = friction.iter().map(|w| signed(w, &w.term.latex())).collect();
+        rows.push(latex_row(&format!("F_{{{}}}", joint + 1), &[], &friction));
+    }
+    latex_align(&rows)
+}
+
+fn latex_energy_rows(model: &Model) -> Vec<String> {
+    let Form::Energy(terms) = &model.form else { return Vec::new() };
+    let groups = by_place(terms).into_iter();
+    groups
+        .map(|(place, terms)| {
+            let name = match place {
+                Place::Potential => "V".to_owned(),
+                Place::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
+            };
+            let sum = terms.iter().map(|w| signed(w, &w.term.function.latex()));
+            latex_row(&name, &sum.collect::<Vec<_>>(), &[])
+        })
+        .collect()
+}
+
+fn latex_align(rows: &[String]) -> String {
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", rows.join(" \\\\\n"))
 }
 

@@ -17,6 +17,7 @@
 pub use torquewise_dynamics as dynamics;
 pub use torquewise_excite as excite;
 pub use torquewise_experiments as experiments;
+pub use torquewise_export as export;
 pub use torquewise_identify as identify;
 pub use torquewise_logs as logs;
 pub use torquewise_model as model;

@@ -28,12 +28,13 @@ const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
 const IDENTIFY: &str = "torquewise-identify";
 const REPORT: &str = "torquewise-report";
+const EXPORT: &str = "torquewise-export";
 const EXCITE: &str = "torquewise-excite";
 const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 14] = [
+const LAYERS: [Layer; 15] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
     layer(MODEL, &[MOTION], &[DYNAMICS]),
@@ -43,11 +44,24 @@ const LAYERS: [Layer; 14] = [
     layer(CHAIN, &[MODEL], &[MOTION, DYNAMICS]),
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL, CHAIN], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
+    layer(EXPORT, &[MODEL], &[DYNAMICS]),
     layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
     layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
     layer(
         FRONT_DOOR,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, LOGS, IDENTIFY, REPORT, EXCITE, EXPERIMENTS],
+        &[
+            MOTION,
+            SPARSE,
+            MODEL,
+            DYNAMICS,
+            SIGNALS,
+            LOGS,
+            IDENTIFY,
+            REPORT,
+            EXPORT,
+            EXCITE,
+            EXPERIMENTS,
+        ],
         &[],
     ),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
@@ -111,6 +125,7 @@ mod tests {
             SIGNALS,
             IDENTIFY,
             REPORT,
+            EXPORT,
             EXCITE,
             EXPERIMENTS,
             FRONT_DOOR,

@@ -65,6 +65,7 @@ fn every_verb_has_a_line_in_the_help() {
         "predict",
         "evaluate",
         "compare",
+        "export",
         "reproduce",
         "completions",
     ] {

@@ -1,0 +1,219 @@
+//! Model → source code, an FMU or a ROS 2 package.
+
+use crate::compiler::binary;
+use crate::error::CliError;
+use crate::files::{
+    check_distinct, check_ending, check_output, create_folder, read_model, write_whole,
+};
+use crate::outcome::Outcome;
+use crate::table::Table;
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use serde_json::json;
+use std::fs;
+use std::path::{Path, PathBuf};
+use torquewise::export::{
+    Precision, Program, Quantity, fmu_archive, fmu_sources, ros_package, test_vectors, to_c,
+    to_latex, to_python, to_rust,
+};
+use torquewise::model::Model;
+
+/// Write a model as code for a controller: torque, gravity, coriolis, inertia, friction
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// What to write
+    #[arg(long, value_enum)]
+    to: Target,
+    /// File to write, for ros2 a new folder
+    #[arg(short, long, value_name = "PATH")]
+    output: PathBuf,
+    /// Precision of the numbers, for c and rust
+    #[arg(long, value_enum, default_value_t)]
+    precision: Digits,
+    /// What the functions begin with, for c, fmu and ros2 [default: the name of the file]
+    #[arg(long, value_name = "NAME")]
+    name: Option<String>,
+    /// Also write 1000 states and what the model returns there, FILE.vectors.csv
+    #[arg(long)]
+    test_vectors: bool,
+    /// Seed of the states
+    #[arg(long, default_value_t = 0, requires = "test_vectors")]
+    seed: u64,
+    /// Write an fmu of sources alone
+    #[arg(long)]
+    no_binary: bool,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Target {
+    /// One file of C99
+    C,
+    /// One file of Rust without std
+    Rust,
+    /// One file of Python
+    Python,
+    /// A LaTeX document
+    Latex,
+    /// An FMI 2.0 unit for model exchange and co-simulation
+    Fmu,
+    /// Sources of a ROS 2 package
+    Ros2,
+}
+
+/// Precision of the numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Digits {
+    /// 64 bits
+    #[default]
+    Double,
+    /// 32 bits
+    Float,
+}
+
+/// States to test exported code at.
+const TEST_STATES: usize = 1000;
+
+/// Writes the code, and test vectors beside it.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let Arguments { to, output, .. } = arguments;
+    check_usage(arguments)?;
+    let vectors = arguments.test_vectors.then(|| output.with_extension("vectors.csv"));
+    check_paths(arguments, vectors.as_ref())?;
+    let model = read_model(&arguments.model)?;
+    let program = Program::of(&model)?;
+    let (name, precision) = (name(arguments), precision(arguments.precision));
+
+    match to {
+        Target::C => write_whole(output, to_c(&program, &name, precision)?)?,
+        Target::Rust => write_whole(output, to_rust(&program, precision)?)?,
+        Target::Python => write_whole(output, to_python(&program))?,
+        Target::Latex => write_whole(output, to_latex(&model, &program.version()))?,
+        Target::Fmu => write_whole(output, unit(&program, &name, arguments.no_binary)?)?,
+        Target::Ros2 => write_package(output, &ros_package(&program, &name)?)?,
+    }
+    if let Some(file) = &vectors {
+        write_whole(file, test_vectors(&model, TEST_STATES, arguments.seed)?)?;
+    }
+    Ok(outcome(arguments, &model, &program, vectors.as_deref()))
+}
+
+fn check_usage(arguments: &Arguments) -> Result<(), CliError> {
+    let Arguments { to, precision, name, no_binary, .. } = arguments;
+    let misplaced = match to {
+        Target::C | Target::Rust => None,
+        _ if *precision == Digits::Float => Some("--precision float is for --to c and rust"),
+        _ => None,
+    };
+    let named = name.is_some() && matches!(to, Target::Rust | Target::Python | Target::Latex);
+    let misplaced = misplaced
+        .or(named.then_some("--name is for --to c, fmu and ros2"))
+        .or((*no_binary && *to != Target::Fmu).then_some("--no-binary is for --to fmu"));
+    match misplaced {
+        Some(text) => Err(CliError::Usage(format!("{text}: leave it out"))),
+        None => Ok(()),
+    }
+}
+
+fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<(), CliError> {
+    let Arguments { to, output, .. } = arguments;
+    let inputs = std::slice::from_ref(&arguments.model);
+    if *to == Target::Ros2 {
+        if output.exists() && fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some())
+        {
+            return Err(CliError::NotEmpty(output.clone()));
+        }
+    } else {
+        check_output(output, inputs)?;
+    }
+    match to {
+        Target::C => check_ending(output, &["c", "h"])?,
+        Target::Rust => check_ending(output, &["rs"])?,
+        Target::Python => check_ending(output, &["py"])?,
+        Target::Latex => check_ending(output, &["tex"])?,
+        Target::Fmu => check_ending(output, &["fmu"])?,
+        Target::Ros2 => {}
+    }
+    if let Some(file) = vectors {
+        check_output(file, inputs)?;
+        check_distinct([file, output])?;
+    }
+    Ok(())
+}
+
+/// The name given, or that of the file, with whatever C does not allow replaced.
+fn name(arguments: &Arguments) -> String {
+    arguments.name.clone().unwrap_or_else(|| {
+        let stem = arguments.output.file_stem().unwrap_or_default().to_string_lossy();
+        let allowed = |letter: char| letter.is_ascii_alphanumeric();
+        let name: String = stem.chars().map(|c| if allowed(c) { c } else { '_' }).collect();
+        let plain = name.starts_with(|letter: char| letter.is_ascii_alphabetic());
+        if plain { name } else { format!("arm{name}") }
+    })
+}
+
+fn precision(digits: Digits) -> Precision {
+    match digits {
+        Digits::Double => Precision::Double,
+        Digits::Float => Precision::Single,
+    }
+}
+
+fn unit(program: &Program, name: &str, no_binary: bool) -> Result<Vec<u8>> {
+    let sources = fmu_sources(program, name)?;
+    if no_binary {
+        return Ok(fmu_archive(&sources, None)?);
+    }
+    let (path, bytes) = binary(&sources, name)?;
+    Ok(fmu_archive(&sources, Some((&path, &bytes)))?)
+}
+
+fn write_package(folder: &Path, files: &[(String, String)]) -> Result<(), CliError> {
+    create_folder(folder)?;
+    for (path, text) in files {
+        let file = folder.join(path);
+        if let Some(inner) = file.parent() {
+            create_folder(inner)?;
+        }
+        write_whole(&file, text)?;
+    }
+    Ok(())
+}
+
+fn outcome(
+    arguments: &Arguments,
+    model: &Model,
+    program: &Program,
+    vectors: Option<&Path>,
+) -> Outcome {
+    let mut table = Table::new(&["function", "+ - *", "sin cos exp tanh"]);
+    let mut costs = serde_json::Map::new();
+    for quantity in Quantity::ALL {
+        let cost = program.cost(quantity);
+        table.row(quantity.name(), [cost.operations.to_string(), cost.functions.to_string()]);
+        costs.insert(
+            quantity.name().into(),
+            json!({ "operations": cost.operations, "functions": cost.functions }),
+        );
+    }
+    let mut text = format!(
+        "{}\n{} joints, {} coefficients\n\n{}\nwritten: {}\n",
+        program.version(),
+        model.n_joints(),
+        model.n_coefficients(),
+        table.text(),
+        arguments.output.display()
+    );
+    text.extend(vectors.map(|file| format!("test vectors: {}\n", file.display())));
+    let json = json!({
+        "version": program.version(),
+        "joints": model.joints,
+        "coefficients": model.n_coefficients(),
+        "costs": costs,
+        "output": arguments.output,
+        "test_vectors": vectors,
+    });
+    Outcome { text, json, warnings: Vec::new() }
+}

@@ -1,0 +1,28 @@
+//! Why a model cannot become code.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use torquewise_model::ModelError;
+
+/// What can be wrong with a model that is to become code, or with how it is asked for.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    #[error("the model cannot be exported")]
+    Model(#[from] ModelError),
+    #[error(
+        "the code would hold a constant that is not finite: the coefficients of the model are too \
+         large to be multiplied; fit it in SI units"
+    )]
+    NotFinite,
+    #[error(
+        "the code would hold the constant {constant:e}, which single precision cannot hold: \
+         export in double precision"
+    )]
+    NotSingle { constant: f64 },
+    #[error("{name:?} names no function: begin with a letter, then letters, digits and _")]
+    Name { name: String },
+    #[error("the archive cannot be made")]
+    Archive(#[from] zip::result::ZipError),
+    #[error("the archive cannot be filled")]
+    Fill(#[from] std::io::Error),
+}

@@ -1,0 +1,199 @@
+//! Energy terms → the same energies, the angles of neighbouring joints summed.
+//!
+//! Where joints turn about parallel axes, energies depend on sums of their angles: what reads
+//! cos q₂ cos q₃ − sin q₂ sin q₃ in the functions of one angle each is cos(q₂ + q₃). Written so, an
+//! arm of parallel axes has a fraction of the terms.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use torquewise_model::term::Factor;
+use torquewise_model::{EnergyTerm, Place, Term, Trig, Weighted};
+
+/// Part of the largest coefficient that moves a joint below which a coefficient is the rounding of
+/// others that cancelled.
+const ROUNDING: f64 = 1e-15;
+
+/// Sums that grow to more than this many times the terms do not become fewer.
+const GROWTH: usize = 4;
+/// So many are never too many.
+const FEW: usize = 100;
+
+/// The same energies with the functions of a range of joints as sines and cosines of sums; `None`
+/// where that takes far more terms.
+pub(crate) fn summed(
+    terms: &[Weighted<EnergyTerm>],
+    joints: &Range<usize>,
+) -> Option<Vec<Weighted<EnergyTerm>>> {
+    let mut sums: BTreeMap<EnergyTerm, f64> = BTreeMap::new();
+    for weighted in terms {
+        let Weighted { term: EnergyTerm { place, function }, coefficient, .. } = weighted;
+        let (inside, outside): (Vec<Factor>, Vec<Factor>) =
+            function.factors.iter().cloned().partition(|factor| within(factor, joints));
+        for (share, harmonic) in product(&inside, function.n_joints()) {
+            let mut factors = outside.clone();
+            factors.extend(harmonic.factor()?);
+            factors.sort();
+            let function = Term { factors, ..function.clone() };
+            let term = EnergyTerm { place: *place, function };
+            *sums.entry(term).or_insert(0.0) += share * coefficient;
+        }
+        if sums.len() > GROWTH * terms.len() + FEW {
+            return None;
+        }
+    }
+    let sums = sums.into_iter().map(|(term, coefficient)| Weighted {
+        term,
+        coefficient,
+        std_error: 0.0,
+        inclusion: None,
+    });
+    Some(without_rounding(sums.collect()))
+}
+
+fn within(factor: &Factor, joints: &Range<usize>) -> bool {
+    factor.multiples.iter().enumerate().all(|(joint, &k)| k == 0 || joints.contains(&joint))
+}
+
+/// sin(k·q) or cos(k·q).
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Harmonic {
+    function: Trig,
+    multiples: Vec<i32>,
+}
+
+impl Harmonic {
+    /// As a factor of a term; none for cos 0, and no answer where it cannot be one.
+    fn factor(self) -> Option<Option<Factor>> {
+        if self.multiples.iter().all(|&k| k == 0) {
+            return Some(None);
+        }
+        let multiples: Result<Vec<i8>, _> =
+            self.multiples.iter().map(|&k| i8::try_from(k)).collect();
+        multiples
+            .ok()
+            .map(|multiples| Some(Factor { multiples, function: self.function, power: 1 }))
+    }
+
+    /// With the first multiple positive, and the sign that takes; 0 for sin 0.
+    fn signed(mut self) -> (f64, Self) {
+        let first = self.multiples.iter().find(|k| **k != 0).copied();
+        let sign = match (first, self.function) {
+            (None, Trig::Sin) => 0.0,
+            (Some(k), Trig::Sin) if k < 0 => -1.0,
+            _ => 1.0,
+        };
+        if first.is_some_and(|k| k < 0) {
+            self.multiples.iter_mut().for_each(|k| *k = -*k);
+        }
+        (sign, self)
+    }
+}
+
+/// A product of sines and cosines as a sum of such, each with its share.
+fn product(factors: &[Factor], n_joints: usize) -> Vec<(f64, Harmonic)> {
+    let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
+    let mut sum = BTreeMap::from([(one, 1.0)]);
+    for factor in factors {
+        for _ in 0..factor.power {
+            let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
+            for (share, harmonic) in sum.iter().flat_map(|(left, &s)| times(s, left, factor)) {
+                *longer.entry(harmonic).or_insert(0.0) += share;
+            }
+            longer.retain(|_, share| *share != 0.0);
+            sum = longer;
+        }
+    }
+    sum.into_iter().map(|(harmonic, share)| (share, harmonic)).collect()
+}
+
+/// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.
+fn times(share: f64, left: &Harmonic, right: &Factor) -> [(f64, Harmonic); 2] {
+    let with = |sign: i32| -> Vec<i32> {
+        let right = right.multiples.iter().map(|&k| sign * i32::from(k));
+        left.multiples.iter().zip(right).map(|(a, b)| a + b).collect()
+    };
+    let (function, sign_of_difference, sign_of_sum) = match (left.function, right.function) {
+        (Trig::Cos, Trig::Cos) => (Trig::Cos, 1.0, 1.0),
+        (Trig::Sin, Trig::Sin) => (Trig::Cos, 1.0, -1.0),
+        (Trig::Sin, Trig::Cos) => (Trig::Sin, 1.0, 1.0),
+        (Trig::Cos, Trig::Sin) => (Trig::Sin, -1.0, 1.0),
+    };
+    [(-1, sign_of_difference), (1, sign_of_sum)].map(|(direction, sign)| {
+        let (own, harmonic) = Harmonic { function, multiples: with(direction) }.signed();
+        (0.5 * share * sign * own, harmonic)
+    })
+}
+
+/// Leaves out what is left of coefficients that cancelled: what is below the rounding at every
+/// joint it would move. Energy of one kind alone counts, as gravity is asked for alone.
+fn without_rounding(terms: Vec<Weighted<EnergyTerm>>) -> Vec<Weighted<EnergyTerm>> {
+    let n = terms.first().map_or(0, |w| w.term.function.n_joints());
+    let mut largest = [vec![0.0_f64; n], vec![0.0_f64; n]];
+    let kind = |term: &EnergyTerm| usize::from(term.place == Place::Potential);
+    for weighted in &terms {
+        for joint in (0..n).filter(|&joint| moves(&weighted.term, joint)) {
+            let most = &mut largest[kind(&weighted.term)][joint];
+            *most = most.max(weighted.coefficient.abs());
+        }
+    }
+    let counts = |weighted: &Weighted<EnergyTerm>| {
+        let scales = &largest[kind(&weighted.term)];
+        weighted.coefficient != 0.0
+            && (0..n)
+                .filter(|&joint| moves(&weighted.term, joint))
+                .any(|joint| weighted.coefficient.abs() > ROUNDING * scales[joint])
+    };
+    terms.into_iter().filter(counts).collect()
+}
+
+fn moves(term: &EnergyTerm, joint: usize) -> bool {
+    let own = match term.place {
+        Place::Potential => false,
+        Place::Inertia(i, j) => i == joint || j == joint,
+    };
+    own || term.function.depends_on(joint)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_of_parallel_axes_become_one_cosine() {
+        let function = |trig| Term::one(3).times(trig, 1, 1, 1).times(trig, 2, 1, 1);
+        let terms = [(Trig::Cos, 0.3), (Trig::Sin, -0.3)].map(|(trig, coefficient)| Weighted {
+            term: EnergyTerm { place: Place::Inertia(0, 0), function: function(trig) },
+            coefficient,
+            std_error: 0.0,
+            inclusion: None,
+        });
+
+        let found = summed(&terms, &(1..3)).unwrap();
+
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].term.name(), "M11: cos(q2+q3)");
+        assert_eq!(found[0].coefficient, 0.3);
+    }
+
+    #[test]
+    fn sums_have_the_value_of_the_products() {
+        let function = Term::one(3).times(Trig::Sin, 0, 1, 1).times(Trig::Cos, 1, -2, 3).times(
+            Trig::Sin,
+            2,
+            1,
+            2,
+        );
+        let term = EnergyTerm { place: Place::Potential, function };
+        let weighted = Weighted { term, coefficient: 2.0, std_error: 0.0, inclusion: None };
+        let q = [0.4, -1.3, 2.2];
+
+        let found = summed(std::slice::from_ref(&weighted), &(0..3)).unwrap();
+
+        let value = |w: &Weighted<EnergyTerm>| {
+            w.coefficient * w.term.function.value(&q, &[0.0; 3], &[0.0; 3])
+        };
+        let sum: f64 = found.iter().map(value).sum();
+        // Some dozen roundings of numbers below 2.
+        assert!((sum - value(&weighted)).abs() < 1e-14);
+    }
+}

@@ -1,0 +1,51 @@
+//! Model → a LaTeX document of its equations.
+
+use torquewise_model::{Form, Model, print};
+
+/// A document that compiles by itself: energies and what follows from them, or the torque of each
+/// joint.
+pub fn to_latex(model: &Model, version: &str) -> String {
+    let names: Vec<String> = model
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(joint, name)| format!("${}$ {}", joint + 1, escaped(name)))
+        .collect();
+    let (equations, derived) = match model.form {
+        Form::Energy(_) => (print::latex_energies(model), DERIVED),
+        Form::Torque(_) => (print::latex(model), ""),
+    };
+    format!(
+        "\\documentclass[a4paper]{{article}}\n\\usepackage[margin=2cm]{{geometry}}\n\
+         \\usepackage[utf8]{{inputenc}}\n\\usepackage[T1]{{fontenc}}\n\
+         \\usepackage{{amsmath}}\n\\allowdisplaybreaks\n\\begin{{document}}\n\
+         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}\\end{{document}}\n",
+        escaped(version),
+        names.join(", ")
+    )
+}
+
+/// How torques follow from energies.
+const DERIVED: &str = "\\begin{equation*}\n\
+    \\tau = M(q)\\,\\ddot q + \\dot M(q)\\,\\dot q - \
+    \\tfrac{1}{2}\\frac{\\partial}{\\partial q}\\bigl(\\dot q^{\\top} M(q)\\,\\dot q\\bigr) + \
+    \\frac{\\partial V}{\\partial q} + F(\\dot q)\n\\end{equation*}\n";
+
+/// Text in which LaTeX finds no commands.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for letter in text.chars() {
+        match letter {
+            '\\' => escaped.push_str("\\textbackslash{}"),
+            '~' => escaped.push_str("\\textasciitilde{}"),
+            '^' => escaped.push_str("\\textasciicircum{}"),
+            '&' | '%' | '$' | '#' | '_' | '{' | '}' => {
+                escaped.push('\\');
+                escaped.push(letter);
+            }
+            letter if letter.is_control() => escaped.push(' '),
+            letter => escaped.push(letter),
+        }
+    }
+    escaped
+}

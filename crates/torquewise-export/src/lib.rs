@@ -1,0 +1,51 @@
+//! Torque models as source code: C, Rust, Python, LaTeX, an FMU, a ROS 2 package.
+//!
+//! A [`Program`] holds the functions of a model as one graph of operations, each sine and cosine
+//! once and common factors shared; one printer per language writes it down. Nothing here touches a
+//! file or runs a compiler: everything is returned as text or bytes.
+//!
+//! ```
+//! use torquewise_export::{Precision, Program, to_c};
+//! use torquewise_model::{Form, Model, Term, Training, Trig, Weighted};
+//!
+//! let term = Term::one(1).times(Trig::Sin, 0, 1, 1);
+//! let weighted = Weighted { term, coefficient: 3.3, std_error: 0.0, inclusion: None };
+//! let pendulum = Model {
+//!     joints: vec!["pivot".into()],
+//!     form: Form::Torque(vec![vec![weighted]]),
+//!     friction: vec![],
+//!     stages: vec![],
+//!     training: Training::default(),
+//!     choices: vec![],
+//! };
+//! let code = to_c(&Program::of(&pendulum)?, "pendulum", Precision::Double)?;
+//! assert!(code.contains("tau[0] = 3.3*s1;"));
+//! # Ok::<(), torquewise_export::ExportError>(())
+//! ```
+
+pub mod error;
+mod graph;
+mod derivative;
+mod harmonics;
+mod polynomial;
+mod parts;
+mod lower;
+pub mod program;
+mod text;
+pub mod c;
+pub mod rust;
+pub mod python;
+pub mod latex;
+pub mod vectors;
+pub mod fmu;
+pub mod ros;
+
+pub use c::to_c;
+pub use error::ExportError;
+pub use fmu::{fmu_archive, fmu_sources};
+pub use latex::to_latex;
+pub use program::{Cost, Precision, Program, Quantity};
+pub use python::to_python;
+pub use ros::ros_package;
+pub use rust::to_rust;
+pub use vectors::test_vectors;

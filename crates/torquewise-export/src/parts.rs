@@ -1,0 +1,253 @@
+//! Model → nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q̇).
+
+use crate::derivative::{rates, slopes};
+use crate::graph::{Function, Graph, Id, Input};
+use crate::polynomial::{Monomial, Order, angles, motions, polynomial};
+use std::collections::BTreeMap;
+use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_model::term::Sum;
+use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Weighted};
+
+/// The parts of the torque as nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Parts {
+    /// What q̈ adds, which for a rigid arm is M(q)q̈; n.
+    pub(crate) inertia: Vec<Id>,
+    /// C(q, q̇)q̇, n.
+    pub(crate) coriolis: Vec<Id>,
+    /// Both together, which may cost less than one after the other; n.
+    pub(crate) motion: Vec<Id>,
+    /// G(q), n.
+    pub(crate) gravity: Vec<Id>,
+    /// Torque of joint i per unit acceleration of joint j at rest, row by row, n·n.
+    pub(crate) matrix: Vec<Id>,
+}
+
+/// Parts from energies: τ = Mq̈ + Ṁq̇ − ½ ∂(q̇ᵀMq̇)/∂q + ∂V/∂q.
+///
+/// Source: method.md, \[E4\].
+pub(crate) fn from_energies(
+    graph: &mut Graph,
+    terms: &[Weighted<EnergyTerm>],
+    n: usize,
+    order: Order,
+) -> Parts {
+    let mut places: BTreeMap<Place, Vec<Monomial>> = BTreeMap::new();
+    for weighted in terms {
+        let weight = graph.constant(weighted.coefficient);
+        let powers = angles(graph, &weighted.term.function);
+        let place = places.entry(weighted.term.place).or_default();
+        place.push(Monomial::new(weight, powers));
+    }
+    let zero = graph.constant(0.0);
+    let (mut matrix, mut potential) = (vec![zero; n * n], zero);
+    for (place, monomials) in places {
+        let node = polynomial(graph, monomials, order);
+        match place {
+            Place::Potential => potential = node,
+            Place::Inertia(i, j) => {
+                matrix[i * n + j] = node;
+                matrix[j * n + i] = node;
+            }
+        }
+    }
+    let one = graph.constant(1.0);
+    let gravity = slopes(graph, &[(potential, one)], n);
+    let matrix_rates = rates(graph, &matrix);
+    let kinetic = kinetic_weights(graph, &matrix, n);
+    let kinetic_slopes = slopes(graph, &kinetic, n);
+    let rows = |graph: &mut Graph, which: &[(&[Id], fn(usize) -> Input)], joint: usize| {
+        let mut parts = Vec::new();
+        for column in 0..n {
+            for (entries, rate) in which {
+                let rate = graph.input(rate(column));
+                parts.push(graph.mul(entries[joint * n + column], rate));
+            }
+        }
+        parts
+    };
+    let mut parts = Parts {
+        inertia: Vec::new(),
+        coriolis: Vec::new(),
+        motion: Vec::new(),
+        gravity,
+        matrix: matrix.clone(),
+    };
+    for joint in 0..n {
+        let forced = rows(graph, &[(&matrix, Input::Ddq)], joint);
+        parts.inertia.push(graph.sum(&forced));
+        let less = graph.neg(kinetic_slopes[joint]);
+        let mut moved = rows(graph, &[(&matrix_rates, Input::Dq)], joint);
+        moved.push(less);
+        parts.coriolis.push(graph.sum(&moved));
+        let mut both = rows(graph, &[(&matrix, Input::Ddq), (&matrix_rates, Input::Dq)], joint);
+        both.push(less);
+        parts.motion.push(graph.sum(&both));
+    }
+    parts
+}
+
+/// ½ q̇ᵀMq̇ as entries of M with their weights: q̇ᵢq̇ⱼ, halved on the diagonal.
+fn kinetic_weights(graph: &mut Graph, matrix: &[Id], n: usize) -> Vec<(Id, Id)> {
+    let half = graph.constant(0.5);
+    let mut weights = Vec::new();
+    for i in 0..n {
+        for j in i..n {
+            let (left, right) = (graph.input(Input::Dq(i)), graph.input(Input::Dq(j)));
+            let rates = graph.mul(left, right);
+            let weight = if i == j { graph.mul(half, rates) } else { rates };
+            if graph.value(matrix[i * n + j]).is_none() {
+                weights.push((matrix[i * n + j], weight));
+            }
+        }
+    }
+    weights
+}
+
+/// How terms that differ in their velocities and accelerations are put together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Grouping {
+    /// The angles of each product of velocities and accelerations first.
+    ByMotion,
+    /// All factors alike.
+    None,
+}
+
+/// Parts from torque equations, each joint on its own.
+pub(crate) fn from_equations(
+    graph: &mut Graph,
+    equations: &[Sum],
+    order: Order,
+    grouping: Grouping,
+) -> Parts {
+    let n = equations.len();
+    let of_kinds = |kinds: &[Kind], graph: &mut Graph| -> Vec<Id> {
+        let mut nodes = Vec::new();
+        for sum in equations {
+            let held = sum.iter().filter(|(_, term)| kinds.contains(&term.kind()));
+            let held = held.cloned().collect();
+            nodes.push(equation(graph, held, order, grouping));
+        }
+        nodes
+    };
+    let inertia = of_kinds(&[Kind::Inertia], graph);
+    let coriolis = of_kinds(&[Kind::Coriolis], graph);
+    let motion = of_kinds(&[Kind::Inertia, Kind::Coriolis], graph);
+    let gravity = of_kinds(&[Kind::Gravity], graph);
+    let mut matrix = Vec::new();
+    for row in equations {
+        for column in 0..n {
+            matrix.push(equation(graph, per_acceleration(row, column), order, grouping));
+        }
+    }
+    Parts { inertia, coriolis, motion, gravity, matrix }
+}
+
+/// The terms that are left of an equation at q̇ = 0 and q̈ = 1 of one joint, less what is left at
+/// q̈ = 0.
+fn per_acceleration(equation: &Sum, column: usize) -> Sum {
+    let alone = |powers: &[u8]| powers.iter().enumerate().all(|(j, &p)| (j == column) == (p > 0));
+    let held = equation
+        .iter()
+        .filter(|(_, term)| alone(&term.ddq) && term.dq.iter().all(|&power| power == 0));
+    held.map(|(weight, term)| {
+        let (mut term, n) = (term.clone(), term.n_joints());
+        term.ddq = vec![0; n];
+        (*weight, term)
+    })
+    .collect()
+}
+
+fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {
+    let mut groups: BTreeMap<Vec<(Id, u32)>, Vec<Monomial>> = BTreeMap::new();
+    for (coefficient, term) in sum {
+        let weight = graph.constant(coefficient);
+        let mut powers = angles(graph, &term);
+        let motions = motions(graph, &term);
+        let group = match grouping {
+            Grouping::ByMotion => motions.into_iter().collect(),
+            Grouping::None => {
+                powers.extend(motions);
+                Vec::new()
+            }
+        };
+        groups.entry(group).or_default().push(Monomial::new(weight, powers));
+    }
+    let parts: Vec<Monomial> = groups
+        .into_iter()
+        .map(|(group, monomials)| {
+            let angles = polynomial(graph, monomials, order);
+            Monomial::new(angles, group.into_iter().collect())
+        })
+        .collect();
+    polynomial(graph, parts, order)
+}
+
+/// F(q̇), n: each shaft loads the joints that turn it (17).
+pub(crate) fn friction(graph: &mut Graph, terms: &[Weighted<FrictionTerm>], n: usize) -> Vec<Id> {
+    let mut loads = vec![Vec::new(); n];
+    let mut shafts: Vec<(&[f64], Vec<Id>)> = Vec::new();
+    for Weighted { term, coefficient, .. } in terms {
+        let coefficient = graph.constant(*coefficient);
+        let curve = curve(graph, term);
+        let load = graph.mul(coefficient, curve);
+        match shafts.iter_mut().find(|(shaft, _)| *shaft == term.shaft) {
+            Some((_, parts)) => parts.push(load),
+            None => shafts.push((&term.shaft, vec![load])),
+        }
+    }
+    for (shaft, parts) in shafts {
+        let load = graph.sum(&parts);
+        for (joint, &share) in shaft.iter().enumerate().take(n) {
+            let share = graph.constant(share);
+            loads[joint].push(graph.mul(share, load));
+        }
+    }
+    loads.iter().map(|parts| graph.sum(parts)).collect()
+}
+
+/// f(v) of one law, zero in the direction in which it does not act.
+fn curve(graph: &mut Graph, term: &FrictionTerm) -> Id {
+    let mut parts = Vec::new();
+    for (joint, &share) in term.shaft.iter().enumerate() {
+        let (share, speed) = (graph.constant(share), graph.input(Input::Dq(joint)));
+        parts.push(graph.mul(share, speed));
+    }
+    let speed = graph.sum(&parts);
+    let value = match term.law {
+        FrictionLaw::Offset => graph.constant(1.0),
+        FrictionLaw::Viscous => speed,
+        FrictionLaw::Coulomb { width } => sign(graph, speed, width),
+        FrictionLaw::Stribeck { speed: stribeck, width } => {
+            let inverse = graph.constant(1.0 / stribeck);
+            let ratio = graph.mul(speed, inverse);
+            let square = graph.mul(ratio, ratio);
+            let exponent = graph.neg(square);
+            let fading = graph.call(Function::Exp, exponent);
+            let sign = sign(graph, speed, width);
+            graph.mul(fading, sign)
+        }
+    };
+    match term.direction {
+        Direction::Both => value,
+        Direction::Forward => {
+            let holds = graph.call(Function::Positive, speed);
+            graph.mul(value, holds)
+        }
+        Direction::Backward => {
+            let opposite = graph.neg(speed);
+            let holds = graph.call(Function::Positive, opposite);
+            graph.mul(value, holds)
+        }
+    }
+}
+
+fn sign(graph: &mut Graph, speed: Id, width: f64) -> Id {
+    if width > 0.0 {
+        let inverse = graph.constant(1.0 / width);
+        let ratio = graph.mul(speed, inverse);
+        graph.call(Function::Tanh, ratio)
+    } else {
+        graph.call(Function::Sign, speed)
+    }
+}

@@ -1,0 +1,112 @@
+//! Sums of terms → nodes: which factors are drawn out, and in which order.
+
+use crate::graph::{Graph, Id, Input};
+use std::collections::BTreeMap;
+use torquewise_model::term::Factor;
+use torquewise_model::{Term, Trig};
+
+/// How a sum of products is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// Each product once, shared by all sums that hold it.
+    Products,
+    /// The factor that most products hold is drawn out of them, again and again, as Horner does
+    /// with one variable: fewest operations for one sum.
+    Horner,
+}
+
+/// A product of powers of nodes, and its weight.
+#[derive(Clone, Debug)]
+pub(crate) struct Monomial {
+    weight: Id,
+    powers: BTreeMap<Id, u32>,
+}
+
+/// The angle functions of a term as powers of nodes.
+pub(crate) fn angles(graph: &mut Graph, term: &Term) -> BTreeMap<Id, u32> {
+    let mut powers = BTreeMap::new();
+    for factor in &term.factors {
+        raise(&mut powers, angle(graph, factor), u32::from(factor.power));
+    }
+    powers
+}
+
+/// The velocities and accelerations of a term as powers of nodes.
+pub(crate) fn motions(graph: &mut Graph, term: &Term) -> BTreeMap<Id, u32> {
+    let mut powers = BTreeMap::new();
+    let velocities = term.dq.iter().enumerate().map(|(joint, &p)| (Input::Dq(joint), p));
+    let accelerations = term.ddq.iter().enumerate().map(|(joint, &p)| (Input::Ddq(joint), p));
+    for (input, power) in velocities.chain(accelerations).filter(|&(_, power)| power > 0) {
+        raise(&mut powers, graph.input(input), u32::from(power));
+    }
+    powers
+}
+
+fn raise(powers: &mut BTreeMap<Id, u32>, atom: Id, power: u32) {
+    *powers.entry(atom).or_insert(0) += power;
+}
+
+fn angle(graph: &mut Graph, factor: &Factor) -> Id {
+    let multiples: Vec<i32> = factor.multiples.iter().map(|&k| i32::from(k)).collect();
+    match factor.function {
+        Trig::Sin => graph.sin(&multiples),
+        Trig::Cos => graph.cos(&multiples),
+    }
+}
+
+impl Monomial {
+    /// weight·Π atom^power
+    pub(crate) fn new(weight: Id, powers: BTreeMap<Id, u32>) -> Self {
+        Self { weight, powers }
+    }
+}
+
+/// Σ weight·Π atom^power as one node.
+pub(crate) fn polynomial(graph: &mut Graph, monomials: Vec<Monomial>, order: Order) -> Id {
+    match order {
+        Order::Products => sum_of_products(graph, &monomials),
+        Order::Horner => horner(graph, monomials),
+    }
+}
+
+fn sum_of_products(graph: &mut Graph, monomials: &[Monomial]) -> Id {
+    let parts: Vec<Id> = monomials
+        .iter()
+        .map(|monomial| {
+            let powers: Vec<Id> =
+                monomial.powers.iter().map(|(&atom, &power)| graph.power(atom, power)).collect();
+            let product = graph.product(&powers);
+            graph.mul(monomial.weight, product)
+        })
+        .collect();
+    graph.sum(&parts)
+}
+
+/// atom·(those that hold it, without it) + the rest.
+fn horner(graph: &mut Graph, monomials: Vec<Monomial>) -> Id {
+    let mut counts: BTreeMap<Id, usize> = BTreeMap::new();
+    for atom in monomials.iter().flat_map(|monomial| monomial.powers.keys()) {
+        *counts.entry(*atom).or_insert(0) += 1;
+    }
+    // Of equals the first, so that the same model gives the same code.
+    let most = counts.iter().max_by_key(|&(atom, count)| (*count, std::cmp::Reverse(*atom)));
+    let Some((&atom, _)) = most.filter(|&(_, &count)| count > 1) else {
+        return sum_of_products(graph, &monomials);
+    };
+    let (mut inside, mut rest) = (Vec::new(), Vec::new());
+    for mut monomial in monomials {
+        match monomial.powers.remove(&atom) {
+            Some(power) => {
+                if power > 1 {
+                    monomial.powers.insert(atom, power - 1);
+                }
+                inside.push(monomial);
+            }
+            None => rest.push(monomial),
+        }
+    }
+    let inside = horner(graph, inside);
+    let product = graph.mul(atom, inside);
+    let rest = horner(graph, rest);
+    graph.add(product, rest)
+}

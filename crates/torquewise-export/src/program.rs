@@ -1,0 +1,288 @@
+//! Model → program: the functions that every exported file holds, in as few operations as found.
+
+use crate::error::ExportError;
+use crate::graph::{Function, Graph, Id, Node};
+use crate::harmonics::summed;
+use crate::lower::lowered;
+use crate::parts::{Grouping, Parts, friction, from_energies, from_equations};
+use crate::polynomial::Order;
+use std::fmt;
+use torquewise_model::{EnergyTerm, Form, Model, Weighted, to_json};
+
+/// What a function of an exported file computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// τ̂(q, q̇, q̈) \[N·m\], n.
+    Torque,
+    /// G(q) \[N·m\], n.
+    Gravity,
+    /// C(q, q̇)q̇ \[N·m\], n.
+    Coriolis,
+    /// M(q) \[kg·m²\], n×n: torque of joint i per unit acceleration of joint j at rest.
+    Inertia,
+    /// F(q̇) \[N·m\], n.
+    Friction,
+    /// G(q) \[N·m\] as the first step of the reconstruction found it, n; G(q) of the whole model
+    /// where that was not found stepwise.
+    Step1,
+}
+
+impl Quantity {
+    /// All, in the order in which they are written.
+    pub const ALL: [Self; 6] =
+        [Self::Torque, Self::Gravity, Self::Coriolis, Self::Inertia, Self::Friction, Self::Step1];
+
+    /// `torque`, `gravity`, `coriolis`, `inertia`, `friction` or `step1`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Torque => "torque",
+            Self::Gravity => "gravity",
+            Self::Coriolis => "coriolis",
+            Self::Inertia => "inertia",
+            Self::Friction => "friction",
+            Self::Step1 => "step1",
+        }
+    }
+
+    /// The signals it is a function of, of q, q̇ and q̈: `q`, `dq`, `ddq`.
+    pub fn signals(self) -> &'static [&'static str] {
+        match self {
+            Self::Torque => &["q", "dq", "ddq"],
+            Self::Coriolis => &["q", "dq"],
+            Self::Gravity | Self::Inertia | Self::Step1 => &["q"],
+            Self::Friction => &["dq"],
+        }
+    }
+}
+
+impl Quantity {
+    /// What it computes, in ASCII.
+    pub(crate) fn formula(self) -> &'static str {
+        match self {
+            Self::Torque => "M ddq + C dq + G + F",
+            Self::Gravity => "G(q)",
+            Self::Coriolis => "C(q, dq) dq",
+            Self::Inertia => "M(q), row by row",
+            Self::Friction => "F(dq)",
+            Self::Step1 => "G(q) of step 1",
+        }
+    }
+}
+
+/// Precision of the numbers in exported code.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 64 bits.
+    #[default]
+    Double,
+    /// 32 bits, for controllers without hardware for more.
+    Single,
+}
+
+/// How much a function computes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cost {
+    /// Additions, subtractions and multiplications.
+    pub operations: usize,
+    /// Sines, cosines, exponentials and hyperbolic tangents.
+    pub functions: usize,
+}
+
+impl Cost {
+    /// A sine takes as long as some twenty multiplications.
+    fn weight(self) -> usize {
+        self.operations + 20 * self.functions
+    }
+}
+
+impl fmt::Display for Cost {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(to, "{} + - *, {} sin cos exp tanh", self.operations, self.functions)
+    }
+}
+
+/// Functions of a model, ready to be written in any language.
+#[derive(Clone, Debug)]
+pub struct Program {
+    pub(crate) joints: Vec<String>,
+    pub(crate) graph: Graph,
+    pub(crate) functions: Vec<(Quantity, Vec<Id>)>,
+    pub(crate) steps: usize,
+    symmetric: bool,
+    pub(crate) fingerprint: u64,
+}
+
+impl Program {
+    /// The program of a model, the cheapest of those it knows to build.
+    ///
+    /// # Errors
+    /// [`ExportError::Model`] if the parts of the model do not fit together,
+    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
+    pub fn of(model: &Model) -> Result<Self, ExportError> {
+        let text = to_json(model)?;
+        let first = match model.stages.len() {
+            0 => model.clone(),
+            _ => model.after_step(1)?,
+        };
+        let mut graph = Graph::default();
+        let n = model.n_joints();
+        let parts = cheapest(&mut graph, &model.form, n, |parts| &parts.motion);
+        let first = cheapest(&mut graph, &first.form, n, |parts| &parts.gravity);
+        let friction = friction(&mut graph, &model.friction, n);
+        let torque = (0..n)
+            .map(|joint| graph.sum(&[parts.motion[joint], parts.gravity[joint], friction[joint]]))
+            .collect();
+        let functions = vec![
+            (Quantity::Torque, torque),
+            (Quantity::Gravity, parts.gravity),
+            (Quantity::Coriolis, parts.coriolis),
+            (Quantity::Inertia, parts.matrix),
+            (Quantity::Friction, friction),
+            (Quantity::Step1, first.gravity),
+        ];
+        let roots: Vec<Id> = functions.iter().flat_map(|(_, roots)| roots.clone()).collect();
+        let (graph, roots) = lowered(&graph, &roots);
+        let mut roots = roots.into_iter();
+        let functions: Vec<(Quantity, Vec<Id>)> = functions
+            .into_iter()
+            .map(|(quantity, old)| (quantity, roots.by_ref().take(old.len()).collect()))
+            .collect();
+        let constants = (0..graph.len()).filter_map(|id| graph.value(id));
+        if constants.into_iter().any(|constant| !constant.is_finite()) {
+            return Err(ExportError::NotFinite);
+        }
+        Ok(Self {
+            joints: model.joints.clone(),
+            graph,
+            functions,
+            steps: model.stages.len(),
+            symmetric: matches!(model.form, Form::Energy(_)),
+            fingerprint: fingerprint(&text),
+        })
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The program that made it, and which model it was made of:
+    /// `torquewise 0.1.0, model 4f1d0c66a8f2b7e9`.
+    pub fn version(&self) -> String {
+        format!("torquewise {}, model {:016x}", env!("CARGO_PKG_VERSION"), self.fingerprint)
+    }
+
+    /// What a call of a function costs.
+    pub fn cost(&self, quantity: Quantity) -> Cost {
+        let roots = self.functions.iter().filter(|(other, _)| *other == quantity);
+        let roots: Vec<Id> = roots.flat_map(|(_, roots)| roots.clone()).collect();
+        cost(&self.graph, &roots)
+    }
+}
+
+impl Program {
+    /// What a user has to know of this model, in ASCII.
+    pub(crate) fn remarks(&self) -> Vec<&'static str> {
+        let mut remarks = Vec::new();
+        if !self.symmetric {
+            remarks
+                .push("Each joint was fitted on its own: entry (i, j) of M is the torque of joint");
+            remarks.push("i per unit acceleration of joint j at rest, and M is not symmetric.");
+        }
+        if self.steps == 0 {
+            remarks.push("The model was not found step by step: step1 is gravity.");
+        }
+        if self.functions.iter().any(|(quantity, roots)| {
+            *quantity == Quantity::Friction && roots.iter().all(|&root| self.is_zero(root))
+        }) {
+            remarks.push("The model has no friction.");
+        }
+        remarks.push("Derived from measurements: bound what it commands before it drives an arm.");
+        remarks
+    }
+
+    fn is_zero(&self, id: Id) -> bool {
+        self.graph.value(id) == Some(0.0)
+    }
+
+    /// Whether a function is called anywhere.
+    pub(crate) fn calls(&self, function: Function) -> bool {
+        let calls = |id| matches!(self.graph.node(id), Node::Call(f, _) if *f == function);
+        (0..self.graph.len()).any(calls)
+    }
+
+    /// Whether all constants can be written in a precision.
+    pub(crate) fn check_precision(&self, precision: Precision) -> Result<(), ExportError> {
+        let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
+        match constants.find(|constant| constant.abs() > f64::from(f32::MAX)) {
+            Some(constant) if precision == Precision::Single => {
+                Err(ExportError::NotSingle { constant })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A way to compute the parts.
+type Way<'a> = Box<dyn Fn(&mut Graph) -> Parts + 'a>;
+
+/// The parts that cost least where it matters most, of all ways to compute them.
+fn cheapest(graph: &mut Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<Id>) -> Parts {
+    let equations = form.equations(n);
+    let mut energies = Vec::new();
+    if let Form::Energy(terms) = form {
+        energies = shortest_sums(terms, n);
+        energies.insert(0, terms.clone());
+    }
+    let mut ways: Vec<Way<'_>> = Vec::new();
+    for order in [Order::Products, Order::Horner] {
+        for terms in &energies {
+            ways.push(Box::new(move |graph| from_energies(graph, terms, n, order)));
+        }
+        for grouping in [Grouping::ByMotion, Grouping::None] {
+            let equations = &equations;
+            ways.push(Box::new(move |graph| from_equations(graph, equations, order, grouping)));
+        }
+    }
+    let tried = ways.iter().map(|way| {
+        let mut graph = Graph::default();
+        let parts = way(&mut graph);
+        let (graph, roots) = lowered(&graph, which(&parts));
+        cost(&graph, &roots).weight()
+    });
+    let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
+    let place = best.map_or(0, |(place, _)| place);
+    ways[place](graph)
+}
+
+/// Ways to sum angles that are worth trying.
+const SUMS: usize = 3;
+
+/// The energies with the angles of some neighbouring joints summed, where that takes fewer terms.
+fn shortest_sums(terms: &[Weighted<EnergyTerm>], n: usize) -> Vec<Vec<Weighted<EnergyTerm>>> {
+    let ranges = (0..n).flat_map(|first| (first + 2..=n).map(move |end| first..end));
+    let mut sums: Vec<_> = ranges.filter_map(|joints| summed(terms, &joints)).collect();
+    sums.retain(|sum| sum.len() < terms.len());
+    sums.sort_by_key(Vec::len);
+    sums.truncate(SUMS);
+    sums
+}
+
+fn cost(graph: &Graph, roots: &[Id]) -> Cost {
+    let mut cost = Cost::default();
+    for id in graph.reachable(roots) {
+        match graph.node(id) {
+            Node::Constant(_) | Node::Input(_) => {}
+            Node::Sin(_) | Node::Cos(_) | Node::Call(..) => cost.functions += 1,
+            Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Neg(_) => cost.operations += 1,
+        }
+    }
+    cost
+}
+
+/// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.
+fn fingerprint(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    })
+}

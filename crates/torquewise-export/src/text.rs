@@ -1,0 +1,186 @@
+//! Nodes → statements of one function, in the signs that C, Rust and Python share.
+
+use crate::graph::{Function, Graph, Id, Input, Node};
+use std::collections::HashMap;
+
+/// Longest expression that is written in one line; longer ones are given names in between.
+const LINE: usize = 84;
+
+/// How a language writes what it does not share with the others.
+pub(crate) trait Language {
+    /// A number.
+    fn constant(&self, value: f64) -> String;
+    /// f(argument); the argument is a name or an expression that needs no brackets.
+    fn call(&self, function: Function, argument: &str) -> String;
+}
+
+/// sin and cos of one joint, as far as they are needed; `s1` and `c1`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Angle {
+    pub(crate) joint: usize,
+    pub(crate) sin: bool,
+    pub(crate) cos: bool,
+}
+
+/// A function as statements: signals are read, sines and cosines computed, steps named one by one,
+/// and results are expressions of all these.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Body {
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) angles: Vec<Angle>,
+    pub(crate) steps: Vec<(String, String)>,
+    pub(crate) results: Vec<String>,
+}
+
+impl Body {
+    /// The statements that compute some nodes of a graph whose angle functions are sin q and cos q.
+    pub(crate) fn of(graph: &Graph, roots: &[Id], language: &impl Language) -> Self {
+        let order = graph.reachable(roots);
+        let mut uses: HashMap<Id, usize> = HashMap::new();
+        for id in order.iter().flat_map(|&id| graph.node(id).operands()) {
+            *uses.entry(id).or_insert(0) += 1;
+        }
+        let mut body = Self::default();
+        let mut texts: HashMap<Id, Text> = HashMap::new();
+        for id in order {
+            body.note(graph.node(id));
+            let text = body.text(graph.node(id), &mut texts, language);
+            texts.insert(id, text);
+            if uses.get(&id).is_some_and(|&uses| uses > 1) {
+                body.name(id, &mut texts);
+            }
+        }
+        body.results = roots.iter().map(|root| texts[root].text.clone()).collect();
+        body.inputs.sort_unstable();
+        body.angles.sort_by_key(|angle| angle.joint);
+        body
+    }
+
+    /// Whether it reads a signal: `q`, `dq` or `ddq`.
+    pub(crate) fn reads(&self, signal: &str) -> bool {
+        self.inputs.iter().any(|&input| signal_of(input).0 == signal)
+    }
+
+    /// Which signals and angles it needs.
+    fn note(&mut self, node: &Node) {
+        match node {
+            Node::Input(input) => self.inputs.push(*input),
+            Node::Sin(multiples) | Node::Cos(multiples) => {
+                let joint = multiples.iter().position(|&k| k != 0).unwrap_or(0);
+                if !self.inputs.contains(&Input::Q(joint)) {
+                    self.inputs.push(Input::Q(joint));
+                    self.angles.push(Angle { joint, sin: false, cos: false });
+                }
+                if let Some(angle) = self.angles.iter_mut().find(|angle| angle.joint == joint) {
+                    angle.sin |= matches!(node, Node::Sin(_));
+                    angle.cos |= matches!(node, Node::Cos(_));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn text(
+        &mut self,
+        node: &Node,
+        texts: &mut HashMap<Id, Text>,
+        language: &impl Language,
+    ) -> Text {
+        let plain = |text: String| Text { text, level: Level::Name };
+        match node {
+            Node::Constant(bits) => {
+                let value = f64::from_bits(*bits);
+                let level = if value < 0.0 { Level::Product } else { Level::Name };
+                return Text { text: language.constant(value), level };
+            }
+            Node::Input(input) => {
+                let (signal, joint) = signal_of(*input);
+                return plain(format!("{signal}{}", joint + 1));
+            }
+            Node::Sin(multiples) | Node::Cos(multiples) => {
+                let joint = multiples.iter().position(|&k| k != 0).unwrap_or(0);
+                let letter = if matches!(node, Node::Sin(_)) { 's' } else { 'c' };
+                return plain(format!("{letter}{}", joint + 1));
+            }
+            _ => {}
+        }
+        loop {
+            let joined = joined(node, texts, language);
+            let operands = node.operands();
+            let longest = operands.into_iter().max_by_key(|id| texts[id].text.len());
+            match longest {
+                Some(id) if joined.text.len() > LINE && texts[&id].level != Level::Name => {
+                    self.name(id, texts);
+                }
+                _ => return joined,
+            }
+        }
+    }
+
+    /// Makes a step of a node, so that others may call it by name.
+    fn name(&mut self, id: Id, texts: &mut HashMap<Id, Text>) {
+        let Some(text) = texts.get_mut(&id).filter(|text| text.level != Level::Name) else {
+            return;
+        };
+        let name = format!("t{}", self.steps.len() + 1);
+        let named = Text { text: name.clone(), level: Level::Name };
+        self.steps.push((name, std::mem::replace(text, named).text));
+    }
+}
+
+/// What may stand beside it without brackets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Level {
+    Sum,
+    Product,
+    /// A call: needs no brackets, but is worth a name.
+    Call,
+    Name,
+}
+
+#[derive(Clone, Debug)]
+struct Text {
+    text: String,
+    level: Level,
+}
+
+impl Text {
+    /// In brackets if it binds less than asked for.
+    fn at(&self, level: Level) -> String {
+        if self.level < level { format!("({})", self.text) } else { self.text.clone() }
+    }
+}
+
+/// `q`, `dq` or `ddq`, and the joint.
+pub(crate) fn signal_of(input: Input) -> (&'static str, usize) {
+    match input {
+        Input::Q(joint) => ("q", joint),
+        Input::Dq(joint) => ("dq", joint),
+        Input::Ddq(joint) => ("ddq", joint),
+    }
+}
+
+fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> Text {
+    let at = |id: &Id, level| texts[id].at(level);
+    match node {
+        Node::Add(a, b) => Text {
+            text: format!("{} + {}", at(a, Level::Sum), at(b, Level::Product)),
+            level: Level::Sum,
+        },
+        Node::Sub(a, b) => Text {
+            text: format!("{} - {}", at(a, Level::Sum), at(b, Level::Product)),
+            level: Level::Sum,
+        },
+        Node::Mul(a, b) => Text {
+            text: format!("{}*{}", at(a, Level::Product), at(b, Level::Call)),
+            level: Level::Product,
+        },
+        Node::Neg(a) => Text { text: format!("-{}", at(a, Level::Product)), level: Level::Product },
+        Node::Call(function, a) => {
+            Text { text: language.call(*function, &at(a, Level::Sum)), level: Level::Call }
+        }
+        Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) => {
+            Text { text: String::new(), level: Level::Name }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! Model → states and what its functions return there, as CSV: to test exported code against.
+
+use crate::error::ExportError;
+use crate::program::Quantity;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+use std::fmt::Write;
+use torquewise_model::{Model, Torque};
+
+/// States and expected values, one row each, computed by the model and not by exported code.
+///
+/// Columns `q1…qn`, `dq1…`, `ddq1…`, then of each function in order `torque1…`, `gravity1…`,
+/// `coriolis1…`, `inertia1_1, inertia1_2, …`, `friction1…`, `step1_1…`; SI units, all digits.
+/// States are drawn evenly from what the model was fitted on; where that is not known, from a turn,
+/// ±1 rad/s and ±1 rad/s².
+///
+/// # Errors
+/// [`ExportError::Model`] if the parts of the model do not fit together.
+pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String, ExportError> {
+    let n = model.n_joints();
+    let whole = Torque::new(model);
+    let first = match model.stages.len() {
+        0 => whole.clone(),
+        _ => Torque::new(&model.after_step(1)?),
+    };
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut text = header(n);
+    for _ in 0..rows {
+        let [q, dq, ddq] = state(model, &mut rng);
+        let matrix = whole.mass_matrix(&q)?;
+        let inertia = (0..n * n).map(|place| matrix[(place / n, place % n)]);
+        let mut row = [q.clone(), dq.clone(), ddq.clone()].concat();
+        row.extend(whole.at(&q, &dq, &ddq)?);
+        row.extend(whole.gravity(&q)?);
+        row.extend(whole.coriolis(&q, &dq)?);
+        row.extend(inertia);
+        row.extend(whole.friction(&dq)?);
+        row.extend(first.gravity(&q)?);
+        let row: Vec<String> = row.iter().map(|x| format!("{x:?}")).collect();
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{}", row.join(","));
+    }
+    Ok(text)
+}
+
+fn header(n: usize) -> String {
+    let mut names = Vec::new();
+    let signals = ["q", "dq", "ddq"].into_iter();
+    for signal in signals {
+        names.extend((1..=n).map(|joint| format!("{signal}{joint}")));
+    }
+    for quantity in Quantity::ALL {
+        let name = quantity.name();
+        match quantity {
+            Quantity::Inertia => {
+                let places = (0..n * n).map(|place| (place / n + 1, place % n + 1));
+                names.extend(places.map(|(row, column)| format!("{name}{row}_{column}")));
+            }
+            Quantity::Step1 => names.extend((1..=n).map(|joint| format!("{name}_{joint}"))),
+            _ => names.extend((1..=n).map(|joint| format!("{name}{joint}"))),
+        }
+    }
+    names.join(",") + "\n"
+}
+
+/// q, q̇, q̈, evenly drawn.
+fn state(model: &Model, rng: &mut ChaCha8Rng) -> [Vec<f64>; 3] {
+    let training = &model.training;
+    let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+    let (mut q, mut dq, mut ddq) = (Vec::new(), Vec::new(), Vec::new());
+    for joint in 0..model.n_joints() {
+        let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
+        let speed = training.dq_peak.get(joint).copied().unwrap_or(1.0);
+        let acceleration = training.ddq_peak.get(joint).copied().unwrap_or(1.0);
+        q.push(between(low, high));
+        dq.push(between(-speed, speed));
+        ddq.push(between(-acceleration, acceleration));
+    }
+    [q, dq, ddq]
+}

@@ -1,0 +1,213 @@
+//! Exported C, Rust and Python, compiled and run: each computes what the model's own evaluation
+//! does.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+mod models;
+mod witness;
+mod run;
+
+use models::{energies, parallel, products, states};
+use std::fs;
+use std::io::Read;
+use std::process::Command;
+use torquewise_export::{
+    ExportError, Precision, Program, fmu_archive, fmu_sources, ros_package, test_vectors, to_c,
+    to_latex, to_python, to_rust,
+};
+use torquewise_model::Model;
+use witness::{expected, worst};
+
+/// The bound that controllers are promised; observed 1e-14 and below.
+const AGREES: f64 = 1e-12;
+
+/// Arms of three, six and seven joints, by energies and by torque equations.
+fn arms() -> Vec<Model> {
+    let of_three = [energies(3, 25, 1), products(3, 20, 2)];
+    let of_more = [energies(6, 200, 3), parallel(6, 60, 5), energies(7, 300, 4)];
+    of_three.into_iter().chain(of_more).collect()
+}
+
+fn check(model: &Model, run: impl Fn(&Program, &[models::State]) -> Vec<Vec<f64>>) {
+    let program = Program::of(model).unwrap();
+    let states = states(model.n_joints(), 1000, 7);
+
+    let found = run(&program, &states);
+
+    let error = worst(&found, &expected(model, &states));
+    println!("{} joints: {error:.1e}", model.n_joints());
+    assert!(error < AGREES, "{} joints: {error:.1e}", model.n_joints());
+}
+
+#[test]
+fn exported_c_computes_what_the_model_predicts() {
+    if !run::has("cc") {
+        return;
+    }
+    for model in arms() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&model, |program, states| {
+            let code = to_c(program, "arm", Precision::Double).unwrap();
+            run::c(folder.path(), &code, "double", states)
+        });
+    }
+}
+
+#[test]
+fn single_precision_c_is_as_good_as_single_precision() {
+    if !run::has("cc") {
+        return;
+    }
+    let (model, folder) = (energies(6, 200, 3), tempfile::tempdir().unwrap());
+    let program = Program::of(&model).unwrap();
+    let single = |x: &f64| f64::from(*x as f32);
+    let states: Vec<models::State> = states(6, 1000, 7)
+        .iter()
+        .map(|state| state.each_ref().map(|signal| signal.iter().map(single).collect()))
+        .collect();
+
+    let code = to_c(&program, "arm", Precision::Single).unwrap();
+    let found = run::c(folder.path(), &code, "float", &states);
+
+    // Some hundred roundings of 6e-8.
+    let error = worst(&found, &expected(&model, &states));
+    assert!(error < 1e-5 && error > 1e-9, "{error:.1e}");
+    assert!(!code.contains("double"));
+}
+
+#[test]
+fn exported_rust_computes_what_the_model_predicts() {
+    if !run::has("rustc") {
+        return;
+    }
+    for model in arms() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&model, |program, states| {
+            let code = to_rust(program, Precision::Double).unwrap();
+            run::rust(folder.path(), &code, states)
+        });
+    }
+}
+
+#[test]
+fn exported_python_computes_what_the_model_predicts() {
+    if !run::has("python3") {
+        return;
+    }
+    for model in arms() {
+        let folder = tempfile::tempdir().unwrap();
+        check(&model, |program, states| run::python(folder.path(), &to_python(program), states));
+    }
+}
+
+#[test]
+fn a_unit_gives_the_torque_to_whoever_calls_fmi() {
+    if !run::has("cc") {
+        return;
+    }
+    let (model, folder) = (energies(6, 200, 3), tempfile::tempdir().unwrap());
+    let program = Program::of(&model).unwrap();
+    let states = states(6, 1000, 7);
+    let sources = fmu_sources(&program, "arm").unwrap();
+    let guid = sources[0].1.split("guid=\"").nth(1).unwrap().split('"').next().unwrap();
+
+    let found = run::unit(folder.path(), &sources, guid, &states);
+
+    let torque: Vec<Vec<f64>> =
+        expected(&model, &states).iter().map(|row| row[..6].to_vec()).collect();
+    assert!(worst(&found, &torque) < AGREES);
+}
+
+#[test]
+fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
+    let program = Program::of(&energies(3, 25, 1)).unwrap();
+    let sources = fmu_sources(&program, "arm").unwrap();
+    let binary = ("binaries/linux64/arm.so", &b"binary"[..]);
+
+    let bytes = fmu_archive(&sources, Some(binary)).unwrap();
+
+    assert_eq!(bytes, fmu_archive(&sources, Some(binary)).unwrap());
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).unwrap();
+    for (path, text) in &sources {
+        let mut found = String::new();
+        archive.by_name(path).unwrap().read_to_string(&mut found).unwrap();
+        assert_eq!(&found, text);
+    }
+    assert_eq!(archive.len(), sources.len() + 1);
+}
+
+#[test]
+fn the_node_of_the_ros_package_compiles_against_the_names_it_uses() {
+    if !run::has("c++") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let program = Program::of(&energies(3, 25, 1)).unwrap();
+    for (path, text) in ros_package(&program, "arm").unwrap() {
+        let file = folder.path().join(path);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(file, text).unwrap();
+    }
+    for header in [
+        "rclcpp/rclcpp.hpp",
+        "sensor_msgs/msg/joint_state.hpp",
+        "std_msgs/msg/float64_multi_array.hpp",
+        "trajectory_msgs/msg/joint_trajectory_point.hpp",
+    ] {
+        let file = folder.path().join("stand_in").join(header);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(file, "#include \"ros.hpp\"\n").unwrap();
+    }
+    fs::write(folder.path().join("stand_in/ros.hpp"), include_str!("ros.hpp")).unwrap();
+    let mut compiler = Command::new("c++");
+    compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Istand_in"]);
+    run::output(compiler.current_dir(folder.path()).arg("src/feed_forward.cpp"), "");
+}
+
+#[test]
+fn a_latex_document_closes_what_it_opens() {
+    for model in [energies(3, 25, 1), products(3, 20, 2)] {
+        let text = to_latex(&model, "version_1");
+
+        assert_eq!(text.matches("\\begin{").count(), text.matches("\\end{").count());
+        let plain = text.replace("\\{", "").replace("\\}", "");
+        assert_eq!(plain.matches('{').count(), plain.matches('}').count());
+        assert!(text.contains("version\\_1") && text.trim_end().ends_with("\\end{document}"));
+    }
+}
+
+#[test]
+fn test_vectors_are_what_the_model_returns() {
+    let model = energies(3, 25, 1);
+
+    let text = test_vectors(&model, 20, 5).unwrap();
+
+    assert_eq!(text, test_vectors(&model, 20, 5).unwrap());
+    assert_ne!(text, test_vectors(&model, 20, 6).unwrap());
+    let rows = text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()));
+    let rows: Vec<Vec<f64>> = rows.map(Iterator::collect).collect();
+    let states: Vec<models::State> = rows
+        .iter()
+        .map(|row| [row[..3].to_vec(), row[3..6].to_vec(), row[6..9].to_vec()])
+        .collect();
+    let values: Vec<Vec<f64>> = rows.iter().map(|row| row[9..].to_vec()).collect();
+    assert_eq!(values, expected(&model, &states));
+    assert_eq!(text.lines().next().unwrap().split(',').count(), 9 + 3 * 5 + 9);
+}
+
+#[test]
+fn a_name_that_is_none_and_a_number_that_is_too_large_are_refused() {
+    let program = Program::of(&energies(3, 25, 1)).unwrap();
+    for name in ["", "3arm", "my arm", "_arm", "größe"] {
+        let refused = to_c(&program, name, Precision::Double);
+        assert!(matches!(refused, Err(ExportError::Name { .. })), "{name}");
+    }
+    let mut large = products(3, 20, 2);
+    if let torquewise_model::Form::Torque(joints) = &mut large.form {
+        joints[0][0].coefficient = 1e300;
+    }
+    let program = Program::of(&large).unwrap();
+    assert!(to_c(&program, "arm", Precision::Double).is_ok());
+    let refused = to_rust(&program, Precision::Single);
+    assert!(matches!(refused, Err(ExportError::NotSingle { .. })));
+}

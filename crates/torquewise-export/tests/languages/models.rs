@@ -1,0 +1,143 @@
+//! A seed → models of arms that were never fitted, with the sparsity of models that were.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_model::{
+    EnergyTerm, Form, FrictionTerm, Model, Place, Stage, Term, Training, Trig, Weighted,
+};
+
+/// A state of an arm: q, q̇, q̈.
+pub(crate) type State = [Vec<f64>; 3];
+
+pub(crate) fn states(n: usize, count: usize, seed: u64) -> Vec<State> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut signal = |most: f64| (0..n).map(|_| most * (2.0 * rng.random::<f64>() - 1.0)).collect();
+    (0..count).map(|_| [signal(PI), signal(3.0), signal(10.0)]).collect()
+}
+
+fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
+    Weighted { term, coefficient, std_error: 0.0, inclusion: None }
+}
+
+/// A product of up to three functions of angles: sines, powers of cosines, harmonics, sums.
+fn function(rng: &mut ChaCha8Rng, n: usize) -> Term {
+    let mut term = Term::one(n);
+    for _ in 0..rng.random_range(0..4) {
+        let trig = if rng.random::<bool>() { Trig::Sin } else { Trig::Cos };
+        let (joint, multiple) = (rng.random_range(0..n), *pick(rng, &[1, 1, 1, 2, -1, 3]));
+        let power = *pick(rng, &[1, 1, 1, 2, 3]);
+        term = term.times(trig, joint, multiple, power);
+        if rng.random_range(0..6) == 0
+            && let Some(factor) = term.factors.last_mut()
+        {
+            let other = (joint + 1) % n;
+            factor.multiples[other] = *pick(rng, &[1, -1]);
+        }
+    }
+    term
+}
+
+fn pick<'a, T>(rng: &mut ChaCha8Rng, from: &'a [T]) -> &'a T {
+    &from[rng.random_range(0..from.len())]
+}
+
+/// M(q) and V(q) of `count` terms, and friction.
+pub(crate) fn energies(n: usize, count: usize, seed: u64) -> Model {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut terms = Vec::new();
+    for place in 0..count {
+        let place = if place % 4 == 0 {
+            Place::Potential
+        } else {
+            let (i, j) = (rng.random_range(0..n), rng.random_range(0..n));
+            Place::Inertia(i.min(j), i.max(j))
+        };
+        let function = function(&mut rng, n);
+        let scale = if place == Place::Potential { 20.0 } else { 1.0 };
+        let coefficient = scale * (2.0 * rng.random::<f64>() - 1.0);
+        terms.push(weighted(EnergyTerm { place, function }, coefficient));
+    }
+    let first = terms.iter().filter(|w| w.term.place == Place::Potential).take(5);
+    let stage = Stage {
+        name: "standstill".into(),
+        rows: 1,
+        candidates: 1,
+        form: Form::Energy(first.cloned().collect()),
+        friction: Vec::new(),
+    };
+    model(n, Form::Energy(terms), friction(n), vec![stage])
+}
+
+/// An arm whose second and third axis are parallel: its energies depend on q₂ + q₃, written as
+/// products of sines and cosines.
+pub(crate) fn parallel(n: usize, count: usize, seed: u64) -> Model {
+    let mut model = energies(n, count, seed);
+    if let Form::Energy(terms) = &mut model.form {
+        *terms = terms
+            .iter()
+            .flat_map(|Weighted { term: EnergyTerm { place, function }, coefficient, .. }| {
+                let times = |trig| function.clone().times(trig, 1, 1, 1).times(trig, 2, 1, 1);
+                [(Trig::Cos, 1.0), (Trig::Sin, -1.0)].map(|(trig, sign)| {
+                    let term = EnergyTerm { place: *place, function: times(trig) };
+                    weighted(term, sign * coefficient)
+                })
+            })
+            .collect();
+    }
+    model
+}
+
+/// Torques of each joint on its own, of `count` terms each.
+pub(crate) fn products(n: usize, count: usize, seed: u64) -> Model {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let equation = |rng: &mut ChaCha8Rng| {
+        let term = |rng: &mut ChaCha8Rng| {
+            let mut term = function(rng, n);
+            match rng.random_range(0..4) {
+                0 => {}
+                1 => term = term.times_ddq(rng.random_range(0..n)),
+                _ => {
+                    let (i, j) = (rng.random_range(0..n), rng.random_range(0..n));
+                    term = term.times_dq(i).times_dq(j);
+                }
+            }
+            weighted(term, 10.0 * (2.0 * rng.random::<f64>() - 1.0))
+        };
+        (0..count).map(|_| term(rng)).collect()
+    };
+    let equations = (0..n).map(|_| equation(&mut rng)).collect();
+    model(n, Form::Torque(equations), Vec::new(), Vec::new())
+}
+
+/// Every law, exact and smooth, in both directions and one, on joints and on a coupled shaft.
+fn friction(n: usize) -> Vec<Weighted<FrictionTerm>> {
+    let mut terms = Vec::new();
+    for joint in 0..n {
+        let width = if joint % 2 == 0 { 0.02 } else { 0.0 };
+        let laws = [
+            (FrictionLaw::Offset, Direction::Both),
+            (FrictionLaw::Viscous, Direction::Forward),
+            (FrictionLaw::Viscous, Direction::Backward),
+            (FrictionLaw::Coulomb { width }, Direction::Both),
+            (FrictionLaw::Stribeck { speed: 0.1, width }, Direction::Forward),
+        ];
+        for (place, (law, direction)) in laws.into_iter().enumerate() {
+            let term = FrictionTerm { direction, ..FrictionTerm::of_joint(n, joint, law) };
+            terms.push(weighted(term, 1.5 - 0.4 * place as f64));
+        }
+    }
+    let mut shaft = vec![0.0; n];
+    (shaft[n - 2], shaft[n - 1]) = (1.0, -0.5);
+    let (law, direction) = (FrictionLaw::Coulomb { width: 0.0 }, Direction::Both);
+    terms.push(weighted(FrictionTerm { shaft, law, direction }, 0.7));
+    terms
+}
+
+fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Vec<Stage>) -> Model {
+    // Names that a careless printer would break a string or a comment with.
+    let names = (0..n).map(|joint| format!("gelenk \"{joint}\" */ ??/ é\\"));
+    let joints = names.collect();
+    Model { joints, form, friction, stages, training: Training::default(), choices: Vec::new() }
+}

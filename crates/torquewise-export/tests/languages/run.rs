@@ -1,0 +1,162 @@
+//! Exported code → its values: compiled, run, its output read.
+
+use crate::models::State;
+use crate::witness::{lines, parsed};
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use torquewise_export::Quantity;
+
+/// Runs a command that must succeed, and returns what it prints.
+pub(crate) fn output(command: &mut Command, input: &str) -> String {
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    let input = input.to_owned();
+    // Else both ends of the pipe may wait for each other.
+    let writer = std::thread::spawn(move || drop(stdin.write_all(input.as_bytes())));
+    let output = child.wait_with_output().unwrap();
+    writer.join().unwrap();
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {complaint}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Whether a program is there; a machine of the workshop must have it.
+pub(crate) fn has(program: &str) -> bool {
+    let found = Command::new(program).arg("--version").output().is_ok();
+    assert!(found || std::env::var_os("CI").is_none(), "{program} is missing");
+    if !found {
+        eprintln!("skipped: there is no {program}");
+    }
+    found
+}
+
+/// Values of all functions of a C file at some states.
+pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
+    let calls: String = Quantity::ALL
+        .iter()
+        .map(|quantity| {
+            let (arguments, count) = (quantity.signals().join(", "), count(*quantity, n));
+            let name = quantity.name();
+            format!(
+                "        arm_{name}({arguments}, y);\n        \
+                 for (int k = 0; k < {count}; k++) printf(\"%.17g \", (double)y[k]);\n"
+            )
+        })
+        .collect();
+    let main = format!(
+        "#define ARM_DECLARATIONS_ONLY\n#include \"arm.c\"\n#include <stdio.h>\n\
+         static int read(double *x) {{ return scanf(\"%lf\", x) == 1; }}\n\
+         int main(void) {{\n    {real} x[{}], *q = x, *dq = x + {n}, *ddq = x + {}, y[{}];\n    \
+         for (;;) {{\n        for (int k = 0; k < {}; k++) {{\n            double z;\n            \
+         if (!read(&z)) return 0;\n            x[k] = ({real})z;\n        }}\n{calls}        \
+         puts(\"\");\n    }}\n}}\n",
+        3 * n,
+        2 * n,
+        n * n,
+        3 * n
+    );
+    fs::write(folder.join("arm.c"), code).unwrap();
+    fs::write(folder.join("main.c"), main).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1"]);
+    output(compiler.current_dir(folder).args(["main.c", "arm.c", "-o", "run", "-lm"]), "");
+    parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
+}
+
+/// Torques by the functions of FMI, called as an importer does.
+pub(crate) fn unit(
+    folder: &Path,
+    sources: &[(String, String)],
+    guid: &str,
+    states: &[State],
+) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
+    for (path, text) in sources {
+        let file = folder.join(path);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(file, text).unwrap();
+    }
+    let main = include_str!("importer.c").replace("JOINTS", &n.to_string());
+    fs::write(folder.join("main.c"), main.replace("THE_GUID", guid)).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1", "main.c"]);
+    compiler.args(["sources/arm.c", "sources/arm_fmu.c", "-o", "run", "-lm"]);
+    output(compiler.current_dir(folder), "");
+    parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
+}
+
+/// Number of results of a function.
+fn count(quantity: Quantity, n: usize) -> usize {
+    if quantity == Quantity::Inertia { n * n } else { n }
+}
+
+/// Values of all functions of a Rust file at some states; compiled alone too, without `std`.
+pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
+    let calls: String = Quantity::ALL
+        .iter()
+        .map(|quantity| {
+            let arguments: Vec<_> = quantity.signals().iter().map(|s| format!("&{s}")).collect();
+            let (name, arguments) = (quantity.name(), arguments.join(", "));
+            let flat = if *quantity == Quantity::Inertia { ".concat()" } else { "" };
+            format!("        row.extend(arm::{name}::<Std>({arguments}){flat});\n")
+        })
+        .collect();
+    let main = format!(
+        "#![deny(warnings)]\n#[allow(dead_code)] mod arm;\nstruct Std;\n\
+         impl arm::Math for Std {{\n    \
+         fn sin_cos(x: f64) -> (f64, f64) {{ x.sin_cos() }}\n    \
+         fn exp(x: f64) -> f64 {{ x.exp() }}\n    fn tanh(x: f64) -> f64 {{ x.tanh() }}\n}}\n\
+         fn main() {{\n    for line in std::io::stdin().lines() {{\n        \
+         let line = line.unwrap();\n        let words = line.split_whitespace();\n        \
+         let x: Vec<f64> = words.map(|x| x.parse().unwrap()).collect();\n\
+         \x20       let part = |k: usize| -> [f64; {n}] {{\n\
+         \x20           std::array::from_fn(|j| x[k * {n} + j])\n        }};\n\
+         \x20       let (q, dq, ddq) = (part(0), part(1), part(2));\n        \
+         let mut row: Vec<f64> = Vec::new();\n{calls}        \
+         row.iter().for_each(|y| print!(\"{{y:?}} \"));\n        println!();\n\
+         \x20   }}\n}}\n"
+    );
+    fs::write(folder.join("arm.rs"), code).unwrap();
+    fs::write(folder.join("main.rs"), main).unwrap();
+    let rustc = |arguments: &[&str]| {
+        let mut compiler = Command::new("rustc");
+        compiler.current_dir(folder).args(["--edition", "2021"]).args(arguments);
+        output(&mut compiler, "");
+    };
+    assert!(code.contains("#![no_std]"));
+    rustc(&["-D", "warnings", "--crate-type", "lib", "arm.rs"]);
+    rustc(&["-C", "opt-level=1", "main.rs", "-o", "run"]);
+    parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
+}
+
+/// Values of all functions of a Python file at some states.
+pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
+    let calls: String = Quantity::ALL
+        .iter()
+        .map(|quantity| {
+            let (name, arguments) = (quantity.name(), quantity.signals().join(", "));
+            if *quantity == Quantity::Inertia {
+                format!("    y += sum(arm.{name}({arguments}), [])\n")
+            } else {
+                format!("    y += arm.{name}({arguments})\n")
+            }
+        })
+        .collect();
+    let main = format!(
+        "import sys\nimport arm\nfor line in sys.stdin:\n    \
+         x = [float(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
+         y = []\n{calls}    print(*map(repr, y))\n",
+        2 * n,
+        2 * n
+    );
+    fs::write(folder.join("arm.py"), code).unwrap();
+    fs::write(folder.join("main.py"), main).unwrap();
+    let mut python = Command::new("python3");
+    parsed(&output(python.current_dir(folder).arg("main.py"), &lines(states)))
+}

@@ -1,0 +1,62 @@
+//! Model → what its functions must return, by the model's own evaluation, and how far they are off.
+
+use crate::models::State;
+use std::fmt::Write;
+use torquewise_model::{Model, Torque};
+
+/// Values of all functions at all states: torque, gravity, coriolis, inertia, friction, step1.
+pub(crate) fn expected(model: &Model, states: &[State]) -> Vec<Vec<f64>> {
+    let whole = Torque::new(model);
+    let first = model.after_step(1).unwrap_or_else(|_| model.clone());
+    let first = Torque::new(&first);
+    let values = |[q, dq, ddq]: &State| {
+        let matrix = whole.mass_matrix(q).unwrap();
+        let n = q.len();
+        let mut row = whole.at(q, dq, ddq).unwrap();
+        row.extend(whole.gravity(q).unwrap());
+        row.extend(whole.coriolis(q, dq).unwrap());
+        row.extend((0..n * n).map(|place| matrix[(place / n, place % n)]));
+        row.extend(whole.friction(dq).unwrap());
+        row.extend(first.gravity(q).unwrap());
+        row
+    };
+    states.iter().map(values).collect()
+}
+
+/// Largest difference of an output from what is expected, beside the value, or beside the output's
+/// root mean square where it passes through zero.
+pub(crate) fn worst(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    let (m, outputs) = (expected.len(), expected[0].len());
+    let mut worst: f64 = 0.0;
+    for output in 0..outputs {
+        let square: f64 = expected.iter().map(|row| row[output].powi(2)).sum();
+        let usual = (square / m as f64).sqrt();
+        for (found, expected) in found.iter().zip(expected) {
+            assert_eq!(found.len(), outputs);
+            let scale = expected[output].abs().max(usual).max(f64::MIN_POSITIVE);
+            let error = (found[output] - expected[output]).abs() / scale;
+            assert!(error.is_finite(), "output {output}: {}", found[output]);
+            worst = worst.max(error);
+        }
+    }
+    worst
+}
+
+/// States as lines of numbers, q, q̇, q̈.
+pub(crate) fn lines(states: &[State]) -> String {
+    let mut text = String::new();
+    for state in states {
+        for x in state.iter().flatten() {
+            write!(text, "{x:?} ").unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Lines of numbers read back.
+pub(crate) fn parsed(text: &str) -> Vec<Vec<f64>> {
+    let line = |line: &str| line.split_whitespace().map(|x| x.parse().unwrap()).collect();
+    text.lines().map(line).collect()
+}
