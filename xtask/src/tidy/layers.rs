@@ -27,13 +27,14 @@ const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
 const IDENTIFY: &str = "torquewise-identify";
+const CONTROL: &str = "torquewise-control";
 const REPORT: &str = "torquewise-report";
 const EXCITE: &str = "torquewise-excite";
 const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 14] = [
+const LAYERS: [Layer; 15] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
     layer(MODEL, &[MOTION], &[DYNAMICS]),
@@ -44,10 +45,27 @@ const LAYERS: [Layer; 14] = [
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL, CHAIN], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
-    layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
+    layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
+    layer(
+        EXPERIMENTS,
+        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, IDENTIFY, REPORT, EXCITE, CONTROL],
+        &[],
+    ),
     layer(
         FRONT_DOOR,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, LOGS, IDENTIFY, REPORT, EXCITE, EXPERIMENTS],
+        &[
+            MOTION,
+            SPARSE,
+            MODEL,
+            DYNAMICS,
+            SIGNALS,
+            LOGS,
+            IDENTIFY,
+            REPORT,
+            EXCITE,
+            CONTROL,
+            EXPERIMENTS,
+        ],
         &[],
     ),
     layer("torquewise-cli", &[FRONT_DOOR], &[DYNAMICS, LOGS]),
@@ -112,6 +130,7 @@ mod tests {
             IDENTIFY,
             REPORT,
             EXCITE,
+            CONTROL,
             EXPERIMENTS,
             FRONT_DOOR,
         ];
