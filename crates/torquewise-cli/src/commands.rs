@@ -11,6 +11,7 @@ mod show;
 mod predict;
 mod evaluate;
 mod compare;
+mod control;
 mod reproduce;
 mod demo;
 mod completions;
@@ -50,6 +51,7 @@ pub(crate) enum Command {
     Predict(predict::Arguments),
     Evaluate(evaluate::Arguments),
     Compare(compare::Arguments),
+    Control(control::Arguments),
     Reproduce(reproduce::Arguments),
     Completions(completions::Arguments),
 }
@@ -70,6 +72,7 @@ impl Command {
             Self::Predict(arguments) => predict::run(arguments),
             Self::Evaluate(arguments) => evaluate::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
+            Self::Control(arguments) => control::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Completions(arguments) => {
                 completions::run(arguments, &mut CommandLine::command())

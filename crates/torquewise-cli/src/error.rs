@@ -37,6 +37,11 @@ pub(crate) enum CliError {
          give logs of one arm"
     )]
     TestOfAnotherArm { found: String, expected: String },
+    #[error(
+        "the model is of joints {model}, the arm has {arm}: give the arm the model was learned \
+         on, or --lock the joints that the log did not move"
+    )]
+    ModelOfAnotherArm { model: String, arm: String },
     #[error("the results cannot be written to standard output: check where it is redirected to")]
     Stdout { source: io::Error },
 }

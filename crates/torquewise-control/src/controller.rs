@@ -1,4 +1,4 @@
-//! Desired and measured motion → torque command: PID, controllers 1 and 2, and two beyond the paper.
+//! Desired and measured motion → torque command: PID, controllers 1 and 2, two beyond the paper.
 
 use crate::error::{ControlError, check_between, check_joints};
 use crate::gains::Gains;

@@ -73,6 +73,5 @@ pub fn mean_inertia(
         }
         count += 1.0;
     }
-    mean.iter_mut().for_each(|mean| *mean /= count);
-    Ok(mean)
+    Ok(mean.into_iter().map(|mean| mean / count).collect())
 }

@@ -69,15 +69,15 @@ impl Integrator {
             let factor = (SAFETY * error.powf(-0.2)).clamp(least, most);
             // An error that is not finite shrinks the step like any that is too large.
             let factor = if error.is_finite() { factor } else { least };
-            if error <= 1.0 {
+            let accepted = error <= 1.0;
+            if accepted {
                 x.copy_from_slice(&self.trial);
                 self.slopes.swap(0, 6);
                 left = if last { 0.0 } else { left - h };
             }
-            // A stretch that ends early says nothing against the step it was cut from.
-            if !(last && error <= 1.0 && h * factor < self.step) || !self.step.is_finite() {
-                self.step = h * factor;
-            }
+            // A step that was cut short by the end says nothing against the step it was cut from.
+            let cut = accepted && last && self.step.is_finite();
+            self.step = if cut { self.step.max(h * factor) } else { h * factor };
             steps += 1;
             if steps > MOST_STEPS || self.step < 1e-14 {
                 return Err(ControlError::Diverged { t: t + seconds - left });

@@ -6,7 +6,7 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, Torque};
 
 /// What a controller may ask about the arm before it; slices hold n numbers in SI units.
-pub trait Knowledge {
+pub trait Knowledge: Sync {
     /// Number of joints n.
     fn n_joints(&self) -> usize;
 

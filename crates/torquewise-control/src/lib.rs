@@ -32,8 +32,10 @@ pub mod knowledge;
 pub mod gains;
 pub mod controller;
 pub mod track;
+pub mod compare;
 pub mod record;
 
+pub use compare::compare;
 pub use controller::{Controller, Law};
 pub use error::ControlError;
 pub use gains::{Gains, mean_inertia};

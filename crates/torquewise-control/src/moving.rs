@@ -71,7 +71,7 @@ impl<'a> Moving<'a> {
     }
 
     /// Holds a command for a control period \[s\], delayed and limited by the drives, while
-    /// `external` \[N·m\] acts on the joints as well; returns the mean torque of the drives \[N·m\].
+    /// `external` \[N·m\] acts on the joints as well; returns the drives' mean torque \[N·m\].
     pub(crate) fn hold(
         &mut self,
         command: Vec<f64>,
@@ -147,25 +147,25 @@ pub(crate) struct Slopes {
     /// Share of the newest difference.
     share: f64,
     last: Option<Vec<f64>>,
-    slopes: Vec<f64>,
+    filtered: Vec<f64>,
 }
 
 impl Slopes {
     /// Of n values every `period` \[s\]; cut-off in Hz. The first slopes are as given, n.
     pub(crate) fn new(period: f64, cutoff: f64, first: &[f64]) -> Self {
         let share = 1.0 - (-TAU * cutoff * period).exp();
-        Self { period, share, last: None, slopes: first.to_vec() }
+        Self { period, share, last: None, filtered: first.to_vec() }
     }
 
     /// Takes the next values, n, and returns their slopes, n.
     pub(crate) fn next(&mut self, values: &[f64]) -> &[f64] {
         if let Some(last) = &self.last {
-            for ((slope, now), before) in self.slopes.iter_mut().zip(values).zip(last) {
+            for ((slope, now), before) in self.filtered.iter_mut().zip(values).zip(last) {
                 *slope += self.share * ((now - before) / self.period - *slope);
             }
         }
         self.last = Some(values.to_vec());
-        &self.slopes
+        &self.filtered
     }
 }
 
@@ -177,8 +177,8 @@ mod tests {
 
     /// The speed of a free joint of 2 kg·m² a period after each of some commands.
     fn speeds(delay: f64, limit: f64, commands: &[f64]) -> Vec<f64> {
-        let table = "name = 'wheel'\ngravity = [0.0, 0.0, 0.0]\n[[joints]]\nname = 'axle'\na = 0.0\n\
-            alpha = 0.0\nd = 0.0\nmass = 1.0\ncom = [0.0, 0.0, 0.0]\n\
+        let table = "name = 'wheel'\ngravity = [0.0, 0.0, 0.0]\n[[joints]]\nname = 'axle'\n\
+            a = 0.0\nalpha = 0.0\nd = 0.0\nmass = 1.0\ncom = [0.0, 0.0, 0.0]\n\
             inertia = [1.0, 1.0, 2.0, 0.0, 0.0, 0.0]";
         let mut plant = Plant::ideal(Arm::from_dh_toml(table).unwrap());
         plant.drive.delay = delay;

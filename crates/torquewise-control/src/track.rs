@@ -92,13 +92,13 @@ fn run(
             moving.hold(command, &pull, controller.period())?;
         }
     }
-    saturated.iter_mut().for_each(|share| *share /= m as f64);
+    let saturated = saturated.into_iter().map(|ticks| ticks / m as f64).collect();
     let t = wanted.t().iter().map(|t| t - wanted.t()[0]).collect();
     Ok(Tracking { t, q, dq, error, tau, hand: led, saturated })
 }
 
 impl Tracking {
-    /// Root of the mean square of the position error from a time \[s\] on, of each joint \[rad\], n.
+    /// RMS of the position error from a time \[s\] on, of each joint \[rad\], n.
     pub fn rms_error(&self, from: f64) -> Vec<f64> {
         self.rms(&self.error, from)
     }
@@ -110,7 +110,7 @@ impl Tracking {
         (0..self.error.ncols()).map(peak).collect()
     }
 
-    /// Root of the mean square of the torque of the hand from a time \[s\] on \[N·m\], n.
+    /// RMS of the torque of the hand from a time \[s\] on \[N·m\], n.
     pub fn rms_hand(&self, from: f64) -> Vec<f64> {
         self.rms(&self.hand, from)
     }

@@ -155,7 +155,7 @@ impl Friction {
         self.width
     }
 
-    /// Friction of a joint, counted from 0, at speed v \[rad/s\]: what the drive has to add \[N·m\].
+    /// Friction of a joint, counted from 0, at v \[rad/s\]: what the drive has to add \[N·m\].
     ///
     /// # Panics
     /// If there is no such joint.
