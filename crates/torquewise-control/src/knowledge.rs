@@ -43,8 +43,9 @@ pub struct Learned {
     first_step: Torque,
 }
 
-/// Half width \[rad/s\] to which an exact sign is smoothed: no drive should follow a jump.
-const REVERSAL: f64 = 0.01;
+/// Half width \[rad/s\] of reversals: no drive should follow a jump, but a desired velocity is free
+/// of the noise that the learner smooths them for.
+const REVERSAL: f64 = 0.002;
 
 impl Learned {
     /// Takes the model as it is, and for controller 1 as it was after the first of its steps. A
@@ -54,14 +55,14 @@ impl Learned {
     /// [`ControlError::Model`] if its steps cannot be told apart.
     pub fn new(model: &Model) -> Result<Self, ControlError> {
         let first = if model.stages.is_empty() { model.clone() } else { model.after_step(1)? };
-        let whole = Torque::new(&smooth(model));
-        let first_step = Torque::new(&smooth(&first));
+        let whole = Torque::new(&sharp(model));
+        let first_step = Torque::new(&sharp(&first));
         Ok(Self { n_joints: model.n_joints(), whole, first_step })
     }
 }
 
-/// The model with every exact sign smoothed.
-fn smooth(model: &Model) -> Model {
+/// The model with the reversal of its friction as sharp as a desired velocity allows.
+pub fn sharp(model: &Model) -> Model {
     let mut model = model.clone();
     for weighted in &mut model.friction {
         let (FrictionLaw::Coulomb { width } | FrictionLaw::Stribeck { width, .. }) =
@@ -69,9 +70,7 @@ fn smooth(model: &Model) -> Model {
         else {
             continue;
         };
-        if *width <= 0.0 {
-            *width = REVERSAL;
-        }
+        *width = REVERSAL;
     }
     model
 }
