@@ -2,7 +2,6 @@
 
 use crate::error::ControlError;
 use crate::plant::Plant;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, Torque};
 
 /// What a controller may ask about the arm before it; slices hold n numbers in SI units.
@@ -63,16 +62,7 @@ impl Learned {
 
 /// The model with the reversal of its friction as sharp as a desired velocity allows.
 pub fn sharp(model: &Model) -> Model {
-    let mut model = model.clone();
-    for weighted in &mut model.friction {
-        let (FrictionLaw::Coulomb { width } | FrictionLaw::Stribeck { width, .. }) =
-            &mut weighted.term.law
-        else {
-            continue;
-        };
-        *width = REVERSAL;
-    }
-    model
+    model.with_reversal(REVERSAL)
 }
 
 impl Knowledge for Learned {
