@@ -12,6 +12,7 @@ mod predict;
 mod evaluate;
 mod compare;
 mod export;
+mod control;
 mod reproduce;
 mod demo;
 mod completions;
@@ -52,6 +53,7 @@ pub(crate) enum Command {
     Evaluate(evaluate::Arguments),
     Compare(compare::Arguments),
     Export(export::Arguments),
+    Control(control::Arguments),
     Reproduce(reproduce::Arguments),
     Completions(completions::Arguments),
 }
@@ -73,6 +75,7 @@ impl Command {
             Self::Evaluate(arguments) => evaluate::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Export(arguments) => export::run(arguments),
+            Self::Control(arguments) => control::run(arguments),
             Self::Reproduce(arguments) => reproduce::run(arguments),
             Self::Completions(arguments) => {
                 completions::run(arguments, &mut CommandLine::command())

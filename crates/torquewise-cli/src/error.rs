@@ -46,6 +46,11 @@ pub(crate) enum CliError {
     Compiler { compiler: String, complaint: String },
     #[error("{} exists and is not empty: name a new folder", .0.display())]
     NotEmpty(PathBuf),
+    #[error(
+        "the model is of joints {model}, the arm has {arm}: give the arm the model was learned \
+         on, or --lock the joints that the log did not move"
+    )]
+    ModelOfAnotherArm { model: String, arm: String },
     #[error("the results cannot be written to standard output: check where it is redirected to")]
     Stdout { source: io::Error },
 }

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use torquewise::dynamics::Arm;
+use torquewise::dynamics::{Arm, Friction};
 use torquewise::model::{Model, from_json};
 
 /// Reads a model file.
@@ -26,6 +26,15 @@ pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
         }
         Some("toml") => Arm::from_dh_toml(&read(file)?).with_context(in_file),
         _ => Ok(Arm::builtin(arm)?),
+    }
+}
+
+/// The friction in a file, for the joints of an arm; none without a file.
+pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> {
+    match file {
+        None => Ok(Friction::none(arm.n_joints())),
+        Some(file) => Friction::from_toml(&read(file)?, arm.joints())
+            .with_context(|| format!("no friction in {}", file.display())),
     }
 }
 

@@ -6,6 +6,7 @@ use serde_json::{Map, Value, json};
 use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
+use torquewise::control::ControlError;
 use torquewise::dynamics::DynamicsError;
 use torquewise::excite::ExciteError;
 use torquewise::export::ExportError;
@@ -130,6 +131,7 @@ fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
         || cause.is::<ExciteError>()
         || cause.is::<IdentifyError>()
         || cause.is::<ModelError>()
+        || cause.is::<ControlError>()
         || cause.is::<DynamicsError>()
         || cause.is::<MotionError>()
         || cause.is::<SparseError>()

@@ -115,6 +115,25 @@ impl Arm {
         self.joints.iter().map(|joint| joint.limits).collect()
     }
 
+    /// The same arm with other rotors.
+    ///
+    /// - `rotors` \[kg·m²\], n: inertia of each motor's rotor as felt at its joint, gear² × rotor
+    ///
+    /// # Errors
+    /// [`DynamicsError::JointCount`] for another number of them than n;
+    /// [`DynamicsError::NotFinite`] or [`DynamicsError::Inertia`] for one that no rotor has.
+    pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self, DynamicsError> {
+        let (found, expected) = (rotors.len(), self.n_joints());
+        if found != expected {
+            return Err(DynamicsError::JointCount { signal: "rotor inertia", found, expected });
+        }
+        for ((joint, name), &rotor) in self.joints.iter_mut().zip(&self.joint_names).zip(rotors) {
+            joint.rotor = rotor;
+            joint.check(name)?;
+        }
+        Ok(self)
+    }
+
     /// Joints base to tip.
     pub(crate) fn chain(&self) -> &[Joint] {
         &self.joints

@@ -56,6 +56,14 @@ pub enum DynamicsError {
     #[error("range of joint `{joint}` is [{lower}, {upper}] rad: give lower < upper")]
     Range { joint: String, lower: f64, upper: f64 },
 
+    // Friction of an arm
+    #[error("the friction cannot be read: write a table with `coulomb` for each joint that rubs")]
+    FrictionTable { source: Box<toml::de::Error> },
+    #[error("friction is given for joint `{joint}`, the arm has {known}: name one of those")]
+    FrictionJoint { joint: String, known: String },
+    #[error("{what} of the friction of joint {joint} is {found}, expected {expected}")]
+    Friction { what: &'static str, joint: usize, found: f64, expected: &'static str },
+
     // Moving an arm
     #[error("{signal} holds {found} numbers, expected {expected}: give one per joint")]
     JointCount { signal: &'static str, found: usize, expected: usize },

@@ -2,6 +2,7 @@
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;
+use crate::friction::Friction;
 use crate::plan::MotionPlan;
 use crate::trajectory::{State, Trajectory};
 use faer::Mat;
@@ -26,8 +27,7 @@ pub struct Simulation {
 /// [`DynamicsError::Plan`] for a length or rate out of bounds; [`DynamicsError::Motion`] if the
 /// arm's numbers are so large that a torque overflows.
 pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation, DynamicsError> {
-    let trajectory = Trajectory::draw(arm, plan)?;
-    record(arm, &trajectory, 0..trajectory.n_rows())
+    SimulatedLog::new(arm, plan)?.whole()
 }
 
 /// A simulated log that is made anew, block by block, each time it is read: any length in fixed
@@ -36,6 +36,7 @@ pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation, DynamicsErro
 pub struct SimulatedLog {
     arm: Arm,
     trajectory: Trajectory,
+    friction: Friction,
 }
 
 impl SimulatedLog {
@@ -44,7 +45,28 @@ impl SimulatedLog {
     /// # Errors
     /// [`DynamicsError::Plan`] for a length or rate out of bounds.
     pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self, DynamicsError> {
-        Ok(Self { arm: arm.clone(), trajectory: Trajectory::draw(arm, plan)? })
+        let friction = Friction::none(arm.n_joints());
+        Ok(Self { arm: arm.clone(), trajectory: Trajectory::draw(arm, plan)?, friction })
+    }
+
+    /// The same log of an arm that rubs: friction adds to its torque.
+    ///
+    /// # Errors
+    /// [`DynamicsError::JointCount`] for friction of another number of joints.
+    pub fn with_friction(self, friction: Friction) -> Result<Self, DynamicsError> {
+        let (found, expected) = (friction.n_joints(), self.arm.n_joints());
+        if found != expected {
+            return Err(DynamicsError::JointCount { signal: "friction", found, expected });
+        }
+        Ok(Self { friction, ..self })
+    }
+
+    /// All rows at once.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Motion`] if a torque overflows.
+    pub fn whole(&self) -> Result<Simulation, DynamicsError> {
+        self.record(0..self.n_rows())
     }
 
     /// Number of rows m.
@@ -65,33 +87,32 @@ impl Recording for SimulatedLog {
         let m = self.n_rows();
         (0..m).step_by(BLOCK_ROWS).try_for_each(|first| {
             let rows = first..m.min(first + BLOCK_ROWS);
-            visit(0, &record(&self.arm, &self.trajectory, rows)?.motion)
+            visit(0, &self.record(rows)?.motion)
         })
     }
 }
 
-/// The named rows of a trajectory, with the torque they take.
-fn record(
-    arm: &Arm,
-    trajectory: &Trajectory,
-    rows: Range<usize>,
-) -> Result<Simulation, DynamicsError> {
-    let (m, n) = (rows.len(), arm.n_joints());
-    let [mut q, mut dq, mut ddq, mut tau] = std::array::from_fn(|_| Mat::zeros(m, n));
-    let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
-    let (mut state, mut torque) = (State::zero(n), vec![0.0; n]);
-    for (k, row) in rows.enumerate() {
-        t.push(trajectory.state_at(row, &mut state));
-        truth.push(Pattern::of(&state.dq, &state.ddq));
-        arm.inverse_dynamics_into(&state.q, &state.dq, &state.ddq, &mut torque);
-        for i in 0..n {
-            q[(k, i)] = state.q[i];
-            dq[(k, i)] = state.dq[i];
-            ddq[(k, i)] = state.ddq[i];
-            tau[(k, i)] = torque[i];
+impl SimulatedLog {
+    /// The named rows of the trajectory, with the torque they take.
+    fn record(&self, rows: Range<usize>) -> Result<Simulation, DynamicsError> {
+        let Self { arm, trajectory, friction } = self;
+        let (m, n) = (rows.len(), arm.n_joints());
+        let [mut q, mut dq, mut ddq, mut tau] = std::array::from_fn(|_| Mat::zeros(m, n));
+        let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
+        let (mut state, mut torque) = (State::zero(n), vec![0.0; n]);
+        for (k, row) in rows.enumerate() {
+            t.push(trajectory.state_at(row, &mut state));
+            truth.push(Pattern::of(&state.dq, &state.ddq));
+            arm.inverse_dynamics_into(&state.q, &state.dq, &state.ddq, &mut torque);
+            for i in 0..n {
+                q[(k, i)] = state.q[i];
+                dq[(k, i)] = state.dq[i];
+                ddq[(k, i)] = state.ddq[i];
+                tau[(k, i)] = torque[i] + friction.torque(i, state.dq[i]);
+            }
         }
+        let joints = arm.joints().to_vec();
+        let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) })?;
+        Ok(Simulation { motion, truth })
     }
-    let joints = arm.joints().to_vec();
-    let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) })?;
-    Ok(Simulation { motion, truth })
 }

@@ -4,6 +4,7 @@ use crate::method::Method;
 use crate::results::{Claim, Results, Verdict};
 use crate::spread::Spread;
 use crate::study::cases::{CaseResults, MethodResults};
+use crate::study::control::{ControlResults, ControllerResults};
 use crate::study::cost::{CRITERION, LASSO, MethodCost, PRODUCT, SINDY, THRESHOLD};
 use crate::study::patterns::{PatternStudy, Purity};
 use crate::study::steps::StepResults;
@@ -22,10 +23,21 @@ const FEWER: f64 = 0.5;
 
 /// Judges every claim of the paper that can be simulated.
 pub fn judge_claims(results: &Results) -> Vec<Claim> {
-    [patterns, orders, candidates, time, same_terms, fewer_terms, extrapolates, fails, steps]
-        .into_iter()
-        .filter_map(|judge| judge(results))
-        .collect()
+    [
+        patterns,
+        orders,
+        candidates,
+        time,
+        same_terms,
+        fewer_terms,
+        extrapolates,
+        fails,
+        steps,
+        tracks,
+    ]
+    .into_iter()
+    .filter_map(|judge| judge(results))
+    .collect()
 }
 
 fn when(holds: bool, in_part: bool) -> Verdict {
@@ -237,4 +249,33 @@ fn steps(results: &Results) -> Option<Claim> {
     );
     let verdict = when(results.steps.iter().all(falls), results.steps.iter().any(falls));
     Some(Claim::new(claim, "Fig. 10, here simulated", measured, verdict))
+}
+
+/// The error of a controller as a share of that of PID, the worst joint.
+pub fn worst_share(results: &ControlResults, controller: &str) -> Option<f64> {
+    let of = |name: &str| -> Option<&ControllerResults> {
+        results.tracking.iter().find(|found| found.name == name)
+    };
+    let (found, pid) = (of(controller)?, of("PID")?);
+    let shares = found.rms_error_rad.iter().zip(&pid.rms_error_rad).map(|(a, b)| a / b);
+    Some(shares.fold(0.0, f64::max))
+}
+
+fn tracks(results: &Results) -> Option<Claim> {
+    let share = |controller| worst_share(&results.control, controller);
+    let (first, second) = (share("controller 1")?, share("controller 2")?);
+    let best = [share("controller 1, perfect model")?, share("controller 2, perfect model")?];
+    let claim = "The model of step 1 in the controller improves tracking over PID significantly, \
+                that of step 3 further.";
+    let percent = |share: f64| significant(100.0 * share, 2);
+    let measured = format!(
+        "Error of the worst joint beside PID with the same gains: controller 1 {} %, controller 2 \
+         {} %; with a perfect model {} % and {} %.",
+        percent(first),
+        percent(second),
+        percent(best[0]),
+        percent(best[1]),
+    );
+    let verdict = when(first < 1.0 && second < FEWER * first, second < first && second < 1.0);
+    Some(Claim::new(claim, "Fig. 11, here simulated", measured, verdict))
 }

@@ -1,11 +1,14 @@
 //! What can keep an experiment from being done.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+use torquewise_control::ControlError;
 use torquewise_dynamics::DynamicsError;
+use torquewise_excite::ExciteError;
 use torquewise_identify::IdentifyError;
 use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
 use torquewise_report::ReportError;
+use torquewise_signals::SignalError;
 use torquewise_sparse::SparseError;
 
 /// Why there are no results, figures or report.
@@ -20,6 +23,12 @@ pub enum ExperimentError {
     Model(#[from] ModelError),
     #[error(transparent)]
     Sparse(#[from] SparseError),
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    #[error(transparent)]
+    Excite(#[from] ExciteError),
+    #[error(transparent)]
+    Signal(#[from] SignalError),
     #[error(transparent)]
     Report(#[from] ReportError),
     #[error("experiment {experiment}")]

@@ -6,6 +6,7 @@ mod orders;
 mod cost;
 mod cases;
 mod steps;
+mod control;
 mod beyond;
 
 use crate::results::Results;
@@ -55,6 +56,7 @@ pub fn figures(results: &Results) -> Vec<Figure> {
     all.push(cost::figure(&results.costs));
     all.extend(cases::figures(results));
     all.extend(steps::figure(results));
+    all.extend(control::figures(&results.control));
     all.extend(beyond::figures(results));
     all
 }

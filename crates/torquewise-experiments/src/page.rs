@@ -4,6 +4,7 @@ mod cells;
 mod summary;
 mod setup;
 mod paper;
+mod control;
 mod ablation;
 mod beyond;
 
@@ -20,6 +21,7 @@ pub fn page(results: &Results) -> Result<String, ExperimentError> {
     let drawn = Drawn(figures(results));
     let mut sections = vec![summary::section(results), setup::section(results)];
     sections.extend(paper::sections(results, &drawn));
+    sections.push(control::section(&results.control, &drawn));
     sections.push(ablation::section(results));
     sections.extend(beyond::sections(results, &drawn));
     let page = Page {

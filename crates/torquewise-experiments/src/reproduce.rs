@@ -9,6 +9,7 @@ use crate::study::ablation::{self, VariantPlan};
 use crate::study::arms::{self, ArmPlan};
 use crate::study::cases::{self, CasePlan, true_terms};
 use crate::study::coefficients::judge_coefficients;
+use crate::study::control::{ControlResults, study_control};
 use crate::study::cost::{self, CostPlan};
 use crate::study::order_curves::{OrderResults, study_orders};
 use crate::study::patterns::{PatternResults, study_patterns};
@@ -20,6 +21,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const PATTERN_WORK: usize = 6;
 const ORDER_WORK: usize = 60;
 const EVALUATION_WORK: usize = 30;
+const CONTROL_WORK: usize = 40;
 
 /// Does every experiment.
 ///
@@ -35,7 +37,7 @@ pub fn reproduce(
     settings.check()?;
     let mut agenda = Agenda::default();
     let asked = Asked::of(&mut agenda, settings);
-    let total = agenda.work() + PATTERN_WORK + ORDER_WORK + EVALUATION_WORK;
+    let total = agenda.work() + PATTERN_WORK + ORDER_WORK + EVALUATION_WORK + CONTROL_WORK;
     let done = AtomicUsize::new(0);
     let advance = |doing: &'static str, work: usize| {
         let done = done.fetch_add(work, Ordering::Relaxed) + work;
@@ -48,16 +50,23 @@ pub fn reproduce(
     let evaluated = cost::evaluate(&asked.costs, settings)?;
     advance("trials", EVALUATION_WORK);
     // From here on nothing is timed for its own sake, so everything runs at once.
-    let (orders, trials) = std::thread::scope(|scope| {
+    let (orders, control, trials) = std::thread::scope(|scope| {
         let orders = scope.spawn(|| {
             let orders = study_orders(settings);
             advance("trials", ORDER_WORK);
             orders
         });
+        let control = scope.spawn(|| {
+            let control = study_control(settings);
+            advance("trials", CONTROL_WORK);
+            control
+        });
         let trials = agenda.run_rest(settings.seed, timed, &advance);
-        (orders.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)), trials)
+        let orders = orders.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        let control = control.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        (orders, control, trials)
     });
-    asked.results(settings, patterns, orders?, &evaluated, &trials?)
+    asked.results(settings, (patterns, orders?, control?), &evaluated, &trials?)
 }
 
 /// What each experiment asked the agenda for.
@@ -85,8 +94,7 @@ impl Asked {
     fn results(
         &self,
         settings: &Settings,
-        patterns: PatternResults,
-        orders: Vec<OrderResults>,
+        (patterns, orders, control): (PatternResults, Vec<OrderResults>, ControlResults),
         evaluated: &[f64],
         trials: &Trials,
     ) -> Result<Results, ExperimentError> {
@@ -100,6 +108,7 @@ impl Asked {
             true_terms: true_terms(settings.arm)?,
             cases: all(&self.cases, |case| case.results(settings, trials))?,
             steps: second.map_or(Ok(Vec::new()), |case| study_steps(case, settings, trials))?,
+            control,
             ablation: all(&self.ablation, |variant| variant.result(settings, trials))?,
             noise_sweep: all(&self.noise, |point| point.result(trials))?,
             length_sweep: all(&self.lengths, |point| point.result(trials))?,

@@ -6,6 +6,7 @@ use crate::study::ablation::Variant;
 use crate::study::arms::ArmResults;
 use crate::study::cases::{CaseResults, TrueTerms};
 use crate::study::coefficients::CoefficientResults;
+use crate::study::control::ControlResults;
 use crate::study::cost::MethodCost;
 use crate::study::order_curves::OrderResults;
 use crate::study::patterns::PatternResults;
@@ -33,6 +34,8 @@ pub struct Results {
     pub cases: Vec<CaseResults>,
     /// Fig. 10: the model after each step.
     pub steps: Vec<StepResults>,
+    /// Fig. 10 and 11: an arm with friction, recorded, learned and controlled.
+    pub control: ControlResults,
     /// What each of our choices buys.
     pub ablation: Vec<Variant>,
     /// Error against noise.

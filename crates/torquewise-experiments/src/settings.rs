@@ -26,6 +26,8 @@ pub struct Settings {
     pub lengths: Vec<f64>,
     /// Arms with the length of their log \[s\].
     pub arms: Vec<(&'static str, f64)>,
+    /// Length at most of the slow, uniform and variable recording of the arm with friction \[s\].
+    pub recordings: [f64; 3],
     /// Largest N₁ tried for the steps.
     pub trig_order: u8,
     /// Largest N₁ tried for the whole library.
@@ -56,6 +58,7 @@ impl Settings {
                 ("generic-4", 600.0),
                 ("generic-5", 200.0),
             ],
+            recordings: [120.0, 120.0, 60.0],
             trig_order: 5,
             whole_order: 4,
         }
@@ -73,6 +76,7 @@ impl Settings {
             noise_levels: vec![Decibels::new(70.0, 50.0, 30.0), Decibels::new(40.0, 20.0, 10.0)],
             lengths: vec![30.0, 60.0],
             arms: vec![("planar-2", 60.0), ("puma560-3", 60.0)],
+            recordings: [40.0, 40.0, 30.0],
             trig_order: 4,
             whole_order: 3,
             ..Self::full(seed)
@@ -106,7 +110,8 @@ impl Settings {
                 return Err(ExperimentError::Setting { what, found, expected: "from 1 to 1000" });
             }
         }
-        let lengths = self.lengths.iter().chain(std::iter::once(&self.seconds));
+        let once = std::iter::once(&self.seconds);
+        let lengths = self.lengths.iter().chain(once).chain(&self.recordings);
         match lengths.chain(self.arms.iter().map(|(_, s)| s)).find(|s| s.is_nan() || **s < 10.0) {
             Some(seconds) => Err(ExperimentError::Setting {
                 what: "the length of a log [s]",

@@ -5,6 +5,8 @@ pub mod order_curves;
 pub mod cost;
 pub mod cases;
 pub mod steps;
+pub mod recorded;
+pub mod control;
 pub mod coefficients;
 pub mod ablation;
 pub mod sweeps;

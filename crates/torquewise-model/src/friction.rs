@@ -83,6 +83,15 @@ impl Direction {
 }
 
 impl FrictionLaw {
+    /// The same law with another half width of the dead zone \[rad/s\], if it has one.
+    pub fn with_width(self, width: f64) -> Self {
+        match self {
+            Self::Offset | Self::Viscous => self,
+            Self::Coulomb { .. } => Self::Coulomb { width },
+            Self::Stribeck { speed, .. } => Self::Stribeck { speed, width },
+        }
+    }
+
     /// f(v) at a speed \[rad/s\].
     ///
     /// Source: method.md (17). Checked against: the curve itself, `tests/friction.rs`.

@@ -190,6 +190,20 @@ impl Model {
         Ok(Self { form, friction, stages: Vec::new(), ..self.clone() })
     }
 
+    /// The same model whose friction reverses within another half width \[rad/s\]; 0 for the
+    /// exact sign.
+    ///
+    /// A learner smooths reversals for the noise of measured velocities. A desired velocity has
+    /// none, and a controller tracks better with a reversal as sharp as its drives can follow.
+    pub fn with_reversal(&self, width: f64) -> Self {
+        let mut model = self.clone();
+        let stages = model.stages.iter_mut().flat_map(|stage| &mut stage.friction);
+        for weighted in model.friction.iter_mut().chain(stages) {
+            weighted.term.law = weighted.term.law.with_width(width);
+        }
+        model
+    }
+
     /// Whether a log may be of the arm this is a model of.
     ///
     /// # Errors

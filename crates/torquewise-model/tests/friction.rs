@@ -369,3 +369,24 @@ fn friction_has_a_kind_by_name() {
 
     assert_eq!(names, ["inertia", "coriolis", "gravity", "friction"]);
 }
+
+#[test]
+fn another_reversal_changes_friction_at_reversal_alone() {
+    let mut smooth = model(all_laws());
+    smooth.stages = vec![Stage {
+        name: "slow".into(),
+        rows: 9,
+        candidates: 1,
+        form: smooth.form.clone(),
+        friction: all_laws(),
+    }];
+
+    let sharp = smooth.with_reversal(1e-4);
+
+    let at = |model: &Model, speed: f64| Torque::new(model).friction(&[speed, speed]).unwrap();
+    assert_eq!(at(&sharp, 0.4), at(&smooth, 0.4));
+    // tanh(0.5) of the directed law becomes tanh(50), which is 1.
+    let grown = at(&sharp, 0.005)[1] - at(&smooth, 0.005)[1];
+    assert!((grown - 0.7 * (1.0 - 0.5_f64.tanh())).abs() < 1e-12, "{grown}");
+    assert_eq!(at(&sharp.after_step(1).unwrap(), 0.005), at(&sharp, 0.005));
+}

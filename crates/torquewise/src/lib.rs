@@ -14,6 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub use torquewise_control as control;
 pub use torquewise_dynamics as dynamics;
 pub use torquewise_excite as excite;
 pub use torquewise_experiments as experiments;

@@ -27,6 +27,7 @@ const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
 const IDENTIFY: &str = "torquewise-identify";
+const CONTROL: &str = "torquewise-control";
 const REPORT: &str = "torquewise-report";
 const EXPORT: &str = "torquewise-export";
 const EXCITE: &str = "torquewise-excite";
@@ -34,7 +35,7 @@ const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 15] = [
+const LAYERS: [Layer; 16] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
     layer(MODEL, &[MOTION], &[DYNAMICS]),
@@ -46,7 +47,12 @@ const LAYERS: [Layer; 15] = [
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
     layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
-    layer(EXPERIMENTS, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY, REPORT], &[]),
+    layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
+    layer(
+        EXPERIMENTS,
+        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, IDENTIFY, REPORT, EXCITE, CONTROL],
+        &[],
+    ),
     layer(
         FRONT_DOOR,
         &[
@@ -60,6 +66,7 @@ const LAYERS: [Layer; 15] = [
             REPORT,
             EXPORT,
             EXCITE,
+            CONTROL,
             EXPERIMENTS,
         ],
         &[],
@@ -127,6 +134,7 @@ mod tests {
             REPORT,
             EXPORT,
             EXCITE,
+            CONTROL,
             EXPERIMENTS,
             FRONT_DOOR,
         ];

@@ -1,7 +1,7 @@
 //! Arm, motion, noise → log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::files::{check_distinct, check_output, read_arm};
+use crate::files::{check_distinct, check_output, read_arm, read_friction};
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json};
 use crate::progress::Watched;
@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, simulate};
+use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::logs::{Contents, LogWriter};
 use torquewise::motion::{Pattern, Recording};
 
@@ -42,6 +42,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "Q,DQ,DDQ", conflicts_with = "case", allow_hyphen_values = true)]
     #[arg(value_parser = noise_levels)]
     noise_db: Option<Noise>,
+    /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward]
+    #[arg(long, value_name = "FILE")]
+    friction: Option<PathBuf>,
     /// Joints of a .urdf to hold at 0, their mass kept
     #[arg(long, value_name = "JOINT", value_delimiter = ',')]
     lock: Vec<String>,
@@ -74,7 +77,8 @@ impl Motions {
 
 /// Simulates and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let inputs = [PathBuf::from(&arguments.arm)];
+    let mut inputs = vec![PathBuf::from(&arguments.arm)];
+    inputs.extend(arguments.friction.clone());
     for file in std::iter::once(&arguments.output).chain(&arguments.truth) {
         check_output(file, &inputs)?;
     }
@@ -82,7 +86,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };
-    let clean = SimulatedLog::new(&arm, &plan)?;
+    let friction = read_friction(arguments.friction.as_deref(), &arm)?;
+    let clean = SimulatedLog::new(&arm, &plan)?.with_friction(friction)?;
     let noise = match (arguments.noise_db, arguments.case) {
         (None, 1) => None,
         (None, case) => Some(Noise::case(case)?),
@@ -91,7 +96,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     match noise {
         // The level of the noise is relative to the whole log, which therefore has to be held.
         Some(noise) => {
-            let noisy = add_noise(&simulate(&arm, &plan)?.motion, &noise, seed)?;
+            let noisy = add_noise(&clean.whole()?.motion, &noise, seed)?;
             write_log(&arguments.output, &noisy)?;
         }
         None => write_log(&arguments.output, &clean)?,

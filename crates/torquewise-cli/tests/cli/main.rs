@@ -6,6 +6,7 @@ mod whole_way;
 mod reports;
 mod json_contract;
 mod excite;
+mod control;
 mod friction;
 mod export;
 mod bad_input;

@@ -1,0 +1,202 @@
+//! Model, arm → closed loop at a fixed rate: how well each controller tracks.
+
+mod report;
+mod setup;
+mod summary;
+
+use crate::commands::control::setup::{MotionArguments, PlantArguments};
+use crate::error::CliError;
+use crate::files::{
+    check_distinct, check_ending, check_output, read_arm, read_friction, read_model, write_whole,
+};
+use crate::outcome::Outcome;
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+use torquewise::control::{Gains, Law, Learned, Plant, Tracking, compare, mean_inertia};
+use torquewise::dynamics::Arm;
+use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
+use torquewise::model::Model;
+use torquewise::motion::Motion;
+
+/// Close the loop with a model: PID, controller 1 and controller 2 on a simulated arm
+///
+/// All controllers have the same gains: a joint of the mean inertia m of the model, with Kp = 3 m
+/// w², Ki = m w³ and Kd = 3 m w, is critically damped at the bandwidth w. Controller 1 adds what the
+/// model knew after its first step (gravity, and friction if it has any), controller 2 all it
+/// knows, both at the desired motion. The arm is simulated with the friction, drives and encoders
+/// that are given.
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Model file
+    model: PathBuf,
+    /// The true arm: built-in (see `torquewise arms`), .urdf file, or .toml file with a DH table
+    #[arg(long, value_name = "ARM")]
+    arm: String,
+    /// Controllers to compare
+    #[arg(long, value_enum, value_name = "LAW", value_delimiter = ',')]
+    #[arg(default_values = ["pid", "controller1", "controller2"])]
+    controllers: Vec<Controllers>,
+    /// Also control with perfect knowledge of arm and friction, by controllers 1 and 2
+    #[arg(long)]
+    perfect: bool,
+    /// Bandwidth of the feedback in rad/s
+    #[arg(long, value_name = "W", default_value_t = 15.0)]
+    bandwidth: f64,
+    /// Seconds before errors count [default: half of the motion]
+    #[arg(long, value_name = "S")]
+    settle: Option<f64>,
+    #[command(flatten)]
+    motion: MotionArguments,
+    #[command(flatten)]
+    plant: PlantArguments,
+    /// Table to write with position, error and torque at each tick, .csv or .parquet
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Figure to write, .svg
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Page to write, .html
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+}
+
+/// How a command comes about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Controllers {
+    /// Feedback alone
+    Pid,
+    /// Feedback and what was known after step 1 (18)
+    Controller1,
+    /// Feedback and the whole model (19)
+    Controller2,
+    /// Feedback linearisation with the model
+    ComputedTorque,
+    /// The model's gravity alone, while a hand leads the arm
+    HandGuiding,
+}
+
+impl Controllers {
+    fn law(self) -> Law {
+        match self {
+            Self::Pid => Law::Pid,
+            Self::Controller1 => Law::Controller1,
+            Self::Controller2 => Law::Controller2,
+            Self::ComputedTorque => Law::ComputedTorque,
+            Self::HandGuiding => Law::HandGuiding,
+        }
+    }
+}
+
+/// What one controller did.
+struct Run {
+    /// Name in tables, files and JSON.
+    name: String,
+    law: Law,
+    tracking: Tracking,
+}
+
+/// All that is told.
+struct Compared {
+    wanted: Motion,
+    gains: Gains,
+    /// When errors begin to count \[s\].
+    settle: f64,
+    runs: Vec<Run>,
+}
+
+/// Controls, then writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let Arguments { output, plot, report, .. } = arguments;
+    let mut inputs = vec![arguments.model.clone(), PathBuf::from(&arguments.arm)];
+    inputs.extend(arguments.plant.friction.clone());
+    let outputs = || output.iter().chain(plot).chain(report);
+    outputs().try_for_each(|file| check_output(file, &inputs))?;
+    check_distinct(outputs())?;
+    plot.iter().try_for_each(|file| check_ending(file, &["svg"]))?;
+    report.iter().try_for_each(|file| check_ending(file, &["html"]))?;
+
+    let model = read_model(&arguments.model)?;
+    let arm = read_arm(&arguments.arm, &arguments.plant.lock)?;
+    check_same_joints(&model, &arm)?;
+    let friction = read_friction(arguments.plant.friction.as_deref(), &arm)?;
+    let plant = arguments.plant.plant(arm, friction)?;
+    let compared = compare_all(arguments, &model, &plant)?;
+
+    if let Some(file) = output {
+        write_table(file, &compared)?;
+    }
+    if let Some(file) = plot {
+        write_whole(file, &report::figure(&arguments.arm, &compared)?)?;
+    }
+    if let Some(file) = report {
+        write_whole(file, &report::page(&arguments.arm, &compared)?)?;
+    }
+    Ok(summary::outcome(arguments, &compared))
+}
+
+/// A model may name its joints by number alone, as logs without names do.
+fn check_same_joints(model: &Model, arm: &Arm) -> Result<(), CliError> {
+    let mut numbered = model.joints.iter().enumerate();
+    let is_numbered = numbered.all(|(place, name)| *name == format!("joint{}", place + 1));
+    let same_count = model.n_joints() == arm.n_joints();
+    if same_count && (is_numbered || model.joints == arm.joints()) {
+        return Ok(());
+    }
+    let (model, arm) = (model.joints.join(", "), arm.joints().join(", "));
+    Err(CliError::ModelOfAnotherArm { model, arm })
+}
+
+fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Compared> {
+    let wanted = arguments.motion.wanted(&plant.arm)?;
+    let known = Learned::new(model)?;
+    let gains = Gains::critically_damped(arguments.bandwidth, &mean_inertia(&known, &wanted)?);
+    let seconds = wanted.t().last().copied().unwrap_or_default();
+    let settle = arguments.settle.unwrap_or(seconds / 2.0);
+    if !(0.0..seconds).contains(&settle) {
+        let message = format!("--settle {settle} leaves nothing of {seconds} s: take less");
+        return Err(CliError::Usage(message).into());
+    }
+    let mut laws: Vec<Law> = arguments.controllers.iter().map(|c| c.law()).collect();
+    let mut seen = Vec::new();
+    laws.retain(|law| {
+        !seen.contains(law) && {
+            seen.push(*law);
+            true
+        }
+    });
+    let named = |suffix: &str, laws: &[Law], found: Vec<Tracking>| -> Vec<Run> {
+        let runs = laws.iter().zip(found);
+        let name = |law: Law| format!("{}{suffix}", law.name());
+        runs.map(|(&law, tracking)| Run { name: name(law), law, tracking }).collect()
+    };
+    let mut runs = named("", &laws, compare(plant, &known, &laws, &gains, &wanted)?);
+    if arguments.perfect {
+        let laws = [Law::Controller1, Law::Controller2];
+        runs.extend(named("_perfect", &laws, compare(plant, plant, &laws, &gains, &wanted)?));
+    }
+    Ok(Compared { wanted, gains, settle, runs })
+}
+
+/// t, then `q1_ref`, …, then `pid_q1`, …, `pid_error1`, …, `pid_tau1`, … of each controller.
+fn write_table(file: &Path, compared: &Compared) -> Result<()> {
+    let n = compared.wanted.n_joints();
+    let q_ref = compared.wanted.q().to_owned();
+    let mut names = vec!["t".to_owned()];
+    names.extend((1..=n).map(|joint| format!("q{joint}_ref")));
+    let Some(first) = compared.runs.first() else { return Ok(()) };
+    let mut values = vec![Values::Numbers(&first.tracking.t)];
+    values.extend((0..n).map(|joint| Values::Numbers(q_ref.col_as_slice(joint))));
+    for Run { name, tracking, .. } in &compared.runs {
+        let signals = [("q", &tracking.q), ("error", &tracking.error), ("tau", &tracking.tau)];
+        for (signal, x) in signals {
+            names.extend((1..=n).map(|joint| format!("{name}_{signal}{joint}")));
+            values.extend((0..n).map(|joint| Values::Numbers(x.col_as_slice(joint))));
+        }
+    }
+    let columns: Vec<Column> =
+        names.into_iter().map(|name| Column::new(name, ColumnKind::Number)).collect();
+    let mut writer = TableWriter::create(file, &columns)?;
+    writer.append(&values)?;
+    Ok(writer.finish()?)
+}

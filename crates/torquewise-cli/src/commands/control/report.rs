@@ -1,0 +1,102 @@
+//! Trackings → figure and page: errors, positions and torques of each controller.
+
+use crate::commands::control::Compared;
+use anyhow::Result;
+use faer::Mat;
+use torquewise::control::Tracking;
+use torquewise::report::chart_figure;
+use torquewise::report::html::number::significant;
+use torquewise::report::html::{
+    Axis, Chart, Colour, Column, Guide, Item, Label, Mark, Page, Section, Series, Table,
+};
+
+/// One row per joint: position beside error.
+pub(super) fn figure(arm: &str, compared: &Compared) -> Result<String> {
+    let charts: Vec<Chart> = (0..compared.wanted.n_joints())
+        .flat_map(|joint| [positions(compared, joint), errors(compared, joint)])
+        .collect();
+    Ok(chart_figure(&format!("{arm}: desired and tracked motion"), &charts, 2)?)
+}
+
+/// All of it on one page.
+pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
+    let n = compared.wanted.n_joints();
+    let charts = |of: fn(&Compared, usize) -> Chart| -> Vec<Item> {
+        (0..n).map(|joint| Item::Chart(of(compared, joint))).collect()
+    };
+    let section = |heading: &str, items| Section { heading: heading.into(), items };
+    let bandwidth = compared.gains.bandwidth;
+    let page = Page {
+        title: format!("{arm} under control"),
+        lead: format!(
+            "The same motion and the same feedback, critically damped at {bandwidth} rad/s, for \
+             every controller: they differ in what they know of the arm. Errors count from {} s \
+             on.",
+            compared.settle
+        ),
+        sections: vec![
+            section("Errors", std::iter::once(table(compared)).chain(charts(errors)).collect()),
+            section("Positions", charts(positions)),
+            section("Torques", charts(torques)),
+        ],
+    };
+    Ok(page.to_html()?)
+}
+
+fn table(compared: &Compared) -> Item {
+    let mut columns = vec![Column::words("controller")];
+    let joints = compared.wanted.joints();
+    columns.extend(joints.iter().map(|joint| Column::numbers(format!("{joint} RMS [mrad]"))));
+    columns.extend(joints.iter().map(|joint| Column::numbers(format!("{joint} peak [mrad]"))));
+    let row = |run: &super::Run| -> Vec<Label> {
+        let rms = run.tracking.rms_error(compared.settle);
+        let peak = run.tracking.peak_error(compared.settle);
+        let cells = rms.into_iter().chain(peak).map(|error| significant(1e3 * error, 3));
+        std::iter::once(run.name.clone()).chain(cells).map(Label::from).collect()
+    };
+    let rows = compared.runs.iter().map(row).collect();
+    Item::Table(Table { caption: "Position error of each joint.".into(), columns, rows })
+}
+
+fn errors(compared: &Compared, joint: usize) -> Chart {
+    let of = |tracking: &Tracking| line(tracking, &tracking.error, joint, 1e3);
+    let guide = Guide::at_x(compared.settle, "errors count");
+    Chart { guides: vec![guide], ..chart(compared, joint, "error [mrad]", &of, Vec::new()) }
+}
+
+fn positions(compared: &Compared, joint: usize) -> Chart {
+    let wanted = &compared.wanted;
+    let points = (0..wanted.n_rows()).map(|row| [wanted.t()[row], wanted.q()[(row, joint)]]);
+    let desired = Series::new("desired", Mark::BroadLine, Colour::Measured, points.collect());
+    let of = |tracking: &Tracking| line(tracking, &tracking.q, joint, 1.0);
+    chart(compared, joint, "position [rad]", &of, vec![desired])
+}
+
+fn torques(compared: &Compared, joint: usize) -> Chart {
+    let of = |tracking: &Tracking| line(tracking, &tracking.tau, joint, 1.0);
+    chart(compared, joint, "command [N·m]", &of, Vec::new())
+}
+
+fn line(tracking: &Tracking, x: &Mat<f64>, joint: usize, unit: f64) -> Vec<[f64; 2]> {
+    tracking.t.iter().zip(x.col_as_slice(joint)).map(|(&t, &x)| [t, unit * x]).collect()
+}
+
+fn chart(
+    compared: &Compared,
+    joint: usize,
+    unit: &str,
+    of: &dyn Fn(&Tracking) -> Vec<[f64; 2]>,
+    mut series: Vec<Series>,
+) -> Chart {
+    series.extend(compared.runs.iter().enumerate().map(|(place, run)| {
+        Series::new(&run.name, Mark::Line, Colour::Series(place), of(&run.tracking))
+    }));
+    Chart {
+        title: compared.wanted.joints()[joint].clone(),
+        x: Axis::named("time [s]"),
+        y: Axis::named(unit),
+        series,
+        linked: Some("time".into()),
+        ..Chart::default()
+    }
+}

@@ -1,0 +1,124 @@
+//! Words of the command line → the plant, and the motion that is wanted of it.
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use std::f64::consts::TAU;
+use std::path::PathBuf;
+use torquewise::control::{Drive, Periodic, Plant, Sensors, periodic};
+use torquewise::dynamics::{Arm, Friction, MotionKind, MotionPlan, simulate};
+use torquewise::motion::Motion;
+
+/// What is wanted of the arm.
+#[derive(Args, Debug)]
+pub(crate) struct MotionArguments {
+    /// Motion that is wanted
+    #[arg(long, value_enum, default_value_t)]
+    trajectory: Trajectories,
+    /// Its length in seconds
+    #[arg(long, value_name = "S", default_value_t = Periodic::default().seconds)]
+    seconds: f64,
+    /// Rate of the controllers in Hz
+    #[arg(long, value_name = "HZ", default_value_t = Periodic::default().rate)]
+    rate: f64,
+    /// Seed of the motion
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Periodic motion: length of a period in seconds
+    #[arg(long, value_name = "S", default_value_t = Periodic::default().period)]
+    period: f64,
+    /// Periodic motion: speed of a joint in rad/s at most
+    #[arg(long, value_name = "V", default_value_t = Periodic::default().speed)]
+    speed: f64,
+    /// Periodic motion: acceleration of a joint in rad/s² at most
+    #[arg(long, value_name = "A", default_value_t = Periodic::default().acceleration)]
+    acceleration: f64,
+}
+
+/// How the joints are to move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+enum Trajectories {
+    /// Smooth, at rest after each period
+    #[default]
+    Periodic,
+    /// Smooth sums of sines
+    Sines,
+    /// Positioning and sorting: dwell, accelerate, cruise, brake, dwell
+    Moves,
+}
+
+impl MotionArguments {
+    /// The desired motion, one row per tick.
+    pub(crate) fn wanted(&self, arm: &Arm) -> Result<Motion> {
+        let Self { seconds, rate, seed, period, speed, acceleration, .. } = *self;
+        let plan = |kind| MotionPlan { kind, seconds, rate, seed };
+        Ok(match self.trajectory {
+            Trajectories::Periodic => {
+                periodic(arm, &Periodic { seconds, period, rate, speed, acceleration, seed })?
+            }
+            Trajectories::Sines => simulate(arm, &plan(MotionKind::Sines))?.motion,
+            Trajectories::Moves => simulate(arm, &plan(MotionKind::Moves))?.motion,
+        })
+    }
+}
+
+/// What the arm is made of, beside links.
+#[derive(Args, Debug)]
+pub(crate) struct PlantArguments {
+    /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) friction: Option<PathBuf>,
+    /// Joints of a .urdf to hold at 0, their mass kept
+    #[arg(long, value_name = "JOINT", value_delimiter = ',')]
+    pub(crate) lock: Vec<String>,
+    /// Inertia of the rotors as felt at the joints in kg·m², one for all or one each
+    #[arg(long, value_name = "J", value_delimiter = ',')]
+    rotor: Vec<f64>,
+    /// Largest torque of the drives in N·m, one for all or one each [default: none]
+    #[arg(long, value_name = "TAU", value_delimiter = ',')]
+    torque_limit: Vec<f64>,
+    /// Time from command to torque in seconds
+    #[arg(long, value_name = "S", default_value_t = 0.0)]
+    delay: f64,
+    /// Counts of the encoders to a turn; 0 for exact positions
+    #[arg(long, value_name = "N", default_value_t = 1 << 20)]
+    encoder: u32,
+    /// Noise of the measured position in rad, its standard deviation
+    #[arg(long, value_name = "RAD", default_value_t = 0.0)]
+    noise: f64,
+    /// Cut-off in Hz of the velocity, which is a filtered difference of positions
+    #[arg(long, value_name = "HZ", default_value_t = Sensors::default().cutoff)]
+    velocity_cutoff: f64,
+    /// Seed of the noise
+    #[arg(long, value_name = "SEED", default_value_t = 0)]
+    noise_seed: u64,
+}
+
+impl PlantArguments {
+    /// The plant, checked.
+    pub(crate) fn plant(&self, arm: Arm, friction: Friction) -> Result<Plant> {
+        let n = arm.n_joints();
+        let arm = if self.rotor.is_empty() { arm } else { arm.with_rotors(&each(&self.rotor, n))? };
+        let limit = match self.torque_limit.as_slice() {
+            [] => vec![f64::INFINITY; n],
+            given => each(given, n),
+        };
+        let step = if self.encoder == 0 { 0.0 } else { TAU / f64::from(self.encoder) };
+        let Self { delay, noise, velocity_cutoff: cutoff, noise_seed: seed, .. } = *self;
+        let plant = Plant {
+            friction,
+            drive: Drive { limit, delay },
+            sensors: Sensors { step, noise, torque_noise: 0.0, cutoff, seed },
+            ..Plant::ideal(arm)
+        };
+        plant.check()?;
+        Ok(plant)
+    }
+}
+
+/// One number for all joints, or one each.
+fn each(given: &[f64], n: usize) -> Vec<f64> {
+    match given {
+        [all] => vec![*all; n],
+        each => each.to_vec(),
+    }
+}

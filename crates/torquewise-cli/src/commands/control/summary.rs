@@ -1,0 +1,102 @@
+//! Trackings → table, JSON and warnings.
+
+use crate::commands::control::{Arguments, Compared, Run};
+use crate::outcome::Outcome;
+use crate::table::{Table, number};
+use serde_json::{Map, Value, json};
+use std::fmt::Write;
+use torquewise::control::Law;
+
+/// What is said about the controllers.
+pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
+    let mut text = table(compared).text();
+    let seconds = compared.wanted.t().last().copied().unwrap_or_default();
+    // Writing to a String cannot fail.
+    let _ = write!(
+        text,
+        "\nRMS of the position error from {} s on, of {seconds} s; gains of {} rad/s for all\n",
+        compared.settle, compared.gains.bandwidth
+    );
+    let files = [&arguments.output, &arguments.plot, &arguments.report];
+    for (kind, file) in ["table", "figure", "report"].iter().zip(files) {
+        if let Some(file) = file {
+            let _ = writeln!(text, "{kind}: {}", file.display());
+        }
+    }
+    Outcome { text, json: json(arguments, compared), warnings: warnings(compared) }
+}
+
+fn table(compared: &Compared) -> Table {
+    let mut headings = vec!["controller".to_owned()];
+    headings.extend(compared.wanted.joints().iter().map(|joint| format!("{joint} [mrad]")));
+    let led = compared.runs.iter().any(|run| run.law == Law::HandGuiding);
+    if led {
+        headings.extend(compared.wanted.joints().iter().map(|joint| format!("{joint} hand [N·m]")));
+    }
+    let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+    for run in &compared.runs {
+        let errors = run.tracking.rms_error(compared.settle);
+        let mut cells: Vec<String> = errors.iter().map(|error| number(1e3 * error)).collect();
+        if run.law == Law::HandGuiding {
+            cells.extend(run.tracking.rms_hand(compared.settle).into_iter().map(number));
+        }
+        table.row(&run.name, cells);
+    }
+    table
+}
+
+fn json(arguments: &Arguments, compared: &Compared) -> Value {
+    let mut object = Map::new();
+    for run in &compared.runs {
+        object.insert(run.name.clone(), of_run(run, compared.settle));
+    }
+    let gains = &compared.gains;
+    let more = json!({
+        "arm": arguments.arm,
+        "joints": compared.wanted.joints(),
+        "settle_s": compared.settle,
+        "gains": {
+            "bandwidth_rad_s": gains.bandwidth,
+            "proportional": gains.proportional,
+            "integral": gains.integral,
+            "derivative": gains.derivative,
+        },
+        "file": arguments.output.as_ref().map(|file| file.display().to_string()),
+        "plot": arguments.plot.as_ref().map(|file| file.display().to_string()),
+        "report": arguments.report.as_ref().map(|file| file.display().to_string()),
+    });
+    object.extend(more.as_object().cloned().unwrap_or_default());
+    Value::Object(object)
+}
+
+fn of_run(run: &Run, settle: f64) -> Value {
+    let mut value = json!({
+        "rms_error_rad": run.tracking.rms_error(settle),
+        "peak_error_rad": run.tracking.peak_error(settle),
+        "saturated": run.tracking.saturated,
+    });
+    if run.law == Law::HandGuiding {
+        value["rms_hand_nm"] = json!(run.tracking.rms_hand(settle));
+    }
+    value
+}
+
+/// Share of the ticks at the limit of the torque from which on it is said.
+const SATURATED: f64 = 0.01;
+
+fn warnings(compared: &Compared) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for run in &compared.runs {
+        for (joint, &share) in compared.wanted.joints().iter().zip(&run.tracking.saturated) {
+            if share > SATURATED {
+                warnings.push(format!(
+                    "{}: {joint} is at the limit of its torque at {:.0} % of the ticks: give it \
+                     a slower motion",
+                    run.name,
+                    100.0 * share
+                ));
+            }
+        }
+    }
+    warnings
+}

@@ -1,0 +1,123 @@
+//! A model in the loop: files, words, numbers, and what is refused.
+
+use crate::terminal::Terminal;
+use serde_json::Value;
+
+/// Friction of the two joints of the small arm.
+const FRICTION: &str = "[joint1]\ncoulomb = 2.0\nstiction = 3.0\nspeed = 0.1\nviscous = 1.0\n\
+    [joint2]\ncoulomb = 0.5\nviscous = 0.2\n";
+
+/// A motion that takes little time.
+const SHORT: &str = "--seconds 4 --period 2";
+
+fn errors(found: &Value, controller: &str) -> Vec<f64> {
+    let errors = found[controller]["rms_error_rad"].as_array().unwrap().iter();
+    errors.map(|error| error.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn a_learned_model_tracks_better_than_feedback_alone() {
+    let terminal = Terminal::with_model();
+
+    let found = terminal.json(&format!("control model.json --arm planar-2 {SHORT}"));
+
+    let [pid, first, second] = ["pid", "controller1", "controller2"].map(|c| errors(&found, c));
+    for joint in 0..2 {
+        assert!(first[joint] < pid[joint], "{found}");
+        assert!(second[joint] < 0.1 * pid[joint], "{found}");
+    }
+    assert_eq!(found["gains"]["proportional"].as_array().unwrap().len(), 2);
+    assert_eq!(found["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn every_controller_is_told_and_drawn() {
+    let terminal = Terminal::with_model();
+    terminal.write("friction.toml", FRICTION);
+    let all = "pid,controller1,controller2,computed-torque,hand-guiding";
+
+    let line = format!("control model.json --arm planar-2 {SHORT} --friction friction.toml");
+    let text = terminal.done(&format!(
+        "{line} --controllers {all} --perfect --delay 0.001 -o log.csv --plot plot.svg \
+         --report page.html --rotor 0.1,0.05"
+    ));
+
+    let names = ["pid", "computed_torque", "hand_guiding", "controller2_perfect"];
+    for word in names.iter().chain(&["joint2 [mrad]", "joint1 hand [N·m]", "report: page.html"]) {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    let log = terminal.read("log.csv");
+    let header: Vec<&str> = log.lines().next().unwrap().split(',').collect();
+    // t, two desired positions, and position, error and torque of 2 joints by 7 controllers.
+    assert_eq!((header.len(), log.lines().count()), (3 + 7 * 6, 4002));
+    assert_eq!(header[..4], ["t", "q1_ref", "q2_ref", "pid_q1"]);
+    for file in ["plot.svg", "page.html"] {
+        let shown = terminal.read(file);
+        assert!(shown.contains("controller2_perfect") && !shown.contains("NaN"), "{file}");
+    }
+}
+
+#[test]
+fn one_seed_gives_the_same_numbers() {
+    let terminal = Terminal::with_model();
+    let line = format!("control model.json --arm planar-2 {SHORT} --noise 1e-5 --controllers pid");
+
+    let [one, other] = [(); 2].map(|()| terminal.json(&line));
+    let third = terminal.json(&format!("{line} --noise-seed 1"));
+
+    assert_eq!(one, other);
+    assert_ne!(one["pid"], third["pid"]);
+}
+
+#[test]
+fn drives_that_are_too_weak_are_a_warning() {
+    let terminal = Terminal::with_model();
+
+    let line = format!("control model.json --arm planar-2 {SHORT} --torque-limit 12");
+    let said = terminal.run(&line);
+
+    assert_eq!(said.code, 3, "{said:?}");
+    assert!(said.stderr.contains("pid: joint1 is at the limit of its torque"), "{said:?}");
+}
+
+#[test]
+fn what_cannot_be_controlled_is_refused() {
+    let terminal = Terminal::with_model();
+    terminal.write("wrong.toml", "[wrist]\ncoulomb = 1.0");
+    terminal.write("negative.toml", "[joint1]\ncoulomb = -1.0");
+    let refused = |words: &str, told: &[&str]| {
+        terminal.refused(&format!("control model.json {words}"), told);
+    };
+
+    refused("--arm puma560-3", &["joint1, joint2, the arm has joint1, joint2, joint3"]);
+    refused("--arm planar-2 --friction wrong.toml", &["wrong.toml", "`wrist`", "joint1, joint2"]);
+    refused("--arm planar-2 --friction negative.toml", &["coulomb", "0 N·m or more"]);
+    refused("--arm planar-2 --friction none.toml", &["none.toml cannot be read"]);
+    refused("--arm planar-2 --torque-limit 1,2,3", &["for 3 joints, the arm has 2"]);
+    refused("--arm planar-2 --bandwidth 0", &["bandwidth", "0.001 to 10000"]);
+    refused("--arm planar-2 --rate nan", &["control rate"]);
+    refused("--arm planar-2 --delay 0.05 --bandwidth 200", &["runs away", "lower its bandwidth"]);
+    refused("--arm planar-2 -o model.json", &["read by this command"]);
+    refused("--arm planar-2 --plot plot.png", &["expected .svg"]);
+}
+
+#[test]
+fn a_log_can_be_simulated_with_friction() {
+    let terminal = Terminal::new();
+    terminal.write("friction.toml", FRICTION);
+    let tau = |file: &str| -> Vec<f64> {
+        let text = terminal.read(file);
+        let rows = text.lines().skip(2).map(|line| line.rsplit(',').next().unwrap().to_owned());
+        rows.map(|cell| cell.parse().unwrap()).collect()
+    };
+
+    let line = "simulate planar-2 --seconds 4 --rate 50 --motion sines -o";
+    terminal.done(&format!("{line} bare.csv"));
+    terminal.done(&format!("{line} rubbing.csv --friction friction.toml"));
+
+    let more = tau("rubbing.csv").into_iter().zip(tau("bare.csv")).map(|(a, b)| (a - b).abs());
+    let most = more.fold(0.0, f64::max);
+    // 0.5 N·m and 0.2 N·m·s/rad at no more than 2 rad/s.
+    assert!((0.5..0.91).contains(&most), "{most}");
+    terminal.refused(&format!("{line} new.csv --friction no.toml"), &["no.toml cannot be read"]);
+}
