@@ -102,12 +102,12 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
         .iter()
         .map(|quantity| {
             let arguments: Vec<_> = quantity.signals().iter().map(|s| format!("&{s}")).collect();
-            let calls = calls.concat();
             let (name, arguments) = (quantity.name(), arguments.join(", "));
             let flat = if *quantity == Quantity::Inertia { ".concat()" } else { "" };
             format!("        row.extend(arm::{name}::<Std>({arguments}){flat});\n")
         })
         .collect();
+    let calls = calls.concat();
     let main = format!(
         "#![deny(warnings)]\n#[allow(dead_code)] mod arm;\nstruct Std;\n\
          impl arm::Math for Std {{\n    \
