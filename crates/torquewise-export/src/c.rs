@@ -135,14 +135,17 @@ fn signs(program: &Program, real: &str) -> String {
     let one = if real == "float" { "1.0f" } else { "1.0" };
     let mut text = String::new();
     if program.calls(Function::Sign) {
-        text += &format!(
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
             "static {real} sign({real} x)\n{{\n    \
-             return ({real})((x > {zero}) - (x < {zero}));\n}}\n"
+             return ({real})((x > {zero}) - (x < {zero}));\n}}"
         );
     }
     if program.calls(Function::Positive) {
-        text += &format!(
-            "static {real} positive({real} x)\n{{\n    return x > {zero} ? {one} : {zero};\n}}\n"
+        let _ = writeln!(
+            text,
+            "static {real} positive({real} x)\n{{\n    return x > {zero} ? {one} : {zero};\n}}"
         );
     }
     text

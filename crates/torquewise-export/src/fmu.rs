@@ -78,16 +78,16 @@ fn description(program: &Program, name: &str) -> String {
         "    <SourceFiles>\n      <File name=\"{name}.c\"/>\n      \
          <File name=\"{name}_fmu.c\"/>\n    </SourceFiles>\n"
     );
-    let units: String = UNITS
-        .iter()
-        .map(|(name, base)| {
-            format!("    <Unit name=\"{name}\">\n      <BaseUnit {base}/>\n    </Unit>\n")
-        })
-        .collect();
+    let units = UNITS.map(|(name, base)| {
+        format!("    <Unit name=\"{name}\">\n      <BaseUnit {base}/>\n    </Unit>\n")
+    });
+    let units = units.concat();
     let (variables, outputs) = variables(program);
-    let unknowns: String = (3 * n + 1..=3 * n + outputs)
-        .map(|index| format!("      <Unknown index=\"{index}\"/>\n"))
-        .collect();
+    let mut unknowns = String::new();
+    for index in 3 * n + 1..=3 * n + outputs {
+        // Writing to a String cannot fail.
+        let _ = writeln!(unknowns, "      <Unknown index=\"{index}\"/>");
+    }
     format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" \
          modelName=\"{name}\" guid=\"{}\"\n  description=\"Torque model of a robot arm\" \

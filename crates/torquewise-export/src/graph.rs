@@ -271,10 +271,14 @@ impl Graph {
     /// The nodes that some nodes are computed from, and they, in order.
     pub(crate) fn reachable(&self, roots: &[Id]) -> Vec<Id> {
         let mut needed = vec![false; self.nodes.len()];
-        roots.iter().for_each(|&root| needed[root] = true);
+        for &root in roots {
+            needed[root] = true;
+        }
         for id in (0..self.nodes.len()).rev() {
             if needed[id] {
-                self.nodes[id].operands().into_iter().for_each(|operand| needed[operand] = true);
+                for operand in self.nodes[id].operands() {
+                    needed[operand] = true;
+                }
             }
         }
         (0..self.nodes.len()).filter(|&id| needed[id]).collect()

@@ -31,7 +31,7 @@ pub(crate) fn summed(
             function.factors.iter().cloned().partition(|factor| within(factor, joints));
         for (share, harmonic) in product(&inside, function.n_joints()) {
             let mut factors = outside.clone();
-            factors.extend(harmonic.factor()?);
+            factors.extend(harmonic.factors()?);
             factors.sort();
             let function = Term { factors, ..function.clone() };
             let term = EnergyTerm { place: *place, function };
@@ -62,16 +62,15 @@ struct Harmonic {
 }
 
 impl Harmonic {
-    /// As a factor of a term; none for cos 0, and no answer where it cannot be one.
-    fn factor(self) -> Option<Option<Factor>> {
+    /// As factors of a term: one, or none for cos 0; no answer where a term cannot hold it.
+    fn factors(self) -> Option<Vec<Factor>> {
         if self.multiples.iter().all(|&k| k == 0) {
-            return Some(None);
+            return Some(Vec::new());
         }
         let multiples: Result<Vec<i8>, _> =
             self.multiples.iter().map(|&k| i8::try_from(k)).collect();
-        multiples
-            .ok()
-            .map(|multiples| Some(Factor { multiples, function: self.function, power: 1 }))
+        let multiples = multiples.ok()?;
+        Some(vec![Factor { multiples, function: self.function, power: 1 }])
     }
 
     /// With the first multiple positive, and the sign that takes; 0 for sin 0.
@@ -172,7 +171,7 @@ mod tests {
 
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].term.name(), "M11: cos(q2+q3)");
-        assert_eq!(found[0].coefficient, 0.3);
+        assert!((found[0].coefficient - 0.3).abs() < 1e-16);
     }
 
     #[test]

@@ -11,11 +11,9 @@ use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Weighted};
 /// The parts of the torque as nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
-    /// What q̈ adds, which for a rigid arm is M(q)q̈; n.
-    pub(crate) inertia: Vec<Id>,
     /// C(q, q̇)q̇, n.
     pub(crate) coriolis: Vec<Id>,
-    /// Both together, which may cost less than one after the other; n.
+    /// The same and what q̈ adds, which for a rigid arm is M(q)q̈; n.
     pub(crate) motion: Vec<Id>,
     /// G(q), n.
     pub(crate) gravity: Vec<Id>,
@@ -56,35 +54,28 @@ pub(crate) fn from_energies(
     let matrix_rates = rates(graph, &matrix);
     let kinetic = kinetic_weights(graph, &matrix, n);
     let kinetic_slopes = slopes(graph, &kinetic, n);
-    let rows = |graph: &mut Graph, which: &[(&[Id], fn(usize) -> Input)], joint: usize| {
-        let mut parts = Vec::new();
-        for column in 0..n {
-            for (entries, rate) in which {
-                let rate = graph.input(rate(column));
-                parts.push(graph.mul(entries[joint * n + column], rate));
-            }
-        }
-        parts
-    };
-    let mut parts = Parts {
-        inertia: Vec::new(),
-        coriolis: Vec::new(),
-        motion: Vec::new(),
-        gravity,
-        matrix: matrix.clone(),
-    };
-    for joint in 0..n {
-        let forced = rows(graph, &[(&matrix, Input::Ddq)], joint);
-        parts.inertia.push(graph.sum(&forced));
-        let less = graph.neg(kinetic_slopes[joint]);
-        let mut moved = rows(graph, &[(&matrix_rates, Input::Dq)], joint);
+    let (mut coriolis, mut motion) = (Vec::new(), Vec::new());
+    for (joint, &slope) in kinetic_slopes.iter().enumerate() {
+        let row = joint * n..(joint + 1) * n;
+        let less = graph.neg(slope);
+        let mut moved = products(graph, &matrix_rates[row.clone()], Input::Dq);
         moved.push(less);
-        parts.coriolis.push(graph.sum(&moved));
-        let mut both = rows(graph, &[(&matrix, Input::Ddq), (&matrix_rates, Input::Dq)], joint);
-        both.push(less);
-        parts.motion.push(graph.sum(&both));
+        coriolis.push(graph.sum(&moved));
+        let mut both = products(graph, &matrix[row], Input::Ddq);
+        both.extend(moved);
+        motion.push(graph.sum(&both));
     }
-    parts
+    Parts { coriolis, motion, gravity, matrix }
+}
+
+/// One row of a matrix, each entry times the rate of its joint.
+fn products(graph: &mut Graph, row: &[Id], rate: fn(usize) -> Input) -> Vec<Id> {
+    let mut products = Vec::new();
+    for (joint, &entry) in row.iter().enumerate() {
+        let rate = graph.input(rate(joint));
+        products.push(graph.mul(entry, rate));
+    }
+    products
 }
 
 /// ½ q̇ᵀMq̇ as entries of M with their weights: q̇ᵢq̇ⱼ, halved on the diagonal.
@@ -130,7 +121,6 @@ pub(crate) fn from_equations(
         }
         nodes
     };
-    let inertia = of_kinds(&[Kind::Inertia], graph);
     let coriolis = of_kinds(&[Kind::Coriolis], graph);
     let motion = of_kinds(&[Kind::Inertia, Kind::Coriolis], graph);
     let gravity = of_kinds(&[Kind::Gravity], graph);
@@ -140,7 +130,7 @@ pub(crate) fn from_equations(
             matrix.push(equation(graph, per_acceleration(row, column), order, grouping));
         }
     }
-    Parts { inertia, coriolis, motion, gravity, matrix }
+    Parts { coriolis, motion, gravity, matrix }
 }
 
 /// The terms that are left of an equation at q̇ = 0 and q̈ = 1 of one joint, less what is left at

@@ -61,7 +61,8 @@ fn manifest(package: &str) -> String {
 fn build(package: &str, name: &str) -> String {
     let find = DEPENDS.map(|name| format!("find_package({name} REQUIRED)\n")).concat();
     let messages = DEPENDS.iter().filter(|name| name.ends_with("_msgs"));
-    let targets: String = messages.map(|name| format!(" ${{{name}_TARGETS}}")).collect();
+    let targets: Vec<String> = messages.map(|name| format!(" ${{{name}_TARGETS}}")).collect();
+    let targets = targets.concat();
     format!(
         "cmake_minimum_required(VERSION 3.8)\nproject({package} C CXX)\n\n\
          set(CMAKE_C_STANDARD 99)\nset(CMAKE_CXX_STANDARD 17)\n\

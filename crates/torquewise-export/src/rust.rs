@@ -59,14 +59,16 @@ pub fn to_rust(program: &Program, precision: Precision) -> Result<String, Export
         names.concat(),
     );
     if program.calls(Function::Sign) {
-        text += &format!(
+        let _ = writeln!(
+            text,
             "fn sign(x: {real}) -> {real} {{\n    \
-             if x > 0.0 {{ 1.0 }} else if x < 0.0 {{ -1.0 }} else {{ 0.0 }}\n}}\n\n"
+             if x > 0.0 {{ 1.0 }} else if x < 0.0 {{ -1.0 }} else {{ 0.0 }}\n}}\n"
         );
     }
     if program.calls(Function::Positive) {
-        text += &format!(
-            "fn positive(x: {real}) -> {real} {{\n    if x > 0.0 {{ 1.0 }} else {{ 0.0 }}\n}}\n\n"
+        let _ = writeln!(
+            text,
+            "fn positive(x: {real}) -> {real} {{\n    if x > 0.0 {{ 1.0 }} else {{ 0.0 }}\n}}\n"
         );
     }
     let functions = program.functions.iter();

@@ -60,6 +60,7 @@ fn single_precision_c_is_as_good_as_single_precision() {
     }
     let (model, folder) = (energies(6, 200, 3), tempfile::tempdir().unwrap());
     let program = Program::of(&model).unwrap();
+    #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
     let single = |x: &f64| f64::from(*x as f32);
     let states: Vec<models::State> = states(6, 1000, 7)
         .iter()

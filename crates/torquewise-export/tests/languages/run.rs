@@ -36,7 +36,7 @@ pub(crate) fn has(program: &str) -> bool {
 /// Values of all functions of a C file at some states.
 pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<Vec<f64>> {
     let n = states[0][0].len();
-    let calls: String = Quantity::ALL
+    let calls: Vec<String> = Quantity::ALL
         .iter()
         .map(|quantity| {
             let (arguments, count) = (quantity.signals().join(", "), count(*quantity, n));
@@ -47,6 +47,7 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
             )
         })
         .collect();
+    let calls = calls.concat();
     let main = format!(
         "#define ARM_DECLARATIONS_ONLY\n#include \"arm.c\"\n#include <stdio.h>\n\
          static int read(double *x) {{ return scanf(\"%lf\", x) == 1; }}\n\
@@ -97,7 +98,7 @@ fn count(quantity: Quantity, n: usize) -> usize {
 /// Values of all functions of a Rust file at some states; compiled alone too, without `std`.
 pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>> {
     let n = states[0][0].len();
-    let calls: String = Quantity::ALL
+    let calls: Vec<String> = Quantity::ALL
         .iter()
         .map(|quantity| {
             let arguments: Vec<_> = quantity.signals().iter().map(|s| format!("&{s}")).collect();
@@ -106,6 +107,7 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
             format!("        row.extend(arm::{name}::<Std>({arguments}){flat});\n")
         })
         .collect();
+    let calls = calls.concat();
     let main = format!(
         "#![deny(warnings)]\n#[allow(dead_code)] mod arm;\nstruct Std;\n\
          impl arm::Math for Std {{\n    \
@@ -137,7 +139,7 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
 /// Values of all functions of a Python file at some states.
 pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>> {
     let n = states[0][0].len();
-    let calls: String = Quantity::ALL
+    let calls: Vec<String> = Quantity::ALL
         .iter()
         .map(|quantity| {
             let (name, arguments) = (quantity.name(), quantity.signals().join(", "));
@@ -148,6 +150,7 @@ pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64
             }
         })
         .collect();
+    let calls = calls.concat();
     let main = format!(
         "import sys\nimport arm\nfor line in sys.stdin:\n    \
          x = [float(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
