@@ -21,7 +21,7 @@ use torquewise::motion::Motion;
 
 /// Close the loop with a model: PID, controller 1 and controller 2 on a simulated arm
 ///
-/// All controllers have the same gains: a joint of the mean inertia m of the model, with Kp = 3 m
+/// All controllers have the same gains: a joint of the model's mean inertia m alone, with Kp = 3 m
 /// w², Ki = m w³ and Kd = 3 m w, is critically damped at the bandwidth w. Controller 1 adds what
 /// the model knew after its first step (gravity, and friction if it has any), controller 2 all it
 /// knows, both at the desired motion. The arm is simulated with the friction, drives and encoders
