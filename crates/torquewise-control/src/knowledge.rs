@@ -47,13 +47,15 @@ pub struct Learned {
 const REVERSAL: f64 = 0.002;
 
 impl Learned {
-    /// Takes the model as it is, and for controller 1 as it was after the first of its steps. A
-    /// model that was found in one step has its gravity and its friction instead.
+    /// Takes the model as it is, and for controller 1 its friction and the gravity that was known
+    /// after the first of its steps. A model that was found in one step has its gravity instead.
     ///
     /// # Errors
     /// [`ControlError::Model`] if its steps cannot be told apart.
     pub fn new(model: &Model) -> Result<Self, ControlError> {
         let first = if model.stages.is_empty() { model.clone() } else { model.after_step(1)? };
+        // Slow motion knows friction at low speed only.
+        let first = Model { friction: model.friction.clone(), ..first };
         let whole = Torque::new(&sharp(model));
         let first_step = Torque::new(&sharp(&first));
         Ok(Self { n_joints: model.n_joints(), whole, first_step })

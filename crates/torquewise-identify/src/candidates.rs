@@ -95,8 +95,14 @@ impl Candidates {
         check_size(p, equations.len())?;
         let design = Design::new(n_joints, 2 * n_joints + friction.len(), &equations)?;
         let mut offered = Pattern::ALL.map(|pattern| terms.offered(pattern));
-        for columns in &mut offered {
-            columns.extend(terms.len()..p);
+        for (pattern, columns) in Pattern::ALL.iter().zip(&mut offered) {
+            // Slow motion tells dry friction; what it said of the rest would be far off elsewhere.
+            let dry = |law: &FrictionTerm| {
+                matches!(law.law, FrictionLaw::Offset | FrictionLaw::Coulomb { .. })
+            };
+            let asked = friction.iter().enumerate();
+            let asked = asked.filter(|(_, law)| *pattern != Pattern::Standstill || dry(law));
+            columns.extend(asked.map(|(place, _)| terms.len() + place));
         }
         Ok(Self { terms, friction, design, offered, n_joints })
     }

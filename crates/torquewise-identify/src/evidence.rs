@@ -4,7 +4,8 @@ use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{Patterns, place_of};
-use crate::rows::{Gathering, samples_of};
+use crate::rows::{Gathering, clear_of_reversals, samples_of};
+use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{Motion, Pattern, ReadError, Recording};
 use torquewise_sparse::accumulate::{GramSum, Lanes, Prepared, Route, cheaper_route};
@@ -95,7 +96,10 @@ pub fn gather_evidence(
         .read(&mut |_, block| {
             let labels = patterns.label(block);
             noise.add(block, |row| labels[row] == Pattern::Standstill);
-            sorter.add(block, &labels)
+            match clear_of_reversals(block, &candidates.friction) {
+                Cow::Borrowed(block) => sorter.add(block, &labels),
+                Cow::Owned(block) => sorter.add(&block, &patterns.label(&block)),
+            }
         })
         .map_err(IdentifyError::Read)?;
     Ok((sorter.finish(&prepared)?, noise.finish_still()))

@@ -4,7 +4,7 @@ use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::factor::{Factor, FactorSum, Fit, Kept};
 use crate::noise::NoiseFloor;
-use crate::rows::{cut, samples_of};
+use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::spread::ScoreSum;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -128,7 +128,9 @@ fn pass<'a, T, A: Accumulate>(
         groups.iter().map(|group| Lanes::with_count(parts, |lane| start(group, lane))).collect();
     recording
         .read(&mut |_, block| {
-            for samples in cut(samples_of(block, friction)?, rows / (2 * parts)) {
+            for samples in
+                cut(samples_of(&clear_of_reversals(block, friction), friction)?, rows / (2 * parts))
+            {
                 lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
             }
             Ok(())

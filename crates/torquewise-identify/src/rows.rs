@@ -1,6 +1,7 @@
 //! Motion → samples: q as angles; q̇, q̈ and friction as variables; τ as responses; by pattern.
 
 use faer::Mat;
+use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{BLOCK_ROWS, Motion, MotionError};
 use torquewise_sparse::samples::Samples;
@@ -26,6 +27,29 @@ pub(crate) fn samples_of(
     };
     rub(&mut samples, friction);
     Ok(samples)
+}
+
+/// A joint whose speed is this close to its reversal \[s\] is not used where friction is fitted:
+/// filters blur the jump of dry friction over about as long.
+const REVERSAL: f64 = 0.05;
+
+/// The rows in which no joint is about to turn back, or has just done so; all of them without
+/// friction.
+pub(crate) fn clear_of_reversals<'a>(
+    motion: &'a Motion,
+    friction: &[FrictionTerm],
+) -> Cow<'a, Motion> {
+    let (dq, ddq) = (motion.dq(), motion.ddq());
+    let clear = |row: &usize| {
+        (0..motion.n_joints()).all(|joint| {
+            let (speed, rate) = (dq[(*row, joint)].abs(), ddq[(*row, joint)].abs());
+            speed == 0.0 || speed >= REVERSAL * rate
+        })
+    };
+    if friction.is_empty() {
+        return Cow::Borrowed(motion);
+    }
+    Cow::Owned(motion.select(&(0..motion.n_rows()).filter(clear).collect::<Vec<_>>()))
 }
 
 /// Values of friction at the speeds of each row, in the last variables.

@@ -3,10 +3,10 @@
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step};
-use crate::friction::{Dictionary, WORTH};
+use crate::friction::{Dictionary, WIDTHS, WORTH};
 use crate::held_out::{BLOCKS, Trial, choose, choose_worth, split};
 use crate::plan::{FrictionKind, LibraryKind, MOST_CANDIDATES, Method, Plan};
-use crate::rows::samples_of;
+use crate::rows::{clear_of_reversals, samples_of};
 use crate::step;
 use crate::survey::Survey;
 use rayon::prelude::*;
@@ -39,7 +39,7 @@ const LEAST_ERROR: f64 = 1e-6;
 /// rows of the sample are one step here: the steps tell terms apart, which does not change what
 /// the log can tell.
 pub(crate) fn settle(survey: &Survey, plan: &Plan) -> Result<Settings, IdentifyError> {
-    let laws = Dictionary::sharp(&survey.dq_peak, &survey.noise.dq);
+    let laws = Dictionary::new(survey.dq_peak.clone());
     let mut settings = Settings {
         library: plan.library,
         friction: laws.of(plan.friction),
@@ -53,16 +53,17 @@ pub(crate) fn settle(survey: &Survey, plan: &Plan) -> Result<Settings, IdentifyE
     if plan.library == (LibraryKind::Energy { interaction: None }) {
         school = settings.grow(survey, plan)?;
     }
-    let auto = plan.friction == FrictionKind::Auto;
     let strict = matches!(plan.selector, Selector::Criterion(_));
-    if !auto && !strict {
-        return Ok(settings);
-    }
-    let school = match school.filter(|_| !auto) {
+    let (school, laws) = match plan.friction {
+        FrictionKind::None => (school, laws),
+        _ => settings.choose_reversal(survey, plan)?,
+    };
+    let school = match school {
         Some(school) => school,
+        None if !strict => return Ok(settings),
         None => School::new(survey, plan, settings.library, settings.friction.clone())?,
     };
-    if auto {
+    if plan.friction == FrictionKind::Auto {
         settings.choose_friction(&school, &laws)?;
     }
     settings.choose_strictness(&school)?;
@@ -80,7 +81,7 @@ impl Settings {
             FrictionKind::Auto => FrictionKind::Linear,
             asked => asked,
         };
-        let laws = Dictionary::sharp(&survey.dq_peak, &survey.noise.dq).of(linear);
+        let laws = Dictionary::new(survey.dq_peak.clone()).of(linear);
         let (mut trials, mut schools) = (Vec::<Trial>::new(), Vec::new());
         for order in 1..=survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
@@ -106,6 +107,31 @@ impl Settings {
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
         self.choices.push(choice);
         Ok(Some(schools.swap_remove(place)))
+    }
+
+    /// Chooses how sharply friction reverses, with all laws of its kind.
+    fn choose_reversal<'a>(
+        &mut self,
+        survey: &'a Survey,
+        plan: &Plan,
+    ) -> Result<(Option<School<'a>>, Dictionary), IdentifyError> {
+        let (mut ways, mut trials) = (Vec::new(), Vec::new());
+        for part in WIDTHS {
+            let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
+            let school = School::new(survey, plan, self.library, laws.of(plan.friction))?;
+            let all: Vec<usize> = (0..school.candidates.len()).collect();
+            let label = format!("{} % of the peak speed", 100.0 * part);
+            trials.push(school.trial(label, &all, &self.selector)?);
+            ways.push((Some(school), laws));
+        }
+        let chosen = choose("half width of the reversal of friction", &trials);
+        let place = chosen.map_or(0, |(place, choice)| {
+            self.choices.push(choice);
+            place
+        });
+        let (school, laws) = ways.swap_remove(place);
+        self.friction = laws.of(plan.friction);
+        Ok((school, laws))
     }
 
     fn choose_friction(
@@ -185,6 +211,7 @@ impl<'a> School<'a> {
             .into_par_iter()
             .map(|block| {
                 let rows = survey.sample.select(&split(m, block).0);
+                let rows = clear_of_reversals(&rows, &candidates.friction);
                 let mut sum = prepared.start(n);
                 sum.add(&samples_of(&rows, &candidates.friction)?)?;
                 Ok(GramSum::grams(sum))

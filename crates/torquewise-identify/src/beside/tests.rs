@@ -156,10 +156,10 @@ fn the_stribeck_dictionary_tells_directions_apart() {
     let columns = columns(&all, &motion);
 
     let one_way: Vec<usize> = (0..all.len()).filter(|&k| all[k].is_one_way()).collect();
-    assert_eq!((all.len(), one_way.len()), (10 * N, 6 * N));
+    assert_eq!((all.len(), one_way.len()), (14 * N, 8 * N));
     for row in 0..motion.n_rows() {
         for &k in &one_way {
-            let joint = k / 10;
+            let joint = k / 14;
             let dq = motion.dq()[(row, joint)];
             // An exponential of a small speed is nothing at a large one.
             let far = dq < -20.0 * width;
