@@ -3,7 +3,7 @@
 use crate::candidates::{Candidates, Group};
 use crate::chain::by_chain;
 use crate::error::IdentifyError;
-use crate::evidence::{Evidence, Step, gather_evidence, one_shot, plan_steps};
+use crate::evidence::{Evidence, Step, one_shot, plan_steps};
 use crate::factor::Kept;
 use crate::form::{dropped, form};
 use crate::found::{Progress, Reconstruction, StepReport};
@@ -12,18 +12,15 @@ use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{Method, Plan};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step;
-use crate::survey::{Survey, survey};
+use crate::summary::{Basis, Summary, summarise};
+use crate::survey::Survey;
 use crate::warning::Warning;
 use rayon::prelude::*;
 use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
 use torquewise_sparse::select::Selector;
 
-/// Reconstructs the equations of motion from a recording.
-///
-/// The survey and the clusters first (6)(7); then standstill, uniform and variable velocity in
-/// turn, each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept terms
-/// together on all rows (E6). One-shot SINDy is the same with a single step.
+/// Reconstructs the equations of motion from a recording: sums up its logs, and solves.
 ///
 /// # Errors
 /// [`IdentifyError`]: the reader's message, too few rows, a library too large, or missing torque.
@@ -32,40 +29,52 @@ pub fn reconstruct(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
-    progress(Progress::Survey);
-    let survey = survey(recording)?;
+    solve(summarise(recording, plan, "", progress)?, plan, progress)
+}
+
+/// Reconstructs the equations of motion from what logs were summed up to.
+///
+/// Standstill, uniform and variable velocity in turn, each explaining what the earlier ones leave
+/// (8)–(10), (14)–(16); last all kept terms together on all rows (E6). One-shot SINDy is the same
+/// with a single step. What was settled when the logs were summed goes before the plan.
+///
+/// # Errors
+/// [`IdentifyError`]: too few rows, a library too large, or missing torque.
+pub fn solve(
+    mut summary: Summary,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
+    let plan = &summary.settings().applied_to(plan);
+    let survey = summary.survey()?;
     survey.sample.require_tau()?;
     require_rows(&survey)?;
-
-    progress(Progress::Patterns);
-    let patterns = find_patterns(&survey, &plan.patterns)?;
-
-    if plan.method == Method::Chain {
+    let mut patterns = find_patterns(&survey, &plan.patterns)?;
+    let Some(basis) = summary.settings().basis()? else {
         return by_chain(survey, patterns, plan, progress);
-    }
-    let candidates = Candidates::new(survey.joints.len(), plan.library, plan.method)?;
-    let (steps, orphans) = match plan.method {
-        Method::Stepwise => plan_steps(&candidates, &patterns.present),
-        Method::Sindy | Method::Chain => (one_shot(&candidates), Vec::new()),
     };
+    if plan.method == Method::Stepwise {
+        patterns.present = summary.settle(&basis)?;
+    }
+    let candidates = &basis.candidates;
+    let (steps, orphans) = match plan.method {
+        Method::Stepwise => plan_steps(candidates, &patterns.present),
+        Method::Sindy | Method::Chain => (one_shot(candidates), Vec::new()),
+    };
+    let noise = summary.still().unwrap_or_else(|| survey.noise.clone());
 
-    progress(Progress::Evidence);
-    let (evidence, still) =
-        gather_evidence(recording, &patterns, &candidates, &steps, survey.rows)?;
-    let noise = still.unwrap_or_else(|| survey.noise.clone());
-
-    let mut found = Found::new(&candidates);
-    for (place, (step, evidence)) in steps.iter().zip(&evidence).enumerate() {
+    let mut found = Found::new(candidates);
+    for (place, step) in steps.iter().enumerate() {
         progress(Progress::Step(place + 1));
-        found.take_step(step, evidence, &plan.selector)?;
+        found.take_step(step, &summary.evidence(&basis, step), &plan.selector)?;
     }
 
     progress(Progress::Refit);
     let bias = if plan.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted = found.refit(recording, plan, &bias, survey.rows)?;
+    let refitted = found.refit(&summary, &basis, &survey, (plan, &bias))?;
 
     progress(Progress::Done);
-    let warnings = Warning::all(&survey, &patterns, plan, &candidates, &orphans, &refitted);
+    let warnings = Warning::all(&survey, &patterns, plan, candidates, &orphans, &refitted);
     Ok(found.report(survey, patterns, noise, refitted, warnings))
 }
 
@@ -158,11 +167,12 @@ impl<'a> Found<'a> {
 
     fn refit(
         &self,
-        recording: &(impl Recording + ?Sized),
-        plan: &Plan,
-        noise: &NoiseFloor,
-        rows: usize,
+        summary: &Summary,
+        basis: &Basis,
+        survey: &Survey,
+        (plan, noise): (&Plan, &NoiseFloor),
     ) -> Result<Vec<Refitted>, IdentifyError> {
+        let rows = survey.rows;
         let kept: Vec<Kept> = self
             .terms()
             .iter()
@@ -188,7 +198,9 @@ impl<'a> Found<'a> {
             bags: plan.bags,
             rows,
         };
-        refit(recording, self.candidates, &kept, &refit_plan)
+        let all = summary.whole(basis)?;
+        let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
+        refit(&survey.sample, self.candidates, &kept, &whole, &refit_plan)
     }
 
     fn report(
