@@ -197,7 +197,7 @@ impl PlanArguments {
             },
             ..Plan::default()
         };
-        self.selection.applied_to(plan)
+        self.selection.applied_to(&plan)
     }
 
     fn product(&self) -> LibraryKind {
@@ -232,17 +232,17 @@ impl SelectionArguments {
                 return Err(CliError::Usage(message.into()));
             }
         };
-        Ok(self.applied_to(Plan { method, patterns, seed, friction, ..Plan::default() }))
+        Ok(self.applied_to(&Plan { method, patterns, seed, friction, ..Plan::default() }))
     }
 
-    fn applied_to(&self, plan: Plan) -> Plan {
+    fn applied_to(&self, plan: &Plan) -> Plan {
         let usual = if plan.method == Method::Sindy { Plan::sindy() } else { Plan::default() };
         Plan {
             selector: self.selector(usual.selector),
             threshold: self.threshold.or(usual.threshold),
             noise_correction: usual.noise_correction && !self.no_noise_correction,
             bags: self.bags.map_or(usual.bags, usize::from),
-            ..plan
+            ..plan.clone()
         }
     }
 

@@ -33,8 +33,10 @@ fn main() {
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         println!("\n{threads} threads");
-        println!("{:16} {:>9} {:>11} {:>9} {:>9} {:>9} {:>6}", "library", "moments", "flop/row",
-            "rows/s", "GF/s", "peak", "share");
+        println!(
+            "{:16} {:>9} {:>11} {:>9} {:>9} {:>9} {:>6}",
+            "library", "moments", "flop/row", "rows/s", "GF/s", "peak", "share"
+        );
         for (name, n, library, method) in libraries {
             let line = pool.install(|| share(n, library, method, rows, threads));
             println!("{name:16} {line}");
@@ -47,7 +49,8 @@ fn share(n: usize, library: LibraryKind, method: Method, rows: usize, threads: u
     let plan = MomentPlan::new(&design);
     let flops = 2.0 * plan.size(n) as f64;
     let prepared = Prepared::new(&design, Route::Moments);
-    let rows = (rows as f64 * (4e5 / flops).clamp(0.2, 5.0)) as usize;
+    // More rows of small libraries, lest a round be too short to be measured.
+    let rows = rows * (400_000 / (2 * plan.size(n))).clamp(1, 5);
     let blocks: Vec<Samples> = (0..rows / BLOCK).map(|block| samples(n, block)).collect();
     let rows = BLOCK * blocks.len();
     let mut shares: Vec<[f64; 3]> = Vec::new();
@@ -56,7 +59,9 @@ fn share(n: usize, library: LibraryKind, method: Method, rows: usize, threads: u
         let mut adder = RowAdder::new(&prepared, n);
         let copies = blocks.clone();
         let start = ProcessTime::now();
-        copies.into_iter().for_each(|block| adder.push(block).expect("a block that fits"));
+        for block in copies {
+            adder.push(block).expect("a block that fits");
+        }
         black_box(adder.finish().expect("sums within range"));
         let rate = rows as f64 / start.elapsed().as_secs_f64();
         let peak = f64::midpoint(before, dgemm(threads));

@@ -176,12 +176,7 @@ struct Start {
 impl Base {
     /// - `grams`: of each equation over all rows
     /// - `parts`: of the sample, a row of which stands for `scale` rows
-    fn new(
-        kept: &Kept,
-        grams: &[Gram],
-        parts: &[Factor],
-        scale: f64,
-    ) -> Result<Self, SparseError> {
+    fn new(kept: &Kept, grams: &[Gram], parts: &[Factor], scale: f64) -> Result<Self, SparseError> {
         let p = kept.columns.len();
         let mut gram = Mat::<f64>::zeros(p + 1, p + 1);
         let mut rows = 0.0;
@@ -207,7 +202,9 @@ impl Base {
         }
         if explained {
             gram.fill(0.0);
-            parts.iter().for_each(|part| gram += faer::Scale(scale) * &part.gram);
+            for part in parts {
+                gram += faer::Scale(scale) * &part.gram;
+            }
             start = Start::solve(&gram, rows)?;
         }
         Ok(Self { gram, start, explained, residual_rms })
@@ -269,7 +266,8 @@ impl Group<'_> {
             .filter(|(j, share)| **share > 0.0 && !estimate.active.contains(j))
             .map(|(j, &share)| (self.fit.kept.columns[j], share))
             .collect();
-        let dependent = self.base.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
+        let dependent =
+            self.base.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
         Ok(Refitted { terms, dropped, dependent, residual_rms: self.residual_rms() })
     }
 
@@ -298,8 +296,7 @@ impl Group<'_> {
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
         let lower = |sums: &Mat<f64>, i: usize, j: usize| sums[(i.max(j), i.min(j))];
         let information = |i, j| gram[(i, j)] - lower(&bias, i, j);
-        let spread =
-            |i, j| self.scale * (lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0));
+        let spread = |i, j| self.scale * (lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0));
         let mut equations = Equations {
             information: Mat::from_fn(p, p, information),
             right: (0..p).map(|j| information(j, p)).collect(),
@@ -315,8 +312,9 @@ impl Group<'_> {
     /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
     fn estimate(&self, equations: &Equations, least: f64) -> Result<Estimate, SparseError> {
         let plain = || {
-            let active: Vec<usize> =
-                (0..self.fit.n_columns()).filter(|j| !self.base.start.dependent.contains(j)).collect();
+            let active: Vec<usize> = (0..self.fit.n_columns())
+                .filter(|j| !self.base.start.dependent.contains(j))
+                .collect();
             Estimate {
                 coefficients: active.iter().map(|&j| self.base.start.coefficients[j]).collect(),
                 std_errors: vec![0.0; active.len()],

@@ -286,8 +286,7 @@ impl<'a> Sorter<'a> {
             gathering: Gathering::new(n),
             adder: RowAdder::new(&basis.prepared, n),
         };
-        let bins =
-            if one_shot { vec![bin(None)] } else { Pattern::ALL.map(Some).map(bin).into() };
+        let bins = if one_shot { vec![bin(None)] } else { Pattern::ALL.map(Some).map(bin).into() };
         Self { patterns, noise: NoiseSum::new(n), bins }
     }
 

@@ -245,10 +245,13 @@ mod tests {
 
     #[test]
     fn what_cancels_leaves_the_rest_whole() {
-        assert_eq!(sum(&[1e20, 1.0, -1e20, 1e-15]).pair(0), [1.0 + 1.110_223_024_625_156_5e-15, {
-            let high = 1.0 + 1.110_223_024_625_156_5e-15;
-            1e-15 - (high - 1.0)
-        }]);
+        assert_eq!(
+            sum(&[1e20, 1.0, -1e20, 1e-15]).pair(0),
+            [1.0 + 1.110_223_024_625_156_5e-15, {
+                let high = 1.0 + 1.110_223_024_625_156_5e-15;
+                1e-15 - (high - 1.0)
+            }]
+        );
         assert_eq!(sum(&[0.1, -0.1]).value(0).to_bits(), 0);
     }
 

@@ -10,11 +10,7 @@ use std::collections::BTreeMap;
 
 /// The normal equations of each equation of the plan's design, in some of its columns or all,
 /// gathered from moments.
-pub(crate) fn gather(
-    plan: &MomentPlan,
-    moments: &Moments,
-    wanted: Option<&[usize]>,
-) -> Vec<Gram> {
+pub(crate) fn gather(plan: &MomentPlan, moments: &Moments, wanted: Option<&[usize]>) -> Vec<Gram> {
     let design = plan.design();
     let n_equations = design.n_equations();
     (0..n_equations)
