@@ -4,6 +4,7 @@ use crate::error::CliError;
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
 use torquewise::identify::plan::FrictionKind;
+use torquewise::identify::summary::Settings;
 use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan, Scaling};
 use torquewise::sparse::select::Selector;
 use torquewise::sparse::select::criterion::Criterion;
@@ -97,6 +98,23 @@ pub(crate) enum Select {
     Stlsq,
 }
 
+/// What becomes of candidates once the rows are summed.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct SelectionArguments {
+    /// Which terms stay; bic, and stlsq for one-shot SINDy
+    #[arg(long, value_enum)]
+    select: Option<Select>,
+    /// Drop coefficients at most this large [paper: 0.1]
+    #[arg(long, value_name = "X", value_parser = threshold)]
+    threshold: Option<f64>,
+    /// Leave the bias that measurement noise causes in the normal equations
+    #[arg(long)]
+    no_noise_correction: bool,
+    /// Resampled logs to count in how many each term stays [default: 50; 0 with --method sindy]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    bags: Option<u16>,
+}
+
 /// How a log becomes a model, the method left open.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct PlanArguments {
@@ -107,12 +125,6 @@ pub(crate) struct PlanArguments {
     /// Friction of the joints [default: auto with --library chain, else none]
     #[arg(long, value_enum)]
     friction: Option<Friction>,
-    /// Which terms stay; bic, and stlsq for one-shot SINDy
-    #[arg(long, value_enum)]
-    select: Option<Select>,
-    /// Drop coefficients at most this large [paper: 0.1]
-    #[arg(long, value_name = "X", value_parser = threshold)]
-    threshold: Option<f64>,
     /// Energy library: at most this many joint angles in a term [default: as many as are feasible]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: Option<u8>,
@@ -122,12 +134,8 @@ pub(crate) struct PlanArguments {
     /// Product library: the same for the gravity step [default: 2]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     gravity_order: Option<u8>,
-    /// Leave the bias that measurement noise causes in the normal equations
-    #[arg(long)]
-    no_noise_correction: bool,
-    /// Resampled logs to count in how many each term stays [default: 50; 0 with --method sindy]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
-    bags: Option<u16>,
+    #[command(flatten)]
+    selection: SelectionArguments,
     #[command(flatten)]
     patterns: PatternArguments,
 }
@@ -191,20 +199,15 @@ impl PlanArguments {
     }
 
     fn plan_with(&self, library: Library, method: Method) -> Plan {
-        let usual = if method == Method::Sindy { Plan::sindy() } else { Plan::default() };
         let patterns = self.patterns.plan();
-        Plan {
+        let plan = Plan {
             library: match library {
                 Library::Energy | Library::Chain => {
                     LibraryKind::Energy { interaction: self.interaction.map(usize::from) }
                 }
                 Library::Product => self.product(),
             },
-            selector: self.selector(usual.selector),
-            threshold: self.threshold.or(usual.threshold),
-            noise_correction: usual.noise_correction && !self.no_noise_correction,
             seed: patterns.seed,
-            bags: self.bags.map_or(usual.bags, usize::from),
             patterns,
             method: if library == Library::Chain { Method::Chain } else { method },
             friction: match (self.friction, library) {
@@ -212,7 +215,9 @@ impl PlanArguments {
                 (None, Library::Chain) => FrictionKind::Auto,
                 (None, _) => FrictionKind::None,
             },
-        }
+            ..Plan::default()
+        };
+        self.selection.applied_to(&plan)
     }
 
     fn product(&self) -> LibraryKind {
@@ -222,6 +227,42 @@ impl PlanArguments {
                 trig_order: self.trig_order.unwrap_or(trig_order),
             },
             other @ LibraryKind::Energy { .. } => other,
+        }
+    }
+}
+
+impl SelectionArguments {
+    /// The plan for moments that were made under these settings.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] if friction is asked of moments that are not for a chain.
+    pub(crate) fn plan_of(
+        &self,
+        settings: &Settings,
+        friction: Option<Friction>,
+        seed: u64,
+    ) -> Result<Plan, CliError> {
+        let (method, patterns) = (settings.method, settings.patterns);
+        let friction = match (friction, method) {
+            (None | Some(Friction::None), Method::Stepwise | Method::Sindy) => FrictionKind::None,
+            (None, Method::Chain) => FrictionKind::Auto,
+            (Some(friction), Method::Chain) => friction.into(),
+            (Some(_), _) => {
+                let message = "--friction is for moments made with --library chain: leave it out";
+                return Err(CliError::Usage(message.into()));
+            }
+        };
+        Ok(self.applied_to(&Plan { method, patterns, seed, friction, ..Plan::default() }))
+    }
+
+    fn applied_to(&self, plan: &Plan) -> Plan {
+        let usual = if plan.method == Method::Sindy { Plan::sindy() } else { Plan::default() };
+        Plan {
+            selector: self.selector(usual.selector),
+            threshold: self.threshold.or(usual.threshold),
+            noise_correction: usual.noise_correction && !self.no_noise_correction,
+            bags: self.bags.map_or(usual.bags, usize::from),
+            ..plan.clone()
         }
     }
 

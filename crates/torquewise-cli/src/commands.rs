@@ -7,6 +7,9 @@ mod inspect;
 mod patterns;
 mod orders;
 mod fit;
+mod moments;
+mod merge;
+mod solve;
 mod show;
 mod predict;
 mod evaluate;
@@ -48,6 +51,9 @@ pub(crate) enum Command {
     Patterns(patterns::Arguments),
     Orders(orders::Arguments),
     Fit(fit::Arguments),
+    Moments(moments::Arguments),
+    Merge(merge::Arguments),
+    Solve(solve::Arguments),
     Show(show::Arguments),
     Predict(predict::Arguments),
     Evaluate(evaluate::Arguments),
@@ -70,6 +76,9 @@ impl Command {
             Self::Patterns(arguments) => patterns::run(arguments),
             Self::Orders(arguments) => orders::run(arguments),
             Self::Fit(arguments) => fit::run(arguments),
+            Self::Moments(arguments) => moments::run(arguments),
+            Self::Merge(arguments) => merge::run(arguments),
+            Self::Solve(arguments) => solve::run(arguments),
             Self::Show(arguments) => show::run(arguments),
             Self::Predict(arguments) => predict::run(arguments),
             Self::Evaluate(arguments) => evaluate::run(arguments),

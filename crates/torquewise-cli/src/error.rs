@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::PathBuf;
+use torquewise::identify::IdentifyError;
 
 /// Why a command cannot be carried out, beyond what the library says.
 #[derive(Debug, thiserror::Error)]
@@ -51,6 +52,10 @@ pub(crate) enum CliError {
          on, or --lock the joints that the log did not move"
     )]
     ModelOfAnotherArm { model: String, arm: String },
+    #[error("{} does not add to the parts before it", file.display())]
+    Part { file: PathBuf, source: IdentifyError },
+    #[error("interrupted, no file was written: run it again")]
+    Interrupted,
     #[error("the results cannot be written to standard output: check where it is redirected to")]
     Stdout { source: io::Error },
 }

@@ -1,6 +1,7 @@
 //! Paths → texts, models and arms; texts → files, written whole or not at all.
 
 use crate::error::CliError;
+use crate::interrupt::Shield;
 use anyhow::{Context, Result};
 use std::fs;
 use std::io::Write;
@@ -36,6 +37,11 @@ pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> 
         Some(file) => Friction::from_toml(&read(file)?, arm.joints())
             .with_context(|| format!("no friction in {}", file.display())),
     }
+}
+
+/// Reads a file of bytes.
+pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, CliError> {
+    fs::read(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
 fn read(file: &Path) -> Result<String, CliError> {
@@ -88,8 +94,9 @@ pub(crate) fn check_ending(file: &Path, endings: &[&str]) -> Result<(), CliError
     Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
 }
 
-/// Writes a text, or bytes, to a file in the same folder and renames it when it is whole.
-pub(crate) fn write_whole(file: &Path, text: impl AsRef<[u8]>) -> Result<(), CliError> {
+/// Writes bytes or a text to a file in the same folder and renames it when it is whole.
+pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+    let _shield = Shield::new();
     let failed = |source| CliError::Write { file: file.into(), source };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".torquewise-").suffix(".partial");
@@ -100,7 +107,7 @@ pub(crate) fn write_whole(file: &Path, text: impl AsRef<[u8]>) -> Result<(), Cli
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut temporary = builder.tempfile_in(folder_of(file)).map_err(failed)?;
-    temporary.write_all(text.as_ref()).map_err(failed)?;
+    temporary.write_all(bytes.as_ref()).map_err(failed)?;
     temporary.as_file().sync_all().map_err(failed)?;
     temporary.persist(file).map_err(|refused| failed(refused.error))?;
     Ok(())

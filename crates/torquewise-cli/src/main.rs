@@ -4,8 +4,10 @@ mod error;
 mod table;
 mod score_table;
 mod outcome;
+mod interrupt;
 mod files;
 mod compiler;
+mod moments_file;
 mod progress;
 mod recorded;
 mod timed;
@@ -19,6 +21,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    interrupt::listen();
     let line = commands::CommandLine::parse();
     outcome::report(line.command.run(), line.json)
 }

@@ -1,6 +1,7 @@
 //! What a command found → stdout, stderr and an exit code.
 
 use crate::error::CliError;
+use crate::interrupt::{INTERRUPTED, pressed};
 use anyhow::Error;
 use serde_json::{Map, Value, json};
 use std::env;
@@ -83,6 +84,7 @@ fn fail(error: &Error, as_json: bool) -> u8 {
         let _ = write_stdout(&(object.to_string() + "\n"));
     }
     match error.downcast_ref() {
+        _ if pressed() => INTERRUPTED,
         Some(CliError::Usage(_)) => WRONG_USAGE,
         _ => FAILED,
     }

@@ -133,6 +133,11 @@ impl Recorded {
         }
     }
 
+    /// About how many rows there are, if that can be told without reading them.
+    pub(crate) fn rows_hint(&self) -> Option<u64> {
+        self.logs().rows_hint()
+    }
+
     /// What was done to the signals, if anything was.
     pub(crate) fn report(&self) -> Option<&ConditionReport> {
         match self {
@@ -188,6 +193,21 @@ impl Recording for Recorded {
         match self {
             Self::Plain(logs) => logs.read(visit),
             Self::Conditioned(logs) => logs.read(visit),
+        }
+    }
+
+    fn n_logs(&self) -> usize {
+        self.logs().n_logs()
+    }
+
+    fn read_log(
+        &self,
+        log: usize,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        match self {
+            Self::Plain(logs) => logs.read_log(log, visit),
+            Self::Conditioned(logs) => logs.read_log(log, visit),
         }
     }
 }

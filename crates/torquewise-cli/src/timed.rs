@@ -1,8 +1,11 @@
 //! Recording, plan → reconstruction, and the seconds that each of its steps took.
 
-use crate::progress::Watched;
+use crate::progress::{Watched, bar};
+use indicatif::ProgressBar;
 use std::time::Instant;
-use torquewise::identify::{IdentifyError, Plan, Progress, Reconstruction, reconstruct};
+use torquewise::identify::{
+    IdentifyError, Plan, Progress, Reconstruction, Summary, reconstruct, solve,
+};
 use torquewise::motion::Recording;
 
 /// A reconstruction and the time it took by the clock.
@@ -16,19 +19,36 @@ pub(crate) struct Timed {
     pub(crate) step_seconds: Vec<f64>,
 }
 
-/// Reconstructs under the eyes of the user.
+/// Reconstructs under the eyes of the user, who is told the time left if the rows are known.
 ///
 /// # Errors
 /// As [`reconstruct()`].
 pub(crate) fn timed(
     recording: &(impl Recording + ?Sized),
+    rows: Option<u64>,
     plan: &Plan,
 ) -> Result<Timed, IdentifyError> {
-    let watched = Watched::new(recording, "reading");
+    let watched = Watched::new(recording, "reading").of(rows, 2);
     let bar = watched.bar();
+    record(&bar, |progress| reconstruct(&watched, plan, progress))
+}
+
+/// Solves under the eyes of the user.
+///
+/// # Errors
+/// As [`solve()`].
+pub(crate) fn timed_solve(summary: Summary, plan: &Plan) -> Result<Timed, IdentifyError> {
+    record(&bar("solving"), |progress| solve(summary, plan, progress))
+}
+
+/// Writes down when each stage of the work begins.
+fn record(
+    bar: &ProgressBar,
+    work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<Reconstruction, IdentifyError>,
+) -> Result<Timed, IdentifyError> {
     let mut events: Vec<(Progress, Instant)> = Vec::new();
     let start = Instant::now();
-    let found = reconstruct(&watched, plan, &mut |progress| {
+    let found = work(&mut |progress| {
         bar.set_message(doing(progress));
         events.push((progress, Instant::now()));
     })?;
@@ -42,12 +62,13 @@ pub(crate) fn timed(
     Ok(Timed { found, seconds: start.elapsed().as_secs_f64(), step_seconds })
 }
 
-fn doing(progress: Progress) -> String {
+/// What is being done, in words.
+pub(crate) fn doing(progress: Progress) -> String {
     match progress {
         Progress::Survey => "looking through the log".to_owned(),
         Progress::Patterns => "clustering".to_owned(),
         Progress::Geometry => "learning the geometry".to_owned(),
-        Progress::Evidence => "summing the normal equations".to_owned(),
+        Progress::Evidence => "summing".to_owned(),
         Progress::Step(step) => format!("selecting terms, step {step}"),
         Progress::Refit => "fitting the terms that were kept".to_owned(),
         Progress::Done => "done".to_owned(),

@@ -1,11 +1,12 @@
 //! Velocity, acceleration → activation index: how hard the joints are driven (6)(7) (E1).
 
 use faer::MatRef;
+use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 use torquewise_sparse::kmeans::{KMeans, kmeans};
 
 /// Which constants the index uses.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Scaling {
     /// Each joint by its own range, the sensitivity from the noise floor (E1).
     #[default]

@@ -107,6 +107,18 @@ impl Candidates {
         Ok(Self { terms, friction, design, offered, n_joints })
     }
 
+    /// Offers of an energy library the terms of at most as many joint angles as a smaller one has.
+    pub(crate) fn limit_to(&mut self, library: LibraryKind) {
+        let LibraryKind::Energy { interaction: Some(most) } = library else { return };
+        let Terms::Energy(terms) = &self.terms else { return };
+        let small = |column: &usize| {
+            terms.get(*column).is_none_or(|term| term.function.interaction() <= most)
+        };
+        for columns in &mut self.offered {
+            columns.retain(small);
+        }
+    }
+
     /// Readable name of a candidate.
     pub fn name(&self, column: usize) -> String {
         match self.law(column) {

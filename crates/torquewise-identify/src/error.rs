@@ -32,6 +32,13 @@ pub enum IdentifyError {
          limit it to {limit} candidates by a lower interaction order or lower orders"
     )]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
+    #[error(
+        "moments that do not add up: their {what} are {expected} and {found}; make both with the \
+         same settings"
+    )]
+    Apart { what: &'static str, expected: String, found: String },
+    #[error("these are no moments to be read, {0}: make the file again with torquewise moments")]
+    Moments(String),
     #[error("no chain of rigid bodies could be learned: {0}")]
     Chain(#[from] torquewise_chain::ChainError),
     #[error("numerical work failed: please report this log to the authors of torquewise")]

@@ -59,15 +59,17 @@ pub(crate) struct FactorSum<'a> {
     triangle: Triangle,
     /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1), lower triangle.
     bias: Mat<f64>,
+    /// Times that noise is drawn for each row.
+    draws: usize,
     random: ChaCha8Rng,
 }
 
 impl<'a> FactorSum<'a> {
-    pub(crate) fn new(fit: &'a Fit<'a>, seed: u64, lane: usize) -> Self {
+    pub(crate) fn new(fit: &'a Fit<'a>, draws: usize, seed: u64, lane: usize) -> Self {
         let size = fit.n_columns() + 1;
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(lane as u64);
-        Self { fit, triangle: Triangle::new(size), bias: Mat::zeros(size, size), random }
+        Self { fit, triangle: Triangle::new(size), bias: Mat::zeros(size, size), draws, random }
     }
 
     /// Rows √w·\[Y τ\] of all equations.
@@ -88,6 +90,7 @@ impl<'a> FactorSum<'a> {
     /// S(true).
     fn probe(&mut self, samples: &Samples, rows: &[Mat<f64>]) -> Result<(), SparseError> {
         let noise = self.fit.noise;
+        let share = 1.0 / self.draws.max(1) as f64;
         let rates: Vec<f64> = noise.dq.iter().chain(&noise.ddq).copied().collect();
         let angles = draw(&mut self.random, samples.n_rows(), &noise.q);
         let variables = draw(&mut self.random, samples.n_rows(), &rates);
@@ -98,11 +101,11 @@ impl<'a> FactorSum<'a> {
             moved += faer::Scale(sign) * &variables;
             rub(&mut shifted, self.fit.friction);
             for moved in self.rows(&shifted)? {
-                add_gram(&mut self.bias, &moved, 0.5);
+                add_gram(&mut self.bias, &moved, 0.5 * share);
             }
         }
         for still in rows {
-            add_gram(&mut self.bias, still, -1.0);
+            add_gram(&mut self.bias, still, -share);
         }
         Ok(())
     }
@@ -111,7 +114,7 @@ impl<'a> FactorSum<'a> {
     pub(crate) fn finish(self) -> Factor {
         let r = self.triangle.r();
         let gram = r.transpose() * &r;
-        Factor { r, gram, bias: self.bias, rows: self.triangle.rows() }
+        Factor { r, gram, bias: self.bias }
     }
 }
 
@@ -122,8 +125,6 @@ pub(crate) struct Factor {
     pub(crate) gram: Mat<f64>,
     /// What noise adds to it, lower triangle.
     pub(crate) bias: Mat<f64>,
-    /// Rows of all equations.
-    pub(crate) rows: usize,
 }
 
 /// Independent normal noise of the given standard deviations, rows × deviations.
@@ -157,7 +158,8 @@ impl Accumulate for FactorSum<'_> {
     fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
         let rows = self.rows(samples)?;
         rows.iter().try_for_each(|rows| self.triangle.add(rows.as_ref()))?;
-        if self.fit.noise.is_none() { Ok(()) } else { self.probe(samples, &rows) }
+        let draws = if self.fit.noise.is_none() { 0 } else { self.draws };
+        (0..draws).try_for_each(|_| self.probe(samples, &rows))
     }
 
     fn merge(&mut self, other: Self) -> Result<(), SparseError> {

@@ -1,11 +1,14 @@
 //! From a motion log to equations of motion.
 //!
-//! [`reconstruct`](reconstruct::reconstruct) is the method on one page. It reads a recording four
-//! times, in fixed memory: once to look around, once to sum the normal equations of every step,
-//! twice to fit the terms that were kept.
+//! [`reconstruct`](reconstruct::reconstruct) is the method on one page. It reads each log twice, in
+//! fixed memory: once to look around, once to sum what a fit needs of it. These sums, a
+//! [`Summary`], add up without rounding: those of many logs may be taken apart, saved, merged in any
+//! order, and [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
 pub mod error;
 pub mod activation;
+mod even;
+mod exact_bytes;
 pub mod noise;
 pub mod survey;
 pub mod excitation;
@@ -19,7 +22,7 @@ mod rows;
 pub mod evidence;
 mod step;
 mod held_out;
-mod settings;
+mod settle;
 mod factor;
 mod spread;
 mod refit;
@@ -29,6 +32,8 @@ mod trial;
 mod learn;
 mod prune;
 pub mod found;
+pub mod summary;
+mod summary_file;
 mod chain;
 pub mod reconstruct;
 pub mod score;
@@ -43,7 +48,8 @@ pub use noise::NoiseFloor;
 pub use orders::orders;
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Method, Plan};
-pub use reconstruct::reconstruct;
+pub use reconstruct::{reconstruct, solve};
 pub use score::{Scores, score};
+pub use summary::{Summary, summarise};
 pub use survey::{Survey, survey};
 pub use warning::Warning;

@@ -1,7 +1,9 @@
 //! Motion blocks → noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
 
 use crate::activation::quantile;
+use crate::even::Even;
 use faer::ColRef;
+use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 
 /// Standard deviation of the white noise in each signal of each joint.
@@ -33,14 +35,18 @@ impl NoiseFloor {
 /// A fourth difference of motion sampled at dt is dt⁴ times its fourth derivative, next to nothing;
 /// that of white noise has the variance 70σ². The few rows where an acceleration jumps are left out
 /// of a block, and the median over blocks shrugs off what is left of them.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct NoiseSum {
-    /// `[signal][joint]` → one variance per block.
-    blocks: [Vec<Vec<f64>>; 3],
-    /// `[signal][joint]` → largest size seen.
-    peaks: [Vec<f64>; 3],
+    /// Variance of each signal of each joint, signal by signal, of an even sample of the blocks.
+    blocks: Even,
+    /// Largest size seen of each signal of each joint, in the same order.
+    peaks: Vec<f64>,
+    /// Blocks of this log so far.
+    seen: u64,
 }
 
+/// q, q̇ and q̈.
+const SIGNALS: usize = 3;
 const FOURTH_DIFFERENCE: [f64; 5] = [1.0, -4.0, 6.0, -4.0, 1.0];
 /// 1 + 16 + 36 + 16 + 1
 const GAIN: f64 = 70.0;
@@ -61,81 +67,86 @@ const UNLIKELY: f64 = 0.15;
 
 impl NoiseSum {
     pub(crate) fn new(n_joints: usize) -> Self {
-        Self {
-            blocks: std::array::from_fn(|_| vec![Vec::new(); n_joints]),
-            peaks: std::array::from_fn(|_| vec![0.0; n_joints]),
-        }
+        let width = SIGNALS * n_joints;
+        Self { blocks: Even::new(width, MOST_BLOCKS), peaks: vec![0.0; width], seen: 0 }
     }
 
     /// Adds the rows of a block that are among five in a row of which `still` is true.
     pub(crate) fn add(&mut self, block: &Motion, still: impl Fn(usize) -> bool) {
+        let signals = [block.q(), block.dq(), block.ddq()];
+        let columns = || signals.iter().flat_map(|signal| signal.col_iter());
+        for (peak, column) in self.peaks.iter_mut().zip(columns()) {
+            *peak = column.iter().fold(*peak, |peak, x| peak.max(x.abs()));
+        }
+        let place = self.seen;
+        self.seen += 1;
+        if !self.blocks.wants(place) {
+            return;
+        }
         let places = block.n_rows().saturating_sub(FOURTH_DIFFERENCE.len() - 1);
         let starts: Vec<usize> =
             (0..places).filter(|&row| (row..row + FOURTH_DIFFERENCE.len()).all(&still)).collect();
-        let signals = [block.q(), block.dq(), block.ddq()];
-        for (place, signal) in signals.into_iter().enumerate() {
-            for (joint, column) in signal.col_iter().enumerate() {
-                let peak = &mut self.peaks[place][joint];
-                *peak = column.iter().fold(*peak, |peak, x| peak.max(x.abs()));
-                let variances = &mut self.blocks[place][joint];
-                if variances.len() < MOST_BLOCKS {
-                    variances.extend(variance(column, &starts));
-                }
-            }
+        if starts.len() >= LEAST_ROWS {
+            self.blocks.push(place, columns().map(|column| variance(column, &starts)));
         }
+    }
+
+    /// Adds the blocks of other logs.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.blocks.merge(&other.blocks);
+        for (peak, more) in self.peaks.iter_mut().zip(&other.peaks) {
+            *peak = peak.max(*more);
+        }
+        self.seen = 0;
+    }
+
+    /// Puts what it holds in an order of its own.
+    pub(crate) fn sort(&mut self) {
+        self.blocks.sort();
+        self.seen = 0;
+    }
+
+    /// Whether it holds what one of n joints does.
+    pub(crate) fn is_sound(&self, n_joints: usize) -> bool {
+        let width = SIGNALS * n_joints;
+        self.blocks.is_sound(width, MOST_BLOCKS)
+            && self.peaks.len() == width
+            && self.peaks.iter().all(|peak| peak.is_finite())
     }
 
     /// The noise of all rows, zero where it is unlikely to be noise.
-    pub(crate) fn finish(self) -> NoiseFloor {
-        let limits: Vec<Vec<f64>> = self
-            .peaks
-            .iter()
-            .map(|peaks| peaks.iter().map(|peak| UNLIKELY * peak).collect())
-            .collect();
-        let likely = |values: Vec<f64>, limits: &[f64]| -> Vec<f64> {
-            let pairs = values.into_iter().zip(limits);
-            pairs.map(|(sigma, &limit)| if sigma > limit { 0.0 } else { sigma }).collect()
-        };
-        let NoiseFloor { q, dq, ddq } = self.floor();
-        NoiseFloor {
-            q: likely(q, &limits[0]),
-            dq: likely(dq, &limits[1]),
-            ddq: likely(ddq, &limits[2]),
-        }
+    pub(crate) fn finish(&self) -> NoiseFloor {
+        let likely = |sigma: f64, peak: f64| if sigma > UNLIKELY * peak { 0.0 } else { sigma };
+        self.floor(likely)
     }
 
     /// The noise of rows known to stand still; `None` if they are too few.
-    pub(crate) fn finish_still(self) -> Option<NoiseFloor> {
-        let enough = self.blocks[0].iter().all(|blocks| blocks.len() >= LEAST_BLOCKS);
-        enough.then(|| self.floor())
+    pub(crate) fn finish_still(&self) -> Option<NoiseFloor> {
+        (self.blocks.len() >= LEAST_BLOCKS).then(|| self.floor(|sigma, _| sigma))
     }
 
-    fn floor(self) -> NoiseFloor {
-        let mut peaks = self.peaks.into_iter();
-        let [q, dq, ddq] = self.blocks.map(|signal| {
-            let peaks = peaks.next().unwrap_or_default();
-            let deviation = |(mut blocks, peak): (Vec<f64>, f64)| {
-                let sigma = quantile(&mut blocks, 0.5).sqrt();
-                if sigma > NEGLIGIBLE * peak { sigma } else { 0.0 }
-            };
-            signal.into_iter().zip(peaks).map(deviation).collect::<Vec<f64>>()
-        });
-        NoiseFloor { q, dq, ddq }
+    fn floor(&self, accept: impl Fn(f64, f64) -> f64) -> NoiseFloor {
+        let deviation = |(place, &peak): (usize, &f64)| {
+            let mut variances: Vec<f64> = self.blocks.things().map(|block| block[place]).collect();
+            let sigma = quantile(&mut variances, 0.5).sqrt();
+            accept(if sigma > NEGLIGIBLE * peak { sigma } else { 0.0 }, peak)
+        };
+        let mut sigmas = self.peaks.iter().enumerate().map(deviation);
+        let n = self.peaks.len() / SIGNALS;
+        let mut signal = || sigmas.by_ref().take(n).collect();
+        NoiseFloor { q: signal(), dq: signal(), ddq: signal() }
     }
 }
 
-/// Variance of the noise in one signal of a block, if it is long enough.
-fn variance(signal: ColRef<'_, f64>, starts: &[usize]) -> Option<f64> {
+/// Variance of the noise in one signal of a block.
+fn variance(signal: ColRef<'_, f64>, starts: &[usize]) -> f64 {
     let difference = |&row: &usize| {
         let terms = FOURTH_DIFFERENCE.iter().enumerate().map(|(k, c)| c * signal[row + k]);
         terms.sum::<f64>().abs()
     };
     let mut sizes: Vec<f64> = starts.iter().map(difference).collect();
-    if sizes.len() < LEAST_ROWS {
-        return None;
-    }
     let limit = JUMP * quantile(&mut sizes, 0.5) / NORMAL_MEDIAN;
     let kept: Vec<f64> = sizes.into_iter().filter(|&size| size <= limit).collect();
     let sum: f64 = kept.iter().map(|size| size * size).sum();
-    Some(sum / (GAIN * kept.len().max(1) as f64))
+    sum / (GAIN * kept.len().max(1) as f64)
 }

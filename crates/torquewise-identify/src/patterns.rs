@@ -3,6 +3,7 @@
 use crate::activation::{Activation, Scaling};
 use crate::error::IdentifyError;
 use crate::survey::Survey;
+use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_sparse::elbow::elbow;
 use torquewise_sparse::kmeans::{KMeans, kmeans};
@@ -12,7 +13,7 @@ const MOST_CLUSTERS: usize = 9;
 /// An index above this means that the joints are switched on.
 const HALF: f64 = 0.5;
 /// A pattern of fewer rows of the sample than this part of it is not there.
-const LEAST_SHARE: f64 = 0.005;
+pub(crate) const LEAST_SHARE: f64 = 0.005;
 /// What should be zero may be this many times the noise, or this part of the joint's range.
 const OF_NOISE: f64 = 3.0;
 const OF_RANGE: f64 = 0.04;
@@ -20,7 +21,7 @@ const OF_RANGE: f64 = 0.04;
 const SLOW: f64 = 0.1;
 
 /// How rows are clustered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PatternPlan {
     /// Constants of the activation index.
     pub scaling: Scaling,

@@ -1,12 +1,13 @@
 //! What the user wants → plan: library, method, selector, clusters.
 
 use crate::patterns::PatternPlan;
+use serde::{Deserialize, Serialize};
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::criterion::Criterion;
 use torquewise_sparse::select::stlsq::Stlsq;
 
 /// Which candidates are offered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LibraryKind {
     /// M(q) and V(q), shared by all joints (E4); at most this many joint angles to a term.
     Energy {
@@ -31,7 +32,7 @@ impl LibraryKind {
 pub const MOST_CANDIDATES: usize = 2_100;
 
 /// One regression or three.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Method {
     /// Standstill, uniform velocity, variable velocity (8)–(10).
     #[default]

@@ -3,17 +3,18 @@
 use crate::candidates::{Candidates, Group};
 use crate::chain::by_chain;
 use crate::error::IdentifyError;
-use crate::evidence::{Evidence, Step, gather_evidence, one_shot, plan_steps};
+use crate::evidence::{Evidence, Step, one_shot, plan_steps};
 use crate::factor::Kept;
 use crate::form::{dropped, form, friction_of};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
-use crate::patterns::{PatternPlan, Patterns, find_patterns};
-use crate::plan::{FrictionKind, Method, Plan};
+use crate::patterns::{Patterns, find_patterns};
+use crate::plan::{Method, Plan};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
-use crate::settings::{Settings, settle};
+use crate::settle::{Settled, settle};
 use crate::step;
-use crate::survey::{Survey, survey};
+use crate::summary::{Basis, Summary, summarise};
+use crate::survey::Survey;
 use crate::warning::Warning;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -21,11 +22,7 @@ use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
 use torquewise_sparse::select::Selector;
 
-/// Reconstructs the equations of motion from a recording.
-///
-/// The survey and the clusters first (6)(7); then standstill, uniform and variable velocity in
-/// turn, each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept terms
-/// together on all rows (E6). One-shot SINDy is the same with a single step.
+/// Reconstructs the equations of motion from a recording: sums up its logs, and solves.
 ///
 /// # Errors
 /// [`IdentifyError`]: the reader's message, too few rows, a library too large, or missing torque.
@@ -34,43 +31,54 @@ pub fn reconstruct(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
-    progress(Progress::Survey);
-    let survey = survey(recording)?;
+    solve(summarise(recording, plan, "", progress)?, plan, progress)
+}
+
+/// Reconstructs the equations of motion from what logs were summed up to.
+///
+/// Standstill, uniform and variable velocity in turn, each explaining what the earlier ones leave
+/// (8)–(10), (14)–(16); last all kept terms together on all rows (E6). One-shot SINDy is the same
+/// with a single step. What was settled when the logs were summed goes before the plan.
+///
+/// # Errors
+/// [`IdentifyError`]: too few rows, a library too large, or missing torque.
+pub fn solve(
+    mut summary: Summary,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
+    let plan = &summary.settings().applied_to(plan);
+    let survey = summary.survey()?;
     survey.sample.require_tau()?;
     require_rows(&survey)?;
-
-    progress(Progress::Patterns);
-    let slow = plan.patterns.slow || plan.friction != FrictionKind::None;
-    let patterns = find_patterns(&survey, &PatternPlan { slow, ..plan.patterns })?;
-
-    if plan.method == Method::Chain {
+    let mut patterns = find_patterns(&survey, &plan.patterns)?;
+    let Some(mut basis) = summary.settings().basis()? else {
         return by_chain(survey, patterns, plan, progress);
-    }
-    let Settings { library, friction, selector, choices } = settle(&survey, plan)?;
-    let candidates =
-        Candidates::with_friction(survey.joints.len(), library, plan.method, friction)?;
-    let (steps, orphans) = match plan.method {
-        Method::Stepwise => plan_steps(&candidates, &patterns.present),
-        Method::Sindy | Method::Chain => (one_shot(&candidates), Vec::new()),
     };
+    let Settled { library, selector, choices, .. } = settle(&survey, plan, summary.friction())?;
+    basis.candidates.limit_to(library);
+    if plan.method == Method::Stepwise {
+        patterns.present = summary.settle(&basis)?;
+    }
+    let candidates = &basis.candidates;
+    let (steps, orphans) = match plan.method {
+        Method::Stepwise => plan_steps(candidates, &patterns.present),
+        Method::Sindy | Method::Chain => (one_shot(candidates), Vec::new()),
+    };
+    let noise = summary.still().unwrap_or_else(|| survey.noise.clone());
 
-    progress(Progress::Evidence);
-    let (evidence, still) =
-        gather_evidence(recording, &patterns, &candidates, &steps, survey.rows)?;
-    let noise = still.unwrap_or_else(|| survey.noise.clone());
-
-    let mut found = Found::new(&candidates, survey.rows, choices);
-    for (place, (step, evidence)) in steps.iter().zip(&evidence).enumerate() {
+    let mut found = Found::new(candidates, survey.rows, choices);
+    for (place, step) in steps.iter().enumerate() {
         progress(Progress::Step(place + 1));
-        found.take_step(step, evidence, &selector)?;
+        found.take_step(step, &summary.evidence(&basis, step), &selector)?;
     }
 
     progress(Progress::Refit);
     let bias = if plan.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted = found.refit(recording, plan, &selector, &bias)?;
+    let refitted = found.refit(&summary, &basis, &survey, (plan, &selector, &bias))?;
 
     progress(Progress::Done);
-    let warnings = Warning::all(&survey, &patterns, plan, &candidates, &orphans, &refitted);
+    let warnings = Warning::all(&survey, &patterns, plan, candidates, &orphans, &refitted);
     Ok(found.report(survey, patterns, noise, refitted, warnings))
 }
 
@@ -172,10 +180,10 @@ impl<'a> Found<'a> {
 
     fn refit(
         &self,
-        recording: &(impl Recording + ?Sized),
-        plan: &Plan,
-        selector: &Selector,
-        noise: &NoiseFloor,
+        summary: &Summary,
+        basis: &Basis,
+        survey: &Survey,
+        (plan, selector, noise): (&Plan, &Selector, &NoiseFloor),
     ) -> Result<Vec<Refitted>, IdentifyError> {
         let kept: Vec<Kept> = self
             .terms()
@@ -203,7 +211,9 @@ impl<'a> Found<'a> {
             bags: plan.bags,
             rows,
         };
-        refit(recording, self.candidates, &kept, &refit_plan)
+        let all = summary.whole(basis)?;
+        let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
+        refit(&survey.sample, self.candidates, &kept, &whole, &refit_plan)
     }
 
     fn report(

@@ -1,4 +1,4 @@
-//! Kept terms, all rows → final coefficients, standard errors, inclusion (E6) (E7).
+//! Kept terms, normal equations, a sample → coefficients, standard errors, inclusion (E6) (E7).
 
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
@@ -6,15 +6,17 @@ use crate::factor::{Factor, FactorSum, Fit, Kept};
 use crate::noise::NoiseFloor;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::spread::ScoreSum;
+use crate::step::{residual_energy, response_place};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
-use torquewise_motion::Recording;
+use torquewise_motion::{Motion, Recording};
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::{Accumulate, Lanes};
 use torquewise_sparse::elimination::{Equations, Estimate};
+use torquewise_sparse::gram::Gram;
 use torquewise_sparse::problem::Problem;
 use torquewise_sparse::samples::Evaluator;
 use torquewise_sparse::triangle::Triangle;
@@ -68,11 +70,25 @@ const LEAST_PARTS: usize = 8;
 /// Above this many kept terms, only those of the final model are asked of resampled logs.
 const MOST_BAGGED: usize = 150;
 
-/// Fits the kept terms of all groups on all rows, in two passes: the factors, then the residuals.
+/// Where least squares leaves less than this part of the torque, squared, normal equations cannot
+/// say how much less: they keep about 13 digits.
+const EXPLAINED: f64 = 1e-10;
+/// Times that noise is drawn for each row of a sample at most.
+const MOST_DRAWS: f64 = 16.0;
+
+/// Fits the kept terms of all groups: coefficients from the normal equations of all rows, what the
+/// noise did to them and how far they scatter from an even sample of rows.
+///
+/// Where the normal equations leave nothing to be explained, the sample says it all, and QR says it
+/// to full precision.
+///
+/// - `sample`: an even sample of the rows
+/// - `whole`: normal equations of all rows in the kept columns of each group
 pub(crate) fn refit(
-    recording: &(impl Recording + ?Sized),
+    sample: &Motion,
     candidates: &Candidates,
     kept: &[Kept],
+    whole: &[Vec<Gram>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
     let evaluators = kept
@@ -89,26 +105,36 @@ pub(crate) fn refit(
             noise: plan.noise,
         })
         .collect();
-    let size = (plan.rows, parts(kept));
-    let log = (recording, &candidates.friction[..]);
+    let log = (sample, &candidates.friction[..]);
+    let parts = parts(kept);
+    let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
+    let draws = draws(scale);
     let factors: Vec<Vec<Factor>> =
-        pass(log, size, &fits, |fit, lane| FactorSum::new(fit, plan.seed, lane))?
+        pass(log, parts, &fits, |fit, lane| FactorSum::new(fit, draws, plan.seed, lane))?
             .into_iter()
             .map(|parts| parts.into_iter().map(FactorSum::finish).collect())
             .collect();
-    let first: Vec<Start> =
-        factors.iter().map(|parts| Start::solve(parts)).collect::<Result<_, _>>()?;
+    let bases = (fits.iter().zip(whole).zip(&factors))
+        .map(|((fit, grams), factors)| Base::new(fit.kept, grams, factors, scale))
+        .collect::<Result<Vec<_>, _>>()?;
     let starts: Vec<(&Fit<'_>, &[f64])> =
-        fits.iter().zip(&first).map(|(fit, start)| (fit, &start.coefficients[..])).collect();
+        fits.iter().zip(&bases).map(|(fit, base)| (fit, &base.start.coefficients[..])).collect();
     let scores =
-        pass(log, size, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
+        pass(log, parts, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
     fits.iter()
-        .zip(factors.into_iter().zip(&first))
+        .zip(factors.into_iter().zip(&bases))
         .zip(scores)
-        .map(|((fit, (factors, start)), scores)| {
-            Group { fit, start, parts: factors.into_iter().zip(scores).collect() }.finish(plan)
+        .map(|((fit, (factors, base)), scores)| {
+            let parts = factors.into_iter().zip(scores).collect();
+            Group { fit, base, parts, scale }.finish(plan)
         })
         .collect()
+}
+
+/// How often noise is drawn for each row of a sample that stands for `scale` rows a row.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
+fn draws(scale: f64) -> usize {
+    scale.ceil().clamp(1.0, MOST_DRAWS) as usize
 }
 
 /// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
@@ -117,20 +143,19 @@ fn parts(kept: &[Kept]) -> usize {
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
 }
 
-/// Hands every block to a sum for each group; returns the sums of the parts of the log.
+/// Hands every block to a sum for each group; returns the sums of the parts of the sample.
 fn pass<'a, T, A: Accumulate>(
-    (recording, friction): (&(impl Recording + ?Sized), &[FrictionTerm]),
-    (rows, parts): (usize, usize),
+    (sample, friction): (&Motion, &[FrictionTerm]),
+    parts: usize,
     groups: &'a [T],
     start: impl Fn(&'a T, usize) -> A,
 ) -> Result<Vec<Vec<A>>, IdentifyError> {
     let mut lanes: Vec<Lanes<A>> =
         groups.iter().map(|group| Lanes::with_count(parts, |lane| start(group, lane))).collect();
-    recording
+    let size = sample.n_rows() / (2 * parts);
+    sample
         .read(&mut |_, block| {
-            for samples in
-                cut(samples_of(&clear_of_reversals(block, friction), friction)?, rows / (2 * parts))
-            {
+            for samples in cut(samples_of(&clear_of_reversals(block, friction), friction)?, size) {
                 lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
             }
             Ok(())
@@ -139,34 +164,80 @@ fn pass<'a, T, A: Accumulate>(
     lanes.into_iter().map(|lanes| Ok(lanes.parts()?)).collect()
 }
 
+/// The normal equations of a group over all rows, its equations weighted and added up.
+struct Base {
+    /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
+    gram: Mat<f64>,
+    start: Start,
+    /// Whether the torque is explained but for rounding.
+    explained: bool,
+    /// RMS of what the start leaves of each equation \[N·m\].
+    residual_rms: Vec<f64>,
+}
+
 /// The plain least-squares fit, with the columns that depend on others found out.
 struct Start {
     coefficients: Vec<f64>,
     dependent: Vec<usize>,
 }
 
-impl Start {
-    fn solve(parts: &[Factor]) -> Result<Self, SparseError> {
-        let size = parts.first().map_or(1, |part| part.gram.ncols());
-        let mut gram = Mat::<f64>::zeros(size, size);
-        for part in parts {
-            gram += &part.gram;
+impl Base {
+    /// - `grams`: of each equation over all rows
+    /// - `parts`: of the sample, a row of which stands for `scale` rows
+    fn new(kept: &Kept, grams: &[Gram], parts: &[Factor], scale: f64) -> Result<Self, SparseError> {
+        let p = kept.columns.len();
+        let mut gram = Mat::<f64>::zeros(p + 1, p + 1);
+        let mut rows = 0.0;
+        for (&(equation, response), &weight) in kept.group.equations.iter().zip(&kept.weights) {
+            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
+            for j in 0..p {
+                for i in 0..p {
+                    gram[(i, j)] += weight * part.gram[(i, j)];
+                }
+                gram[(j, p)] += weight * part.cross[(j, own)];
+                gram[(p, j)] = gram[(j, p)];
+            }
+            gram[(p, p)] += weight * part.energy[own];
+            rows += part.rows as f64;
         }
-        let rows: usize = parts.iter().map(|part| part.rows).sum();
+        let mut start = Start::solve(&gram, rows)?;
+        let (mut explained, mut residual_rms) = (true, Vec::new());
+        for &(equation, response) in &kept.group.equations {
+            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
+            let left = residual_energy(part, own, &start.coefficients);
+            explained &= left <= EXPLAINED * part.energy[own];
+            residual_rms.push((left / part.rows.max(1) as f64).sqrt());
+        }
+        if explained {
+            gram.fill(0.0);
+            for part in parts {
+                gram += faer::Scale(scale) * &part.gram;
+            }
+            start = Start::solve(&gram, rows)?;
+        }
+        Ok(Self { gram, start, explained, residual_rms })
+    }
+}
+
+impl Start {
+    fn solve(gram: &Mat<f64>, rows: f64) -> Result<Self, SparseError> {
         let p = gram.ncols().saturating_sub(1);
         let right = (0..p).map(|j| gram[(j, p)]).collect();
         let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
-        let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1) as f64)?;
+        let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1.0))?;
         let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
         Ok(Self { coefficients: fit.coefficients, dependent: fit.dependent })
     }
 }
 
-/// All that the parts of a log say of one group.
+/// All that is known of one group.
 struct Group<'a> {
     fit: &'a Fit<'a>,
-    start: &'a Start,
+    base: &'a Base,
+    /// What the parts of the sample say.
     parts: Vec<(Factor, ScoreSum<'a>)>,
+    /// Rows that a row of the sample stands for.
+    scale: f64,
 }
 
 impl Group<'_> {
@@ -203,19 +274,28 @@ impl Group<'_> {
             .filter(|(j, share)| **share > 0.0 && !estimate.active.contains(j))
             .map(|(j, &share)| (self.fit.kept.columns[j], share))
             .collect();
-        let dependent = self.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
+        let dependent =
+            self.base.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
         Ok(Refitted { terms, dropped, dependent, residual_rms: self.residual_rms() })
     }
 
-    /// Estimating equations of the parts, each counted as often as `weights` says.
+    /// Estimating equations of all rows as they would be if the parts of the sample counted as
+    /// often as `weights` says.
+    ///
+    /// What a part more or less changes in sums over m rows is what it changes in sums over the
+    /// sample times the square root of how many rows each sampled one stands for.
     fn equations(&self, weights: &[f64]) -> Equations {
         let p = self.fit.n_columns();
-        let (mut gram, mut bias) = (Mat::<f64>::zeros(p + 1, p + 1), Mat::zeros(p + 1, p + 1));
+        let mut gram = self.base.gram.clone();
+        let mut bias = Mat::zeros(p + 1, p + 1);
         let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
         for ((factor, score), &weight) in self.parts.iter().zip(weights) {
+            let change = self.scale.sqrt() * (weight - 1.0);
+            if change != 0.0 {
+                gram += faer::Scale(change) * &factor.gram;
+            }
+            bias += faer::Scale(self.scale + change) * &factor.bias;
             if weight > 0.0 {
-                gram += faer::Scale(weight) * &factor.gram;
-                bias += faer::Scale(weight) * &factor.bias;
                 spread += faer::Scale(weight) * &score.spread;
                 sum.iter_mut().zip(&score.sum).for_each(|(a, b)| *a += weight * b);
                 rows += weight * score.rows as f64;
@@ -224,14 +304,14 @@ impl Group<'_> {
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
         let lower = |sums: &Mat<f64>, i: usize, j: usize| sums[(i.max(j), i.min(j))];
         let information = |i, j| gram[(i, j)] - lower(&bias, i, j);
-        let spread = |i, j| lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0);
+        let spread = |i, j| self.scale * (lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0));
         let mut equations = Equations {
             information: Mat::from_fn(p, p, information),
             right: (0..p).map(|j| information(j, p)).collect(),
             spread: Mat::from_fn(p, p, spread),
             floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
         };
-        for &j in &self.start.dependent {
+        for &j in &self.base.start.dependent {
             equations.information[(j, j)] = 0.0;
         }
         equations
@@ -240,10 +320,11 @@ impl Group<'_> {
     /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
     fn estimate(&self, equations: &Equations, least: f64) -> Result<Estimate, SparseError> {
         let plain = || {
-            let active: Vec<usize> =
-                (0..self.fit.n_columns()).filter(|j| !self.start.dependent.contains(j)).collect();
+            let active: Vec<usize> = (0..self.fit.n_columns())
+                .filter(|j| !self.base.start.dependent.contains(j))
+                .collect();
             Estimate {
-                coefficients: active.iter().map(|&j| self.start.coefficients[j]).collect(),
+                coefficients: active.iter().map(|&j| self.base.start.coefficients[j]).collect(),
                 std_errors: vec![0.0; active.len()],
                 active,
             }
@@ -290,6 +371,9 @@ impl Group<'_> {
     }
 
     fn residual_rms(&self) -> Vec<f64> {
+        if !self.base.explained {
+            return self.base.residual_rms.clone();
+        }
         let rows: usize = self.parts.iter().map(|(_, score)| score.rows).sum();
         (0..self.fit.kept.group.equations.len())
             .map(|equation| {
@@ -300,11 +384,11 @@ impl Group<'_> {
             .collect()
     }
 
-    /// The coefficients of an estimate to full precision where no noise was taken out: from R
-    /// instead of RᵀR, whose condition is the square.
+    /// The coefficients of an estimate to full precision where all is explained and no noise was
+    /// taken out: from R instead of RᵀR, whose condition is the square.
     fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
         let (p, k) = (self.fit.n_columns(), estimate.active.len());
-        if !self.fit.noise.is_none() || k == 0 {
+        if !self.base.explained || !self.fit.noise.is_none() || k == 0 {
             return Ok(estimate.coefficients.clone());
         }
         let mut small = Triangle::new(k + 1);

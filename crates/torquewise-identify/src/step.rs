@@ -4,6 +4,7 @@ use crate::candidates::Group;
 use crate::evidence::{Evidence, Step};
 use faer::Mat;
 use torquewise_sparse::SparseError;
+use torquewise_sparse::gram::Gram;
 use torquewise_sparse::problem::Problem;
 use torquewise_sparse::select::Selector;
 
@@ -64,7 +65,7 @@ fn weighted_problem(
     let (mut energy, mut rows) = (0.0, 0.0);
     for (&(equation, response), &weight) in group.equations.iter().zip(weights) {
         let part = &evidence.grams[equation];
-        let own = response_place(evidence, response);
+        let own = response_place(evidence.grams.len(), response);
         for (j, &column) in places.iter().enumerate() {
             let from = part.gram.col_as_slice(column);
             for (out, &row) in gram.col_as_slice_mut(j).iter_mut().zip(places) {
@@ -99,8 +100,12 @@ pub(crate) fn unexplained(
     response: usize,
     total: &[f64],
 ) -> f64 {
-    let part = &evidence.grams[equation];
-    let own = response_place(evidence, response);
+    let place = response_place(evidence.grams.len(), response);
+    residual_energy(&evidence.grams[equation], place, total)
+}
+
+/// The same of one response of normal equations.
+pub(crate) fn residual_energy(part: &Gram, own: usize, total: &[f64]) -> f64 {
     let mut left = part.energy[own];
     for (j, &weight) in total.iter().enumerate().filter(|&(_, &weight)| weight != 0.0) {
         let fitted: f64 = part.gram.col_as_slice(j).iter().zip(total).map(|(g, c)| g * c).sum();
@@ -113,6 +118,6 @@ pub(crate) fn unexplained(
 const ROUNDING: f64 = 1e-13;
 
 /// Place of a response in the cross products of its equation.
-fn response_place(evidence: &Evidence, response: usize) -> usize {
-    if evidence.grams.len() == 1 { response } else { 0 }
+pub(crate) fn response_place(n_equations: usize, response: usize) -> usize {
+    if n_equations == 1 { response } else { 0 }
 }

@@ -1,10 +1,14 @@
 //! Recording → survey: one look at the whole log, and an even sample of it, in fixed memory.
 
 use crate::error::IdentifyError;
+use crate::even::Even;
 use crate::noise::{NoiseFloor, NoiseSum};
 use faer::Mat;
+use serde::{Deserialize, Serialize};
 use torquewise_model::Training;
 use torquewise_motion::{Motion, Recording, Signals};
+use torquewise_sparse::SparseError;
+use torquewise_sparse::exact::ExactSums;
 
 /// What one pass over a log tells.
 #[derive(Clone, Debug)]
@@ -29,94 +33,103 @@ pub struct Survey {
     pub torque_std: Vec<f64>,
     /// The white noise in its signals.
     pub noise: NoiseFloor,
-    /// Every k-th row, k a power of two, at most [`SAMPLE_ROWS`] of them.
+    /// Every k-th row of each log, k a power of two, at most [`SAMPLE_ROWS`] of them.
     pub sample: Motion,
 }
 
 /// Rows of a sample at most: enough for quantiles and clusters, few enough for any log.
 pub const SAMPLE_ROWS: usize = 1 << 14;
+/// q, q̇, q̈ and τ.
+const SIGNALS: usize = 4;
+/// Sign, exponent and the first 26 digits of a number.
+const HIGH_HALF: u64 = !((1 << 27) - 1);
 
-/// Looks through a recording once.
+/// Looks through a recording once, as if it were one log.
 ///
 /// # Errors
 /// [`IdentifyError::Read`] with the reader's message, or [`IdentifyError::Motion`] if the log has
 /// no joints.
 pub fn survey(recording: &(impl Recording + ?Sized)) -> Result<Survey, IdentifyError> {
-    let mut look = Look::new(recording.joints());
+    let mut look = SurveySum::new(recording.joints());
     recording
-        .read(&mut |trajectory, block| {
-            look.add(trajectory, block);
-            Ok(())
-        })
+        .read(&mut |trajectory, block| Ok(look.add(trajectory, block)?))
         .map_err(IdentifyError::Read)?;
     look.finish()
 }
 
-struct Look {
+/// A survey on its way: what logs add up to, the same in any order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SurveySum {
     joints: Vec<String>,
     rows: usize,
-    trajectory: Option<usize>,
     trajectories: usize,
-    seconds: f64,
-    last_time: f64,
+    /// Least and greatest position of each joint.
     q_range: Vec<[f64; 2]>,
+    /// Largest speeds, then largest accelerations.
     peaks: [Vec<f64>; 2],
-    /// First torque, sums of differences to it and of their squares: no digits lost to a large
-    /// mean.
-    torque: Vec<[f64; 3]>,
+    /// Time, then torques and squared torques of each joint.
+    #[serde(with = "crate::exact_bytes")]
+    sums: ExactSums,
     has_torque: bool,
     noise: NoiseSum,
-    stride: usize,
     /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row.
-    sampled: Vec<Vec<f64>>,
+    sampled: Even,
+    /// The trajectory of the last row, and its time.
+    #[serde(skip)]
+    last: Option<(usize, f64)>,
 }
 
-impl Look {
-    fn new(joints: &[String]) -> Self {
+impl SurveySum {
+    pub(crate) fn new(joints: &[String]) -> Self {
         let n = joints.len();
         Self {
             joints: joints.to_vec(),
             rows: 0,
-            trajectory: None,
             trajectories: 0,
-            seconds: 0.0,
-            last_time: 0.0,
             q_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; n],
             peaks: [vec![0.0; n], vec![0.0; n]],
-            torque: vec![[0.0; 3]; n],
+            sums: ExactSums::zeros(1 + 2 * n),
             has_torque: true,
             noise: NoiseSum::new(n),
-            stride: 1,
-            sampled: Vec::new(),
+            sampled: Even::new(1 + SIGNALS * n, SAMPLE_ROWS),
+            last: None,
         }
     }
 
-    fn add(&mut self, trajectory: usize, block: &Motion) {
-        if self.trajectory != Some(trajectory) {
-            self.trajectory = Some(trajectory);
-            self.trajectories += 1;
-            self.last_time = block.t().first().copied().unwrap_or_default();
-        }
-        if let Some(&end) = block.t().last() {
-            self.seconds += end - self.last_time;
-            self.last_time = end;
-        }
+    /// Joint names.
+    pub(crate) fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    /// Rows seen.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds the next block of a log.
+    pub(crate) fn add(&mut self, trajectory: usize, block: &Motion) -> Result<(), SparseError> {
+        let (Some(&start), Some(&end)) = (block.t().first(), block.t().last()) else {
+            return Ok(());
+        };
+        let same = self.last.filter(|(last, _)| *last == trajectory);
+        self.trajectories += usize::from(same.is_none());
+        self.sums.add(0, &[end - same.map_or(start, |(_, time)| time)])?;
+        self.last = Some((trajectory, end));
         self.noise.add(block, |_| true);
         for joint in 0..self.joints.len() {
-            self.add_joint(block, joint);
+            self.add_joint(block, joint)?;
         }
         for row in 0..block.n_rows() {
-            if (self.rows + row).is_multiple_of(self.stride) {
-                self.sampled.push(row_of(block, row));
-            }
-            if self.sampled.len() > SAMPLE_ROWS {
-                self.thin();
+            let place = (self.rows + row) as u64;
+            if self.sampled.wants(place) {
+                self.sampled.push(place, row_of(block, row));
             }
         }
         self.rows += block.n_rows();
+        Ok(())
     }
 
-    fn add_joint(&mut self, block: &Motion, joint: usize) {
+    fn add_joint(&mut self, block: &Motion, joint: usize) -> Result<(), SparseError> {
         for &q in block.q().col(joint).iter() {
             let [low, high] = &mut self.q_range[joint];
             (*low, *high) = (low.min(q), high.max(q));
@@ -127,55 +140,80 @@ impl Look {
         }
         let Some(tau) = block.tau() else {
             self.has_torque = false;
-            return;
+            return Ok(());
         };
-        let [first, sum, squares] = &mut self.torque[joint];
-        if self.rows == 0 {
-            *first = tau.col(joint).iter().next().copied().unwrap_or_default();
-        }
         for &tau in tau.col(joint).iter() {
-            *sum += tau - *first;
-            *squares += (tau - *first).powi(2);
+            // The square without rounding, so that no digit is lost to a large mean: of two halves
+            // of at most 27 digits, all products are exact.
+            let high = f64::from_bits(tau.to_bits() & HIGH_HALF);
+            let low = tau - high;
+            self.sums.add(1 + 2 * joint, &[tau, high * high])?;
+            self.sums.add(2 + 2 * joint, &[2.0 * high * low])?;
+            self.sums.add(2 + 2 * joint, &[low * low])?;
         }
+        Ok(())
     }
 
-    /// Keeps every second sampled row, and half as many from now on.
-    fn thin(&mut self) {
-        self.stride *= 2;
-        let mut place = 0_usize;
-        self.sampled.retain(|_| {
-            place += 1;
-            place % 2 == 1
-        });
+    /// Adds other logs of the same joints.
+    pub(crate) fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+        self.sums.merge(&other.sums)?;
+        self.rows += other.rows;
+        self.trajectories += other.trajectories;
+        for ([low, high], [other_low, other_high]) in self.q_range.iter_mut().zip(&other.q_range) {
+            (*low, *high) = (low.min(*other_low), high.max(*other_high));
+        }
+        for (peaks, others) in self.peaks.iter_mut().zip(&other.peaks) {
+            peaks.iter_mut().zip(others).for_each(|(peak, other)| *peak = peak.max(*other));
+        }
+        self.has_torque &= other.has_torque;
+        self.noise.merge(&other.noise);
+        self.sampled.merge(&other.sampled);
+        self.last = None;
+        Ok(())
     }
 
-    fn finish(self) -> Result<Survey, IdentifyError> {
-        let m = self.rows.max(1) as f64;
-        let moments = |&[first, sum, squares]: &[f64; 3]| {
-            (first + sum / m, (squares / m - (sum / m).powi(2)).max(0.0).sqrt())
-        };
-        let (torque_mean, torque_std) = self.torque.iter().map(moments).unzip();
+    /// Puts what it holds in an order of its own, whatever was merged first.
+    pub(crate) fn sort(&mut self) {
+        self.noise.sort();
+        self.sampled.sort();
+        self.last = None;
+    }
+
+    /// Whether its parts fit each other.
+    pub(crate) fn is_sound(&self) -> bool {
         let n = self.joints.len();
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        n > 0
+            && self.q_range.len() == n
+            && self.peaks.iter().all(|peaks| peaks.len() == n && finite(peaks))
+            && self.sums.len() == 1 + 2 * n
+            && self.noise.is_sound(n)
+            && self.sampled.is_sound(1 + SIGNALS * n, SAMPLE_ROWS)
+    }
+
+    /// What the logs told.
+    pub(crate) fn finish(&self) -> Result<Survey, IdentifyError> {
+        let n = self.joints.len();
+        let rows: Vec<&[f64]> = self.sampled.things().collect();
         let signal = |first: usize| {
-            Mat::from_fn(self.sampled.len(), n, |row, joint| {
-                self.sampled[row][1 + first * n + joint]
-            })
+            Mat::from_fn(rows.len(), n, |row, joint| rows[row][1 + first * n + joint])
         };
         let sample = Motion::new(Signals {
             joints: self.joints.clone(),
-            t: self.sampled.iter().map(|row| row[0]).collect(),
+            t: rows.iter().map(|row| row[0]).collect(),
             q: signal(0),
             dq: signal(1),
             ddq: signal(2),
             tau: self.has_torque.then(|| signal(3)),
         })?;
-        let [dq_peak, ddq_peak] = self.peaks;
+        let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
+        let [dq_peak, ddq_peak] = self.peaks.clone();
         Ok(Survey {
-            joints: self.joints,
+            joints: self.joints.clone(),
             rows: self.rows,
             trajectories: self.trajectories,
-            seconds: self.seconds,
-            q_range: self.q_range,
+            seconds: self.sums.value(0),
+            q_range: self.q_range.clone(),
             dq_peak,
             ddq_peak,
             torque_mean,
@@ -183,6 +221,19 @@ impl Look {
             noise: self.noise.finish(),
             sample,
         })
+    }
+
+    /// Mean and standard deviation of the torque of a joint.
+    fn torque(&self, joint: usize) -> (f64, f64) {
+        let m = self.rows.max(1) as f64;
+        let ([sum, sum_rest], [squares, squares_rest]) =
+            (self.sums.pair(1 + 2 * joint), self.sums.pair(2 + 2 * joint));
+        let mean = sum / m;
+        // Στ² − mean·Στ, each product and difference with its rounding.
+        let product = mean * sum;
+        let product_rest = mean.mul_add(sum, -product) + mean * sum_rest;
+        let difference = (squares - product) + (squares_rest - product_rest);
+        (mean, (difference / m).max(0.0).sqrt())
     }
 }
 

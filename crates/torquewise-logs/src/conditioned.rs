@@ -77,13 +77,15 @@ impl ConditionedLogs {
         &self.report
     }
 
+    /// Conditions all files, or one of them; returns the trajectories that were long enough.
     fn visit(
         &self,
+        file: Option<usize>,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    ) -> Result<usize, ReadError> {
         let mut out = Cutter { trajectory: 0, visit };
         let mut own: Option<(usize, Stretch)> = None;
-        self.logs.read_raw(&mut |trajectory, block| -> Result<(), ReadError> {
+        let mut take = |trajectory: usize, block: &RawBlock| -> Result<(), ReadError> {
             if own.as_ref().is_none_or(|(current, _)| *current != trajectory) {
                 if let Some((ended, stretch)) = own.take() {
                     self.end(ended, stretch, &mut out)?;
@@ -94,15 +96,15 @@ impl ConditionedLogs {
                 Some((_, stretch)) => self.push(trajectory, stretch, block, &mut out),
                 None => Ok(()),
             }
-        })?;
+        };
+        match file {
+            None => self.logs.read_raw(&mut take)?,
+            Some(file) => self.logs.read_raw_of(file, &mut take)?,
+        }
         if let Some((ended, stretch)) = own {
             self.end(ended, stretch, &mut out)?;
         }
-        if out.trajectory == 0 {
-            let cutoff = self.report.cutoff.unwrap_or_default();
-            return Err(LogError::NothingLeft { cutoff }.into());
-        }
-        Ok(())
+        Ok(out.trajectory)
     }
 
     fn push(
@@ -162,7 +164,23 @@ impl Recording for ConditionedLogs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.visit(visit)
+        if self.visit(None, visit)? == 0 {
+            let cutoff = self.report.cutoff.unwrap_or_default();
+            return Err(LogError::NothingLeft { cutoff }.into());
+        }
+        Ok(())
+    }
+
+    fn n_logs(&self) -> usize {
+        self.logs.n_logs()
+    }
+
+    fn read_log(
+        &self,
+        log: usize,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.visit(Some(log), visit).map(drop)
     }
 }
 

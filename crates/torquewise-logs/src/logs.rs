@@ -8,6 +8,7 @@ use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
 use faer::Mat;
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::{LocalPolynomial, Motion, MotionError, ReadError, Recording, Signals};
@@ -26,7 +27,8 @@ pub struct Logs {
     paths: Vec<PathBuf>,
     joints: Vec<String>,
     polynomial: LocalPolynomial,
-    report: Arc<Mutex<ReadReport>>,
+    /// Of the last complete reading of each file.
+    reports: Arc<Mutex<Vec<ReadReport>>>,
 }
 
 impl Logs {
@@ -48,8 +50,9 @@ impl Logs {
         let open = |path: &PathBuf| Source::open(path, options);
         let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let joints = agreed_joints(&sources)?;
-        let (polynomial, report) = (LocalPolynomial::default(), Arc::default());
-        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, report })
+        let polynomial = LocalPolynomial::default();
+        let reports = Arc::new(Mutex::new(vec![ReadReport::default(); sources.len()]));
+        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, reports })
     }
 
     /// The same logs, with missing dq and ddq found by `polynomial`.
@@ -117,6 +120,11 @@ impl Logs {
         trajectories.iter().map(whole).collect()
     }
 
+    /// About how many rows the files have, if that can be told without reading them.
+    pub fn rows_hint(&self) -> Option<u64> {
+        self.sources.iter().map(Source::rows_hint).sum()
+    }
+
     fn all_have(&self, signal: Signal) -> bool {
         self.sources.iter().all(|source| source.mapping.layout.slot(signal).is_some())
     }
@@ -132,30 +140,52 @@ impl Logs {
         &self,
         visit: &mut dyn FnMut(usize, &RawBlock) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.each(None, Blocks::next_raw, visit)
+        self.each(0..self.sources.len(), None, Blocks::next_raw, visit)
     }
 
-    /// What the last complete reading came to: rows, and what was dropped or sorted.
+    /// The same for one file, counted from 0.
+    ///
+    /// # Errors
+    /// As [`Self::read_raw`].
+    pub fn read_raw_of<E: From<LogError>>(
+        &self,
+        file: usize,
+        visit: &mut dyn FnMut(usize, &RawBlock) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.each(self.only(file), None, Blocks::next_raw, visit)
+    }
+
+    /// The places of one file, or of none.
+    fn only(&self, file: usize) -> Range<usize> {
+        let end = self.sources.len();
+        file.min(end)..(file + 1).min(end)
+    }
+
+    /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
     pub fn report(&self) -> ReadReport {
-        *self.report.lock().unwrap_or_else(PoisonError::into_inner)
+        let reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+        reports.iter().fold(ReadReport::default(), |all, report| all.and(*report))
     }
 
     fn visit<E: From<LogError>>(
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.each(Some(self.polynomial), Blocks::next, visit)
+        self.each(0..self.sources.len(), Some(self.polynomial), Blocks::next, visit)
     }
 
     fn each<B, E: From<LogError>>(
         &self,
+        files: Range<usize>,
         polynomial: Option<LocalPolynomial>,
         next: impl Fn(&mut Blocks) -> Result<Option<(usize, B)>, LogError>,
         visit: &mut dyn FnMut(usize, &B) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut first = 0;
-        let mut report = ReadReport::default();
-        for source in &self.sources {
+        for (file, source) in self.sources.iter().enumerate() {
+            if !files.contains(&file) {
+                continue;
+            }
             let mut blocks = Blocks::new(source.rows()?, &self.joints, polynomial);
             let mut last = first;
             while let Some((trajectory, block)) = next(&mut blocks)? {
@@ -163,9 +193,11 @@ impl Logs {
                 visit(last, &block)?;
             }
             first = last + 1;
-            report = report.and(blocks.report());
+            let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(report) = reports.get_mut(file) {
+                *report = blocks.report();
+            }
         }
-        *self.report.lock().unwrap_or_else(PoisonError::into_inner) = report;
         Ok(())
     }
 }
@@ -180,6 +212,18 @@ impl Recording for Logs {
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         self.visit(visit)
+    }
+
+    fn n_logs(&self) -> usize {
+        self.sources.len()
+    }
+
+    fn read_log(
+        &self,
+        log: usize,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.each(self.only(log), Some(self.polynomial), Blocks::next, visit)
     }
 }
 

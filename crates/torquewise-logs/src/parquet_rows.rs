@@ -147,6 +147,10 @@ impl Rows for ParquetRows {
         self.batch.get(column).is_some_and(|values| last < values.len() && values.is_null(last))
     }
 
+    fn count(&self) -> Option<u64> {
+        u64::try_from(self.metadata.metadata().file_metadata().num_rows()).ok()
+    }
+
     fn place(&self) -> Place {
         Place { file: self.file.clone(), row: self.row, line: None }
     }

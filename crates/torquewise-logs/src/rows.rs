@@ -28,6 +28,11 @@ pub(crate) trait Rows {
     /// Where the row last read stands.
     fn place(&self) -> Place;
 
+    /// How many rows there are, if that is known before they are read.
+    fn count(&self) -> Option<u64> {
+        None
+    }
+
     /// What was not taken as it stands so far.
     fn irregular(&self) -> Irregular {
         Irregular::default()

@@ -16,7 +16,7 @@ use crate::profile::unit::time_factor;
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// Bytes read from a text file at once.
@@ -42,6 +42,8 @@ pub(crate) struct Source {
     opening: Opening,
     names: Vec<String>,
     clock: Clock,
+    /// About how many rows there are, if that can be told.
+    rows_hint: Option<u64>,
 }
 
 /// All that is needed to open the files of a log again.
@@ -74,7 +76,9 @@ impl Source {
         };
         let clock = if profile.is_some() { Clock::Repair } else { options.clock };
         let names = rows.names().to_vec();
-        let source = Self { file: file.into(), mapping, joints, opening, names, clock };
+        let is_text = opening.format == Format::Csv;
+        let rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
+        let source = Self { file: file.into(), mapping, joints, opening, names, clock, rows_hint };
         // Columns that cannot be read are told now.
         source.rows_from(rows)?;
         Ok(source)
@@ -87,6 +91,11 @@ impl Source {
             return Err(LogError::Changed { file: self.file.clone() });
         }
         self.rows_from(rows)
+    }
+
+    /// About how many rows there are, if that can be told.
+    pub(crate) fn rows_hint(&self) -> Option<u64> {
+        self.rows_hint
     }
 
     fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows, LogError> {
@@ -122,6 +131,16 @@ impl Opening {
         let beside = self.beside.iter().map(beside).collect::<Result<_, LogError>>()?;
         Ok(Box::new(SideBySide::new((file.into(), log), beside, self.clock_column.clone())))
     }
+}
+
+/// About how many lines a text file has: as many as its first bytes let expect.
+fn lines_of(file: &Path) -> Option<u64> {
+    let mut first = Vec::new();
+    let input = File::open(file).ok()?;
+    let size = input.metadata().ok()?.len();
+    input.take(BUFFER_BYTES as u64).read_to_end(&mut first).ok()?;
+    let lines = first.split(|&byte| byte == b'\n').skip(1).count() as u64;
+    (lines > 0).then(|| size * lines / (first.len() as u64).max(1))
 }
 
 /// The rows of any file as they stand, of a bag all joints of its first message.

@@ -23,6 +23,24 @@ pub trait Recording {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError>;
+
+    /// Logs it is made of, one or more: what was recorded at one time, in one file.
+    fn n_logs(&self) -> usize {
+        1
+    }
+
+    /// Reads one of its logs, counted from 0, as [`read`](Self::read) does; no log beyond them has
+    /// rows.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    fn read_log(
+        &self,
+        log: usize,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        if log == 0 { self.read(visit) } else { Ok(()) }
+    }
 }
 
 impl Recording for Motion {
@@ -56,6 +74,25 @@ impl<R: Recording> Recording for [R] {
                 visit(last, block)
             })?;
             first = last + 1;
+        }
+        Ok(())
+    }
+
+    fn n_logs(&self) -> usize {
+        self.iter().map(Recording::n_logs).sum()
+    }
+
+    fn read_log(
+        &self,
+        log: usize,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let mut own = log;
+        for recording in self {
+            if own < recording.n_logs() {
+                return recording.read_log(own, visit);
+            }
+            own -= recording.n_logs();
         }
         Ok(())
     }

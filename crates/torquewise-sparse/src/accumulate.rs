@@ -163,6 +163,38 @@ impl Prepared {
         GramSum { way }
     }
 
+    /// Numbers of one sum: those of [`GramSum::write_to`].
+    pub(crate) fn n_sums(&self, n_responses: usize) -> usize {
+        match self {
+            Self::Moments(plan) => plan.size(n_responses) + n_responses,
+            Self::Direct(evaluator) => {
+                let design = evaluator.design();
+                let (p, count) = (design.n_columns(), design.n_equations());
+                let own = responses_of(0, count, n_responses).len();
+                count * (p * (p + 1) / 2 + own * (p + 1))
+            }
+        }
+    }
+
+    /// The normal equations of each equation in some of the columns, from the numbers of a sum.
+    pub(crate) fn grams_of(
+        &self,
+        n_responses: usize,
+        table: &[f64],
+        rows: usize,
+        columns: &[usize],
+    ) -> Vec<Gram> {
+        let mut sum = self.start(n_responses);
+        sum.read_from(table, rows);
+        match sum.way {
+            Way::Moments(plan, moments, _) => gather(plan, &moments, Some(columns)),
+            Way::Direct(_, mut grams) => {
+                grams.iter_mut().for_each(Gram::mirror);
+                grams.iter().map(|gram| gram.subset(columns)).collect()
+            }
+        }
+    }
+
     /// Bytes of one sum.
     pub fn size(&self, n_responses: usize) -> usize {
         8 * match self {
@@ -179,11 +211,65 @@ impl GramSum<'_> {
     /// The normal equations of each equation.
     pub fn grams(self) -> Vec<Gram> {
         match self.way {
-            Way::Moments(plan, moments, _) => gather(plan, &moments),
+            Way::Moments(plan, moments, _) => gather(plan, &moments, None),
             Way::Direct(_, mut grams) => {
                 grams.iter_mut().for_each(Gram::mirror);
                 grams
             }
+        }
+    }
+}
+
+impl GramSum<'_> {
+    /// Begins anew.
+    pub(crate) fn clear(&mut self) {
+        self.parts_mut(|part| part.fill(0.0));
+        self.set_rows(0);
+    }
+
+    /// Writes all numbers of the sum but its rows, always in the same order.
+    pub(crate) fn write_to(&mut self, table: &mut Vec<f64>) {
+        table.clear();
+        self.parts_mut(|part| table.extend_from_slice(part));
+    }
+
+    /// Takes numbers that [`Self::write_to`] wrote.
+    fn read_from(&mut self, table: &[f64], rows: usize) {
+        let mut rest = table;
+        self.parts_mut(|part| {
+            let (own, after) = rest.split_at(part.len().min(rest.len()));
+            part[..own.len()].copy_from_slice(own);
+            rest = after;
+        });
+        self.set_rows(rows);
+    }
+
+    /// Calls `visit` with all numbers of the sum, slice by slice.
+    fn parts_mut(&mut self, mut visit: impl FnMut(&mut [f64])) {
+        match &mut self.way {
+            Way::Moments(_, moments, _) => {
+                for matrix in [&mut moments.table, &mut moments.cross] {
+                    (0..matrix.ncols()).for_each(|j| visit(matrix.col_as_slice_mut(j)));
+                }
+                visit(&mut moments.energy);
+            }
+            Way::Direct(_, grams) => {
+                for gram in grams {
+                    for j in 0..gram.gram.ncols() {
+                        visit(&mut gram.gram.col_as_slice_mut(j)[j..]);
+                    }
+                    let cross = &mut gram.cross;
+                    (0..cross.ncols()).for_each(|j| visit(cross.col_as_slice_mut(j)));
+                    visit(&mut gram.energy);
+                }
+            }
+        }
+    }
+
+    fn set_rows(&mut self, rows: usize) {
+        match &mut self.way {
+            Way::Moments(_, moments, _) => moments.rows = rows,
+            Way::Direct(_, grams) => grams.iter_mut().for_each(|gram| gram.rows = rows),
         }
     }
 }

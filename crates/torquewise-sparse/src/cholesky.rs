@@ -27,11 +27,18 @@ pub(crate) struct Solution {
 /// - `matrix`: p×p, lower triangle read, columns of like length; overwritten by its factor
 /// - `right`: p×r
 ///
-/// The largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
+/// Where no column depends on those before it, plain Cholesky does, which is twice as fast. Else the
+/// largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
 /// negative eigenvalues loses the columns that would need them. One thread, hence the same bits on
 /// any machine load.
 pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let size = matrix.nrows();
+    if let Some(factor) = regular_factor(&matrix) {
+        let mut values = right.to_owned();
+        solve_lower_triangular_in_place(factor.as_ref(), values.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(factor.transpose(), values.as_mut(), Par::Seq);
+        return Solution { values, dependent: Vec::new() };
+    }
     let mut order = vec![0_usize; size];
     let mut inverse = vec![0_usize; size];
     let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Spec::default());
@@ -61,6 +68,21 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let mut dependent = order.split_off(rank);
     dependent.sort_unstable();
     Solution { values, dependent }
+}
+
+/// Lower factor of a matrix none of whose columns depends on those before it.
+fn regular_factor(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+    let mut factor = matrix.clone();
+    let size = factor.nrows();
+    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    let plain = llt::factor::LltRegularization::default();
+    let stack = MemStack::new(&mut memory);
+    llt::factor::cholesky_in_place(factor.as_mut(), plain, Par::Seq, stack, Spec::default())
+        .ok()?;
+    let largest = (0..size).map(|i| factor[(i, i)]).fold(0.0, f64::max);
+    let floor = DEPENDENCE.sqrt() * largest;
+    (0..size).all(|i| factor[(i, i)] > floor).then_some(factor)
 }
 
 /// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.

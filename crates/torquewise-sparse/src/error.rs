@@ -18,6 +18,8 @@ pub enum SparseError {
          raise the penalty or correct for less noise"
     )]
     Indefinite { lambda: f64 },
+    #[error("{found} is too large for a sum of rows: check the units of the log")]
+    OutOfRange { found: f64 },
     #[error("{clusters} clusters of {points} points: ask for at least 1 and at most one a point")]
     Clusters { clusters: usize, points: usize },
 }

@@ -8,14 +8,18 @@ use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The normal equations of each equation of the plan's design, gathered from moments.
-pub(crate) fn gather(plan: &MomentPlan, moments: &Moments) -> Vec<Gram> {
+/// The normal equations of each equation of the plan's design, in some of its columns or all,
+/// gathered from moments.
+pub(crate) fn gather(plan: &MomentPlan, moments: &Moments, wanted: Option<&[usize]>) -> Vec<Gram> {
     let design = plan.design();
     let n_equations = design.n_equations();
     (0..n_equations)
         .map(|equation| {
             let own = responses_of(equation, n_equations, moments.energy.len());
-            let columns = &design.equations[equation];
+            let all = &design.equations[equation];
+            let some: Option<Vec<Entries>> =
+                wanted.map(|wanted| wanted.iter().map(|&column| all[column].clone()).collect());
+            let columns = some.as_ref().unwrap_or(all);
             Gram {
                 gram: gather_gram(plan, moments, columns),
                 cross: gather_cross(design, moments, columns, own.clone()),

@@ -47,6 +47,17 @@ impl Gram {
         Ok(())
     }
 
+    /// The normal equations in some of the columns.
+    pub(crate) fn subset(&self, columns: &[usize]) -> Self {
+        let p = columns.len();
+        Self {
+            gram: Mat::from_fn(p, p, |i, j| self.gram[(columns[i], columns[j])]),
+            cross: Mat::from_fn(p, self.cross.ncols(), |i, r| self.cross[(columns[i], r)]),
+            energy: self.energy.clone(),
+            rows: self.rows,
+        }
+    }
+
     /// Writes the upper triangle from the lower one.
     pub(crate) fn mirror(&mut self) {
         for j in 0..self.gram.ncols() {

@@ -5,6 +5,7 @@
 //! normal equations of any library follow from one table of moments, see [`moments`].
 
 pub mod error;
+pub mod exact;
 pub mod atom;
 pub mod design;
 pub mod samples;
@@ -12,6 +13,7 @@ pub mod moments;
 pub mod gram;
 mod gather;
 pub mod accumulate;
+pub mod row_sums;
 pub mod triangle;
 mod cholesky;
 pub mod problem;

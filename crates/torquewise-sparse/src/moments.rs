@@ -3,9 +3,10 @@
 use crate::atom::{Monomial, Numbering};
 use crate::design::Design;
 use crate::error::SparseError;
-use crate::samples::{Phasors, Samples, WaveTree, monomial_values};
+use crate::samples::{Phasors, Samples, WaveTree, monomial_values, multiply};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Which moments a design needs, and where each stands in the table.
@@ -16,6 +17,8 @@ pub struct MomentPlan {
     waves: WaveTree,
     /// The monomials of the design, then what else is a product of two of them.
     monomials: Vec<Monomial>,
+    /// Which monomials are made of which two of the design.
+    products: BTreeMap<usize, (usize, usize)>,
     /// ½·sign and row of the two waves of each product of waves, a ≤ b, packed.
     wave_pairs: Vec<[(f64, usize); 2]>,
     /// Column of each product of two monomials.
@@ -38,13 +41,21 @@ impl MomentPlan {
             }
         }
         let mut monomial_pairs = Vec::with_capacity(design.monomials.len().pow(2));
-        for a in &design.monomials {
-            monomial_pairs.extend(design.monomials.iter().map(|b| monomials.place(&a.product(b))));
+        let mut products = BTreeMap::new();
+        for (i, a) in design.monomials.iter().enumerate() {
+            for (j, b) in design.monomials.iter().enumerate() {
+                let place = monomials.place(&a.product(b));
+                monomial_pairs.push(place);
+                if place >= design.monomials.len() {
+                    products.entry(place).or_insert((i, j));
+                }
+            }
         }
         Self {
             design: design.clone(),
             waves: WaveTree::new(&waves.into_values()),
             monomials: monomials.into_values(),
+            products,
             wave_pairs,
             monomial_pairs,
         }
@@ -129,7 +140,8 @@ impl MomentPlan {
     ) {
         let Strip { phasors, waves, monomials, weighted } = strip;
         self.waves.evaluate(&samples.angles, rows, phasors, waves);
-        monomial_values(&self.monomials, &samples.variables, rows, monomials);
+        let Self { monomials: all, products, .. } = self;
+        monomial_values(all, products, &samples.variables, rows, monomials);
         weigh(weighted, monomials, &samples.responses, rows);
 
         let m = rows.len();
@@ -180,11 +192,8 @@ pub(crate) struct Strip {
 fn weigh(weighted: &mut Mat<f64>, monomials: &Mat<f64>, responses: &Mat<f64>, rows: &Range<usize>) {
     let own = weighted.ncols() / responses.ncols().max(1);
     for j in 0..weighted.ncols() {
-        let factors = monomials.col_as_slice(j % own).iter();
-        let factors = factors.zip(&responses.col_as_slice(j / own)[rows.clone()]);
-        for (out, (x, y)) in weighted.col_as_slice_mut(j).iter_mut().zip(factors) {
-            *out = x * y;
-        }
+        let response = &responses.col_as_slice(j / own)[rows.clone()];
+        multiply(weighted.col_as_slice_mut(j), monomials.col_as_slice(j % own), response);
     }
 }
 

@@ -4,6 +4,7 @@ use crate::atom::{Monomial, Phase, Wave};
 use crate::design::Design;
 use crate::error::SparseError;
 use faer::Mat;
+use pulp::Arch;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -164,23 +165,50 @@ impl Phasor {
 
     /// One phasor turned by another, or by its conjugate if `sign` is −1.
     fn set_product(&mut self, one: &Self, turn: &Self, sign: f64) {
-        let parts = one.cos.iter().zip(&one.sin).zip(turn.cos.iter().zip(&turn.sin));
-        let targets = self.cos.iter_mut().zip(&mut self.sin);
-        for ((cos, sin), ((a, b), (c, s))) in targets.zip(parts) {
-            *cos = a * c - sign * b * s;
-            *sin = sign * a * s + b * c;
-        }
+        // As wide as this machine's registers; no sum is fused, so that bits are the same on all.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || {
+                let parts = one.cos.iter().zip(&one.sin).zip(turn.cos.iter().zip(&turn.sin));
+                let targets = self.cos.iter_mut().zip(&mut self.sin);
+                for ((cos, sin), ((a, b), (c, s))) in targets.zip(parts) {
+                    *cos = a * c - sign * b * s;
+                    *sin = sign * a * s + b * c;
+                }
+            },
+        );
     }
 }
 
+/// Writes the products of two columns.
+pub(crate) fn multiply(out: &mut [f64], left: &[f64], right: &[f64]) {
+    Arch::new().dispatch(
+        #[inline(always)]
+        || out.iter_mut().zip(left.iter().zip(right)).for_each(|(out, (a, b))| *out = a * b),
+    );
+}
+
 /// Writes x^α at some rows into the first rows of `out`, rows × monomials.
+///
+/// - `products`: the monomials that are products of two earlier ones, and of which
 pub(crate) fn monomial_values(
     monomials: &[Monomial],
+    products: &BTreeMap<usize, (usize, usize)>,
     variables: &Mat<f64>,
     rows: &Range<usize>,
     out: &mut Mat<f64>,
 ) {
     for (j, monomial) in monomials.iter().enumerate() {
+        if let Some(&(a, b)) = products.get(&j) {
+            let (before, mut rest) = out.as_mut().split_at_col_mut(j);
+            let known = |k: usize| before.as_ref().col(k).try_as_col_major();
+            let column = rest.as_mut().col_mut(0).try_as_col_major_mut();
+            if let (Some(column), Some(a), Some(b)) = (column, known(a), known(b)) {
+                let m = rows.len();
+                multiply(&mut column.as_slice_mut()[..m], &a.as_slice()[..m], &b.as_slice()[..m]);
+            }
+            continue;
+        }
         let column = &mut out.col_as_slice_mut(j)[..rows.len()];
         column.fill(1.0);
         for (variable, &power) in monomial.powers().iter().enumerate() {
@@ -221,7 +249,8 @@ impl Evaluator {
         let mut waves = Mat::zeros(rows.len(), self.tree.n_waves());
         self.tree.evaluate(&samples.angles, &rows, &mut self.tree.phasors(rows.len()), &mut waves);
         let mut monomials = Mat::zeros(rows.len(), self.design.monomials.len());
-        monomial_values(&self.design.monomials, &samples.variables, &rows, &mut monomials);
+        let none = BTreeMap::new();
+        monomial_values(&self.design.monomials, &none, &samples.variables, &rows, &mut monomials);
         let mut matrices = Vec::with_capacity(self.design.n_equations());
         for columns in &self.design.equations {
             let mut values = Mat::zeros(samples.n_rows(), columns.len());

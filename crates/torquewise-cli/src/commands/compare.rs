@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     test.require_tau()?;
     let (stepwise, sindy) = arguments.plan.both_plans();
     let contend = |name, plan: &Plan| -> Result<Contender> {
-        let timed = timed(&train, plan)?;
+        let timed = timed(&train, None, plan)?;
         let scores = score(&timed.found.model, &test)?;
         Ok(Contender { name, timed, scores })
     };

@@ -75,7 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     ];
     let mut found = Vec::with_capacity(plans.len());
     for (name, file, plan) in plans {
-        let timed = timed(&log, &Plan { seed, ..plan })?;
+        let timed = timed(&log, None, &Plan { seed, ..plan })?;
         let scores = score(&timed.found.model, &test)?;
         found.push(Found { name, file, timed, scores });
     }

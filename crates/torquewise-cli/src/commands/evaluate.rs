@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     model.check_joints(logs.joints())?;
     logs.require_tau()?;
     let logs = arguments.signals.prepare(logs)?;
-    let scores = score(&model, &Watched::new(&logs, "predicting"))?;
+    let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
 
     Ok(Outcome {
         text: format!("{}{}\n{} rows\n", logs.text(), score_table::text(&scores), scores.rows),

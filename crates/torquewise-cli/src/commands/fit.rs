@@ -13,7 +13,7 @@ use crate::timed::{Timed, timed};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use torquewise::identify::{Method, Reconstruction, diagnose, score};
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
@@ -48,7 +48,7 @@ pub(crate) struct Arguments {
 
 /// One regression or three.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
-enum MethodName {
+pub(crate) enum MethodName {
     /// Gravity from standstill, Coriolis from uniform, inertia from variable velocity
     #[default]
     Stepwise,
@@ -56,34 +56,41 @@ enum MethodName {
     Sindy,
 }
 
+impl MethodName {
+    /// The method of that name.
+    pub(crate) fn method(self) -> Method {
+        match self {
+            Self::Stepwise => Method::Stepwise,
+            Self::Sindy => Method::Sindy,
+        }
+    }
+}
+
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
-    let method = match arguments.method {
-        MethodName::Stepwise => Method::Stepwise,
-        MethodName::Sindy => Method::Sindy,
-    };
+    let method = arguments.method.method();
     // Wrong usage is told before the log is read.
     arguments.plan.plan(method, Known::default())?;
     let (logs, test) = open(arguments)?;
     let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
     let plan = arguments.plan.plan(method, known)?;
-    let timed = timed(&logs, &plan)?;
+    let timed = timed(&logs, logs.rows_hint(), &plan)?;
     let model = &timed.found.model;
-    write_whole(&arguments.output, &to_json(model)?)?;
+    write_whole(&arguments.output, to_json(model)?)?;
 
-    let mut text = vec![logs.text(), text(arguments, &timed)];
-    let mut json = json(arguments, &timed);
+    let mut text = vec![logs.text(), text(&arguments.output, &timed)];
+    let mut json = json(&arguments.output, &timed);
     let found = timed.found.warnings.iter().map(ToString::to_string);
     let mut warnings: Vec<String> = found.chain(logs.warnings()).collect();
     if let Some(test) = &test {
-        let scores = score(model, &Watched::new(test, "predicting"))?;
+        let scores = score(model, &Watched::new(test, "predicting").of(test.rows_hint(), 1))?;
         text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
         json["test"] = score_table::json(&scores);
         warnings.extend(score_table::warnings(&scores));
     }
     if let Some(file) = &arguments.report {
-        write_whole(file, &report(arguments, &timed.found, &logs, test.as_ref())?)?;
+        write_whole(file, report(arguments, &timed.found, &logs, test.as_ref())?)?;
         text.push(format!("report: {}\n", file.display()));
         json["report"] = json!(file.display().to_string());
     }
@@ -127,7 +134,7 @@ fn report(
     test: Option<&Recorded>,
 ) -> Result<String> {
     let look = |logs: &Recorded| {
-        let watched = Watched::new(logs, "looking at the residuals");
+        let watched = Watched::new(logs, "looking at the residuals").of(logs.rows_hint(), 2);
         diagnose(&found.model, &found.patterns, &watched)
     };
     let (diagnosis, test) = (look(logs)?, test.map(look).transpose()?);
@@ -146,7 +153,8 @@ fn report(
     Ok(fit_report(found, &diagnosis, Some(physics.checks()), test.as_ref(), &title)?)
 }
 
-fn text(arguments: &Arguments, timed: &Timed) -> String {
+/// What was found, for people.
+pub(crate) fn text(output: &Path, timed: &Timed) -> String {
     let found = &timed.found;
     let mut steps = Table::new(&["step", "rows", "candidates", "active per joint", "seconds"]);
     for (step, seconds) in found.steps.iter().zip(&timed.step_seconds) {
@@ -172,7 +180,7 @@ fn text(arguments: &Arguments, timed: &Timed) -> String {
         model.n_coefficients(),
         found.candidates,
         timed.seconds,
-        arguments.output.display(),
+        output.display(),
     )
 }
 
@@ -191,7 +199,8 @@ fn choices(model: &Model) -> String {
     table.text() + "\n"
 }
 
-fn json(arguments: &Arguments, timed: &Timed) -> Value {
+/// The same for programs.
+pub(crate) fn json(output: &Path, timed: &Timed) -> Value {
     let found = &timed.found;
     let model = &found.model;
     let steps = found.steps.iter().zip(&timed.step_seconds).map(|(step, seconds)| {
@@ -228,7 +237,7 @@ fn json(arguments: &Arguments, timed: &Timed) -> Value {
         "dropped": dropped.collect::<Vec<_>>(),
         "residual_rms": model.training.residual_rms,
         "torque_std": model.training.torque_std,
-        "file": arguments.output.display().to_string(),
+        "file": output.display().to_string(),
     })
 }
 

@@ -2,6 +2,7 @@
 
 use crate::arguments::PatternArguments;
 use crate::files::check_output;
+use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
@@ -37,7 +38,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let logs = arguments.profile.open(&arguments.logs)?;
     let found = {
-        let watched = Watched::new(&logs, "looking through the log");
+        let watched = Watched::new(&logs, "looking through the log").of(logs.rows_hint(), 1);
         find_patterns(&survey(&watched)?, &arguments.patterns.plan())?
     };
     let counts = label_rows(&logs, &found, arguments.output.as_deref())?;
@@ -46,8 +47,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// Labels all rows, beyond the sample that was clustered.
 fn label_rows(logs: &Logs, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
+    let _shield = Shield::new();
     let mut table = PatternTable::create(file)?;
     Watched::new(logs, "labelling rows")
+        .of(logs.rows_hint(), 1)
         .read(&mut |_, block| Ok(table.append(&found.label(block))?))
         .map_err(|error| anyhow!(error))?;
     Ok(table.finish()?)

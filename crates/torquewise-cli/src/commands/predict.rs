@@ -1,6 +1,7 @@
 //! Model, log → torque, whole and in parts.
 
 use crate::files::{check_output, read_model};
+use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
 use crate::recorded::ProfileArguments;
@@ -47,6 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = arguments.profile.open(std::slice::from_ref(&arguments.log))?;
     model.check_joints(logs.joints())?;
 
+    let _shield = Shield::new();
     let names = column_names(model.n_joints(), arguments.parts);
     let columns: Vec<Column> =
         names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
@@ -56,6 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
     Watched::new(&logs, "predicting")
+        .of(logs.rows_hint(), 1)
         .read(&mut |_, block| {
             rows += block.n_rows();
             asked.add(block);

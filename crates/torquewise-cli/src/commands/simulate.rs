@@ -2,6 +2,7 @@
 
 use crate::arguments::noise_levels;
 use crate::files::{check_distinct, check_output, read_arm, read_friction};
+use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json};
 use crate::progress::Watched;
@@ -106,6 +107,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 fn write_log(file: &Path, recording: &impl Recording) -> Result<()> {
+    let _shield = Shield::new();
     let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
     let write = Watched::new(recording, "writing");
     write.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;

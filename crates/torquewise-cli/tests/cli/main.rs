@@ -3,6 +3,7 @@
 
 mod terminal;
 mod whole_way;
+mod moments;
 mod reports;
 mod json_contract;
 mod excite;

@@ -18,7 +18,7 @@ use torquewise_sparse::select::Selector;
 
 /// What a plan leaves open, settled.
 #[derive(Clone, Debug)]
-pub(crate) struct Settings {
+pub(crate) struct Settled {
     pub(crate) library: LibraryKind,
     pub(crate) friction: Vec<FrictionTerm>,
     pub(crate) selector: Selector,
@@ -32,56 +32,86 @@ const LEAST_ROWS: usize = 40;
 /// Held-out errors below this are rounding of the normal equations.
 const LEAST_ERROR: f64 = 1e-6;
 
+/// Chooses the laws of friction that candidates hold, on the sample of a survey of all logs.
+///
+/// They depend on how fast the joints move, so they are chosen before rows are summed.
+pub(crate) fn choose_laws(
+    survey: &Survey,
+    plan: &Plan,
+) -> Result<(Vec<FrictionTerm>, Vec<Choice>), IdentifyError> {
+    if plan.friction == FrictionKind::None || plan.method == Method::Chain {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    let kind = match plan.friction {
+        FrictionKind::Auto => FrictionKind::Linear,
+        asked => asked,
+    };
+    let friction = Dictionary::new(survey.dq_peak.clone()).of(kind);
+    let mut settled = Settled::start(plan, friction);
+    if is_short(survey) {
+        return Ok((settled.friction, settled.choices));
+    }
+    if plan.library == (LibraryKind::Energy { interaction: None }) {
+        settled.grow(survey, plan)?;
+        // It is chosen, and recorded, once more when the laws are known.
+        settled.choices.clear();
+    }
+    let (school, laws) = settled.choose_reversal(survey, plan)?;
+    if plan.friction == FrictionKind::Auto {
+        settled.choose_friction(&school, &laws)?;
+    }
+    Ok((settled.friction, settled.choices))
+}
+
 /// Settles what a plan leaves open on the sample of a survey: fitted without a block of time and
 /// judged on it.
+///
+/// - `friction`: the laws among the candidates, and how they were chosen
 ///
 /// Interaction orders grow one at a time, and no further once a higher one predicts no better. All
 /// rows of the sample are one step here: the steps tell terms apart, which does not change what
 /// the log can tell.
-pub(crate) fn settle(survey: &Survey, plan: &Plan) -> Result<Settings, IdentifyError> {
-    let laws = Dictionary::new(survey.dq_peak.clone());
-    let mut settings = Settings {
-        library: plan.library,
-        friction: laws.of(plan.friction),
-        selector: plan.selector.clone(),
-        choices: Vec::new(),
-    };
-    if plan.method != Method::Stepwise || survey.sample.n_rows() < BLOCKS * LEAST_ROWS {
-        return Ok(settings);
+pub(crate) fn settle(
+    survey: &Survey,
+    plan: &Plan,
+    (friction, choices): (&[FrictionTerm], &[Choice]),
+) -> Result<Settled, IdentifyError> {
+    let mut settled = Settled::start(plan, friction.to_vec());
+    settled.choices.extend_from_slice(choices);
+    if plan.method != Method::Stepwise || is_short(survey) {
+        return Ok(settled);
     }
     let mut school = None;
     if plan.library == (LibraryKind::Energy { interaction: None }) {
-        school = settings.grow(survey, plan)?;
+        school = settled.grow(survey, plan)?;
     }
-    let strict = matches!(plan.selector, Selector::Criterion(_));
-    let (school, laws) = match plan.friction {
-        FrictionKind::None => (school, laws),
-        _ => settings.choose_reversal(survey, plan)?,
-    };
-    let school = match school {
-        Some(school) => school,
-        None if !strict => return Ok(settings),
-        None => School::new(survey, plan, settings.library, settings.friction.clone())?,
-    };
-    if plan.friction == FrictionKind::Auto {
-        settings.choose_friction(&school, &laws)?;
+    if matches!(plan.selector, Selector::Criterion(_)) {
+        let school = match school {
+            Some(school) => school,
+            None => School::new(survey, plan, settled.library, settled.friction.clone())?,
+        };
+        settled.choose_strictness(&school)?;
     }
-    settings.choose_strictness(&school)?;
-    Ok(settings)
+    Ok(settled)
 }
 
-impl Settings {
+fn is_short(survey: &Survey) -> bool {
+    survey.sample.n_rows() < BLOCKS * LEAST_ROWS
+}
+
+impl Settled {
+    fn start(plan: &Plan, friction: Vec<FrictionTerm>) -> Self {
+        let (library, selector) = (plan.library, plan.selector.clone());
+        Self { library, friction, selector, choices: Vec::new() }
+    }
+
     /// Adds joint angles to a term, one at a time, while held-out rows are predicted better.
     fn grow<'a>(
         &mut self,
         survey: &'a Survey,
         plan: &Plan,
     ) -> Result<Option<School<'a>>, IdentifyError> {
-        let linear = match plan.friction {
-            FrictionKind::Auto => FrictionKind::Linear,
-            asked => asked,
-        };
-        let laws = Dictionary::new(survey.dq_peak.clone()).of(linear);
+        let laws = self.friction.clone();
         let (mut trials, mut schools) = (Vec::<Trial>::new(), Vec::new());
         for order in 1..=survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
@@ -114,7 +144,7 @@ impl Settings {
         &mut self,
         survey: &'a Survey,
         plan: &Plan,
-    ) -> Result<(Option<School<'a>>, Dictionary), IdentifyError> {
+    ) -> Result<(School<'a>, Dictionary), IdentifyError> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
             let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
@@ -122,7 +152,7 @@ impl Settings {
             let all: Vec<usize> = (0..school.candidates.len()).collect();
             let label = format!("{} % of the peak speed", 100.0 * part);
             trials.push(school.trial(label, &all, &self.selector)?);
-            ways.push((Some(school), laws));
+            ways.push((school, laws));
         }
         let chosen = choose("half width of the reversal of friction", &trials);
         let place = chosen.map_or(0, |(place, choice)| {

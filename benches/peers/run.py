@@ -1,0 +1,104 @@
+"""torquewise beside its peers: the same rows, candidates, machine and run.
+
+    python3 benches/peers/run.py [FOLDER] [PEER ...]
+
+Makes a virtual environment in FOLDER (default target/peers), lets `cargo bench --bench peers` write
+the rows and its own times, then runs every peer in a process of its own, one after the other, and
+writes FOLDER/peers.json, FOLDER/peers.md and FOLDER/candidates.svg. Times are of the clock and of all
+processors; on a shared machine only the latter can be compared.
+"""
+
+import json
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+PEERS = ["lstsq", "pysindy", "celer", "skglm", "sklearn", "lars"]
+SECONDS = 3600  # longer than this no peer is waited for
+
+
+def environment(folder):
+    python = folder / "venv" / "bin" / "python"
+    if not python.exists():
+        venv.create(folder / "venv", with_pip=True)
+    wanted = ["-q", "-r", str(HERE / "requirements.txt")]
+    subprocess.run([python, "-m", "pip", "install", *wanted], check=True)
+    return python
+
+
+def ours(folder):
+    command = ["cargo", "bench", "-p", "torquewise-identify", "--bench", "peers", "--", str(folder)]
+    subprocess.run(command, cwd=ROOT, check=True)
+    return json.loads((folder / "ours.json").read_text())
+
+
+def peer(python, folder, name):
+    command = [str(python), str(HERE / "peer.py"), str(folder), name]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
+    except subprocess.TimeoutExpired:
+        return {"failed": f"took more than {SECONDS} s"}
+    lines = done.stdout.strip().splitlines()
+    return json.loads(lines[-1]) if done.returncode == 0 and lines else {"failed": done.stderr[-300:]}
+
+
+def table(found):
+    own = max(found["ours"]["candidates"].items(), key=lambda pair: int(pair[0]))[1]
+    gram = own["gram"][1]
+    tasks = {"lstsq": "lstsq", "pysindy": "stlsq"}
+    lines = ["| peer | seconds | its processor time | ours | ratio | memory [MB] | gap |",
+             "|---|---|---|---|---|---|---|"]
+    for name, result in found["peers"].items():
+        if "seconds" not in result:
+            lines.append(f"| {name} | {result.get('failed', 'failed')} | | | | | |")
+            continue
+        mine = gram + own[tasks.get(name, "lasso")][1]
+        wall, cpu = result["seconds"]
+        gap = f"{result['gap']:.1e}" if "gap" in result else ""
+        lines.append(f"| {name} | {wall:.1f} | {cpu:.1f} | {mine:.2f} | {cpu / mine:.0f} "
+                     f"| {result['memory_mb']:.0f} | {gap} |")
+    return "\n".join(lines) + "\n"
+
+
+PLOT = """
+import json, sys
+import matplotlib
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+found = json.load(open(sys.argv[1]))
+sizes = sorted(found["ours"]["candidates"].items(), key=lambda pair: int(pair[0]))
+p = [int(size) for size, _ in sizes]
+for work in ["gram", "lstsq", "stlsq", "lasso"]:
+    plt.loglog(p, [own[work][1] for _, own in sizes], "o-", label="torquewise " + work)
+for name, result in found["peers"].items():
+    if "seconds" in result:
+        plt.loglog(p[-1], result["seconds"][1], "x")
+        plt.annotate(name, (p[-1], result["seconds"][1]))
+plt.xlabel("candidates")
+plt.ylabel("processor time [s], 20 000 rows")
+plt.legend()
+plt.savefig(sys.argv[2])
+"""
+
+
+def main():
+    words = sys.argv[1:]
+    folder = Path(words[0] if words else ROOT / "target" / "peers").resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    python = environment(folder)
+    found = {"ours": ours(folder), "check": peer(python, folder, "check"), "peers": {}}
+    for name in words[1:] or PEERS:
+        found["peers"][name] = peer(python, folder, name)
+        print(name, found["peers"][name], flush=True)
+        (folder / "peers.json").write_text(json.dumps(found, indent=1))
+    (folder / "peers.md").write_text(table(found))
+    print(table(found))
+    plot = [str(folder / "peers.json"), str(folder / "candidates.svg")]
+    subprocess.run([str(python), "-c", PLOT, *plot], check=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,35 @@
+//! Moments files → one: the same bytes in whatever order.
+
+use crate::files::check_output;
+use crate::moments_file::{add, json, read_moments, text, write_moments};
+use crate::outcome::Outcome;
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Add up moments files, in any order
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Moments files of one arm, each log in one of them only
+    #[arg(required = true, value_name = "PART.moments")]
+    parts: Vec<PathBuf>,
+    /// Moments file to write
+    #[arg(short, long, value_name = "ALL.moments")]
+    output: PathBuf,
+}
+
+/// Adds up and writes, one part in memory at a time.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    check_output(&arguments.output, &arguments.parts)?;
+    let (first, others) = arguments.parts.split_at(1);
+    let mut all = read_moments(&first[0])?;
+    for file in others {
+        add(&mut all, &read_moments(file)?, file)?;
+    }
+    let bytes = write_moments(&arguments.output, &all)?;
+    Ok(Outcome {
+        text: text(&all, &arguments.output, bytes),
+        json: json(&all, &arguments.output, bytes),
+        warnings: Vec::new(),
+    })
+}

@@ -1,0 +1,78 @@
+//! Logs → moments file: all that a fit needs of them, to be added to others.
+
+use crate::arguments::Known;
+use crate::arguments::PlanArguments;
+use crate::commands::fit::MethodName;
+use crate::error::CliError;
+use crate::files::check_output;
+use crate::moments_file::{json, text, write_moments};
+use crate::outcome::Outcome;
+use crate::progress::Watched;
+use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
+use crate::timed::doing;
+use anyhow::Result;
+use clap::Args;
+use std::path::PathBuf;
+use torquewise::identify::Method;
+use torquewise::identify::plan::FrictionKind;
+use torquewise::identify::summarise;
+use torquewise::motion::Recording;
+
+/// Sum up logs into a file that adds to others: merge such files, then solve
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Logs of one arm
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Moments file to write
+    #[arg(short, long, value_name = "PART.moments")]
+    output: PathBuf,
+    /// Standstill, uniform and variable velocity in turn, or all at once
+    #[arg(long, value_enum, default_value_t)]
+    method: MethodName,
+    #[command(flatten)]
+    plan: PlanArguments,
+    #[command(flatten)]
+    profile: ProfileArguments,
+    #[command(flatten)]
+    signals: SignalArguments,
+}
+
+/// Why logs with friction are not summed up.
+const FRICTION: &str = "the laws of friction follow from all logs together, so that parts with \
+                        friction do not add up: fit the logs with fit, or use --library chain";
+
+/// Sums up and writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    check_output(&arguments.output, &arguments.logs)?;
+    let method = arguments.method.method();
+    // Wrong usage is told before the log is read.
+    arguments.plan.plan(method, Known::default())?;
+    let logs = arguments.profile.open(&arguments.logs)?;
+    logs.require_tau()?;
+    let logs = arguments.signals.prepare(logs)?;
+    let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
+    let plan = arguments.plan.plan(method, known)?;
+    if plan.friction != FrictionKind::None && plan.method != Method::Chain {
+        return Err(CliError::Usage(FRICTION.into()).into());
+    }
+
+    let watched = Watched::new(&logs, "summing").of(logs.rows_hint(), 2);
+    let bar = watched.bar();
+    let summary = summarise(&watched, &plan, &how(&logs), &mut |progress| {
+        bar.set_message(doing(progress));
+    })?;
+    let bytes = write_moments(&arguments.output, &summary)?;
+    Ok(Outcome {
+        text: logs.text() + &text(&summary, &arguments.output, bytes),
+        json: json(&summary, &arguments.output, bytes),
+        warnings: logs.warnings(),
+    })
+}
+
+/// How the signals were filtered: parts that were filtered otherwise do not add up.
+fn how(logs: &Recorded) -> String {
+    let Recorded::Conditioned(logs) = logs else { return "as recorded".to_owned() };
+    let settings = logs.settings();
+    format!("{:?}, torque {:?} s late", settings.cutoff, settings.delay)
+}

@@ -1,0 +1,50 @@
+//! Moments files ↔ summaries, and what is said of them.
+
+use crate::error::CliError;
+use crate::files::{read_bytes, write_whole};
+use anyhow::{Context, Result};
+use serde_json::{Value, json};
+use std::path::Path;
+use torquewise::identify::Summary;
+
+/// Reads a moments file.
+pub(crate) fn read_moments(file: &Path) -> Result<Summary> {
+    let bytes = read_bytes(file)?;
+    Summary::from_bytes(&bytes).with_context(|| format!("no moments in {}", file.display()))
+}
+
+/// Writes a moments file; returns its size in bytes.
+pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<usize> {
+    let bytes = summary.to_bytes()?;
+    write_whole(file, &bytes)?;
+    Ok(bytes.len())
+}
+
+/// Refuses moments that do not add up to those before.
+pub(crate) fn add(all: &mut Summary, part: &Summary, file: &Path) -> Result<(), CliError> {
+    all.merge(part).map_err(|source| CliError::Part { file: file.into(), source })
+}
+
+/// What the moments are, in a line.
+pub(crate) fn text(summary: &Summary, file: &Path, bytes: usize) -> String {
+    format!(
+        "{} rows of {} logs\nmoments: {} ({:.1} MB)\n",
+        summary.rows(),
+        summary.logs(),
+        file.display(),
+        bytes as f64 / 1e6
+    )
+}
+
+/// The same for programs.
+pub(crate) fn json(summary: &Summary, file: &Path, bytes: usize) -> Value {
+    let settings = summary.settings();
+    json!({
+        "rows": summary.rows(),
+        "logs": summary.logs(),
+        "joints": settings.joints,
+        "settings": settings,
+        "bytes": bytes,
+        "file": file.display().to_string(),
+    })
+}

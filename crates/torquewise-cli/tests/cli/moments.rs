@@ -1,0 +1,90 @@
+//! Moments of parts, merged and solved: the model of `fit`, byte for byte.
+
+use crate::terminal::Terminal;
+
+fn with_parts() -> Terminal {
+    let terminal = Terminal::new();
+    for part in 1..=8 {
+        terminal.done(&format!(
+            "simulate planar-2 -o p{part}.csv --seconds 30 --rate 50 --case 2 --seed {part}"
+        ));
+        terminal.done(&format!("moments p{part}.csv -o p{part}.moments"));
+    }
+    terminal
+}
+
+#[test]
+fn eight_parts_in_two_orders_solve_to_the_model_of_fit() {
+    let terminal = with_parts();
+    let names = |order: [u8; 8]| order.map(|k| format!("p{k}.moments")).join(" ");
+
+    terminal.done(&format!("merge {} -o one.moments", names([5, 2, 8, 1, 7, 3, 6, 4])));
+    terminal.done(&format!("merge {} -o two.moments", names([4, 8, 6, 2, 1, 7, 5, 3])));
+    terminal.done("solve one.moments -o one.json");
+    terminal.done("solve two.moments -o two.json");
+    let logs = (1..=8).map(|k| format!("p{k}.csv")).collect::<Vec<_>>().join(" ");
+    terminal.done(&format!("fit {logs} -o fit.json"));
+
+    assert_eq!(terminal.read("one.json"), terminal.read("fit.json"));
+    assert_eq!(terminal.read("two.json"), terminal.read("fit.json"));
+}
+
+#[test]
+fn a_seed_and_a_chain_are_taken_along() {
+    let terminal = Terminal::with_log();
+
+    terminal.run("moments log.csv -o c.moments --library chain --seed 7");
+    terminal.run("solve c.moments -o c.json --friction none");
+    terminal.run("fit log.csv -o f.json --library chain --seed 7 --friction none");
+
+    assert_eq!(terminal.read("c.json"), terminal.read("f.json"));
+}
+
+#[test]
+fn moments_tell_what_they_are() {
+    let terminal = Terminal::with_log();
+
+    let said = terminal.json("moments log.csv -o log.moments");
+
+    assert_eq!((said["rows"].as_u64(), said["logs"].as_u64()), (Some(3000), Some(1)));
+    assert_eq!(said["joints"].as_array().unwrap().len(), 2);
+    assert!(said["bytes"].as_u64().unwrap() > 1000);
+}
+
+#[test]
+fn what_does_not_add_up_is_refused() {
+    let terminal = Terminal::with_log();
+    terminal.done("moments log.csv -o a.moments");
+    terminal.run("moments log.csv -o b.moments --library product");
+
+    terminal.refused("merge a.moments b.moments -o c.moments", &["b.moments", "library", "same"]);
+    terminal.refused("solve log.csv -o c.json", &["log.csv", "moments", "make the file again"]);
+    terminal.refused("merge none.moments -o c.moments", &["none.moments", "exists"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_command_leaves_nothing_behind() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let terminal = Terminal::new();
+    let folder = terminal.path("");
+    let mut simulate = Command::new(env!("CARGO_BIN_EXE_torquewise"))
+        .args(["simulate", "puma560-3", "-o", "long.csv", "--seconds", "1000000"])
+        .current_dir(&folder)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = Instant::now();
+    while terminal.files().is_empty() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert_eq!(terminal.files().len(), 1, "a file on its way");
+
+    let killed = Command::new("kill").args(["-INT", &simulate.id().to_string()]).status();
+    assert!(killed.unwrap().success());
+
+    assert_eq!(simulate.wait().unwrap().code(), Some(130));
+    assert_eq!(terminal.files(), Vec::<String>::new());
+}

@@ -1,0 +1,362 @@
+//! Recording → summary: all that a fit needs of its logs, in sums that add up without rounding.
+
+use crate::candidates::Candidates;
+use crate::error::IdentifyError;
+use crate::evidence::{Evidence, Step};
+use crate::found::Progress;
+use crate::noise::{NoiseFloor, NoiseSum};
+use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, find_patterns, place_of};
+use crate::plan::{FrictionKind, LibraryKind, Method, Plan};
+use crate::rows::{Gathering, clear_of_reversals, samples_of};
+use crate::settle::choose_laws;
+use crate::survey::{Survey, SurveySum, survey};
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use torquewise_model::FrictionTerm;
+use torquewise_model::model::Choice;
+use torquewise_motion::{Motion, Pattern, ReadError, Recording};
+use torquewise_sparse::SparseError;
+use torquewise_sparse::accumulate::{Prepared, Route, cheaper_route};
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::row_sums::{RowAdder, RowSums};
+use torquewise_sparse::samples::Samples;
+
+/// What logs are summed under. Summaries made under different settings do not add up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Settings {
+    /// Joint names, base to tip.
+    pub joints: Vec<String>,
+    /// Candidates; none where a chain is learned, which needs no sums of them.
+    pub library: Option<LibraryKind>,
+    /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
+    /// that summaries with friction are neither written nor merged.
+    #[serde(skip)]
+    pub friction: Vec<FrictionTerm>,
+    /// One-shot or stepwise.
+    pub method: Method,
+    /// How rows are told apart, log by log.
+    pub patterns: PatternPlan,
+    /// How the signals were filtered, in the words of whoever did.
+    pub signals: String,
+}
+
+/// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
+///
+/// Sums are exact, samples depend on the logs alone: whatever the order in which logs are merged
+/// and however they are grouped before, the summary is the same, bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    pub(crate) settings: Settings,
+    pub(crate) logs: usize,
+    pub(crate) survey: SurveySum,
+    /// Noise in rows at standstill.
+    pub(crate) still: NoiseSum,
+    /// What the rows of each pattern say, or all rows; nothing where a chain is learned.
+    pub(crate) sums: Vec<RowSums>,
+    /// What was chosen before rows were summed.
+    pub(crate) choices: Vec<Choice>,
+}
+
+/// The candidates of a summary, made ready to be summed.
+pub(crate) struct Basis {
+    pub(crate) candidates: Candidates,
+    pub(crate) prepared: Prepared,
+    pub(crate) route: Route,
+    n_joints: usize,
+}
+
+/// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
+/// size come by different routes and do not add up.
+const USUAL_ROWS: usize = 1 << 18;
+
+/// Sums up each log of a recording, in two passes over it and fixed memory: one to look around,
+/// one to sum what the rows of each pattern say of the candidates.
+///
+/// Patterns are found log by log, so that the sums of a log do not depend on the others.
+///
+/// - `signals`: how the signals were filtered; summaries of other words do not add up
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, a library too large, or numbers too
+/// large to be summed.
+pub fn summarise(
+    recording: &(impl Recording + ?Sized),
+    plan: &Plan,
+    signals: &str,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Summary, IdentifyError> {
+    let (friction, choices) = match plan.friction {
+        FrictionKind::None => (Vec::new(), Vec::new()),
+        _ => {
+            progress(Progress::Survey);
+            let survey = survey(recording)?;
+            survey.sample.require_tau()?;
+            choose_laws(&survey, plan)?
+        }
+    };
+    let settings = Settings::new(recording.joints(), plan, friction, signals);
+    let basis = settings.basis()?;
+    let mut all = Summary { choices, ..Summary::new(settings, basis.as_ref()) };
+    for log in 0..recording.n_logs() {
+        progress(Progress::Survey);
+        let mut look = SurveySum::new(recording.joints());
+        recording
+            .read_log(log, &mut |trajectory, block| Ok(look.add(trajectory, block)?))
+            .map_err(IdentifyError::Read)?;
+        if look.rows() == 0 {
+            continue;
+        }
+        let survey = look.finish()?;
+        survey.sample.require_tau()?;
+        all.survey.merge(&look)?;
+        all.logs += 1;
+        if let Some(basis) = &basis {
+            progress(Progress::Patterns);
+            let patterns = find_patterns(&survey, &all.settings.patterns)?;
+            progress(Progress::Evidence);
+            let one_shot = plan.method == Method::Sindy;
+            let mut sorter = Sorter::new(basis, &patterns, one_shot);
+            recording
+                .read_log(log, &mut |_, block| sorter.add(block))
+                .map_err(IdentifyError::Read)?;
+            let (sums, still) = sorter.finish()?;
+            all.still.merge(&still);
+            all.sums.iter_mut().zip(&sums).try_for_each(|(all, own)| all.merge(own))?;
+        }
+    }
+    all.sort();
+    Ok(all)
+}
+
+impl Settings {
+    fn new(joints: &[String], plan: &Plan, friction: Vec<FrictionTerm>, signals: &str) -> Self {
+        let by_rows = plan.method != Method::Chain;
+        let slow = plan.patterns.slow || !friction.is_empty();
+        Self {
+            joints: joints.to_vec(),
+            library: by_rows.then_some(plan.library),
+            method: plan.method,
+            friction,
+            patterns: PatternPlan { slow, ..plan.patterns },
+            signals: signals.to_owned(),
+        }
+    }
+
+    /// The candidates, unless a chain is learned.
+    pub(crate) fn basis(&self) -> Result<Option<Basis>, IdentifyError> {
+        let Some(library) = self.library else { return Ok(None) };
+        let n_joints = self.joints.len();
+        let laws = self.friction.clone();
+        let candidates = Candidates::with_friction(n_joints, library, self.method, laws)?;
+        let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
+        let prepared = Prepared::new(&candidates.design, route);
+        Ok(Some(Basis { candidates, prepared, route, n_joints }))
+    }
+
+    /// A plan with what was settled when rows were summed.
+    pub(crate) fn applied_to(&self, plan: &Plan) -> Plan {
+        Plan {
+            library: self.library.unwrap_or(plan.library),
+            method: self.method,
+            patterns: self.patterns,
+            ..plan.clone()
+        }
+    }
+
+    /// How many sums are kept apart.
+    pub(crate) fn n_sums(&self) -> usize {
+        match self.method {
+            Method::Stepwise => Pattern::ALL.len(),
+            Method::Sindy => 1,
+            Method::Chain => 0,
+        }
+    }
+
+    /// Fails where laws of friction were chosen for these logs alone.
+    pub(crate) fn refuse_friction(&self) -> Result<(), IdentifyError> {
+        if self.friction.is_empty() {
+            return Ok(());
+        }
+        let message = "it holds friction, whose laws suit its logs alone: fit all logs together";
+        Err(IdentifyError::Moments(message.into()))
+    }
+
+    /// Fails unless summaries of both add up.
+    fn check(&self, other: &Self) -> Result<(), IdentifyError> {
+        let quoted = |what: &dyn std::fmt::Debug| format!("{what:?}");
+        let pairs = [
+            ("joints", self.joints.join(", "), other.joints.join(", ")),
+            ("method", quoted(&self.method), quoted(&other.method)),
+            ("library", quoted(&self.library), quoted(&other.library)),
+            ("patterns", quoted(&self.patterns), quoted(&other.patterns)),
+            ("signals", self.signals.clone(), other.signals.clone()),
+        ];
+        match pairs.into_iter().find(|(_, expected, found)| expected != found) {
+            Some((what, expected, found)) => Err(IdentifyError::Apart { what, expected, found }),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Summary {
+    fn new(settings: Settings, basis: Option<&Basis>) -> Self {
+        let n = settings.joints.len();
+        let none = |basis: &Basis| RowSums::new(&basis.prepared, n);
+        let sums = basis.map_or_else(Vec::new, |basis| vec![none(basis); settings.n_sums()]);
+        let (survey, still) = (SurveySum::new(&settings.joints), NoiseSum::new(n));
+        Self { settings, logs: 0, survey, still, sums, choices: Vec::new() }
+    }
+
+    /// What its logs were summed under.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Laws of friction among its candidates, and how they were chosen.
+    pub(crate) fn friction(&self) -> (&[FrictionTerm], &[Choice]) {
+        (&self.settings.friction, &self.choices)
+    }
+
+    /// Logs summed.
+    pub fn logs(&self) -> usize {
+        self.logs
+    }
+
+    /// Rows summed.
+    pub fn rows(&self) -> usize {
+        self.survey.rows()
+    }
+
+    /// Adds the logs of another.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Apart`] if the two were made under different settings.
+    pub fn merge(&mut self, other: &Self) -> Result<(), IdentifyError> {
+        self.settings.check(&other.settings)?;
+        self.settings.refuse_friction()?;
+        self.survey.merge(&other.survey)?;
+        self.still.merge(&other.still);
+        self.sums.iter_mut().zip(&other.sums).try_for_each(|(all, own)| all.merge(own))?;
+        self.logs += other.logs;
+        self.sort();
+        Ok(())
+    }
+
+    fn sort(&mut self) {
+        self.survey.sort();
+        self.still.sort();
+    }
+
+    /// What its logs told at a glance.
+    pub(crate) fn survey(&self) -> Result<Survey, IdentifyError> {
+        self.survey.finish()
+    }
+
+    /// The noise at standstill, if enough rows stand still.
+    pub(crate) fn still(&self) -> Option<NoiseFloor> {
+        self.still.finish_still()
+    }
+
+    /// The patterns that some log shows in more than a few rows. The rows of the others join those
+    /// of variable velocity, which assume nothing.
+    pub(crate) fn settle(&mut self, basis: &Basis) -> Result<Vec<Pattern>, IdentifyError> {
+        if self.settings.method != Method::Stepwise {
+            return Ok(Pattern::ALL.to_vec());
+        }
+        let least = LEAST_SHARE * self.rows() as f64;
+        let last = place_of(Pattern::VariableVelocity);
+        let mut present = Vec::new();
+        for pattern in Pattern::ALL {
+            let place = place_of(pattern);
+            if self.sums[place].rows() as f64 > least {
+                present.push(pattern);
+            } else if place != last {
+                let none = RowSums::new(&basis.prepared, basis.n_joints);
+                let few = std::mem::replace(&mut self.sums[place], none);
+                self.sums[last].merge(&few)?;
+            }
+        }
+        Ok(present)
+    }
+
+    /// What the rows of a step say of its columns.
+    pub(crate) fn evidence(&self, basis: &Basis, step: &Step) -> Evidence {
+        let sums = &self.sums[step.pattern.map_or(0, place_of)];
+        let grams = sums.grams(&basis.prepared, basis.n_joints, &step.columns);
+        Evidence { grams, route: basis.route, rows: sums.rows() }
+    }
+
+    /// All rows as one.
+    pub(crate) fn whole(&self, basis: &Basis) -> Result<RowSums, SparseError> {
+        let mut whole = RowSums::new(&basis.prepared, basis.n_joints);
+        self.sums.iter().try_for_each(|sums| whole.merge(sums))?;
+        Ok(whole)
+    }
+}
+
+impl Basis {
+    /// The normal equations of some candidates over rows.
+    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<Gram> {
+        rows.grams(&self.prepared, self.n_joints, columns)
+    }
+}
+
+/// Hands each row of a log to the sums of its pattern.
+struct Sorter<'a> {
+    patterns: &'a Patterns,
+    friction: &'a [FrictionTerm],
+    noise: NoiseSum,
+    bins: Vec<Bin<'a>>,
+}
+
+struct Bin<'a> {
+    /// Whose rows; `None` for all.
+    pattern: Option<Pattern>,
+    gathering: Gathering,
+    adder: RowAdder<'a>,
+}
+
+impl<'a> Sorter<'a> {
+    fn new(basis: &'a Basis, patterns: &'a Patterns, one_shot: bool) -> Self {
+        let (n, friction) = (basis.n_joints, &basis.candidates.friction[..]);
+        let bin = |pattern| Bin {
+            pattern,
+            gathering: Gathering::new(n, friction.len()),
+            adder: RowAdder::new(&basis.prepared, n),
+        };
+        let bins = if one_shot { vec![bin(None)] } else { Pattern::ALL.map(Some).map(bin).into() };
+        Self { patterns, friction, noise: NoiseSum::new(n), bins }
+    }
+
+    fn add(&mut self, block: &Motion) -> Result<(), ReadError> {
+        let labels = self.patterns.label(block);
+        self.noise.add(block, |row| labels[row] == Pattern::Standstill);
+        match clear_of_reversals(block, self.friction) {
+            Cow::Borrowed(block) => self.add_rows(block, &labels),
+            Cow::Owned(block) => self.add_rows(&block, &self.patterns.label(&block)),
+        }
+    }
+
+    fn add_rows(&mut self, block: &Motion, labels: &[Pattern]) -> Result<(), ReadError> {
+        let samples = samples_of(block, self.friction)?;
+        for bin in &mut self.bins {
+            for (row, &label) in labels.iter().enumerate() {
+                if bin.pattern.is_none_or(|pattern| pattern == label) {
+                    let full: Option<Samples> = bin.gathering.push(&samples, row);
+                    full.map_or(Ok(()), |full| bin.adder.push(full))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<(Vec<RowSums>, NoiseSum), SparseError> {
+        let sums = self.bins.into_iter().map(|mut bin| {
+            if let Some(rest) = bin.gathering.take() {
+                bin.adder.push(rest)?;
+            }
+            bin.adder.finish()
+        });
+        Ok((sums.collect::<Result<_, _>>()?, self.noise))
+    }
+}

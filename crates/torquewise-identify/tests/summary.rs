@@ -1,0 +1,124 @@
+//! Logs summed apart, merged in any order → the model of all logs together, bit for bit.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::{IdentifyError, Plan, Summary, reconstruct, solve, summarise};
+use torquewise_model::to_json;
+use torquewise_motion::Motion;
+
+const LOGS: usize = 8;
+
+/// Moves of an arm, each log of another length, with noise.
+fn logs() -> Vec<Motion> {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let log = |seed: usize| {
+        let seconds = 30.0 + 7.0 * seed as f64;
+        let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 50.0, seed: seed as u64 };
+        let clean = simulate(&arm, &plan).unwrap().motion;
+        add_noise(&clean, &Noise::case(2).unwrap(), seed as u64).unwrap()
+    };
+    (0..LOGS).map(log).collect()
+}
+
+fn parts(logs: &[Motion], plan: &Plan) -> Vec<Summary> {
+    logs.iter().map(|log| summarise(log, plan, "", &mut |_| {}).unwrap()).collect()
+}
+
+fn merged<'a>(parts: impl IntoIterator<Item = &'a Summary>) -> Summary {
+    let mut parts = parts.into_iter();
+    let mut all = parts.next().unwrap().clone();
+    parts.for_each(|part| all.merge(part).unwrap());
+    all
+}
+
+fn model(summary: Summary, plan: &Plan) -> String {
+    to_json(&solve(summary, plan, &mut |_| {}).unwrap().model).unwrap()
+}
+
+#[test]
+fn any_order_and_any_grouping_solves_to_the_model_of_a_fit() {
+    let logs = logs();
+    for plan in [Plan::default(), Plan::product(), Plan::sindy()] {
+        let parts = parts(&logs, &plan);
+        let fitted = to_json(&reconstruct(&logs[..], &plan, &mut |_| {}).unwrap().model).unwrap();
+
+        let one = merged([3, 1, 7, 0, 6, 2, 5, 4].map(|k| &parts[k]));
+        let (left, right) = (merged([6, 0, 5].map(|k| &parts[k])), merged(&parts[1..5]));
+        let other = merged([&parts[7], &right, &left]);
+
+        assert_eq!(one.to_bytes().unwrap(), other.to_bytes().unwrap(), "the same file");
+        assert_eq!(model(one, &plan), fitted);
+        assert_eq!(model(other, &plan), fitted);
+    }
+}
+
+#[test]
+fn threads_leave_no_trace() {
+    let logs = logs();
+    let bytes = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| summarise(&logs[..], &Plan::default(), "", &mut |_| {}).unwrap())
+    };
+
+    assert_eq!(bytes(1), bytes(3));
+}
+
+#[test]
+fn a_summary_is_read_as_it_was_written() {
+    let all = merged(&parts(&logs(), &Plan::default()));
+
+    let read = Summary::from_bytes(&all.to_bytes().unwrap()).unwrap();
+
+    assert_eq!(read, all);
+    assert_eq!((read.logs(), read.rows()), (LOGS, all.rows()));
+}
+
+#[test]
+fn parts_of_other_settings_do_not_add_up() {
+    let log = &logs()[..1];
+    let refused = |signals: &str, plan: &Plan, word: &str| {
+        let mut one = parts(log, &Plan::default()).remove(0);
+        let other = summarise(&log[0], plan, signals, &mut |_| {}).unwrap();
+        let error = one.merge(&other).unwrap_err();
+        assert!(matches!(error, IdentifyError::Apart { what, .. } if what == word), "{error}");
+    };
+
+    refused("", &Plan::product(), "library");
+    refused("", &Plan::sindy(), "method");
+    refused("low-pass", &Plan::default(), "signals");
+    let clusters = torquewise_identify::PatternPlan { clusters: Some(2), ..Default::default() };
+    refused("", &Plan { patterns: clusters, ..Plan::default() }, "patterns");
+}
+
+#[test]
+fn a_damaged_file_is_refused_wherever_it_was_hit() {
+    let bytes = parts(&logs()[..1], &Plan::default()).remove(0).to_bytes().unwrap();
+    let step = bytes.len() / 200;
+
+    for place in (0..bytes.len()).step_by(step.max(1)) {
+        let mut hit = bytes.clone();
+        hit[place] ^= 0x10;
+        assert!(matches!(Summary::from_bytes(&hit), Err(IdentifyError::Moments(_))), "{place}");
+        let cut = Summary::from_bytes(&bytes[..place]);
+        assert!(matches!(cut, Err(IdentifyError::Moments(_))), "cut at {place}");
+    }
+}
+
+#[test]
+fn logs_of_one_pattern_each_are_fitted_together() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let plan = MotionPlan { kind: MotionKind::Staged, seconds: 240.0, rate: 50.0, seed: 2 };
+    let staged = add_noise(&simulate(&arm, &plan).unwrap().motion, &Noise::case(2).unwrap(), 2);
+    let (staged, third) = (staged.unwrap(), 4_000);
+    let stage = |k: usize| staged.select(&(k * third..(k + 1) * third).collect::<Vec<_>>());
+    let stages = [stage(0), stage(1), stage(2)];
+
+    let found = reconstruct(&stages[..], &Plan::default(), &mut |_| {}).unwrap();
+
+    let sines = MotionPlan { kind: MotionKind::Sines, seconds: 20.0, rate: 100.0, seed: 77 };
+    let test = simulate(&arm, &sines).unwrap().motion;
+    let scores = torquewise_identify::score(&found.model, &test).unwrap();
+    let errors: Vec<f64> = scores.joints.iter().map(|joint| joint.nrmse_percent).collect();
+    assert!(errors.iter().all(|&percent| percent < 1.0), "{errors:?}");
+}

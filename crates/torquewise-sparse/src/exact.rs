@@ -1,0 +1,305 @@
+//! Numbers → exact sums: fixed point of 192 bits, the same bits in whatever order they are added.
+
+use crate::error::SparseError;
+
+/// Sums of floating-point numbers without rounding.
+///
+/// Each entry is an integer multiple of 2⁻¹⁰⁴ (5e-32) below 2⁸⁷ (1e26) in size, so that adding is
+/// associative: parts of a sum add up to the same bits in any order. What a number has below the
+/// last place is rounded off before it is added, from that number alone.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExactSums {
+    entries: Vec<Words>,
+}
+
+/// Two's complement, least significant first.
+type Words = [u64; 3];
+
+/// The last place is worth 2 to the power of −`LAST`.
+const LAST: i32 = 104;
+/// A number of 53 bits may be shifted by this much and leaves room for 2¹⁷ of its size.
+const LARGEST_SHIFT: i32 = 192 - 1 - 53 - 17;
+/// Bytes of an entry.
+const BYTES: usize = 24;
+
+impl ExactSums {
+    /// Sums of nothing.
+    pub fn zeros(count: usize) -> Self {
+        Self { entries: vec![[0; 3]; count] }
+    }
+
+    /// Number of sums.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Adds a number to each sum from `first` on.
+    ///
+    /// # Errors
+    /// [`SparseError::OutOfRange`] for a number that is not finite or too large,
+    /// [`SparseError::Shape`] if there are more numbers than sums.
+    pub fn add(&mut self, first: usize, values: &[f64]) -> Result<(), SparseError> {
+        add_to(self.from(first, values.len())?, values)
+    }
+
+    /// The sums from `first` on.
+    fn from(&mut self, first: usize, count: usize) -> Result<&mut [Words], SparseError> {
+        let expected = self.entries.len();
+        let found = first.saturating_add(count);
+        let entries = self.entries.get_mut(first..found);
+        entries.ok_or(SparseError::Shape { what: "numbers to be summed", found, expected })
+    }
+
+    /// Adds the sums of another.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if the other has another number of sums,
+    /// [`SparseError::OutOfRange`] if one becomes too large.
+    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+        let (found, expected) = (other.len(), self.len());
+        if found != expected {
+            return Err(SparseError::Shape { what: "a table of sums", found, expected });
+        }
+        for (sum, more) in self.entries.iter_mut().zip(&other.entries) {
+            if !add_words(sum, *more) {
+                return Err(SparseError::OutOfRange { found: rounded(*more) });
+            }
+        }
+        Ok(())
+    }
+
+    /// One sum, rounded.
+    pub fn value(&self, place: usize) -> f64 {
+        self.entries.get(place).map_or(0.0, |words| rounded(*words))
+    }
+
+    /// Writes the sums from `first` on, rounded.
+    pub fn write_to(&self, first: usize, values: &mut [f64]) {
+        for (value, words) in values.iter_mut().zip(self.entries.iter().skip(first)) {
+            *value = rounded(*words);
+        }
+    }
+
+    /// One sum as that of two numbers, the second what rounding takes from the first.
+    pub fn pair(&self, place: usize) -> [f64; 2] {
+        let high = self.value(place);
+        let mut rest = Self { entries: self.entries.get(place).copied().into_iter().collect() };
+        let left = rest.add(0, &[-high]).map_or(0.0, |()| rest.value(0));
+        [high, left]
+    }
+
+    /// The sums as bytes, without leading signs and trailing zeros.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(16 * self.entries.len());
+        for words in &self.entries {
+            let bytes = bytes_of(*words);
+            let sign = if bytes[BYTES - 1] & 0x80 == 0 { 0x00 } else { 0xff };
+            let start = bytes.iter().position(|&byte| byte != 0).unwrap_or(BYTES);
+            let last = bytes.iter().rposition(|&byte| byte != sign).map_or(0, |last| last + 1);
+            // The highest bit of what is kept tells the sign.
+            let keeps_sign = last > 0 && (bytes[last - 1] ^ sign) & 0x80 == 0;
+            let end = if keeps_sign { last } else { (last + 1).min(BYTES) };
+            let kept = bytes.get(start..end).unwrap_or_default();
+            out.extend([narrow(start), narrow(kept.len())]);
+            out.extend(kept);
+        }
+        out
+    }
+
+    /// The sums that [`Self::to_bytes`] wrote; `None` if these bytes are not `count` sums.
+    pub fn from_bytes(mut bytes: &[u8], count: usize) -> Option<Self> {
+        let mut entries = Vec::with_capacity(count.min(bytes.len()));
+        for _ in 0..count {
+            let (&[start, length], rest) = bytes.split_first_chunk()?;
+            let (start, end) = (usize::from(start), usize::from(start) + usize::from(length));
+            let kept = rest.get(..usize::from(length))?;
+            bytes = rest.get(usize::from(length)..)?;
+            let sign = if kept.last().is_some_and(|&byte| byte & 0x80 != 0) { 0xff } else { 0x00 };
+            let mut all = [sign; BYTES];
+            all.get_mut(..start)?.fill(0);
+            all.get_mut(start..end)?.copy_from_slice(kept);
+            entries.push(words_of(&all));
+        }
+        bytes.is_empty().then_some(Self { entries })
+    }
+}
+
+/// Adds several numbers to each sum, sums shared out to all cores.
+///
+/// - `tables`: as many numbers each as there are sums
+///
+/// # Errors
+/// As [`ExactSums::add`].
+pub(crate) fn add_tables(sums: &mut ExactSums, tables: &[&[f64]]) -> Result<(), SparseError> {
+    use rayon::prelude::*;
+    const SHARE: usize = 1 << 13;
+    if let Some(table) = tables.iter().find(|table| table.len() != sums.len()) {
+        let (found, expected) = (table.len(), sums.len());
+        return Err(SparseError::Shape { what: "a table of sums", found, expected });
+    }
+    sums.entries.par_chunks_mut(SHARE).enumerate().try_for_each(|(share, sums)| {
+        let own = share * SHARE..share * SHARE + sums.len();
+        tables.iter().try_for_each(|table| add_to(sums, &table[own.clone()]))
+    })
+}
+
+fn add_to(sums: &mut [Words], values: &[f64]) -> Result<(), SparseError> {
+    for (sum, &value) in sums.iter_mut().zip(values) {
+        let added = words(value).is_some_and(|words| add_words(sum, words));
+        if !added {
+            return Err(SparseError::OutOfRange { found: value });
+        }
+    }
+    Ok(())
+}
+
+/// A number in fixed point; `None` if it is too large or none.
+fn words(value: f64) -> Option<Words> {
+    let bits = value.to_bits();
+    let exponent = i32::from(u16::try_from((bits >> 52) & 0x7ff).ok()?);
+    let fraction = bits & ((1 << 52) - 1);
+    let mut digits = if exponent == 0 { fraction } else { fraction | (1 << 52) };
+    let mut shift = exponent.max(1) - 1075 + LAST;
+    if shift < 0 {
+        digits = if shift < -63 { 0 } else { (digits + (1 << (-shift - 1))) >> -shift };
+        shift = 0;
+    }
+    if shift > LARGEST_SHIFT {
+        return None;
+    }
+    let wide = u128::from(digits) << (shift % 64);
+    let [low, high] = [low_word(wide), low_word(wide >> 64)];
+    let size = match shift / 64 {
+        0 => [low, high, 0],
+        _ => [0, low, high],
+    };
+    Some(if bits >> 63 == 0 { size } else { negated(size) })
+}
+
+fn negated([a, b, c]: Words) -> Words {
+    let (a, carry) = (!a).overflowing_add(1);
+    let (b, carry) = (!b).overflowing_add(u64::from(carry));
+    [a, b, (!c).wrapping_add(u64::from(carry))]
+}
+
+/// Adds; false if the sum does not fit.
+fn add_words(sum: &mut Words, more: Words) -> bool {
+    let (low, carry) = sum[0].overflowing_add(more[0]);
+    let (middle, carry_1) = sum[1].overflowing_add(more[1]);
+    let (middle, carry_2) = middle.overflowing_add(u64::from(carry));
+    let high = sum[2].wrapping_add(more[2]).wrapping_add(u64::from(carry_1 | carry_2));
+    let overflows = (!(sum[2] ^ more[2]) & (sum[2] ^ high)) >> 63 != 0;
+    *sum = [low, middle, high];
+    !overflows
+}
+
+fn rounded(words: Words) -> f64 {
+    let negative = words[2] >> 63 != 0;
+    let [low, middle, high] = if negative { negated(words) } else { words };
+    let word = 2.0_f64.powi(64);
+    let size = ((high as f64 * word + middle as f64) * word + low as f64) * 2.0_f64.powi(-LAST);
+    if negative { -size } else { size }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the low half is what is wanted")]
+fn low_word(wide: u128) -> u64 {
+    wide as u64
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a place within 24 bytes")]
+fn narrow(place: usize) -> u8 {
+    place as u8
+}
+
+fn bytes_of(words: Words) -> [u8; BYTES] {
+    let mut bytes = [0; BYTES];
+    for (out, word) in bytes.chunks_exact_mut(8).zip(words) {
+        out.copy_from_slice(&word.to_le_bytes());
+    }
+    bytes
+}
+
+fn words_of(bytes: &[u8; BYTES]) -> Words {
+    let mut words = [0; 3];
+    for (word, bytes) in words.iter_mut().zip(bytes.chunks_exact(8)) {
+        *word = bytes.iter().rev().fold(0, |word, &byte| (word << 8) | u64::from(byte));
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ExactSums;
+    use proptest::prelude::*;
+
+    fn sum(values: &[f64]) -> ExactSums {
+        let mut sums = ExactSums::zeros(1);
+        values.iter().for_each(|value| sums.add(0, &[*value]).unwrap());
+        sums
+    }
+
+    #[test]
+    fn what_cancels_leaves_the_rest_whole() {
+        assert_eq!(
+            sum(&[1e20, 1.0, -1e20, 1e-15]).pair(0),
+            [1.0 + 1.110_223_024_625_156_5e-15, {
+                let high = 1.0 + 1.110_223_024_625_156_5e-15;
+                1e-15 - (high - 1.0)
+            }]
+        );
+        assert_eq!(sum(&[0.1, -0.1]).value(0).to_bits(), 0);
+    }
+
+    #[test]
+    fn a_number_out_of_range_is_refused() {
+        for bad in [f64::NAN, f64::INFINITY, 1e30, -1e300] {
+            assert!(ExactSums::zeros(1).add(0, &[bad]).is_err(), "{bad}");
+        }
+        assert!(ExactSums::zeros(1).add(1, &[1.0]).is_err(), "no such sum");
+    }
+
+    #[test]
+    fn a_sum_that_grows_too_large_is_refused() {
+        let mut sums = sum(&[4e20]);
+        let doubled = (0..30).try_for_each(|_| {
+            let twice = sums.clone();
+            sums.merge(&twice)
+        });
+        assert!(doubled.is_err());
+    }
+
+    #[test]
+    fn bytes_cut_short_are_no_sums() {
+        let bytes = sum(&[0.3]).to_bytes();
+        assert!(ExactSums::from_bytes(&bytes, 1).is_some());
+        assert!(ExactSums::from_bytes(&bytes[..bytes.len() - 1], 1).is_none());
+        assert!(ExactSums::from_bytes(&bytes, 2).is_none());
+        assert!(ExactSums::from_bytes(&[23, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0], 1).is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn order_and_split_do_not_matter(
+            mut values in prop::collection::vec(-1e12..1e12_f64, 1..40), cut in 0_usize..40
+        ) {
+            let whole = sum(&values);
+            let cut = cut.min(values.len());
+            values.reverse();
+            let (left, right) = values.split_at(cut);
+            let mut parts = sum(right);
+            parts.merge(&sum(left)).unwrap();
+            prop_assert_eq!(&parts, &whole);
+            // Small enough for 128 bits at the same last place: the sum by another arithmetic.
+            let scale = 2.0_f64.powi(60);
+            let exact: i128 = values.iter().map(|x| (x * scale) as i128).sum();
+            let error = (whole.value(0) - exact as f64 / scale).abs();
+            prop_assert!(error <= 1e-15 * whole.value(0).abs() + 40.0 / scale);
+            prop_assert_eq!(ExactSums::from_bytes(&whole.to_bytes(), 1), Some(whole));
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Blocks of rows → exact sums that add up: the same bits whatever the split, order or threads.
+
+use crate::accumulate::{Accumulate, GramSum, Prepared};
+use crate::error::SparseError;
+use crate::exact::{ExactSums, add_tables};
+use crate::gram::Gram;
+use crate::samples::Samples;
+use rayon::prelude::*;
+
+/// What rows say of a design: its moments or its normal equations, summed without rounding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RowSums {
+    sums: ExactSums,
+    rows: usize,
+}
+
+impl RowSums {
+    /// The sums of no rows.
+    pub fn new(prepared: &Prepared, n_responses: usize) -> Self {
+        Self { sums: ExactSums::zeros(prepared.n_sums(n_responses)), rows: 0 }
+    }
+
+    /// Rows summed.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds the rows of another.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if the two were made for different designs.
+    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+        self.sums.merge(&other.sums)?;
+        self.rows += other.rows;
+        Ok(())
+    }
+
+    /// The normal equations of each equation, in some of the columns of the design.
+    pub fn grams(&self, prepared: &Prepared, n_responses: usize, columns: &[usize]) -> Vec<Gram> {
+        let mut table = vec![0.0; self.sums.len()];
+        self.sums.write_to(0, &mut table);
+        prepared.grams_of(n_responses, &table, self.rows, columns)
+    }
+
+    /// The sums as bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        self.sums.to_bytes()
+    }
+
+    /// The sums that [`Self::to_bytes`] wrote of some rows; `None` if these bytes are not sums for
+    /// the design.
+    pub fn from_bytes(
+        prepared: &Prepared,
+        n_responses: usize,
+        bytes: &[u8],
+        rows: usize,
+    ) -> Option<Self> {
+        let sums = ExactSums::from_bytes(bytes, prepared.n_sums(n_responses))?;
+        Some(Self { sums, rows })
+    }
+}
+
+/// Blocks that are summed in floating point before the sum is added exactly.
+///
+/// Few enough for a rounding that no one sees, enough that exact sums cost next to nothing.
+const CHUNK_BLOCKS: usize = 4;
+/// Memory that the sums of all lanes together may take.
+const LANE_BYTES: usize = 128 << 20;
+
+/// Sums blocks, as many chunks at a time as there are threads.
+///
+/// Chunks are cut by the number of the block alone, and their sums are added exactly: which thread
+/// sums which chunk leaves no trace.
+pub struct RowAdder<'a> {
+    lanes: Vec<Lane<'a>>,
+    /// Chunks begun.
+    filled: usize,
+    total: RowSums,
+}
+
+struct Lane<'a> {
+    sum: GramSum<'a>,
+    blocks: Vec<Samples>,
+    table: Vec<f64>,
+}
+
+impl<'a> RowAdder<'a> {
+    /// Starts from nothing.
+    pub fn new(prepared: &'a Prepared, n_responses: usize) -> Self {
+        let most = (LANE_BYTES / prepared.size(n_responses).max(1)).max(1);
+        let lane = |_| Lane {
+            sum: prepared.start(n_responses),
+            blocks: Vec::with_capacity(CHUNK_BLOCKS),
+            table: Vec::new(),
+        };
+        let lanes = (0..rayon::current_num_threads().clamp(1, most)).map(lane).collect();
+        Self { lanes, filled: 0, total: RowSums::new(prepared, n_responses) }
+    }
+
+    /// Hands over the next block.
+    ///
+    /// # Errors
+    /// [`SparseError`] if a block does not fit, or holds what is too large to be summed.
+    pub fn push(&mut self, samples: Samples) -> Result<(), SparseError> {
+        let count = self.lanes.len();
+        let lane = &mut self.lanes[self.filled % count];
+        lane.blocks.push(samples);
+        if lane.blocks.len() == CHUNK_BLOCKS {
+            self.filled += 1;
+            if self.filled.is_multiple_of(count) {
+                return self.drain();
+            }
+        }
+        Ok(())
+    }
+
+    /// The sums of all blocks.
+    ///
+    /// # Errors
+    /// As [`Self::push`].
+    pub fn finish(mut self) -> Result<RowSums, SparseError> {
+        self.drain()?;
+        Ok(self.total)
+    }
+
+    fn drain(&mut self) -> Result<(), SparseError> {
+        let rows = self.lanes.par_iter_mut().map(Lane::sum_up).collect::<Result<Vec<_>, _>>()?;
+        let tables: Vec<&[f64]> = (self.lanes.iter().zip(&rows))
+            .filter(|(_, rows)| **rows > 0)
+            .map(|(lane, _)| &lane.table[..])
+            .collect();
+        add_tables(&mut self.total.sums, &tables)?;
+        self.total.rows += rows.iter().sum::<usize>();
+        Ok(())
+    }
+}
+
+impl Lane<'_> {
+    /// Sums the waiting blocks into the table; returns their rows.
+    fn sum_up(&mut self) -> Result<usize, SparseError> {
+        let rows = self.blocks.iter().map(Samples::n_rows).sum();
+        if rows > 0 {
+            self.sum.clear();
+            self.blocks.drain(..).try_for_each(|block| self.sum.add(&block))?;
+            self.sum.write_to(&mut self.table);
+        }
+        Ok(rows)
+    }
+}
