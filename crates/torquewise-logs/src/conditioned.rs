@@ -62,7 +62,7 @@ impl ConditionedLogs {
         Ok(Self { logs, settings, report: first.report })
     }
 
-    /// The logs as they were recorded.
+    /// The logs as they were recorded; their trajectories have the same numbers as the conditioned.
     pub fn logs(&self) -> &Logs {
         &self.logs
     }
@@ -81,7 +81,7 @@ impl ConditionedLogs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        let mut out = Cutter { trajectory: 0, visit };
+        let mut out = Cutter { trajectory: 0, is_empty: true, visit };
         let mut own: Option<(usize, Stretch)> = None;
         self.logs.read_raw(&mut |trajectory, block| -> Result<(), ReadError> {
             if own.as_ref().is_none_or(|(current, _)| *current != trajectory) {
@@ -98,7 +98,7 @@ impl ConditionedLogs {
         if let Some((ended, stretch)) = own {
             self.end(ended, stretch, &mut out)?;
         }
-        if out.trajectory == 0 {
+        if out.is_empty {
             let cutoff = self.report.cutoff.unwrap_or_default();
             return Err(LogError::NothingLeft { cutoff }.into());
         }
@@ -113,6 +113,7 @@ impl ConditionedLogs {
         out: &mut Cutter<'_>,
     ) -> Result<(), ReadError> {
         let failed = |source| signals(&self.logs, trajectory, source);
+        out.trajectory = trajectory;
         match stretch {
             Stretch::Waiting(blocks) => {
                 blocks.push(block.clone());
@@ -136,6 +137,7 @@ impl ConditionedLogs {
     /// The rest of a trajectory; one that is too short to be filtered is left out.
     fn end(&self, trajectory: usize, rest: Stretch, out: &mut Cutter<'_>) -> Result<(), ReadError> {
         let failed = |source| signals(&self.logs, trajectory, source);
+        out.trajectory = trajectory;
         let motions = match rest {
             Stretch::Running(conditioner) => conditioner.finish().map_err(failed)?,
             Stretch::Waiting(blocks) => {
@@ -147,9 +149,7 @@ impl ConditionedLogs {
                 }
             }
         };
-        out.hand_out(motions)?;
-        out.trajectory += 1;
-        Ok(())
+        out.hand_out(motions)
     }
 }
 
@@ -175,8 +175,9 @@ enum Stretch {
 
 /// Cuts motion into blocks.
 struct Cutter<'a> {
-    /// Trajectories handed out whole.
+    /// The trajectory in hand, as the logs count them.
     trajectory: usize,
+    is_empty: bool,
     visit: &'a mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
 }
 
@@ -185,6 +186,7 @@ impl Cutter<'_> {
         for motion in motions {
             let rows: Vec<usize> = (0..motion.n_rows()).collect();
             for block in rows.chunks(BLOCK_ROWS) {
+                self.is_empty = false;
                 (self.visit)(self.trajectory, &motion.select(block))?;
             }
         }

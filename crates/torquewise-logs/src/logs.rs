@@ -26,7 +26,15 @@ pub struct Logs {
     paths: Vec<PathBuf>,
     joints: Vec<String>,
     polynomial: LocalPolynomial,
-    report: Arc<Mutex<ReadReport>>,
+    last: Arc<Mutex<LastReading>>,
+}
+
+/// What the last complete reading came to.
+#[derive(Clone, Debug, Default)]
+struct LastReading {
+    report: ReadReport,
+    /// First trajectory of each file.
+    firsts: Vec<usize>,
 }
 
 impl Logs {
@@ -48,8 +56,8 @@ impl Logs {
         let open = |path: &PathBuf| Source::open(path, options);
         let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let joints = agreed_joints(&sources)?;
-        let (polynomial, report) = (LocalPolynomial::default(), Arc::default());
-        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, report })
+        let (polynomial, last) = (LocalPolynomial::default(), Arc::default());
+        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, last })
     }
 
     /// The same logs, with missing dq and ddq found by `polynomial`.
@@ -137,7 +145,14 @@ impl Logs {
 
     /// What the last complete reading came to: rows, and what was dropped or sorted.
     pub fn report(&self) -> ReadReport {
-        *self.report.lock().unwrap_or_else(PoisonError::into_inner)
+        self.last.lock().unwrap_or_else(PoisonError::into_inner).report
+    }
+
+    /// The file that a trajectory was in at the last complete reading; none before that.
+    pub fn file_of(&self, trajectory: usize) -> Option<&Path> {
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        let begun = last.firsts.iter().filter(|first| **first <= trajectory).count();
+        self.paths.get(begun.checked_sub(1)?).map(PathBuf::as_path)
     }
 
     fn visit<E: From<LogError>>(
@@ -154,18 +169,19 @@ impl Logs {
         visit: &mut dyn FnMut(usize, &B) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut first = 0;
-        let mut report = ReadReport::default();
+        let mut read = LastReading::default();
         for source in &self.sources {
             let mut blocks = Blocks::new(source.rows()?, &self.joints, polynomial);
             let mut last = first;
+            read.firsts.push(first);
             while let Some((trajectory, block)) = next(&mut blocks)? {
                 last = first + trajectory;
                 visit(last, &block)?;
             }
             first = last + 1;
-            report = report.and(blocks.report());
+            read.report = read.report.and(blocks.report());
         }
-        *self.report.lock().unwrap_or_else(PoisonError::into_inner) = report;
+        *self.last.lock().unwrap_or_else(PoisonError::into_inner) = read;
         Ok(())
     }
 }

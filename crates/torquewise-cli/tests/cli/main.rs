@@ -7,5 +7,6 @@ mod reports;
 mod json_contract;
 mod excite;
 mod friction;
+mod pitfalls;
 mod bad_input;
 mod usage;
