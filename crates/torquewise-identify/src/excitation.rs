@@ -81,12 +81,14 @@ const MOST_CORRELATION: f64 = 0.98;
 const LEAST_RESIDUAL: f64 = 0.005;
 
 /// A torque that a rough model explains no better than this is none of the motion.
-const MOST_RESIDUAL: f64 = 0.97;
-/// A negative inertia is believed if it explains this part of the torque, if all else is explained
-/// but for so much, and if friction spends less than this part of the power.
-const LEAST_INERTIA: f64 = 0.02;
+const MOST_RESIDUAL: f64 = 0.85;
+/// A rough model that leaves less than this knows which way a joint is driven.
 const MOST_LEFT: f64 = 0.5;
+/// A negative inertia is believed if friction spends less than this part of the power, …
 const LEAST_FRICTION: f64 = 0.003;
+/// … and if the inertia explains this part of the torque, or friction gives this part of the power.
+const LEAST_INERTIA: f64 = 0.02;
+const MOST_FRICTION: f64 = -0.05;
 
 /// Rows that tell a command.
 const COMMAND_ROWS: usize = 2_000;
@@ -148,9 +150,9 @@ fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
     let Rough { left, inertia, inertia_share, friction_power } = rough(&survey.sample, joint)?;
     let name = survey.joints[joint].clone();
     let is_backward = inertia < 0.0
-        && inertia_share > LEAST_INERTIA
         && left < MOST_LEFT
-        && friction_power < LEAST_FRICTION;
+        && friction_power < LEAST_FRICTION
+        && (inertia_share > LEAST_INERTIA || friction_power < MOST_FRICTION);
     if is_backward {
         return Some(Finding::Backward { joint: name });
     }
