@@ -151,7 +151,13 @@ impl Recorded {
         self.report().map_or_else(String::new, |report| format!("{report}\n\n"))
     }
 
-    /// What should be known of torques of few levels.
+    /// Name of the file that a trajectory is in.
+    pub(crate) fn file_of(&self, trajectory: usize) -> String {
+        let file = self.logs().file_of(trajectory);
+        file.map_or_else(|| format!("trajectory {}", trajectory + 1), |f| f.display().to_string())
+    }
+
+    /// What should be known of torques of few levels, odd velocities and rows left out.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let coarse = self.report().into_iter().flat_map(|report| &report.signals);
         coarse
@@ -163,21 +169,48 @@ impl Recorded {
                     signal.joint
                 )
             })
+            .chain(self.odd_velocities())
             .chain(dropped(self.logs()))
             .collect()
     }
+
+    /// Joints whose measured velocity is not the slope of their position.
+    fn odd_velocities(&self) -> Vec<String> {
+        let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
+        let odd = |gain: &f64| !(LEAST_GAIN..1.0 / LEAST_GAIN).contains(gain);
+        let joints = self.joints().iter().zip(gains);
+        joints
+            .filter_map(|(joint, gain)| Some((joint, gain.filter(odd)?)))
+            .map(|(joint, gain)| {
+                format!(
+                    "the measured velocity of {joint} is {gain:.3} times the slope of its \
+                     position: check units, scales, signs and the clock of the log"
+                )
+            })
+            .collect()
+    }
 }
+
+/// Velocities over slopes that filters of a robot may explain.
+const LEAST_GAIN: f64 = 0.8;
 
 /// What reading left out.
 fn dropped(logs: &Logs) -> Option<String> {
     let report = logs.report();
     let parts = [
-        (report.repeated, "whose time stamp does not advance"),
+        (report.repeated, "with the time stamp of the row before"),
         (report.not_finite, "without a number"),
     ];
-    let parts: Vec<String> = (parts.iter().filter(|(rows, _)| *rows > 0))
+    let mut parts: Vec<String> = (parts.iter().filter(|(rows, _)| *rows > 0))
         .map(|(rows, what)| format!("{rows} rows {what}"))
         .collect();
+    if let Some(first) = report.first_back {
+        parts.push(format!(
+            "{} rows earlier than a row before them, the first is row {first} (if the clock began \
+             anew there, put what follows in a file of its own)",
+            report.went_back
+        ));
+    }
     (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
 }
 

@@ -5,7 +5,9 @@ use crate::patterns::Patterns;
 use crate::score::{Scores, score};
 use faer::Mat;
 use std::collections::VecDeque;
-use torquewise_model::{Model, Torque};
+use torquewise_model::print::weighted_friction;
+use torquewise_model::term::Sum;
+use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::{Motion, Pattern, Recording};
 
 /// An even sample of a log, measured and predicted.
@@ -35,7 +37,7 @@ pub struct Histogram {
 /// How much of a joint's torque a term carries.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Importance {
-    /// Name of the term.
+    /// Name of the term: of the equation, or of its friction.
     pub name: String,
     /// RMS of its share of the torque \[N·m\].
     pub rms: f64,
@@ -176,7 +178,7 @@ impl Look {
     }
 }
 
-/// RMS of each term of each joint over the rows of a motion.
+/// RMS of each term of each joint, friction too, over the rows of a motion.
 fn importance(model: &Model, motion: &Motion) -> Vec<Vec<Importance>> {
     let n = model.n_joints();
     let states: Vec<[Vec<f64>; 3]> = (0..motion.n_rows())
@@ -185,20 +187,82 @@ fn importance(model: &Model, motion: &Motion) -> Vec<Vec<Importance>> {
                 .map(|x| (0..n).map(|joint| x[(row, joint)]).collect())
         })
         .collect();
-    let rms = |weight: f64, term: &torquewise_model::Term| {
-        let squares: f64 = states.iter().map(|[q, dq, ddq]| term.value(q, dq, ddq).powi(2)).sum();
+    let rms = |weight: f64, value: &dyn Fn(&[Vec<f64>; 3]) -> f64| {
+        let squares: f64 = states.iter().map(|state| value(state).powi(2)).sum();
         weight.abs() * (squares / states.len().max(1) as f64).sqrt()
     };
-    model
-        .equations()
-        .iter()
-        .map(|equation| {
-            let mut terms: Vec<Importance> = equation
-                .iter()
-                .map(|(weight, term)| Importance { name: term.name(), rms: rms(*weight, term) })
-                .collect();
+    let of_equation = |equation: Sum| -> Vec<Importance> {
+        let term = |(weight, term): &(f64, Term)| Importance {
+            name: term.name(),
+            rms: rms(*weight, &|[q, dq, ddq]| term.value(q, dq, ddq)),
+        };
+        equation.iter().map(term).collect()
+    };
+    let of_friction = |w: Weighted<FrictionTerm>| Importance {
+        name: w.term.name(),
+        rms: rms(w.coefficient, &|[_, dq, _]| w.term.value(dq)),
+    };
+    (model.equations().into_iter().zip(weighted_friction(model)))
+        .map(|(equation, friction)| {
+            let mut terms = of_equation(equation);
+            terms.extend(friction.into_iter().map(of_friction));
             terms.sort_by(|a, b| b.rms.total_cmp(&a.rms));
             terms
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::importance;
+    use faer::Mat;
+    use torquewise_model::friction::FrictionLaw;
+    use torquewise_model::{Form, FrictionTerm, Model, Term, Training, Trig, Weighted};
+    use torquewise_motion::{Motion, Signals};
+
+    #[test]
+    fn friction_is_weighed_among_the_terms_of_its_joint() {
+        let of =
+            |term, coefficient| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
+        let dry = |joint, c| {
+            let law = FrictionLaw::Coulomb { width: 0.0 };
+            Weighted {
+                term: FrictionTerm::of_joint(2, joint, law),
+                coefficient: c,
+                std_error: 0.0,
+                inclusion: None,
+            }
+        };
+        let gravity = Term::one(2).times(Trig::Cos, 0, 1, 1);
+        let model = Model {
+            joints: vec!["a".into(), "b".into()],
+            form: Form::Torque(vec![vec![of(gravity.clone(), 3.0)], vec![]]),
+            friction: vec![dry(0, -5.0), dry(1, 0.7)],
+            stages: vec![],
+            training: Training::default(),
+            choices: vec![],
+        };
+        // Forward, backward, and half the rows at rest.
+        let speeds = [1.0, 0.0, -2.0, 0.0];
+        let zeros = Mat::<f64>::zeros(4, 2);
+        let motion = Motion::new(Signals {
+            joints: model.joints.clone(),
+            t: vec![0.0, 0.1, 0.2, 0.3],
+            q: zeros.clone(),
+            dq: Mat::from_fn(4, 2, |row, _| speeds[row]),
+            ddq: zeros,
+            tau: None,
+        })
+        .unwrap();
+
+        let found = importance(&model, &motion);
+
+        let names = |joint: usize| -> Vec<String> {
+            found[joint].iter().map(|found| found.name.clone()).collect()
+        };
+        assert_eq!(names(0), ["sign(dq1)".to_owned(), gravity.name()]);
+        assert!((found[0][0].rms - 5.0 * 0.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(names(1), ["sign(dq2)"]);
+        assert!((found[1][0].rms - 0.7 * 0.5_f64.sqrt()).abs() < 1e-12);
+    }
 }

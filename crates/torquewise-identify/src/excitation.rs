@@ -1,5 +1,6 @@
 //! Sample of a log → findings: what its motion cannot determine, in words a person can act on.
 
+use crate::rough::{Rough, rough};
 use crate::survey::{Survey, thinned};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -52,6 +53,18 @@ pub enum Finding {
         /// Share of the torque that position does not explain.
         residual: f64,
     },
+    /// A torque that does not follow the motion at all.
+    Unrelated {
+        /// Name of the joint.
+        joint: String,
+        /// Share of the torque that no rough model explains.
+        residual: f64,
+    },
+    /// A torque that falls as the joint accelerates.
+    Backward {
+        /// Name of the joint.
+        joint: String,
+    },
 }
 
 /// Below these a joint says little: rad, rad/s, rad/s².
@@ -66,6 +79,16 @@ const MOVING: f64 = 0.03;
 const MOST_CORRELATION: f64 = 0.98;
 /// A torque that position explains but for this share is no measurement of a moving joint.
 const LEAST_RESIDUAL: f64 = 0.005;
+
+/// A torque that a rough model explains no better than this is none of the motion.
+const MOST_RESIDUAL: f64 = 0.85;
+/// A rough model that leaves less than this knows which way a joint is driven.
+const MOST_LEFT: f64 = 0.5;
+/// A negative inertia is believed if friction spends less than this part of the power, …
+const LEAST_FRICTION: f64 = 0.003;
+/// … and if the inertia explains this part of the torque, or friction gives this part of the power.
+const LEAST_INERTIA: f64 = 0.02;
+const MOST_FRICTION: f64 = -0.05;
 
 /// Rows that tell a command.
 const COMMAND_ROWS: usize = 2_000;
@@ -91,6 +114,7 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
         }
     }
     found.extend(commanded(survey, &joints).unwrap_or_default());
+    found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
     found
 }
 
@@ -116,6 +140,27 @@ fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
         found.push(Finding::OneWay { joint: name(), forward: forward > backward });
     }
     found
+}
+
+/// What a joint that moves says by its torque.
+fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
+    if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
+        return None;
+    }
+    let Rough { left, inertia, inertia_share, friction_power } = rough(&survey.sample, joint)?;
+    let name = survey.joints[joint].clone();
+    let is_backward = inertia < 0.0
+        && left < MOST_LEFT
+        && friction_power < LEAST_FRICTION
+        && (inertia_share > LEAST_INERTIA || friction_power < MOST_FRICTION);
+    if is_backward {
+        return Some(Finding::Backward { joint: name });
+    }
+    (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint: name, residual: left })
+}
+
+fn moves(survey: &Survey, joint: usize) -> bool {
+    survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION
 }
 
 fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
@@ -145,9 +190,7 @@ fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
     }
     let factor = gram.llt(Side::Lower).ok()?;
     let of_joint = |&joint: &usize| {
-        let moves =
-            survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION;
-        if !moves || survey.torque_std[joint] <= 0.0 {
+        if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
             return None;
         }
         let target = tau.col(joint);
@@ -196,6 +239,17 @@ impl fmt::Display for Finding {
                  does the rest? Record measured torque of a driven arm",
                 100.0 * residual
             ),
+            Self::Unrelated { joint, residual } => write!(
+                f,
+                "the torque of {joint} does not follow its motion, {:.0} % of it is something \
+                 else: is its motor on, and its sensor fine enough? Leave it out or drive it",
+                100.0 * residual
+            ),
+            Self::Backward { joint } => write!(
+                f,
+                "the torque of {joint} falls as it accelerates, as if its inertia were negative: \
+                 check the sign of its torque, gear or torque constant against its position"
+            ),
         }
     }
 }
@@ -207,7 +261,8 @@ mod tests {
     use faer::Mat;
     use torquewise_motion::{Motion, Signals};
 
-    /// One sine per joint: (amplitude, rate, phase); torque by `tau`.
+    /// A sine per joint, (amplitude, rate, phase), and a smaller and faster one, without which inertia
+    /// and gravity look the same; torque by `tau`.
     fn log(sines: [(f64, f64, f64); 2], tau: impl Fn([f64; 3]) -> f64) -> Motion {
         let t: Vec<f64> = (0..2_000).map(|row| 0.01 * f64::from(row)).collect();
         let of = |order: i32| {
@@ -215,7 +270,10 @@ mod tests {
             Mat::from_fn(t.len(), 2, move |row, joint| {
                 let (amplitude, rate, phase) = sines[joint];
                 let quarter = f64::from(order) * std::f64::consts::FRAC_PI_2;
-                amplitude * rate.powi(order) * (rate * t[row] + phase + quarter).sin()
+                let wave = |size: f64, rate: f64| {
+                    size * amplitude * rate.powi(order) * (rate * t[row] + phase + quarter).sin()
+                };
+                wave(1.0, rate) + wave(0.3, 2.3 * rate)
             })
         };
         let (q, dq, ddq) = (of(0), of(1), of(2));
@@ -244,6 +302,30 @@ mod tests {
         assert!(matches!(&found[0], Finding::Range { joint, .. } if joint == "knee"), "{found:?}");
         assert!(matches!(&found[1], Finding::Speed { .. }));
         assert!(matches!(&found[2], Finding::Acceleration { .. }));
+    }
+
+    #[test]
+    fn a_motor_that_is_off_is_told_by_torque_that_follows_nothing() {
+        let hum = |[q, dq, ddq]: [f64; 3]| 0.01 * (1e4 * (q + 2.0 * dq + 3.0 * ddq)).sin();
+        let off = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], hum);
+        let found = of(&off);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found.iter().all(|finding| matches!(finding, Finding::Unrelated { .. })));
+    }
+
+    #[test]
+    fn a_torque_of_the_wrong_sign_is_told() {
+        for (friction, share) in [(0.0, 0.5), (0.3, 0.5), (1.5, 0.2)] {
+            let arm = |[q, dq, ddq]: [f64; 3]| {
+                3.0 * q.sin() + friction * (dq + dq.signum()) + share * ddq
+            };
+            let right = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], arm);
+            let wrong = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |x| -arm(x));
+            assert_eq!(of(&right), []);
+            let found = of(&wrong);
+            assert_eq!(found.len(), 2, "{friction} {share}: {found:?}");
+            assert!(found.iter().all(|finding| matches!(finding, Finding::Backward { .. })));
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Survey, patterns, fit → warnings: what the user should know, in words.
 
 use crate::candidates::Candidates;
+use crate::disagreement::Disagreement;
 use crate::excitation::{Finding, findings};
 use crate::patterns::Patterns;
 use crate::plan::{Method, Plan};
@@ -48,6 +49,8 @@ pub enum Warning {
     },
     /// What the motion of the log leaves open.
     Excitation(Finding),
+    /// Logs that were fitted together differ in what gravity does.
+    Disagreement(Disagreement),
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -151,6 +154,7 @@ impl fmt::Display for Warning {
                 100.0 * residual
             ),
             Self::Excitation(finding) => write!(f, "{finding}"),
+            Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Units { joint, largest } => write!(
                 f,
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"

@@ -62,7 +62,7 @@ impl ConditionedLogs {
         Ok(Self { logs, settings, report: first.report })
     }
 
-    /// The logs as they were recorded.
+    /// The logs as they were recorded; their trajectories have the same numbers as the conditioned.
     pub fn logs(&self) -> &Logs {
         &self.logs
     }
@@ -77,13 +77,13 @@ impl ConditionedLogs {
         &self.report
     }
 
-    /// Conditions all files, or one of them; returns the trajectories that were long enough.
+    /// Conditions all files, or one of them; returns whether a trajectory was long enough.
     fn visit(
         &self,
         file: Option<usize>,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<usize, ReadError> {
-        let mut out = Cutter { trajectory: 0, visit };
+    ) -> Result<bool, ReadError> {
+        let mut out = Cutter { trajectory: 0, is_empty: true, visit };
         let mut own: Option<(usize, Stretch)> = None;
         let mut take = |trajectory: usize, block: &RawBlock| -> Result<(), ReadError> {
             if own.as_ref().is_none_or(|(current, _)| *current != trajectory) {
@@ -104,7 +104,7 @@ impl ConditionedLogs {
         if let Some((ended, stretch)) = own {
             self.end(ended, stretch, &mut out)?;
         }
-        Ok(out.trajectory)
+        Ok(!out.is_empty)
     }
 
     fn push(
@@ -115,6 +115,7 @@ impl ConditionedLogs {
         out: &mut Cutter<'_>,
     ) -> Result<(), ReadError> {
         let failed = |source| signals(&self.logs, trajectory, source);
+        out.trajectory = trajectory;
         match stretch {
             Stretch::Waiting(blocks) => {
                 blocks.push(block.clone());
@@ -138,6 +139,7 @@ impl ConditionedLogs {
     /// The rest of a trajectory; one that is too short to be filtered is left out.
     fn end(&self, trajectory: usize, rest: Stretch, out: &mut Cutter<'_>) -> Result<(), ReadError> {
         let failed = |source| signals(&self.logs, trajectory, source);
+        out.trajectory = trajectory;
         let motions = match rest {
             Stretch::Running(conditioner) => conditioner.finish().map_err(failed)?,
             Stretch::Waiting(blocks) => {
@@ -149,9 +151,7 @@ impl ConditionedLogs {
                 }
             }
         };
-        out.hand_out(motions)?;
-        out.trajectory += 1;
-        Ok(())
+        out.hand_out(motions)
     }
 }
 
@@ -164,7 +164,7 @@ impl Recording for ConditionedLogs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        if self.visit(None, visit)? == 0 {
+        if !self.visit(None, visit)? {
             let cutoff = self.report.cutoff.unwrap_or_default();
             return Err(LogError::NothingLeft { cutoff }.into());
         }
@@ -193,8 +193,9 @@ enum Stretch {
 
 /// Cuts motion into blocks.
 struct Cutter<'a> {
-    /// Trajectories handed out whole.
+    /// The trajectory in hand, as the logs count them.
     trajectory: usize,
+    is_empty: bool,
     visit: &'a mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
 }
 
@@ -203,6 +204,7 @@ impl Cutter<'_> {
         for motion in motions {
             let rows: Vec<usize> = (0..motion.n_rows()).collect();
             for block in rows.chunks(BLOCK_ROWS) {
+                self.is_empty = false;
                 (self.visit)(self.trajectory, &motion.select(block))?;
             }
         }

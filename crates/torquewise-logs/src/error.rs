@@ -137,8 +137,8 @@ pub enum LogError {
     )]
     NoJointState { file: PathBuf, found: String },
     #[error(
-        "{} has several topics of joint states, {found}: choose one with topic = \"…\" \
-         in a profile",
+        "{} has several topics of joint states, {found}: choose one with --topic NAME, \
+         or topic = \"…\" in a profile",
         file.display()
     )]
     SeveralTopics { file: PathBuf, found: String },

@@ -28,7 +28,14 @@ pub struct Logs {
     joints: Vec<String>,
     polynomial: LocalPolynomial,
     /// Of the last complete reading of each file.
-    reports: Arc<Mutex<Vec<ReadReport>>>,
+    readings: Arc<Mutex<Vec<Reading>>>,
+}
+
+/// What the last complete reading of a file came to.
+#[derive(Clone, Copy, Debug, Default)]
+struct Reading {
+    report: ReadReport,
+    trajectories: usize,
 }
 
 impl Logs {
@@ -51,8 +58,8 @@ impl Logs {
         let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let joints = agreed_joints(&sources)?;
         let polynomial = LocalPolynomial::default();
-        let reports = Arc::new(Mutex::new(vec![ReadReport::default(); sources.len()]));
-        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, reports })
+        let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
+        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, readings })
     }
 
     /// The same logs, with missing dq and ddq found by `polynomial`.
@@ -163,8 +170,20 @@ impl Logs {
 
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
     pub fn report(&self) -> ReadReport {
-        let reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
-        reports.iter().fold(ReadReport::default(), |all, report| all.and(*report))
+        let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
+        readings.iter().fold(ReadReport::default(), |all, reading| all.and(reading.report))
+    }
+
+    /// The file that a trajectory was in at the last complete reading; none before that.
+    pub fn file_of(&self, trajectory: usize) -> Option<&Path> {
+        let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut end = 0;
+        let holds = |reading: &Reading| {
+            end += reading.trajectories;
+            trajectory < end
+        };
+        let file = readings.iter().position(holds)?;
+        self.paths.get(file).map(PathBuf::as_path)
     }
 
     fn visit<E: From<LogError>>(
@@ -192,11 +211,12 @@ impl Logs {
                 last = first + trajectory;
                 visit(last, &block)?;
             }
-            first = last + 1;
-            let mut reports = self.reports.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(report) = reports.get_mut(file) {
-                *report = blocks.report();
+            let reading = Reading { report: blocks.report(), trajectories: last + 1 - first };
+            let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(old) = readings.get_mut(file) {
+                *old = reading;
             }
+            first = last + 1;
         }
         Ok(())
     }

@@ -24,8 +24,12 @@ pub enum Clock {
 pub struct ReadReport {
     /// Rows handed out.
     pub rows: u64,
-    /// Rows dropped since their time stamp did not advance.
+    /// Rows dropped since they had the time stamp of the row before.
     pub repeated: u64,
+    /// Rows dropped since their time stamp was earlier than that of a row before.
+    pub went_back: u64,
+    /// The first of these, 1 for the first row of its file.
+    pub first_back: Option<u64>,
     /// Rows dropped since a value was missing, NaN or infinite.
     pub not_finite: u64,
     /// Messages of a bag that came after one with a later time stamp and were sorted.
@@ -123,14 +127,25 @@ impl SignalRows {
                 self.report.not_finite += 1;
                 continue;
             }
-            if self.clock == Clock::Repair && self.last_t.is_some_and(|last| t <= last) {
-                self.report.repeated += 1;
+            if self.clock == Clock::Repair && self.drops(t) {
                 continue;
             }
             self.last_t = Some(t);
             self.report.rows += 1;
             return Ok(Some(Origin { part, number: self.number }));
         }
+    }
+
+    /// Whether a row of this time does not follow the last; it is counted.
+    fn drops(&mut self, t: f64) -> bool {
+        let Some(last) = self.last_t.filter(|last| t <= *last) else { return false };
+        if t < last {
+            self.report.went_back += 1;
+            self.report.first_back.get_or_insert(self.number);
+        } else {
+            self.report.repeated += 1;
+        }
+        true
     }
 
     /// Time of the row \[s\], and since the first row of the file.
@@ -178,6 +193,8 @@ impl ReadReport {
         Self {
             rows: self.rows + other.rows,
             repeated: self.repeated + other.repeated,
+            went_back: self.went_back + other.went_back,
+            first_back: self.first_back.or(other.first_back),
             not_finite: self.not_finite + other.not_finite,
             sorted: self.sorted + other.sorted,
             passed_over: self.passed_over + other.passed_over,

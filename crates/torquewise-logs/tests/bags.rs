@@ -173,7 +173,7 @@ fn several_topics_are_listed_and_one_can_be_chosen() {
         for part in [
             "/joint_states (sensor_msgs/msg/JointState, 12 messages)",
             "/left/joint_states (sensor_msgs/msg/JointState, 1 messages)",
-            "choose one with topic = \"…\" in a profile",
+            "choose one with --topic NAME, or topic = \"…\" in a profile",
         ] {
             assert!(refused.contains(part), "{refused}");
         }

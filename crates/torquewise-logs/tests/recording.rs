@@ -3,8 +3,9 @@
 
 use std::path::PathBuf;
 use tempfile::TempDir;
-use torquewise_logs::{LogError, Logs};
+use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::{LocalPolynomial, Recording};
+use torquewise_signals::Conditioning;
 
 /// A folder with text files.
 struct Files(TempDir);
@@ -29,6 +30,7 @@ fn each_file_and_each_part_between_gaps_is_a_trajectory() {
     let gap = "t,q1,dq1,ddq1\n0,1,0,0\n1,1,0,0\n2,1,0,0\n3,1,0,0\n9,1,0,0\n10,1,0,0\n";
     let logs = Logs::open(&[files.add("a.csv", gap), files.add("b.csv", ONE_JOINT)]).unwrap();
 
+    assert_eq!(logs.file_of(0), None, "nothing was read yet");
     let mut rows = Vec::new();
     logs.read(&mut |trajectory, block| {
         rows.push((trajectory, block.n_rows(), block.tau().is_some()));
@@ -39,6 +41,33 @@ fn each_file_and_each_part_between_gaps_is_a_trajectory() {
 
     assert_eq!(rows, [(0, 4, false), (1, 2, false), (2, 2, true)]);
     assert_eq!(whole, [vec![0.0, 1.0, 2.0, 3.0], vec![9.0, 10.0], vec![0.0, 0.1]]);
+    let files = [0, 1, 2].map(|trajectory| logs.file_of(trajectory).unwrap().to_owned());
+    assert_eq!(files, [&logs.paths()[0], &logs.paths()[0], &logs.paths()[1]].map(Clone::clone));
+}
+
+#[test]
+fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
+    let files = Files::new();
+    let swing = |rows: std::ops::Range<i32>| -> String {
+        let row = |k: i32| format!("{:?},{:?}\n", 0.01 * f64::from(k), (0.02 * f64::from(k)).sin());
+        rows.map(row).collect()
+    };
+    let a = files.add("a.csv", &format!("t,q1\n{}{}", swing(0..2_000), swing(3_000..3_010)));
+    let b = files.add("b.csv", &format!("t,q1\n{}", swing(0..2_000)));
+    let logs = Logs::open(&[a, b.clone()]).unwrap();
+    let conditioned = ConditionedLogs::new(logs, &Conditioning::default(), false).unwrap();
+
+    let mut numbers = Vec::new();
+    conditioned
+        .read(&mut |trajectory, _| {
+            numbers.push(trajectory);
+            Ok(())
+        })
+        .unwrap();
+
+    numbers.dedup();
+    assert_eq!(numbers, [0, 2]);
+    assert_eq!(conditioned.logs().file_of(2), Some(b.as_path()));
 }
 
 #[test]

@@ -72,6 +72,7 @@ fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, Si
         outliers: even.outliers.clone(),
         signals: signal_reports(columns, even, &filtered, &dq),
         dq_lag: lags(&dq, &filtered, plan)?,
+        dq_gain: gains(&dq, &filtered, plan),
         delay: plan.settings.delay,
         trimmed: plan.trimmed(),
     };
@@ -111,6 +112,19 @@ fn removed(before: &[f64], after: &[f64]) -> f64 {
     let off: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
     let whole = variance(before);
     if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 }
+}
+
+/// Σ measured · derived / Σ derived² of each joint, away from the ends.
+fn gains(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Vec<Option<f64>> {
+    let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
+    let of = |(joint, measured): (usize, &Vec<f64>)| {
+        let derived = dq.col_as_slice(joint).get(rows.clone())?;
+        let measured = measured.get(rows.clone())?;
+        let square: f64 = derived.iter().map(|x| x * x).sum();
+        let product: f64 = derived.iter().zip(measured).map(|(d, m)| d * m).sum();
+        (square > 0.0).then(|| product / square).filter(|gain| gain.is_finite())
+    };
+    filtered.signals[DQ].iter().flatten().enumerate().map(of).collect()
 }
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.

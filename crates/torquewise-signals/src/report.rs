@@ -62,6 +62,9 @@ pub struct ConditionReport {
     /// How far the measured velocity of each joint lags the derivative of its position, n; empty
     /// if no velocity was measured, `None` for a joint that does not move.
     pub dq_lag: Vec<Option<Shift>>,
+    /// Measured velocity of each joint over the derivative of its position, by least squares, n;
+    /// empty if no velocity was measured, `None` for a joint that does not move.
+    pub dq_gain: Vec<Option<f64>>,
     /// Seconds by which the torque was advanced.
     pub delay: f64,
     /// Seconds dropped at each end.

@@ -14,7 +14,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use torquewise::identify::{Method, Reconstruction, diagnose, score};
+use torquewise::identify::{Method, Reconstruction, Warning, diagnose, disagreements, score};
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
 use torquewise::report::fit_report;
@@ -75,7 +75,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (logs, test) = open(arguments)?;
     let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
     let plan = arguments.plan.plan(method, known)?;
-    let timed = timed(&logs, logs.rows_hint(), &plan)?;
+    let mut timed = timed(&logs, logs.rows_hint(), &plan)?;
+    compare_logs(&mut timed.found, &logs)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, to_json(model)?)?;
 
@@ -124,6 +125,16 @@ fn open(arguments: &Arguments) -> Result<(Recorded, Option<Recorded>)> {
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
     }
     Ok((logs, test))
+}
+
+/// Warns of logs that one model cannot fit, such as those of different payloads.
+fn compare_logs(found: &mut Reconstruction, logs: &Recorded) -> Result<()> {
+    if logs.logs().paths().len() > 1 {
+        let watched = Watched::new(logs, "comparing the logs");
+        let at_odds = disagreements(&found.model, &watched, &|k| logs.file_of(k))?;
+        found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
+    }
+    Ok(())
 }
 
 /// The report of a model over its logs and those of another motion.

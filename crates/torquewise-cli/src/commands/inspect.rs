@@ -10,6 +10,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use torquewise::identify::excitation::findings;
 use torquewise::identify::{
     NoiseFloor, PatternPlan, Patterns, Survey, Warning, find_patterns, survey,
 };
@@ -94,7 +95,11 @@ fn suggested(logs: &[PathBuf], known: &ProfileArguments) -> Option<Outcome> {
             "reasons": suggestion.reasons,
             "complete": suggestion.is_complete,
         }),
-        warnings: vec!["nothing but the header was looked at: write a profile first".to_owned()],
+        warnings: vec![
+            "names and first rows of the columns were looked at, no more: save the profile, \
+             correct it, and inspect again with --profile"
+                .to_owned(),
+        ],
     })
 }
 
@@ -118,7 +123,8 @@ impl Inspection {
         let names = constant.filter_map(|joint| self.survey.joints.get(joint).cloned());
         let constant = names.map(|joint| Warning::ConstantJoint { joint }.to_string());
         let units = self.units.iter().map(ToString::to_string);
-        constant.chain(units).chain(missing(&self.patterns.present)).collect()
+        let open = findings(&self.survey).into_iter().map(|finding| finding.to_string());
+        constant.chain(units).chain(open).chain(missing(&self.patterns.present)).collect()
     }
 
     fn text(&self) -> String {

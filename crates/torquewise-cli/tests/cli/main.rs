@@ -10,5 +10,6 @@ mod excite;
 mod control;
 mod friction;
 mod export;
+mod pitfalls;
 mod bad_input;
 mod usage;

@@ -35,15 +35,15 @@ fn joint_bars(
     rubbing: &[Weighted<FrictionTerm>],
 ) -> Bars {
     let importance = &findings.diagnosis.importance[joint];
-    let mut rows: Vec<(Label, f64)> = importance
+    let rows: Vec<(Label, f64)> = importance
         .iter()
         .map(|found| {
-            let name = terms.get(&found.name).map(|found| term(found).into());
+            let own = terms.get(&found.name).map(|found| term(found).into());
+            let rubs = rubbing.iter().find(|w| w.term.name() == found.name);
+            let name = own.or_else(|| rubs.map(|w| friction_label(&w.term)));
             (name.unwrap_or_else(|| found.name.clone().into()), found.rms)
         })
         .collect();
-    rows.extend(rubbing.iter().map(|w| (friction_label(&w.term), friction_rms(findings, w))));
-    rows.sort_by(|a, b| b.1.total_cmp(&a.1));
     let caption = match rows.len().saturating_sub(MOST_TERMS) {
         0 => String::new(),
         n => format!("{} smaller terms are not shown.", count(n)),
@@ -61,16 +61,6 @@ fn joint_bars(
 
 fn friction_label(term: &FrictionTerm) -> Label {
     if term.law == FrictionLaw::Offset { "offset".into() } else { friction(term).into() }
-}
-
-/// RMS of a friction term of a joint, weighted for it, over the sampled rows.
-fn friction_rms(findings: &Findings<'_>, weighted: &Weighted<FrictionTerm>) -> f64 {
-    let dq = findings.diagnosis.trace.motion.dq();
-    let squares = (0..dq.nrows()).map(|row| {
-        let dq: Vec<f64> = dq.row(row).iter().copied().collect();
-        (weighted.coefficient * weighted.term.value(&dq)).powi(2)
-    });
-    (squares.sum::<f64>() / dq.nrows().max(1) as f64).sqrt()
 }
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {

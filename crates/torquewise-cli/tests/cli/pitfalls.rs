@@ -1,0 +1,481 @@
+//! Logs as they should not be, and as they are: each pitfall is told, or dealt with.
+//!
+//! One simulated arm, spoilt in turn as public logs of real arms are; docs/your-robot.md lists them.
+
+use crate::terminal::{Said, Terminal};
+
+/// Columns of numbers.
+#[derive(Clone)]
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// Two joints on sums of sines: 20 s at 100 Hz.
+    fn arm() -> Self {
+        Self::simulated("planar-2 --motion sines --seconds 20 --rate 100 --seed 4")
+    }
+
+    fn simulated(how: &str) -> Self {
+        let terminal = Terminal::new();
+        terminal.done(&format!("simulate {how} -o arm.csv"));
+        Self::from_text(&terminal.read("arm.csv"))
+    }
+
+    fn from_text(text: &str) -> Self {
+        let mut lines = text.lines();
+        let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        Self { header, rows: lines.map(row).collect() }
+    }
+
+    /// As real arms are logged: without accelerations, with friction and a little noise.
+    fn recorded() -> Self {
+        let mut table = Self::arm().without(&["ddq1", "ddq2"]);
+        for joint in ["1", "2"] {
+            let speed = table.place(&format!("dq{joint}"));
+            table = table.with(&format!("tau{joint}"), |row, tau, values| {
+                let dq = values[speed];
+                tau + 0.6 * dq + 0.4 * (dq / 0.02).tanh() + 0.05 * noise(row)
+            });
+            table = table.with(&format!("q{joint}"), |row, q, _| q + 1e-4 * noise(row + 7));
+        }
+        table
+    }
+
+    fn place(&self, name: &str) -> usize {
+        self.header.iter().position(|known| known == name).unwrap()
+    }
+
+    /// Another value in a column, of row, value and all values of the row.
+    fn with(mut self, name: &str, value: impl Fn(usize, f64, &[f64]) -> f64) -> Self {
+        let place = self.place(name);
+        for (number, row) in self.rows.iter_mut().enumerate() {
+            row[place] = value(number, row[place], row);
+        }
+        self
+    }
+
+    fn scaled(self, names: &[&str], factor: f64) -> Self {
+        names.iter().fold(self, |table, name| table.with(name, |_, value, _| factor * value))
+    }
+
+    fn without(mut self, names: &[&str]) -> Self {
+        for name in names {
+            let place = self.place(name);
+            self.header.remove(place);
+            for row in &mut self.rows {
+                row.remove(place);
+            }
+        }
+        self
+    }
+
+    fn renamed(mut self, names: &[(&str, &str)]) -> Self {
+        for (old, new) in names {
+            let place = self.place(old);
+            self.header[place] = (*new).to_owned();
+        }
+        self
+    }
+
+    /// The same values once more, under another name.
+    fn twice(mut self, name: &str, again: &str) -> Self {
+        let place = self.place(name);
+        self.header.push(again.to_owned());
+        self.rows.iter_mut().for_each(|row| row.push(row[place]));
+        self
+    }
+
+    fn text(&self) -> String {
+        self.text_by(",")
+    }
+
+    fn text_by(&self, separator: &str) -> String {
+        let row = |row: &Vec<f64>| {
+            row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(separator) + "\n"
+        };
+        let rows: String = self.rows.iter().map(row).collect();
+        self.header.join(separator) + "\n" + &rows
+    }
+
+    fn inspected(&self) -> Said {
+        let terminal = Terminal::new();
+        terminal.write("log.csv", &self.text());
+        terminal.run("inspect log.csv")
+    }
+}
+
+/// Between -1 and 1, the same at each run.
+fn noise(row: usize) -> f64 {
+    let x = (row as f64 * 12.9898).sin() * 43_758.545_3;
+    2.0 * (x - x.floor()) - 1.0
+}
+
+/// Whether it was said with a warning, and on which stream.
+fn assert_warns(said: &Said, words: &[&str]) {
+    assert_eq!(said.code, 3, "{said:?}");
+    for word in words {
+        assert!(said.stderr.contains(word), "{word:?}: {}", said.stderr);
+    }
+}
+
+fn assert_tells(said: &Said, words: &[&str]) {
+    assert!(matches!(said.code, 0 | 3), "{said:?}");
+    for word in words {
+        assert!(said.stdout.contains(word), "{word:?}: {}", said.stdout);
+    }
+}
+
+const TORQUE_WORDS: [&str; 5] =
+    ["does not follow", "falls as it", "gravity compensation", "few levels", "measured velocity"];
+
+#[test]
+fn a_sound_log_is_not_suspected() {
+    for table in [Table::arm(), Table::recorded()] {
+        let said = table.inspected();
+
+        for word in TORQUE_WORDS {
+            assert!(!said.stderr.contains(word), "{word}: {}", said.stderr);
+        }
+        assert!(!said.stdout.contains("tau advanced"), "{}", said.stdout);
+    }
+}
+
+// Files.
+
+#[test]
+fn a_format_that_is_not_read_is_named_with_those_that_are() {
+    let terminal = Terminal::new();
+    terminal.write("data.pickle", "\u{80}");
+
+    terminal.refused("inspect data.pickle", &["no log format known here", ".npz", "convert"]);
+}
+
+#[test]
+fn headers_and_rows_with_a_space_after_each_comma_are_read() {
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &Table::arm().text_by(", "));
+
+    assert_eq!(terminal.json("inspect log.csv")["rows"], 2_000);
+}
+
+#[test]
+fn the_suggested_profile_takes_what_was_measured() {
+    let table = Table::recorded()
+        .renamed(&[("t", "time"), ("tau1", "tau_meas1"), ("tau2", "tau_meas2")])
+        .twice("tau_meas1", "tau_con1")
+        .twice("tau_meas2", "tau_con2")
+        .twice("tau_meas1", "tau_ff_all1")
+        .twice("tau_meas2", "tau_ff_all2")
+        .renamed(&[("q1", "pos_des1"), ("q2", "pos_des2")])
+        .twice("pos_des1", "pos_meas1")
+        .twice("pos_des2", "pos_meas2");
+
+    let said = table.inspected();
+
+    assert_tells(&said, &["columns = \"pos_meas\"", "columns = \"tau_meas\""]);
+    assert_warns(&said, &["first rows of the columns were looked at"]);
+}
+
+#[test]
+fn several_logs_of_other_rates_are_read_together() {
+    let terminal = Terminal::new();
+    terminal.write("a.csv", &Table::recorded().text());
+    let slow = "planar-2 --motion sines --seconds 20 --rate 50 --seed 9";
+    terminal.write("b.csv", &Table::simulated(slow).without(&["ddq1", "ddq2"]).text());
+
+    let found = terminal.json("inspect a.csv b.csv");
+
+    assert_eq!(found["trajectories"], 2);
+}
+
+// Clocks.
+
+#[test]
+fn jitter_is_made_even() {
+    let said = Table::recorded().with("t", |row, t, _| t + 2e-3 * noise(row)).inspected();
+
+    assert_tells(&said, &["made even: jitter"]);
+}
+
+#[test]
+fn a_log_without_a_clock_asks_for_its_rate() {
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &Table::recorded().without(&["t"]).text());
+    let profile = |rate: &str| {
+        format!("{rate}\n[q]\ncolumns = \"q\"\n[dq]\ncolumns = \"dq\"\n[tau]\ncolumns = \"tau\"\n")
+    };
+    terminal.write("none.toml", &profile(""));
+    terminal.write("right.toml", &profile("rate = 100.0"));
+    terminal.write("wrong.toml", &profile("rate = 200.0"));
+
+    terminal.refused("fit log.csv --profile none.toml -o m.json", &["no clock", "rate = …"]);
+    let right = terminal.run("inspect log.csv --profile right.toml");
+    let wrong = terminal.run("inspect log.csv --profile wrong.toml");
+
+    assert!(!right.stderr.contains("measured velocity"), "{right:?}");
+    assert_warns(&wrong, &["measured velocity of joint1 is 0.50", "and the clock of the log"]);
+}
+
+#[test]
+fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
+    let terminal = Terminal::new();
+    let mut table = Table::recorded();
+    let again = table.rows[500].clone();
+    table.rows.insert(501, again);
+    let restarted = table.rows[..300].to_vec();
+    table.rows.extend(restarted);
+    terminal.write("log.csv", &table.text());
+
+    terminal.refused("inspect log.csv", &["row 502", "does not follow"]);
+    let said = terminal.run("inspect log.csv --repair");
+
+    assert_warns(
+        &said,
+        &[
+            "left out: 1 rows with the time stamp of the row before",
+            "300 rows earlier than a row before them, the first is row 2002",
+            "put what follows in a file of its own",
+        ],
+    );
+}
+
+// Units, gears, signs.
+
+#[test]
+fn degrees_are_suspected_and_read_with_a_profile() {
+    let terminal = Terminal::new();
+    let names = ["q1", "q2", "dq1", "dq2"];
+    let table = Table::arm().scaled(&names, 180.0 / std::f64::consts::PI);
+    terminal.write("log.csv", &table.text());
+    terminal.write(
+        "degrees.toml",
+        "[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\nunit = \"deg\"\n\
+         [dq]\ncolumns = \"dq\"\nunit = \"deg/s\"\n[tau]\ncolumns = \"tau\"\n",
+    );
+
+    assert_warns(&terminal.run("inspect log.csv"), &["q1 reaches", "is it in degrees?"]);
+    let said = terminal.run("inspect log.csv --profile degrees.toml");
+    assert!(!said.stderr.contains("degrees"), "{said:?}");
+}
+
+#[test]
+fn velocity_in_another_unit_than_position_is_told() {
+    let said = Table::recorded().scaled(&["dq1", "dq2"], 30.0 / std::f64::consts::PI).inspected();
+
+    assert_warns(&said, &["measured velocity of joint2 is 9.5"]);
+}
+
+#[test]
+fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
+    let terminal = Terminal::new();
+    // Motors that turn 50 times as fast as their joints, the second one backward; N·m/A.
+    let (gears, constants) = ([50.0, -40.0], [0.1, 0.08]);
+    let mut table = Table::recorded();
+    for (joint, (gear, constant)) in gears.into_iter().zip(constants).enumerate() {
+        let [q, dq, tau] = ["q", "dq", "tau"].map(|signal| format!("{signal}{}", joint + 1));
+        table = table.scaled(&[&q, &dq], gear).scaled(&[&tau], 1.0 / (gear * constant));
+    }
+    terminal.write("log.csv", &table.text());
+    let profile = |constants: &str| {
+        format!(
+            "[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\nscale = [0.02, -0.025]\n\
+             [dq]\ncolumns = \"dq\"\nscale = [0.02, -0.025]\n\
+             [tau]\ncolumns = \"tau\"\nunit = \"A\"\ngear = [50, -40]\n{constants}\n"
+        )
+    };
+    terminal.write("none.toml", &profile(""));
+    terminal.write("right.toml", &profile("torque_constant = [0.1, 0.08]"));
+    terminal.write("wrong.toml", &profile("torque_constant = [0.1, -0.08]"));
+    terminal.write("joint.csv", &Table::recorded().text());
+
+    terminal.refused("inspect log.csv --profile none.toml", &["torque_constant"]);
+    let wrong = terminal.run("inspect log.csv --profile wrong.toml");
+    assert_warns(&wrong, &["the torque of joint2 falls as it accelerates", "check the sign"]);
+    assert!(!wrong.stderr.contains("the torque of joint1 falls"), "{wrong:?}");
+    let (right, plain) =
+        (terminal.json("inspect log.csv --profile right.toml"), terminal.json("inspect joint.csv"));
+    for joint in 0..2 {
+        let deviation =
+            |found: &serde_json::Value| found["joints"][joint]["tau_std"].as_f64().unwrap();
+        assert!((deviation(&right) / deviation(&plain) - 1.0).abs() < 1e-9);
+    }
+    assert!(!right["warnings"].to_string().contains("falls as it accelerates"));
+}
+
+// Torques.
+
+#[test]
+fn torque_that_lags_is_advanced() {
+    let table = Table::recorded();
+    let late = |name: &str| -> Vec<f64> {
+        let place = table.place(name);
+        (0..table.rows.len()).map(|row| table.rows[row.saturating_sub(2)][place]).collect()
+    };
+    let (first, second) = (late("tau1"), late("tau2"));
+    let said = table
+        .clone()
+        .with("tau1", |row, _, _| first[row])
+        .with("tau2", |row, _, _| second[row])
+        .inspected();
+
+    let (_, advanced) = said.stdout.split_once("tau advanced by ").unwrap();
+    let ms: f64 = advanced.split_once(" ms").unwrap().0.parse().unwrap();
+    // Two rows at 100 Hz; half a row beside it is no harm.
+    assert!((ms - 20.0).abs() < 5.0, "{ms}");
+}
+
+#[test]
+fn torque_that_a_hand_supplies_is_told() {
+    let table = Table::recorded();
+    let q = [table.place("q1"), table.place("q2")];
+    let said = table
+        .with("tau1", |_, _, row| 24.0 * row[q[0]].cos() + 4.0 * (row[q[0]] + row[q[1]]).cos())
+        .with("tau2", |_, _, row| 4.0 * row[q[1]].sin())
+        .inspected();
+
+    assert_warns(&said, &["the torque of joint2 follows from the positions alone", "hand"]);
+}
+
+#[test]
+fn a_motor_that_is_off_is_told() {
+    let said = Table::recorded().with("tau2", |row, _, _| 0.02 * noise(row)).inspected();
+    assert_warns(&said, &["the torque of joint2 does not follow its motion", "is its motor on"]);
+
+    let terminal = Terminal::new();
+    terminal.write("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
+    let said = terminal.run("fit off.csv -o model.json");
+    assert_warns(&said, &["the torque of joint2 never changes: is it measured?"]);
+}
+
+#[test]
+fn spikes_are_replaced_and_counted() {
+    let spoilt = Table::recorded().with("tau1", |row, tau, _| match row {
+        400 | 900 | 1_500 => tau + 300.0,
+        _ => tau,
+    });
+
+    assert_tells(&spoilt.inspected(), &["tau of joint1: 3 outliers replaced"]);
+}
+
+#[test]
+fn a_coarse_current_is_told() {
+    let said = Table::recorded().with("tau2", |_, tau, _| (tau / 1.5).round() * 1.5).inspected();
+
+    assert_warns(&said, &["the torque of joint2 has few levels", "expect a poor fit"]);
+    assert_tells(&said, &["tau of joint2 is quantised to 1.5"]);
+}
+
+// Motion.
+
+#[test]
+fn velocity_that_a_robot_filtered_is_told_and_not_used() {
+    let mut table = Table::recorded();
+    for name in ["dq1", "dq2"] {
+        let place = table.place(name);
+        // First order, a time constant of 50 ms.
+        let mut slow = table.rows[0][place];
+        for row in &mut table.rows {
+            slow += 0.2 * (row[place] - slow);
+            row[place] = slow;
+        }
+    }
+
+    let (late, sound) = (table.inspected(), Table::recorded().inspected());
+
+    let lag = |said: &Said| -> f64 {
+        let (_, lag) = said.stdout.split_once("measured dq lags d(q)/dt by ").unwrap();
+        lag.split_once(" ms").unwrap().0.parse().unwrap()
+    };
+    // 50 ms less half a row at low frequencies.
+    assert!((30.0..60.0).contains(&lag(&late)), "{}", lag(&late));
+    assert!(lag(&sound).abs() < 2.0, "{}", lag(&sound));
+}
+
+#[test]
+fn an_encoder_that_is_not_there_is_told() {
+    let said = Table::arm().with("q2", |_, _, _| 0.0).scaled(&["dq2", "ddq2"], 0.0).inspected();
+
+    assert_warns(&said, &["joint2 never moves"]);
+}
+
+#[test]
+fn a_log_that_ends_at_rest_is_cut_by_its_profile() {
+    let terminal = Terminal::new();
+    let mut table = Table::recorded();
+    let last = table.rows[1_999].clone();
+    table.rows.extend((0..500).map(|row| {
+        let mut rest = last.clone();
+        rest[0] = 20.0 + 0.01 * f64::from(row);
+        rest
+    }));
+    terminal.write("log.csv", &table.text());
+    terminal.write(
+        "cut.toml",
+        "seconds = [[0.0, 19.995]]\n[t]\ncolumn = \"t\"\n[q]\ncolumns = \"q\"\n\
+         [tau]\ncolumns = \"tau\"\n",
+    );
+
+    let raw = "inspect log.csv --profile cut.toml --filter none";
+    assert_eq!(terminal.json(raw)["rows"], 2_000);
+}
+
+#[test]
+fn a_counterbalance_is_found() {
+    let terminal = Terminal::new();
+    let table = Table::recorded();
+    let q = table.place("q1");
+    // A gas spring: no mass pulls with twice and thrice the angle.
+    let spring = |_: usize, tau: f64, row: &[f64]| {
+        tau - 15.0 * (2.0 * row[q]).sin() - 9.0 * (3.0 * row[q]).cos()
+    };
+    terminal.write("log.csv", &table.with("tau1", spring).text());
+
+    let found = terminal.json("fit log.csv -o model.json");
+
+    let choices = found["choices"].as_array().unwrap();
+    let chosen = |what: &str| {
+        choices.iter().find(|choice| choice["what"] == what).map(|choice| choice["chosen"].clone())
+    };
+    assert_eq!(chosen("counterbalance of joint1"), Some("spring".into()), "{choices:?}");
+}
+
+// Logs together.
+
+/// The reference arm of two links, its second one so heavy.
+fn loaded(mass: &str) -> String {
+    let link = |name: &str, a: f64, mass: &str, inertia: f64| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\na = {a:?}\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
+             com = [{:?}, 0.0, 0.0]\ninertia = [0.001, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]\n",
+            -0.5 * a
+        )
+    };
+    format!(
+        "name = \"loaded\"\nbase_rpy = [1.5707963267948966, 0.0, 0.0]\n{}{}",
+        link("upper", 0.5, "4.0", 0.08),
+        link("fore", 0.4, mass, 0.03)
+    )
+}
+
+#[test]
+fn logs_of_other_payloads_are_told_apart() {
+    let terminal = Terminal::new();
+    terminal.write("bare.toml", &loaded("2.0"));
+    terminal.write("laden.toml", &loaded("2.6"));
+    for (arm, log, seed) in [("bare", "a", 1), ("laden", "b", 2), ("bare", "c", 3)] {
+        terminal.done(&format!(
+            "simulate {arm}.toml -o {log}.csv --seconds 40 --rate 50 --seed {seed} \
+             --noise-db 60,50,40"
+        ));
+    }
+
+    let mixed = terminal.run("fit a.csv b.csv -o mixed.json");
+    let alike = terminal.run("fit a.csv c.csv -o alike.json");
+
+    let words = ["a.csv and b.csv disagree about the gravity of", "fore (", "Fit them apart"];
+    assert_warns(&mixed, &words);
+    assert!(!alike.stderr.contains("disagree"), "{alike:?}");
+}
