@@ -67,18 +67,20 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> String {
         let sums = adder.finish().expect("sums within range");
         sums.grams(&prepared, N, &columns).remove(0)
     });
-    let problems = |joints: &[usize]| -> Vec<Problem> {
-        joints.iter().map(|&joint| problem(&gram, joint)).collect()
-    };
     let weights = timed(&mut out, "lstsq", || {
         let problem = problem(&gram, 0);
         problem.refit_each(&columns, gram.cross.as_ref()).expect("columns of the library")
     });
-    timed(&mut out, "stlsq", || {
-        let stlsq = Stlsq::default();
-        let select = |problem: &Problem| stlsq.select(problem).expect("settings within range");
-        problems(&[0, 1, 2]).iter().map(|problem| select(problem).active.len()).sum::<usize>()
-    });
+    // With the ridge that PySINDy has by default, and without.
+    for (name, plain_ridge) in [("stlsq", 0.05), ("stlsq_without_ridge", 0.0)] {
+        let active: usize = timed(&mut out, name, || {
+            let stlsq = Stlsq { plain_ridge, ..Stlsq::default() };
+            let selected = stlsq.select_each(&problem(&gram, 0), gram.cross.as_ref());
+            let selected = selected.expect("settings within range");
+            selected.iter().map(|selection| selection.active.len()).sum()
+        });
+        write!(out, ", \"{name}_active\": {active}").expect("a text");
+    }
     let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
     let path = timed(&mut out, "lasso", || {
         lasso_path(&problem(&gram, JOINT), &lasso).expect("settings within range")

@@ -239,19 +239,17 @@ mod tests {
 
     fn sum(values: &[f64]) -> ExactSums {
         let mut sums = ExactSums::zeros(1);
-        values.iter().for_each(|value| sums.add(0, &[*value]).unwrap());
+        for value in values {
+            sums.add(0, &[*value]).unwrap();
+        }
         sums
     }
 
     #[test]
     fn what_cancels_leaves_the_rest_whole() {
-        assert_eq!(
-            sum(&[1e20, 1.0, -1e20, 1e-15]).pair(0),
-            [1.0 + 1.110_223_024_625_156_5e-15, {
-                let high = 1.0 + 1.110_223_024_625_156_5e-15;
-                1e-15 - (high - 1.0)
-            }]
-        );
+        let tiny = 2.0_f64.powi(-60);
+        let [high, low] = sum(&[1e20, 1.0, -1e20, tiny]).pair(0).map(f64::to_bits);
+        assert_eq!([high, low], [1.0_f64.to_bits(), tiny.to_bits()]);
         assert_eq!(sum(&[0.1, -0.1]).value(0).to_bits(), 0);
     }
 
@@ -296,6 +294,7 @@ mod tests {
             prop_assert_eq!(&parts, &whole);
             // Small enough for 128 bits at the same last place: the sum by another arithmetic.
             let scale = 2.0_f64.powi(60);
+            #[expect(clippy::cast_possible_truncation, reason = "below 2¹⁰⁰")]
             let exact: i128 = values.iter().map(|x| (x * scale) as i128).sum();
             let error = (whole.value(0) - exact as f64 / scale).abs();
             prop_assert!(error <= 1e-15 * whole.value(0).abs() + 40.0 / scale);

@@ -44,13 +44,22 @@ pub struct Refit {
 }
 
 /// Least squares of several responses on some of the columns.
-struct Solved {
+pub(crate) struct Solved {
     /// Weight of every column, p×r.
-    weights: Mat<f64>,
+    pub(crate) weights: Mat<f64>,
     /// Columns asked for, ascending.
     wanted: Vec<usize>,
     /// Those of them without a weight, ascending.
-    dependent: Vec<usize>,
+    pub(crate) dependent: Vec<usize>,
+}
+
+/// What is added to the diagonal of XᵀX.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Ridge {
+    /// As a part of each entry.
+    pub(crate) part: f64,
+    /// The same for all.
+    pub(crate) plain: f64,
 }
 
 /// The columns a selector kept.
@@ -196,7 +205,12 @@ impl Problem {
     /// # Errors
     /// [`SparseError::Column`] if an active column is not below p.
     pub fn refit(&self, active: &[usize]) -> Result<Refit, SparseError> {
-        self.ridge(active, 0.0)
+        let cross = MatRef::from_column_major_slice(&self.cross, self.n_columns(), 1);
+        let Solved { weights, wanted, dependent } = self.solve(active, cross, Ridge::default())?;
+        let coefficients = weights.col_as_slice(0).to_vec();
+        let active = wanted.into_iter().filter(|j| dependent.binary_search(j).is_err()).collect();
+        let residual_energy = self.residual_energy(&coefficients);
+        Ok(Refit { coefficients, active, dependent, residual_energy })
     }
 
     /// Least squares on the columns `active` for other responses of the same rows, p×r: one
@@ -216,25 +230,16 @@ impl Problem {
         if found != expected {
             return Err(SparseError::Shape { what: "the cross products", found, expected });
         }
-        Ok(self.solve(active, cross, 0.0)?.weights)
+        Ok(self.solve(active, cross, Ridge::default())?.weights)
     }
 
-    /// Ridge regression on the columns `active`: min ½/m‖y − X c‖² + ½ ridge Σ (sⱼ cⱼ)², with sⱼ
-    /// the root mean square of column j, so that the unit of a column plays no part.
-    pub(crate) fn ridge(&self, active: &[usize], ridge: f64) -> Result<Refit, SparseError> {
-        let cross = MatRef::from_column_major_slice(&self.cross, self.n_columns(), 1);
-        let Solved { weights, wanted, dependent } = self.solve(active, cross, ridge)?;
-        let coefficients = weights.col_as_slice(0).to_vec();
-        let active = wanted.into_iter().filter(|j| dependent.binary_search(j).is_err()).collect();
-        let residual_energy = self.residual_energy(&coefficients);
-        Ok(Refit { coefficients, active, dependent, residual_energy })
-    }
-
-    fn solve(
+    /// Ridge regression on the columns `active`, min ‖y − X c‖² + Σ (part·Gⱼⱼ + plain) cⱼ², for
+    /// several responses.
+    pub(crate) fn solve(
         &self,
         active: &[usize],
         cross: MatRef<'_, f64>,
-        ridge: f64,
+        ridge: Ridge,
     ) -> Result<Solved, SparseError> {
         let columns = self.n_columns();
         if let Some(&column) = active.iter().find(|&&j| j >= columns) {
@@ -250,7 +255,8 @@ impl Problem {
         let length: Vec<f64> = used.iter().map(|&j| self.gram[(j, j)].sqrt()).collect();
         let matrix = Mat::from_fn(used.len(), used.len(), |i, j| {
             let correlation = self.gram[(used[i], used[j])] / (length[i] * length[j]);
-            if i == j { 1.0 + ridge } else { correlation }
+            let own = || ridge.part + ridge.plain / length[i].powi(2);
+            if i == j { 1.0 + own() } else { correlation }
         });
         let right = Mat::from_fn(used.len(), cross.ncols(), |i, k| cross[(used[i], k)] / length[i]);
         let solution = cholesky::solve(matrix, right.as_ref());
