@@ -3,9 +3,10 @@
 use crate::error::CliError;
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
+use torquewise::identify::activation::Scaling;
 use torquewise::identify::plan::FrictionKind;
 use torquewise::identify::summary::Settings;
-use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan, Scaling};
+use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan};
 use torquewise::sparse::select::Selector;
 use torquewise::sparse::select::criterion::Criterion;
 use torquewise::sparse::select::lasso::Lasso;

@@ -3,8 +3,8 @@
 mod error;
 mod table;
 mod score_table;
-mod outcome;
 mod interrupt;
+mod outcome;
 mod files;
 mod compiler;
 mod moments_file;

@@ -1,7 +1,8 @@
 //! Name → plan: the methods that are compared, and the one choice in which variants differ.
 
 use serde::Serialize;
-use torquewise_identify::{Method as Steps, Plan, Scaling};
+use torquewise_identify::activation::Scaling;
+use torquewise_identify::{Method as Steps, Plan};
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::lasso::Lasso;
 use torquewise_sparse::select::stlsq::Stlsq;

@@ -1,7 +1,7 @@
 //! Rows in a folder → our side of the comparison with other programs: times, and what was found.
 //!
 //! Argument: a folder. Writes there the rows (`rows.f64`, columns q q̇ q̈ τ of three joints one
-//! after the other), the libraries' harmonics and monomials are left to the peer to build; `ours.json`
+//! after the other); the peer builds the harmonics and monomials of the libraries. `ours.json`
 //! holds the times, `ours_lstsq.f64` and `ours_lasso.f64` the weights. `benches/peers/run.py` runs
 //! it.
 

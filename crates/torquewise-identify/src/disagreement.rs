@@ -50,11 +50,12 @@ const COLUMNS: usize = 5;
 
 /// The joints whose gravity differs between logs that one model was fitted to.
 ///
-/// In each log and for each joint, what the model leaves of the torque is regressed on the gravity
-/// of the model, r = a G + b + …, beside its inertia, a constant, the speed and its sign, which take
-/// what a warmer gear changes. A payload adds to gravity in proportion, so that a is positive with
-/// it and negative without. Standard errors are those of sums over some 10 stretches of time
-/// (clusters), since neighbouring residuals are alike. One pass, fixed memory per log.
+/// In each log and for each joint, what the model leaves of the torque is regressed on the
+/// gravity of the model, r = a G + b + …, beside its inertia, a constant, the speed and its sign,
+/// which take what a warmer gear changes. A payload adds to gravity in proportion, so that a is
+/// positive with it and negative without. Standard errors are those of sums over some 10
+/// stretches of time (clusters), since neighbouring residuals are alike. One pass, fixed memory
+/// per log.
 ///
 /// - `log_of`: name of the log that a trajectory of the recording belongs to
 /// - returns: for each joint the two logs that differ most, joints with the same two logs together;
@@ -68,7 +69,7 @@ pub fn disagreements(
     log_of: &dyn Fn(usize) -> String,
 ) -> Result<Vec<Disagreement>, IdentifyError> {
     model.check_joints(recording.joints())?;
-    let mut logs = Logs { torque: Torque::new(model), slow: slow(model), logs: Vec::new() };
+    let mut logs = Logs { torque: Torque::new(model), slow: slow(model), each: Vec::new() };
     recording
         .read(&mut |trajectory, block| {
             match logs.place(log_of(trajectory)) {
@@ -91,16 +92,16 @@ fn slow(model: &Model) -> Vec<f64> {
 struct Logs {
     torque: Torque,
     slow: Vec<f64>,
-    logs: Vec<(String, Vec<Batches>)>,
+    each: Vec<(String, Vec<Batches>)>,
 }
 
 impl Logs {
     fn place(&mut self, name: String) -> Option<usize> {
         // Blocks of a log follow one another.
-        let known = self.logs.iter().rposition(|(known, _)| *known == name);
-        if known.is_none() && self.logs.len() < MOST_LOGS {
-            self.logs.push((name, self.slow.iter().map(|_| Batches::default()).collect()));
-            return Some(self.logs.len() - 1);
+        let known = self.each.iter().rposition(|(known, _)| *known == name);
+        if known.is_none() && self.each.len() < MOST_LOGS {
+            self.each.push((name, self.slow.iter().map(|_| Batches::default()).collect()));
+            return Some(self.each.len() - 1);
         }
         known
     }
@@ -108,7 +109,7 @@ impl Logs {
     fn add(&mut self, place: usize, block: &Motion) -> Result<(), torquewise_motion::ReadError> {
         let (tau, parts) = (block.require_tau()?, self.torque.parts(block)?);
         let tau_hat = parts.total();
-        for (joint, batches) in self.logs[place].1.iter_mut().enumerate() {
+        for (joint, batches) in self.each[place].1.iter_mut().enumerate() {
             for row in 0..block.n_rows() {
                 let dq = block.dq()[(row, joint)];
                 let sign = (dq / self.slow[joint]).tanh();
@@ -123,12 +124,12 @@ impl Logs {
     fn compared(&self, joints: &[String]) -> Vec<Disagreement> {
         let mut found: Vec<Disagreement> = Vec::new();
         for (joint, name) in joints.iter().enumerate() {
-            let slopes = self.logs.iter().enumerate();
+            let slopes = self.each.iter().enumerate();
             let slopes: Vec<(usize, Slope)> = slopes
                 .filter_map(|(log, (_, batches))| Some((log, batches[joint].slope()?)))
                 .collect();
             let Some([(one, a), (other, b)]) = most_apart(&slopes) else { continue };
-            let logs = [one, other].map(|log| self.logs[log].0.clone());
+            let logs = [one, other].map(|log| self.each[log].0.clone());
             let at_odds = JointAtOdds {
                 joint: name.clone(),
                 excess: [a.value, b.value],
@@ -235,7 +236,7 @@ impl Batches {
     /// `None` if gravity hardly changes, or too little was recorded.
     fn slope(&self) -> Option<Slope> {
         let batches = || self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0));
-        let all = batches().fold(Sums::default(), |sum, batch| sum.and(batch));
+        let all = batches().fold(Sums::default(), Sums::and);
         let n_batches = batches().count();
         if n_batches < LEAST_BATCHES || all.rows < 4 * COLUMNS {
             return None;

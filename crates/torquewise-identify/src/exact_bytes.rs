@@ -1,4 +1,4 @@
-//! Exact sums ↔ their bytes in a file.
+//! Exact sums → their bytes in a file, and back.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -261,8 +261,8 @@ mod tests {
     use faer::Mat;
     use torquewise_motion::{Motion, Signals};
 
-    /// A sine per joint, (amplitude, rate, phase), and a smaller and faster one, without which inertia
-    /// and gravity look the same; torque by `tau`.
+    /// A sine per joint, (amplitude, rate, phase), and a smaller and faster one, without which
+    /// inertia and gravity look the same; torque by `tau`.
     fn log(sines: [(f64, f64, f64); 2], tau: impl Fn([f64; 3]) -> f64) -> Motion {
         let t: Vec<f64> = (0..2_000).map(|row| 0.01 * f64::from(row)).collect();
         let of = |order: i32| {

@@ -2,8 +2,8 @@
 //!
 //! [`reconstruct`](reconstruct::reconstruct) is the method on one page. It reads each log twice, in
 //! fixed memory: once to look around, once to sum what a fit needs of it. These sums, a
-//! [`Summary`], add up without rounding: those of many logs may be taken apart, saved, merged in any
-//! order, and [solved](solve) for the model that fitting all logs together gives, bit for bit.
+//! [`Summary`], add up without rounding: those of many logs may be taken apart, saved, merged in
+//! any order, and [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
 pub mod error;
 pub mod activation;
@@ -25,6 +25,7 @@ mod step;
 mod held_out;
 mod settle;
 mod factor;
+mod base;
 mod spread;
 mod refit;
 pub mod form;
@@ -42,13 +43,9 @@ pub mod score;
 pub mod diagnose;
 pub mod orders;
 
-pub use activation::Scaling;
 pub use diagnose::{Diagnosis, diagnose};
-pub use disagreement::disagreements;
 pub use error::IdentifyError;
 pub use found::{Progress, Reconstruction};
-pub use noise::NoiseFloor;
-pub use orders::orders;
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Method, Plan};
 pub use reconstruct::{reconstruct, solve};

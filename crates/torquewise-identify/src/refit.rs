@@ -1,12 +1,12 @@
 //! Kept terms, normal equations, a sample → coefficients, standard errors, inclusion (E6) (E7).
 
+use crate::base::Base;
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::factor::{Factor, FactorSum, Fit, Kept};
 use crate::noise::NoiseFloor;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::spread::ScoreSum;
-use crate::step::{residual_energy, response_place};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +17,6 @@ use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::{Accumulate, Lanes};
 use torquewise_sparse::elimination::{Equations, Estimate};
 use torquewise_sparse::gram::Gram;
-use torquewise_sparse::problem::Problem;
 use torquewise_sparse::samples::Evaluator;
 use torquewise_sparse::triangle::Triangle;
 
@@ -70,9 +69,6 @@ const LEAST_PARTS: usize = 8;
 /// Above this many kept terms, only those of the final model are asked of resampled logs.
 const MOST_BAGGED: usize = 150;
 
-/// Where least squares leaves less than this part of the torque, squared, normal equations cannot
-/// say how much less: they keep about 13 digits.
-const EXPLAINED: f64 = 1e-10;
 /// Times that noise is drawn for each row of a sample at most.
 const MOST_DRAWS: f64 = 16.0;
 
@@ -162,72 +158,6 @@ fn pass<'a, T, A: Accumulate>(
         })
         .map_err(IdentifyError::Read)?;
     lanes.into_iter().map(|lanes| Ok(lanes.parts()?)).collect()
-}
-
-/// The normal equations of a group over all rows, its equations weighted and added up.
-struct Base {
-    /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
-    gram: Mat<f64>,
-    start: Start,
-    /// Whether the torque is explained but for rounding.
-    explained: bool,
-    /// RMS of what the start leaves of each equation \[N·m\].
-    residual_rms: Vec<f64>,
-}
-
-/// The plain least-squares fit, with the columns that depend on others found out.
-struct Start {
-    coefficients: Vec<f64>,
-    dependent: Vec<usize>,
-}
-
-impl Base {
-    /// - `grams`: of each equation over all rows
-    /// - `parts`: of the sample, a row of which stands for `scale` rows
-    fn new(kept: &Kept, grams: &[Gram], parts: &[Factor], scale: f64) -> Result<Self, SparseError> {
-        let p = kept.columns.len();
-        let mut gram = Mat::<f64>::zeros(p + 1, p + 1);
-        let mut rows = 0.0;
-        for (&(equation, response), &weight) in kept.group.equations.iter().zip(&kept.weights) {
-            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
-            for j in 0..p {
-                for i in 0..p {
-                    gram[(i, j)] += weight * part.gram[(i, j)];
-                }
-                gram[(j, p)] += weight * part.cross[(j, own)];
-                gram[(p, j)] = gram[(j, p)];
-            }
-            gram[(p, p)] += weight * part.energy[own];
-            rows += part.rows as f64;
-        }
-        let mut start = Start::solve(&gram, rows)?;
-        let (mut explained, mut residual_rms) = (true, Vec::new());
-        for &(equation, response) in &kept.group.equations {
-            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
-            let left = residual_energy(part, own, &start.coefficients);
-            explained &= left <= EXPLAINED * part.energy[own];
-            residual_rms.push((left / part.rows.max(1) as f64).sqrt());
-        }
-        if explained {
-            gram.fill(0.0);
-            for part in parts {
-                gram += faer::Scale(scale) * &part.gram;
-            }
-            start = Start::solve(&gram, rows)?;
-        }
-        Ok(Self { gram, start, explained, residual_rms })
-    }
-}
-
-impl Start {
-    fn solve(gram: &Mat<f64>, rows: f64) -> Result<Self, SparseError> {
-        let p = gram.ncols().saturating_sub(1);
-        let right = (0..p).map(|j| gram[(j, p)]).collect();
-        let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
-        let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1.0))?;
-        let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
-        Ok(Self { coefficients: fit.coefficients, dependent: fit.dependent })
-    }
 }
 
 /// All that is known of one group.

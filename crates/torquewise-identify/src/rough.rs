@@ -27,8 +27,8 @@ const RIDGE: f64 = 1e-8;
 /// Dry friction is smooth below this part of the peak speed.
 const SLOW: f64 = 0.02;
 
-/// τ of a joint by 1, its speed and the sign of it, all accelerations, and sines and cosines of each
-/// angle, twice each angle and each two neighbours together.
+/// τ of a joint by 1, its speed and the sign of it, all accelerations, and sines and cosines of
+/// each angle, twice each angle and each two neighbours together.
 ///
 /// `None` for a joint at rest, or if there are too few rows.
 pub(crate) fn rough(motion: &Motion, joint: usize) -> Option<Rough> {

@@ -85,14 +85,13 @@ pub fn summarise(
     signals: &str,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Summary, IdentifyError> {
-    let (friction, choices) = match plan.friction {
-        FrictionKind::None => (Vec::new(), Vec::new()),
-        _ => {
-            progress(Progress::Survey);
-            let survey = survey(recording)?;
-            survey.sample.require_tau()?;
-            choose_laws(&survey, plan)?
-        }
+    let (friction, choices) = if plan.friction == FrictionKind::None {
+        (Vec::new(), Vec::new())
+    } else {
+        progress(Progress::Survey);
+        let survey = survey(recording)?;
+        survey.sample.require_tau()?;
+        choose_laws(&survey, plan)?
     };
     let settings = Settings::new(recording.joints(), plan, friction, signals);
     let basis = settings.basis()?;

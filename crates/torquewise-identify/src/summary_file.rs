@@ -1,4 +1,4 @@
-//! Summary ↔ bytes of a file: versioned, checksummed, the same for the same logs.
+//! Summary → bytes of a file and back: versioned, checksummed, the same for the same logs.
 
 use crate::error::IdentifyError;
 use crate::noise::NoiseSum;

@@ -7,7 +7,8 @@ mod truth;
 use std::collections::BTreeMap;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::orders::OrderPlan;
-use torquewise_identify::{Plan, Reconstruction, orders, reconstruct, score};
+use torquewise_identify::orders::orders;
+use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, check, to_json};
 use torquewise_motion::{Motion, Pattern};
 

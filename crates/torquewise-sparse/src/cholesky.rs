@@ -27,8 +27,8 @@ pub(crate) struct Solution {
 /// - `matrix`: p×p, lower triangle read, columns of like length; overwritten by its factor
 /// - `right`: p×r
 ///
-/// Where no column depends on those before it, plain Cholesky does, which is twice as fast. Else the
-/// largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
+/// Where no column depends on those before it, plain Cholesky does, which is twice as fast. Else
+/// the largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
 /// negative eigenvalues loses the columns that would need them. One thread, hence the same bits on
 /// any machine load.
 pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {

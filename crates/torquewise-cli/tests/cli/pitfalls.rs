@@ -1,6 +1,7 @@
 //! Logs as they should not be, and as they are: each pitfall is told, or dealt with.
 //!
-//! One simulated arm, spoilt in turn as public logs of real arms are; docs/your-robot.md lists them.
+//! One simulated arm, spoilt in turn as public logs of real arms are: docs/your-robot.md has the
+//! list.
 
 use crate::terminal::{Said, Terminal};
 

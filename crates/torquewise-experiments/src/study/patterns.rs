@@ -4,9 +4,8 @@ use crate::error::ExperimentError;
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use serde::Serialize;
-use torquewise_identify::{
-    IdentifyError, PatternPlan, Patterns, Scaling, Survey, find_patterns, survey,
-};
+use torquewise_identify::activation::Scaling;
+use torquewise_identify::{IdentifyError, PatternPlan, Patterns, Survey, find_patterns, survey};
 use torquewise_motion::{Motion, Pattern};
 
 /// The clusters of the paper.
