@@ -76,7 +76,7 @@ impl Table {
     fn renamed(mut self, names: &[(&str, &str)]) -> Self {
         for (old, new) in names {
             let place = self.place(old);
-            self.header[place] = (*new).to_owned();
+            (*new).clone_into(&mut self.header[place]);
         }
         self
     }
