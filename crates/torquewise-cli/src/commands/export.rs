@@ -35,6 +35,12 @@ pub(crate) struct Arguments {
     /// What the functions begin with, for c, fmu and ros2 [default: the name of the file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
+    /// Half width of the reversal of friction, 0 for the exact sign [default: as it was learned]
+    ///
+    /// A learner smooths reversals for the noise of measured velocities. A desired velocity has
+    /// none: 0.002 tracks better.
+    #[arg(long, value_name = "RAD/S", value_parser = width)]
+    reversal: Option<f64>,
     /// Also write 1000 states and what the model returns there, FILE.vectors.csv
     #[arg(long)]
     test_vectors: bool,
@@ -83,6 +89,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let vectors = arguments.test_vectors.then(|| output.with_extension("vectors.csv"));
     check_paths(arguments, vectors.as_ref())?;
     let model = read_model(&arguments.model)?;
+    let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
     let program = Program::of(&model)?;
     let (name, precision) = (name(arguments), precision(arguments.precision));
 
@@ -98,6 +105,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         write_whole(file, test_vectors(&model, TEST_STATES, arguments.seed)?)?;
     }
     Ok(outcome(arguments, &model, &program, vectors.as_deref()))
+}
+
+fn width(text: &str) -> Result<f64, String> {
+    let width: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
+    if width.is_finite() && width >= 0.0 {
+        Ok(width)
+    } else {
+        Err("expected 0 or more radians per second".to_owned())
+    }
 }
 
 fn check_usage(arguments: &Arguments) -> Result<(), CliError> {

@@ -46,6 +46,8 @@ fn what_cannot_be_exported_is_refused() {
         ("export model.json --to c -o arm.py", 1),
         ("export model.json --to c -o arm.c --name 3arm", 1),
         ("export model.json --to ros2 -o package", 1),
+        ("export model.json --to c -o arm.c --reversal -1", 2),
+        ("export model.json --to c -o arm.c --reversal wide", 2),
         ("export missing.json --to c -o arm.c", 1),
     ] {
         let said = terminal.run(line);
