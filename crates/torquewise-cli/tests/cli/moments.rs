@@ -71,7 +71,7 @@ fn an_interrupted_command_leaves_nothing_behind() {
     let terminal = Terminal::new();
     let folder = terminal.path("");
     let mut simulate = Command::new(env!("CARGO_BIN_EXE_torquewise"))
-        .args(["simulate", "puma560-3", "-o", "long.csv", "--seconds", "1000000"])
+        .args(["simulate", "puma560-3", "-o", "long.csv", "--seconds", "1000000", "--rate", "50"])
         .current_dir(&folder)
         .stderr(Stdio::piped())
         .spawn()
