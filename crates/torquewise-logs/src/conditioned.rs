@@ -146,7 +146,7 @@ impl ConditionedLogs {
                 let raw = joined(self.logs.joints(), &blocks);
                 match condition(&raw, &self.settings) {
                     Ok(conditioned) => vec![conditioned.motion],
-                    Err(SignalError::TooFewRows { .. }) => return Ok(()),
+                    Err(error) if error.is_too_short() => return Ok(()),
                     Err(error) => return Err(failed(error).into()),
                 }
             }

@@ -62,6 +62,15 @@ pub enum SignalError {
 }
 
 impl SignalError {
+    /// Whether a trajectory is too short to be filtered.
+    pub fn is_too_short(&self) -> bool {
+        match self {
+            Self::TooFewRows { .. } => true,
+            Self::Joint { source, .. } => source.is_too_short(),
+            _ => false,
+        }
+    }
+
     /// Says which signal of which joint this is about.
     pub(crate) fn of(self, signal: &'static str, joint: &str) -> Self {
         Self::Joint { signal, joint: joint.to_owned(), source: Box::new(self) }

@@ -14,6 +14,10 @@ use faer::{Mat, MatRef, Par, Spec};
 /// Duplicates leave about 1e-15 times the rounding of the Gram matrix, some 1e-13 after many rows.
 const DEPENDENCE: f64 = 1e-11;
 
+/// All pivots this far above zero mean that no column depends on the others. Without pivoting a
+/// small one may hide a combination that is smaller still, so this is far from [`DEPENDENCE`].
+const REGULAR: f64 = 1e-6;
+
 /// Solution of a symmetric system, zero where a column was dropped.
 pub(crate) struct Solution {
     /// p×r, one column per right-hand side.
@@ -24,7 +28,7 @@ pub(crate) struct Solution {
 
 /// Solves `matrix` x = `right` on the columns that are independent of each other.
 ///
-/// - `matrix`: p×p, both triangles read, columns of like length; overwritten by its factor
+/// - `matrix`: p×p, lower triangle read, columns of like length; overwritten by its factor
 /// - `right`: p×r
 ///
 /// Where no column depends on those before it, plain Cholesky does, which is twice as fast. Else
@@ -33,10 +37,10 @@ pub(crate) struct Solution {
 /// any machine load.
 pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let size = matrix.nrows();
-    if factor_regular(&mut matrix) {
+    if let Some(factor) = regular_factor(&matrix) {
         let mut values = right.to_owned();
-        solve_lower_triangular_in_place(matrix.as_ref(), values.as_mut(), Par::Seq);
-        solve_upper_triangular_in_place(matrix.transpose(), values.as_mut(), Par::Seq);
+        solve_lower_triangular_in_place(factor.as_ref(), values.as_mut(), Par::Seq);
+        solve_upper_triangular_in_place(factor.transpose(), values.as_mut(), Par::Seq);
         return Solution { values, dependent: Vec::new() };
     }
     let mut order = vec![0_usize; size];
@@ -70,30 +74,19 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     Solution { values, dependent }
 }
 
-/// Writes the lower factor of a matrix over its lower triangle, unless one of its columns depends
-/// on those before it.
-fn factor_regular(matrix: &mut Mat<f64>) -> bool {
-    let size = matrix.nrows();
-    let diagonal: Vec<f64> = (0..size).map(|i| matrix[(i, i)]).collect();
+/// Lower factor of a matrix none of whose columns depends on the others.
+fn regular_factor(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+    let mut factor = matrix.clone();
+    let size = factor.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch);
     let plain = llt::factor::LltRegularization::default();
     let stack = MemStack::new(&mut memory);
-    let done =
-        llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default());
-    let largest = (0..size).map(|i| matrix[(i, i)]).fold(0.0, f64::max);
-    let floor = DEPENDENCE.sqrt() * largest;
-    let regular = done.is_ok() && (0..size).all(|i| matrix[(i, i)] > floor);
-    if !regular {
-        // The upper triangle is as it was.
-        for (j, &own) in diagonal.iter().enumerate() {
-            matrix[(j, j)] = own;
-            for i in j + 1..size {
-                matrix[(i, j)] = matrix[(j, i)];
-            }
-        }
-    }
-    regular
+    llt::factor::cholesky_in_place(factor.as_mut(), plain, Par::Seq, stack, Spec::default())
+        .ok()?;
+    let largest = (0..size).map(|i| factor[(i, i)]).fold(0.0, f64::max);
+    let floor = REGULAR.sqrt() * largest;
+    (0..size).all(|i| factor[(i, i)] > floor).then_some(factor)
 }
 
 /// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.
