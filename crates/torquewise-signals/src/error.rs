@@ -65,7 +65,7 @@ impl SignalError {
     /// Whether a trajectory is too short to be filtered.
     pub fn is_too_short(&self) -> bool {
         match self {
-            Self::TooFewRows { .. } => true,
+            Self::TooFewRows { .. } | Self::NothingLeft { .. } => true,
             Self::Joint { source, .. } => source.is_too_short(),
             _ => false,
         }
