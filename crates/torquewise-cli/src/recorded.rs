@@ -4,7 +4,9 @@ use crate::error::CliError;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
+use torquewise::identify::cutoff::{MULTIPLES, choose_cutoff};
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
+use torquewise::model::model::Choice;
 use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::signals::{ConditionReport, Conditioning, Cutoff};
 
@@ -121,6 +123,29 @@ impl SignalArguments {
         };
         let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
         Ok(Recorded::Conditioned(Box::new(ConditionedLogs::new(logs, &settings, find)?)))
+    }
+}
+
+impl SignalArguments {
+    /// The same for a fit: where the cut-off is not given, held-out rows have a say in it.
+    ///
+    /// Returns the logs, and how the cut-off was chosen if it was.
+    pub(crate) fn prepare_to_fit(&self, logs: Logs) -> Result<(Recorded, Option<Choice>)> {
+        let recorded = self.prepare(logs)?;
+        let (Recorded::Conditioned(logs), Filter::Auto) = (&recorded, self.filter) else {
+            return Ok((recorded, None));
+        };
+        let Some(cutoff) = logs.report().cutoff else { return Ok((recorded, None)) };
+        let candidates = logs.at_cutoffs(&MULTIPLES.map(|multiple| multiple * cutoff))?;
+        let Some((better, choice)) = choose_cutoff(&candidates) else {
+            return Ok((recorded, None));
+        };
+        match recorded {
+            Recorded::Conditioned(logs) if better != cutoff => {
+                Ok((Recorded::Conditioned(Box::new(logs.with_cutoff(better)?)), Some(choice)))
+            }
+            recorded => Ok((recorded, Some(choice))),
+        }
     }
 }
 

@@ -69,16 +69,16 @@ impl Settings {
     pub fn quick(seed: u64) -> Self {
         Self {
             arm: "planar-2",
-            seconds: 60.0,
+            seconds: 30.0,
             seeds: 2,
-            timed_seeds: 2,
+            timed_seeds: 1,
             sweep_seeds: 1,
             noise_levels: vec![Decibels::new(70.0, 50.0, 30.0), Decibels::new(40.0, 20.0, 10.0)],
-            lengths: vec![30.0, 60.0],
-            arms: vec![("planar-2", 60.0), ("puma560-3", 60.0)],
-            recordings: [40.0, 40.0, 30.0],
-            trig_order: 4,
-            whole_order: 3,
+            lengths: vec![15.0, 30.0],
+            arms: vec![("planar-2", 30.0), ("puma560-3", 30.0)],
+            recordings: [20.0, 20.0, 20.0],
+            trig_order: 3,
+            whole_order: 2,
             ..Self::full(seed)
         }
     }

@@ -23,6 +23,7 @@ mod rows;
 pub mod evidence;
 mod step;
 mod held_out;
+pub mod cutoff;
 mod settle;
 mod factor;
 mod base;

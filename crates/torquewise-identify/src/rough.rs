@@ -69,7 +69,8 @@ pub(crate) fn rough(motion: &Motion, joint: usize) -> Option<Rough> {
     })
 }
 
-fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
+/// The regressors of that model, m×p; `None` for a joint at rest.
+pub(crate) fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
     let (q, dq, ddq) = (motion.q(), motion.dq(), motion.ddq());
     let peak = dq.col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
     let (m, n) = (motion.n_rows(), motion.n_joints());

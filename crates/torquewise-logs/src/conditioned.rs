@@ -5,9 +5,10 @@ use crate::error::LogError;
 use crate::logs::Logs;
 use faer::Mat;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
+use torquewise_signals::cutoff::Decided;
 use torquewise_signals::{
-    ConditionReport, Conditioner, Conditioning, Cutoff, Plan, Raw, SignalError, condition,
-    torque_delay,
+    ConditionReport, Conditioner, Conditioning, Cutoff, CutoffChoice, Plan, Raw, SignalError,
+    condition, torque_delay,
 };
 
 /// Rows that the cut-off is chosen from, and that a trajectory is planned by.
@@ -60,6 +61,39 @@ impl ConditionedLogs {
             first.report.choice = choice;
         }
         Ok(Self { logs, settings, report: first.report })
+    }
+
+    /// The first rows at each of these cut-offs \[Hz\], but for those that the rate or the length of
+    /// the log does not allow.
+    ///
+    /// # Errors
+    /// [`LogError`] if the logs cannot be read or conditioned.
+    pub fn at_cutoffs(&self, cutoffs: &[f64]) -> Result<Vec<(f64, Motion)>, LogError> {
+        let raw = first_rows(&self.logs)?;
+        let mut found = Vec::new();
+        for &cutoff in cutoffs {
+            let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), ..self.settings };
+            match condition(&raw, &settings) {
+                Ok(conditioned) => found.push((cutoff, conditioned.motion)),
+                Err(SignalError::Cutoff { .. }) => {}
+                Err(error) if error.is_too_short() => {}
+                Err(source) => return Err(signals(&self.logs, 0, source)),
+            }
+        }
+        Ok(found)
+    }
+
+    /// The same logs at another cut-off \[Hz\], since it predicts held-out rows better.
+    ///
+    /// # Errors
+    /// [`LogError`] if the logs cannot be read or conditioned.
+    pub fn with_cutoff(self, cutoff: f64) -> Result<Self, LogError> {
+        let raw = first_rows(&self.logs)?;
+        let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), ..self.settings };
+        let first = condition(&raw, &settings).map_err(|e| signals(&self.logs, 0, e))?;
+        let decided = Decided::HeldOut;
+        let choice = self.report.choice.map(|choice| CutoffChoice { cutoff, decided, ..choice });
+        Ok(Self { logs: self.logs, settings, report: ConditionReport { choice, ..first.report } })
     }
 
     /// The logs as they were recorded; their trajectories have the same numbers as the conditioned.

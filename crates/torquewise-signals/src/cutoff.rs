@@ -216,6 +216,8 @@ pub enum Decided {
     MotionMost,
     /// No joint moves.
     Nothing,
+    /// Not the spectra: with this one torque of held-out rows was predicted better.
+    HeldOut,
 }
 
 impl fmt::Display for Decided {
@@ -226,6 +228,9 @@ impl fmt::Display for Decided {
             Self::MotionLeast => "five times the frequency of the motion, torque is noisier",
             Self::MotionMost => "twenty times the frequency of the motion, vibration is above",
             Self::Nothing => "no joint moves",
+            Self::HeldOut => {
+                "torque of held-out rows is predicted better than with that of the spectra"
+            }
         })
     }
 }

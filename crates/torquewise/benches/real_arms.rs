@@ -18,10 +18,12 @@ use sets::{Set, Split};
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use torquewise::identify::cutoff::{MULTIPLES, choose_cutoff};
 use torquewise::identify::plan::FrictionKind;
 use torquewise::identify::{Method, Plan, reconstruct, score};
-use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
+use torquewise::logs::{Clock, ConditionedLogs, LogError, Logs, Options, Profile};
 use torquewise::model::Model;
+use torquewise::model::model::Choice;
 use torquewise::motion::{Motion, Recording, Signals};
 use torquewise::signals::{ConditionReport, Conditioning};
 
@@ -82,14 +84,15 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let profile = Profile::read(&project().join("profiles").join(set.profile))?;
     let options = Options { profile: Some(profile), topic: None, clock: Clock::Repair };
     let logs = Logs::open_with(&[data.join(set.log)], &options)?;
-    let conditioned = ConditionedLogs::new(logs, &Conditioning::default(), true)?;
+    let (conditioned, cutoff) = conditioned(logs)?;
     let motion = whole(&conditioned)?;
     let (train, test) = split(&motion, set.split);
     let (train, test) = (motion.select(&train), motion.select(&test));
 
     let start = Instant::now();
     let plan = Plan { method: Method::Chain, friction: FrictionKind::Auto, ..Plan::default() };
-    let found = reconstruct(&train, &plan, &mut |_| {})?;
+    let mut found = reconstruct(&train, &plan, &mut |_| {})?;
+    found.model.choices.splice(0..0, cutoff);
     let seconds = start.elapsed().as_secs_f64();
     let scores = score(&found.model, &test)?;
     let ours = Errors {
@@ -106,6 +109,17 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
         ours,
         peer,
         set,
+    })
+}
+
+/// Logs filtered at the cut-off that `fit` would choose, and the record of the choice.
+fn conditioned(logs: Logs) -> Result<(ConditionedLogs, Option<Choice>), LogError> {
+    let logs = ConditionedLogs::new(logs, &Conditioning::default(), true)?;
+    let suggested = logs.report().cutoff.unwrap_or_default();
+    let candidates = logs.at_cutoffs(&MULTIPLES.map(|multiple| multiple * suggested))?;
+    Ok(match choose_cutoff(&candidates) {
+        Some((cutoff, choice)) if cutoff != suggested => (logs.with_cutoff(cutoff)?, Some(choice)),
+        found => (logs, found.map(|(_, choice)| choice)),
     })
 }
 

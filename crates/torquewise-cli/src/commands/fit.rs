@@ -16,6 +16,8 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use torquewise::identify::disagreement::disagreements;
 use torquewise::identify::{Method, Reconstruction, Warning, diagnose, score};
+use torquewise::logs::Logs;
+use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
 use torquewise::report::fit_report;
@@ -73,10 +75,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let method = arguments.method.method();
     // Wrong usage is told before the log is read.
     arguments.plan.plan(method, Known::default())?;
-    let (logs, test) = open(arguments)?;
+    let Opened { logs, test, cutoff } = open(arguments)?;
     let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
     let plan = arguments.plan.plan(method, known)?;
     let mut timed = timed(&logs, logs.rows_hint(), &plan)?;
+    timed.found.model.choices.splice(0..0, cutoff);
     compare_logs(&mut timed.found, &logs)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, to_json(model)?)?;
@@ -112,20 +115,30 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The logs to fit on, and those to judge by.
-fn open(arguments: &Arguments) -> Result<(Recorded, Option<Recorded>)> {
-    let open = |paths: &Vec<PathBuf>| -> Result<Recorded> {
+/// Logs, ready to be read.
+struct Opened {
+    /// To fit on.
+    logs: Recorded,
+    /// To judge by.
+    test: Option<Recorded>,
+    /// How the cut-off of the filter was chosen.
+    cutoff: Option<Choice>,
+}
+
+fn open(arguments: &Arguments) -> Result<Opened> {
+    let open = |paths: &Vec<PathBuf>| -> Result<Logs> {
         let logs = arguments.profile.open(paths)?;
         logs.require_tau()?;
-        arguments.signals.prepare(logs)
+        Ok(logs)
     };
-    let logs = open(&arguments.logs)?;
-    let test = Some(&arguments.test).filter(|test| !test.is_empty()).map(open).transpose()?;
+    let (logs, cutoff) = arguments.signals.prepare_to_fit(open(&arguments.logs)?)?;
+    let test = Some(&arguments.test).filter(|test| !test.is_empty());
+    let test = test.map(|test| arguments.signals.prepare(open(test)?)).transpose()?;
     if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
     }
-    Ok((logs, test))
+    Ok(Opened { logs, test, cutoff })
 }
 
 /// Warns of logs that one model cannot fit, such as those of different payloads.

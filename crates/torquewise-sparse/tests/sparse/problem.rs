@@ -1,7 +1,6 @@
 //! Normal equations against sums over the rows they stand for.
 
-mod planted;
-
+use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
 use torquewise_sparse::error::SparseError;

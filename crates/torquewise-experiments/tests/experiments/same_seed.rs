@@ -1,22 +1,14 @@
 //! Two runs of the same settings: the same numbers, but for times.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::smallest;
 use serde_json::Value;
-use torquewise_experiments::{Settings, reproduce};
+use torquewise_experiments::reproduce;
 
 /// All results as JSON, times taken out.
 fn without_times(threads: usize) -> Value {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let settings = Settings {
-        seconds: 20.0,
-        seeds: 1,
-        timed_seeds: 1,
-        lengths: vec![20.0],
-        arms: vec![("planar-2", 20.0)],
-        trig_order: 3,
-        whole_order: 2,
-        ..Settings::quick(3)
-    };
+    let settings = smallest(3);
     let results = pool.install(|| reproduce(&settings, &|_| {})).unwrap();
     let mut json = serde_json::from_str(&results.to_json().unwrap()).unwrap();
     assert!(remove_seconds(&mut json) > 0, "times are told, and told apart");

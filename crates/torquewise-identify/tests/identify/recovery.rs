@@ -2,8 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod truth;
-
+use crate::truth;
 use std::collections::BTreeMap;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::orders::OrderPlan;

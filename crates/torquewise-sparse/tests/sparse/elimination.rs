@@ -1,7 +1,6 @@
 //! Elimination by significance against classical least squares and planted truths.
 
-mod planted;
-
+use crate::planted;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
 use torquewise_sparse::elimination::{Equations, Estimate};

@@ -8,7 +8,7 @@ use torquewise_experiments::study::coefficients::judge_coefficients;
 
 #[test]
 fn in_noise_the_true_terms_are_found_and_the_intervals_hold_the_truth() {
-    let settings = Settings::full(1);
+    let settings = Settings { seconds: 200.0, ..Settings::full(1) };
     let mut agenda = Agenda::default();
     let cases = ask_methods(&mut agenda, &settings, &[Method::Energy]);
     let trials = agenda.run(settings.seed, &|_, _| {}).unwrap();

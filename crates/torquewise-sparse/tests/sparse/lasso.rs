@@ -1,9 +1,7 @@
 //! The LASSO path against its optimality conditions, computed on the rows themselves.
 
-mod planted;
-
+use crate::planted::{self, Rows};
 use faer::Mat;
-use planted::Rows;
 use proptest::prelude::*;
 use torquewise_sparse::error::SparseError;
 use torquewise_sparse::problem::Problem;

@@ -1,19 +1,19 @@
 //! The report of the experiments: all that was found, and no complaint of a real browser.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-#[path = "../../torquewise-report/tests/browser/chromium.rs"]
+#[path = "../../../torquewise-report/tests/browser/chromium.rs"]
 #[expect(dead_code, reason = "other tests ask the browser for more")]
 mod chromium;
 
+use crate::smallest;
 use chromium::Chromium;
 use tempfile::TempDir;
-use torquewise_experiments::{Results, Settings, figures, page, reproduce};
+use torquewise_experiments::{Results, figures, page, reproduce};
 use torquewise_report::html::markup::escape;
 
 #[test]
 fn the_report_shows_every_claim_and_figure_and_opens_without_an_error_or_a_request() {
-    let settings = Settings { seconds: 30.0, seeds: 1, ..Settings::quick(4) };
-    let results = reproduce(&settings, &|_| {}).unwrap();
+    let results = reproduce(&smallest(4), &|_| {}).unwrap();
 
     let html = page(&results).unwrap();
 

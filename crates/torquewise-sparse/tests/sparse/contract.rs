@@ -1,7 +1,6 @@
 //! What every selector promises. A new selector is one line in `SELECTORS`.
 
-mod planted;
-
+use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
 use torquewise_sparse::error::SparseError;

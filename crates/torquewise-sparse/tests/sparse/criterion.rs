@@ -1,7 +1,6 @@
 //! The information criterion against planted truths.
 
-mod planted;
-
+use crate::planted;
 use torquewise_sparse::problem::Selection;
 use torquewise_sparse::select::criterion::Criterion;
 

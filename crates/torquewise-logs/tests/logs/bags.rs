@@ -1,9 +1,7 @@
 //! Bags of ROS 2: what their messages hold is read by joint name and time, whatever the storage.
 #![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
-mod made_bags;
-
-use made_bags::{KIND, Made, joint_state, write, write_mcap};
+use crate::made_bags::{KIND, Made, joint_state, write, write_mcap};
 use mcap::{Compression, WriteOptions};
 use std::path::{Path, PathBuf};
 use torquewise_logs::{Clock, LogError, Logs, Options, Profile};

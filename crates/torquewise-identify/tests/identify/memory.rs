@@ -28,7 +28,7 @@ fn ten_times_the_rows_take_the_same_memory() {
 /// Runs this test in a process of its own, which only reconstructs.
 fn peak_of(rows: usize) -> f64 {
     let output = Command::new(std::env::current_exe().expect("this test is a file"))
-        .args(["--exact", "ten_times_the_rows_take_the_same_memory", "--nocapture"])
+        .args(["--exact", "memory::ten_times_the_rows_take_the_same_memory", "--nocapture"])
         .env(ROWS, rows.to_string())
         .output()
         .expect("this test starts again");

@@ -1,10 +1,8 @@
 //! Moments and rows → the same normal equations, on any machine.
 
-mod random_design;
-
+use crate::random_design::{RandomDesign, any_design, samples};
 use faer::Mat;
 use proptest::prelude::*;
-use random_design::{RandomDesign, any_design, samples};
 use rayon::ThreadPoolBuilder;
 use torquewise_sparse::accumulate::{Accumulate, GramSum, Lanes, Prepared, Route, cheaper_route};
 use torquewise_sparse::error::SparseError;

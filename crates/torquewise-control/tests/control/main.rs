@@ -1,0 +1,4 @@
+//! Plants and controllers beside identities.
+
+mod plant;
+mod tracking;

@@ -1,0 +1,6 @@
+//! Arms, motions and noise beside identities and values of another program.
+
+mod identities;
+mod motions;
+mod noise;
+mod oracles;

@@ -1,0 +1,4 @@
+//! Plans within their limits, and what is learned from them.
+
+mod plan;
+mod round_trip;

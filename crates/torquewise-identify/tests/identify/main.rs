@@ -1,0 +1,11 @@
+//! Reconstruction, summaries and memory, as a user of the crate sees them.
+
+mod chain;
+mod friction;
+mod memory;
+mod oracle;
+mod recovery;
+mod six_joints;
+mod summary;
+mod truth;
+mod work;

@@ -1,0 +1,4 @@
+//! Models beside closed forms.
+
+mod friction;
+mod model;
