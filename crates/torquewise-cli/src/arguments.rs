@@ -108,6 +108,10 @@ pub(crate) struct SelectionArguments {
     /// Drop coefficients at most this large [paper: 0.1]
     #[arg(long, value_name = "X", value_parser = threshold)]
     threshold: Option<f64>,
+    /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
+    /// for
+    #[arg(long, value_name = "JOINT", value_delimiter = ',')]
+    counterbalance: Vec<String>,
     /// Leave the bias that measurement noise causes in the normal equations
     #[arg(long)]
     no_noise_correction: bool,
@@ -183,6 +187,9 @@ impl PlanArguments {
             Library::Energy if self.gravity_order.is_some() => {
                 "--gravity-order is for --library product"
             }
+            Library::Product | Library::Energy if !self.selection.counterbalance.is_empty() => {
+                "--counterbalance is for --library chain, other libraries offer any function of q"
+            }
             Library::Product | Library::Chain if self.interaction.is_some() => {
                 "--interaction is for --library energy"
             }
@@ -253,6 +260,10 @@ impl SelectionArguments {
                 return Err(CliError::Usage(message.into()));
             }
         };
+        if method != Method::Chain && !self.counterbalance.is_empty() {
+            let message = "--counterbalance is for moments made with --library chain";
+            return Err(CliError::Usage(message.into()));
+        }
         Ok(self.applied_to(&Plan { method, patterns, seed, friction, ..Plan::default() }))
     }
 
@@ -263,6 +274,7 @@ impl SelectionArguments {
             threshold: self.threshold.or(usual.threshold),
             noise_correction: usual.noise_correction && !self.no_noise_correction,
             bags: self.bags.map_or(usual.bags, usize::from),
+            counterbalanced: self.counterbalance.clone(),
             ..plan.clone()
         }
     }

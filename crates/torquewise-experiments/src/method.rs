@@ -71,7 +71,7 @@ pub fn threshold() -> Selector {
 
 /// The same plan with another rule for which terms stay.
 pub fn selecting(plan: &Plan, selector: Selector) -> Plan {
-    Plan { selector, ..*plan }
+    Plan { selector, ..plan.clone() }
 }
 
 /// The same plan in a single step on all rows.

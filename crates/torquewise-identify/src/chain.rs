@@ -23,7 +23,7 @@ pub(crate) fn by_chain(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
     progress(Progress::Geometry);
-    let learned = learn(&survey.sample, plan.friction, plan.seed)?;
+    let learned = learn(&survey.sample, plan)?;
     progress(Progress::Refit);
     let all = energies(&learned.chain, &learned.beside)?;
     let friction = friction(&learned);

@@ -1,6 +1,6 @@
 //! One log filtered at several cut-offs → the cut-off, by torque predicted on held-out blocks.
 
-use crate::held_out::{BLOCKS, Trial, choose};
+use crate::held_out::{BLOCKS, Trial, choose_worth};
 use crate::rough::columns;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -12,6 +12,8 @@ use torquewise_motion::Motion;
 /// Cut-offs worth trying, as multiples of the one that spectra suggest; that one comes first.
 pub const MULTIPLES: [f64; 5] = [1.0, 0.5, std::f64::consts::FRAC_1_SQRT_2, 1.5, 2.0];
 
+/// A gain below this part is not worth a cut-off that the spectra do not suggest.
+const WORTH: f64 = 0.05;
 /// Fewer windows than this in a block tell nothing of it.
 const LEAST_WINDOWS: usize = 4;
 /// Length of a window, in periods of the lowest cut-off: the weights let nothing above it pass.
@@ -27,7 +29,7 @@ const RIDGE: f64 = 1e-6;
 /// model sees more of the motion, or worse, since noise in q̇ and q̈ biases it.
 ///
 /// The model is linear and rough, the same for every arm: what is compared is filters. The first
-/// candidate is taken unless another is better by more than a standard error.
+/// candidate is taken unless another is better by more than a standard error, and by 5 %.
 ///
 /// - `candidates`: cut-offs \[Hz\] and what passed at each, with torque
 /// - returns: the cut-off \[Hz\] and the record of the choice, whose errors are fractions of 1;
@@ -46,7 +48,7 @@ pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(f64, Choice)> {
         let errors = errors(motion, &clock)?;
         Some(Trial { label: format!("{cutoff:.2} Hz"), complexity: 0, errors })
     });
-    let (place, choice) = choose("cut-off", &trials.collect::<Option<Vec<Trial>>>()?)?;
+    let (place, choice) = choose_worth("cut-off", &trials.collect::<Option<Vec<Trial>>>()?, WORTH)?;
     Some((candidates[place].0, choice))
 }
 

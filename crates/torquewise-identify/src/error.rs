@@ -39,6 +39,8 @@ pub enum IdentifyError {
     Apart { what: &'static str, expected: String, found: String },
     #[error("these are no moments to be read, {0}: make the file again with torquewise moments")]
     Moments(String),
+    #[error("joint {name} is said to be balanced, the log has {joints}: name one of these")]
+    NoSuchJoint { name: String, joints: String },
     #[error("no chain of rigid bodies could be learned: {0}")]
     Chain(#[from] torquewise_chain::ChainError),
     #[error("numerical work failed: please report this log to the authors of torquewise")]

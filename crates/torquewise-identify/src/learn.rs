@@ -4,7 +4,7 @@ use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
 use crate::friction::{Dictionary, WORTH};
 use crate::held_out::{BLOCKS, Trial, split};
-use crate::plan::FrictionKind;
+use crate::plan::{FrictionKind, Plan};
 use crate::survey::thinned;
 use crate::trial::{Recipe, record, record_best, record_worth, trial};
 use rayon::prelude::*;
@@ -61,13 +61,11 @@ const SAME: f64 = 1e-3;
 /// Learns the chain of an arm, choosing on held-out blocks of time.
 ///
 /// # Errors
-/// [`IdentifyError::Chain`] if no chain can be fitted.
-pub(crate) fn learn(
-    motion: &Motion,
-    friction: FrictionKind,
-    seed: u64,
-) -> Result<Learned, IdentifyError> {
-    let n = motion.n_joints();
+/// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
+/// said to be balanced that is not there.
+pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyError> {
+    let (n, friction, seed) = (motion.n_joints(), plan.friction, plan.seed);
+    let balanced = balanced(motion, &plan.counterbalanced)?;
     let school = School::new(motion);
     let mut beside = Beside::rotors(n);
     if friction != FrictionKind::None {
@@ -83,11 +81,26 @@ pub(crate) fn learn(
         choices.retain(|choice: &Choice| choice.what != PULL);
         (chain, starts) = school.geometry(&mut recipe, Some(chain), &mut choices)?;
     }
-    school.counterbalances(&mut recipe, &chain, &mut choices)?;
+    school.counterbalances(&mut recipe, &chain, &balanced, &mut choices)?;
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
     school.ridge(&mut recipe, &chain, &mut choices)?;
     chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
     school.finish(recipe, &chain, choices)
+}
+
+/// Places of joints that are said to be balanced, each once.
+fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyError> {
+    let joints = motion.joints();
+    let place = |name: &String| {
+        joints.iter().position(|joint| joint == name).ok_or_else(|| IdentifyError::NoSuchJoint {
+            name: name.clone(),
+            joints: joints.join(", "),
+        })
+    };
+    let mut places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
+    places.sort_unstable();
+    places.dedup();
+    Ok(places)
 }
 
 const PULL: &str = "pull to right angles";
@@ -205,19 +218,25 @@ impl<'a> School<'a> {
         Ok(found)
     }
 
-    /// Looks for counterbalances, joint by joint.
+    /// Looks for counterbalances, joint by joint, but for those that are known.
     fn counterbalances(
         &self,
         recipe: &mut Recipe,
         chain: &Chain,
+        known: &[usize],
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let n = self.motion.n_joints();
-        for joint in 0..n {
+        for &joint in known {
+            recipe.beside.extend(Beside::counterbalance(n, joint));
+            let (what, chosen) = (self.balance_of(joint), "spring".to_owned());
+            choices.push(Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() });
+        }
+        for joint in (0..n).filter(|joint| !known.contains(joint)) {
             let mut with = recipe.clone();
             with.beside.extend(Beside::counterbalance(n, joint));
             let ways = [("none".to_owned(), recipe.clone()), ("spring".to_owned(), with)];
-            let what = format!("counterbalance of {}", self.motion.joints()[joint]);
+            let what = self.balance_of(joint);
             let trials = self.trials(&ways, chain, 0)?;
             if trials[1].error() <= SPRING_GAIN * trials[0].error()
                 && record(&what, &trials, choices) == 1
@@ -226,6 +245,10 @@ impl<'a> School<'a> {
             }
         }
         Ok(())
+    }
+
+    fn balance_of(&self, joint: usize) -> String {
+        format!("counterbalance of {}", self.motion.joints()[joint])
     }
 
     /// Chooses the law of friction, or adds the one asked for.

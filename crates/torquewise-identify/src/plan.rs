@@ -79,6 +79,9 @@ pub struct Plan {
     pub method: Method,
     /// Friction beside M, C and G (17).
     pub friction: FrictionKind,
+    /// Names of joints that a spring or a weight is known to balance: a chain is given functions of
+    /// their angle in V(q) that no mass has. Without, they are looked for.
+    pub counterbalanced: Vec<String>,
     /// Which terms stay.
     pub selector: Selector,
     /// Coefficients at most this large are dropped, in units of the coefficient (the paper: 0.1).
@@ -99,6 +102,7 @@ impl Default for Plan {
             library: LibraryKind::Energy { interaction: None },
             method: Method::Stepwise,
             friction: FrictionKind::None,
+            counterbalanced: Vec::new(),
             selector: Selector::Criterion(Criterion::default()),
             threshold: None,
             noise_correction: true,

@@ -90,7 +90,12 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let (train, test) = (motion.select(&train), motion.select(&test));
 
     let start = Instant::now();
-    let plan = Plan { method: Method::Chain, friction: FrictionKind::Auto, ..Plan::default() };
+    let plan = Plan {
+        method: Method::Chain,
+        friction: FrictionKind::Auto,
+        counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
+        ..Plan::default()
+    };
     let mut found = reconstruct(&train, &plan, &mut |_| {})?;
     found.model.choices.splice(0..0, cutoff);
     let seconds = start.elapsed().as_secs_f64();
@@ -99,7 +104,8 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
         nrmse: scores.joints.iter().map(|joint| joint.nrmse_percent / 100.0).collect(),
     };
-    let peer = Peer::fit(&set.arm(data)?, set.shafts, &train)?.errors(&test)?;
+    let peer =
+        Peer::fit(&set.arm(data)?, set.shafts, set.counterbalanced, &train)?.errors(&test)?;
     Ok(Outcome {
         report: conditioned.report().clone(),
         rows: [train.n_rows(), test.n_rows()],

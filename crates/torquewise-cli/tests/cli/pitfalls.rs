@@ -443,6 +443,34 @@ fn a_counterbalance_is_found() {
     assert_eq!(chosen("counterbalance of joint1"), Some("spring".into()), "{choices:?}");
 }
 
+#[test]
+fn a_counterbalance_that_is_known_of_is_a_term() {
+    let terminal = Terminal::new();
+    let table = Table::recorded();
+    let q = table.place("q1");
+    let spring = |_: usize, tau: f64, row: &[f64]| tau - 0.6 * (2.0 * row[q]).sin();
+    terminal.write("log.csv", &table.with("tau1", spring).text());
+
+    let fit = "fit log.csv -o model.json --library chain";
+    let found = terminal.json(&format!("{fit} --counterbalance joint1"));
+
+    let choices = found["choices"].as_array().unwrap();
+    let balance = choices.iter().find(|choice| choice["what"] == "counterbalance of joint1");
+    assert_eq!(balance.map(|choice| choice["rule"].clone()), Some("as given".into()));
+    // τ = ∂V/∂q, so that V = 0.3 cos 2q.
+    let model: Value = serde_json::from_str(&terminal.read("model.json")).unwrap();
+    let terms = model["form"]["Energy"].as_array().unwrap().iter();
+    let mut balance = terms.filter_map(|term| {
+        let text = term["term"].to_string();
+        (text.contains("Potential") && text.contains('2')).then(|| term["coefficient"].as_f64())
+    });
+    let near = |weight: Option<f64>| weight.is_some_and(|weight| (weight - 0.3).abs() < 0.05);
+    assert!(balance.any(near), "{}", model["form"]);
+    terminal.refused(&format!("{fit} --counterbalance elbow"), &["elbow", "joint1, joint2"]);
+    let whole = "fit log.csv -o model.json --filter none --library energy --counterbalance joint1";
+    terminal.refused(whole, &["--counterbalance is for --library chain"]);
+}
+
 // Logs together.
 
 /// The reference arm of two links, its second one so heavy.

@@ -8,7 +8,8 @@ const HEAD: &str = "# Real arms
 
 Torque models from public logs of real arms, beside a full rigid-body regressor **that is given the
 arm's kinematics** (URDF or DH table; all masses, rotors, offset, viscous and dry friction of each
-joint, by weighted least squares). Ours is given none: it learns where the axes lie. Both see the
+joint, by weighted least squares). Ours is given none: it learns where the axes lie.
+What both are told beside, if anything, stands under the choices, as given. Both see the
 same signals, the same filter and the same rows, and are run by one command:
 
     TORQUEWISE_SHARED=FOLDER cargo bench -p torquewise --bench real_arms
@@ -104,6 +105,10 @@ pub(crate) fn section(outcome: &Outcome) -> String {
         outcome.seconds
     ));
     for choice in &outcome.model.choices {
+        if choice.from.is_empty() {
+            lines.push(format!("- {}: **{}**, {}\n", choice.what, choice.chosen, choice.rule));
+            continue;
+        }
         let tried: Vec<String> = (choice.from.iter())
             .map(|candidate| format!("{} {:.4}", candidate.label, candidate.error))
             .collect();

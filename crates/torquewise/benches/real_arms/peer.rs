@@ -23,6 +23,8 @@ pub(crate) struct Peer<'a> {
     arm: &'a Arm,
     friction: Vec<FrictionTerm>,
     shafts: Vec<Vec<f64>>,
+    /// Joints that a spring balances.
+    balanced: Vec<usize>,
     coefficients: Vec<f64>,
 }
 
@@ -30,6 +32,7 @@ impl<'a> Peer<'a> {
     pub(crate) fn fit(
         arm: &'a Arm,
         shared: &[[usize; 2]],
+        balanced: &[&str],
         motion: &Motion,
     ) -> Result<Self, Box<dyn Error + Send + Sync>> {
         let n = motion.n_joints();
@@ -50,7 +53,9 @@ impl<'a> Peer<'a> {
                 friction.push(FrictionTerm { shaft, law, direction });
             }
         }
-        let mut peer = Self { arm, friction, shafts, coefficients: Vec::new() };
+        let place = |name: &&str| motion.joints().iter().position(|joint| joint == name);
+        let balanced = balanced.iter().filter_map(place).collect();
+        let mut peer = Self { arm, friction, shafts, balanced, coefficients: Vec::new() };
         let rows: Vec<usize> = {
             let count = motion.n_rows().min(MOST_ROWS);
             (0..count).map(|k| k * motion.n_rows() / count).collect()
@@ -97,7 +102,8 @@ impl<'a> Peer<'a> {
     fn columns(&self, motion: &Motion) -> Mat<f64> {
         let (m, n) = (motion.n_rows(), motion.n_joints());
         let bodies = 10 * n;
-        let width = bodies + self.friction.len() + self.shafts.len();
+        let springs = bodies + self.friction.len() + self.shafts.len();
+        let width = springs + 4 * self.balanced.len();
         let mut columns = Mat::zeros(m * n, width);
         for row in 0..m {
             let of = |x: faer::MatRef<'_, f64>| -> Vec<f64> {
@@ -116,6 +122,12 @@ impl<'a> Peer<'a> {
                 for (j, shaft) in self.shafts.iter().enumerate() {
                     let turning: f64 = shaft.iter().zip(&ddq).map(|(s, a)| s * a).sum();
                     columns[(k, bodies + self.friction.len() + j)] = shaft[joint] * turning;
+                }
+                if let Some(place) = self.balanced.iter().position(|own| *own == joint) {
+                    let spring = [q[joint].sin_cos(), (2.0 * q[joint]).sin_cos()];
+                    for (j, value) in spring.iter().flat_map(|(sin, cos)| [sin, cos]).enumerate() {
+                        columns[(k, springs + 4 * place + j)] = *value;
+                    }
                 }
             }
         }

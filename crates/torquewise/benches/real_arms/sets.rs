@@ -26,6 +26,8 @@ pub(crate) struct Set {
     pub(crate) counted: usize,
     /// Pairs of joints that turn a shaft together, known to the regressor.
     pub(crate) shafts: &'static [[usize; 2]],
+    /// Joints that a spring is known to balance; ours is told.
+    pub(crate) counterbalanced: &'static [&'static str],
     kinematics: Kinematics,
 }
 
@@ -64,6 +66,7 @@ const PLAIN: Set = Set {
     limit: 1.25,
     counted: 6,
     shafts: &[],
+    counterbalanced: &[],
     kinematics: Kinematics::Dh(&[], 0.0),
 };
 
@@ -116,6 +119,8 @@ fn heavy() -> Vec<Set> {
             name: "KUKA KR300",
             log: "kuka_kr300_weigand/A/data.mat",
             profile: "kuka_kr300.toml",
+            // Hydraulic, as its maker says.
+            counterbalanced: &["axis_2"],
             kinematics: Kinematics::Dh(&KR300, PI),
             ..PLAIN
         },
