@@ -165,9 +165,10 @@ impl PlanArguments {
     pub(crate) fn plan(&self, method: Method, log: Known) -> Result<Plan, CliError> {
         let rubs = self.friction.is_some_and(|friction| friction != Friction::None);
         let many = log.joints > MOST_WHOLE && self.interaction.is_none();
+        let balanced = !self.selection.counterbalance.is_empty();
         let usual = match method {
             Method::Sindy => Library::Product,
-            _ if log.filtered || rubs || many => Library::Chain,
+            _ if log.filtered || rubs || many || balanced => Library::Chain,
             _ => Library::Energy,
         };
         let library = match self.library.unwrap_or(usual) {
@@ -187,7 +188,7 @@ impl PlanArguments {
             Library::Energy if self.gravity_order.is_some() => {
                 "--gravity-order is for --library product"
             }
-            Library::Product | Library::Energy if !self.selection.counterbalance.is_empty() => {
+            Library::Product | Library::Energy if balanced => {
                 "--counterbalance is for --library chain, other libraries offer any function of q"
             }
             Library::Product | Library::Chain if self.interaction.is_some() => {

@@ -4,6 +4,7 @@
 //! list.
 
 use crate::terminal::{Said, Terminal};
+use serde_json::{Value, json};
 
 /// Columns of numbers.
 #[derive(Clone)]
@@ -459,13 +460,13 @@ fn a_counterbalance_that_is_known_of_is_a_term() {
     assert_eq!(balance.map(|choice| choice["rule"].clone()), Some("as given".into()));
     // τ = ∂V/∂q, so that V = 0.3 cos 2q.
     let model: Value = serde_json::from_str(&terminal.read("model.json")).unwrap();
-    let terms = model["form"]["Energy"].as_array().unwrap().iter();
-    let mut balance = terms.filter_map(|term| {
-        let text = term["term"].to_string();
-        (text.contains("Potential") && text.contains('2')).then(|| term["coefficient"].as_f64())
-    });
-    let near = |weight: Option<f64>| weight.is_some_and(|weight| (weight - 0.3).abs() < 0.05);
-    assert!(balance.any(near), "{}", model["form"]);
+    let terms = model["form"]["energy"].as_array().unwrap();
+    let twice = |term: &&Value| {
+        let factors = &term["term"]["function"]["factors"];
+        term["term"]["place"] == "potential" && factors[0]["multiples"] == json!([2, 0])
+    };
+    let weight = terms.iter().find(twice).and_then(|term| term["coefficient"].as_f64());
+    assert!(weight.is_some_and(|weight| (weight - 0.3).abs() < 0.05), "{weight:?}");
     terminal.refused(&format!("{fit} --counterbalance elbow"), &["elbow", "joint1, joint2"]);
     let whole = "fit log.csv -o model.json --filter none --library energy --counterbalance joint1";
     terminal.refused(whole, &["--counterbalance is for --library chain"]);
