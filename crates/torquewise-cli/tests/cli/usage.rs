@@ -19,6 +19,7 @@ fn wrong_usage_exits_with_two_and_leaves_nothing() {
         "fit log.csv -o model.json --threshold NaN",
         "fit log.csv -o model.json --trig-order 3",
         "fit log.csv -o model.json --method sindy --interaction 2",
+        "fit log.csv -o model.json --library energy --counterbalance joint1",
         "patterns log.csv --clusters 0",
         "patterns log.csv --clusters many",
         "simulate planar-2 -o new.csv --case 4",
