@@ -24,9 +24,9 @@ const RIDGE: f64 = 1e-6;
 /// Chooses among cut-offs of one log by cross-validation in blocks of time.
 ///
 /// A lower cut-off leaves less of the torque to predict, so errors after the filter cannot be
-/// compared. What is compared is the torque in the band that all candidates pass: its weighted means
-/// over windows of two periods of the lowest cut-off. A higher cut-off may then be better, since the
-/// model sees more of the motion, or worse, since noise in q̇ and q̈ biases it.
+/// compared. What is compared is the torque in the band that all candidates pass: its weighted
+/// means over windows of two periods of the lowest cut-off. A higher cut-off may then be better,
+/// since the model sees more of the motion, or worse, since noise in q̇ and q̈ biases it.
 ///
 /// The model is linear and rough, the same for every arm: what is compared is filters. The first
 /// candidate is taken unless another is better by more than a standard error, and by 5 %.
@@ -75,8 +75,8 @@ impl Clock {
         edge(block)..if block + 1 == BLOCKS { t.len() } else { edge(block + 1) }
     }
 
-    /// Means of a signal over the windows within these rows, each weighted by half a cosine: what is
-    /// above the lowest cut-off does not pass.
+    /// Means of a signal over the windows within these rows, each weighted by 1 − cos: what is above
+    /// the lowest cut-off does not pass.
     fn means(&self, t: &[f64], rows: Range<usize>, signal: &[f64]) -> Vec<f64> {
         let rows = rows.start..rows.end.min(t.len());
         let Some(&[first, .., last]) = t.get(rows.clone()) else { return Vec::new() };

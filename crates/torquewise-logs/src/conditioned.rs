@@ -63,8 +63,8 @@ impl ConditionedLogs {
         Ok(Self { logs, settings, report: first.report })
     }
 
-    /// The first rows at each of these cut-offs \[Hz\], but for those that the rate or the length of
-    /// the log does not allow.
+    /// The first rows at each of these cut-offs \[Hz\], but for those that the rate or the length
+    /// of the log does not allow.
     ///
     /// # Errors
     /// [`LogError`] if the logs cannot be read or conditioned.
