@@ -15,6 +15,7 @@ mod arguments;
 mod pattern_table;
 mod training_range;
 mod physics;
+mod call_costs;
 mod commands;
 
 use clap::Parser;

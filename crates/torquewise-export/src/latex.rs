@@ -44,7 +44,9 @@ fn escaped(text: &str) -> String {
                 escaped.push(letter);
             }
             letter if letter.is_control() => escaped.push(' '),
-            letter => escaped.push(letter),
+            ' '..='~' | 'À'..='Ö' | 'Ø'..='ö' | 'ø'..='ÿ' => escaped.push(letter),
+            // What the fonts of a plain pdflatex lack stops it.
+            letter => escaped.extend(format!("[U+{:04X}]", u32::from(letter)).chars()),
         }
     }
     escaped

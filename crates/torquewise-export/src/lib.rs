@@ -25,12 +25,14 @@
 
 pub mod error;
 mod graph;
+pub mod cost;
 mod derivative;
 mod harmonics;
 mod polynomial;
 mod parts;
 mod lower;
 pub mod program;
+pub mod members;
 mod text;
 pub mod c;
 pub mod rust;
@@ -41,10 +43,12 @@ pub mod fmu;
 pub mod ros;
 
 pub use c::to_c;
+pub use cost::Cost;
 pub use error::ExportError;
 pub use fmu::{fmu_archive, fmu_sources};
 pub use latex::to_latex;
-pub use program::{Cost, Precision, Program, Quantity};
+pub use members::torque_costs;
+pub use program::{Precision, Program, Quantity};
 pub use python::to_python;
 pub use ros::ros_package;
 pub use rust::to_rust;

@@ -1,12 +1,12 @@
 //! Model → program: the functions that every exported file holds, in as few operations as found.
 
+use crate::cost::Cost;
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
 use crate::harmonics::summed;
 use crate::lower::lowered;
 use crate::parts::{Grouping, Parts, friction, from_energies, from_equations};
 use crate::polynomial::Order;
-use std::fmt;
 use torquewise_model::{EnergyTerm, Form, Model, Weighted, to_json};
 
 /// What a function of an exported file computes.
@@ -77,28 +77,6 @@ pub enum Precision {
     Double,
     /// 32 bits, for controllers without hardware for more.
     Single,
-}
-
-/// How much a function computes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Cost {
-    /// Additions, subtractions and multiplications.
-    pub operations: usize,
-    /// Sines, cosines, exponentials and hyperbolic tangents.
-    pub functions: usize,
-}
-
-impl Cost {
-    /// A sine takes as long as some twenty multiplications.
-    fn weight(self) -> usize {
-        self.operations + 20 * self.functions
-    }
-}
-
-impl fmt::Display for Cost {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(to, "{} + - *, {} sin cos exp tanh", self.operations, self.functions)
-    }
 }
 
 /// Functions of a model, ready to be written in any language.
@@ -176,7 +154,7 @@ impl Program {
     pub fn cost(&self, quantity: Quantity) -> Cost {
         let roots = self.functions.iter().filter(|(other, _)| *other == quantity);
         let roots: Vec<Id> = roots.flat_map(|(_, roots)| roots.clone()).collect();
-        cost(&self.graph, &roots)
+        Cost::of(&self.graph, &roots)
     }
 }
 
@@ -248,7 +226,7 @@ fn cheapest(graph: &mut Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<
         let mut graph = Graph::default();
         let parts = way(&mut graph);
         let (graph, roots) = lowered(&graph, which(&parts));
-        cost(&graph, &roots).weight()
+        Cost::of(&graph, &roots).weight()
     });
     let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
     let place = best.map_or(0, |(place, _)| place);
@@ -266,18 +244,6 @@ fn shortest_sums(terms: &[Weighted<EnergyTerm>], n: usize) -> Vec<Vec<Weighted<E
     sums.sort_by_key(Vec::len);
     sums.truncate(SUMS);
     sums
-}
-
-fn cost(graph: &Graph, roots: &[Id]) -> Cost {
-    let mut cost = Cost::default();
-    for id in graph.reachable(roots) {
-        match graph.node(id) {
-            Node::Constant(_) | Node::Input(_) => {}
-            Node::Sin(_) | Node::Cos(_) | Node::Call(..) => cost.functions += 1,
-            Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Neg(_) => cost.operations += 1,
-        }
-    }
-    cost
 }
 
 /// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.

@@ -64,7 +64,7 @@ fn build(package: &str, name: &str) -> String {
     let targets: Vec<String> = messages.map(|name| format!(" ${{{name}_TARGETS}}")).collect();
     let targets = targets.concat();
     format!(
-        "cmake_minimum_required(VERSION 3.8)\nproject({package} C CXX)\n\n\
+        "cmake_minimum_required(VERSION 3.16)\nproject({package} C CXX)\n\n\
          set(CMAKE_C_STANDARD 99)\nset(CMAKE_CXX_STANDARD 17)\n\
          if(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release)\nendif()\n\n\
          find_package(ament_cmake REQUIRED)\n{find}\n\

@@ -53,7 +53,7 @@ impl ConditionedLogs {
         let mut settings = Conditioning { cutoff, ..*settings };
         if find_delay
             && raw.tau.is_some()
-            && let Some(lag) = torque_delay(&first.motion).map_err(refused)?
+            && let Some(lag) = torque_delay(&raw, &settings).map_err(refused)?
         {
             settings.delay += lag.seconds;
             let choice = first.report.choice.take();

@@ -139,20 +139,37 @@ fn latex_align(rows: &[String]) -> String {
     format!("\\begin{{align*}}\n{}\n\\end{{align*}}\n", rows.join(" \\\\\n"))
 }
 
-/// Terms to a line, so that long equations stay on the page.
-const TERMS_PER_LINE: usize = 4;
+/// Letters to a line, so that long equations stay on the page.
+const LETTERS_PER_LINE: usize = 80;
 
 /// A sum and the friction that adds to it, which starts a line of its own.
 fn latex_row(name: &str, sum: &[String], friction: &[String]) -> String {
-    let lines: Vec<String> = [sum, friction]
-        .into_iter()
-        .flat_map(|part| part.chunks(TERMS_PER_LINE))
-        .map(|line| line.join(" "))
-        .collect();
-    let text = lines.join(" \\\\\n & \\quad ");
+    let text = [latex_lines(sum), latex_lines(friction)].concat().join(" \\\\\n & \\quad ");
     // No sign before a sum that begins with +.
     let text = text.strip_prefix("+ ").unwrap_or(if text.is_empty() { "0" } else { &text });
     format!("{name} ={{}}& {text}")
+}
+
+/// As many terms to a line as it holds, one at least.
+fn latex_lines(terms: &[String]) -> Vec<String> {
+    let is_seen = |letter: &char| !"\\{}_^,".contains(*letter);
+    let mut lines: Vec<String> = Vec::new();
+    let mut left = 0;
+    for term in terms {
+        let letters = term.chars().filter(is_seen).count();
+        match lines.last_mut().filter(|_| letters <= left) {
+            Some(line) => {
+                line.push(' ');
+                line.push_str(term);
+                left -= letters;
+            }
+            None => {
+                lines.push(term.clone());
+                left = LETTERS_PER_LINE.saturating_sub(letters);
+            }
+        }
+    }
+    lines
 }
 
 /// Sign, coefficient and function.

@@ -1,6 +1,7 @@
 //! Reconstruction, diagnosis → HTML report: what was found in a log, and how far to trust it.
 
 use crate::error::ReportError;
+use crate::fit_report::call_cost::CallCost;
 use crate::html::{Page, Section};
 use torquewise_identify::{Diagnosis, Reconstruction};
 use torquewise_model::Checks;
@@ -12,49 +13,44 @@ mod other_motion;
 mod equations;
 mod activation;
 mod steps;
+pub mod call_cost;
 mod residuals;
 mod importance;
 mod physics;
 mod ranges;
 
 /// All that the sections of a report tell about.
-pub(crate) struct Findings<'a> {
-    pub(crate) found: &'a Reconstruction,
-    pub(crate) diagnosis: &'a Diagnosis,
-    pub(crate) checks: Option<&'a Checks>,
-    pub(crate) test: Option<&'a Diagnosis>,
+#[derive(Clone, Copy, Debug)]
+pub struct Findings<'a> {
+    /// What was reconstructed from a log.
+    pub found: &'a Reconstruction,
+    /// The residuals of that model over the log.
+    pub diagnosis: &'a Diagnosis,
+    /// Whether the model is physics, if that was looked at.
+    pub checks: Option<&'a Checks>,
+    /// Its residuals over a log of another motion, if there is one.
+    pub test: Option<&'a Diagnosis>,
+    /// Cost of its torque as it was after each step and as it is; none if that was not counted.
+    pub costs: &'a [CallCost],
 }
 
 /// The report of a fit as one HTML text, see [`Page::to_html`].
 ///
-/// - `found`: what was reconstructed from a log
-/// - `diagnosis`: the residuals of that model over the log
-/// - `checks`: whether the model is physics, if that was looked at
-/// - `test`: its residuals over a log of another motion, if there is one
 /// - `title`: what stands above the report, such as the name of the log
 ///
 /// The text holds the summary and all warnings first; then torques, equations, patterns, steps,
-/// residuals, importance of terms, physical checks and ranges of the log, with charts that can be
-/// zoomed into.
+/// cost in a controller, residuals, importance of terms, physical checks and ranges of the log,
+/// with charts that can be zoomed into.
 ///
 /// # Errors
-/// [`ReportError::Shape`] if found model and diagnosis are of different arms,
+/// [`ReportError::Shape`] if found model and diagnosis are of different arms, or there are costs of
+/// fewer or more models than steps and the whole,
 /// [`ReportError::Empty`] if the diagnosis has no rows, [`ReportError::Step`] if the model after a
 /// step cannot be evaluated, [`ReportError::Page`] if the page cannot be written.
-pub fn fit_report(
-    found: &Reconstruction,
-    diagnosis: &Diagnosis,
-    checks: Option<&Checks>,
-    test: Option<&Diagnosis>,
-    title: &str,
-) -> Result<String, ReportError> {
-    let findings = Findings { found, diagnosis, checks, test };
+pub fn fit_report(findings: &Findings<'_>, title: &str) -> Result<String, ReportError> {
     findings.check()?;
-    let page = Page {
-        title: title.into(),
-        lead: summary::lead(&findings),
-        sections: findings.sections()?,
-    };
+    let page =
+        Page { title: title.into(), lead: summary::lead(findings), sections: findings.sections()? };
     page.to_html()
 }
 
@@ -66,9 +62,11 @@ impl Findings<'_> {
             equations::section(self),
             activation::section(self),
             steps::section(self)?,
-            residuals::section(self),
-            importance::section(self),
         ]);
+        if !self.costs.is_empty() {
+            sections.push(call_cost::section(self)?);
+        }
+        sections.extend([residuals::section(self), importance::section(self)]);
         sections.extend(self.checks.map(physics::section));
         sections.push(ranges::section(self));
         Ok(sections)
@@ -87,7 +85,18 @@ impl Findings<'_> {
     /// Whether both parts are of one arm, and there is something to show.
     fn check(&self) -> Result<(), ReportError> {
         let mut diagnoses = std::iter::once(self.diagnosis).chain(self.test);
-        diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))
+        diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))?;
+        let (found, expected) = (self.costs.len(), self.found.model.stages.len() + 1);
+        if found == 0 || found == expected {
+            return Ok(());
+        }
+        Err(ReportError::Shape {
+            signal: "costs of the steps and the whole".into(),
+            rows: found,
+            columns: 1,
+            expected_rows: expected,
+            expected_columns: 1,
+        })
     }
 
     fn check_shape(&self, diagnosis: &Diagnosis) -> Result<(), ReportError> {

@@ -6,7 +6,7 @@ use torquewise_dynamics::{Arm, MotionPlan, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Weighted};
-use torquewise_report::fit_report;
+use torquewise_report::{Findings, fit_report};
 
 fn report(friction: &[Weighted<FrictionTerm>]) -> String {
     let arm = Arm::builtin("planar-2").unwrap();
@@ -15,7 +15,9 @@ fn report(friction: &[Weighted<FrictionTerm>]) -> String {
     let mut found = reconstruct(&log, &Plan::default(), &mut |_| ()).unwrap();
     found.model.friction = friction.to_vec();
     let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
-    fit_report(&found, &diagnosis, None, Some(&diagnosis), "A test").unwrap()
+    let (test, costs) = (Some(&diagnosis), &[]);
+    let findings = Findings { found: &found, diagnosis: &diagnosis, checks: None, test, costs };
+    fit_report(&findings, "A test").unwrap()
 }
 
 #[test]

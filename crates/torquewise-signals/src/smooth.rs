@@ -18,10 +18,10 @@ pub(crate) struct Smooth {
     first: usize,
     joints: Vec<String>,
     t: Vec<f64>,
-    q: Mat<f64>,
+    pub(crate) q: Mat<f64>,
     pub(crate) dq: Mat<f64>,
-    ddq: Mat<f64>,
-    tau: Option<Mat<f64>>,
+    pub(crate) ddq: Mat<f64>,
+    pub(crate) tau: Option<Mat<f64>>,
 }
 
 /// Every signal through the low-pass filter of the plan, if it has one.

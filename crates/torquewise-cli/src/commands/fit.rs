@@ -1,6 +1,7 @@
 //! Logs → model file: the main job.
 
 use crate::arguments::{Known, PlanArguments};
+use crate::call_costs::CallCosts;
 use crate::error::CliError;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
@@ -20,7 +21,7 @@ use torquewise::logs::Logs;
 use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
-use torquewise::report::fit_report;
+use torquewise::report::{Findings, fit_report};
 use torquewise::sparse::accumulate::Route;
 
 /// Reconstruct the equations of motion from logs
@@ -95,8 +96,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         warnings.extend(score_table::warnings(&scores));
     }
     if let Some(file) = &arguments.report {
-        write_whole(file, report(arguments, &timed.found, &logs, test.as_ref())?)?;
-        text.push(format!("report: {}\n", file.display()));
+        let costs = CallCosts::of(model)?;
+        write_whole(file, report(arguments, &timed.found, &logs, test.as_ref(), &costs)?)?;
+        text.push(format!("{}\nreport: {}\n", costs.text(), file.display()));
+        json["costs"] = costs.json();
         json["report"] = json!(file.display().to_string());
     }
     Ok(Outcome { text: text.concat(), json, warnings })
@@ -157,6 +160,7 @@ fn report(
     found: &Reconstruction,
     logs: &Recorded,
     test: Option<&Recorded>,
+    costs: &CallCosts,
 ) -> Result<String> {
     let look = |logs: &Recorded| {
         let watched = Watched::new(logs, "looking at the residuals").of(logs.rows_hint(), 2);
@@ -175,7 +179,8 @@ fn report(
         [] => format!("Torque model from {logs}"),
         test => format!("Torque model from {logs}, tested on {}", names(test)),
     };
-    Ok(fit_report(found, &diagnosis, Some(physics.checks()), test.as_ref(), &title)?)
+    let (checks, test, costs) = (Some(physics.checks()), test.as_ref(), costs.of_each());
+    Ok(fit_report(&Findings { found, diagnosis: &diagnosis, checks, test, costs }, &title)?)
 }
 
 /// What was found, for people.

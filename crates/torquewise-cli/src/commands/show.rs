@@ -1,5 +1,6 @@
 //! Model → equations to read, and whether they are physics.
 
+use crate::call_costs::CallCosts;
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::physics::Physics;
@@ -22,6 +23,9 @@ pub(crate) struct Arguments {
     /// Check at random states that M(q) is symmetric and positive definite and dM/dt − 2C skew
     #[arg(long)]
     check: bool,
+    /// Count what a call of the torque costs a controller, after each step and whole
+    #[arg(long)]
+    cost: bool,
 }
 
 /// How equations are printed.
@@ -40,7 +44,9 @@ enum Format {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
     let physics = arguments.check.then(|| Physics::of(&model)).transpose()?;
-    let json = json(&model, physics.as_ref());
+    let costs = arguments.cost.then(|| CallCosts::of(&model)).transpose()?;
+    let mut json = json(&model, physics.as_ref());
+    json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
     let mut text = match arguments.format {
         Format::Text => print::text(&model),
         Format::Latex => print::latex(&model),
@@ -49,6 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.format == Format::Text {
         text.extend(model.choices.iter().map(choice_text));
         text.extend(physics.as_ref().map(Physics::text));
+        text.extend(costs.as_ref().map(CallCosts::text));
     }
     let warnings = physics.iter().filter_map(Physics::warning).collect();
     Ok(Outcome { text, json, warnings })

@@ -10,6 +10,14 @@ fn a_report_stands_beside_the_model_and_names_its_terms() {
     let fit = terminal.json("fit log.csv -o model.json --report report.html");
 
     assert_eq!(fit["report"], "report.html");
+    // What the report says of controllers is what the exported code computes.
+    let costs = fit["costs"]["torque"].as_array().unwrap();
+    let exported = terminal.json("export model.json --to c -o arm.c");
+    let whole = costs.last().unwrap();
+    assert_eq!(whole["operations"], exported["costs"]["torque"]["operations"]);
+    assert_eq!(whole["functions"], exported["costs"]["torque"]["functions"]);
+    assert_eq!(fit["costs"], terminal.json("show model.json --cost")["costs"]);
+    assert_eq!((costs.len(), &whole["after"]), (4, &"refit".into()));
     let report = terminal.read("report.html");
     assert!(report.starts_with("<!doctype html>"), "{}", &report[..60]);
     for words in ["Torque model from log.csv", "standstill", "<math", "physical checks"] {

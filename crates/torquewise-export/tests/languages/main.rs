@@ -6,14 +6,13 @@
 mod models;
 mod witness;
 mod run;
+mod ros;
 
 use models::{energies, parallel, products, states};
-use std::fs;
 use std::io::Read;
-use std::process::Command;
 use torquewise_export::{
-    ExportError, Precision, Program, fmu_archive, fmu_sources, ros_package, test_vectors, to_c,
-    to_latex, to_python, to_rust,
+    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, test_vectors, to_c,
+    to_latex, to_python, to_rust, torque_costs,
 };
 use torquewise_model::Model;
 use witness::{expected, worst};
@@ -102,6 +101,33 @@ fn exported_python_computes_what_the_model_predicts() {
 }
 
 #[test]
+fn the_cost_is_what_a_call_carries_out() {
+    if !run::has("python3") {
+        return;
+    }
+    for model in arms() {
+        let (program, folder) = (Program::of(&model).unwrap(), tempfile::tempdir().unwrap());
+
+        let done = run::counted(folder.path(), &to_python(&program));
+
+        let cost = |quantity| program.cost(quantity);
+        let costs = Quantity::ALL.map(|q| [cost(q).operations, cost(q).functions]);
+        assert_eq!(done, costs, "{} joints", model.n_joints());
+    }
+}
+
+#[test]
+fn steps_cost_what_their_own_programs_do() {
+    let model = energies(3, 25, 1);
+
+    let costs = torque_costs(&model).unwrap();
+
+    let own = |model: &Model| Program::of(model).unwrap().cost(Quantity::Torque);
+    assert_eq!(costs, [own(&model.after_step(1).unwrap()), own(&model)]);
+    assert!(costs[0].operations < costs[1].operations && costs[0].seconds() < costs[1].seconds());
+}
+
+#[test]
 fn a_unit_gives_the_torque_to_whoever_calls_fmi() {
     if !run::has("cc") {
         return;
@@ -138,34 +164,6 @@ fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
 }
 
 #[test]
-fn the_node_of_the_ros_package_compiles_against_the_names_it_uses() {
-    if !run::has("c++") {
-        return;
-    }
-    let folder = tempfile::tempdir().unwrap();
-    let program = Program::of(&energies(3, 25, 1)).unwrap();
-    for (path, text) in ros_package(&program, "arm").unwrap() {
-        let file = folder.path().join(path);
-        fs::create_dir_all(file.parent().unwrap()).unwrap();
-        fs::write(file, text).unwrap();
-    }
-    for header in [
-        "rclcpp/rclcpp.hpp",
-        "sensor_msgs/msg/joint_state.hpp",
-        "std_msgs/msg/float64_multi_array.hpp",
-        "trajectory_msgs/msg/joint_trajectory_point.hpp",
-    ] {
-        let file = folder.path().join("stand_in").join(header);
-        fs::create_dir_all(file.parent().unwrap()).unwrap();
-        fs::write(file, "#include \"ros.hpp\"\n").unwrap();
-    }
-    fs::write(folder.path().join("stand_in/ros.hpp"), include_str!("ros.hpp")).unwrap();
-    let mut compiler = Command::new("c++");
-    compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Istand_in"]);
-    run::output(compiler.current_dir(folder.path()).arg("src/feed_forward.cpp"), "");
-}
-
-#[test]
 fn a_latex_document_closes_what_it_opens() {
     for model in [energies(3, 25, 1), products(3, 20, 2)] {
         let text = to_latex(&model, "version_1");
@@ -174,6 +172,22 @@ fn a_latex_document_closes_what_it_opens() {
         let plain = text.replace("\\{", "").replace("\\}", "");
         assert_eq!(plain.matches('{').count(), plain.matches('}').count());
         assert!(text.contains("version\\_1") && text.trim_end().ends_with("\\end{document}"));
+    }
+}
+
+#[test]
+fn a_latex_document_is_typeset_within_its_margins() {
+    let mut arms = [energies(6, 200, 3), products(3, 20, 2)];
+    arms[1].joints = ["größe_1 %", "λ ^ 軸", "\\input{x} #~"].map(String::from).to_vec();
+    for model in arms {
+        let folder = tempfile::tempdir().unwrap();
+
+        let Some(log) = run::typeset(folder.path(), &to_latex(&model, "version_1")) else { return };
+
+        // `Overfull \hbox (43.5pt too wide)`; some points stay within the margins.
+        let wide = log.split("Overfull \\hbox (").skip(1).map(|rest| rest.split("pt").next());
+        let widths: Vec<f64> = wide.map(|points| points.unwrap().parse().unwrap()).collect();
+        assert!(widths.iter().all(|points| *points < 20.0), "{widths:?}");
     }
 }
 

@@ -163,3 +163,34 @@ pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64
     let mut python = Command::new("python3");
     parsed(&output(python.current_dir(folder).arg("main.py"), &lines(states)))
 }
+
+/// Operations and functions that a Python file carries out in each of its functions.
+pub(crate) fn counted(folder: &Path, code: &str) -> Vec<[usize; 2]> {
+    fs::write(folder.join("arm.py"), code).unwrap();
+    fs::write(folder.join("counting.py"), include_str!("counting.py")).unwrap();
+    let line = |quantity: &Quantity| format!("{} {}\n", quantity.name(), quantity.signals().len());
+    let calls: String = Quantity::ALL.iter().map(line).collect();
+    let mut python = Command::new("python3");
+    let text = output(python.current_dir(folder).arg("counting.py"), &calls);
+    let numbers = |line: &str| -> [usize; 2] {
+        let numbers: Vec<usize> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+        [numbers[0], numbers[1]]
+    };
+    text.lines().map(numbers).collect()
+}
+
+/// What pdflatex writes down of a document that it must typeset; `None` where there is no LaTeX.
+pub(crate) fn typeset(folder: &Path, code: &str) -> Option<String> {
+    if Command::new("pdflatex").arg("--version").output().is_err() {
+        eprintln!("skipped: there is no pdflatex");
+        return None;
+    }
+    fs::write(folder.join("arm.tex"), code).unwrap();
+    let mut latex = Command::new("pdflatex");
+    latex.args(["-interaction=nonstopmode", "-halt-on-error", "-draftmode", "arm.tex"]);
+    let output = latex.current_dir(folder).output().unwrap();
+    // Fonts and paths in it need not be UTF-8.
+    let log = String::from_utf8_lossy(&fs::read(folder.join("arm.log")).unwrap()).into_owned();
+    assert!(output.status.success(), "{log}");
+    Some(log)
+}

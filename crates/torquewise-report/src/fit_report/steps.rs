@@ -5,6 +5,7 @@ use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
 use crate::html::{Column, Item, Label, Section, Table};
 use torquewise_model::{Model, ModelError, Torque};
+use torquewise_motion::Motion;
 
 /// The steps, and the error of the torque after each (Fig. 10 of the paper).
 pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
@@ -38,15 +39,13 @@ fn found(findings: &Findings<'_>) -> Table {
 }
 
 fn errors(findings: &Findings<'_>) -> Result<Item, ReportError> {
-    let model = &findings.found.model;
     let mut rows = Vec::new();
-    for (place, stage) in model.stages.iter().enumerate() {
-        let step = place + 1;
-        let row = model.after_step(step).and_then(|model| error_row(findings, &stage.name, &model));
-        rows.push(row.map_err(|error| failed(step, &error))?);
+    for (place, (name, model)) in members(findings)?.iter().enumerate() {
+        let percents = nrmse_percent(&findings.diagnosis.trace.motion, model);
+        let percents = percents.map_err(|error| failed(place + 1, &error))?;
+        let cells = percents.into_iter().map(|percent| significant(percent, 3).into());
+        rows.push(std::iter::once(name.as_str().into()).chain(cells).collect());
     }
-    let row = error_row(findings, "refit", model);
-    rows.push(row.map_err(|error| failed(model.stages.len() + 1, &error))?);
     let joints = findings.joints().iter();
     let columns = std::iter::once(Column::words("NRMSE [%] after"))
         .chain(joints.map(Column::numbers))
@@ -55,15 +54,27 @@ fn errors(findings: &Findings<'_>) -> Result<Item, ReportError> {
     Ok(Item::Table(Table { caption, columns, rows }))
 }
 
-fn failed(step: usize, error: &ModelError) -> ReportError {
+/// The model after each step, and as it is, with their names.
+pub(crate) fn members(findings: &Findings<'_>) -> Result<Vec<(String, Model)>, ReportError> {
+    let model = &findings.found.model;
+    let mut members = Vec::new();
+    for (place, stage) in model.stages.iter().enumerate() {
+        let step = place + 1;
+        let after = model.after_step(step).map_err(|error| failed(step, &error))?;
+        members.push((stage.name.clone(), after));
+    }
+    members.push(("refit".into(), model.clone()));
+    Ok(members)
+}
+
+pub(crate) fn failed(step: usize, error: &ModelError) -> ReportError {
     ReportError::Step { step, reason: error.to_string() }
 }
 
-fn error_row(findings: &Findings<'_>, name: &str, model: &Model) -> Result<Vec<Label>, ModelError> {
-    let motion = &findings.diagnosis.trace.motion;
+/// Error of each joint's torque over its standard deviation in percent, n.
+pub(crate) fn nrmse_percent(motion: &Motion, model: &Model) -> Result<Vec<f64>, ModelError> {
     let tau_hat = Torque::new(model).over(motion)?;
-    let mut cells = vec![name.into()];
-    for joint in 0..model.n_joints() {
+    let of = |joint: usize| {
         let measured: Vec<f64> =
             motion.tau().map_or_else(Vec::new, |tau| tau.col(joint).iter().copied().collect());
         let m = measured.len().max(1) as f64;
@@ -71,7 +82,7 @@ fn error_row(findings: &Findings<'_>, name: &str, model: &Model) -> Result<Vec<L
         let spread = measured.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
         let left = measured.iter().zip(tau_hat.col(joint).iter());
         let left = left.map(|(tau, tau_hat)| (tau - tau_hat).powi(2)).sum::<f64>();
-        cells.push(significant(100.0 * (left / spread).sqrt(), 3).into());
-    }
-    Ok(cells)
+        100.0 * (left / spread).sqrt()
+    };
+    Ok((0..model.n_joints()).map(of).collect())
 }

@@ -16,10 +16,10 @@ use torquewise_dynamics::{Arm, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
 use torquewise_model::check;
 use torquewise_motion::Motion;
-use torquewise_report::fit_report;
 use torquewise_report::html::{
     Axis, Band, Chart, Colour, Guide, Item, Mark, Page, Section, Series,
 };
+use torquewise_report::{CallCost, Findings, fit_report};
 
 /// What a hostile log may call a joint.
 const HOSTILE: &str = "</script><img src=x onerror=\"throw 1\">'";
@@ -42,7 +42,11 @@ fn report() -> String {
     let states: Vec<_> =
         (0..20).map(|k| (row_of(log.q(), 100 * k), row_of(log.dq(), 100 * k))).collect();
     let checks = check(&found.model, &states).unwrap();
-    fit_report(&found, &diagnosis, Some(&checks), Some(&diagnosis), HOSTILE).unwrap()
+    let (found, test, checks) = (&found, Some(&diagnosis), Some(&checks));
+    let cost = CallCost { operations: 1234, functions: 8, seconds: 5e-7 };
+    let costs = vec![cost; found.model.stages.len() + 1];
+    let findings = Findings { found, diagnosis: &diagnosis, checks, test, costs: &costs };
+    fit_report(&findings, HOSTILE).unwrap()
 }
 
 /// One chart of each kind of mark, axis and decoration.

@@ -1,0 +1,65 @@
+//! Model → what its torque costs a controller: counted operations, time and shares of a period.
+
+use crate::table::{Table, number};
+use serde_json::{Value, json};
+use torquewise::export::{Cost, ExportError, torque_costs};
+use torquewise::model::Model;
+use torquewise::report::CallCost;
+use torquewise::report::fit_report::call_cost::RATES;
+
+/// Costs of the torque after each step and of the whole.
+pub(crate) struct CallCosts {
+    names: Vec<String>,
+    costs: Vec<CallCost>,
+}
+
+impl CallCosts {
+    /// Counts what exported code computes.
+    pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
+        let steps = model.stages.iter().map(|stage| stage.name.clone());
+        let names = steps.chain(std::iter::once("refit".to_owned())).collect();
+        let call = |cost: Cost| {
+            let Cost { operations, functions } = cost;
+            CallCost { operations, functions, seconds: cost.seconds() }
+        };
+        Ok(Self { names, costs: torque_costs(model)?.into_iter().map(call).collect() })
+    }
+
+    /// Of the torque after each step and of the whole.
+    pub(crate) fn of_each(&self) -> &[CallCost] {
+        &self.costs
+    }
+
+    /// For people.
+    pub(crate) fn text(&self) -> String {
+        let shares = RATES.map(|rate| format!("of {} kHz [%]", 1e-3 * rate));
+        let fixed = ["torque after", "+ - *", "sin cos exp tanh", "about [ns]"];
+        let headings: Vec<&str> =
+            fixed.into_iter().chain(shares.iter().map(String::as_str)).collect();
+        let mut table = Table::new(&headings);
+        for (name, cost) in self.names.iter().zip(&self.costs) {
+            let counts = [cost.operations, cost.functions].map(|count| count.to_string());
+            let time = format!("{:.0}", 1e9 * cost.seconds);
+            let shares = RATES.map(|rate| number(cost.percent_of_period(rate)));
+            table.row(name, counts.into_iter().chain([time]).chain(shares));
+        }
+        format!(
+            "\nOne call in a controller, estimated for a desktop processor:\n\n{}",
+            table.text()
+        )
+    }
+
+    /// For programs.
+    pub(crate) fn json(&self) -> Value {
+        let each = self.names.iter().zip(&self.costs).map(|(name, cost)| {
+            json!({
+                "after": name,
+                "operations": cost.operations,
+                "functions": cost.functions,
+                "seconds_estimated": cost.seconds,
+                "percent_of_period": RATES.map(|rate| cost.percent_of_period(rate)),
+            })
+        });
+        json!({ "rates_hz": RATES, "torque": each.collect::<Vec<_>>() })
+    }
+}

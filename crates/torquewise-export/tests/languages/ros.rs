@@ -1,0 +1,118 @@
+//! ROS 2 package → what can be told of it without ROS: manifest, CMake, C++ against stand-ins.
+
+use crate::models::energies;
+use crate::run;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use torquewise_export::{Program, ros_package};
+
+/// Packages that the node needs, and the headers it includes.
+const HEADERS: [(&str, &str); 4] = [
+    ("rclcpp", "rclcpp.hpp"),
+    ("sensor_msgs", "msg/joint_state.hpp"),
+    ("std_msgs", "msg/float64_multi_array.hpp"),
+    ("trajectory_msgs", "msg/joint_trajectory_point.hpp"),
+];
+
+/// The package of an arm of that name in `package`, and the headers it needs in `stand_in`.
+fn written(folder: &Path, name: &str) {
+    let program = Program::of(&energies(3, 25, 1)).unwrap();
+    for (path, text) in ros_package(&program, name).unwrap() {
+        write(&folder.join("package").join(path), &text);
+    }
+    for (package, header) in HEADERS {
+        write(&folder.join("stand_in").join(package).join(header), "#include \"ros.hpp\"\n");
+    }
+    write(&folder.join("stand_in/ros.hpp"), include_str!("ros.hpp"));
+}
+
+fn write(file: &Path, text: &str) {
+    fs::create_dir_all(file.parent().unwrap()).unwrap();
+    fs::write(file, text).unwrap();
+}
+
+/// Whether a command can be run here; not every machine that tests has it.
+fn can(command: &mut Command) -> bool {
+    let can = command.output().is_ok_and(|output| output.status.success());
+    if !can {
+        eprintln!("skipped: cannot run {command:?}");
+    }
+    can
+}
+
+#[test]
+fn the_node_compiles_against_the_names_it_uses() {
+    if !run::has("c++") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    written(folder.path(), "arm");
+
+    let mut compiler = Command::new("c++");
+    compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Istand_in"]);
+    run::output(compiler.current_dir(folder.path()).arg("package/src/feed_forward.cpp"), "");
+}
+
+/// As CMake finds an installed package: what it offers is a target of its own name.
+fn stand_in_config(package: &str) -> String {
+    match package {
+        "ament_cmake" => "function(ament_package)\n  install(FILES package.xml DESTINATION \
+                          share/${PROJECT_NAME})\nendfunction()\n"
+            .into(),
+        _ => format!(
+            "add_library({package}::{package} INTERFACE IMPORTED)\n\
+             target_include_directories({package}::{package} INTERFACE \
+             ${{CMAKE_CURRENT_LIST_DIR}}/..)\nset({package}_TARGETS {package}::{package})\n"
+        ),
+    }
+}
+
+#[test]
+fn cmake_accepts_the_package_and_compiles_the_node() {
+    if !can(Command::new("cmake").arg("--version")) || !run::has("c++") {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    written(folder.path(), "Arm__1");
+    for package in HEADERS.iter().map(|(package, _)| *package).chain(["ament_cmake"]) {
+        let config = format!("stand_in/{package}/{package}Config.cmake");
+        write(&folder.path().join(config), &stand_in_config(package));
+    }
+
+    let cmake = |arguments: &[&str]| {
+        let mut cmake = Command::new("cmake");
+        run::output(cmake.current_dir(folder.path()).args(arguments), "")
+    };
+    let prefix = format!("-DCMAKE_PREFIX_PATH={}", folder.path().join("stand_in").display());
+    let strict = ["-Wdev", "-Werror=dev", "--warn-uninitialized"];
+    cmake(
+        &[&["-S", "package", "-B", "build", "-G", "Unix Makefiles", &prefix], &strict[..]].concat(),
+    );
+    // The stand-ins have nothing to link to: the objects are all there can be.
+    for object in ["src/feed_forward.o", "src/Arm__1.o"] {
+        cmake(&["--build", "build", "--target", object]);
+    }
+
+    let objects = folder.path().join("build/CMakeFiles/feed_forward.dir/src");
+    assert!(objects.join("feed_forward.cpp.o").exists() && objects.join("Arm__1.c.o").exists());
+}
+
+#[test]
+fn the_manifest_is_of_format_3() {
+    let mut python = Command::new("python3");
+    if !can(python.args(["-c", "import catkin_pkg.package"])) {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    written(folder.path(), "Arm__1");
+
+    // Refuses unknown tags, missing ones and names that ROS does not allow.
+    let check = "from catkin_pkg.package import parse_package as parse\nfound = []\n\
+                 package = parse('package', warnings=found)\npackage.validate(warnings=found)\n\
+                 print(package.package_format, package.name, package.get_build_type(), found)\n";
+    let mut python = Command::new("python3");
+    let text = run::output(python.current_dir(folder.path()).args(["-c", check]), "");
+
+    assert_eq!(text, "3 arm_1_feed_forward ament_cmake []\n");
+}

@@ -1,0 +1,119 @@
+//! Counted operations of each step's torque → which of them fits which control rate.
+
+use crate::error::ReportError;
+use crate::fit_report::Findings;
+use crate::fit_report::steps::{failed, members, nrmse_percent};
+use crate::html::number::{count, significant};
+use crate::html::{Column, Item, Label, Section, Table};
+use torquewise_identify::Diagnosis;
+use torquewise_model::Model;
+
+/// Rates of controllers \[Hz\].
+pub const RATES: [f64; 4] = [1e3, 4e3, 10e3, 40e3];
+/// Part of a period that a call may take.
+const MOST: f64 = 0.1;
+const DIGITS: usize = 2;
+
+/// What one call of a torque costs in compiled code.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CallCost {
+    /// Additions, subtractions and multiplications.
+    pub operations: usize,
+    /// Sines, cosines, exponentials and hyperbolic tangents.
+    pub functions: usize,
+    /// About how long it takes \[s\].
+    pub seconds: f64,
+}
+
+impl CallCost {
+    /// Part of the period of a control rate \[Hz\] that a call takes, in percent.
+    pub fn percent_of_period(&self, rate: f64) -> f64 {
+        100.0 * self.seconds * rate
+    }
+}
+
+/// One model to choose: its name, its cost and the error of its worst joint in percent.
+struct Choice {
+    name: String,
+    cost: CallCost,
+    on_log: f64,
+    on_test: Option<f64>,
+}
+
+/// The models after each step with cost and error, and the best of them for each rate.
+pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
+    let mut choices = Vec::new();
+    for ((place, (name, model)), &cost) in
+        members(findings)?.into_iter().enumerate().zip(findings.costs)
+    {
+        let worst = |diagnosis: &Diagnosis| -> Result<f64, ReportError> {
+            worst_joint(diagnosis, &model).map_err(|error| failed(place + 1, &error))
+        };
+        let (on_log, on_test) = (worst(findings.diagnosis)?, findings.test.map(worst).transpose()?);
+        choices.push(Choice { name, cost, on_log, on_test });
+    }
+    let items = vec![Item::Text(advice(&choices)), Item::Table(table(&choices))];
+    Ok(Section { heading: "Cost in a controller".into(), items })
+}
+
+fn worst_joint(diagnosis: &Diagnosis, model: &Model) -> Result<f64, torquewise_model::ModelError> {
+    let joints = nrmse_percent(&diagnosis.trace.motion, model)?;
+    Ok(joints.into_iter().filter(|percent| percent.is_finite()).fold(0.0, f64::max))
+}
+
+/// The most accurate model that fits each rate, in words.
+fn advice(choices: &[Choice]) -> String {
+    let best = |rate: f64| {
+        let fitting = choices.iter().filter(|c| c.cost.percent_of_period(rate) <= 100.0 * MOST);
+        let error = |choice: &&Choice| choice.on_test.unwrap_or(choice.on_log);
+        fitting.min_by(|a, b| error(a).total_cmp(&error(b))).map(|choice| choice.name.as_str())
+    };
+    let mut groups: Vec<(Option<&str>, Vec<String>)> = Vec::new();
+    for rate in RATES {
+        let (name, rate) = (best(rate), kilohertz(rate));
+        match groups.last_mut().filter(|(last, _)| *last == name) {
+            Some((_, rates)) => rates.push(rate),
+            None => groups.push((name, vec![rate])),
+        }
+    }
+    let said = groups.iter().map(|(name, rates)| {
+        let name = name.map_or_else(|| "none".into(), |name| format!("“{name}”"));
+        format!("{name} at {}", rates.join(", "))
+    });
+    format!(
+        "The most accurate torque that takes at most a tenth of the period of a control loop: {}. \
+         Exported code was counted, and the time estimated for a desktop processor; a controller \
+         that is k times slower takes k times the share.",
+        said.collect::<Vec<_>>().join("; ")
+    )
+}
+
+fn kilohertz(rate: f64) -> String {
+    format!("{}\u{202f}kHz", significant(1e-3 * rate, 2).trim_end_matches(".0"))
+}
+
+fn table(choices: &[Choice]) -> Table {
+    let has_test = choices.iter().any(|choice| choice.on_test.is_some());
+    let mut columns = vec![
+        Column::words("torque after"),
+        Column::numbers("+ − ·"),
+        Column::numbers("sin cos exp tanh"),
+        Column::numbers("about [µs]"),
+    ];
+    columns.extend(RATES.map(|rate| Column::numbers(format!("of {} [%]", kilohertz(rate)))));
+    columns.push(Column::numbers("NRMSE, this log [%]"));
+    columns.extend(has_test.then(|| Column::numbers("other motion [%]")));
+    let row = |choice: &Choice| -> Vec<Label> {
+        let Choice { name, cost, on_log, on_test } = choice;
+        let mut cells = vec![name.as_str().into(), count(cost.operations).into()];
+        cells.push(count(cost.functions).into());
+        cells.push(significant(1e6 * cost.seconds, DIGITS).into());
+        let shares = RATES.map(|rate| significant(cost.percent_of_period(rate), DIGITS));
+        cells.extend(shares.map(Label::from));
+        let errors = std::iter::once(on_log).chain(on_test);
+        cells.extend(errors.map(|percent| Label::from(significant(*percent, 3))));
+        cells
+    };
+    let caption = "One call of the torque beside the error of the worst joint.".into();
+    Table { caption, columns, rows: choices.iter().map(row).collect() }
+}
