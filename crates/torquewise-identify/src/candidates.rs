@@ -67,12 +67,10 @@ impl Candidates {
         mut friction: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
         let terms = match library {
-            LibraryKind::Energy { interaction } => {
-                Terms::Energy(match interaction {
-                    Some(limit) => energy_library(n_joints, Some(limit)),
-                    None => largest_energy_library(n_joints, MOST_CANDIDATES),
-                })
-            }
+            LibraryKind::Energy { interaction } => Terms::Energy(match interaction {
+                Some(limit) => energy_library(n_joints, Some(limit)),
+                None => largest_energy_library(n_joints, MOST_CANDIDATES),
+            }),
             LibraryKind::Product { gravity_order, trig_order } => {
                 Terms::Torque(product_terms(n_joints, gravity_order, trig_order, method))
             }

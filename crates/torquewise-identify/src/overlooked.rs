@@ -64,22 +64,21 @@ pub(crate) fn overlooked(
     };
     let is_friction = |place: &usize| matches!(candidates[*place], Candidate::Friction(_));
     let rubs = order.first().is_some_and(is_friction);
-    let warning = joint.and_then(|joint| warning(&overlooked, survey, learned, (joint, rubs)));
+    let warning = joint.and_then(|joint| {
+        let part = trials.left_of(joint) / survey.torque_std[joint];
+        warning(&overlooked, part, rubs)
+    });
     Ok((overlooked, warning))
 }
 
 /// A warning if the best term holds on rows it was not chosen on, by more than chance, and matters.
-fn warning(
-    found: &Overlooked,
-    survey: &Survey,
-    learned: &Learned,
-    (joint, friction): (usize, bool),
-) -> Option<Warning> {
+///
+/// - `part`: of the spread of the torque of its joint, what the chain leaves
+fn warning(found: &Overlooked, part: f64, friction: bool) -> Option<Warning> {
     let held_out = found.held_out.min(1.0);
-    let removed = learned.chain.residual_rms[joint] * (1.0 - (1.0 - held_out).powi(2)).sqrt();
+    let removed = part * (1.0 - (1.0 - held_out).powi(2)).max(0.0).sqrt();
     let holds = held_out - found.held_out_std_error >= WORTH;
-    let matters = removed >= RELEVANT * survey.torque_std[joint];
-    let best = found.best.first().filter(|_| holds && matters)?;
+    let best = found.best.first().filter(|_| holds && removed >= RELEVANT)?;
     let (term, joint) = (best.term.clone(), best.joint.clone());
     Some(Warning::Overlooked { term, joint, part: held_out, friction })
 }
@@ -124,6 +123,10 @@ struct Trials<'a> {
     blocks: Vec<Range<usize>>,
     /// What each equation counts, m·n.
     weights: Vec<f64>,
+    /// Weighted residual of the chain, m·n.
+    residual: Vec<f64>,
+    /// One over the noise of each joint \[1/(N·m)\], n.
+    noise: Vec<f64>,
 }
 
 impl<'a> Trials<'a> {
@@ -158,6 +161,8 @@ impl<'a> Trials<'a> {
             blocks: blocks.collect(),
             weights,
             screen: Screen::new(columns, &residual, &sizes)?,
+            residual,
+            noise,
         })
     }
 
@@ -213,14 +218,11 @@ impl<'a> Trials<'a> {
     }
 
     /// A term with what it would explain, and the joint that gains most.
-    fn unused(
-        &self,
-        candidate: &Candidate,
-        gain: &Gain,
-    ) -> Result<(Unused, usize), IdentifyError> {
+    fn unused(&self, candidate: &Candidate, gain: &Gain) -> Result<(Unused, usize), IdentifyError> {
         let [before, after] = self.screen.left(&self.column(candidate), None)?;
         let all: Vec<usize> = (0..BLOCKS).collect();
-        let part = |joint: usize| fall(self.rms(&before, &all, joint), self.rms(&after, &all, joint));
+        let part =
+            |joint: usize| fall(self.rms(&before, &all, joint), self.rms(&after, &all, joint));
         let parts: Vec<f64> = (0..self.states.n_joints()).map(part).collect();
         let (joint, of_joint) = (parts.into_iter().enumerate())
             .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
@@ -243,6 +245,12 @@ impl<'a> Trials<'a> {
     ) -> Result<f64, IdentifyError> {
         let [before, after] = self.screen.left(&self.column(candidate), Some(block))?;
         Ok(fall(self.rms(&before, &[block], joint), self.rms(&after, &[block], joint)))
+    }
+
+    /// RMS of what the chain leaves of the torque of a joint \[N·m\].
+    fn left_of(&self, joint: usize) -> f64 {
+        let all: Vec<usize> = (0..BLOCKS).collect();
+        self.rms(&self.residual, &all, joint) / self.noise[joint]
     }
 
     /// Root of the mean square of a joint's equations in some blocks.

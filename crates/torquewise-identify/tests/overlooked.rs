@@ -33,12 +33,8 @@ fn motion(more: Option<(EnergyTerm, f64)>, noise: f64) -> Motion {
 }
 
 fn torque_of(motion: &Motion, more: Option<(EnergyTerm, f64)>) -> faer::Mat<f64> {
-    let weighted = |(term, coefficient)| Weighted {
-        term,
-        coefficient,
-        std_error: 0.0,
-        inclusion: None,
-    };
+    let weighted =
+        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
     let model = Model {
         joints: motion.joints().to_vec(),
         form: Form::Energy(more.into_iter().map(weighted).collect()),

@@ -15,8 +15,7 @@ use faer::{Accum, Mat, Par};
 ///
 /// Source: T. Fukaya, Y. Nakatsukasa, Y. Yanagisawa, Y. Yamamoto, CholeskyQR2, ScalA (2014).
 pub(crate) fn orthonormal(mut columns: Mat<f64>) -> Mat<f64> {
-    let lengths: Vec<f64> =
-        (0..columns.ncols()).map(|j| columns.col(j).norm_l2()).collect();
+    let lengths: Vec<f64> = (0..columns.ncols()).map(|j| columns.col(j).norm_l2()).collect();
     let kept: Vec<usize> = (0..lengths.len()).filter(|&j| lengths[j] > 0.0).collect();
     for &j in &kept {
         columns.col_as_slice_mut(j).iter_mut().for_each(|x| *x /= lengths[j]);
@@ -60,10 +59,7 @@ fn gathered(columns: &Mat<f64>, places: &[usize]) -> Mat<f64> {
 }
 
 /// XᵀY, one thread: the same bits on any machine load.
-pub(crate) fn across(
-    left: faer::MatRef<'_, f64>,
-    right: faer::MatRef<'_, f64>,
-) -> Mat<f64> {
+pub(crate) fn across(left: faer::MatRef<'_, f64>, right: faer::MatRef<'_, f64>) -> Mat<f64> {
     let mut out = Mat::zeros(left.ncols(), right.ncols());
     matmul(out.as_mut(), Accum::Replace, left.transpose(), right, 1.0, Par::Seq);
     out

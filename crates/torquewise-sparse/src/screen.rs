@@ -48,7 +48,7 @@ pub struct Gain {
 const OWN: f64 = 1e-8;
 /// A direction of the known columns that has less than this part of its squares outside a block is
 /// held where the fit to all rows has it.
-const UNSEEN: f64 = 1e-3;
+const UNSEEN: f64 = 1e-5;
 
 impl Screen {
     /// - `known`: columns that are fitted whatever joins them, N×p, of any rank
@@ -131,9 +131,10 @@ impl Screen {
         let without: Vec<Vec<f64>> = (self.folds.iter().zip(&parts))
             .map(|(fold, part)| fold.seen(all.less(part)).shares(fold.energy))
             .collect();
+        // What lies in the span lies there without a block as well.
         let gain = |(j, share): (usize, &f64)| Gain {
             share: *share,
-            without: without.iter().map(|shares| shares[j]).collect(),
+            without: without.iter().map(|own| if all.tells(j) { own[j] } else { 0.0 }).collect(),
         };
         Ok(whole.iter().enumerate().map(gain).collect())
     }
@@ -187,9 +188,8 @@ impl Fold {
         let part = basis.subrows(block.start, block.len());
         let own = across(part, part);
         // What all rows sum up to is known: 1, and no residual in the span.
-        let gram = Mat::from_fn(g, g, |i, j| {
-            (if i == j { 1.0 + UNSEEN } else { 0.0 }) - own[(i, j)]
-        });
+        let gram =
+            Mat::from_fn(g, g, |i, j| (if i == j { 1.0 + UNSEEN } else { 0.0 }) - own[(i, j)]);
         let mut solved = Mat::from_fn(g, 1, |i, _| -own[(i, g)]);
         let factor = regular_factor(&gram).unwrap_or_else(|| Mat::identity(g, g));
         solve_lower_triangular_in_place(factor.as_ref(), solved.as_mut(), Par::Seq);
