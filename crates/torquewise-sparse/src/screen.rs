@@ -66,11 +66,9 @@ impl Screen {
         let rows = known.nrows();
         expect("the response of a screen", response.len(), rows)?;
         expect("the blocks of a screen", block_rows.iter().sum(), rows)?;
-        let entries = known.col_iter().flat_map(|column| column.iter());
-        for (what, bad) in [
-            ("a known column", entries.into_iter().position(|x| !x.is_finite())),
-            ("the response", response.iter().position(|x| !x.is_finite())),
-        ] {
+        let bad = |x: &[f64]| x.iter().position(|x| !x.is_finite());
+        let of_known = (0..known.ncols()).find_map(|j| bad(known.col_as_slice(j)));
+        for (what, bad) in [("a known column", of_known), ("the response", bad(response))] {
             if let Some(entry) = bad {
                 return Err(SparseError::NotFinite { what, entry });
             }
