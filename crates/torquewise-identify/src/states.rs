@@ -124,7 +124,9 @@ impl States {
             let rest = product(Some(place));
             for (joint, &k) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
                 let mut slope = rest.clone();
-                slope.iter_mut().for_each(|s| *s *= f64::from(k));
+                for s in &mut slope {
+                    *s *= f64::from(k);
+                }
                 match slopes.iter_mut().find(|(known, _)| *known == joint) {
                     Some((_, known)) => known.iter_mut().zip(slope).for_each(|(a, b)| *a += b),
                     None => slopes.push((joint, slope)),
@@ -160,7 +162,9 @@ impl States {
                 }
             };
             if k < 0 {
-                s.iter_mut().for_each(|s| *s = -*s);
+                for s in &mut s {
+                    *s = -*s;
+                }
             }
             sum = Some(match sum {
                 None => (s, c),

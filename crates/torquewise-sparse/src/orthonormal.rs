@@ -76,7 +76,7 @@ mod tests {
         Mat::from_fn(200, 8, |i, j| match j {
             6 => wave(i, 0) - 3.0 * wave(i, 1),
             7 => 1e4 * (wave(i, 2) + wave(i, 5)),
-            _ => 10_f64.powi(j as i32 - 3) * wave(i, j),
+            _ => 10_f64.powf(j as f64 - 3.0) * wave(i, j),
         })
     }
 

@@ -9,7 +9,7 @@ const WEIGHTS: [f64; JOINTS] = [0.5, 2.0, 4.0];
 
 /// Share of an equation: an odd joint counts less in every third row.
 fn share(row: usize, joint: usize) -> f64 {
-    if row % 3 == 0 && joint == 1 { 0.1 } else { 1.0 }
+    if row.is_multiple_of(3) && joint == 1 { 0.1 } else { 1.0 }
 }
 
 /// Rows of another arm than the chain, with two columns beside it.
