@@ -104,11 +104,13 @@ impl Target<'_> {
     }
 
     /// Change of the weighted torque per unit of each free parameter, the masses held, (m·n)×g.
-    fn changes(&self, fitted: &Fitted, free: &[usize]) -> Mat<f64> {
-        let inertial = &fitted.masses.coefficients[..PER_BODY * self.rows.n_joints()];
+    ///
+    /// - `masses`: inertial parameters of the bodies, 10 each, and whatever comes after them
+    pub(crate) fn changes(&self, geometry: &Geometry, masses: &[f64], free: &[usize]) -> Mat<f64> {
+        let inertial = &masses[..PER_BODY * self.rows.n_joints()];
         let mut changes = Mat::zeros(self.rows.torque.len(), free.len());
         for (column, &parameter) in free.iter().enumerate() {
-            let mut moved = fitted.geometry.clone();
+            let mut moved = geometry.clone();
             moved.parameters_mut()[parameter] += STEP;
             let ahead = self.torque(&moved, inertial);
             moved.parameters_mut()[parameter] -= 2.0 * STEP;
@@ -138,7 +140,7 @@ impl Target<'_> {
         let size = self.rows.torque.len() as f64;
         let mut damping = 1e-2;
         for _ in 0..rounds {
-            let changes = self.changes(&best, free);
+            let changes = self.changes(&best.geometry, &best.masses.coefficients, free);
             let mut curvature = best.masses.projected(&changes);
             let mut slope = vec![0.0; free.len()];
             for (j, &parameter) in free.iter().enumerate() {

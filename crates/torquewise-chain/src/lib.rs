@@ -12,9 +12,11 @@ pub mod rows;
 mod masses;
 mod descent;
 pub mod search;
+pub mod tangent;
 mod expand;
 
 pub use error::ChainError;
 pub use geometry::Geometry;
 pub use rows::Rows;
 pub use search::{Chain, Search, fit, refine, search};
+pub use tangent::Tangent;

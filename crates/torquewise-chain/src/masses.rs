@@ -27,7 +27,7 @@ pub(crate) struct Masses {
 const NOTHING: f64 = 1e-9;
 
 /// Weighted columns of a chain and those beside it, (m·n)×p.
-fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]) -> Mat<f64> {
+pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]) -> Mat<f64> {
     let (m, n) = (rows.len(), rows.n_joints());
     let bodies = Bodies::new(geometry);
     let of_bodies = PER_BODY * n;

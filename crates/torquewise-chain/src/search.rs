@@ -223,7 +223,7 @@ pub fn fit(rows: &Rows, start: &Chain, search: &Search) -> Result<Chain, ChainEr
 }
 
 /// One over the noise of each joint; the first guess where there is no residual.
-fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
+pub(crate) fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
     let weight = |(joint, first): (usize, &f64)| {
         residual_rms.get(joint).map_or(*first, |rms| 1.0 / rms.max(LEAST_RESIDUAL / first))
     };

@@ -71,6 +71,7 @@ pub(crate) fn doing(progress: Progress) -> String {
         Progress::Evidence => "summing".to_owned(),
         Progress::Step(step) => format!("selecting terms, step {step}"),
         Progress::Refit => "fitting the terms that were kept".to_owned(),
+        Progress::Overlooked => "trying the terms that were not offered".to_owned(),
         Progress::Done => "done".to_owned(),
     }
 }

@@ -134,7 +134,7 @@ impl Stopwatch {
             Progress::Geometry | Progress::Evidence | Progress::Step(_) => {
                 self.cost.regression += spent;
             }
-            Progress::Refit | Progress::Done => self.cost.refit += spent,
+            Progress::Refit | Progress::Overlooked | Progress::Done => self.cost.refit += spent,
         }
         (self.since, self.stage) = (now, stage);
     }

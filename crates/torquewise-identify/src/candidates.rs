@@ -67,9 +67,10 @@ impl Candidates {
         mut friction: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
         let terms = match library {
-            LibraryKind::Energy { interaction } => {
-                Terms::Energy(energy_terms(n_joints, interaction))
-            }
+            LibraryKind::Energy { interaction } => Terms::Energy(match interaction {
+                Some(limit) => energy_library(n_joints, Some(limit)),
+                None => largest_energy_library(n_joints, MOST_CANDIDATES),
+            }),
             LibraryKind::Product { gravity_order, trig_order } => {
                 Terms::Torque(product_terms(n_joints, gravity_order, trig_order, method))
             }
@@ -208,15 +209,12 @@ impl Terms {
     }
 }
 
-/// The energy library, of the highest interaction order that keeps it small if none is asked for.
-fn energy_terms(n_joints: usize, interaction: Option<usize>) -> Vec<EnergyTerm> {
-    if let Some(limit) = interaction {
-        return energy_library(n_joints, Some(limit));
-    }
+/// The energy library of the highest interaction order that holds at most `most` terms.
+pub(crate) fn largest_energy_library(n_joints: usize, most: usize) -> Vec<EnergyTerm> {
     let mut largest = energy_library(n_joints, Some(1));
     for limit in 2..=n_joints {
         let next = energy_library(n_joints, Some(limit));
-        if next.len() > MOST_CANDIDATES {
+        if next.len() > most {
             break;
         }
         largest = next;

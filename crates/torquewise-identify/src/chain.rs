@@ -6,6 +6,7 @@ use crate::error::IdentifyError;
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{Learned, learn};
 use crate::noise::NoiseFloor;
+use crate::overlooked::overlooked;
 use crate::patterns::Patterns;
 use crate::plan::Plan;
 use crate::prune::prune;
@@ -49,11 +50,15 @@ pub(crate) fn by_chain(
             Weighted { std_error: jackknife(&others), term, coefficient, inclusion: None }
         })
         .collect();
+    progress(Progress::Overlooked);
+    let mut warnings = Warning::of_survey(&survey);
+    let (unused, warning) = overlooked(&learned, &survey, plan.friction)?;
+    warnings.extend(warning);
     progress(Progress::Done);
-    let warnings = Warning::of_survey(&survey);
     let form = Form::Energy(terms);
     let joints = survey.joints.clone();
-    let training = survey.training(learned.chain.residual_rms.clone());
+    let mut training = survey.training(learned.chain.residual_rms.clone());
+    training.overlooked = Some(unused);
     let model =
         Model { joints, form, friction, stages: Vec::new(), training, choices: learned.choices };
     let step = StepReport {

@@ -75,8 +75,8 @@ impl Clock {
         edge(block)..if block + 1 == BLOCKS { t.len() } else { edge(block + 1) }
     }
 
-    /// Means of a signal over the windows within these rows, each weighted by 1 − cos: what is above
-    /// the lowest cut-off does not pass.
+    /// Means of a signal over the windows within these rows, each weighted by 1 − cos: what is
+    /// above the lowest cut-off does not pass.
     fn means(&self, t: &[f64], rows: Range<usize>, signal: &[f64]) -> Vec<f64> {
         let rows = rows.start..rows.end.min(t.len());
         let Some(&[first, .., last]) = t.get(rows.clone()) else { return Vec::new() };

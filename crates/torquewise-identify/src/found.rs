@@ -59,6 +59,8 @@ pub enum Progress {
     Step(usize),
     /// The kept terms are fitted on all rows.
     Refit,
+    /// Terms that were not offered are tried (E10).
+    Overlooked,
     /// All is done.
     Done,
 }

@@ -40,12 +40,12 @@ impl Trial {
     }
 }
 
-fn mean(x: &[f64]) -> f64 {
+pub(crate) fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len().max(1) as f64
 }
 
 /// Standard error of a mean.
-fn standard_error(x: &[f64]) -> f64 {
+pub(crate) fn standard_error(x: &[f64]) -> f64 {
     let count = x.len() as f64;
     if count < 2.0 {
         return 0.0;

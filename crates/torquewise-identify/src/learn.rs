@@ -21,6 +21,10 @@ pub(crate) struct Learned {
     pub(crate) choices: Vec<Choice>,
     /// The same fit with each block of the log left out, for standard errors.
     pub(crate) without: Vec<Chain>,
+    /// Rows on which terms that are not the chain's are tried.
+    pub(crate) rows: Rows,
+    /// Friction that may be offered.
+    pub(crate) laws: Dictionary,
 }
 
 /// Pulls to right angles that are tried, the strongest first.
@@ -51,6 +55,8 @@ const SNAP_ROUNDS: usize = 15;
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
 const LAST_ROWS: usize = 4_000;
+/// Rows that terms beside those of the chain are tried on.
+pub(crate) const TRIED_ROWS: usize = 1_500;
 /// Shared shafts at most.
 const MOST_SHAFTS: usize = 2;
 /// A counterbalance must lower the error to this part; it is felt by one joint alone.
@@ -361,7 +367,9 @@ impl<'a> School<'a> {
                 Ok(refine(&rest, &chain, &recipe.free, &search)?)
             })
             .collect::<Result<_, IdentifyError>>()?;
-        Ok(Learned { chain, beside: recipe.beside, choices, without })
+        let rows = self.rows(&recipe, TRIED_ROWS)?;
+        let laws = self.laws.clone();
+        Ok(Learned { chain, beside: recipe.beside, choices, without, rows, laws })
     }
 
     fn choose(

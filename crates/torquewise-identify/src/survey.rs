@@ -266,6 +266,7 @@ impl Survey {
             q_range: self.q_range.clone(),
             dq_peak: self.dq_peak.clone(),
             ddq_peak: self.ddq_peak.clone(),
+            overlooked: None,
         }
     }
 

@@ -51,6 +51,17 @@ pub enum Warning {
     Excitation(Finding),
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),
+    /// A term that was not offered explains what no chain of rigid bodies does.
+    Overlooked {
+        /// Its name.
+        term: String,
+        /// Name of the joint that gains most.
+        joint: String,
+        /// By what part the RMS of its residual falls on held-out rows.
+        part: f64,
+        /// Whether it is a law of friction that was not asked for.
+        friction: bool,
+    },
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -155,6 +166,17 @@ impl fmt::Display for Warning {
             ),
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
+            Self::Overlooked { term, joint, part, friction } => write!(
+                f,
+                "{term} would lower the residual of {joint} by {:.0} % on held-out rows: {}",
+                100.0 * part,
+                if *friction {
+                    "there is more friction than was asked for; try --friction auto"
+                } else {
+                    "something there is no chain of rigid bodies, such as a spring, an elastic \
+                     gear or a torque that is not measured"
+                }
+            ),
             Self::Units { joint, largest } => write!(
                 f,
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"

@@ -5,6 +5,7 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::term::{Sum, Term, collect};
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// A term with its coefficient and the standard error of it; both in the units of the coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,6 +77,37 @@ pub struct Candidate {
     pub complexity: usize,
 }
 
+/// What terms that were not offered to a fit would explain of its residual, each on its own (E10).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Overlooked {
+    /// Terms that were tried.
+    pub candidates: usize,
+    /// Rows they were tried on.
+    pub rows: usize,
+    /// Those that would lower the residual most, the best first.
+    pub best: Vec<Unused>,
+    /// By what part the residual of the joint of the best falls (RMS) on blocks of time left out
+    /// while term and coefficient were chosen; negative where it rises.
+    pub held_out: f64,
+    /// Standard error of that.
+    pub held_out_std_error: f64,
+}
+
+/// A term that is not in a model, and what it would explain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unused {
+    /// Its name.
+    pub term: String,
+    /// Part of the weighted sum of squares of the residual that would go.
+    pub share: f64,
+    /// Joint that gains most.
+    pub joint: String,
+    /// By what part the RMS of the residual of that joint would fall.
+    pub of_joint: f64,
+}
+
 /// The data a model was fitted on, kept to judge what it is asked later.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -92,6 +124,9 @@ pub struct Training {
     pub dq_peak: Vec<f64>,
     /// Largest acceleration of each joint \[rad/s²\], n.
     pub ddq_peak: Vec<f64>,
+    /// What terms that were not offered would explain, where that was looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overlooked: Option<Overlooked>,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).
@@ -112,6 +147,33 @@ pub struct Model {
     /// What was chosen on held-out data, if anything was.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub choices: Vec<Choice>,
+}
+
+impl Unused {
+    /// By what part the RMS of the residual would fall, all joints counted by their noise.
+    pub fn of_residual(&self) -> f64 {
+        1.0 - (1.0 - self.share).max(0.0).sqrt()
+    }
+}
+
+impl fmt::Display for Overlooked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} more terms tried one by one: ", self.candidates)?;
+        let Some(best) = self.best.first() else {
+            return write!(f, "none would lower the residual");
+        };
+        write!(
+            f,
+            "none would lower the residual by more than {:.2} % RMS ({}), \
+             that of {} by {:.1} %, on held-out rows by {:.1} ± {:.1} %",
+            100.0 * best.of_residual(),
+            best.term,
+            best.joint,
+            100.0 * best.of_joint,
+            100.0 * self.held_out,
+            100.0 * self.held_out_std_error,
+        )
+    }
 }
 
 impl Form {

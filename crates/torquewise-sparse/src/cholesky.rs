@@ -35,7 +35,7 @@ pub(crate) struct Solution {
 /// the largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
 /// negative eigenvalues loses the columns that would need them. One thread, hence the same bits on
 /// any machine load.
-pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
+pub(crate) fn solve(matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let size = matrix.nrows();
     if let Some(factor) = regular_factor(&matrix) {
         let mut values = right.to_owned();
@@ -43,6 +43,32 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
         solve_upper_triangular_in_place(factor.transpose(), values.as_mut(), Par::Seq);
         return Solution { values, dependent: Vec::new() };
     }
+    let Pivoted { factor, mut order } = pivoted(matrix);
+    let rank = factor.nrows();
+    let mut x = Mat::from_fn(rank, right.ncols(), |i, k| right[(order[i], k)]);
+    solve_lower_triangular_in_place(factor.as_ref(), x.as_mut(), Par::Seq);
+    solve_upper_triangular_in_place(factor.transpose(), x.as_mut(), Par::Seq);
+
+    let mut values = Mat::zeros(size, right.ncols());
+    for (i, &column) in order[..rank].iter().enumerate() {
+        values.row_mut(column).copy_from(x.row(i));
+    }
+    let mut dependent = order.split_off(rank);
+    dependent.sort_unstable();
+    Solution { values, dependent }
+}
+
+/// Factor of the rows and columns that are independent of each other.
+pub(crate) struct Pivoted {
+    /// Lower triangle read, rank×rank.
+    pub(crate) factor: Mat<f64>,
+    /// All columns, p: first those of the factor, in its order.
+    pub(crate) order: Vec<usize>,
+}
+
+/// Factors a symmetric matrix, the largest remaining pivot first, as far as it is positive.
+pub(crate) fn pivoted(mut matrix: Mat<f64>) -> Pivoted {
+    let size = matrix.nrows();
     let mut order = vec![0_usize; size];
     let mut inverse = vec![0_usize; size];
     let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Spec::default());
@@ -59,23 +85,11 @@ pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let largest = if found > 0 { matrix[(0, 0)] } else { 0.0 };
     let floor = DEPENDENCE.sqrt() * largest;
     let rank = (0..found).position(|i| matrix[(i, i)] <= floor).unwrap_or(found);
-
-    let mut x = Mat::from_fn(rank, right.ncols(), |i, k| right[(order[i], k)]);
-    let factor = matrix.submatrix(0, 0, rank, rank);
-    solve_lower_triangular_in_place(factor, x.as_mut(), Par::Seq);
-    solve_upper_triangular_in_place(factor.transpose(), x.as_mut(), Par::Seq);
-
-    let mut values = Mat::zeros(size, right.ncols());
-    for (i, &column) in order[..rank].iter().enumerate() {
-        values.row_mut(column).copy_from(x.row(i));
-    }
-    let mut dependent = order.split_off(rank);
-    dependent.sort_unstable();
-    Solution { values, dependent }
+    Pivoted { factor: matrix.submatrix(0, 0, rank, rank).to_owned(), order }
 }
 
 /// Lower factor of a matrix none of whose columns depends on the others.
-fn regular_factor(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+pub(crate) fn regular_factor(matrix: &Mat<f64>) -> Option<Mat<f64>> {
     let mut factor = matrix.clone();
     let size = factor.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());

@@ -6,4 +6,5 @@ mod twins;
 mod dynamics;
 mod expansion;
 mod recovery;
+mod tangent;
 mod bad_input;

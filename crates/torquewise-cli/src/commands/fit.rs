@@ -200,7 +200,7 @@ pub(crate) fn text(output: &Path, timed: &Timed) -> String {
         joints.row(name, cells);
     }
     format!(
-        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\nmodel: {}\n",
+        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\n{}model: {}\n",
         found.survey.rows,
         found.survey.seconds,
         number(found.survey.rate()),
@@ -210,6 +210,7 @@ pub(crate) fn text(output: &Path, timed: &Timed) -> String {
         model.n_coefficients(),
         found.candidates,
         timed.seconds,
+        model.training.overlooked.as_ref().map_or_else(String::new, |found| format!("{found}\n")),
         output.display(),
     )
 }
@@ -257,6 +258,7 @@ pub(crate) fn json(output: &Path, timed: &Timed) -> Value {
         "active_total": model.n_coefficients(),
         "steps": steps.collect::<Vec<_>>(),
         "choices": model.choices,
+        "overlooked": model.training.overlooked,
         "seconds": timed.seconds,
         "route": overall_route(found),
         "noise": {

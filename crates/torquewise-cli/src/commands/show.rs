@@ -54,6 +54,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     if arguments.format == Format::Text {
         text.extend(model.choices.iter().map(choice_text));
+        text.extend(model.training.overlooked.as_ref().map(|found| format!("\n{found}\n")));
         text.extend(physics.as_ref().map(Physics::text));
         text.extend(costs.as_ref().map(CallCosts::text));
     }
@@ -103,6 +104,7 @@ fn json(model: &Model, physics: Option<&Physics>) -> Value {
         "energies": energies,
         "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
+        "overlooked": model.training.overlooked,
         "checks": physics.map(Physics::json),
     })
 }

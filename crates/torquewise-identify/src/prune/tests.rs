@@ -1,6 +1,7 @@
 //! Loads of terms against the model's own torque; what may be left out and what may not.
 
-use super::{States, TOLERANCE, prune};
+use super::{STATES, TOLERANCE, prune};
+use crate::states::States;
 use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -67,7 +68,7 @@ fn torque(terms: &[(EnergyTerm, f64)], motion: &Motion) -> Mat<f64> {
 #[test]
 fn the_load_of_a_term_is_its_torque() {
     let motion = motion();
-    let states = States::new(&motion, 1);
+    let states = States::mixed(&motion, STATES, 1);
     // Even states are rows of the log.
     let own = |state: usize| (state / 2) * motion.n_rows() / states.len().div_ceil(2);
     for (term, coefficient) in terms() {

@@ -4,6 +4,7 @@ mod chain;
 mod friction;
 mod memory;
 mod oracle;
+mod overlooked;
 mod recovery;
 mod six_joints;
 mod summary;

@@ -111,7 +111,27 @@ fn words(findings: &Findings<'_>) -> String {
     } else {
         "The white noise found in position, velocity and acceleration is listed under Ranges."
     };
-    format!("{form}{friction} The rows fall into {}. {noise}", shares.join(", "))
+    let overlooked = overlooked(findings);
+    format!("{form}{friction} The rows fall into {}. {noise}{overlooked}", shares.join(", "))
+}
+
+/// What terms that were not offered would explain, as one more sentence.
+fn overlooked(findings: &Findings<'_>) -> String {
+    let Some(found) = &findings.found.model.training.overlooked else { return String::new() };
+    let tried = count(found.candidates);
+    let Some(best) = found.best.first() else {
+        return format!(" Of {tried} more terms tried one by one, none would lower the residual.");
+    };
+    format!(
+        " Of {tried} more terms tried one by one, none would lower the residual (RMS) by more than \
+         {} %: {}, that of {} by {} %, on held-out rows by {} ± {} %.",
+        significant(100.0 * best.of_residual(), 2),
+        best.term,
+        best.joint,
+        significant(100.0 * best.of_joint, 2),
+        significant(100.0 * found.held_out, 2),
+        significant(100.0 * found.held_out_std_error, 2),
+    )
 }
 
 /// Rows of a pattern in percent.

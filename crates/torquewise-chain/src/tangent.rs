@@ -1,0 +1,65 @@
+//! Chain, rows → what it leaves of them, and how each of its parameters would change that (E10).
+
+use crate::descent::{Pull, Target};
+use crate::error::ChainError;
+use crate::masses::weighted_columns;
+use crate::rows::Rows;
+use crate::search::{Chain, all_parameters, first_weights, weights_of};
+use faer::Mat;
+
+/// The torque of rows as a chain near the one that was found can say it.
+///
+/// Equations as in [`Rows`]: all rows of joint 1 first. Each is divided by the noise of its joint
+/// and counts as the rows say.
+#[derive(Clone, Debug)]
+pub struct Tangent {
+    /// What each equation counts: its share over the noise of its joint, m·n.
+    pub weights: Vec<f64>,
+    /// Weighted residual, m·n.
+    pub residual: Vec<f64>,
+    /// Change of the weighted torque per unit of each parameter, (m·n)×p: masses, what stands
+    /// beside the links, and all of the geometry, whether it was free to move or held.
+    pub columns: Mat<f64>,
+}
+
+impl Chain {
+    /// One over the noise of each joint \[1/(N·m)\], n: what is left of it, or a guess before that.
+    pub fn weights(&self, rows: &Rows) -> Vec<f64> {
+        weights_of(&self.residual_rms, &first_weights(rows))
+    }
+
+    /// What the chain leaves of some rows, linearised in all of its parameters.
+    ///
+    /// - `weights`: one over the noise of each joint, n, see [`Chain::weights`]
+    ///
+    /// # Errors
+    /// [`ChainError::Shape`] if the rows are of another arm, or have other columns beside the
+    /// chain.
+    pub fn tangent(&self, rows: &Rows, weights: &[f64]) -> Result<Tangent, ChainError> {
+        let (m, n) = (rows.len(), rows.n_joints());
+        for (what, found, expected) in [
+            ("geometry", self.geometry.n_joints(), n),
+            ("beside", self.beside.len(), rows.extras.ncols()),
+            ("weights", weights.len(), n),
+        ] {
+            if found != expected {
+                return Err(ChainError::Shape { what, found, expected });
+            }
+        }
+        let masses: Vec<f64> = self.inertial.iter().chain(&self.beside).copied().collect();
+        let linear = weighted_columns(&self.geometry, rows, weights);
+        let pull = Pull::new(0.0, &self.geometry);
+        let target = Target { rows, weights, ridge: 0.0, pull };
+        let moves = target.changes(&self.geometry, &masses, &all_parameters(n));
+        let weights: Vec<f64> =
+            rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
+        let fitted = &linear * faer::ColRef::from_slice(&masses);
+        let residual = weights.iter().zip(&rows.torque).enumerate();
+        let residual = residual.map(|(k, (weight, tau))| weight * tau - fitted[k]).collect();
+        let p = linear.ncols();
+        let columns = Mat::from_fn(m * n, p + moves.ncols(), |k, j| {
+            if j < p { linear[(k, j)] } else { moves[(k, j - p)] }
+        });
+        Ok(Tangent { weights, residual, columns })
+    }
+}

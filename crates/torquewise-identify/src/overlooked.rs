@@ -1,0 +1,275 @@
+//! Learned chain → the terms it was not offered, and what each would explain of its residual (E10).
+
+use crate::candidates::largest_energy_library;
+use crate::error::IdentifyError;
+use crate::held_out::{BLOCKS, mean, split, standard_error};
+use crate::learn::{Learned, TRIED_ROWS};
+use crate::plan::FrictionKind;
+use crate::states::States;
+use crate::survey::{Survey, thinned};
+use crate::warning::Warning;
+use faer::Mat;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use std::ops::Range;
+use torquewise_model::model::{Overlooked, Unused};
+use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
+use torquewise_sparse::screen::{Gain, Screen};
+
+/// Terms of the energy library at most: all of them up to seven joints.
+const MOST_TRIED: usize = 60_000;
+/// Terms that are evaluated at once by a thread.
+const AT_ONCE: usize = 64;
+/// Terms that are reported.
+const REPORTED: usize = 5;
+/// A term must lower the residual of a joint by this part, RMS, on rows it was not chosen on.
+const WORTH: f64 = 0.05;
+/// It must explain this part of the spread of the torque as well: less is of no use.
+const RELEVANT: f64 = 0.005;
+
+/// A term that was not offered.
+#[derive(Clone, Debug, PartialEq)]
+enum Candidate {
+    Energy(EnergyTerm),
+    Friction(FrictionTerm),
+}
+
+/// Tries every term of the energy library, second harmonics of V and the friction that was not
+/// allowed, each on its own; and warns if one explains what no chain does.
+pub(crate) fn overlooked(
+    learned: &Learned,
+    survey: &Survey,
+    friction: FrictionKind,
+) -> Result<(Overlooked, Option<Warning>), IdentifyError> {
+    let trials = Trials::new(learned, survey)?;
+    let candidates = candidates(learned, friction);
+    let gains = trials.gains(&candidates)?;
+    let order = by_share(&gains, |gain| gain.share);
+    let best = order.iter().take(REPORTED).filter(|&&place| gains[place].share > 0.0);
+    let best = best
+        .map(|&place| trials.unused(&candidates[place], &gains[place]))
+        .collect::<Result<Vec<(Unused, usize)>, IdentifyError>>()?;
+    let joint = best.first().map(|(_, joint)| *joint);
+    let held_out = joint.map_or(Ok(Vec::new()), |joint| {
+        let most = |block: usize| by_share(&gains, |gain| gain.without[block])[0];
+        let judge = |block| trials.held_out(&candidates[most(block)], block, joint);
+        (0..BLOCKS).map(judge).collect::<Result<Vec<f64>, IdentifyError>>()
+    })?;
+    let overlooked = Overlooked {
+        candidates: candidates.len(),
+        rows: learned.rows.len(),
+        best: best.into_iter().map(|(unused, _)| unused).collect(),
+        held_out: mean(&held_out),
+        held_out_std_error: standard_error(&held_out),
+    };
+    let is_friction = |place: &usize| matches!(candidates[*place], Candidate::Friction(_));
+    let rubs = order.first().is_some_and(is_friction);
+    let warning = joint.and_then(|joint| {
+        let part = trials.left_of(joint) / survey.torque_std[joint];
+        warning(&overlooked, part, rubs)
+    });
+    Ok((overlooked, warning))
+}
+
+/// A warning if the best term holds on rows it was not chosen on, by more than chance, and matters.
+///
+/// - `part`: of the spread of the torque of its joint, what the chain leaves
+fn warning(found: &Overlooked, part: f64, friction: bool) -> Option<Warning> {
+    let held_out = found.held_out.min(1.0);
+    let removed = part * (1.0 - (1.0 - held_out).powi(2)).max(0.0).sqrt();
+    let holds = held_out - found.held_out_std_error >= WORTH;
+    let best = found.best.first().filter(|_| holds && removed >= RELEVANT)?;
+    let (term, joint) = (best.term.clone(), best.joint.clone());
+    Some(Warning::Overlooked { term, joint, part: held_out, friction })
+}
+
+/// Places of gains, the largest first, equal ones in their order.
+fn by_share(gains: &[Gain], share: impl Fn(&Gain) -> f64) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..gains.len()).collect();
+    order.sort_by(|&a, &b| {
+        let larger = share(&gains[b]).partial_cmp(&share(&gains[a])).unwrap_or(Ordering::Equal);
+        larger.then(a.cmp(&b))
+    });
+    order
+}
+
+/// All that is tried. What is fitted already says nothing of its own and gains nothing.
+fn candidates(learned: &Learned, friction: FrictionKind) -> Vec<Candidate> {
+    let n = learned.rows.n_joints();
+    let library = largest_energy_library(n, MOST_TRIED).into_iter();
+    let springs = (0..n).flat_map(|joint| {
+        [Trig::Cos, Trig::Sin].map(|trig| {
+            let function = Term::one(n).times(trig, joint, 2, 1);
+            EnergyTerm { place: Place::Potential, function }
+        })
+    });
+    // Where it may choose, the learner has judged all laws of friction itself.
+    let laws = match friction {
+        FrictionKind::None | FrictionKind::Linear => learned.laws.of(FrictionKind::Stribeck),
+        FrictionKind::Stribeck | FrictionKind::Auto => Vec::new(),
+    };
+    let energies = library.chain(springs).map(Candidate::Energy);
+    energies.chain(laws.into_iter().map(Candidate::Friction)).collect()
+}
+
+/// Rows of a log in blocks of time, on which terms are tried.
+///
+/// Equations are in the order block, joint, row.
+struct Trials<'a> {
+    names: &'a [String],
+    states: States,
+    screen: Screen,
+    /// Rows of each block.
+    blocks: Vec<Range<usize>>,
+    /// What each equation counts, m·n.
+    weights: Vec<f64>,
+    /// Weighted residual of the chain, m·n.
+    residual: Vec<f64>,
+    /// One over the noise of each joint \[1/(N·m)\], n.
+    noise: Vec<f64>,
+}
+
+impl<'a> Trials<'a> {
+    fn new(learned: &Learned, survey: &'a Survey) -> Result<Self, IdentifyError> {
+        let (rows, chain) = (&learned.rows, &learned.chain);
+        let (m, n) = (rows.len(), rows.n_joints());
+        let noise = chain.weights(rows);
+        let held = (0..BLOCKS).map(|block| split(m, block).0);
+        let tangents = held
+            .map(|held| Ok(chain.tangent(&rows.select(&held), &noise)?))
+            .collect::<Result<Vec<_>, IdentifyError>>()?;
+        let p = tangents.first().map_or(0, |tangent| tangent.columns.ncols());
+        let (mut columns, mut start) = (Mat::zeros(m * n, p), 0);
+        for tangent in &tangents {
+            let count = tangent.residual.len();
+            columns.subrows_mut(start, count).copy_from(&tangent.columns);
+            start += count;
+        }
+        let joined = |part: fn(&torquewise_chain::Tangent) -> &Vec<f64>| -> Vec<f64> {
+            tangents.iter().flat_map(part).copied().collect()
+        };
+        let (residual, weights) = (joined(|t| &t.residual), joined(|t| &t.weights));
+        let sizes: Vec<usize> = tangents.iter().map(|tangent| tangent.residual.len()).collect();
+        let mut end = 0;
+        let blocks = sizes.iter().map(|size| {
+            end += size / n;
+            end - size / n..end
+        });
+        Ok(Self {
+            names: &survey.joints,
+            states: States::of(&thinned(&survey.sample, TRIED_ROWS)),
+            blocks: blocks.collect(),
+            weights,
+            screen: Screen::new(columns, &residual, &sizes)?,
+            residual,
+            noise,
+        })
+    }
+
+    /// What each term would explain, in their order.
+    fn gains(&self, candidates: &[Candidate]) -> Result<Vec<Gain>, IdentifyError> {
+        let gains: Vec<Vec<Gain>> = candidates
+            .par_chunks(AT_ONCE)
+            .map(|some| {
+                let mut columns = Mat::zeros(self.weights.len(), some.len());
+                for (j, candidate) in some.iter().enumerate() {
+                    self.fill(candidate, columns.col_as_slice_mut(j));
+                }
+                self.screen.gains(columns.as_ref())
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(gains.into_iter().flatten().collect())
+    }
+
+    /// Writes the weighted torque of a term, m·n.
+    fn fill(&self, candidate: &Candidate, out: &mut [f64]) {
+        let n = self.states.n_joints();
+        let loads = match candidate {
+            Candidate::Energy(term) => self.states.loads(term, 1.0),
+            Candidate::Friction(term) => {
+                let mut loads = Mat::zeros(self.states.len(), n);
+                for state in 0..self.states.len() {
+                    let value = term.value(&self.states.speeds(state));
+                    for (joint, shaft) in term.shaft.iter().enumerate() {
+                        loads[(state, joint)] = shaft * value;
+                    }
+                }
+                loads
+            }
+        };
+        let mut next = 0;
+        for block in &self.blocks {
+            for joint in 0..n {
+                let (from, end) = (&loads.col_as_slice(joint)[block.clone()], next + block.len());
+                let weights = &self.weights[next..end];
+                for (out, (load, weight)) in out[next..end].iter_mut().zip(from.iter().zip(weights))
+                {
+                    *out = load * weight;
+                }
+                next = end;
+            }
+        }
+    }
+
+    fn column(&self, candidate: &Candidate) -> Vec<f64> {
+        let mut column = vec![0.0; self.weights.len()];
+        self.fill(candidate, &mut column);
+        column
+    }
+
+    /// A term with what it would explain, and the joint that gains most.
+    fn unused(&self, candidate: &Candidate, gain: &Gain) -> Result<(Unused, usize), IdentifyError> {
+        let [before, after] = self.screen.left(&self.column(candidate), None)?;
+        let all: Vec<usize> = (0..BLOCKS).collect();
+        let part =
+            |joint: usize| fall(self.rms(&before, &all, joint), self.rms(&after, &all, joint));
+        let parts: Vec<f64> = (0..self.states.n_joints()).map(part).collect();
+        let (joint, of_joint) = (parts.into_iter().enumerate())
+            .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
+            .unwrap_or((0, 0.0));
+        let term = match candidate {
+            Candidate::Energy(term) => term.name(),
+            Candidate::Friction(term) => term.name(),
+        };
+        let unused = Unused { term, share: gain.share, joint: self.names[joint].clone(), of_joint };
+        Ok((unused, joint))
+    }
+
+    /// By what part the residual of a joint falls on a block, term and parameters fitted to the
+    /// others.
+    fn held_out(
+        &self,
+        candidate: &Candidate,
+        block: usize,
+        joint: usize,
+    ) -> Result<f64, IdentifyError> {
+        let [before, after] = self.screen.left(&self.column(candidate), Some(block))?;
+        Ok(fall(self.rms(&before, &[block], joint), self.rms(&after, &[block], joint)))
+    }
+
+    /// RMS of what the chain leaves of the torque of a joint \[N·m\].
+    fn left_of(&self, joint: usize) -> f64 {
+        let all: Vec<usize> = (0..BLOCKS).collect();
+        self.rms(&self.residual, &all, joint) / self.noise[joint]
+    }
+
+    /// Root of the mean square of a joint's equations in some blocks.
+    fn rms(&self, residual: &[f64], blocks: &[usize], joint: usize) -> f64 {
+        let n = self.states.n_joints();
+        let (mut squares, mut count) = (0.0, 0_usize);
+        for block in blocks.iter().map(|&block| &self.blocks[block]) {
+            let start = n * block.start + joint * block.len();
+            squares += residual[start..start + block.len()].iter().map(|r| r * r).sum::<f64>();
+            count += block.len();
+        }
+        (squares / count.max(1) as f64).sqrt()
+    }
+}
+
+/// By what part a number falls.
+fn fall(before: f64, after: f64) -> f64 {
+    if before > 0.0 { 1.0 - after / before } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,189 @@
+//! States, energy terms → torques: what each term loads the joints with (E4).
+
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use torquewise_model::term::Factor;
+use torquewise_model::{EnergyTerm, Place, Trig};
+use torquewise_motion::Motion;
+
+/// States of an arm, each sine and cosine of them once.
+pub(crate) struct States {
+    /// `[joint]` → cos q, sin q, cos 2q, sin 2q of each state.
+    waves: Vec<[Vec<f64>; 4]>,
+    /// `[joint]` → q̇ of each state.
+    dq: Vec<Vec<f64>>,
+    /// `[joint]` → q̈ of each state.
+    ddq: Vec<Vec<f64>>,
+}
+
+impl States {
+    /// The states of a motion.
+    pub(crate) fn of(motion: &Motion) -> Self {
+        let rows: Vec<[usize; 3]> = (0..motion.n_rows()).map(|row| [row; 3]).collect();
+        Self::new(motion, &rows)
+    }
+
+    /// At most `count` states: half of them rows of a motion, half with q, q̇ and q̈ of three
+    /// different rows.
+    pub(crate) fn mixed(motion: &Motion, count: usize, seed: u64) -> Self {
+        let m = motion.n_rows();
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let count = count.min(2 * m);
+        let rows: Vec<[usize; 3]> = (0..count)
+            .map(|state| {
+                let own = (state / 2) * m / count.div_ceil(2);
+                let mut row = || if state % 2 == 0 { own } else { random.random_range(0..m) };
+                [row(), row(), row()]
+            })
+            .collect();
+        Self::new(motion, &rows)
+    }
+
+    /// - `rows`: which rows of the motion q, q̇ and q̈ of each state are taken from
+    fn new(motion: &Motion, rows: &[[usize; 3]]) -> Self {
+        let joints = 0..motion.n_joints();
+        let taken = |x: faer::MatRef<'_, f64>, joint: usize, signal: usize| -> Vec<f64> {
+            rows.iter().map(|row| x[(row[signal], joint)]).collect()
+        };
+        let waves = |joint: usize| {
+            let q = taken(motion.q(), joint, 0);
+            let all = |wave: fn(f64) -> f64| q.iter().map(|q| wave(*q)).collect::<Vec<f64>>();
+            [all(f64::cos), all(f64::sin), all(|q| (2.0 * q).cos()), all(|q| (2.0 * q).sin())]
+        };
+        Self {
+            waves: joints.clone().map(waves).collect(),
+            dq: joints.clone().map(|joint| taken(motion.dq(), joint, 1)).collect(),
+            ddq: joints.map(|joint| taken(motion.ddq(), joint, 2)).collect(),
+        }
+    }
+
+    /// Number of states.
+    pub(crate) fn len(&self) -> usize {
+        self.dq.first().map_or(0, Vec::len)
+    }
+
+    pub(crate) fn n_joints(&self) -> usize {
+        self.dq.len()
+    }
+
+    /// Largest speed and acceleration of any joint.
+    pub(crate) fn peaks(&self) -> [f64; 2] {
+        let peak = |x: &[Vec<f64>]| x.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
+        [peak(&self.dq), peak(&self.ddq)]
+    }
+
+    /// Joint speeds \[rad/s\] of a state, n.
+    pub(crate) fn speeds(&self, state: usize) -> Vec<f64> {
+        self.dq.iter().map(|dq| dq[state]).collect()
+    }
+
+    /// Torque of a term on all states, states×n: d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q (E4).
+    pub(crate) fn loads(&self, term: &EnergyTerm, coefficient: f64) -> Mat<f64> {
+        let (value, slopes) = self.value(term, coefficient);
+        let mut loads = Mat::zeros(self.len(), self.n_joints());
+        let Place::Inertia(i, j) = term.place else {
+            for (joint, slope) in slopes {
+                loads.col_as_slice_mut(joint).copy_from_slice(&slope);
+            }
+            return loads;
+        };
+        let share = if i == j { 0.5 } else { 1.0 };
+        let mut change = vec![0.0; self.len()];
+        for (joint, slope) in &slopes {
+            add_product(&mut change, slope, &self.dq[*joint]);
+            let states = slope.iter().zip(self.dq[i].iter().zip(&self.dq[j]));
+            for (load, (s, (a, b))) in loads.col_as_slice_mut(*joint).iter_mut().zip(states) {
+                *load -= share * s * a * b;
+            }
+        }
+        for (own, other) in [(i, j), (j, i)] {
+            let rates = self.dq[other].iter().zip(&self.ddq[other]);
+            let states = change.iter().zip(&value).zip(rates);
+            for (load, ((c, v), (dq, ddq))) in loads.col_as_slice_mut(own).iter_mut().zip(states) {
+                *load += share * (c * dq + v * ddq);
+            }
+        }
+        loads
+    }
+
+    /// Values of the function of a term, and its slopes along the joints it depends on, times a
+    /// coefficient.
+    fn value(&self, term: &EnergyTerm, coefficient: f64) -> (Vec<f64>, Vec<(usize, Vec<f64>)>) {
+        let factors = &term.function.factors;
+        let parts: Vec<[Vec<f64>; 2]> = factors.iter().map(|factor| self.part(factor)).collect();
+        let product = |slope_of: Option<usize>| {
+            let mut out = vec![coefficient; self.len()];
+            for (place, part) in parts.iter().enumerate() {
+                multiply(&mut out, &part[usize::from(slope_of == Some(place))]);
+            }
+            out
+        };
+        let mut slopes: Vec<(usize, Vec<f64>)> = Vec::new();
+        for (place, factor) in factors.iter().enumerate() {
+            let rest = product(Some(place));
+            for (joint, &k) in factor.multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
+                let mut slope = rest.clone();
+                for s in &mut slope {
+                    *s *= f64::from(k);
+                }
+                match slopes.iter_mut().find(|(known, _)| *known == joint) {
+                    Some((_, known)) => known.iter_mut().zip(slope).for_each(|(a, b)| *a += b),
+                    None => slopes.push((joint, slope)),
+                }
+            }
+        }
+        (product(None), slopes)
+    }
+
+    /// Values of a factor and of its slope.
+    fn part(&self, factor: &Factor) -> [Vec<f64>; 2] {
+        let (sin, mut cos) = self.turn(&factor.multiples);
+        match factor.function {
+            Trig::Cos => {
+                let slope = sin.into_iter().map(|s| -s).collect();
+                [std::mem::take(&mut cos), slope]
+            }
+            Trig::Sin => [sin, cos],
+        }
+    }
+
+    /// Sine and cosine of a sum of joint angles.
+    fn turn(&self, multiples: &[i8]) -> (Vec<f64>, Vec<f64>) {
+        let mut sum: Option<(Vec<f64>, Vec<f64>)> = None;
+        for (&k, waves) in multiples.iter().zip(&self.waves).filter(|(k, _)| **k != 0) {
+            let (mut s, c) = match k.unsigned_abs() {
+                1 => (waves[1].clone(), waves[0].clone()),
+                2 => (waves[3].clone(), waves[2].clone()),
+                // Springs alone hold higher harmonics.
+                k => {
+                    let angles = waves[1].iter().zip(&waves[0]);
+                    angles.map(|(s, c)| (f64::from(k) * s.atan2(*c)).sin_cos()).unzip()
+                }
+            };
+            if k < 0 {
+                for s in &mut s {
+                    *s = -*s;
+                }
+            }
+            sum = Some(match sum {
+                None => (s, c),
+                Some((sin, cos)) => sin
+                    .iter()
+                    .zip(&cos)
+                    .zip(s.iter().zip(&c))
+                    .map(|((sin, cos), (s, c))| (sin * c + cos * s, cos * c - sin * s))
+                    .unzip(),
+            });
+        }
+        sum.unwrap_or_else(|| (vec![0.0; self.len()], vec![1.0; self.len()]))
+    }
+}
+
+fn multiply(out: &mut [f64], by: &[f64]) {
+    out.iter_mut().zip(by).for_each(|(out, x)| *out *= x);
+}
+
+fn add_product(out: &mut [f64], left: &[f64], right: &[f64]) {
+    out.iter_mut().zip(left.iter().zip(right)).for_each(|(out, (a, b))| *out += a * b);
+}
