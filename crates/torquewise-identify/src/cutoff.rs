@@ -36,13 +36,11 @@ const RIDGE: f64 = 1e-6;
 ///   `None` where the log is too short to tell
 pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(f64, Choice)> {
     let lowest = candidates.iter().map(|(cutoff, _)| *cutoff).reduce(f64::min)?;
-    let ends = candidates.iter().map(|(_, motion)| (motion.t().first(), motion.t().last()));
-    let span = ends.fold(Some((f64::MIN, f64::MAX)), |span, ends| match (span, ends) {
-        (Some((begin, end)), (Some(&first), Some(&last))) => {
-            Some((begin.max(first), end.min(last)))
-        }
-        _ => None,
-    })?;
+    let mut span = (f64::MIN, f64::MAX);
+    for (_, motion) in candidates {
+        let t = motion.t();
+        span = (span.0.max(*t.first()?), span.1.min(*t.last()?));
+    }
     let clock = Clock::new(span, WINDOW / lowest)?;
     let trials = candidates.iter().map(|(cutoff, motion)| {
         let errors = errors(motion, &clock)?;
@@ -101,7 +99,7 @@ impl Clock {
 
 /// Error on each block: geometric mean over the joints that move.
 fn errors(motion: &Motion, clock: &Clock) -> Option<Vec<f64>> {
-    let mut sums = vec![(0.0, 0_usize); BLOCKS];
+    let mut sums = [(0.0, 0_usize); BLOCKS];
     for joint in 0..motion.n_joints() {
         let Some(errors) = errors_of(motion, joint, clock) else { continue };
         for (sum, error) in sums.iter_mut().zip(errors) {

@@ -157,16 +157,13 @@ fn latex_lines(terms: &[String]) -> Vec<String> {
     let mut left = 0;
     for term in terms {
         let letters = term.chars().filter(is_seen).count();
-        match lines.last_mut().filter(|_| letters <= left) {
-            Some(line) => {
-                line.push(' ');
-                line.push_str(term);
-                left -= letters;
-            }
-            None => {
-                lines.push(term.clone());
-                left = LETTERS_PER_LINE.saturating_sub(letters);
-            }
+        if let Some(line) = lines.last_mut().filter(|_| letters <= left) {
+            line.push(' ');
+            line.push_str(term);
+            left -= letters;
+        } else {
+            lines.push(term.clone());
+            left = LETTERS_PER_LINE.saturating_sub(letters);
         }
     }
     lines

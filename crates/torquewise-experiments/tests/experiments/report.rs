@@ -1,7 +1,7 @@
 //! The report of the experiments: all that was found, and no complaint of a real browser.
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-#[path = "../../../torquewise-report/tests/browser/chromium.rs"]
+#[path = "../../../torquewise-report/tests/report/chromium.rs"]
 #[expect(dead_code, reason = "other tests ask the browser for more")]
 mod chromium;
 

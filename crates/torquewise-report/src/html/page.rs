@@ -36,7 +36,7 @@ const CHART_LICENCE: &str = include_str!("../assets/uPlot-LICENSE.txt");
 impl Page {
     /// The page as one HTML text that needs no other file and no network.
     ///
-    /// Checked against: `tests/browser.rs`, in a real browser.
+    /// Checked against: `tests/report/browser.rs`, in a real browser.
     ///
     /// # Errors
     /// [`ReportError::Page`] if a template cannot be filled.

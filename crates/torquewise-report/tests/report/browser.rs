@@ -6,9 +6,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-mod chromium;
-
-use chromium::{Chromium, Tab};
+use crate::chromium::{Chromium, Tab};
 use serde_json::json;
 use std::path::PathBuf;
 use tempfile::TempDir;

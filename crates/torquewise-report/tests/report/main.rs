@@ -1,0 +1,6 @@
+//! Reports, read as text and opened in a real browser.
+
+mod browser;
+mod call_cost;
+mod chromium;
+mod friction;
