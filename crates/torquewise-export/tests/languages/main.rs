@@ -116,7 +116,10 @@ fn the_cost_is_what_a_call_carries_out() {
                 // Mirrored entries are written out twice; compilers compute them once.
                 assert!(done[0] >= cost.operations && done[1] == cost.functions);
             } else {
-                assert_eq!(done, [cost.operations, cost.functions], "{}", quantity.name());
+                // A change of sign may vanish in a subtraction.
+                let signs = 1 + cost.operations / 50;
+                assert!(done[0].abs_diff(cost.operations) <= signs, "{done:?}, {cost}");
+                assert_eq!(done[1], cost.functions, "{}", quantity.name());
             }
         }
     }
