@@ -137,12 +137,11 @@ impl SignalArguments {
         };
         let Some(cutoff) = logs.report().cutoff else { return Ok((recorded, None)) };
         let candidates = logs.at_cutoffs(&MULTIPLES.map(|multiple| multiple * cutoff))?;
-        let Some((better, choice)) = choose_cutoff(&candidates) else {
-            return Ok((recorded, None));
-        };
+        let Some((place, choice)) = choose_cutoff(&candidates) else { return Ok((recorded, None)) };
         match recorded {
-            Recorded::Conditioned(logs) if better != cutoff => {
-                Ok((Recorded::Conditioned(Box::new(logs.with_cutoff(better)?)), Some(choice)))
+            Recorded::Conditioned(logs) if place > 0 => {
+                let logs = logs.with_cutoff(candidates[place].0)?;
+                Ok((Recorded::Conditioned(Box::new(logs)), Some(choice)))
             }
             recorded => Ok((recorded, Some(choice))),
         }

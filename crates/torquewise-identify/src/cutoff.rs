@@ -32,9 +32,9 @@ const RIDGE: f64 = 1e-6;
 /// candidate is taken unless another is better by more than a standard error, and by 5 %.
 ///
 /// - `candidates`: cut-offs \[Hz\] and what passed at each, with torque
-/// - returns: the cut-off \[Hz\] and the record of the choice, whose errors are fractions of 1;
-///   `None` where the log is too short to tell
-pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(f64, Choice)> {
+/// - returns: the place of the choice and its record, whose errors are fractions of 1; `None`
+///   where the log is too short to tell
+pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(usize, Choice)> {
     let lowest = candidates.iter().map(|(cutoff, _)| *cutoff).reduce(f64::min)?;
     let mut span = (f64::MIN, f64::MAX);
     for (_, motion) in candidates {
@@ -46,8 +46,7 @@ pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(f64, Choice)> {
         let errors = errors(motion, &clock)?;
         Some(Trial { label: format!("{cutoff:.2} Hz"), complexity: 0, errors })
     });
-    let (place, choice) = choose_worth("cut-off", &trials.collect::<Option<Vec<Trial>>>()?, WORTH)?;
-    Some((candidates[place].0, choice))
+    choose_worth("cut-off", &trials.collect::<Option<Vec<Trial>>>()?, WORTH)
 }
 
 /// Blocks of time, cut into windows.

@@ -124,7 +124,9 @@ fn conditioned(logs: Logs) -> Result<(ConditionedLogs, Option<Choice>), LogError
     let suggested = logs.report().cutoff.unwrap_or_default();
     let candidates = logs.at_cutoffs(&MULTIPLES.map(|multiple| multiple * suggested))?;
     Ok(match choose_cutoff(&candidates) {
-        Some((cutoff, choice)) if cutoff != suggested => (logs.with_cutoff(cutoff)?, Some(choice)),
+        Some((place, choice)) if place > 0 => {
+            (logs.with_cutoff(candidates[place].0)?, Some(choice))
+        }
         found => (logs, found.map(|(_, choice)| choice)),
     })
 }

@@ -1,4 +1,5 @@
 //! A headless Chromium, driven over its DevTools protocol.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use serde_json::{Value, json};
 use std::env;

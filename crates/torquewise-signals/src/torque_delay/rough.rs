@@ -46,7 +46,9 @@ impl Detail {
 
 fn multiple(n: usize, of: &[(usize, f64)]) -> Vec<f64> {
     let mut multiples = vec![0.0; n];
-    of.iter().for_each(|&(joint, k)| multiples[joint] = k);
+    for &(joint, k) in of {
+        multiples[joint] = k;
+    }
     multiples
 }
 
