@@ -1,6 +1,6 @@
 //! One log filtered at several cut-offs → the cut-off, by torque predicted on held-out blocks.
 
-use crate::held_out::{BLOCKS, Trial, choose_worth};
+use crate::held_out::{BLOCKS, Trial, choose_worth, listed};
 use crate::rough::columns;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -12,6 +12,8 @@ use torquewise_motion::Motion;
 /// Cut-offs worth trying, as multiples of the one that spectra suggest; that one comes first.
 pub const MULTIPLES: [f64; 5] = [1.0, 0.5, std::f64::consts::FRAC_1_SQRT_2, 1.5, 2.0];
 
+/// A model that leaves more than this part of the torque of held-out rows compares nothing.
+const TELLS: f64 = 0.2;
 /// A gain below this part is not worth a cut-off that the spectra do not suggest.
 const WORTH: f64 = 0.05;
 /// Fewer windows than this in a block tell nothing of it.
@@ -33,7 +35,7 @@ const RIDGE: f64 = 1e-6;
 ///
 /// - `candidates`: cut-offs \[Hz\] and what passed at each, with torque
 /// - returns: the place of the choice and its record, whose errors are fractions of 1; `None`
-///   where the log is too short to tell
+///   where the log is too short to tell, or too much for that model
 pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(usize, Choice)> {
     let lowest = candidates.iter().map(|(cutoff, _)| *cutoff).reduce(f64::min)?;
     let mut span = (f64::MIN, f64::MAX);
@@ -46,7 +48,15 @@ pub fn choose_cutoff(candidates: &[(f64, Motion)]) -> Option<(usize, Choice)> {
         let errors = errors(motion, &clock)?;
         Some(Trial { label: format!("{cutoff:.2} Hz"), complexity: 0, errors })
     });
-    choose_worth("cut-off", &trials.collect::<Option<Vec<Trial>>>()?, WORTH)
+    let trials = trials.collect::<Option<Vec<Trial>>>()?;
+    let (first, rest) = trials.split_first()?;
+    let best = rest.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
+    if first.error().min(best.error()) > TELLS {
+        return None;
+    }
+    let (place, choice) = choose_worth("cut-off", &[first.clone(), best.clone()], WORTH)?;
+    let chosen = trials.iter().position(|trial| place > 0 && trial.label == best.label);
+    Some((chosen.unwrap_or_default(), Choice { from: listed(&trials), ..choice }))
 }
 
 /// Blocks of time, cut into windows.

@@ -72,17 +72,20 @@ pub(crate) fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(u
     let near =
         |trial: &&Trial| trial.error() <= best.error() + trial.apart(best).max(part * best.error());
     let place = trials.iter().position(|trial| near(&trial))?;
-    let from = trials
-        .iter()
-        .map(|trial| Candidate {
-            label: trial.label.clone(),
-            error: trial.error(),
-            std_error: standard_error(&trial.errors),
-            complexity: trial.complexity,
-        })
-        .collect();
+    let from = listed(trials);
     let chosen = trials[place].label.clone();
     Some((place, Choice { what: what.into(), chosen, rule: RULE.into(), from }))
+}
+
+/// Trials as a choice has them on record.
+pub(crate) fn listed(trials: &[Trial]) -> Vec<Candidate> {
+    let candidate = |trial: &Trial| Candidate {
+        label: trial.label.clone(),
+        error: trial.error(),
+        std_error: standard_error(&trial.errors),
+        complexity: trial.complexity,
+    };
+    trials.iter().map(candidate).collect()
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ pub fn solve(
     let Settled { library, selector, choices, .. } = settle(&survey, plan, summary.friction())?;
     basis.candidates.limit_to(library);
     if plan.method == Method::Stepwise {
-        patterns.present = summary.settle(&basis)?;
+        patterns.present = summary.settle(&basis, &patterns.present)?;
     }
     let candidates = &basis.candidates;
     let (steps, orphans) = match plan.method {

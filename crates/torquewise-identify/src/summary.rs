@@ -256,9 +256,14 @@ impl Summary {
         self.still.finish_still()
     }
 
-    /// The patterns that some log shows in more than a few rows. The rows of the others join those
-    /// of variable velocity, which assume nothing.
-    pub(crate) fn settle(&mut self, basis: &Basis) -> Result<Vec<Pattern>, IdentifyError> {
+    /// The patterns that some log shows in more than a few rows, of those that all logs together
+    /// show: a short log may take its slowest motion for none. The rows of the others join those of
+    /// variable velocity, which assume nothing.
+    pub(crate) fn settle(
+        &mut self,
+        basis: &Basis,
+        together: &[Pattern],
+    ) -> Result<Vec<Pattern>, IdentifyError> {
         if self.settings.method != Method::Stepwise {
             return Ok(Pattern::ALL.to_vec());
         }
@@ -267,7 +272,8 @@ impl Summary {
         let mut present = Vec::new();
         for pattern in Pattern::ALL {
             let place = place_of(pattern);
-            if self.sums[place].rows() as f64 > least {
+            let is_shown = place == last || together.contains(&pattern);
+            if is_shown && self.sums[place].rows() as f64 > least {
                 present.push(pattern);
             } else if place != last {
                 let none = RowSums::new(&basis.prepared, basis.n_joints);

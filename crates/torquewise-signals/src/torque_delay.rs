@@ -23,9 +23,9 @@ const RESOLUTION: f64 = 0.003;
 /// A delay that lowers the error of held-out rows by less than this part is none.
 const LEAST_GAIN: f64 = 0.01;
 /// Nor is one whose gain is less than this many standard errors over the blocks.
-const LEAST_CERTAINTY: f64 = 3.0;
-/// A delay that is known worse than this is none \[s\].
-const LARGEST_ERROR: f64 = 2e-3;
+const LEAST_CERTAINTY: f64 = 2.0;
+/// Nor one that is less than this many of its own standard errors.
+const LEAST_SIGNIFICANCE: f64 = 2.0;
 /// Ridge relative to the mean square of a column.
 const RIDGE: f64 = 1e-5;
 /// Fewer rows than this times the columns do not carry a model.
@@ -45,8 +45,8 @@ const MOST_COLUMNS: usize = 500;
 ///
 /// - `raw`: a trajectory with torque, or its first part; `settings`: how it is to be conditioned
 /// - returns: seconds by which the torque lags, beyond the delay of the settings; `None` if no lag
-///   predicts blocks of time that were held out clearly better than none, if the blocks do not
-///   agree on it to 2 ms, or if there is too little motion to tell
+///   predicts blocks of time that were held out clearly better than none, if it is within two of
+///   its standard errors, or if there is too little motion to tell
 ///
 /// # Errors
 /// Those of [`condition`](crate::condition()), and [`SignalError::Missing`] without torque.
@@ -61,7 +61,7 @@ pub fn torque_delay(raw: &Raw, settings: &Conditioning) -> Result<Option<Shift>,
     let best = best_shift(|seconds| total(&errors(seconds)), -RANGE..=RANGE, RESOLUTION)?;
     let gains = gains(&errors(0.0), &errors(best.seconds));
     let around = [-RESOLUTION, 0.0, RESOLUTION].map(|off| errors(best.seconds + off));
-    let is_sharp = standard_error(&around) < LARGEST_ERROR;
+    let is_sharp = best.seconds.abs() > LEAST_SIGNIFICANCE * standard_error(&around);
     Ok((!best.at_end && is_clear(&gains) && is_sharp).then_some(best))
 }
 

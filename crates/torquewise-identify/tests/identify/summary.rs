@@ -122,3 +122,21 @@ fn logs_of_one_pattern_each_are_fitted_together() {
     let errors: Vec<f64> = scores.joints.iter().map(|joint| joint.nrmse_percent).collect();
     assert!(errors.iter().all(|&percent| percent < 1.0), "{errors:?}");
 }
+
+/// Strokes of a pen: short logs in which the arm never rests, though each is slowest somewhere.
+#[test]
+fn the_slowest_motion_of_a_short_log_is_not_standstill() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let stroke = |seed: u64| {
+        let plan = MotionPlan { kind: MotionKind::Sines, seconds: 5.0, rate: 25.0, seed };
+        simulate(&arm, &plan).unwrap().motion
+    };
+    let strokes: Vec<Motion> = (0..20).map(stroke).collect();
+
+    let found = reconstruct(&strokes[..], &Plan::default(), &mut |_| {}).unwrap();
+
+    let training = &found.model.training;
+    for (residual, spread) in training.residual_rms.iter().zip(&training.torque_std) {
+        assert!(residual < &(1e-9 * spread), "{residual} of {spread}");
+    }
+}
