@@ -44,8 +44,7 @@ const MOST_COLUMNS: usize = 500;
 /// linear in sines and cosines of angles, as finely as the rows allow. A lag counts for all joints.
 ///
 /// - `raw`: a trajectory with torque, or its first part; `settings`: how it is to be conditioned
-/// - returns: seconds by which the torque lags, beyond the delay of the settings, the shortest
-///   delay within a standard error of the best; `None` if no lag
+/// - returns: seconds by which the torque lags, beyond the delay of the settings; `None` if no lag
 ///   predicts blocks of time that were held out clearly better than none, if it is within two of
 ///   its standard errors, or if there is too little motion to tell
 ///
@@ -62,11 +61,8 @@ pub fn torque_delay(raw: &Raw, settings: &Conditioning) -> Result<Option<Shift>,
     let best = best_shift(|seconds| total(&errors(seconds)), -RANGE..=RANGE, RESOLUTION)?;
     let gains = gains(&errors(0.0), &errors(best.seconds));
     let around = [-RESOLUTION, 0.0, RESOLUTION].map(|off| errors(best.seconds + off));
-    let error = standard_error(&around);
-    let is_sharp = best.seconds.abs() > LEAST_SIGNIFICANCE * error;
-    // The simplest within one standard error of the best, as in every choice on held-out rows.
-    let seconds = best.seconds.signum() * (best.seconds.abs() - error);
-    Ok((!best.at_end && is_clear(&gains) && is_sharp).then_some(Shift { seconds, ..best }))
+    let is_sharp = best.seconds.abs() > LEAST_SIGNIFICANCE * standard_error(&around);
+    Ok((!best.at_end && is_clear(&gains) && is_sharp).then_some(best))
 }
 
 /// How well the blocks agree on the shift \[s\], by the jackknife: slopes of their errors at the

@@ -2,10 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use faer::Mat;
+use std::f64::consts::TAU;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::{IdentifyError, Plan, Summary, reconstruct, solve, summarise};
 use torquewise_model::to_json;
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Signals};
 
 const LOGS: usize = 8;
 
@@ -123,15 +125,39 @@ fn logs_of_one_pattern_each_are_fitted_together() {
     assert!(errors.iter().all(|&percent| percent < 1.0), "{errors:?}");
 }
 
-/// Strokes of a pen: short logs in which the arm never rests, though each is slowest somewhere.
+/// A stroke of a pen: the arm sets out from rest and comes to rest, but never dwells.
+fn stroke(arm: &Arm, seed: u64) -> Motion {
+    const SECONDS: f64 = 5.0;
+    let rows = 126;
+    let turn = TAU / SECONDS;
+    let t: Vec<f64> = (0..rows).map(|row| SECONDS * f64::from(row) / 125.0).collect();
+    // Time as the pen has it: it stands still at both ends.
+    let state = |t: f64, joint: usize| {
+        let (sin, cos) = (turn * t).sin_cos();
+        let (way, speed, gain) = (t - sin / turn, 1.0 - cos, turn * sin);
+        let rate = 0.8 + 0.5 * joint as f64 + 0.07 * seed as f64;
+        let (sin, cos) = (rate * way + 1.7 * seed as f64 + joint as f64).sin_cos();
+        [
+            0.9 * sin,
+            0.9 * rate * cos * speed,
+            0.9 * rate * (cos * gain - rate * sin * speed * speed),
+        ]
+    };
+    let of = |order: usize| Mat::from_fn(t.len(), 2, |row, joint| state(t[row], joint)[order]);
+    let (q, dq, ddq) = (of(0), of(1), of(2));
+    let row_of = |x: &Mat<f64>, row: usize| [x[(row, 0)], x[(row, 1)]];
+    let tau = Mat::from_fn(t.len(), 2, |row, joint| {
+        let [q, dq, ddq] = [&q, &dq, &ddq].map(|x| row_of(x, row));
+        arm.inverse_dynamics(&q, &dq, &ddq)[joint]
+    });
+    let joints = arm.joints().to_vec();
+    Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) }).unwrap()
+}
+
 #[test]
 fn the_slowest_motion_of_a_short_log_is_not_standstill() {
     let arm = Arm::builtin("planar-2").unwrap();
-    let stroke = |seed: u64| {
-        let plan = MotionPlan { kind: MotionKind::Sines, seconds: 5.0, rate: 25.0, seed };
-        simulate(&arm, &plan).unwrap().motion
-    };
-    let strokes: Vec<Motion> = (0..20).map(stroke).collect();
+    let strokes: Vec<Motion> = (0..20).map(|seed| stroke(&arm, seed)).collect();
 
     let found = reconstruct(&strokes[..], &Plan::default(), &mut |_| {}).unwrap();
 
