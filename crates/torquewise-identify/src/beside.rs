@@ -1,5 +1,6 @@
 //! Friction, rotors, springs → columns: what loads a joint beside the links of the arm.
 
+use crate::friction::Dictionary;
 use faer::Mat;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
@@ -49,6 +50,13 @@ impl Beside {
             Self::Spring(EnergyTerm { place: Place::Potential, function })
         };
         harmonics.map(spring).to_vec()
+    }
+
+    /// Makes friction reverse as sharply as laws of these widths do.
+    pub(crate) fn reverse_within(&mut self, laws: &Dictionary) {
+        if let Self::Friction(term) = self {
+            term.law = term.law.with_width(laws.width_of(&term.shaft));
+        }
     }
 
     /// Whether it is friction of one direction only.

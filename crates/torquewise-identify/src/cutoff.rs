@@ -1,9 +1,8 @@
 //! One log filtered at several cut-offs → the cut-off, by torque predicted on held-out blocks.
 
 use crate::held_out::{BLOCKS, Trial, choose_worth, listed};
-use crate::rough::columns;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use crate::rough::{Normal, columns};
+use faer::Mat;
 use std::f64::consts::TAU;
 use std::ops::Range;
 use torquewise_model::model::Choice;
@@ -143,26 +142,11 @@ fn errors_of(motion: &Motion, joint: usize, clock: &Clock) -> Option<Vec<f64>> {
     };
     let of = |block: usize| {
         let (gram, moments) = rest(block);
-        let fitted = &columns * solved(gram, &moments)?;
+        let fitted = &columns * Normal::new(gram, RIDGE)?.solve(&moments);
         let left: Vec<f64> = tau.iter().enumerate().map(|(row, x)| x - fitted[(row, 0)]).collect();
         Some(rms(&clock.means(t, clock.block(t, block), &left)) / spread)
     };
     if spread > 0.0 { (0..BLOCKS).map(of).collect() } else { None }
-}
-
-/// Least squares with a small ridge on columns of unit length.
-fn solved(mut gram: Mat<f64>, moments: &Mat<f64>) -> Option<Mat<f64>> {
-    let p = gram.ncols();
-    let size: Vec<f64> = (0..p).map(|k| gram[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
-    for j in 0..p {
-        for i in 0..p {
-            gram[(i, j)] /= size[i] * size[j];
-        }
-        gram[(j, j)] += RIDGE;
-    }
-    let scaled =
-        gram.llt(Side::Lower).ok()?.solve(Mat::from_fn(p, 1, |k, _| moments[(k, 0)] / size[k]));
-    Some(Mat::from_fn(p, 1, |k, _| scaled[(k, 0)] / size[k]))
 }
 
 fn rms(x: &[f64]) -> f64 {

@@ -13,6 +13,14 @@ pub(crate) const WIDTHS: [f64; 3] = [WIDTH, 0.001, 0.003];
 /// one before, so that a curve of any speed between them is nearly a sum of two.
 const STRIBECK_PARTS: [f64; 6] = [0.025, 0.035, 0.05, 0.075, 0.11, 0.17];
 
+/// The choice among them, as the model file has it.
+pub(crate) const REVERSAL: &str = "half width of the reversal of friction";
+
+/// A width among the choices.
+pub(crate) fn reversal_label(part: f64) -> String {
+    format!("{} % of the peak speed", 100.0 * part)
+}
+
 /// A richer law must lower the error on held-out rows by this part, or it only follows how the sign
 /// is smoothed.
 pub(crate) const WORTH: f64 = 0.03;
@@ -36,6 +44,12 @@ impl Dictionary {
     pub(crate) fn with_width(peak: Vec<f64>, part: f64) -> Self {
         let width = peak.iter().map(|peak| rounded(part * peak)).collect();
         Self { peak, width }
+    }
+
+    /// Half width of the smooth sign of a shaft that several joints may turn \[rad/s\].
+    pub(crate) fn width_of(&self, shaft: &[f64]) -> f64 {
+        let turning = self.width.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
+        turning.map(|(width, _)| *width).fold(f64::INFINITY, f64::min)
     }
 
     /// All laws of a kind, joint by joint; those of `auto` are the largest dictionary.

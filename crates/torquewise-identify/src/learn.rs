@@ -2,16 +2,18 @@
 
 use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
-use crate::friction::{Dictionary, WORTH};
+use crate::friction::Dictionary;
 use crate::held_out::{BLOCKS, Trial, split};
 use crate::plan::{FrictionKind, Plan};
 use crate::survey::thinned;
-use crate::trial::{Recipe, record, record_best, record_worth, trial};
+use crate::trial::{Recipe, record, record_best, trial};
 use rayon::prelude::*;
 use torquewise_chain::search::all_parameters;
 use torquewise_chain::{Chain, Rows, Search, refine, search};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
+
+mod loads;
 
 /// A chain with what stands beside it, and how both were chosen.
 #[derive(Clone, Debug)]
@@ -40,13 +42,11 @@ const WEAK_RIDGES: [f64; 2] = [1e-6, 1e-8];
 /// Axes nearer to a right angle \[rad\] and to the axis before \[m\] than this are put there, if
 /// held-out rows agree.
 const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
-/// Rows of a joint slower than this part of its peak speed say nothing of its friction, which may
-/// be anything at rest.
-const AT_REST: f64 = 0.03;
+/// Rows of a joint slower than so many half widths of the reversal say nothing of its friction,
+/// which may be anything at rest.
+const AT_REST: f64 = 3.0;
 /// What such a row counts in a fit: little, but it knows gravity.
 const SHARE_AT_REST: f64 = 0.1;
-/// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
-const SHAFT_GAIN: f64 = 0.85;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
 /// The same once axes were put elsewhere.
@@ -57,10 +57,6 @@ const TRIAL_ROWS: usize = 900;
 const LAST_ROWS: usize = 4_000;
 /// Rows that terms beside those of the chain are tried on.
 pub(crate) const TRIED_ROWS: usize = 1_500;
-/// Shared shafts at most.
-const MOST_SHAFTS: usize = 2;
-/// A counterbalance must lower the error to this part; it is felt by one joint alone.
-const SPRING_GAIN: f64 = 0.9;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
@@ -71,8 +67,8 @@ const SAME: f64 = 1e-3;
 /// said to be balanced that is not there.
 pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyError> {
     let (n, friction, seed) = (motion.n_joints(), plan.friction, plan.seed);
-    let balanced = balanced(motion, &plan.counterbalanced)?;
-    let school = School::new(motion);
+    let balanced = loads::balanced(motion, &plan.counterbalanced)?;
+    let mut school = School::new(motion);
     let mut beside = Beside::rotors(n);
     if friction != FrictionKind::None {
         beside.extend(Beside::friction(school.laws.linear()));
@@ -88,25 +84,13 @@ pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyErr
         (chain, starts) = school.geometry(&mut recipe, Some(chain), &mut choices)?;
     }
     school.counterbalances(&mut recipe, &chain, &balanced, &mut choices)?;
+    if rubs {
+        school.reversal(&mut recipe, &chain, friction, &mut choices)?;
+    }
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
     school.ridge(&mut recipe, &chain, &mut choices)?;
     chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
     school.finish(recipe, &chain, choices)
-}
-
-/// Places of joints that are said to be balanced, each once.
-fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyError> {
-    let joints = motion.joints();
-    let place = |name: &String| {
-        joints.iter().position(|joint| joint == name).ok_or_else(|| IdentifyError::NoSuchJoint {
-            name: name.clone(),
-            joints: joints.join(", "),
-        })
-    };
-    let mut places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
-    places.sort_unstable();
-    places.dedup();
-    Ok(places)
 }
 
 const PULL: &str = "pull to right angles";
@@ -157,7 +141,7 @@ impl<'a> School<'a> {
             return Ok(rows);
         }
         Ok(rows.with_shares(|row, joint| {
-            let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.peak[joint];
+            let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
             if moves { 1.0 } else { SHARE_AT_REST }
         }))
     }
@@ -183,110 +167,6 @@ impl<'a> School<'a> {
         let rows = self.rows(recipe, recipe.search.final_rows)?;
         let chain = refine(&rows, start, &recipe.free, &recipe.search)?;
         Ok((chain, starts))
-    }
-
-    /// Looks for shafts that two neighbouring joints turn together, as in a coupled wrist.
-    fn shafts(
-        &self,
-        recipe: &mut Recipe,
-        chain: &Chain,
-        choices: &mut Vec<Choice>,
-    ) -> Result<bool, IdentifyError> {
-        let n = self.motion.n_joints();
-        let mut found = false;
-        for _ in 0..MOST_SHAFTS {
-            let mut ways = vec![("none".to_owned(), recipe.clone())];
-            for joint in 1..n {
-                for sign in [1.0, -1.0] {
-                    let mut shaft = vec![0.0; n];
-                    (shaft[joint - 1], shaft[joint]) = (1.0, sign);
-                    let mut with = recipe.clone();
-                    let width = self.laws.width[joint - 1].min(self.laws.width[joint]);
-                    with.beside.extend(Beside::shared_shaft(&shaft, width));
-                    let sign = if sign > 0.0 { '+' } else { '-' };
-                    ways.push((format!("dq{joint} {sign} dq{}", joint + 1), with));
-                }
-            }
-            // All are as complex: the best of them against none.
-            let trials = self.trials(&ways, chain, 0)?;
-            let best =
-                (1..ways.len()).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()));
-            let Some(best) = best else { break };
-            let pair = [trials[0].clone(), trials[best].clone()];
-            if trials[best].error() > SHAFT_GAIN * trials[0].error()
-                || record("shared shaft", &pair, choices) == 0
-            {
-                break;
-            }
-            *recipe = ways[best].1.clone();
-            found = true;
-        }
-        Ok(found)
-    }
-
-    /// Looks for counterbalances, joint by joint, but for those that are known.
-    fn counterbalances(
-        &self,
-        recipe: &mut Recipe,
-        chain: &Chain,
-        known: &[usize],
-        choices: &mut Vec<Choice>,
-    ) -> Result<(), IdentifyError> {
-        let n = self.motion.n_joints();
-        for &joint in known {
-            recipe.beside.extend(Beside::counterbalance(n, joint));
-            let (what, chosen) = (self.balance_of(joint), "spring".to_owned());
-            choices.push(Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() });
-        }
-        for joint in (0..n).filter(|joint| !known.contains(joint)) {
-            let mut with = recipe.clone();
-            with.beside.extend(Beside::counterbalance(n, joint));
-            let ways = [("none".to_owned(), recipe.clone()), ("spring".to_owned(), with)];
-            let what = self.balance_of(joint);
-            let trials = self.trials(&ways, chain, 0)?;
-            if trials[1].error() <= SPRING_GAIN * trials[0].error()
-                && record(&what, &trials, choices) == 1
-            {
-                *recipe = ways[1].1.clone();
-            }
-        }
-        Ok(())
-    }
-
-    fn balance_of(&self, joint: usize) -> String {
-        format!("counterbalance of {}", self.motion.joints()[joint])
-    }
-
-    /// Chooses the law of friction, or adds the one asked for.
-    fn friction(
-        &self,
-        recipe: &mut Recipe,
-        chain: &Chain,
-        kind: FrictionKind,
-        choices: &mut Vec<Choice>,
-    ) -> Result<(), IdentifyError> {
-        let mut stribeck = recipe.clone();
-        stribeck.beside.extend(Beside::friction(self.laws.stribeck()));
-        match kind {
-            FrictionKind::None | FrictionKind::Linear => {}
-            FrictionKind::Stribeck => *recipe = stribeck,
-            FrictionKind::Auto => {
-                let mut none = recipe.clone();
-                none.beside.retain(|beside| !matches!(beside, Beside::Friction(_)));
-                let mut alike = stribeck.clone();
-                alike.beside.retain(|beside| !beside.is_one_way());
-                let ways = [
-                    ("none".to_owned(), none),
-                    ("linear".to_owned(), recipe.clone()),
-                    ("stribeck".to_owned(), alike),
-                    ("stribeck, forward and backward apart".to_owned(), stribeck),
-                ];
-                let trials = self.trials(&ways, chain, 0)?;
-                let place = record_worth("friction", &trials, WORTH, choices);
-                *recipe = ways[place].1.clone();
-            }
-        }
-        Ok(())
     }
 
     fn ridge(

@@ -1,7 +1,7 @@
 //! Sample of a log → rough model of each joint: does its torque follow its motion, and which way?
 
 use crate::survey::thinned;
-use faer::linalg::solvers::Solve;
+use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use torquewise_motion::Motion;
 
@@ -39,34 +39,64 @@ pub(crate) fn rough(motion: &Motion, joint: usize) -> Option<Rough> {
     if m < ROWS_PER_COLUMN * p {
         return None;
     }
-    let mut gram = columns.transpose() * &columns;
-    let size: Vec<f64> = (0..p).map(|k| gram[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
-    for j in 0..p {
-        for i in 0..p {
-            gram[(i, j)] /= size[i] * size[j];
-        }
-        gram[(j, j)] += RIDGE;
-    }
-    let factor = gram.llt(Side::Lower).ok()?;
+    let normal = Normal::new(columns.transpose() * &columns, RIDGE)?;
     let tau = Mat::from_fn(m, 1, |row, _| tau[row]);
     let moments = columns.transpose() * &tau;
-    let scaled = factor.solve(Mat::from_fn(p, 1, |k, _| moments[(k, 0)] / size[k]));
-    let weights = Mat::from_fn(p, 1, |k, _| scaled[(k, 0)] / size[k]);
+    let scaled = normal.scaled(&moments);
+    let weights = normal.unscaled(&scaled);
     let fitted = &columns * &weights;
     let mean = tau.sum() / m as f64;
     let variance = (tau.squared_norm_l2() / m as f64 - mean * mean).max(f64::MIN_POSITIVE);
     let own = 3 + joint;
-    let reach = factor.solve(Mat::from_fn(p, 1, |k, _| f64::from(u8::from(k == own))));
+    let reach = normal.factor.solve(Mat::from_fn(p, 1, |k, _| f64::from(u8::from(k == own))));
     let power = |k: usize| -> f64 {
         (0..m).map(|row| weights[(k, 0)] * columns[(row, k)] * columns[(row, 1)]).sum()
     };
-    let whole = (variance * m as f64).sqrt() * size[1];
+    let whole = (variance * m as f64).sqrt() * normal.size[1];
     Some(Rough {
         left: ((&tau - fitted).squared_norm_l2() / m as f64 / variance).sqrt(),
         inertia: weights[(own, 0)],
         inertia_share: scaled[(own, 0)].powi(2) / reach[(own, 0)] / (m as f64 * variance),
         friction_power: (power(1) + power(2)) / whole,
     })
+}
+
+/// Normal equations on columns of unit length, with a small ridge.
+pub(crate) struct Normal {
+    /// Lengths of the columns.
+    size: Vec<f64>,
+    factor: Llt<f64>,
+}
+
+impl Normal {
+    /// `None` if they are singular.
+    pub(crate) fn new(mut gram: Mat<f64>, ridge: f64) -> Option<Self> {
+        let p = gram.ncols();
+        let size: Vec<f64> = (0..p).map(|k| gram[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
+        for j in 0..p {
+            for i in 0..p {
+                gram[(i, j)] /= size[i] * size[j];
+            }
+            gram[(j, j)] += ridge;
+        }
+        let factor = gram.llt(Side::Lower).ok()?;
+        Some(Self { size, factor })
+    }
+
+    /// Weights of the columns as they are.
+    pub(crate) fn solve(&self, moments: &Mat<f64>) -> Mat<f64> {
+        self.unscaled(&self.scaled(moments))
+    }
+
+    /// Weights of columns of unit length.
+    fn scaled(&self, moments: &Mat<f64>) -> Mat<f64> {
+        let p = self.size.len();
+        self.factor.solve(Mat::from_fn(p, 1, |k, _| moments[(k, 0)] / self.size[k]))
+    }
+
+    fn unscaled(&self, scaled: &Mat<f64>) -> Mat<f64> {
+        Mat::from_fn(self.size.len(), 1, |k, _| scaled[(k, 0)] / self.size[k])
+    }
 }
 
 /// The regressors of that model, m×p; `None` for a joint at rest.

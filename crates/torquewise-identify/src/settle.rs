@@ -3,7 +3,7 @@
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step};
-use crate::friction::{Dictionary, WIDTHS, WORTH};
+use crate::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::held_out::{BLOCKS, Trial, choose, choose_worth, split};
 use crate::plan::{FrictionKind, LibraryKind, MOST_CANDIDATES, Method, Plan};
 use crate::rows::{clear_of_reversals, samples_of};
@@ -150,11 +150,10 @@ impl Settled {
             let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
             let school = School::new(survey, plan, self.library, laws.of(plan.friction))?;
             let all: Vec<usize> = (0..school.candidates.len()).collect();
-            let label = format!("{} % of the peak speed", 100.0 * part);
-            trials.push(school.trial(label, &all, &self.selector)?);
+            trials.push(school.trial(reversal_label(part), &all, &self.selector)?);
             ways.push((school, laws));
         }
-        let chosen = choose("half width of the reversal of friction", &trials);
+        let chosen = choose(REVERSAL, &trials);
         let place = chosen.map_or(0, |(place, choice)| {
             self.choices.push(choice);
             place

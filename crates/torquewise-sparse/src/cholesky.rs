@@ -26,24 +26,25 @@ pub(crate) struct Solution {
     pub(crate) dependent: Vec<usize>,
 }
 
-/// Solves `matrix` x = `right` on the columns that are independent of each other.
+/// Solves A x = `right` on the columns that are independent of each other.
 ///
-/// - `matrix`: p×p, lower triangle read, columns of like length; overwritten by its factor
+/// - `matrix`: makes A, p×p, lower triangle read, columns of like length. It is asked once more
+///   where columns depend on each other, which costs less than to keep a copy
 /// - `right`: p×r
 ///
 /// Where no column depends on those before it, plain Cholesky does, which is twice as fast. Else
 /// the largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
 /// negative eigenvalues loses the columns that would need them. One thread, hence the same bits on
 /// any machine load.
-pub(crate) fn solve(matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
-    let size = matrix.nrows();
-    if let Some(factor) = regular_factor(&matrix) {
+pub(crate) fn solve(matrix: impl Fn() -> Mat<f64>, right: MatRef<'_, f64>) -> Solution {
+    let size = right.nrows();
+    if let Some(factor) = regular_factor(matrix()) {
         let mut values = right.to_owned();
         solve_lower_triangular_in_place(factor.as_ref(), values.as_mut(), Par::Seq);
         solve_upper_triangular_in_place(factor.transpose(), values.as_mut(), Par::Seq);
         return Solution { values, dependent: Vec::new() };
     }
-    let Pivoted { factor, mut order } = pivoted(matrix);
+    let Pivoted { factor, mut order } = pivoted(matrix());
     let rank = factor.nrows();
     let mut x = Mat::from_fn(rank, right.ncols(), |i, k| right[(order[i], k)]);
     solve_lower_triangular_in_place(factor.as_ref(), x.as_mut(), Par::Seq);
@@ -89,8 +90,8 @@ pub(crate) fn pivoted(mut matrix: Mat<f64>) -> Pivoted {
 }
 
 /// Lower factor of a matrix none of whose columns depends on the others.
-pub(crate) fn regular_factor(matrix: &Mat<f64>) -> Option<Mat<f64>> {
-    let mut factor = matrix.clone();
+pub(crate) fn regular_factor(matrix: Mat<f64>) -> Option<Mat<f64>> {
+    let mut factor = matrix;
     let size = factor.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch);
@@ -131,7 +132,7 @@ mod tests {
     fn a_regular_system_is_solved() {
         let matrix = faer::mat![[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 5.0]];
 
-        let solution = solve(matrix, faer::mat![[5.5], [3.0], [4.5]].as_ref());
+        let solution = solve(|| matrix.clone(), faer::mat![[5.5], [3.0], [4.5]].as_ref());
 
         assert!(solution.dependent.is_empty());
         for &value in solution.values.col_as_slice(0) {
@@ -143,7 +144,7 @@ mod tests {
     fn the_second_of_two_equal_columns_is_dropped() {
         let matrix = faer::mat![[1.0, 1.0, 0.2], [1.0, 1.0, 0.2], [0.2, 0.2, 1.0]];
 
-        let solution = solve(matrix, faer::mat![[1.0], [1.0], [0.2]].as_ref());
+        let solution = solve(|| matrix.clone(), faer::mat![[1.0], [1.0], [0.2]].as_ref());
 
         assert_eq!(solution.dependent, [1]);
         assert!((solution.values[(0, 0)] - 1.0).abs() < 1e-14);
@@ -153,7 +154,7 @@ mod tests {
     fn an_indefinite_matrix_loses_columns_and_stays_finite() {
         let matrix = faer::mat![[1.0, 2.0], [2.0, 1.0]];
 
-        let solution = solve(matrix, faer::mat![[1.0], [1.0]].as_ref());
+        let solution = solve(|| matrix.clone(), faer::mat![[1.0], [1.0]].as_ref());
 
         assert_eq!(solution.dependent, [1]);
         assert_eq!(solution.values.col_as_slice(0), [1.0, 0.0]);
@@ -166,7 +167,7 @@ mod tests {
         let spread = Mat::from_fn(size, rank, wave);
         let matrix = &spread * spread.transpose();
 
-        let solution = solve(matrix, Mat::full(size, 1, 1.0).as_ref());
+        let solution = solve(|| matrix.clone(), Mat::full(size, 1, 1.0).as_ref());
 
         assert_eq!(solution.dependent.len(), size - rank);
     }

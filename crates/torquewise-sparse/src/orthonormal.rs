@@ -25,7 +25,7 @@ pub(crate) fn orthonormal(mut columns: Mat<f64>) -> Mat<f64> {
     let mut basis = gathered(&unit, &order[..factor.nrows()]);
     drop((columns, unit));
     divide(&mut basis, &factor);
-    if let Some(factor) = regular_factor(&gram(&basis)) {
+    if let Some(factor) = regular_factor(gram(&basis)) {
         divide(&mut basis, &factor);
     }
     basis

@@ -253,11 +253,7 @@ impl Problem {
 
         // Columns of unit length: the matrix has 1 + ridge on its diagonal.
         let length: Vec<f64> = used.iter().map(|&j| self.gram[(j, j)].sqrt()).collect();
-        let matrix = Mat::from_fn(used.len(), used.len(), |i, j| {
-            let correlation = self.gram[(used[i], used[j])] / (length[i] * length[j]);
-            let own = || ridge.part + ridge.plain / length[i].powi(2);
-            if i == j { 1.0 + own() } else { correlation }
-        });
+        let matrix = || self.correlations(&used, &length, ridge);
         let right = Mat::from_fn(used.len(), cross.ncols(), |i, k| cross[(used[i], k)] / length[i]);
         let solution = cholesky::solve(matrix, right.as_ref());
 
@@ -270,6 +266,21 @@ impl Problem {
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
         Ok(Solved { weights, wanted, dependent })
+    }
+
+    /// Lower triangle of the Gram matrix of some columns, each divided by its length, and the ridge.
+    fn correlations(&self, used: &[usize], length: &[f64], ridge: Ridge) -> Mat<f64> {
+        let inverse: Vec<f64> = length.iter().map(|l| l.recip()).collect();
+        let mut out = Mat::zeros(used.len(), used.len());
+        for (j, &column) in used.iter().enumerate() {
+            let from = self.gram_column(column);
+            let below = out.col_as_slice_mut(j)[j..].iter_mut();
+            for (out, (&row, own)) in below.zip(used[j..].iter().zip(&inverse[j..])) {
+                *out = from[row] * own * inverse[j];
+            }
+            out[(j, j)] = 1.0 + ridge.part + ridge.plain * inverse[j].powi(2);
+        }
+        out
     }
 }
 

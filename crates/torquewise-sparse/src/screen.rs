@@ -189,7 +189,7 @@ impl Fold {
         let gram =
             Mat::from_fn(g, g, |i, j| (if i == j { 1.0 + UNSEEN } else { 0.0 }) - own[(i, j)]);
         let mut solved = Mat::from_fn(g, 1, |i, _| -own[(i, g)]);
-        let factor = regular_factor(&gram).unwrap_or_else(|| Mat::identity(g, g));
+        let factor = regular_factor(gram).unwrap_or_else(|| Mat::identity(g, g));
         solve_lower_triangular_in_place(factor.as_ref(), solved.as_mut(), Par::Seq);
         let energy = (energy - own[(g, g)] - solved.squared_norm_l2()).max(0.0);
         Self { factor, solved, energy }

@@ -152,7 +152,7 @@ impl<'a> Descent<'a> {
     fn newton_step(&mut self, lambda: f64) -> bool {
         let active = nonzero(&self.weights, self.weights.len());
         let right: Vec<f64> = active.iter().map(|&j| self.descent_of(j, lambda)).collect();
-        let step = cholesky::solve(self.gram_of(&active), column(&right));
+        let step = cholesky::solve(|| self.gram_of(&active), column(&right));
         match step.dependent.first() {
             Some(&surplus) => self.drop_one(&active, &step.dependent, surplus, lambda),
             None => self.advance(&active, step.values.col_as_slice(0), 1.0),
@@ -174,7 +174,7 @@ impl<'a> Descent<'a> {
         let mut moving: Vec<usize> =
             (0..active.len()).filter(is_pivot).map(|i| active[i]).collect();
         let right: Vec<f64> = moving.iter().map(|&j| self.columns[j][active[surplus]]).collect();
-        let solution = cholesky::solve(self.gram_of(&moving), column(&right));
+        let solution = cholesky::solve(|| self.gram_of(&moving), column(&right));
         let mut direction = solution.values.col_as_slice(0).to_vec();
         moving.push(active[surplus]);
         direction.push(-1.0);

@@ -3,6 +3,7 @@
 use crate::error::SparseError;
 use crate::problem::{Problem, Ridge, Selection, require};
 use faer::MatRef;
+use rayon::prelude::*;
 
 /// Fit, drop the small weights, fit again, until none is small; then least squares on the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,6 +69,7 @@ impl Stlsq {
         }
         let first = problem.solve(&usable, cross, self.added())?;
         (0..cross.ncols())
+            .into_par_iter()
             .map(|r| {
                 let own = cross.subcols(r, 1);
                 let mut dependent = first.dependent.clone();

@@ -1,0 +1,170 @@
+//! Chain, rows → recipe: shafts, counterbalances and friction, chosen beside a known geometry.
+
+use super::{School, TRIAL_ROWS};
+use crate::beside::Beside;
+use crate::error::IdentifyError;
+use crate::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
+use crate::plan::FrictionKind;
+use crate::trial::{Recipe, record, record_worth, trial};
+use torquewise_chain::Chain;
+use torquewise_model::model::Choice;
+use torquewise_motion::Motion;
+
+/// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
+const SHAFT_GAIN: f64 = 0.85;
+/// Shared shafts at most.
+const MOST_SHAFTS: usize = 2;
+/// A counterbalance must lower the error to this part; it is felt by one joint alone.
+const SPRING_GAIN: f64 = 0.9;
+
+/// Places of joints that are said to be balanced, each once.
+pub(super) fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyError> {
+    let joints = motion.joints();
+    let place = |name: &String| {
+        joints.iter().position(|joint| joint == name).ok_or_else(|| IdentifyError::NoSuchJoint {
+            name: name.clone(),
+            joints: joints.join(", "),
+        })
+    };
+    let mut places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
+    places.sort_unstable();
+    places.dedup();
+    Ok(places)
+}
+
+impl School<'_> {
+    /// Looks for shafts that two neighbouring joints turn together, as in a coupled wrist.
+    pub(super) fn shafts(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        choices: &mut Vec<Choice>,
+    ) -> Result<bool, IdentifyError> {
+        let n = self.motion.n_joints();
+        let mut found = false;
+        for _ in 0..MOST_SHAFTS {
+            let mut ways = vec![("none".to_owned(), recipe.clone())];
+            for joint in 1..n {
+                for sign in [1.0, -1.0] {
+                    let mut shaft = vec![0.0; n];
+                    (shaft[joint - 1], shaft[joint]) = (1.0, sign);
+                    let mut with = recipe.clone();
+                    with.beside.extend(Beside::shared_shaft(&shaft, self.laws.width_of(&shaft)));
+                    let sign = if sign > 0.0 { '+' } else { '-' };
+                    ways.push((format!("dq{joint} {sign} dq{}", joint + 1), with));
+                }
+            }
+            // All are as complex: the best of them against none.
+            let trials = self.trials(&ways, chain, 0)?;
+            let best =
+                (1..ways.len()).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()));
+            let Some(best) = best else { break };
+            let pair = [trials[0].clone(), trials[best].clone()];
+            if trials[best].error() > SHAFT_GAIN * trials[0].error()
+                || record("shared shaft", &pair, choices) == 0
+            {
+                break;
+            }
+            *recipe = ways[best].1.clone();
+            found = true;
+        }
+        Ok(found)
+    }
+
+    /// Looks for counterbalances, joint by joint, but for those that are known.
+    pub(super) fn counterbalances(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        known: &[usize],
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let n = self.motion.n_joints();
+        for &joint in known {
+            recipe.beside.extend(Beside::counterbalance(n, joint));
+            let (what, chosen) = (self.balance_of(joint), "spring".to_owned());
+            choices.push(Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() });
+        }
+        for joint in (0..n).filter(|joint| !known.contains(joint)) {
+            let mut with = recipe.clone();
+            with.beside.extend(Beside::counterbalance(n, joint));
+            let ways = [("none".to_owned(), recipe.clone()), ("spring".to_owned(), with)];
+            let what = self.balance_of(joint);
+            let trials = self.trials(&ways, chain, 0)?;
+            if trials[1].error() <= SPRING_GAIN * trials[0].error()
+                && record(&what, &trials, choices) == 1
+            {
+                *recipe = ways[1].1.clone();
+            }
+        }
+        Ok(())
+    }
+
+    fn balance_of(&self, joint: usize) -> String {
+        format!("counterbalance of {}", self.motion.joints()[joint])
+    }
+
+    /// Chooses how sharply friction reverses, with all laws of its kind.
+    ///
+    /// Slow rows are trusted as far as the reversal allows, so they tell of the Stribeck curve
+    /// only where it is sharp.
+    pub(super) fn reversal(
+        &mut self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        kind: FrictionKind,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let (mut ways, mut trials) = (Vec::new(), Vec::new());
+        for part in WIDTHS {
+            let laws = Dictionary::with_width(self.laws.peak.clone(), part);
+            let school = School { laws, ..*self };
+            let mut sharp = recipe.clone();
+            for beside in &mut sharp.beside {
+                beside.reverse_within(&school.laws);
+            }
+            let mut all = sharp.clone();
+            if kind != FrictionKind::Linear {
+                all.beside.extend(Beside::friction(school.laws.stribeck()));
+            }
+            let rows = school.rows(&all, TRIAL_ROWS)?;
+            trials.push(trial(reversal_label(part), &all, &rows, chain, 0)?);
+            ways.push((school.laws, sharp));
+        }
+        let place = record(REVERSAL, &trials, choices);
+        (self.laws, *recipe) = ways.swap_remove(place);
+        Ok(())
+    }
+
+    /// Chooses the law of friction, or adds the one asked for.
+    pub(super) fn friction(
+        &self,
+        recipe: &mut Recipe,
+        chain: &Chain,
+        kind: FrictionKind,
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let mut stribeck = recipe.clone();
+        stribeck.beside.extend(Beside::friction(self.laws.stribeck()));
+        match kind {
+            FrictionKind::None | FrictionKind::Linear => {}
+            FrictionKind::Stribeck => *recipe = stribeck,
+            FrictionKind::Auto => {
+                let mut none = recipe.clone();
+                none.beside.retain(|beside| !matches!(beside, Beside::Friction(_)));
+                let mut alike = stribeck.clone();
+                alike.beside.retain(|beside| !beside.is_one_way());
+                let ways = [
+                    ("none".to_owned(), none),
+                    ("linear".to_owned(), recipe.clone()),
+                    ("stribeck".to_owned(), alike),
+                    ("stribeck, forward and backward apart".to_owned(), stribeck),
+                ];
+                let trials = self.trials(&ways, chain, 0)?;
+                let place = record_worth("friction", &trials, WORTH, choices);
+                *recipe = ways[place].1.clone();
+            }
+        }
+        Ok(())
+    }
+}
