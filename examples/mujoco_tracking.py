@@ -32,8 +32,7 @@ CUTOFF = 100.0  # of the measured velocity [Hz]
 VELOCITY_BANDWIDTH = 60.0  # of the drives while recording [rad/s]
 BANDWIDTH = 15.0  # of the tracking feedback [rad/s]
 PERIOD = 8.0  # of the motion that is tracked [s]
-DEAD_ZONE = 0.06  # below this speed the model smooths the reversal of friction [rad/s]
-REVERSAL = 0.002  # as a desired velocity, which has no noise, need not be [rad/s]
+REVERSAL = 0.002  # of friction, as sharp as a desired velocity without noise allows [rad/s]
 # Rotor inertia [kg m^2], dry friction [N m], viscous friction [N m s/rad]: one joint each, repeated.
 ARMATURE = [0.5, 0.6, 0.2]
 DRY = [4.0, 5.0, 2.0]
@@ -148,18 +147,6 @@ class Exported:
         return np.array(result)
 
 
-def friction(model, dq):
-    """Friction of the model with a reversal as sharp as a desired velocity allows."""
-    beyond = np.where(dq < 0, -1, 1) * np.maximum(np.abs(dq), DEAD_ZONE)
-    share = np.tanh(np.abs(dq) / REVERSAL)
-    return share * model("friction", beyond)
-
-
-def rigid(model, q, dq, ddq):
-    """All torque of the model but friction."""
-    return model("torque", q, dq, ddq) - model("friction", dq)
-
-
 def periodic(arm, seed):
     """q, dq and ddq of two periods at each tick, at rest after each period."""
     random, w = np.random.default_rng(seed), 2 * np.pi / PERIOD
@@ -211,11 +198,11 @@ def learn(arguments, arm, folder):
         logs.append(folder / f"{name}.csv")
         record(arm, folder / "plan" / f"{name}.csv", logs[-1])
     model = folder / "model.json"
-    # Torque and position are of the same instant here.
-    options = ["--library", "chain", "--friction", arguments.friction, "--delay", 0]
+    options = ["--friction", arguments.friction]
     print(run(program, "fit", *logs, "-o", model, *options), file=sys.stderr)
     source = folder / "arm.c"
-    run(program, "export", model, "--to", "c", "--name", "arm", "-o", source)
+    sharp = ["--reversal", REVERSAL]
+    run(program, "export", model, "--to", "c", "--name", "arm", *sharp, "-o", source)
     return Exported(source, "arm", arm.n)
 
 
@@ -224,7 +211,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--urdf", type=Path, default=here / "three-joint.urdf")
     parser.add_argument("--torquewise", default="torquewise", help="the program")
-    parser.add_argument("--friction", default="stribeck", help="friction that is looked for")
+    parser.add_argument("--friction", default="auto", help="friction that is looked for")
     parser.add_argument("--seconds", type=float, nargs=3, default=[120, 120, 60])
     parser.add_argument("--seed", type=int, default=1, help="of the motion that is tracked")
     parser.add_argument("--keep", type=Path, help="folder for logs, model and code")
@@ -243,8 +230,8 @@ def main():
         gains = 3 * inertia * w**2, inertia * w**3, 3 * inertia * w
         laws = {
             "pid": lambda q, dq, ddq: np.zeros(arm.n),
-            "controller1": lambda q, dq, ddq: model("gravity", q) + friction(model, dq),
-            "controller2": lambda q, dq, ddq: rigid(model, q, dq, ddq) + friction(model, dq),
+            "controller1": lambda q, dq, ddq: model("gravity", q) + model("friction", dq),
+            "controller2": lambda q, dq, ddq: model("torque", q, dq, ddq),
         }
         found = {name: track(arm, states, gains, law).tolist() for name, law in laws.items()}
     print(json.dumps({name: {"rms_error_rad": rms} for name, rms in found.items()}, indent=1))
