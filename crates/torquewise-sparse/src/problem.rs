@@ -268,7 +268,7 @@ impl Problem {
         Ok(Solved { weights, wanted, dependent })
     }
 
-    /// Lower triangle of the Gram matrix of some columns, each divided by its length, and the ridge.
+    /// Lower triangle of the Gram matrix of some columns, each divided by its length, with ridge.
     fn correlations(&self, used: &[usize], length: &[f64], ridge: Ridge) -> Mat<f64> {
         let inverse: Vec<f64> = length.iter().map(|l| l.recip()).collect();
         let mut out = Mat::zeros(used.len(), used.len());
