@@ -37,7 +37,8 @@ impl Body {
     pub(crate) fn of(graph: &Graph, roots: &[Id], language: &impl Language) -> Self {
         let order = graph.reachable(roots);
         let mut uses: HashMap<Id, usize> = HashMap::new();
-        for id in order.iter().flat_map(|&id| graph.node(id).operands()) {
+        let operands = order.iter().flat_map(|&id| graph.node(id).operands());
+        for id in operands.chain(roots.iter().copied()) {
             *uses.entry(id).or_insert(0) += 1;
         }
         let mut body = Self::default();
@@ -182,5 +183,35 @@ fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> T
         Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) => {
             Text { text: String::new(), level: Level::Name }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Plain;
+
+    impl Language for Plain {
+        fn constant(&self, value: f64) -> String {
+            format!("{value:?}")
+        }
+
+        fn call(&self, function: Function, argument: &str) -> String {
+            format!("{function:?}({argument})")
+        }
+    }
+
+    #[test]
+    fn a_result_that_stands_in_two_places_is_computed_once() {
+        let mut graph = Graph::default();
+        let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
+        let product = graph.mul(a, b);
+        let sum = graph.add(product, a);
+
+        let body = Body::of(&graph, &[a, product, product, sum], &Plain);
+
+        assert_eq!(body.steps, [("t1".into(), "q1*q2".into())]);
+        assert_eq!(body.results, ["q1", "t1", "t1", "q1 + t1"]);
     }
 }
