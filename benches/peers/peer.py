@@ -29,19 +29,30 @@ def rows(folder):
     return q, np.hstack([dq, ddq]), tau
 
 
-def library(folder, q, x):
-    """The candidates that torquewise was offered, column by column."""
-    columns = []
-    for line in (folder / "terms.txt").read_text().splitlines():
-        column = np.ones(len(q))
-        for multiples, function, power in FACTOR.findall(line):
-            angle = q @ np.array([int(k) for k in multiples.split(",")])
-            column *= getattr(np, function.lower())(angle) ** int(power)
-        powers = re.search(r" dq: \[([^\]]*)\], ddq: \[([^\]]*)\]", line).groups()
-        for j, power in enumerate(int(k) for part in powers for k in part.split(",")):
-            column *= x[:, j] ** power
-        columns.append(column)
-    return np.asfortranarray(np.column_stack(columns))
+def candidate(line):
+    """A candidate that torquewise was offered, as a function of the columns of q, dq and ddq."""
+    factors = [
+        ([int(k) for k in multiples.split(",")], getattr(np, function.lower()), int(power))
+        for multiples, function, power in FACTOR.findall(line)
+    ]
+    powers = re.search(r" dq: \[([^\]]*)\], ddq: \[([^\]]*)\]", line).groups()
+    powers = [int(k) for part in powers for k in part.split(",")]
+
+    # PySINDy counts the arguments.
+    def value(q1, q2, q3, dq1, dq2, dq3, ddq1, ddq2, ddq3):
+        column = np.ones_like(q1)
+        for multiples, function, power in factors:
+            angle = sum(k * q for k, q in zip(multiples, (q1, q2, q3)))
+            column = column * function(angle) ** power
+        for x, power in zip((dq1, dq2, dq3, ddq1, ddq2, ddq3), powers):
+            column = column * x**power if power else column
+        return column
+
+    return value
+
+
+def candidates(folder):
+    return [candidate(line) for line in (folder / "terms.txt").read_text().splitlines()]
 
 
 def gap(x, y, w, alpha):
@@ -60,7 +71,12 @@ def path_gap(x, y, weights, lambdas):
 
 def run(peer, folder):
     q, rates, tau = rows(folder)
-    x = library(folder, q, rates)
+    signals = np.hstack([q, rates])
+    if peer == "pysindy":
+        return sindy(candidates(folder), signals, tau)
+    columns = candidates(folder)
+    signals = np.ascontiguousarray(signals.T)
+    evaluated, x = timed(lambda: np.stack([f(*signals) for f in columns]).T)
     if peer == "check":
         ours = np.fromfile(folder / "ours_lstsq.f64").reshape(JOINTS, -1).T
         lambdas = np.fromfile(folder / "lambdas.f64")
@@ -69,14 +85,8 @@ def run(peer, folder):
         found = {"lstsq_rms": np.sqrt(((tau - x @ ours) ** 2).mean(axis=0)).tolist()}
         found["gap"] = path_gap(x / size, tau[:, JOINT], weights, lambdas)
         return {}, found
-    found, work = {}, None
-    if peer == "pysindy":
-        import pysindy
-
-        optimizer = pysindy.STLSQ(threshold=0.1, alpha=0.05)
-        work = lambda: optimizer.fit(x, tau)
-        after = lambda _: {"active": int((optimizer.coef_ != 0).sum())}
-    elif peer == "lstsq":
+    found = {"library_seconds": evaluated}
+    if peer == "lstsq":
         work = lambda: np.linalg.lstsq(x, tau, rcond=None)[0]
         after = lambda w: {"lstsq_rms": np.sqrt(((tau - x @ w) ** 2).mean(axis=0)).tolist()}
     else:
@@ -85,10 +95,27 @@ def run(peer, folder):
         y = tau[:, JOINT].copy()
         work = lambda: lasso(peer, scaled, y, lambdas)
         after = lambda w: {"gap": path_gap(scaled, y, w, lambdas)}
+    spent, done = timed(work)
+    return {"seconds": spent}, {**found, **after(done)}
+
+
+def sindy(functions, signals, tau):
+    """From the rows to the weights, as ours: the library is evaluated, too."""
+    import pysindy
+
+    names = [lambda *_, place=place: f"f{place}" for place in range(len(functions))]
+    model = pysindy.SINDy(
+        optimizer=pysindy.STLSQ(threshold=0.1, alpha=0.05),
+        feature_library=pysindy.CustomLibrary(functions, function_names=names),
+    )
+    spent, _ = timed(lambda: model.fit(signals, t=0.01, x_dot=tau))
+    return {"seconds": spent}, {"active": int((model.coefficients() != 0).sum())}
+
+
+def timed(work):
     clock, processors = time.perf_counter(), time.process_time()
     done = work()
-    spent = [time.perf_counter() - clock, time.process_time() - processors]
-    return {"seconds": spent}, {**found, **after(done)}
+    return [time.perf_counter() - clock, time.process_time() - processors], done
 
 
 def lasso(peer, x, y, lambdas):

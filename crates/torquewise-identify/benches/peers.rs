@@ -58,35 +58,35 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> String {
     let columns: Vec<usize> = (0..p).collect();
     let mut out = format!("\"{p}\": {{\"route\": \"{route:?}\"");
 
-    let gram = timed(&mut out, "gram", || {
+    let (first, cross, energy) = timed(&mut out, "gram", || {
         let prepared = Prepared::new(&candidates.design, route);
         let mut adder = RowAdder::new(&prepared, N);
         for block in blocks(motion) {
             adder.push(block).expect("a block that fits");
         }
         let sums = adder.finish().expect("sums within range");
-        sums.grams(&prepared, N, &columns).remove(0)
+        problem(sums.grams(&prepared, N, &columns).remove(0), 0)
     });
     let weights = timed(&mut out, "lstsq", || {
-        let problem = problem(&gram, 0);
-        problem.refit_each(&columns, gram.cross.as_ref()).expect("columns of the library")
+        first.refit_each(&columns, cross.as_ref()).expect("columns of the library")
     });
     // With the ridge that PySINDy has by default, and without.
     for (name, plain_ridge) in [("stlsq", 0.05), ("stlsq_without_ridge", 0.0)] {
         let active: usize = timed(&mut out, name, || {
             let stlsq = Stlsq { plain_ridge, ..Stlsq::default() };
-            let selected = stlsq.select_each(&problem(&gram, 0), gram.cross.as_ref());
+            let selected = stlsq.select_each(&first, cross.as_ref());
             let selected = selected.expect("settings within range");
             selected.iter().map(|selection| selection.active.len()).sum()
         });
         write!(out, ", \"{name}_active\": {active}").expect("a text");
     }
     let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
-    let path = timed(&mut out, "lasso", || {
-        lasso_path(&problem(&gram, JOINT), &lasso).expect("settings within range")
-    });
+    let other = Gram { gram: first.gram().to_owned(), cross, energy, rows: ROWS };
+    let (second, _, energy) = problem(other, JOINT);
+    let path =
+        timed(&mut out, "lasso", || lasso_path(&second, &lasso).expect("settings within range"));
     let gap = path.iter().map(|point| point.gap).fold(0.0, f64::max);
-    let energy = gram.energy[JOINT] / ROWS as f64;
+    let energy = energy[JOINT] / ROWS as f64;
     write!(out, ", \"gap\": {:e}}}", gap / energy).expect("a text");
     if order == 4 {
         let flat = |w: &Mat<f64>| {
@@ -109,10 +109,12 @@ fn names(candidates: &Candidates, folder: &Path) {
     std::fs::write(folder.join("terms.txt"), lines.join("\n")).expect("a folder");
 }
 
-fn problem(gram: &Gram, joint: usize) -> Problem {
-    let cross = gram.cross.col_as_slice(joint).to_vec();
-    Problem::new(gram.gram.clone(), cross, gram.energy[joint], gram.rows as f64)
-        .expect("finite sums")
+/// The normal equations of a joint, and the cross products and energies of all.
+fn problem(gram: Gram, joint: usize) -> (Problem, Mat<f64>, Vec<f64>) {
+    let Gram { gram, cross, energy, rows } = gram;
+    let own = cross.col_as_slice(joint).to_vec();
+    let problem = Problem::new(gram, own, energy[joint], rows as f64).expect("finite sums");
+    (problem, cross, energy)
 }
 
 /// Adds the seconds of some work to `out`, by the clock and of all processors.
