@@ -288,6 +288,29 @@ fn stribeck_friction_is_chosen_where_there_is_some() {
 }
 
 #[test]
+fn friction_that_reverses_sharply_is_learned_so() {
+    let motion = reference_log();
+    let mut friction = linear(&motion, &[[0.0, 2.0, 2.0]; 3]);
+    for (law, _) in &mut friction {
+        law.law = law.law.with_width(0.001);
+    }
+
+    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Linear);
+
+    let width_chosen = chosen(&found, "half width of the reversal of friction").unwrap();
+    assert!(!width_chosen.starts_with("1 %"), "{width_chosen}");
+    let torque = Torque::new(&found.model);
+    for joint in 0..3 {
+        // 1 % of the peak speed, where a wide reversal has three quarters of dry friction.
+        let mut dq = [0.0; 3];
+        dq[joint] = width(&motion, joint);
+        let rubs = torque.friction(&dq).unwrap()[joint];
+        let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
+        assert!((rubs - truth).abs() < 0.05 * truth, "joint {joint}: {rubs}, not {truth}");
+    }
+}
+
+#[test]
 fn without_friction_none_is_listed() {
     let arm = reference_arm();
 
