@@ -57,20 +57,52 @@ const TRIAL_ROWS: usize = 900;
 const LAST_ROWS: usize = 4_000;
 /// Rows that terms beside those of the chain are tried on.
 pub(crate) const TRIED_ROWS: usize = 1_500;
+/// A log of fewer rows leaves several geometries about as likely: which is found first is chance.
+const SHORT: usize = 1_000;
+/// Searches that are made then.
+const SEARCHES: u64 = 4;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
 /// Learns the chain of an arm, choosing on held-out blocks of time.
 ///
+/// Where the log is short, several searches are made, each from another seed.
+///
 /// # Errors
 /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
 /// said to be balanced that is not there.
 pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyError> {
-    let (n, friction, seed) = (motion.n_joints(), plan.friction, plan.seed);
+    let count = if motion.n_rows() < SHORT { SEARCHES } else { 1 };
+    let mut found = (0..count)
+        .map(|more| attempt(motion, plan, plan.seed.wrapping_add(more)))
+        .collect::<Result<Vec<Attempt<'_>>, IdentifyError>>()?;
+    found.sort_by_key(|attempt| attempt.judged.complexity);
+    let trials: Vec<Trial> = found.iter().map(|attempt| attempt.judged.clone()).collect();
+    let mut choices = Vec::new();
+    let place = if count > 1 { record("seed of the search", &trials, &mut choices) } else { 0 };
+    let Attempt { school, recipe, chain, choices: made, .. } = found.swap_remove(place);
+    choices.extend(made);
+    school.finish(recipe, &chain, choices)
+}
+
+/// What one search came to.
+struct Attempt<'a> {
+    school: School<'a>,
+    recipe: Recipe,
+    chain: Chain,
+    choices: Vec<Choice>,
+    /// How it does on held-out rows, and how many numbers it takes.
+    judged: Trial,
+}
+
+/// Searches the geometry and chooses all that is fitted, from one seed.
+fn attempt<'a>(motion: &'a Motion, plan: &Plan, seed: u64) -> Result<Attempt<'a>, IdentifyError> {
+    let (n, friction) = (motion.n_joints(), plan.friction);
     let balanced = loads::balanced(motion, &plan.counterbalanced)?;
     let mut school = School::new(motion);
     let mut beside = Beside::rotors(n);
-    if friction != FrictionKind::None {
+    let rubs = friction != FrictionKind::None;
+    if rubs {
         beside.extend(Beside::friction(school.laws.linear()));
     }
     let search = Search { seed, ..Search::default() };
@@ -78,7 +110,6 @@ pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyErr
     let mut choices = Vec::new();
 
     let (mut chain, mut starts) = school.geometry(&mut recipe, None, &mut choices)?;
-    let rubs = friction != FrictionKind::None;
     if rubs && school.shafts(&mut recipe, &chain, &mut choices)? {
         choices.retain(|choice: &Choice| choice.what != PULL);
         (chain, starts) = school.geometry(&mut recipe, Some(chain), &mut choices)?;
@@ -90,7 +121,10 @@ pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyErr
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
     school.ridge(&mut recipe, &chain, &mut choices)?;
     chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
-    school.finish(recipe, &chain, choices)
+    let rows = school.rows(&recipe, TRIAL_ROWS)?;
+    let mut judged = trial(seed.to_string(), &recipe, &rows, &chain, ROUNDS)?;
+    judged.complexity = recipe.free.len() + recipe.beside.len();
+    Ok(Attempt { school, recipe, chain, choices, judged })
 }
 
 const PULL: &str = "pull to right angles";

@@ -11,6 +11,7 @@ use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
+use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, Torque, check, from_json, to_json};
 use torquewise_motion::{Motion, Signals};
 
@@ -308,6 +309,18 @@ fn friction_that_reverses_sharply_is_learned_so() {
         let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
         assert!((rubs - truth).abs() < 0.05 * truth, "joint {joint}: {rubs}, not {truth}");
     }
+}
+
+#[test]
+fn a_short_log_is_searched_from_several_seeds() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let searches = |seconds: f64| {
+        let found = fit(&sines(&arm, seconds, 1), FrictionKind::None);
+        let of_seeds = |choice: &&Choice| choice.what == "seed of the search";
+        found.model.choices.iter().find(of_seeds).map_or(1, |choice| choice.from.len())
+    };
+
+    assert_eq!([searches(10.0), searches(30.0)], [4, 1]);
 }
 
 #[test]
