@@ -1,6 +1,6 @@
 """One peer on the rows of `cargo bench --bench peers`: seconds, memory and weights.
 
-    python peer.py FOLDER PEER [CANDIDATES]
+    python peer.py FOLDER PEER
 
 Every peer runs in a process of its own, and prints one JSON object: seconds by the clock and of all
 processors, and the peak of its memory in MB.

@@ -4,8 +4,9 @@
 
 Makes a virtual environment in FOLDER (default target/peers), lets `cargo bench --bench peers` write
 the rows and its own times, then runs every peer in a process of its own, one after the other, and
-writes FOLDER/peers.json, FOLDER/peers.md and FOLDER/candidates.svg. Times are of the clock and of all
-processors; on a shared machine only the latter can be compared.
+writes FOLDER/peers.json, FOLDER/peers.md and FOLDER/candidates.svg, of which docs/images/peers.svg is
+a copy. Times are of the clock and of all processors; on a shared machine only the latter can be
+compared.
 """
 
 import json
@@ -65,7 +66,9 @@ def table(found):
         gap = f"{result['gap']:.1e}" if "gap" in result else ""
         alone = [part / own for part, own in zip(spent, mine)]
         whole = [(part + more) / own for part, more, own in zip(spent, evaluated, mine)]
-        cells = [pair(spent, 1), pair(evaluated, 1), pair(mine, 2), pair(alone, 0), pair(whole, 0)]
+        apart = "library_seconds" in result
+        cells = [pair(spent, 1), pair(evaluated, 1) if apart else "included", pair(mine, 2)]
+        cells += [pair(alone, 0) if apart else "", pair(whole, 0)]
         lines.append(f"| {name} | {' | '.join(cells)} | {result['memory_mb']:.0f} | {gap} |")
     return "\n".join(lines) + "\n"
 

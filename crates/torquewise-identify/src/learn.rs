@@ -57,7 +57,8 @@ const TRIAL_ROWS: usize = 900;
 const LAST_ROWS: usize = 4_000;
 /// Rows that terms beside those of the chain are tried on.
 pub(crate) const TRIED_ROWS: usize = 1_500;
-/// A log of fewer rows leaves several geometries about as likely: which is found first is chance.
+/// A log of fewer rows after its filter leaves several geometries about as likely: which is found
+/// first is chance.
 const SHORT: usize = 1_000;
 /// Searches that are made then.
 const SEARCHES: u64 = 4;
@@ -72,15 +73,26 @@ const SAME: f64 = 1e-3;
 /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
 /// said to be balanced that is not there.
 pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyError> {
-    let count = if motion.n_rows() < SHORT { SEARCHES } else { 1 };
-    let mut found = (0..count)
-        .map(|more| attempt(motion, plan, plan.seed.wrapping_add(more)))
-        .collect::<Result<Vec<Attempt<'_>>, IdentifyError>>()?;
-    found.sort_by_key(|attempt| attempt.judged.complexity);
-    let trials: Vec<Trial> = found.iter().map(|attempt| attempt.judged.clone()).collect();
+    if motion.n_rows() >= SHORT {
+        let Attempt { school, recipe, chain, choices } = attempt(motion, plan, plan.seed)?;
+        return school.finish(recipe, &chain, choices);
+    }
+    let (mut found, mut failed) = (Vec::new(), None);
+    for more in 0..SEARCHES {
+        let seed = plan.seed.wrapping_add(more);
+        match attempt(motion, plan, seed).and_then(|attempt| Ok((attempt.judged(seed)?, attempt))) {
+            Ok(judged) => found.push(judged),
+            Err(error) => failed = failed.or(Some(error)),
+        }
+    }
+    if let (true, Some(error)) = (found.is_empty(), failed) {
+        return Err(error);
+    }
+    found.sort_by_key(|(judged, _)| judged.complexity);
+    let trials: Vec<Trial> = found.iter().map(|(judged, _)| judged.clone()).collect();
     let mut choices = Vec::new();
-    let place = if count > 1 { record("seed of the search", &trials, &mut choices) } else { 0 };
-    let Attempt { school, recipe, chain, choices: made, .. } = found.swap_remove(place);
+    let place = record("seed of the search", &trials, &mut choices);
+    let Attempt { school, recipe, chain, choices: made } = found.swap_remove(place).1;
     choices.extend(made);
     school.finish(recipe, &chain, choices)
 }
@@ -91,8 +103,16 @@ struct Attempt<'a> {
     recipe: Recipe,
     chain: Chain,
     choices: Vec<Choice>,
+}
+
+impl Attempt<'_> {
     /// How it does on held-out rows, and how many numbers it takes.
-    judged: Trial,
+    fn judged(&self, seed: u64) -> Result<Trial, IdentifyError> {
+        let rows = self.school.rows(&self.recipe, TRIAL_ROWS)?;
+        let judged = trial(seed.to_string(), &self.recipe, &rows, &self.chain, ROUNDS)?;
+        let complexity = self.recipe.free.len() + self.recipe.beside.len();
+        Ok(Trial { complexity, ..judged })
+    }
 }
 
 /// Searches the geometry and chooses all that is fitted, from one seed.
@@ -121,10 +141,7 @@ fn attempt<'a>(motion: &'a Motion, plan: &Plan, seed: u64) -> Result<Attempt<'a>
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
     school.ridge(&mut recipe, &chain, &mut choices)?;
     chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
-    let rows = school.rows(&recipe, TRIAL_ROWS)?;
-    let mut judged = trial(seed.to_string(), &recipe, &rows, &chain, ROUNDS)?;
-    judged.complexity = recipe.free.len() + recipe.beside.len();
-    Ok(Attempt { school, recipe, chain, choices, judged })
+    Ok(Attempt { school, recipe, chain, choices })
 }
 
 const PULL: &str = "pull to right angles";

@@ -278,7 +278,7 @@ impl Problem {
             for (out, (&row, own)) in below.zip(used[j..].iter().zip(&inverse[j..])) {
                 *out = from[row] * own * inverse[j];
             }
-            out[(j, j)] = 1.0 + ridge.part + ridge.plain * inverse[j].powi(2);
+            out[(j, j)] = 1.0 + ridge.part + ridge.plain / length[j].powi(2);
         }
         out
     }
