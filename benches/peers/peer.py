@@ -71,12 +71,11 @@ def path_gap(x, y, weights, lambdas):
 
 def run(peer, folder):
     q, rates, tau = rows(folder)
-    signals = np.hstack([q, rates])
+    signals, functions = np.hstack([q, rates]), candidates(folder)
     if peer == "pysindy":
-        return sindy(candidates(folder), signals, tau)
-    columns = candidates(folder)
-    signals = np.ascontiguousarray(signals.T)
-    evaluated, x = timed(lambda: np.stack([f(*signals) for f in columns]).T)
+        return sindy(functions, signals, tau)
+    columns = np.ascontiguousarray(signals.T)
+    evaluated, x = timed(lambda: np.stack([f(*columns) for f in functions]).T)
     if peer == "check":
         ours = np.fromfile(folder / "ours_lstsq.f64").reshape(JOINTS, -1).T
         lambdas = np.fromfile(folder / "lambdas.f64")

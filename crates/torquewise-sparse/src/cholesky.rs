@@ -89,9 +89,8 @@ pub(crate) fn pivoted(mut matrix: Mat<f64>) -> Pivoted {
     Pivoted { factor: matrix.submatrix(0, 0, rank, rank).to_owned(), order }
 }
 
-/// Lower factor of a matrix none of whose columns depends on the others.
-pub(crate) fn regular_factor(matrix: Mat<f64>) -> Option<Mat<f64>> {
-    let mut factor = matrix;
+/// Lower factor of a matrix none of whose columns depends on the others; takes its place.
+pub(crate) fn regular_factor(mut factor: Mat<f64>) -> Option<Mat<f64>> {
     let size = factor.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch);
