@@ -1,6 +1,7 @@
 //! Friction, rotors, springs → columns: what loads a joint beside the links of the arm.
 
 use crate::friction::Dictionary;
+use crate::states::States;
 use faer::Mat;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
@@ -13,8 +14,8 @@ pub(crate) enum Beside {
     Friction(FrictionTerm),
     /// Inertia of a rotor on a shaft that turns with Σ shaft\[j\]·q̇ⱼ: T = ½ (Σ shaft\[j\]·q̇ⱼ)².
     Rotor(Vec<f64>),
-    /// Energy of a spring or counterbalance: a function of one joint angle in V(q).
-    Spring(EnergyTerm),
+    /// A term of V or M that no chain of rigid bodies has, such as a spring's.
+    Energy(EnergyTerm),
 }
 
 impl Beside {
@@ -47,7 +48,7 @@ impl Beside {
         let harmonics = [(Trig::Cos, 1), (Trig::Sin, 1), (Trig::Cos, 2), (Trig::Sin, 2)];
         let spring = |(trig, multiple)| {
             let function = Term::one(n_joints).times(trig, joint, multiple, 1);
-            Self::Spring(EnergyTerm { place: Place::Potential, function })
+            Self::Energy(EnergyTerm { place: Place::Potential, function })
         };
         harmonics.map(spring).to_vec()
     }
@@ -64,17 +65,23 @@ impl Beside {
         matches!(self, Self::Friction(term) if !term.direction.is_both())
     }
 
-    /// What it loads a joint with, per unit of its coefficient, at q, q̇ and q̈.
-    fn load(&self, joint: usize, [q, dq, ddq]: [&[f64]; 3]) -> f64 {
+    /// What it loads the joints with, per unit of its coefficient, states×n.
+    pub(crate) fn loads(&self, states: &States) -> Mat<f64> {
+        let of_shaft = |shaft: &[f64], values: &[f64]| {
+            Mat::from_fn(states.len(), shaft.len(), |state, joint| shaft[joint] * values[state])
+        };
+        let all = 0..states.len();
         match self {
-            Self::Friction(term) => term.torque(joint, dq),
-            Self::Rotor(shaft) => {
-                let turning: f64 = shaft.iter().zip(ddq).map(|(s, a)| s * a).sum();
-                shaft[joint] * turning
+            Self::Energy(term) => states.loads(term, 1.0),
+            Self::Friction(term) => {
+                let values: Vec<f64> = all.map(|k| term.value(&states.speeds(k))).collect();
+                of_shaft(&term.shaft, &values)
             }
-            Self::Spring(term) => {
-                let slope = term.function.derivative(joint);
-                slope.iter().map(|(weight, term)| weight * term.value(q, dq, ddq)).sum()
+            Self::Rotor(shaft) => {
+                let turning = |k: usize| -> f64 {
+                    shaft.iter().zip(states.accelerations(k)).map(|(s, a)| s * a).sum()
+                };
+                of_shaft(shaft, &all.map(turning).collect::<Vec<f64>>())
             }
         }
     }
@@ -83,7 +90,7 @@ impl Beside {
     pub(crate) fn energy_terms(&self, coefficient: f64) -> Vec<(EnergyTerm, f64)> {
         match self {
             Self::Friction(_) => Vec::new(),
-            Self::Spring(term) => vec![(term.clone(), coefficient)],
+            Self::Energy(term) => vec![(term.clone(), coefficient)],
             Self::Rotor(shaft) => {
                 let n = shaft.len();
                 let pairs = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
@@ -106,18 +113,12 @@ fn unit(n: usize, joint: usize) -> Vec<f64> {
 
 /// Columns of what is beside the links over a motion: one m×e matrix for each joint.
 pub(crate) fn columns(beside: &[Beside], motion: &Motion) -> Vec<Mat<f64>> {
-    let (m, n) = (motion.n_rows(), motion.n_joints());
-    let mut columns = vec![Mat::zeros(m, beside.len()); n];
-    let row_of = |x: faer::MatRef<'_, f64>, row: usize| -> Vec<f64> {
-        (0..n).map(|joint| x[(row, joint)]).collect()
-    };
-    for row in 0..m {
-        let state = [motion.q(), motion.dq(), motion.ddq()].map(|x| row_of(x, row));
-        let [q, dq, ddq] = &state;
-        for (k, beside) in beside.iter().enumerate() {
-            for (joint, columns) in columns.iter_mut().enumerate() {
-                columns[(row, k)] = beside.load(joint, [q, dq, ddq]);
-            }
+    let states = States::of(motion);
+    let mut columns = vec![Mat::zeros(motion.n_rows(), beside.len()); motion.n_joints()];
+    for (k, beside) in beside.iter().enumerate() {
+        let loads = beside.loads(&states);
+        for (joint, columns) in columns.iter_mut().enumerate() {
+            columns.col_mut(k).copy_from(loads.col(joint));
         }
     }
     columns

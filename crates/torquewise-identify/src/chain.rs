@@ -6,7 +6,7 @@ use crate::error::IdentifyError;
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{Learned, learn};
 use crate::noise::NoiseFloor;
-use crate::overlooked::overlooked;
+use crate::overlooked::{Tried, overlooked};
 use crate::patterns::Patterns;
 use crate::plan::Plan;
 use crate::prune::prune;
@@ -16,6 +16,9 @@ use torquewise_chain::Chain;
 use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Weighted};
 use torquewise_sparse::accumulate::Route;
 
+/// Terms beyond those of a chain at most.
+const MOST_FURTHER: usize = 12;
+
 /// Learns a chain from the sample of a survey and lists the equations of motion that follow.
 pub(crate) fn by_chain(
     survey: Survey,
@@ -24,9 +27,12 @@ pub(crate) fn by_chain(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
     progress(Progress::Geometry);
-    let learned = learn(&survey.sample, plan)?;
+    let mut learned = learn(&survey.sample, plan)?;
+    progress(Progress::Overlooked);
+    let tried = complete(&mut learned, &survey, plan)?;
     progress(Progress::Refit);
-    let all = energies(&learned.chain, &learned.beside)?;
+    let beside = &learned.recipe.beside;
+    let all = energies(&learned.chain, beside)?;
     let friction = friction(&learned);
     let candidates = all.len() + friction.len();
     let few = |all: Energies| {
@@ -34,7 +40,7 @@ pub(crate) fn by_chain(
     };
     let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
     let without = (learned.without.iter())
-        .map(|chain| energies(chain, &learned.beside))
+        .map(|chain| energies(chain, beside))
         .collect::<Result<Vec<_>, _>>()?;
     // Parallel axes make sums shorter, others products.
     let (kept, without) = if sums.len() < products.len() {
@@ -50,15 +56,13 @@ pub(crate) fn by_chain(
             Weighted { std_error: jackknife(&others), term, coefficient, inclusion: None }
         })
         .collect();
-    progress(Progress::Overlooked);
     let mut warnings = Warning::of_survey(&survey);
-    let (unused, warning) = overlooked(&learned, &survey, plan.friction)?;
-    warnings.extend(warning);
+    warnings.extend(tried.warning);
     progress(Progress::Done);
     let form = Form::Energy(terms);
     let joints = survey.joints.clone();
     let mut training = survey.training(learned.chain.residual_rms.clone());
-    training.overlooked = Some(unused);
+    training.overlooked = Some(tried.certificate);
     let model =
         Model { joints, form, friction, stages: Vec::new(), training, choices: learned.choices };
     let step = StepReport {
@@ -71,6 +75,21 @@ pub(crate) fn by_chain(
     let noise: NoiseFloor = survey.noise.clone();
     let (steps, dropped) = (vec![step], Vec::new());
     Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
+}
+
+/// Takes in, one by one, terms of the energy library that explain what no chain does, until no
+/// other seems to. A term that does not predict held-out rows better is not warned of either.
+fn complete(learned: &mut Learned, survey: &Survey, plan: &Plan) -> Result<Tried, IdentifyError> {
+    let mut tried = overlooked(learned, survey, plan.friction)?;
+    for _ in 0..MOST_FURTHER {
+        let Some(term) = &tried.missing else { break };
+        if !learned.offer(term, &survey.sample)? {
+            tried.warning = None;
+            break;
+        }
+        tried = overlooked(learned, survey, plan.friction)?;
+    }
+    Ok(tried)
 }
 
 /// All energy terms of a chain and what stands beside it.
@@ -96,7 +115,7 @@ fn friction(learned: &Learned) -> Vec<Weighted<FrictionTerm>> {
             inclusion: None,
         })
     };
-    learned.beside.iter().enumerate().filter_map(weighted).collect()
+    learned.recipe.beside.iter().enumerate().filter_map(weighted).collect()
 }
 
 /// Standard error of a coefficient from its values with each block of the log left out.

@@ -13,13 +13,15 @@ use torquewise_chain::{Chain, Rows, Search, refine, search};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 
+mod further;
 mod loads;
 
 /// A chain with what stands beside it, and how both were chosen.
 #[derive(Clone, Debug)]
 pub(crate) struct Learned {
     pub(crate) chain: Chain,
-    pub(crate) beside: Vec<Beside>,
+    /// What was fitted: what stands beside the links, which of the geometry moved.
+    pub(crate) recipe: Recipe,
     pub(crate) choices: Vec<Choice>,
     /// The same fit with each block of the log left out, for standard errors.
     pub(crate) without: Vec<Chain>,
@@ -300,7 +302,7 @@ impl<'a> School<'a> {
             .collect::<Result<_, IdentifyError>>()?;
         let rows = self.rows(&recipe, TRIED_ROWS)?;
         let laws = self.laws.clone();
-        Ok(Learned { chain, beside: recipe.beside, choices, without, rows, laws })
+        Ok(Learned { chain, recipe, choices, without, rows, laws })
     }
 
     fn choose(

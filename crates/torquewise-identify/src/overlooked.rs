@@ -1,5 +1,6 @@
 //! Learned chain → the terms it was not offered, and what each would explain of its residual (E10).
 
+use crate::beside::Beside;
 use crate::candidates::largest_energy_library;
 use crate::error::IdentifyError;
 use crate::held_out::{BLOCKS, mean, split, standard_error};
@@ -34,13 +35,22 @@ enum Candidate {
     Friction(FrictionTerm),
 }
 
-/// Tries every term of the energy library, second harmonics of V and the friction that was not
-/// allowed, each on its own; and warns if one explains what no chain does.
+/// What trying all terms came to.
+pub(crate) struct Tried {
+    pub(crate) certificate: Overlooked,
+    /// Of a term that explains what no chain does.
+    pub(crate) warning: Option<Warning>,
+    /// That term, if it is one of an energy.
+    pub(crate) missing: Option<EnergyTerm>,
+}
+
+/// Tries every term of the energy library, those of springs and the friction that was not allowed,
+/// each on its own; and warns if one explains what no chain does.
 pub(crate) fn overlooked(
     learned: &Learned,
     survey: &Survey,
     friction: FrictionKind,
-) -> Result<(Overlooked, Option<Warning>), IdentifyError> {
+) -> Result<Tried, IdentifyError> {
     let trials = Trials::new(learned, survey)?;
     let candidates = candidates(learned, friction);
     let gains = trials.gains(&candidates)?;
@@ -55,20 +65,23 @@ pub(crate) fn overlooked(
         let judge = |block| trials.held_out(&candidates[most(block)], block, joint);
         (0..BLOCKS).map(judge).collect::<Result<Vec<f64>, IdentifyError>>()
     })?;
-    let overlooked = Overlooked {
+    let certificate = Overlooked {
         candidates: candidates.len(),
         rows: learned.rows.len(),
         best: best.into_iter().map(|(unused, _)| unused).collect(),
         held_out: mean(&held_out),
         held_out_std_error: standard_error(&held_out),
     };
-    let is_friction = |place: &usize| matches!(candidates[*place], Candidate::Friction(_));
-    let rubs = order.first().is_some_and(is_friction);
+    let energy = order.first().and_then(|&place| match &candidates[place] {
+        Candidate::Energy(term) => Some(term.clone()),
+        Candidate::Friction(_) => None,
+    });
     let warning = joint.and_then(|joint| {
         let part = trials.left_of(joint) / survey.torque_std[joint];
-        warning(&overlooked, part, rubs)
+        warning(&certificate, part, energy.is_none())
     });
-    Ok((overlooked, warning))
+    let missing = energy.filter(|_| warning.is_some());
+    Ok(Tried { certificate, warning, missing })
 }
 
 /// A warning if the best term holds on rows it was not chosen on, by more than chance, and matters.
@@ -97,19 +110,33 @@ fn by_share(gains: &[Gain], share: impl Fn(&Gain) -> f64) -> Vec<usize> {
 fn candidates(learned: &Learned, friction: FrictionKind) -> Vec<Candidate> {
     let n = learned.rows.n_joints();
     let library = largest_energy_library(n, MOST_TRIED).into_iter();
-    let springs = (0..n).flat_map(|joint| {
-        [Trig::Cos, Trig::Sin].map(|trig| {
-            let function = Term::one(n).times(trig, joint, 2, 1);
-            EnergyTerm { place: Place::Potential, function }
-        })
-    });
     // Where it may choose, the learner has judged all laws of friction itself.
     let laws = match friction {
         FrictionKind::None | FrictionKind::Linear => learned.laws.of(FrictionKind::Stribeck),
         FrictionKind::Stribeck | FrictionKind::Auto => Vec::new(),
     };
-    let energies = library.chain(springs).map(Candidate::Energy);
+    let energies = library.chain(springs(n)).map(Candidate::Energy);
     energies.chain(laws.into_iter().map(Candidate::Friction)).collect()
+}
+
+/// Terms of V that masses never make, in one angle or two: second harmonics, from springs between
+/// links and counterbalances.
+fn springs(n: usize) -> impl Iterator<Item = EnergyTerm> {
+    let waves = move |joint: usize| {
+        [(Trig::Cos, 1), (Trig::Sin, 1), (Trig::Cos, 2), (Trig::Sin, 2)]
+            .map(|(trig, multiple)| (joint, trig, multiple))
+    };
+    let alone = (0..n).flat_map(move |joint| waves(joint).into_iter().map(|wave| vec![wave]));
+    let pairs =
+        (0..n).flat_map(move |i| (i + 1..n).map(move |j| (i, j))).flat_map(move |(i, j)| {
+            waves(i).into_iter().flat_map(move |a| waves(j).into_iter().map(move |b| vec![a, b]))
+        });
+    let second = |waves: &Vec<(usize, Trig, i8)>| waves.iter().any(|wave| wave.2 == 2);
+    alone.chain(pairs).filter(second).map(move |waves| {
+        let one = Term::one(n);
+        let function = waves.into_iter().fold(one, |term, (j, trig, k)| term.times(trig, j, k, 1));
+        EnergyTerm { place: Place::Potential, function }
+    })
 }
 
 /// Rows of a log in blocks of time, on which terms are tried.
@@ -186,16 +213,7 @@ impl<'a> Trials<'a> {
         let n = self.states.n_joints();
         let loads = match candidate {
             Candidate::Energy(term) => self.states.loads(term, 1.0),
-            Candidate::Friction(term) => {
-                let mut loads = Mat::zeros(self.states.len(), n);
-                for state in 0..self.states.len() {
-                    let value = term.value(&self.states.speeds(state));
-                    for (joint, shaft) in term.shaft.iter().enumerate() {
-                        loads[(state, joint)] = shaft * value;
-                    }
-                }
-                loads
-            }
+            Candidate::Friction(term) => Beside::Friction(term.clone()).loads(&self.states),
         };
         let mut next = 0;
         for block in &self.blocks {

@@ -78,6 +78,11 @@ impl States {
         self.dq.iter().map(|dq| dq[state]).collect()
     }
 
+    /// Joint accelerations \[rad/s²\] of a state, n.
+    pub(crate) fn accelerations(&self, state: usize) -> Vec<f64> {
+        self.ddq.iter().map(|ddq| ddq[state]).collect()
+    }
+
     /// Torque of a term on all states, states×n: d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q (E4).
     pub(crate) fn loads(&self, term: &EnergyTerm, coefficient: f64) -> Mat<f64> {
         let (value, slopes) = self.value(term, coefficient);

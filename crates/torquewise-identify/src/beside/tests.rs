@@ -101,7 +101,7 @@ fn a_spring_is_its_own_energy_term() {
     for spring in Beside::counterbalance(N, 2) {
         let terms = spring.energy_terms(-1.5);
 
-        let Beside::Spring(own) = spring else { panic!("a spring") };
+        let Beside::Energy(own) = spring else { panic!("a spring") };
         assert_eq!(terms, [(own, -1.5)]);
     }
 }

@@ -1,15 +1,17 @@
 //! What a term would explain, against least squares solved anew with the torque of the term.
 
-use super::{Candidate, Trials, candidates, overlooked};
+use super::{Candidate, Trials, Tried, candidates, overlooked};
 use crate::friction::Dictionary;
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
 use crate::survey::{Survey, survey, thinned};
+use crate::trial::Recipe;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_chain::{Chain, Geometry, Rows};
+use torquewise_chain::search::all_parameters;
+use torquewise_chain::{Chain, Geometry, Rows, Search};
 use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted};
 use torquewise_motion::{Motion, Signals};
 
@@ -88,7 +90,9 @@ fn learned(survey: &Survey) -> Learned {
     let tau = motion.require_tau().unwrap();
     let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap();
     let laws = Dictionary::new(vec![2.0; N]);
-    Learned { chain: chain(), beside: vec![], choices: vec![], without: vec![], rows, laws }
+    let (search, free) = (Search::default(), all_parameters(N));
+    let recipe = Recipe { beside: vec![], search, free };
+    Learned { chain: chain(), recipe, choices: vec![], without: vec![], rows, laws }
 }
 
 fn spring() -> EnergyTerm {
@@ -153,10 +157,11 @@ fn a_share_is_what_solving_least_squares_with_the_term_gains() {
 fn a_term_that_is_at_work_is_the_best_and_warned_of() {
     let survey = survey(&motion(1_000, &[(spring(), 0.5)], NOISE)).unwrap();
 
-    let (found, warning) = overlooked(&learned(&survey), &survey, FrictionKind::Auto).unwrap();
+    let Tried { certificate: found, warning, .. } =
+        overlooked(&learned(&survey), &survey, FrictionKind::Auto).unwrap();
 
-    // 84 terms of the library, cos and sin of 2q of each joint in V.
-    assert_eq!(found.candidates, 90);
+    // 84 terms of the library, 2 springs of each joint and 12 of each pair.
+    assert_eq!(found.candidates, 84 + 6 + 36);
     assert_eq!(found.best[0].term, "V: cos(q1)*sin(q3)");
     assert!(found.best[0].share > 0.8, "{found}");
     let warning = warning.unwrap().to_string();
@@ -168,10 +173,11 @@ fn where_the_chain_is_all_there_is_no_term_holds() {
     for noise in [0.0, 1e-6, NOISE, 1.0] {
         let survey = survey(&motion(1_000, &[], noise)).unwrap();
 
-        let (found, warning) = overlooked(&learned(&survey), &survey, FrictionKind::None).unwrap();
+        let Tried { certificate: found, warning, .. } =
+            overlooked(&learned(&survey), &survey, FrictionKind::None).unwrap();
 
         assert_eq!(warning, None, "{noise}: {found}");
-        // The best of 141 by chance: 2 ln 141 over 3000 equations, twice that to be safe.
+        // The best of 177 by chance: 2 ln 177 over 3000 equations, twice that to be safe.
         assert!(noise < NOISE || found.best[0].share < 0.007, "{noise}: {found}");
     }
 }
@@ -185,7 +191,8 @@ fn friction_that_was_not_asked_for_is_found() {
     }
     let survey = survey(&Motion::new(signals).unwrap()).unwrap();
 
-    let (found, warning) = overlooked(&learned(&survey), &survey, FrictionKind::None).unwrap();
+    let Tried { certificate: found, warning, .. } =
+        overlooked(&learned(&survey), &survey, FrictionKind::None).unwrap();
 
     assert_eq!((found.best[0].term.as_str(), found.best[0].joint.as_str()), ("dq2", "joint2"));
     assert!(warning.unwrap().to_string().ends_with("try --friction auto"));
@@ -197,7 +204,7 @@ fn the_same_bits_at_any_number_of_threads() {
     let learned = learned(&survey);
     let found_with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| overlooked(&learned, &survey, FrictionKind::Linear).unwrap().0)
+        pool.install(|| overlooked(&learned, &survey, FrictionKind::Linear).unwrap().certificate)
     };
 
     assert_eq!(found_with(1), found_with(2));

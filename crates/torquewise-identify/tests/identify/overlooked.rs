@@ -13,11 +13,15 @@ use torquewise_model::{
 };
 use torquewise_motion::Motion;
 
-/// The reference arm in motion, with a further term in its energy and white noise in its torque.
-fn motion(more: Option<(EnergyTerm, f64)>, noise: f64) -> Motion {
+fn simulated(kind: MotionKind, seed: u64) -> Motion {
     let arm = Arm::builtin("puma560-3").unwrap();
-    let plan = MotionPlan { kind: MotionKind::Sines, seconds: 40.0, rate: 50.0, seed: 1 };
-    let motion = simulate(&arm, &plan).unwrap().motion;
+    let plan = MotionPlan { kind, seconds: 40.0, rate: 50.0, seed };
+    simulate(&arm, &plan).unwrap().motion
+}
+
+/// The reference arm in motion, with further terms in its energy and white noise in its torque.
+fn motion(more: &[(EnergyTerm, f64)], noise: f64) -> Motion {
+    let motion = simulated(MotionKind::Sines, 1);
     let extra = torque_of(&motion, more);
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let mut signals = motion.into_signals();
@@ -32,12 +36,12 @@ fn motion(more: Option<(EnergyTerm, f64)>, noise: f64) -> Motion {
     Motion::new(signals).unwrap()
 }
 
-fn torque_of(motion: &Motion, more: Option<(EnergyTerm, f64)>) -> faer::Mat<f64> {
+fn torque_of(motion: &Motion, more: &[(EnergyTerm, f64)]) -> faer::Mat<f64> {
     let weighted =
         |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
     let model = Model {
         joints: motion.joints().to_vec(),
-        form: Form::Energy(more.into_iter().map(weighted).collect()),
+        form: Form::Energy(more.iter().cloned().map(weighted).collect()),
         friction: vec![],
         stages: vec![],
         training: Training::default(),
@@ -65,15 +69,36 @@ fn spring() -> EnergyTerm {
     EnergyTerm { place: Place::Potential, function }
 }
 
-#[test]
-fn a_planted_term_is_the_best_of_those_overlooked() {
-    let found = fit(&motion(Some((spring(), 5.0)), 0.2));
+/// A coupling that the masses of the reference arm, which has others, do not make.
+fn gear() -> EnergyTerm {
+    let function = Term::one(3).times(Trig::Cos, 1, 1, 1).times(Trig::Cos, 2, 2, 1);
+    EnergyTerm { place: Place::Inertia(0, 1), function }
+}
 
-    let text = overlooked(&found).to_string();
-    assert_eq!(overlooked(&found).best[0].term, "V: cos(q1)*cos(q3)", "{text}");
-    let warning = warned(&found).unwrap().to_string();
-    assert!(warning.starts_with("V: cos(q1)*cos(q3) would lower the residual of joint"), "{text}");
-    // It goes into the model file and comes back.
+#[test]
+fn planted_terms_are_found_one_by_one_and_taken_in() {
+    let both = [(spring(), 5.0), (gear(), 0.8)];
+    let found = fit(&motion(&both, 0.2));
+
+    let joined = found.model.choices.iter().filter(|c| c.what == "term beyond the chain");
+    let mut names: Vec<&str> = joined.map(|choice| choice.chosen.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["M12: cos(q2)*cos(2*q3)", "V: cos(q1)*cos(q3)"]);
+    let tried = overlooked(&found);
+    assert_eq!(warned(&found), None, "{tried}");
+    // Nothing is left but the noise, on a motion it has not seen either.
+    for rms in &found.model.training.residual_rms {
+        assert!((rms / 0.2 - 1.0).abs() < 0.05, "{rms}");
+    }
+    let other = simulated(MotionKind::Sines, 7);
+    let expected = other.tau().unwrap() + torque_of(&other, &both);
+    let torque = Torque::new(&found.model).over(&other).unwrap();
+    for joint in 0..3 {
+        let error = (torque.col(joint) - expected.col(joint)).norm_l2();
+        let part = error / expected.col(joint).norm_l2();
+        assert!(part < 0.02, "joint {joint}: {part}");
+    }
+    // What was tried goes into the model file and comes back.
     let kept = from_json(&to_json(&found.model).unwrap()).unwrap();
     assert_eq!(kept.training.overlooked, found.model.training.overlooked);
 }
@@ -81,12 +106,12 @@ fn a_planted_term_is_the_best_of_those_overlooked() {
 #[test]
 fn without_it_nothing_is_said() {
     for noise in [0.0, 0.2, 2.0] {
-        let found = fit(&motion(None, noise));
+        let found = fit(&motion(&[], noise));
 
         let tried = overlooked(&found);
         assert_eq!(warned(&found), None, "{noise}: {tried}");
-        // Library, cos and sin of 2q in V, and the friction that was not asked for.
-        assert_eq!(tried.candidates, 84 + 6 + 51, "{tried}");
+        // Library, springs, and the friction that was not asked for.
+        assert_eq!(tried.candidates, 84 + 42 + 51, "{tried}");
         assert!(noise == 0.0 || tried.best[0].of_residual() < 0.01, "{noise}: {tried}");
     }
 }

@@ -114,5 +114,8 @@ pub(crate) fn section(outcome: &Outcome) -> String {
             .collect();
         lines.push(format!("- {}: **{}** of {}\n", choice.what, choice.chosen, tried.join(", ")));
     }
+    if let Some(certificate) = &outcome.model.training.overlooked {
+        lines.push(format!("\n{certificate}.\n"));
+    }
     lines.concat()
 }
