@@ -1,160 +1,129 @@
-"""One peer on the rows of `cargo bench --bench peers`: seconds, memory and weights.
+"""One peer at one task on the rows of `cargo bench --bench peers`: seconds, memory, what it found.
 
-    python peer.py FOLDER PEER
+    python peer.py FOLDER TASK PEER
 
 Every peer runs in a process of its own, and prints one JSON object: seconds by the clock and of all
 processors, and the peak of its memory in MB.
 """
 
 import json
-import re
 import resource
 import sys
-import time
 import warnings
 from pathlib import Path
 
+import energy
 import numpy as np
+from common import GAP, candidates, evaluated, lasso, nrmse, path_gap, rows, sindy, timed
 
 warnings.filterwarnings("ignore")
-JOINTS = 3
 JOINT = 1  # the joint that the LASSO explains
-GAP = 1e-5  # of the mean square of the torque
-FACTOR = re.compile(r"Factor \{ multiples: \[([^\]]*)\], function: (\w+), power: (\d+) \}")
 
 
-def rows(folder):
-    values = np.fromfile(folder / "rows.f64").reshape(4 * JOINTS, -1).T
-    q, dq, ddq, tau = np.split(values, 4, axis=1)
-    return q, np.hstack([dq, ddq]), tau
-
-
-def candidate(line):
-    """A candidate that torquewise was offered, as a function of the columns of q, dq and ddq."""
-    factors = [
-        ([int(k) for k in multiples.split(",")], getattr(np, function.lower()), int(power))
-        for multiples, function, power in FACTOR.findall(line)
-    ]
-    powers = re.search(r" dq: \[([^\]]*)\], ddq: \[([^\]]*)\]", line).groups()
-    powers = [int(k) for part in powers for k in part.split(",")]
-
-    # PySINDy counts the arguments.
-    def value(q1, q2, q3, dq1, dq2, dq3, ddq1, ddq2, ddq3):
-        column = np.ones_like(q1)
-        for multiples, function, power in factors:
-            angle = sum(k * q for k, q in zip(multiples, (q1, q2, q3)))
-            column = column * function(angle) ** power
-        for x, power in zip((dq1, dq2, dq3, ddq1, ddq2, ddq3), powers):
-            column = column * x**power if power else column
-        return column
-
-    return value
-
-
-def candidates(folder):
-    return [candidate(line) for line in (folder / "terms.txt").read_text().splitlines()]
-
-
-def gap(x, y, w, alpha):
-    """Duality gap of ½/m ‖y − X w‖² + α ‖w‖₁."""
-    m = len(y)
-    rest = y - x @ w
-    scale = min(1.0, alpha * m / max(np.abs(x.T @ rest).max(), 1e-300))
-    primal = rest @ rest / (2 * m) + alpha * np.abs(w).sum()
-    dual = (y @ y - (y - scale * rest) @ (y - scale * rest)) / (2 * m)
-    return primal - dual
-
-
-def path_gap(x, y, weights, lambdas):
-    return max(gap(x, y, w, a) for w, a in zip(weights, lambdas)) / (y @ y / len(y))
-
-
-def run(peer, folder):
-    q, rates, tau = rows(folder)
-    signals, functions = np.hstack([q, rates]), candidates(folder)
+def library(peer, folder):
+    """The whole library of SINDy, 3 612 candidates."""
+    *signals, tau = rows(folder / "rows.f64")
+    signals, functions = np.hstack(signals), candidates(folder / "terms.txt")
     if peer == "pysindy":
-        return sindy(functions, signals, tau)
-    columns = np.ascontiguousarray(signals.T)
-    evaluated, x = timed(lambda: np.stack([f(*columns) for f in functions]).T)
-    if peer == "check":
-        ours = np.fromfile(folder / "ours_lstsq.f64").reshape(JOINTS, -1).T
-        lambdas = np.fromfile(folder / "lambdas.f64")
-        size = np.sqrt((x**2).mean(axis=0))
-        weights = np.fromfile(folder / "ours_lasso.f64").reshape(len(lambdas), -1) * size
-        found = {"lstsq_rms": np.sqrt(((tau - x @ ours) ** 2).mean(axis=0)).tolist()}
-        found["gap"] = path_gap(x / size, tau[:, JOINT], weights, lambdas)
-        return {}, found
-    found = {"library_seconds": evaluated}
+        # From the rows to the weights, as ours: the library is evaluated, too.
+        model = sindy(functions)
+        spent, _ = timed(lambda: model.fit(signals, t=0.01, x_dot=tau))
+        return {"seconds": spent, "active": int((model.coefficients() != 0).sum())}
+    spent, x = timed(lambda: evaluated(functions, signals))
+    found = {"library_seconds": spent}
     if peer == "lstsq":
-        work = lambda: np.linalg.lstsq(x, tau, rcond=None)[0]
-        after = lambda w: {"lstsq_rms": np.sqrt(((tau - x @ w) ** 2).mean(axis=0)).tolist()}
+        found["seconds"], w = timed(lambda: np.linalg.lstsq(x, tau, rcond=None)[0])
+        return {**found, "lstsq_rms": np.sqrt(((tau - x @ w) ** 2).mean(axis=0)).tolist()}
+    lambdas = np.fromfile(folder / "lambdas.f64")
+    size, y = np.sqrt((x**2).mean(axis=0)), tau[:, JOINT].copy()
+    if peer == "check":
+        ours = np.fromfile(folder / "ours_lstsq.f64").reshape(tau.shape[1], -1).T
+        w = np.fromfile(folder / "ours_lasso.f64").reshape(len(lambdas), -1) * size
+        rms = np.sqrt(((tau - x @ ours) ** 2).mean(axis=0)).tolist()
+        return {"lstsq_rms": rms, "gap": path_gap(x / size, y, w, lambdas)}
+    scaled = np.asfortranarray(x / size)
+    found["seconds"], w = timed(lambda: lasso(peer, scaled, y, lambdas))
+    return {**found, "gap": path_gap(scaled, y, w, lambdas)}
+
+
+def steps(peer, folder):
+    """The paper's method: three regressions in turn, the patterns given."""
+    assert peer == "pysindy"
+    *signals, tau = rows(folder / "steps.f64")
+    signals = np.hstack(signals)
+    patterns = np.fromfile(folder / "steps_patterns.f64").astype(int)
+    models = [sindy(candidates(folder / f"step{k}.txt")) for k in (1, 2, 3)]
+
+    def reconstruct():
+        left = tau.copy()
+        for k, model in enumerate(models):
+            own = patterns == k
+            model.fit(signals[own], t=0.01, x_dot=left[own])
+            if (patterns > k).any():
+                left[patterns > k] -= model.predict(signals[patterns > k])
+
+    spent, _ = timed(reconstruct)
+    *signals, tau = rows(folder / "steps_test.f64")
+    found = sum(model.predict(np.hstack(signals)) for model in models)
+    active = int(sum((model.coefficients() != 0).sum() for model in models))
+    return {"seconds": spent, "active": active, "errors": nrmse(tau, found)}
+
+
+def energy_library(peer, folder, task, joints):
+    """One regression of all joints: least squares, or the path of a LASSO."""
+    q, dq, ddq, tau = rows(folder / f"{task}.f64", joints)
+    spread = tau.std(axis=0)
+    y, terms = energy.stacked(tau, spread), energy.library(folder / f"{task}.json")
+    spent, x = timed(lambda: energy.columns(terms, q, dq, ddq))
+    energy.divide(x, spread)
+    found = {"library_seconds": spent, "candidates": len(terms)}
+    if peer == "lstsq":
+        found["seconds"], w = timed(lambda: np.linalg.lstsq(x, y, rcond=None)[0])
+        weights = w[None]
     else:
-        lambdas = np.fromfile(folder / "lambdas.f64")
-        scaled = np.asfortranarray(x / np.sqrt((x**2).mean(axis=0)))
-        y = tau[:, JOINT].copy()
-        work = lambda: lasso(peer, scaled, y, lambdas)
-        after = lambda w: {"gap": path_gap(scaled, y, w, lambdas)}
-    spent, done = timed(work)
-    return {"seconds": spent}, {**found, **after(done)}
+        size = np.sqrt((x**2).mean(axis=0))
+        x /= size
+        if joints == 3:
+            lambdas, tol = np.fromfile(folder / f"{task}_lambdas.f64"), GAP
+        else:
+            most = np.abs(x.T @ y).max() / len(y)
+            lambdas, tol = np.geomspace(most, 1e-4 * most, 30), 1e-4
+        found["seconds"], w = timed(lambda: lasso(peer, x, y, lambdas, tol))
+        found["gap"] = path_gap(x, y, w, lambdas)
+        weights = w / size
+    q, dq, ddq, tau = rows(folder / f"{task}_test.f64", joints)
+    some = np.flatnonzero((weights != 0).any(axis=0))
+    x = energy.columns([terms[place] for place in some], q, dq, ddq)
+    tests = [nrmse(tau, (x @ w[some]).reshape(joints, -1).T) for w in weights]
+    # In favour of the peer: of its penalties, the one that does best in the test.
+    best = int(np.argmin([np.log(errors).sum() for errors in tests]))
+    return {**found, "active": int((weights[best] != 0).sum()), "errors": tests[best]}
 
 
-def sindy(functions, signals, tau):
-    """From the rows to the weights, as ours: the library is evaluated, too."""
-    import pysindy
-
-    names = [lambda *_, place=place: f"f{place}" for place in range(len(functions))]
-    model = pysindy.SINDy(
-        optimizer=pysindy.STLSQ(threshold=0.1, alpha=0.05),
-        feature_library=pysindy.CustomLibrary(functions, function_names=names),
-    )
-    spent, _ = timed(lambda: model.fit(signals, t=0.01, x_dot=tau))
-    return {"seconds": spent}, {"active": int((model.coefficients() != 0).sum())}
-
-
-def timed(work):
-    clock, processors = time.perf_counter(), time.process_time()
-    done = work()
-    return [time.perf_counter() - clock, time.process_time() - processors], done
+def many(peer, folder, repeats):
+    """Time over rows, 196 candidates: the same 10 000 rows again and again."""
+    *signals, tau = rows(folder / "many.f64")
+    functions = candidates(folder / "many.txt")
+    signals = np.tile(np.hstack(signals), (repeats, 1))
+    tau = np.tile(tau, (repeats, 1))
+    if peer == "pysindy":
+        model = sindy(functions)
+        return {"seconds": timed(lambda: model.fit(signals, t=0.01, x_dot=tau))[0]}
+    solve = lambda: np.linalg.lstsq(evaluated(functions, signals), tau, rcond=None)
+    return {"seconds": timed(solve)[0]}
 
 
-def lasso(peer, x, y, lambdas):
-    """Weights at each penalty, penalties × columns."""
-    # Looser stops end above the gap asked for, so each is set to reach it.
-    if peer == "celer":
-        from celer import celer_path
-
-        return celer_path(x, y, pb="lasso", alphas=lambdas, tol=GAP, max_iter=200)[1].T
-    if peer == "sklearn":
-        from sklearn.linear_model import lasso_path
-
-        found = lasso_path(x, y, alphas=lambdas, precompute=True, tol=GAP, max_iter=100_000)
-        return found[1].T
-    if peer == "lars":
-        from sklearn.linear_model import lars_path_gram
-
-        gram, cross = x.T @ x, x.T @ y
-        alphas, _, weights = lars_path_gram(
-            cross, gram, n_samples=len(y), method="lasso", alpha_min=lambdas[-1], max_iter=5_000
-        )
-        places = [np.interp(a, alphas[::-1], np.arange(len(alphas))[::-1]) for a in lambdas]
-        low = np.floor(places).astype(int)
-        high = np.minimum(low + 1, len(alphas) - 1)
-        part = np.array(places) - low
-        return (weights[:, low] * (1 - part) + weights[:, high] * part).T
-    if peer == "skglm":
-        from skglm import Lasso
-
-        model = Lasso(fit_intercept=False, warm_start=True)
-        weights = []
-        for alpha in lambdas:
-            model.alpha = alpha
-            model.tol = 1e-2 * alpha
-            weights.append(model.fit(x, y).coef_.copy())
-        return np.array(weights)
-    raise SystemExit(f"no peer {peer}")
+def run(task, peer, folder):
+    if task == "library":
+        return library(peer, folder)
+    if task == "steps":
+        return steps(peer, folder)
+    if task.startswith("energy"):
+        return energy_library(peer, folder, task, int(task[-1]))
+    return many(peer, folder, int(task.removeprefix("rows")) // 10_000)
 
 
 if __name__ == "__main__":
-    times, found = run(sys.argv[2], Path(sys.argv[1]))
+    found = run(sys.argv[2], sys.argv[3], Path(sys.argv[1]))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    print(json.dumps({**times, "memory_mb": memory, **found}))
+    print(json.dumps({**found, "memory_mb": memory}))

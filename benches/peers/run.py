@@ -1,12 +1,11 @@
 """torquewise beside its peers: the same rows, candidates, machine and run.
 
-    python3 benches/peers/run.py [FOLDER] [PEER ...]
+    python3 benches/peers/run.py [FOLDER] [TASK[:PEER] ...]
 
 Makes a virtual environment in FOLDER (default target/peers), lets `cargo bench --bench peers` write
 the rows and its own times, then runs every peer in a process of its own, one after the other, and
-writes FOLDER/peers.json, FOLDER/peers.md and FOLDER/candidates.svg, of which docs/images/peers.svg is
-a copy. Times are of the clock and of all processors; on a shared machine only the latter can be
-compared.
+writes FOLDER/peers.json, FOLDER/peers.md and plots, of which docs/images holds copies. Times are of
+the clock and of all processors; on a shared machine only the latter can be compared.
 """
 
 import json
@@ -17,7 +16,19 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-PEERS = ["lstsq", "pysindy", "celer", "skglm", "sklearn", "lars"]
+ROWS = ["rows10000", "rows100000", "rows1000000"]  # ten times more do not fit a peer's memory
+TASKS = {
+    "library": ["lstsq", "pysindy", "celer", "skglm", "sklearn", "lars"],
+    "steps": ["pysindy"],
+    "energy3": ["lstsq", "celer", "sklearn"],
+    "energy6": ["celer"],
+} | {rows: ["lstsq", "pysindy"] for rows in ROWS}
+TITLES = {
+    "library": "the whole library of SINDy, 20 000 rows",
+    "steps": "the three steps of the paper, 20 000 rows",
+    "energy3": "energy library of three joints, 20 000 rows",
+    "energy6": "energy library of six joints, 4 000 rows",
+}
 SECONDS = 3600  # longer than this no peer is waited for
 
 
@@ -30,14 +41,15 @@ def environment(folder):
     return python
 
 
-def ours(folder):
+def ours(folder, tasks):
     command = ["cargo", "bench", "-p", "torquewise-identify", "--bench", "peers", "--", str(folder)]
-    subprocess.run(command, cwd=ROOT, check=True)
+    own = dict.fromkeys("rows" if task in ROWS else task for task in tasks)
+    subprocess.run([*command, *own], cwd=ROOT, check=True)
     return json.loads((folder / "ours.json").read_text())
 
 
-def peer(python, folder, name):
-    command = [str(python), str(HERE / "peer.py"), str(folder), name]
+def peer(python, folder, task, name):
+    command = [str(python), str(HERE / "peer.py"), str(folder), task, name]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
     except subprocess.TimeoutExpired:
@@ -46,76 +58,85 @@ def peer(python, folder, name):
     return json.loads(lines[-1]) if done.returncode == 0 and lines else {"failed": done.stderr[-300:]}
 
 
+def own_seconds(own, task, name):
+    """Our seconds at what a peer does at a task."""
+    if task in ROWS:
+        return own["rows"]["seconds"][task.removeprefix("rows")]
+    if task in ("steps", "energy6"):
+        return own[task]["fit"]
+    own = own[task]
+    if task == "library":
+        own = max(own["candidates"].items(), key=lambda pair: int(pair[0]))[1]
+    after = {"lstsq": "lstsq", "pysindy": "stlsq"}.get(name, "lasso")
+    return [a + b for a, b in zip(own["gram"], own[after])]
+
+
 def pair(numbers, digits):
     return ", ".join(f"{x:.{digits}f}" for x in numbers)
 
 
-def table(found):
-    own = max(found["ours"]["candidates"].items(), key=lambda pair: int(pair[0]))[1]
-    tasks = {"lstsq": "lstsq", "pysindy": "stlsq"}
-    # By the clock, and of all processors.
+def percent(errors):
+    return " ".join(f"{x:.2g}" for x in errors)
+
+
+def table(found, task):
+    own = found["ours"].get(task, {})
     lines = ["| peer | its seconds | evaluating the library | ours | ratio | with evaluation "
-             "| memory [MB] | gap |", "|---|---|---|---|---|---|---|---|"]
-    for name, result in found["peers"].items():
+             "| memory [MB] | gap | terms | errors [%] |", "|---" * 10 + "|"]
+    for name, result in found["peers"].get(task, {}).items():
         if "seconds" not in result:
-            lines.append(f"| {name} | {result.get('failed', 'failed')} | | | | | | |")
+            lines.append(f"| {name} | {result.get('failed', 'failed')} |" + " |" * 8)
             continue
-        task = tasks.get(name, "lasso")
-        mine = [own["gram"][k] + own[task][k] for k in (0, 1)]
+        mine = own_seconds(found["ours"], task, name)
         spent, evaluated = result["seconds"], result.get("library_seconds", [0.0, 0.0])
-        gap = f"{result['gap']:.1e}" if "gap" in result else ""
         alone = [part / own for part, own in zip(spent, mine)]
         whole = [(part + more) / own for part, more, own in zip(spent, evaluated, mine)]
         apart = "library_seconds" in result
-        cells = [pair(spent, 1), pair(evaluated, 1) if apart else "included", pair(mine, 2)]
-        cells += [pair(alone, 0) if apart else "", pair(whole, 0)]
-        lines.append(f"| {name} | {' | '.join(cells)} | {result['memory_mb']:.0f} | {gap} |")
+        cells = [name, pair(spent, 2), pair(evaluated, 2) if apart else "included", pair(mine, 3)]
+        cells += [pair(alone, 0) if apart else "", pair(whole, 0), f"{result['memory_mb']:.0f}"]
+        cells += [f"{result['gap']:.1e}" if "gap" in result else "", str(result.get("active", ""))]
+        lines.append(f"| {' | '.join(cells)} | {percent(result.get('errors', []))} |")
+    if "errors" in own:
+        cells = ["torquewise, a whole fit", "", "", pair(own["fit"], 3), "", "", "", ""]
+        lines.append(f"| {' | '.join(cells)} | {own['active']} | {percent(own['errors'])} |")
     return "\n".join(lines) + "\n"
 
 
-PLOT = """
-import json, sys
-import matplotlib
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
-found = json.load(open(sys.argv[1]))
-sizes = sorted(found["ours"]["candidates"].items(), key=lambda pair: int(pair[0]))
-p = [int(size) for size, _ in sizes]
-tasks = {"lstsq": "least squares", "stlsq": "STLSQ", "lasso": "LASSO path"}
-peers = {"lstsq": ["lstsq"], "stlsq": ["pysindy"]}
-plt.rcParams["svg.fonttype"] = "none"
-figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
-for color, (task, label) in enumerate(tasks.items()):
-    ours = [own["gram"][0] + own[task][0] for _, own in sizes]
-    axes.loglog(p, ours, "o-", color=f"C{color}", label="torquewise, " + label)
-    for name, result in found["peers"].items():
-        if "seconds" in result and name in peers.get(task, set(found["peers"]) - {"lstsq", "pysindy"}):
-            whole = result["seconds"][0] + result.get("library_seconds", [0])[0]
-            axes.plot(p[-1], whole, "x", color=f"C{color}")
-            axes.annotate(name + " ", (p[-1], whole), ha="right", va="center")
-axes.set_xticks(p, [str(size) for size in p])
-axes.minorticks_off()
-axes.set_xlabel("candidates")
-axes.set_ylabel("from 20 000 rows to weights [s]")
-axes.legend(loc="upper left")
-figure.savefig(sys.argv[2], metadata={"Date": None})
-"""
+def page(found):
+    tasks = [task for task in TITLES if task in found["peers"]]
+    parts = [f"{TITLES[task]}\n\n{table(found, task)}" for task in tasks]
+    if any(rows in found["peers"] for rows in ROWS):
+        lines = ["| rows | ours | lstsq | PySINDy |", "|---|---|---|---|"]
+        for rows, mine in found["ours"]["rows"]["seconds"].items():
+            peers = found["peers"].get(f"rows{rows}", {})
+            cells = [pair(peers.get(name, {}).get("seconds", []), 2) for name in ("lstsq", "pysindy")]
+            lines.append(f"| {int(float(rows)):.0e} | {pair(mine, 3)} | {' | '.join(cells)} |")
+        parts.append("196 candidates, seconds over rows\n\n" + "\n".join(lines) + "\n")
+    return "\n".join(parts)
 
 
 def main():
     words = sys.argv[1:]
     folder = Path(words[0] if words else ROOT / "target" / "peers").resolve()
     folder.mkdir(parents=True, exist_ok=True)
+    wanted = {}
+    for word in words[1:] or TASKS:
+        task, _, name = word.partition(":")
+        for task in ROWS if task == "rows" else [task]:
+            wanted.setdefault(task, []).extend([name] if name else TASKS[task])
     python = environment(folder)
-    found = {"ours": ours(folder), "check": peer(python, folder, "check"), "peers": {}}
-    for name in words[1:] or PEERS:
-        found["peers"][name] = peer(python, folder, name)
-        print(name, found["peers"][name], flush=True)
-        (folder / "peers.json").write_text(json.dumps(found, indent=1))
-    (folder / "peers.md").write_text(table(found))
-    print(table(found))
-    plot = [str(folder / "peers.json"), str(folder / "candidates.svg")]
-    subprocess.run([str(python), "-c", PLOT, *plot], check=True)
+    found = {"ours": ours(folder, wanted), "peers": {}}
+    if "library" in wanted:
+        found["check"] = peer(python, folder, "library", "check")
+    for task, names in wanted.items():
+        for name in names:
+            result = peer(python, folder, task, name)
+            found["peers"].setdefault(task, {})[name] = result
+            print(task, name, result, flush=True)
+            (folder / "peers.json").write_text(json.dumps(found, indent=1))
+    (folder / "peers.md").write_text(page(found))
+    print(page(found))
+    subprocess.run([str(python), str(HERE / "plots.py"), str(folder)], check=True)
 
 
 if __name__ == "__main__":

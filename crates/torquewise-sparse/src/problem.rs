@@ -3,6 +3,7 @@
 use crate::cholesky;
 use crate::error::SparseError;
 use faer::{Mat, MatRef};
+use rayon::prelude::*;
 
 /// Relative residual energy that rounding alone leaves in normal equations.
 ///
@@ -272,14 +273,14 @@ impl Problem {
     fn correlations(&self, used: &[usize], length: &[f64], ridge: Ridge) -> Mat<f64> {
         let inverse: Vec<f64> = length.iter().map(|l| l.recip()).collect();
         let mut out = Mat::zeros(used.len(), used.len());
-        for (j, &column) in used.iter().enumerate() {
-            let from = self.gram_column(column);
-            let below = out.col_as_slice_mut(j)[j..].iter_mut();
-            for (out, (&row, own)) in below.zip(used[j..].iter().zip(&inverse[j..])) {
+        out.par_col_iter_mut().enumerate().for_each(|(j, out)| {
+            let Some(out) = out.try_as_col_major_mut() else { return };
+            let (from, out) = (self.gram_column(used[j]), &mut out.as_slice_mut()[j..]);
+            for (out, (&row, own)) in out.iter_mut().zip(used[j..].iter().zip(&inverse[j..])) {
                 *out = from[row] * own * inverse[j];
             }
-            out[(j, j)] = 1.0 + ridge.part + ridge.plain / length[j].powi(2);
-        }
+            out[0] = 1.0 + ridge.part + ridge.plain / length[j].powi(2);
+        });
         out
     }
 }

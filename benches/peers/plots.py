@@ -1,0 +1,60 @@
+"""FOLDER/peers.json -> candidates.svg, rows.svg: seconds over the candidates, and over the rows."""
+
+import json
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("svg")
+import matplotlib.pyplot as plt
+
+plt.rcParams["svg.fonttype"] = "none"
+TASKS = {"lstsq": "least squares", "stlsq": "STLSQ", "lasso": "LASSO path"}
+PEERS = {"lstsq": "lstsq", "pysindy": "stlsq"}
+
+
+def candidates(found, axes):
+    sizes = sorted(found["ours"]["library"]["candidates"].items(), key=lambda pair: int(pair[0]))
+    p = [int(size) for size, _ in sizes]
+    colors = {}
+    for color, (task, label) in enumerate(TASKS.items()):
+        colors[task] = f"C{color}"
+        ours = [own["gram"][0] + own[task][0] for _, own in sizes]
+        axes.loglog(p, ours, "o-", color=colors[task], label="torquewise, " + label)
+    for name, result in found["peers"]["library"].items():
+        if "seconds" in result:
+            whole = result["seconds"][0] + result.get("library_seconds", [0])[0]
+            axes.plot(p[-1], whole, "x", color=colors[PEERS.get(name, "lasso")])
+            axes.annotate(name + " ", (p[-1], whole), ha="right", va="center")
+    axes.set_xticks(p, [str(size) for size in p])
+    axes.minorticks_off()
+    axes.set_xlabel("candidates")
+    axes.set_ylabel("from 20 000 rows to weights [s]")
+
+
+def rows(found, axes):
+    ours = {int(rows): seconds[0] for rows, seconds in found["ours"]["rows"]["seconds"].items()}
+    axes.loglog(ours.keys(), ours.values(), "o-", label="torquewise, least squares")
+    for name, label in (("lstsq", "numpy lstsq"), ("pysindy", "PySINDy, STLSQ")):
+        peers = {rows: found["peers"].get(f"rows{rows}", {}).get(name, {}) for rows in ours}
+        times = {rows: result["seconds"][0] for rows, result in peers.items() if "seconds" in result}
+        axes.plot(times.keys(), times.values(), "x--", label=label)
+    axes.set_xlabel("rows")
+    axes.set_ylabel("from rows to weights, 196 candidates [s]")
+
+
+def main():
+    folder = Path(sys.argv[1])
+    found = json.loads((folder / "peers.json").read_text())
+    tasks = {"candidates": ("library", candidates), "rows": ("rows10000", rows)}
+    for name, (task, draw) in tasks.items():
+        if task in found["peers"]:
+            figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
+            draw(found, axes)
+            axes.legend(loc="upper left")
+            figure.savefig(folder / f"{name}.svg", metadata={"Date": None})
+
+
+if __name__ == "__main__":
+    main()

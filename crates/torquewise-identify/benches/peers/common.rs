@@ -1,0 +1,95 @@
+//! What all tasks share: motions, blocks of rows, files for the peers, times.
+
+use cpu_time::ProcessTime;
+use faer::Mat;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::Instant;
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::candidates::{Candidates, Terms};
+use torquewise_identify::score;
+use torquewise_model::Model;
+use torquewise_motion::{BLOCK_ROWS, Motion};
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::problem::Problem;
+use torquewise_sparse::samples::Samples;
+
+/// Joints of the arm of all tasks but one.
+pub(crate) const N: usize = 3;
+/// Samples per second of all logs \[Hz\].
+const RATE: f64 = 100.0;
+
+/// Positioning moves of an arm with the noise of a case.
+pub(crate) fn moves(arm: &str, rows: usize, case: u8) -> Motion {
+    let noise = Noise::case(case).expect("cases 1 to 3");
+    let clean = simulated(arm, MotionKind::Moves, rows, 1);
+    add_noise(&clean, &noise, 1).expect("a motion that moves")
+}
+
+/// Sines of the same arm, without noise, to be judged by.
+pub(crate) fn test(arm: &str) -> Motion {
+    simulated(arm, MotionKind::Sines, 2_000, 99)
+}
+
+fn simulated(arm: &str, kind: MotionKind, rows: usize, seed: u64) -> Motion {
+    let arm = Arm::builtin(arm).expect("a built-in arm");
+    let plan = MotionPlan { kind, seconds: rows as f64 / RATE, rate: RATE, seed };
+    simulate(&arm, &plan).expect("a plan within bounds").motion
+}
+
+/// Rows in blocks, as they are read from a file.
+pub(crate) fn blocks(motion: &Motion) -> Vec<Samples> {
+    let n = motion.n_joints();
+    let all: Vec<usize> = (0..motion.n_rows()).collect();
+    let block = |rows: &[usize]| {
+        let motion = motion.select(rows);
+        let mut variables = Mat::zeros(motion.n_rows(), 2 * n);
+        variables.subcols_mut(0, n).copy_from(motion.dq());
+        variables.subcols_mut(n, n).copy_from(motion.ddq());
+        let responses = motion.require_tau().expect("a simulated torque").to_owned();
+        Samples { angles: motion.q().to_owned(), variables, responses }
+    };
+    all.chunks(BLOCK_ROWS).map(block).collect()
+}
+
+/// The normal equations of a joint, and the cross products and energies of all.
+pub(crate) fn problem(gram: Gram, joint: usize) -> (Problem, Mat<f64>, Vec<f64>) {
+    let Gram { gram, cross, energy, rows } = gram;
+    let own = cross.col_as_slice(joint).to_vec();
+    let problem = Problem::new(gram, own, energy[joint], rows as f64).expect("finite sums");
+    (problem, cross, energy)
+}
+
+/// Some work, with its seconds by the clock and of all processors.
+pub(crate) fn timed<T>(name: &str, work: impl FnOnce() -> T) -> (T, Value) {
+    let (clock, processors) = (Instant::now(), ProcessTime::now());
+    let done = work();
+    let (wall, cpu) = (clock.elapsed().as_secs_f64(), processors.elapsed().as_secs_f64());
+    eprintln!("  {name}: {wall:.3} s, {cpu:.3} s of processor time");
+    (done, json!([wall, cpu]))
+}
+
+/// NRMSE of each joint on a motion, in percent.
+pub(crate) fn errors(model: &Model, test: &Motion) -> Vec<f64> {
+    let scores = score(model, test).expect("a model of this arm");
+    scores.joints.iter().map(|joint| joint.nrmse_percent).collect()
+}
+
+/// Columns q q̇ q̈ τ, one after the other.
+pub(crate) fn write_motion(file: &Path, motion: &Motion) {
+    let signals = [motion.q(), motion.dq(), motion.ddq(), motion.tau().expect("a torque")];
+    write(file, signals.iter().flat_map(|x| x.col_iter().flat_map(|c| c.iter().copied())));
+}
+
+/// Numbers as they stand in memory, little-endian.
+pub(crate) fn write(file: &Path, values: impl Iterator<Item = f64>) {
+    let bytes: Vec<u8> = values.flat_map(f64::to_le_bytes).collect();
+    std::fs::write(file, bytes).expect("a folder that can be written");
+}
+
+/// One line for each of some candidates: its factors as the peer is to build them.
+pub(crate) fn write_terms(file: &Path, candidates: &Candidates, columns: &[usize]) {
+    let Terms::Torque(terms) = &candidates.terms else { return };
+    let lines: Vec<String> = columns.iter().map(|&column| format!("{:?}", terms[column])).collect();
+    std::fs::write(file, lines.join("\n")).expect("a folder that can be written");
+}

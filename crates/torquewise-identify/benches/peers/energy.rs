@@ -1,0 +1,104 @@
+//! The energy library, whose coefficients all joints share: three joints, then six.
+
+use crate::common::{N, blocks, errors, moves, problem, test, timed, write, write_motion};
+use serde_json::{Value, json};
+use std::path::Path;
+use torquewise_identify::candidates::Candidates;
+use torquewise_identify::{LibraryKind, Method, Plan, reconstruct};
+use torquewise_model::library::energy_library;
+use torquewise_model::{Form, Model, Training, Weighted, to_json};
+use torquewise_motion::Motion;
+use torquewise_sparse::accumulate::{Prepared, cheaper_route};
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::row_sums::RowAdder;
+use torquewise_sparse::select::lasso::{Lasso, lasso_path};
+
+const ROWS: usize = 20_000;
+/// Of six joints: what 9 947 candidates leave a peer memory for.
+const FEW_ROWS: usize = 4_000;
+
+/// All 84 candidates: sums and least squares, sums and the path of the LASSO, a whole fit.
+pub(crate) fn three_joints(folder: &Path) -> Value {
+    let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
+    write_files(folder, "energy3", &motion, &test);
+    let library = LibraryKind::Energy { interaction: None };
+    let candidates = Candidates::new(N, library, Method::Stepwise).expect("a library");
+    let columns: Vec<usize> = (0..candidates.len()).collect();
+    let route = cheaper_route(&candidates.design, N, ROWS);
+
+    let ((all, _, _), gram) = timed("gram", || {
+        let prepared = Prepared::new(&candidates.design, route);
+        let mut adder = RowAdder::new(&prepared, N);
+        for block in blocks(&motion) {
+            adder.push(block).expect("a block that fits");
+        }
+        let sums = adder.finish().expect("sums within range");
+        problem(stacked(sums.grams(&prepared, N, &columns), &motion), 0)
+    });
+    let (_, lstsq) = timed("lstsq", || all.refit(&columns).expect("columns of the library"));
+    let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
+    let (path, seconds) =
+        timed("lasso", || lasso_path(&all, &lasso).expect("settings within range"));
+    write(&folder.join("energy3_lambdas.f64"), path.iter().map(|point| point.lambda));
+    let plan = Plan { bags: 0, ..Plan::default() };
+    let (found, fit) = timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log"));
+    json!({
+        "rows": ROWS,
+        "candidates": candidates.len(),
+        "gram": gram,
+        "lstsq": lstsq,
+        "lasso": seconds,
+        "fit": fit,
+        "active": found.model.n_coefficients(),
+        "errors": errors(&found.model, &test),
+    })
+}
+
+/// A chain that is learned, and what it makes of the 9 947 candidates.
+pub(crate) fn six_joints(folder: &Path) -> Value {
+    let (motion, test) = (moves("generic-6", FEW_ROWS, 2), test("generic-6"));
+    write_files(folder, "energy6", &motion, &test);
+    let plan = Plan { method: Method::Chain, bags: 0, ..Plan::default() };
+    let (found, fit) = timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log"));
+    json!({
+        "rows": FEW_ROWS,
+        "candidates": energy_library(motion.n_joints(), None).len(),
+        "fit": fit,
+        "active": found.model.n_coefficients(),
+        "errors": errors(&found.model, &test),
+    })
+}
+
+/// One regression of all joints, the rows of each divided by the spread of its torque.
+fn stacked(grams: Vec<Gram>, motion: &Motion) -> Gram {
+    let p = grams[0].cross.nrows();
+    let mut all = Gram::zeros(p, 1);
+    for (joint, mut own) in grams.into_iter().enumerate() {
+        let tau = motion.require_tau().expect("a torque").col(joint);
+        let mean = tau.iter().sum::<f64>() / tau.nrows() as f64;
+        let variance = tau.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / tau.nrows() as f64;
+        own.gram *= faer::Scale(variance.recip());
+        own.cross *= faer::Scale(variance.recip());
+        own.energy.iter_mut().for_each(|energy| *energy /= variance);
+        all.merge(&own).expect("equations of one library");
+    }
+    all
+}
+
+/// Rows to fit and to judge by, and the library as a model file of coefficients 1.
+fn write_files(folder: &Path, task: &str, motion: &Motion, test: &Motion) {
+    write_motion(&folder.join(format!("{task}.f64")), motion);
+    write_motion(&folder.join(format!("{task}_test.f64")), test);
+    let unit = |term| Weighted { term, coefficient: 1.0, std_error: 0.0, inclusion: None };
+    let terms = energy_library(motion.n_joints(), None).into_iter().map(unit).collect();
+    let library = Model {
+        joints: motion.joints().to_vec(),
+        form: Form::Energy(terms),
+        friction: Vec::new(),
+        stages: Vec::new(),
+        training: Training::default(),
+        choices: Vec::new(),
+    };
+    let text = to_json(&library).expect("a model of this arm");
+    std::fs::write(folder.join(format!("{task}.json")), text).expect("a folder");
+}

@@ -1,0 +1,89 @@
+//! The whole library of SINDy, three joints: least squares, STLSQ, the path of the LASSO.
+
+use crate::common::{N, blocks, moves, problem, timed, write, write_motion, write_terms};
+use faer::Mat;
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use torquewise_identify::candidates::Candidates;
+use torquewise_identify::{LibraryKind, Method};
+use torquewise_motion::Motion;
+use torquewise_sparse::accumulate::{Prepared, cheaper_route};
+use torquewise_sparse::gram::Gram;
+use torquewise_sparse::row_sums::RowAdder;
+use torquewise_sparse::select::lasso::{Lasso, lasso_path};
+use torquewise_sparse::select::stlsq::Stlsq;
+
+const ROWS: usize = 20_000;
+/// The joint that the LASSO explains.
+const JOINT: usize = 1;
+/// Order of the largest library.
+const ORDER: u8 = 4;
+
+/// Times at each order of the library.
+pub(crate) fn run(folder: &Path) -> Value {
+    let motion = moves("puma560-3", ROWS, 3);
+    write_motion(&folder.join("rows.f64"), &motion);
+    let mut sizes = Map::new();
+    for order in 1..=ORDER {
+        let (p, times) = sindy(&motion, order, folder);
+        sizes.insert(p.to_string(), times);
+    }
+    json!({ "rows": ROWS, "candidates": sizes })
+}
+
+/// Number of candidates and times at one order; the weights are written at the largest.
+fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
+    let library = LibraryKind::Product { gravity_order: 2, trig_order: order };
+    let candidates = Candidates::new(N, library, Method::Sindy).expect("a library");
+    let p = candidates.len();
+    let route = cheaper_route(&candidates.design, N, ROWS);
+    let columns: Vec<usize> = (0..p).collect();
+    let mut out = json!({ "route": format!("{route:?}") });
+
+    let ((first, cross, energy), seconds) = timed("gram", || {
+        let prepared = Prepared::new(&candidates.design, route);
+        let mut adder = RowAdder::new(&prepared, N);
+        for block in blocks(motion) {
+            adder.push(block).expect("a block that fits");
+        }
+        let sums = adder.finish().expect("sums within range");
+        problem(sums.grams(&prepared, N, &columns).remove(0), 0)
+    });
+    out["gram"] = seconds;
+    let (weights, seconds) = timed("lstsq", || {
+        first.refit_each(&columns, cross.as_ref()).expect("columns of the library")
+    });
+    out["lstsq"] = seconds;
+    // With the ridge that PySINDy has by default, and without.
+    for (name, plain_ridge) in [("stlsq", 0.05), ("stlsq_without_ridge", 0.0)] {
+        let (active, seconds) = timed(name, || {
+            let stlsq = Stlsq { plain_ridge, ..Stlsq::default() };
+            let selected = stlsq.select_each(&first, cross.as_ref());
+            let selected = selected.expect("settings within range");
+            selected.iter().map(|selection| selection.active.len()).sum::<usize>()
+        });
+        out[name] = seconds;
+        out[format!("{name}_active")] = json!(active);
+    }
+    let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
+    let other = Gram { gram: first.gram().to_owned(), cross, energy, rows: ROWS };
+    let (second, _, energy) = problem(other, JOINT);
+    let (path, seconds) =
+        timed("lasso", || lasso_path(&second, &lasso).expect("settings within range"));
+    let gap = path.iter().map(|point| point.gap).fold(0.0, f64::max);
+    let energy = energy[JOINT] / ROWS as f64;
+    out["lasso"] = seconds;
+    out["gap"] = json!(gap / energy);
+    if order == ORDER {
+        let flat = |w: &Mat<f64>| {
+            w.col_iter().flat_map(|c| c.iter().copied().collect::<Vec<_>>()).collect::<Vec<f64>>()
+        };
+        write(&folder.join("ours_lstsq.f64"), flat(&weights).into_iter());
+        let lambdas = path.iter().map(|point| point.lambda);
+        write(&folder.join("lambdas.f64"), lambdas);
+        let points = path.iter().flat_map(|point| point.coefficients.iter().copied());
+        write(&folder.join("ours_lasso.f64"), points);
+        write_terms(&folder.join("terms.txt"), &candidates, &columns);
+    }
+    (p, out)
+}

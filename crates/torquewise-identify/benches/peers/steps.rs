@@ -1,0 +1,36 @@
+//! The paper's method, three joints: three regressions in turn, each on the rows of its pattern.
+
+use crate::common::{N, errors, moves, test, timed, write, write_motion, write_terms};
+use serde_json::{Value, json};
+use std::path::Path;
+use torquewise_identify::candidates::Candidates;
+use torquewise_identify::{Plan, reconstruct};
+use torquewise_motion::Pattern;
+
+const ROWS: usize = 20_000;
+
+/// Times of a whole fit: patterns, sums, selection, bias of the noise, refit, standard errors.
+pub(crate) fn run(folder: &Path) -> Value {
+    let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
+    let plan = Plan { bags: 0, ..Plan::product() };
+    let candidates = Candidates::new(N, plan.library, plan.method).expect("a library");
+    let (found, seconds) =
+        timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log of three patterns"));
+
+    write_motion(&folder.join("steps.f64"), &motion);
+    write_motion(&folder.join("steps_test.f64"), &test);
+    for (step, columns) in candidates.offered.iter().enumerate() {
+        write_terms(&folder.join(format!("step{}.txt", step + 1)), &candidates, columns);
+    }
+    let place = |pattern: &Pattern| Pattern::ALL.iter().position(|other| other == pattern);
+    let labels = found.patterns.label(&motion);
+    let places = labels.iter().map(|pattern| place(pattern).map_or(-1.0, |place| place as f64));
+    write(&folder.join("steps_patterns.f64"), places);
+    json!({
+        "rows": ROWS,
+        "candidates": found.candidates,
+        "fit": seconds,
+        "active": found.model.n_coefficients(),
+        "errors": errors(&found.model, &test),
+    })
+}
