@@ -20,10 +20,10 @@ warnings.filterwarnings("ignore")
 JOINT = 1  # the joint that the LASSO explains
 
 
-def library(peer, folder):
-    """The whole library of SINDy, 3 612 candidates."""
+def library(peer, folder, size="3612"):
+    """The library of SINDy, whole or of a lower order."""
     *signals, tau = rows(folder / "rows.f64")
-    signals, functions = np.hstack(signals), candidates(folder / "terms.txt")
+    signals, functions = np.hstack(signals), candidates(folder / f"terms{size}.txt")
     if peer == "pysindy":
         # From the rows to the weights, as ours: the library is evaluated, too.
         model = sindy(functions)
@@ -116,6 +116,8 @@ def many(peer, folder, repeats):
 def run(task, peer, folder):
     if task == "library":
         return library(peer, folder)
+    if task.startswith("candidates"):
+        return library(peer, folder, task.removeprefix("candidates"))
     if task == "steps":
         return steps(peer, folder)
     if task.startswith("energy"):

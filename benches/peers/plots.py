@@ -14,20 +14,30 @@ TASKS = {"lstsq": "least squares", "stlsq": "STLSQ", "lasso": "LASSO path"}
 PEERS = {"lstsq": "lstsq", "pysindy": "stlsq"}
 
 
+def whole(result):
+    """Seconds of a peer with the evaluation of its library."""
+    return result["seconds"][0] + result.get("library_seconds", [0])[0]
+
+
 def candidates(found, axes):
-    sizes = sorted(found["ours"]["library"]["candidates"].items(), key=lambda pair: int(pair[0]))
-    p = [int(size) for size, _ in sizes]
+    ours = found["ours"]["library"]["candidates"]
+    sizes = sorted(ours, key=int)
     colors = {}
     for color, (task, label) in enumerate(TASKS.items()):
         colors[task] = f"C{color}"
-        ours = [own["gram"][0] + own[task][0] for _, own in sizes]
-        axes.loglog(p, ours, "o-", color=colors[task], label="torquewise, " + label)
-    for name, result in found["peers"]["library"].items():
-        if "seconds" in result:
-            whole = result["seconds"][0] + result.get("library_seconds", [0])[0]
-            axes.plot(p[-1], whole, "x", color=colors[PEERS.get(name, "lasso")])
-            axes.annotate(name + " ", (p[-1], whole), ha="right", va="center")
-    axes.set_xticks(p, [str(size) for size in p])
+        times = [ours[size]["gram"][0] + ours[size][task][0] for size in sizes]
+        axes.loglog([int(size) for size in sizes], times, "o-", color=colors[task],
+                    label="torquewise, " + label)
+    peers = {size: found["peers"].get(f"candidates{size}", {}) for size in sizes}
+    peers[sizes[-1]] = found["peers"]["library"]
+    for name in peers[sizes[-1]]:
+        times = {int(size): peers[size].get(name, {}) for size in sizes}
+        times = {size: whole(result) for size, result in times.items() if "seconds" in result}
+        color = colors[PEERS.get(name, "lasso")]
+        axes.plot(times.keys(), times.values(), "x--", color=color)
+        for size in list(times)[-1:]:
+            axes.annotate(name + "  ", (size, times[size]), ha="right", va="bottom")
+    axes.set_xticks([int(size) for size in sizes], sizes)
     axes.minorticks_off()
     axes.set_xlabel("candidates")
     axes.set_ylabel("from 20 000 rows to weights [s]")

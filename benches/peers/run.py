@@ -16,13 +16,14 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
+SIZES = ["candidates196", "candidates700", "candidates1764"]
 ROWS = ["rows10000", "rows100000", "rows1000000"]  # ten times more do not fit a peer's memory
 TASKS = {
     "library": ["lstsq", "pysindy", "celer", "skglm", "sklearn", "lars"],
     "steps": ["pysindy"],
     "energy3": ["lstsq", "celer", "sklearn"],
     "energy6": ["celer"],
-} | {rows: ["lstsq", "pysindy"] for rows in ROWS}
+} | {task: ["lstsq", "pysindy"] for task in SIZES + ROWS}
 TITLES = {
     "library": "the whole library of SINDy, 20 000 rows",
     "steps": "the three steps of the paper, 20 000 rows",
@@ -43,7 +44,8 @@ def environment(folder):
 
 def ours(folder, tasks):
     command = ["cargo", "bench", "-p", "torquewise-identify", "--bench", "peers", "--", str(folder)]
-    own = dict.fromkeys("rows" if task in ROWS else task for task in tasks)
+    owner = {**dict.fromkeys(SIZES, "library"), **dict.fromkeys(ROWS, "rows")}
+    own = dict.fromkeys(owner.get(task, task) for task in tasks)
     subprocess.run([*command, *own], cwd=ROOT, check=True)
     return json.loads((folder / "ours.json").read_text())
 
@@ -75,6 +77,12 @@ def pair(numbers, digits):
     return ", ".join(f"{x:.{digits}f}" for x in numbers)
 
 
+def whole(result):
+    """Seconds of a peer with the evaluation of its library."""
+    evaluated = result.get("library_seconds", [0.0, 0.0])
+    return [part + more for part, more in zip(result.get("seconds", []), evaluated)]
+
+
 def percent(errors):
     return " ".join(f"{x:.2g}" for x in errors)
 
@@ -88,12 +96,12 @@ def table(found, task):
             lines.append(f"| {name} | {result.get('failed', 'failed')} |" + " |" * 8)
             continue
         mine = own_seconds(found["ours"], task, name)
-        spent, evaluated = result["seconds"], result.get("library_seconds", [0.0, 0.0])
+        spent, evaluated = result["seconds"], result.get("library_seconds", [])
         alone = [part / own for part, own in zip(spent, mine)]
-        whole = [(part + more) / own for part, more, own in zip(spent, evaluated, mine)]
+        all_in = [part / own for part, own in zip(whole(result), mine)]
         apart = "library_seconds" in result
         cells = [name, pair(spent, 2), pair(evaluated, 2) if apart else "included", pair(mine, 3)]
-        cells += [pair(alone, 0) if apart else "", pair(whole, 0), f"{result['memory_mb']:.0f}"]
+        cells += [pair(alone, 0) if apart else "", pair(all_in, 0), f"{result['memory_mb']:.0f}"]
         cells += [f"{result['gap']:.1e}" if "gap" in result else "", str(result.get("active", ""))]
         lines.append(f"| {' | '.join(cells)} | {percent(result.get('errors', []))} |")
     if "errors" in own:
@@ -105,6 +113,17 @@ def table(found, task):
 def page(found):
     tasks = [task for task in TITLES if task in found["peers"]]
     parts = [f"{TITLES[task]}\n\n{table(found, task)}" for task in tasks]
+    if any(size in found["peers"] for size in SIZES):
+        lines = ["| candidates | least squares | lstsq | STLSQ | PySINDy |", "|---" * 5 + "|"]
+        sizes = found["ours"]["library"]["candidates"].items()
+        for size, own in sorted(sizes, key=lambda pair: int(pair[0])):
+            peers = found["peers"].get(f"candidates{size}", found["peers"].get("library", {}))
+            cells = [str(size)]
+            for mine, name in (("lstsq", "lstsq"), ("stlsq", "pysindy")):
+                cells.append(pair([a + b for a, b in zip(own["gram"], own[mine])], 3))
+                cells.append(pair(whole(peers.get(name, {})), 2))
+            lines.append(f"| {' | '.join(cells)} |")
+        parts.append("20 000 rows, seconds over candidates\n\n" + "\n".join(lines) + "\n")
     if any(rows in found["peers"] for rows in ROWS):
         lines = ["| rows | ours | lstsq | PySINDy |", "|---|---|---|---|"]
         for rows, mine in found["ours"]["rows"]["seconds"].items():
@@ -122,7 +141,7 @@ def main():
     wanted = {}
     for word in words[1:] or TASKS:
         task, _, name = word.partition(":")
-        for task in ROWS if task == "rows" else [task]:
+        for task in {"rows": ROWS, "candidates": SIZES}.get(task, [task]):
             wanted.setdefault(task, []).extend([name] if name else TASKS[task])
     python = environment(folder)
     found = {"ours": ours(folder, wanted), "peers": {}}

@@ -83,7 +83,7 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
         write(&folder.join("lambdas.f64"), lambdas);
         let points = path.iter().flat_map(|point| point.coefficients.iter().copied());
         write(&folder.join("ours_lasso.f64"), points);
-        write_terms(&folder.join("terms.txt"), &candidates, &columns);
     }
+    write_terms(&folder.join(format!("terms{p}.txt")), &candidates, &columns);
     (p, out)
 }
