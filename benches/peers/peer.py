@@ -14,7 +14,7 @@ from pathlib import Path
 
 import energy
 import numpy as np
-from common import GAP, candidates, evaluated, lasso, nrmse, path_gap, rows, sindy, timed
+from trial import GAP, candidates, evaluated, lasso, nrmse, path_gap, rows, sindy, timed
 
 warnings.filterwarnings("ignore")
 JOINT = 1  # the joint that the LASSO explains

@@ -4,8 +4,8 @@
 //! the peers to read, `ours.json` with the times, and what was found where a peer checks it.
 //! `benches/peers/run.py` runs it.
 
-#[path = "peers/common.rs"]
-mod common;
+#[path = "peers/trial.rs"]
+mod trial;
 #[path = "peers/energy.rs"]
 mod energy;
 #[path = "peers/library.rs"]

@@ -1,6 +1,6 @@
 //! The energy library, whose coefficients all joints share: three joints, then six.
 
-use crate::common::{N, blocks, errors, moves, problem, test, timed, write, write_motion};
+use crate::trial::{N, blocks, errors, moves, problem, test, timed, write, write_motion};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;

@@ -1,6 +1,6 @@
 //! The whole library of SINDy, three joints: least squares, STLSQ, the path of the LASSO.
 
-use crate::common::{N, blocks, moves, problem, timed, write, write_motion, write_terms};
+use crate::trial::{N, blocks, moves, problem, timed, write, write_motion, write_terms};
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;

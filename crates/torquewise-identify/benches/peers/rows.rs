@@ -1,6 +1,6 @@
 //! Time over the number of rows: a small library, least squares.
 
-use crate::common::{N, blocks, moves, problem, timed, write_motion, write_terms};
+use crate::trial::{N, blocks, moves, problem, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;

@@ -1,6 +1,6 @@
 //! The paper's method, three joints: three regressions in turn, each on the rows of its pattern.
 
-use crate::common::{N, errors, moves, test, timed, write, write_motion, write_terms};
+use crate::trial::{N, errors, moves, test, timed, write, write_motion, write_terms};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
