@@ -29,7 +29,8 @@ pub enum IdentifyError {
     Clusters(usize),
     #[error(
         "the library has {candidates} candidates, which takes {gigabytes} GB of sums: \
-         limit it to {limit} candidates by a lower interaction order or lower orders"
+         limit it to {limit} candidates by a lower interaction order or lower orders, or give no \
+         order for an energy library, which is then grown along a learned chain"
     )]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
     #[error(
