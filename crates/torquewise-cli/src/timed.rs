@@ -52,13 +52,16 @@ fn record(
         bar.set_message(doing(progress));
         events.push((progress, Instant::now()));
     })?;
-    let is_step =
-        |pair: &&[(Progress, Instant)]| matches!(pair[0].0, Progress::Step(_) | Progress::Geometry);
-    let step_seconds = events
-        .windows(2)
-        .filter(is_step)
-        .map(|pair| pair[1].1.duration_since(pair[0].1).as_secs_f64())
-        .collect();
+    let mut step_seconds: Vec<f64> = Vec::new();
+    for pair in events.windows(2) {
+        let spent = pair[1].1.duration_since(pair[0].1).as_secs_f64();
+        match pair[0].0 {
+            Progress::Step(_) | Progress::Geometry => step_seconds.push(spent),
+            // A chain grows by what it had overlooked.
+            Progress::Overlooked => step_seconds.last_mut().into_iter().for_each(|s| *s += spent),
+            _ => {}
+        }
+    }
     Ok(Timed { found, seconds: start.elapsed().as_secs_f64(), step_seconds })
 }
 

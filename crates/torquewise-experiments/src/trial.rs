@@ -131,10 +131,10 @@ impl Stopwatch {
         let spent = now.saturating_sub(self.since).as_secs_f64();
         match self.stage {
             Progress::Survey | Progress::Patterns => self.cost.patterns += spent,
-            Progress::Geometry | Progress::Evidence | Progress::Step(_) => {
+            Progress::Geometry | Progress::Overlooked | Progress::Evidence | Progress::Step(_) => {
                 self.cost.regression += spent;
             }
-            Progress::Refit | Progress::Overlooked | Progress::Done => self.cost.refit += spent,
+            Progress::Refit | Progress::Done => self.cost.refit += spent,
         }
         (self.since, self.stage) = (now, stage);
     }

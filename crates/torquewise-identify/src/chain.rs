@@ -18,6 +18,8 @@ use torquewise_sparse::accumulate::Route;
 
 /// Terms beyond those of a chain at most.
 const MOST_FURTHER: usize = 12;
+/// So many terms are refused before no other is offered: the log is too short to tell.
+const MOST_REFUSED: usize = 2;
 
 /// Learns a chain from the sample of a survey and lists the equations of motion that follow.
 pub(crate) fn by_chain(
@@ -78,16 +80,19 @@ pub(crate) fn by_chain(
 }
 
 /// Takes in, one by one, terms of the energy library that explain what no chain does, until no
-/// other seems to. A term that does not predict held-out rows better is not warned of either.
+/// other seems to, or too many were refused.
 fn complete(learned: &mut Learned, survey: &Survey, plan: &Plan) -> Result<Tried, IdentifyError> {
-    let mut tried = overlooked(learned, survey, plan.friction)?;
+    let mut refused = Vec::new();
+    let mut tried = overlooked(learned, survey, plan.friction, &refused)?;
     for _ in 0..MOST_FURTHER {
-        let Some(term) = &tried.missing else { break };
-        if !learned.offer(term, &survey.sample)? {
-            tried.warning = None;
+        let Some(term) = tried.missing.take() else { break };
+        if !learned.offer(&term, &survey.sample)? {
+            refused.push(term);
+        }
+        tried = overlooked(learned, survey, plan.friction, &refused)?;
+        if refused.len() == MOST_REFUSED {
             break;
         }
-        tried = overlooked(learned, survey, plan.friction)?;
     }
     Ok(tried)
 }

@@ -40,65 +40,90 @@ pub(crate) struct Tried {
     pub(crate) certificate: Overlooked,
     /// Of a term that explains what no chain does.
     pub(crate) warning: Option<Warning>,
-    /// That term, if it is one of an energy.
+    /// The best of those that are terms of an energy and were not refused, if it explains what no
+    /// chain does.
     pub(crate) missing: Option<EnergyTerm>,
 }
 
 /// Tries every term of the energy library, those of springs and the friction that was not allowed,
 /// each on its own; and warns if one explains what no chain does.
+///
+/// - `refused`: terms with which a fit did no better
 pub(crate) fn overlooked(
     learned: &Learned,
     survey: &Survey,
     friction: FrictionKind,
+    refused: &[EnergyTerm],
 ) -> Result<Tried, IdentifyError> {
     let trials = Trials::new(learned, survey)?;
     let candidates = candidates(learned, friction);
     let gains = trials.gains(&candidates)?;
-    let order = by_share(&gains, |gain| gain.share);
+    let all: Vec<usize> = (0..candidates.len()).collect();
+    let order = by_share(&gains, &all, |gain| gain.share);
     let best = order.iter().take(REPORTED).filter(|&&place| gains[place].share > 0.0);
     let best = best
-        .map(|&place| trials.unused(&candidates[place], &gains[place]))
-        .collect::<Result<Vec<(Unused, usize)>, IdentifyError>>()?;
-    let joint = best.first().map(|(_, joint)| *joint);
-    let held_out = joint.map_or(Ok(Vec::new()), |joint| {
-        let most = |block: usize| by_share(&gains, |gain| gain.without[block])[0];
-        let judge = |block| trials.held_out(&candidates[most(block)], block, joint);
-        (0..BLOCKS).map(judge).collect::<Result<Vec<f64>, IdentifyError>>()
-    })?;
+        .map(|&place| Ok(trials.unused(&candidates[place], &gains[place])?.0))
+        .collect::<Result<Vec<Unused>, IdentifyError>>()?;
+    let verdict = trials.verdict(&candidates, &gains, &all)?;
     let certificate = Overlooked {
         candidates: candidates.len(),
         rows: learned.rows.len(),
-        best: best.into_iter().map(|(unused, _)| unused).collect(),
-        held_out: mean(&held_out),
-        held_out_std_error: standard_error(&held_out),
+        best,
+        held_out: verdict.as_ref().map_or(0.0, |verdict| verdict.held_out),
+        held_out_std_error: verdict.as_ref().map_or(0.0, |verdict| verdict.std_error),
     };
-    let energy = order.first().and_then(|&place| match &candidates[place] {
-        Candidate::Energy(term) => Some(term.clone()),
-        Candidate::Friction(_) => None,
+    let certain = verdict.filter(|verdict| verdict.is_certain(&trials, survey));
+    let warning = certain.as_ref().map(|verdict| {
+        let (term, refused) = match &candidates[verdict.place] {
+            Candidate::Energy(term) => (term.name(), refused.contains(term)),
+            Candidate::Friction(term) => (term.name(), false),
+        };
+        let friction = matches!(candidates[verdict.place], Candidate::Friction(_));
+        let joint = survey.joints[verdict.joint].clone();
+        Warning::Overlooked { term, joint, part: verdict.held_out.min(1.0), friction, refused }
     });
-    let warning = joint.and_then(|joint| {
-        let part = trials.left_of(joint) / survey.torque_std[joint];
-        warning(&certificate, part, energy.is_none())
-    });
-    let missing = energy.filter(|_| warning.is_some());
+    let energy = |place: &usize| match &candidates[*place] {
+        Candidate::Energy(term) if !refused.contains(term) => Some(term.clone()),
+        _ => None,
+    };
+    let missing = match certain {
+        // Most logs: nothing is certain, and no lesser term will be.
+        None => None,
+        Some(verdict) if energy(&verdict.place).is_some() => energy(&verdict.place),
+        Some(_) => {
+            let others: Vec<usize> =
+                all.into_iter().filter(|place| energy(place).is_some()).collect();
+            let verdict = trials.verdict(&candidates, &gains, &others)?;
+            let certain = verdict.filter(|verdict| verdict.is_certain(&trials, survey));
+            certain.and_then(|verdict| energy(&verdict.place))
+        }
+    };
     Ok(Tried { certificate, warning, missing })
 }
 
-/// A warning if the best term holds on rows it was not chosen on, by more than chance, and matters.
-///
-/// - `part`: of the spread of the torque of its joint, what the chain leaves
-fn warning(found: &Overlooked, part: f64, friction: bool) -> Option<Warning> {
-    let held_out = found.held_out.min(1.0);
-    let removed = part * (1.0 - (1.0 - held_out).powi(2)).max(0.0).sqrt();
-    let holds = held_out - found.held_out_std_error >= WORTH;
-    let best = found.best.first().filter(|_| holds && removed >= RELEVANT)?;
-    let (term, joint) = (best.term.clone(), best.joint.clone());
-    Some(Warning::Overlooked { term, joint, part: held_out, friction })
+/// The best of some terms, and how it does where it was not chosen.
+struct Verdict {
+    place: usize,
+    /// The joint that gains most.
+    joint: usize,
+    /// By what part the residual of that joint falls on held-out blocks, and its standard error.
+    held_out: f64,
+    std_error: f64,
 }
 
-/// Places of gains, the largest first, equal ones in their order.
-fn by_share(gains: &[Gain], share: impl Fn(&Gain) -> f64) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..gains.len()).collect();
+impl Verdict {
+    /// Whether it holds on rows it was not chosen on, by more than chance, and matters.
+    fn is_certain(&self, trials: &Trials<'_>, survey: &Survey) -> bool {
+        let part = trials.left_of(self.joint) / survey.torque_std[self.joint];
+        let stays = 1.0 - self.held_out.min(1.0);
+        let removed = part * (1.0 - stays.powi(2)).max(0.0).sqrt();
+        self.held_out.min(1.0) - self.std_error >= WORTH && removed >= RELEVANT
+    }
+}
+
+/// Some places of gains, the largest first, equal ones in their order.
+fn by_share(gains: &[Gain], places: &[usize], share: impl Fn(&Gain) -> f64) -> Vec<usize> {
+    let mut order = places.to_vec();
     order.sort_by(|&a, &b| {
         let larger = share(&gains[b]).partial_cmp(&share(&gains[a])).unwrap_or(Ordering::Equal);
         larger.then(a.cmp(&b))
@@ -251,6 +276,23 @@ impl<'a> Trials<'a> {
         };
         let unused = Unused { term, share: gain.share, joint: self.names[joint].clone(), of_joint };
         Ok((unused, joint))
+    }
+
+    /// Judges the best of some candidates on blocks it was not chosen on; `None` if none gains.
+    fn verdict(
+        &self,
+        candidates: &[Candidate],
+        gains: &[Gain],
+        places: &[usize],
+    ) -> Result<Option<Verdict>, IdentifyError> {
+        let best = by_share(gains, places, |gain| gain.share).into_iter().next();
+        let Some(place) = best.filter(|&place| gains[place].share > 0.0) else { return Ok(None) };
+        let (_, joint) = self.unused(&candidates[place], &gains[place])?;
+        let most = |block: usize| by_share(gains, places, |gain| gain.without[block])[0];
+        let judge = |block| self.held_out(&candidates[most(block)], block, joint);
+        let held_out = (0..BLOCKS).map(judge).collect::<Result<Vec<f64>, IdentifyError>>()?;
+        let std_error = standard_error(&held_out);
+        Ok(Some(Verdict { place, joint, held_out: mean(&held_out), std_error }))
     }
 
     /// By what part the residual of a joint falls on a block, term and parameters fitted to the

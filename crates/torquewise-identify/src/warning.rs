@@ -61,6 +61,8 @@ pub enum Warning {
         part: f64,
         /// Whether it is a law of friction that was not asked for.
         friction: bool,
+        /// Whether a fit with it predicted held-out rows no better.
+        refused: bool,
     },
     /// Positions larger than any joint turns.
     Units {
@@ -73,6 +75,19 @@ pub enum Warning {
 
 /// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
 const LARGEST_ANGLE: f64 = 50.0;
+
+/// What to make of a term that was overlooked.
+fn advice(friction: bool, refused: bool) -> &'static str {
+    if friction {
+        "there is more friction than was asked for; try --friction auto"
+    } else if refused {
+        "yet a fit with it predicts these no better as a whole, so it was left out; a longer log \
+         would tell"
+    } else {
+        "something there is no chain of rigid bodies, such as a spring, an elastic gear or a \
+         torque that is not measured"
+    }
+}
 
 impl Warning {
     pub(crate) fn all(
@@ -166,16 +181,11 @@ impl fmt::Display for Warning {
             ),
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
-            Self::Overlooked { term, joint, part, friction } => write!(
+            Self::Overlooked { term, joint, part, friction, refused } => write!(
                 f,
                 "{term} would lower the residual of {joint} by {:.0} % on held-out rows: {}",
                 100.0 * part,
-                if *friction {
-                    "there is more friction than was asked for; try --friction auto"
-                } else {
-                    "something there is no chain of rigid bodies, such as a spring, an elastic \
-                     gear or a torque that is not measured"
-                }
+                advice(*friction, *refused)
             ),
             Self::Units { joint, largest } => write!(
                 f,

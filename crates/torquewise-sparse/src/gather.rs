@@ -180,7 +180,8 @@ fn fill_columns(
 /// SᵀGS for a sparse S, given by its columns.
 fn combine(gram: &Mat<f64>, sums: &[Entries]) -> Mat<f64> {
     let mut combined = Mat::zeros(sums.len(), sums.len());
-    combined.par_col_iter_mut().zip(sums).for_each(|(out, sum)| {
+    let columns: Vec<_> = combined.col_iter_mut().collect();
+    columns.into_par_iter().zip(sums).for_each(|(out, sum)| {
         let mut half = vec![0.0; gram.nrows()];
         for &(part, weight) in sum {
             add_scaled(&mut half, weight, gram.col_as_slice(part));

@@ -273,7 +273,8 @@ impl Problem {
     fn correlations(&self, used: &[usize], length: &[f64], ridge: Ridge) -> Mat<f64> {
         let inverse: Vec<f64> = length.iter().map(|l| l.recip()).collect();
         let mut out = Mat::zeros(used.len(), used.len());
-        out.par_col_iter_mut().enumerate().for_each(|(j, out)| {
+        let columns: Vec<_> = out.col_iter_mut().collect();
+        columns.into_par_iter().enumerate().for_each(|(j, out)| {
             let Some(out) = out.try_as_col_major_mut() else { return };
             let (from, out) = (self.gram_column(used[j]), &mut out.as_slice_mut()[j..]);
             for (out, (&row, own)) in out.iter_mut().zip(used[j..].iter().zip(&inverse[j..])) {

@@ -7,7 +7,9 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Form, FrictionTerm, Model, Torque, Training, Weighted};
+use torquewise_model::{
+    EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
+};
 use torquewise_motion::{Motion, Signals};
 
 const N: usize = 3;
@@ -40,15 +42,7 @@ fn a_rotor_loads_joints_as_its_energy_says() {
         let weighted =
             |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
         let terms = rotor.energy_terms(coefficient).into_iter().map(weighted).collect();
-        let model = Model {
-            joints: motion.joints().to_vec(),
-            form: Form::Energy(terms),
-            friction: vec![],
-            stages: vec![],
-            training: Training::default(),
-            choices: vec![],
-        };
-        let expected = Torque::new(&model).over(&motion).unwrap();
+        let expected = Torque::new(&model(terms)).over(&motion).unwrap();
 
         let columns = columns(&[rotor], &motion);
 
@@ -93,6 +87,37 @@ fn a_counterbalance_loads_its_joint_with_the_slope_of_its_energy() {
             assert_relative_eq!(columns[0][(row, spring)], 0.0);
             assert_relative_eq!(columns[2][(row, spring)], 0.0);
         }
+    }
+}
+
+#[test]
+fn a_term_of_the_inertia_loads_joints_as_a_model_predicts() {
+    let motion = states();
+    let function = Term::one(N).times(Trig::Sin, 1, 1, 1).times(Trig::Cos, 2, 2, 1);
+    for place in [Place::Inertia(0, 1), Place::Inertia(0, 0), Place::Potential] {
+        let term = EnergyTerm { place, function: function.clone() };
+        let weighted =
+            Weighted { term: term.clone(), coefficient: 1.0, std_error: 0.0, inclusion: None };
+        let expected = Torque::new(&model(vec![weighted])).over(&motion).unwrap();
+
+        let columns = columns(&[Beside::Energy(term)], &motion);
+
+        for row in 0..motion.n_rows() {
+            for (joint, column) in columns.iter().enumerate() {
+                assert_relative_eq!(column[(row, 0)], expected[(row, joint)], epsilon = 1e-12);
+            }
+        }
+    }
+}
+
+fn model(terms: Vec<Weighted<EnergyTerm>>) -> Model {
+    Model {
+        joints: (1..=N).map(|joint| format!("joint{joint}")).collect(),
+        form: Form::Energy(terms),
+        friction: vec![],
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
     }
 }
 

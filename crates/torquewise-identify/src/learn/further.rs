@@ -1,8 +1,10 @@
 //! Learned chain, term → the chain with that term beside it, where held-out rows agree (E10).
 
-use super::{Learned, ROUNDS, School};
+use super::{LAST_ROWS, Learned, SNAP_ROUNDS, School, TRIAL_ROWS};
 use crate::beside::Beside;
 use crate::error::IdentifyError;
+use crate::trial::{record, trial};
+use torquewise_chain::refine;
 use torquewise_model::EnergyTerm;
 use torquewise_motion::Motion;
 
@@ -19,13 +21,20 @@ impl Learned {
         let school = School { motion, laws: self.laws.clone() };
         let mut with = self.recipe.clone();
         with.beside.push(Beside::Energy(term.clone()));
-        let ways = [("none".to_owned(), self.recipe.clone()), (term.name(), with)];
-        let (what, choices) = ("term beyond the chain", &mut self.choices);
-        let place = school.choose(what, &ways, &self.chain, ROUNDS, choices)?;
-        let taken = place > 0;
+        // The geometry was learned without the term and may be bent to stand for it: with it, the
+        // chain is fitted first, as the other was.
+        let rows = school.rows(&with, LAST_ROWS)?;
+        let chain = refine(&rows, &self.chain, &with.free, &with.search)?;
+        let ways = [("none".to_owned(), &self.recipe, &self.chain), (term.name(), &with, &chain)];
+        let trials = ways
+            .into_iter()
+            .map(|(label, recipe, start)| {
+                trial(label, recipe, &school.rows(recipe, TRIAL_ROWS)?, start, SNAP_ROUNDS)
+            })
+            .collect::<Result<Vec<_>, IdentifyError>>()?;
+        let taken = record("term beyond the chain", &trials, &mut self.choices) > 0;
         if taken {
-            let choices = std::mem::take(choices);
-            *self = school.finish(ways[place].1.clone(), &self.chain, choices)?;
+            *self = school.finish(with, &chain, std::mem::take(&mut self.choices))?;
         }
         Ok(taken)
     }

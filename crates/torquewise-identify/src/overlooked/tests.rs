@@ -83,6 +83,16 @@ fn motion(rows: usize, more: &[(EnergyTerm, f64)], noise: f64) -> Motion {
     Motion::new(signals).unwrap()
 }
 
+/// The same with viscous friction in joint 2.
+fn rubbing(more: &[(EnergyTerm, f64)], friction: f64) -> Motion {
+    let mut signals = motion(1_000, more, NOISE).into_signals();
+    let tau = signals.tau.as_mut().unwrap();
+    for (tau, dq) in tau.col_as_slice_mut(1).iter_mut().zip(signals.dq.col(1).iter()) {
+        *tau += friction * dq;
+    }
+    Motion::new(signals).unwrap()
+}
+
 /// What learning ends with, had it found the chain.
 fn learned(survey: &Survey) -> Learned {
     let motion = thinned(&survey.sample, TRIED_ROWS);
@@ -158,7 +168,7 @@ fn a_term_that_is_at_work_is_the_best_and_warned_of() {
     let survey = survey(&motion(1_000, &[(spring(), 0.5)], NOISE)).unwrap();
 
     let Tried { certificate: found, warning, .. } =
-        overlooked(&learned(&survey), &survey, FrictionKind::Auto).unwrap();
+        overlooked(&learned(&survey), &survey, FrictionKind::Auto, &[]).unwrap();
 
     // 84 terms of the library, 2 springs of each joint and 12 of each pair.
     assert_eq!(found.candidates, 84 + 6 + 36);
@@ -174,7 +184,7 @@ fn where_the_chain_is_all_there_is_no_term_holds() {
         let survey = survey(&motion(1_000, &[], noise)).unwrap();
 
         let Tried { certificate: found, warning, .. } =
-            overlooked(&learned(&survey), &survey, FrictionKind::None).unwrap();
+            overlooked(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
 
         assert_eq!(warning, None, "{noise}: {found}");
         // The best of 177 by chance: 2 ln 177 over 3000 equations, twice that to be safe.
@@ -184,18 +194,58 @@ fn where_the_chain_is_all_there_is_no_term_holds() {
 
 #[test]
 fn friction_that_was_not_asked_for_is_found() {
-    let mut signals = motion(1_000, &[], NOISE).into_signals();
-    let tau = signals.tau.as_mut().unwrap();
-    for (tau, dq) in tau.col_as_slice_mut(1).iter_mut().zip(signals.dq.col(1).iter()) {
-        *tau += 0.8 * dq;
-    }
-    let survey = survey(&Motion::new(signals).unwrap()).unwrap();
+    let survey = survey(&rubbing(&[], 0.8)).unwrap();
 
     let Tried { certificate: found, warning, .. } =
-        overlooked(&learned(&survey), &survey, FrictionKind::None).unwrap();
+        overlooked(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
 
     assert_eq!((found.best[0].term.as_str(), found.best[0].joint.as_str()), ("dq2", "joint2"));
     assert!(warning.unwrap().to_string().ends_with("try --friction auto"));
+}
+
+#[test]
+fn an_energy_is_missing_though_friction_explains_more() {
+    let survey = survey(&rubbing(&[(spring(), 1.0)], 0.6)).unwrap();
+
+    let tried = overlooked(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
+
+    assert_eq!(tried.certificate.best[0].term, "dq2");
+    assert!(tried.warning.unwrap().to_string().ends_with("try --friction auto"));
+    assert_eq!(tried.missing, Some(spring()));
+}
+
+#[test]
+fn a_refused_term_is_warned_of_and_not_missing() {
+    let survey = survey(&motion(1_000, &[(spring(), 0.5)], NOISE)).unwrap();
+
+    let tried = overlooked(&learned(&survey), &survey, FrictionKind::Auto, &[spring()]).unwrap();
+
+    assert!(tried.warning.unwrap().to_string().ends_with("a longer log would tell"));
+    assert_ne!(tried.missing, Some(spring()));
+}
+
+#[test]
+fn a_term_at_work_is_taken_in_with_its_coefficient() {
+    let survey = survey(&motion(1_000, &[(spring(), 0.5)], NOISE)).unwrap();
+    let mut learned = learned(&survey);
+
+    assert!(learned.offer(&spring(), &survey.sample).unwrap());
+
+    // Noise of 0.05 in 3000 equations on a column of about unit size.
+    assert!((learned.chain.beside[0] - 0.5).abs() < 0.01, "{}", learned.chain.beside[0]);
+    assert_eq!(learned.without.len(), 5);
+    assert_eq!(learned.choices.last().unwrap().chosen, spring().name());
+}
+
+#[test]
+fn a_term_that_is_not_at_work_is_refused() {
+    let survey = survey(&motion(1_000, &[], NOISE)).unwrap();
+    let mut learned = learned(&survey);
+
+    assert!(!learned.offer(&spring(), &survey.sample).unwrap());
+
+    assert_eq!((learned.recipe.beside.len(), learned.chain.beside.len()), (0, 0));
+    assert_eq!(learned.choices.last().unwrap().chosen, "none");
 }
 
 #[test]
@@ -204,7 +254,9 @@ fn the_same_bits_at_any_number_of_threads() {
     let learned = learned(&survey);
     let found_with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| overlooked(&learned, &survey, FrictionKind::Linear).unwrap().certificate)
+        pool.install(|| {
+            overlooked(&learned, &survey, FrictionKind::Linear, &[]).unwrap().certificate
+        })
     };
 
     assert_eq!(found_with(1), found_with(2));

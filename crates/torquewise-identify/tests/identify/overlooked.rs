@@ -115,3 +115,17 @@ fn without_it_nothing_is_said() {
         assert!(noise == 0.0 || tried.best[0].of_residual() < 0.01, "{noise}: {tried}");
     }
 }
+
+#[test]
+fn a_fit_that_grows_gives_the_same_bits_at_any_number_of_threads() {
+    let motion = motion(&[(spring(), 5.0)], 0.2);
+    let fit_with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        to_json(&pool.install(|| fit(&motion)).model).unwrap()
+    };
+
+    let alone = fit_with(1);
+
+    assert!(alone.contains("term beyond the chain"));
+    assert!(alone == fit_with(3), "two models");
+}

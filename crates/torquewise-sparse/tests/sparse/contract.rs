@@ -193,3 +193,9 @@ fn fewer_rows_than_columns_select_finite_weights() {
         assert!(selection.active.len() <= 12, "{name}: {} of rank 12", selection.active.len());
     }
 }
+
+#[test]
+fn linear_algebra_is_not_cut_by_the_number_of_threads() {
+    // A dependency that turns on the feature rayon of faer would change last digits.
+    assert!(matches!(faer::get_global_parallelism(), faer::Par::Seq));
+}
