@@ -4,6 +4,7 @@ import json
 from functools import reduce
 
 import numpy as np
+from trial import nrmse
 
 
 def library(file):
@@ -64,3 +65,14 @@ def divide(columns, spread):
     m = len(columns) // len(spread)
     for joint, size in enumerate(spread):
         columns[joint * m : (joint + 1) * m] /= size
+
+
+def judged(ways, terms, test):
+    """Of some weights, named, those that do best on a motion: name, terms, NRMSE of each joint."""
+    q, dq, ddq, tau = test
+    some = np.flatnonzero(np.any([w != 0 for w in ways.values()], axis=0))
+    x = columns([terms[place] for place in some], q, dq, ddq)
+    joints = tau.shape[1]
+    errors = {name: nrmse(tau, (x @ w[some]).reshape(joints, -1).T) for name, w in ways.items()}
+    best = min(errors, key=lambda name: np.log(errors[name]).sum())
+    return {"best": best, "active": int((ways[best] != 0).sum()), "errors": errors[best]}

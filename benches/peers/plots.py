@@ -44,12 +44,15 @@ def candidates(found, axes):
 
 
 def rows(found, axes):
-    ours = {int(rows): seconds[0] for rows, seconds in found["ours"]["rows"]["seconds"].items()}
-    axes.loglog(ours.keys(), ours.values(), "o-", label="torquewise, least squares")
-    for name, label in (("lstsq", "numpy lstsq"), ("pysindy", "PySINDy, STLSQ")):
-        peers = {rows: found["peers"].get(f"rows{rows}", {}).get(name, {}) for rows in ours}
-        times = {rows: result["seconds"][0] for rows, result in peers.items() if "seconds" in result}
-        axes.plot(times.keys(), times.values(), "x--", label=label)
+    ours = sorted(found["ours"]["rows"]["seconds"].items(), key=lambda pair: int(pair[0]))
+    peers = (("lstsq", "least squares", "numpy lstsq"), ("pysindy", "STLSQ", "PySINDy"))
+    for color, (name, task, label) in enumerate(peers):
+        times = {int(rows): own[name][0] for rows, own in ours}
+        axes.loglog(times.keys(), times.values(), "o-", color=f"C{color}",
+                    label="torquewise, " + task)
+        results = {rows: found["peers"].get(f"rows{rows}", {}).get(name, {}) for rows in times}
+        theirs = {rows: own["seconds"][0] for rows, own in results.items() if "seconds" in own}
+        axes.plot(theirs.keys(), theirs.values(), "x--", color=f"C{color}", label=label)
     axes.set_xlabel("rows")
     axes.set_ylabel("from rows to weights, 196 candidates [s]")
 

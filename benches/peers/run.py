@@ -1,13 +1,15 @@
 """torquewise beside its peers: the same rows, candidates, machine and run.
 
-    python3 benches/peers/run.py [FOLDER] [TASK[:PEER] ...]
+    python3 benches/peers/run.py [--folder FOLDER] [TASK[:PEER] ...]
 
 Makes a virtual environment in FOLDER (default target/peers), lets `cargo bench --bench peers` write
 the rows and its own times, then runs every peer in a process of its own, one after the other, and
 writes FOLDER/peers.json, FOLDER/peers.md and plots, of which docs/images holds copies. Times are of
-the clock and of all processors; on a shared machine only the latter can be compared.
+the clock and of all processors; on a shared machine only the latter can be compared. What is run
+again takes the place of what was found before.
 """
 
+import argparse
 import json
 import subprocess
 import sys
@@ -62,8 +64,6 @@ def peer(python, folder, task, name):
 
 def own_seconds(own, task, name):
     """Our seconds at what a peer does at a task."""
-    if task in ROWS:
-        return own["rows"]["seconds"][task.removeprefix("rows")]
     if task in ("steps", "energy6"):
         return own[task]["fit"]
     own = own[task]
@@ -90,10 +90,10 @@ def percent(errors):
 def table(found, task):
     own = found["ours"].get(task, {})
     lines = ["| peer | its seconds | evaluating the library | ours | ratio | with evaluation "
-             "| memory [MB] | gap | terms | errors [%] |", "|---" * 10 + "|"]
+             "| memory [MB] | gap | terms | errors [%] | best |", "|---" * 11 + "|"]
     for name, result in found["peers"].get(task, {}).items():
         if "seconds" not in result:
-            lines.append(f"| {name} | {result.get('failed', 'failed')} |" + " |" * 8)
+            lines.append(f"| {name} | {result.get('failed', 'failed')} |" + " |" * 9)
             continue
         mine = own_seconds(found["ours"], task, name)
         spent, evaluated = result["seconds"], result.get("library_seconds", [])
@@ -103,10 +103,11 @@ def table(found, task):
         cells = [name, pair(spent, 2), pair(evaluated, 2) if apart else "included", pair(mine, 3)]
         cells += [pair(alone, 0) if apart else "", pair(all_in, 0), f"{result['memory_mb']:.0f}"]
         cells += [f"{result['gap']:.1e}" if "gap" in result else "", str(result.get("active", ""))]
-        lines.append(f"| {' | '.join(cells)} | {percent(result.get('errors', []))} |")
+        cells += [percent(result.get("errors", [])), result.get("best", "")]
+        lines.append(f"| {' | '.join(cells)} |")
     if "errors" in own:
         cells = ["torquewise, a whole fit", "", "", pair(own["fit"], 3), "", "", "", ""]
-        lines.append(f"| {' | '.join(cells)} | {own['active']} | {percent(own['errors'])} |")
+        lines.append(f"| {' | '.join(cells)} | {own['active']} | {percent(own['errors'])} | |")
     return "\n".join(lines) + "\n"
 
 
@@ -125,26 +126,46 @@ def page(found):
             lines.append(f"| {' | '.join(cells)} |")
         parts.append("20 000 rows, seconds over candidates\n\n" + "\n".join(lines) + "\n")
     if any(rows in found["peers"] for rows in ROWS):
-        lines = ["| rows | ours | lstsq | PySINDy |", "|---|---|---|---|"]
-        for rows, mine in found["ours"]["rows"]["seconds"].items():
-            peers = found["peers"].get(f"rows{rows}", {})
-            cells = [pair(peers.get(name, {}).get("seconds", []), 2) for name in ("lstsq", "pysindy")]
-            lines.append(f"| {int(float(rows)):.0e} | {pair(mine, 3)} | {' | '.join(cells)} |")
+        lines = ["| rows | least squares | lstsq | STLSQ | PySINDy |", "|---" * 5 + "|"]
+        for rows, own in sorted(found["ours"]["rows"]["seconds"].items(), key=lambda p: int(p[0])):
+            cells, peers = [f"{int(rows):.0e}"], found["peers"].get(f"rows{rows}", {})
+            for name, mine in own.items():
+                cells += [pair(mine, 3), pair(peers.get(name, {}).get("seconds", []), 2)]
+            lines.append(f"| {' | '.join(cells)} |")
         parts.append("196 candidates, seconds over rows\n\n" + "\n".join(lines) + "\n")
     return "\n".join(parts)
 
 
-def main():
-    words = sys.argv[1:]
-    folder = Path(words[0] if words else ROOT / "target" / "peers").resolve()
-    folder.mkdir(parents=True, exist_ok=True)
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--folder", type=Path, default=ROOT / "target" / "peers")
+    parser.add_argument("tasks", nargs="*", metavar="TASK[:PEER]", default=list(TASKS))
+    words, groups = parser.parse_args(), {"rows": ROWS, "candidates": SIZES}
     wanted = {}
-    for word in words[1:] or TASKS:
-        task, _, name = word.partition(":")
-        for task in {"rows": ROWS, "candidates": SIZES}.get(task, [task]):
+    for word in words.tasks:
+        group, _, name = word.partition(":")
+        for task in groups.get(group, [group]):
+            if task not in TASKS or (name and name not in TASKS[task]):
+                parser.error(f"no task {word}: there are {', '.join(TASKS)}, rows, candidates")
             wanted.setdefault(task, []).extend([name] if name else TASKS[task])
-    python = environment(folder)
-    found = {"ours": ours(folder, wanted), "peers": {}}
+    return words.folder.resolve(), wanted
+
+
+def versions(python):
+    listed = subprocess.run([python, "-m", "pip", "list", "--format=json"], capture_output=True,
+                            check=True, text=True)
+    needed = (HERE / "requirements.txt").read_text()
+    found = {package["name"]: package["version"] for package in json.loads(listed.stdout)}
+    return {name: version for name, version in found.items() if name.lower() + "==" in needed}
+
+
+def main():
+    folder, wanted = arguments()
+    folder.mkdir(parents=True, exist_ok=True)
+    python, results = environment(folder), folder / "peers.json"
+    found = json.loads(results.read_text()) if results.exists() else {"ours": {}, "peers": {}}
+    found["versions"] = versions(python)
+    found["ours"].update(ours(folder, wanted))
     if "library" in wanted:
         found["check"] = peer(python, folder, "library", "check")
     for task, names in wanted.items():
@@ -152,7 +173,7 @@ def main():
             result = peer(python, folder, task, name)
             found["peers"].setdefault(task, {})[name] = result
             print(task, name, result, flush=True)
-            (folder / "peers.json").write_text(json.dumps(found, indent=1))
+            results.write_text(json.dumps(found, indent=1))
     (folder / "peers.md").write_text(page(found))
     print(page(found))
     subprocess.run([str(python), str(HERE / "plots.py"), str(folder)], check=True)

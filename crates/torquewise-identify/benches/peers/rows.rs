@@ -1,4 +1,4 @@
-//! Time over the number of rows: a small library, least squares.
+//! Time over the number of rows: a small library, least squares and STLSQ.
 
 use crate::trial::{N, blocks, moves, problem, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
@@ -7,6 +7,7 @@ use torquewise_identify::candidates::Candidates;
 use torquewise_identify::{LibraryKind, Method};
 use torquewise_sparse::accumulate::{Prepared, cheaper_route};
 use torquewise_sparse::row_sums::RowAdder;
+use torquewise_sparse::select::stlsq::Stlsq;
 
 /// Rows of the log, which larger numbers of rows go through again and again.
 const ROWS: usize = 10_000;
@@ -24,7 +25,7 @@ pub(crate) fn run(folder: &Path) -> Value {
     let mut times = Map::new();
     for repeats in REPEATS {
         let rows = ROWS * repeats;
-        let (_, seconds) = timed(&format!("{rows} rows"), || {
+        let sums = || {
             let route = cheaper_route(&candidates.design, N, rows);
             let prepared = Prepared::new(&candidates.design, route);
             let mut adder = RowAdder::new(&prepared, N);
@@ -34,10 +35,18 @@ pub(crate) fn run(folder: &Path) -> Value {
                 }
             }
             let sums = adder.finish().expect("sums within range");
-            let (all, cross, _) = problem(sums.grams(&prepared, N, &columns).remove(0), 0);
+            problem(sums.grams(&prepared, N, &columns).remove(0), 0)
+        };
+        let (_, lstsq) = timed(&format!("{rows} rows, least squares"), || {
+            let (all, cross, _) = sums();
             all.refit_each(&columns, cross.as_ref()).expect("columns of the library")
         });
-        times.insert(rows.to_string(), seconds);
+        let (_, stlsq) = timed(&format!("{rows} rows, STLSQ"), || {
+            let (all, cross, _) = sums();
+            let stlsq = Stlsq { plain_ridge: 0.05, ..Stlsq::default() };
+            stlsq.select_each(&all, cross.as_ref()).expect("settings within range")
+        });
+        times.insert(rows.to_string(), json!({ "lstsq": lstsq, "pysindy": stlsq }));
     }
     json!({ "candidates": columns.len(), "seconds": times })
 }
