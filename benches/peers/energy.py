@@ -74,5 +74,5 @@ def judged(ways, terms, test):
     x = columns([terms[place] for place in some], q, dq, ddq)
     joints = tau.shape[1]
     errors = {name: nrmse(tau, (x @ w[some]).reshape(joints, -1).T) for name, w in ways.items()}
-    best = min(errors, key=lambda name: np.log(errors[name]).sum())
+    best = min(errors, key=lambda name: sum(errors[name]))
     return {"best": best, "active": int((ways[best] != 0).sum()), "errors": errors[best]}

@@ -75,7 +75,7 @@ def steps(peer, folder):
     # at the default.
     spent, _ = timed(lambda: reconstruct(0.1))
     found = {x: judged(reconstruct(x)) for x in (0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)}
-    best = min(found, key=lambda x: np.log(found[x][0]).sum())
+    best = min(found, key=lambda x: sum(found[x][0]))
     errors, active = found[best]
     return {"seconds": spent, "active": active, "errors": errors, "best": f"threshold {best}",
             "default_errors": found[0.1][0]}
