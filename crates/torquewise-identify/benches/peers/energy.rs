@@ -1,6 +1,6 @@
 //! The energy library, whose coefficients all joints share: three joints, then six.
 
-use crate::trial::{N, blocks, errors, moves, problem, test, timed, write, write_motion};
+use crate::trial::{N, errors, grams, moves, problem, test, timed, write, write_motion};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
@@ -8,9 +8,7 @@ use torquewise_identify::{LibraryKind, Method, Plan, reconstruct};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Training, Weighted, to_json};
 use torquewise_motion::Motion;
-use torquewise_sparse::accumulate::{Prepared, cheaper_route};
 use torquewise_sparse::gram::Gram;
-use torquewise_sparse::row_sums::RowAdder;
 use torquewise_sparse::select::lasso::{Lasso, lasso_path};
 
 const ROWS: usize = 20_000;
@@ -24,17 +22,9 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
     let library = LibraryKind::Energy { interaction: None };
     let candidates = Candidates::new(N, library, Method::Stepwise).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
-    let route = cheaper_route(&candidates.design, N, ROWS);
 
-    let ((all, _, _), gram) = timed("gram", || {
-        let prepared = Prepared::new(&candidates.design, route);
-        let mut adder = RowAdder::new(&prepared, N);
-        for block in blocks(&motion) {
-            adder.push(block).expect("a block that fits");
-        }
-        let sums = adder.finish().expect("sums within range");
-        problem(stacked(sums.grams(&prepared, N, &columns), &motion), 0)
-    });
+    let ((all, _, _), gram) =
+        timed("gram", || problem(stacked(grams(&candidates, &motion, 1), &motion), 0));
     let (_, lstsq) = timed("lstsq", || all.refit(&columns).expect("columns of the library"));
     let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
     let (path, seconds) =

@@ -1,15 +1,14 @@
 //! The whole library of SINDy, three joints: least squares, STLSQ, the path of the LASSO.
 
-use crate::trial::{N, blocks, moves, problem, timed, write, write_motion, write_terms};
+use crate::trial::{N, grams, moves, problem, timed, write, write_motion, write_terms};
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::{LibraryKind, Method};
 use torquewise_motion::Motion;
-use torquewise_sparse::accumulate::{Prepared, cheaper_route};
+use torquewise_sparse::accumulate::cheaper_route;
 use torquewise_sparse::gram::Gram;
-use torquewise_sparse::row_sums::RowAdder;
 use torquewise_sparse::select::lasso::{Lasso, lasso_path};
 use torquewise_sparse::select::stlsq::Stlsq;
 
@@ -40,15 +39,8 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let columns: Vec<usize> = (0..p).collect();
     let mut out = json!({ "route": format!("{route:?}") });
 
-    let ((first, cross, energy), seconds) = timed("gram", || {
-        let prepared = Prepared::new(&candidates.design, route);
-        let mut adder = RowAdder::new(&prepared, N);
-        for block in blocks(motion) {
-            adder.push(block).expect("a block that fits");
-        }
-        let sums = adder.finish().expect("sums within range");
-        problem(sums.grams(&prepared, N, &columns).remove(0), 0)
-    });
+    let ((first, cross, energy), seconds) =
+        timed("gram", || problem(grams(&candidates, motion, 1).remove(0), 0));
     out["gram"] = seconds;
     let (weights, seconds) = timed("lstsq", || {
         first.refit_each(&columns, cross.as_ref()).expect("columns of the library")

@@ -1,12 +1,10 @@
 //! Time over the number of rows: a small library, least squares and STLSQ.
 
-use crate::trial::{N, blocks, moves, problem, timed, write_motion, write_terms};
+use crate::trial::{N, grams, moves, problem, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::{LibraryKind, Method};
-use torquewise_sparse::accumulate::{Prepared, cheaper_route};
-use torquewise_sparse::row_sums::RowAdder;
 use torquewise_sparse::select::stlsq::Stlsq;
 
 /// Rows of the log, which larger numbers of rows go through again and again.
@@ -25,18 +23,7 @@ pub(crate) fn run(folder: &Path) -> Value {
     let mut times = Map::new();
     for repeats in REPEATS {
         let rows = ROWS * repeats;
-        let sums = || {
-            let route = cheaper_route(&candidates.design, N, rows);
-            let prepared = Prepared::new(&candidates.design, route);
-            let mut adder = RowAdder::new(&prepared, N);
-            for _ in 0..repeats {
-                for block in blocks(&motion) {
-                    adder.push(block).expect("a block that fits");
-                }
-            }
-            let sums = adder.finish().expect("sums within range");
-            problem(sums.grams(&prepared, N, &columns).remove(0), 0)
-        };
+        let sums = || problem(grams(&candidates, &motion, repeats).remove(0), 0);
         let (_, lstsq) = timed(&format!("{rows} rows, least squares"), || {
             let (all, cross, _) = sums();
             all.refit_each(&columns, cross.as_ref()).expect("columns of the library")

@@ -10,8 +10,10 @@ use torquewise_identify::candidates::{Candidates, Terms};
 use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
+use torquewise_sparse::accumulate::{Prepared, cheaper_route};
 use torquewise_sparse::gram::Gram;
 use torquewise_sparse::problem::Problem;
+use torquewise_sparse::row_sums::RowAdder;
 use torquewise_sparse::samples::Samples;
 
 /// Joints of the arm of all tasks but one.
@@ -38,7 +40,7 @@ fn simulated(arm: &str, kind: MotionKind, rows: usize, seed: u64) -> Motion {
 }
 
 /// Rows in blocks, as they are read from a file.
-pub(crate) fn blocks(motion: &Motion) -> Vec<Samples> {
+fn blocks(motion: &Motion) -> Vec<Samples> {
     let n = motion.n_joints();
     let all: Vec<usize> = (0..motion.n_rows()).collect();
     let block = |rows: &[usize]| {
@@ -50,6 +52,23 @@ pub(crate) fn blocks(motion: &Motion) -> Vec<Samples> {
         Samples { angles: motion.q().to_owned(), variables, responses }
     };
     all.chunks(BLOCK_ROWS).map(block).collect()
+}
+
+/// The normal equations of a library, one for each of its equations, from the rows of a motion gone
+/// through so many times.
+pub(crate) fn grams(candidates: &Candidates, motion: &Motion, repeats: usize) -> Vec<Gram> {
+    let n = motion.n_joints();
+    let columns: Vec<usize> = (0..candidates.len()).collect();
+    let route = cheaper_route(&candidates.design, n, repeats * motion.n_rows());
+    let prepared = Prepared::new(&candidates.design, route);
+    let mut adder = RowAdder::new(&prepared, n);
+    for _ in 0..repeats {
+        for block in blocks(motion) {
+            adder.push(block).expect("a block that fits");
+        }
+    }
+    let sums = adder.finish().expect("sums within range");
+    sums.grams(&prepared, n, &columns)
 }
 
 /// The normal equations of a joint, and the cross products and energies of all.
