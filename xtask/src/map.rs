@@ -20,7 +20,7 @@ const CRATES: [&str; 14] = [
     "torquewise-dynamics",
     "torquewise-signals",
     "torquewise-logs",
-    "torquewise-chain",
+    "torquewise-rigid",
     "torquewise-identify",
     "torquewise-report",
     "torquewise-excite",

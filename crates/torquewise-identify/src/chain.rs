@@ -12,7 +12,7 @@ use crate::plan::Plan;
 use crate::prune::prune;
 use crate::survey::Survey;
 use crate::warning::Warning;
-use torquewise_chain::Chain;
+use torquewise_rigid::Chain;
 use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Weighted};
 use torquewise_sparse::accumulate::Route;
 

@@ -43,7 +43,7 @@ pub enum IdentifyError {
     #[error("joint {name} is said to be balanced, the log has {joints}: name one of these")]
     NoSuchJoint { name: String, joints: String },
     #[error("no chain of rigid bodies could be learned: {0}")]
-    Chain(#[from] torquewise_chain::ChainError),
+    Chain(#[from] torquewise_rigid::ChainError),
     #[error("numerical work failed: please report this log to the authors of torquewise")]
     Sparse(#[from] SparseError),
 }

@@ -8,8 +8,8 @@ use crate::plan::{FrictionKind, Plan};
 use crate::survey::thinned;
 use crate::trial::{Recipe, record, record_best, trial};
 use rayon::prelude::*;
-use torquewise_chain::search::all_parameters;
-use torquewise_chain::{Chain, Rows, Search, refine, search};
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, Rows, Search, refine, search};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 

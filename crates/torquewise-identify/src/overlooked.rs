@@ -197,7 +197,7 @@ impl<'a> Trials<'a> {
             columns.subrows_mut(start, count).copy_from(&tangent.columns);
             start += count;
         }
-        let joined = |part: fn(&torquewise_chain::Tangent) -> &Vec<f64>| -> Vec<f64> {
+        let joined = |part: fn(&torquewise_rigid::Tangent) -> &Vec<f64>| -> Vec<f64> {
             tangents.iter().flat_map(part).copied().collect()
         };
         let (residual, weights) = (joined(|t| &t.residual), joined(|t| &t.weights));

@@ -22,7 +22,7 @@ const fn layer(
 const MOTION: &str = "torquewise-motion";
 const SPARSE: &str = "torquewise-sparse";
 const MODEL: &str = "torquewise-model";
-const CHAIN: &str = "torquewise-chain";
+const CHAIN: &str = "torquewise-rigid";
 const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";

@@ -4,7 +4,7 @@ use super::{LAST_ROWS, Learned, SNAP_ROUNDS, School, TRIAL_ROWS};
 use crate::beside::Beside;
 use crate::error::IdentifyError;
 use crate::trial::{record, trial};
-use torquewise_chain::refine;
+use torquewise_rigid::refine;
 use torquewise_model::EnergyTerm;
 use torquewise_motion::Motion;
 

@@ -6,7 +6,7 @@ use crate::error::IdentifyError;
 use crate::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::plan::FrictionKind;
 use crate::trial::{Recipe, record, record_worth, trial};
-use torquewise_chain::Chain;
+use torquewise_rigid::Chain;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 

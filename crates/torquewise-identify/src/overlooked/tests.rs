@@ -10,8 +10,8 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_chain::search::all_parameters;
-use torquewise_chain::{Chain, Geometry, Rows, Search};
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, Geometry, Rows, Search};
 use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted};
 use torquewise_motion::{Motion, Signals};
 

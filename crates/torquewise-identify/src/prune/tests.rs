@@ -6,7 +6,7 @@ use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_chain::{Chain, Geometry};
+use torquewise_rigid::{Chain, Geometry};
 use torquewise_model::{EnergyTerm, Form, Model, Place, Torque, Training, Weighted};
 use torquewise_motion::{Motion, Signals};
 

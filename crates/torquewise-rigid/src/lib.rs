@@ -7,16 +7,17 @@
 
 pub mod error;
 pub mod geometry;
-mod bodies;
+pub mod recursion;
 pub mod rows;
-mod masses;
-mod descent;
+mod inertial_fit;
+mod levenberg_marquardt;
 pub mod search;
 pub mod tangent;
 mod expand;
 
 pub use error::ChainError;
 pub use geometry::Geometry;
+pub use recursion::{Kinematics, Moved, State};
 pub use rows::Rows;
 pub use search::{Chain, Search, fit, refine, search};
 pub use tangent::Tangent;

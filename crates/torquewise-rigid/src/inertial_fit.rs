@@ -1,8 +1,8 @@
 //! Geometry, rows → masses: the inertial parameters that explain the torque best, and what is left.
 
-use crate::bodies::{Bodies, PER_BODY};
 use crate::error::ChainError;
 use crate::geometry::Geometry;
+use crate::recursion::{Kinematics, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -11,7 +11,7 @@ use faer::{Accum, Mat, MatRef, Par, Side};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
-pub(crate) struct Masses {
+pub(crate) struct InertialFit {
     /// Weighted columns, each scaled to unit RMS, (m·n)×p.
     columns: Mat<f64>,
     factor: Llt<f64>,
@@ -29,25 +29,41 @@ const NOTHING: f64 = 1e-9;
 /// Weighted columns of a chain and those beside it, (m·n)×p.
 pub(crate) fn weighted_columns(geometry: &Geometry, rows: &Rows, weights: &[f64]) -> Mat<f64> {
     let (m, n) = (rows.len(), rows.n_joints());
-    let bodies = Bodies::new(geometry);
+    let kinematics = Kinematics::new(geometry);
+    let mut moved = Moved::default();
     let of_bodies = PER_BODY * n;
     let mut columns = Mat::zeros(m * n, of_bodies + rows.extras.ncols());
-    for row in 0..m {
-        bodies.columns(rows.state(row), |joint, parameter, value| {
-            let k = joint * m + row;
-            columns[(k, parameter)] = rows.shares[k] * weights[joint] * value;
+    rows.visit_lanes(|state, first, count| {
+        kinematics.move_into(state, &mut moved);
+        moved.regressor(|joint, parameter, value| {
+            let start = joint * m + first;
+            let values: [f64; N_LANES] = value.into();
+            columns.col_as_slice_mut(parameter)[start..start + count]
+                .copy_from_slice(&values[..count]);
         });
+    });
+    for parameter in 0..of_bodies {
+        weigh(columns.col_as_slice_mut(parameter), rows, weights);
     }
     for j in 0..rows.extras.ncols() {
         let from = rows.extras.col_as_slice(j);
-        for (k, out) in columns.col_as_slice_mut(of_bodies + j).iter_mut().enumerate() {
-            *out = rows.shares[k] * weights[k / m] * from[k];
-        }
+        let column = columns.col_as_slice_mut(of_bodies + j);
+        column.copy_from_slice(from);
+        weigh(column, rows, weights);
     }
     columns
 }
 
-impl Masses {
+/// Multiplies equations, all rows of joint 1 first, by what they count.
+pub(crate) fn weigh(column: &mut [f64], rows: &Rows, weights: &[f64]) {
+    let m = rows.len().max(1);
+    let joints = column.chunks_mut(m).zip(rows.shares.chunks(m)).zip(weights);
+    for ((column, shares), weight) in joints {
+        column.iter_mut().zip(shares).for_each(|(x, share)| *x *= share * weight);
+    }
+}
+
+impl InertialFit {
     /// Ridge regression of the torque at a geometry.
     ///
     /// `ridge` is relative to the mean square of a column; `weights` is one over the noise of each

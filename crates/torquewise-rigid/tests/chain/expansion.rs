@@ -4,7 +4,7 @@ use crate::twins::{chain, drawn, puma};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_chain::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, Geometry, Rows};
 use torquewise_model::library::energy_library;
 use torquewise_model::{EnergyTerm, Form, Model, Torque, Training, Weighted};
 

@@ -2,7 +2,7 @@
 
 use crate::twins::{arm, chain, drawn, errors, largest, puma, rows, sines};
 use faer::Mat;
-use torquewise_chain::{Geometry, Rows, Search, fit};
+use torquewise_rigid::{Geometry, Rows, Search, fit};
 use torquewise_dynamics::Arm;
 
 const DOWN: [f64; 3] = [0.0, 0.0, -9.81];

@@ -5,7 +5,7 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_chain::{Chain, Rows, Search, search};
+use torquewise_rigid::{Chain, Rows, Search, search};
 use torquewise_dynamics::Arm;
 use torquewise_motion::Motion;
 

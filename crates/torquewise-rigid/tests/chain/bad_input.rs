@@ -2,8 +2,8 @@
 
 use crate::twins::{chain, puma, rows, sines};
 use faer::{Mat, MatRef};
-use torquewise_chain::search::all_parameters;
-use torquewise_chain::{Chain, ChainError, Geometry, Rows, Search, fit, refine, search};
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, ChainError, Geometry, Rows, Search, fit, refine, search};
 use torquewise_dynamics::Arm;
 
 fn plan() -> Search {

@@ -1,13 +1,14 @@
 //! Rows → chain: many starts with axes at right angles, the best of them refined.
 
-use crate::bodies::{Bodies, PER_BODY};
-use crate::descent::{Fitted, Pull, Target};
+use crate::levenberg_marquardt::{Fitted, Pull, Target};
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
+use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use simba::simd::SimdValue;
 
 /// How a chain is looked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,14 +86,17 @@ impl Chain {
     /// Torques \[N·m\] of rows: m of joint 1, then m of joint 2 …
     pub fn torque(&self, rows: &Rows) -> Vec<f64> {
         let (m, n) = (rows.len(), rows.n_joints());
-        let bodies = Bodies::new(&self.geometry);
-        let (mut out, mut torque) = (vec![0.0; m * n], vec![0.0; n]);
-        for row in 0..m {
-            bodies.torque(rows.state(row), &self.inertial, &mut torque);
-            for (joint, tau) in torque.iter().enumerate() {
-                out[joint * m + row] = *tau;
+        let kinematics = Kinematics::new(&self.geometry);
+        let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
+        let mut out = vec![0.0; m * n];
+        rows.visit_lanes(|state, first, count| {
+            kinematics.inverse_dynamics(state, &self.inertial, &mut moved, &mut torque[..n]);
+            for (joint, &tau) in torque[..n].iter().enumerate() {
+                let start = joint * m + first;
+                let values: [f64; N_LANES] = tau.into();
+                out[start..start + count].copy_from_slice(&values[..count]);
             }
-        }
+        });
         for (j, coefficient) in self.beside.iter().enumerate() {
             for (out, x) in out.iter_mut().zip(rows.extras.col_as_slice(j)) {
                 *out += coefficient * x;

@@ -2,7 +2,7 @@
 
 use crate::twins::{arm, chain, drawn, sines};
 use faer::Mat;
-use torquewise_chain::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, Geometry, Rows};
 
 const JOINTS: usize = 3;
 const WEIGHTS: [f64; JOINTS] = [0.5, 2.0, 4.0];

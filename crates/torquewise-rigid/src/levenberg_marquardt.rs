@@ -1,12 +1,13 @@
 //! A first geometry → the one that fits: Levenberg–Marquardt with the masses projected out.
 
-use crate::bodies::{Bodies, PER_BODY};
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, nearest_right_angle};
-use crate::masses::Masses;
+use crate::inertial_fit::{InertialFit, weigh};
+use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use simba::simd::SimdValue;
 
 /// How a geometry is fitted.
 #[derive(Clone, Debug)]
@@ -64,13 +65,11 @@ const PLACE_SPREAD: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub(crate) struct Fitted {
     pub(crate) geometry: Geometry,
-    pub(crate) masses: Masses,
+    pub(crate) masses: InertialFit,
     /// Mean square of the weighted residual, ridge and pull counted in.
     pub(crate) cost: f64,
 }
 
-/// Step of the numerical derivative: rad or m.
-const STEP: f64 = 1e-6;
 /// Longest step of a parameter in one round: rad or m.
 const LONGEST: f64 = 0.5;
 /// A round that gains less than this part of the cost is the last.
@@ -80,7 +79,7 @@ const TRIALS: usize = 6;
 
 impl Target<'_> {
     pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted, ChainError> {
-        let masses = Masses::fit(geometry, self.rows, self.weights, self.ridge)?;
+        let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
         let cost = masses.cost + self.pull.cost(geometry);
         if !cost.is_finite() {
             return Err(ChainError::Singular);
@@ -88,38 +87,30 @@ impl Target<'_> {
         Ok(Fitted { geometry: geometry.clone(), masses, cost })
     }
 
-    /// Weighted torque of the chain alone, m·n.
-    fn torque(&self, geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
-        let (m, n) = (self.rows.len(), self.rows.n_joints());
-        let bodies = Bodies::new(geometry);
-        let (mut out, mut torque) = (vec![0.0; m * n], vec![0.0; n]);
-        for row in 0..m {
-            bodies.torque(self.rows.state(row), inertial, &mut torque);
-            for (joint, tau) in torque.iter().enumerate() {
-                let k = joint * m + row;
-                out[k] = self.rows.shares[k] * self.weights[joint] * tau;
-            }
-        }
-        out
-    }
-
     /// Change of the weighted torque per unit of each free parameter, the masses held, (m·n)×g.
     ///
     /// - `masses`: inertial parameters of the bodies, 10 each, and whatever comes after them
     pub(crate) fn changes(&self, geometry: &Geometry, masses: &[f64], free: &[usize]) -> Mat<f64> {
-        let inertial = &masses[..PER_BODY * self.rows.n_joints()];
-        let mut changes = Mat::zeros(self.rows.torque.len(), free.len());
-        for (column, &parameter) in free.iter().enumerate() {
-            let mut moved = geometry.clone();
-            moved.parameters_mut()[parameter] += STEP;
-            let ahead = self.torque(&moved, inertial);
-            moved.parameters_mut()[parameter] -= 2.0 * STEP;
-            let behind = self.torque(&moved, inertial);
-            for (out, (a, b)) in
-                changes.col_as_slice_mut(column).iter_mut().zip(ahead.iter().zip(&behind))
-            {
-                *out = (a - b) / (2.0 * STEP);
+        let (m, n) = (self.rows.len(), self.rows.n_joints());
+        let inertial = &masses[..PER_BODY * n];
+        let kinematics = Kinematics::new(geometry);
+        let derivatives = geometry.derivatives();
+        let (mut moved, mut torque) = (Moved::default(), [Lanes::splat(0.0); MOST_JOINTS]);
+        let mut changes = Mat::zeros(m * n, free.len());
+        self.rows.visit_lanes(|state, first, count| {
+            kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque[..n]);
+            for (column, &parameter) in free.iter().enumerate() {
+                moved.geometry_derivative(&derivatives[parameter], inertial, &mut torque[..n]);
+                for (joint, &change) in torque[..n].iter().enumerate() {
+                    let start = joint * m + first;
+                    let values: [f64; N_LANES] = change.into();
+                    changes.col_as_slice_mut(column)[start..start + count]
+                        .copy_from_slice(&values[..count]);
+                }
             }
+        });
+        for column in 0..free.len() {
+            weigh(changes.col_as_slice_mut(column), self.rows, self.weights);
         }
         changes
     }

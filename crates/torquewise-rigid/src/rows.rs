@@ -1,8 +1,9 @@
 //! Motion, torque, further columns → rows of a regression: what a chain is learned from.
 
-use crate::bodies::{MOST_JOINTS, State};
+use crate::recursion::{Lanes, MOST_JOINTS, N_LANES, State};
 use crate::error::ChainError;
 use faer::{Mat, MatRef};
+use simba::simd::SimdValue;
 
 /// Rows of one arm and what is known beside the chain.
 #[derive(Clone, Debug)]
@@ -102,10 +103,20 @@ impl Rows {
         (torque.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>() / m).sqrt()
     }
 
-    pub(crate) fn state(&self, row: usize) -> State<'_> {
-        let n = self.n_joints;
-        let state = &self.states[3 * n * row..3 * n * (row + 1)];
-        State { q: &state[..n], dq: &state[n..2 * n], ddq: &state[2 * n..] }
+    /// Calls `visit` with four states at a time, the row of the first of them and how many of them
+    /// are rows; the last is repeated where rows run out.
+    pub(crate) fn visit_lanes(&self, mut visit: impl FnMut(State<'_, Lanes>, usize, usize)) {
+        let (m, n) = (self.len(), self.n_joints);
+        let mut lanes = vec![Lanes::splat(0.0); 3 * n];
+        for first in (0..m).step_by(N_LANES) {
+            for lane in 0..N_LANES {
+                let row = (first + lane).min(m - 1);
+                let state = &self.states[3 * n * row..3 * n * (row + 1)];
+                lanes.iter_mut().zip(state).for_each(|(lanes, x)| lanes.replace(lane, *x));
+            }
+            let state = State { q: &lanes[..n], dq: &lanes[n..2 * n], ddq: &lanes[2 * n..] };
+            visit(state, first, N_LANES.min(m - first));
+        }
     }
 
     /// The rows named by `rows`, in that order.

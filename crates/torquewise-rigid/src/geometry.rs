@@ -25,12 +25,25 @@ pub struct Geometry {
 }
 
 /// A frame that is fixed in the frame before it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
     /// Turns components of the new frame into those of the one before.
-    pub(crate) rotation: Matrix3<f64>,
+    pub rotation: Matrix3<f64>,
     /// Its origin \[m\], in the frame before.
-    pub(crate) origin: Vector3<f64>,
+    pub origin: Vector3<f64>,
+}
+
+/// How the frame of a joint moves per unit of one parameter of the geometry.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeometryDerivative {
+    /// The joint whose frame moves, counted from 0; all beyond it moves along.
+    pub joint: usize,
+    /// Rotation \[rad\], in the frame before.
+    pub rotation: Vector3<f64>,
+    /// Shift of its origin \[m\], in the frame before.
+    pub origin: Vector3<f64>,
+    /// Change of gravity \[m/s²\], in the base; zero but for the tilt.
+    pub gravity: Vector3<f64>,
 }
 
 /// Axes along ±x, ±y, ±z of the frame before, as rotation vectors.
@@ -165,8 +178,37 @@ impl Geometry {
         (-GRAVITY * turned).into()
     }
 
+    /// How the frames move per unit of each parameter, in the order of [`Self::parameters`].
+    pub fn derivatives(&self) -> Vec<GeometryDerivative> {
+        let zero = Vector3::zeros();
+        let of_tilt = left_jacobian(self.tilt()).map(|rotation| GeometryDerivative {
+            joint: 0,
+            rotation: zero,
+            origin: zero,
+            gravity: rotation.cross(&Vector3::from(self.gravity())),
+        });
+        let placements = self.placements();
+        let of_joint = |joint: usize| {
+            let Placement { rotation: turned, origin } = placements[joint];
+            let turns = left_jacobian(self.direction(joint)).map(|rotation| GeometryDerivative {
+                joint,
+                rotation,
+                origin: rotation.cross(&origin),
+                gravity: zero,
+            });
+            let shifts = [Vector3::x(), Vector3::y()].map(|shift| GeometryDerivative {
+                joint,
+                rotation: zero,
+                origin: turned * shift,
+                gravity: zero,
+            });
+            turns.into_iter().chain(shifts)
+        };
+        of_tilt.into_iter().chain((1..self.n_joints()).flat_map(of_joint)).collect()
+    }
+
     /// The frame of each joint in the one before, at q = 0, n.
-    pub(crate) fn placements(&self) -> Vec<Placement> {
+    pub fn placements(&self) -> Vec<Placement> {
         (0..self.n_joints())
             .map(|joint| {
                 let rotation = turn(self.direction(joint));
@@ -179,6 +221,24 @@ impl Geometry {
 
 fn turn(w: [f64; 2]) -> Matrix3<f64> {
     *Rotation3::new(Vector3::new(w[0], w[1], 0.0)).matrix()
+}
+
+/// Rotation \[rad\] that follows turning by (w₁, w₂, 0), per unit of w₁ and of w₂: two columns of
+/// the left Jacobian of the rotation group.
+fn left_jacobian(w: [f64; 2]) -> [Vector3<f64>; 2] {
+    let w = Vector3::new(w[0], w[1], 0.0);
+    let angle = w.norm();
+    // (1 − cos φ)/φ² and (φ − sin φ)/φ³; below the cube root of the precision their limits.
+    let [first, second] = if angle < 1e-4 {
+        [0.5 - angle * angle / 24.0, 1.0 / 6.0 - angle * angle / 120.0]
+    } else {
+        let half = (0.5 * angle).sin();
+        [2.0 * half * half / (angle * angle), (angle - angle.sin()) / angle.powi(3)]
+    };
+    [Vector3::x(), Vector3::y()].map(|unit| {
+        let across = w.cross(&unit);
+        unit + first * across + second * w.cross(&across)
+    })
 }
 
 /// The direction of an axis, a unit vector.

@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
-use torquewise_chain::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, Geometry, Rows};
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_motion::Motion;
 

@@ -1,9 +1,8 @@
 //! Chain → energy terms: M(q) and V(q) as the short sums of harmonics they are (E4).
 
-use crate::bodies::{Bodies, PER_BODY, State};
 use crate::error::ChainError;
+use crate::recursion::{Kinematics, Moved};
 use crate::search::Chain;
-use nalgebra::{Matrix3, Vector3};
 use torquewise_model::{EnergyTerm, Place, Term, Trig};
 
 /// Joints of an arm whose energy can be listed: 5ⁿ⁻¹ states are looked at.
@@ -40,8 +39,8 @@ impl Chain {
     }
 
     fn potential_terms(&self, n: usize) -> Vec<(EnergyTerm, f64)> {
-        let bodies = Bodies::new(&self.geometry);
-        let grid = Grid::of(n, 1, |q| bodies.potential(q, &self.inertial));
+        let kinematics = Kinematics::new(&self.geometry);
+        let grid = Grid::of(n, 1, |q| kinematics.potential_energy(q, &self.inertial));
         let mut terms = Vec::new();
         listed(&grid.coefficients(), n, n, 1, |function, coefficient| {
             // A constant of V is no torque.
@@ -54,22 +53,14 @@ impl Chain {
 
     fn inertia_terms(&self, n: usize) -> Vec<(EnergyTerm, f64)> {
         // The first angle turns the whole arm: M does not depend on it.
-        let weightless = Bodies::new(&self.geometry).without_gravity();
+        let kinematics = Kinematics::new(&self.geometry);
+        let mut moved = Moved::default();
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); n * n];
-        let points = Grid::points(n - 1, 2);
-        let mut torque = vec![0.0; n];
-        let rest = vec![0.0; n];
-        for angles in points {
+        for angles in Grid::points(n - 1, 2) {
             let q: Vec<f64> = std::iter::once(0.0).chain(angles).collect();
-            for j in 0..n {
-                let mut unit = vec![0.0; n];
-                unit[j] = 1.0;
-                let state = State { q: &q, dq: &rest, ddq: &unit };
-                weightless.torque(state, &self.inertial, &mut torque);
-                for i in 0..=j {
-                    columns[i * n + j].push(torque[i]);
-                }
-            }
+            kinematics.mass_matrix(&q, &self.inertial, &mut moved, |i, j, value| {
+                columns[i * n + j].push(value);
+            });
         }
         let mut terms = Vec::new();
         for i in 0..n {
@@ -177,22 +168,4 @@ fn transform(base: usize) -> Vec<Vec<f64>> {
                 .collect()
         })
         .collect()
-}
-
-impl Bodies {
-    /// Potential energy \[J\] of the bodies at q, up to a constant.
-    fn potential(&self, q: &[f64], inertial: &[f64]) -> f64 {
-        let mut turned = Matrix3::identity();
-        let mut origin = Vector3::zeros();
-        let mut sum = Vector3::zeros();
-        for (joint, placement) in self.placements().iter().enumerate() {
-            let (sin, cos) = q[joint].sin_cos();
-            origin += turned * placement.origin;
-            let about_z = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
-            turned = turned * placement.rotation * about_z;
-            let body = &inertial[PER_BODY * joint..];
-            sum += origin * body[0] + turned * Vector3::new(body[1], body[2], body[3]);
-        }
-        -self.gravity().dot(&sum)
-    }
 }
