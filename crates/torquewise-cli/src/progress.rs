@@ -55,6 +55,10 @@ impl<R: Recording + ?Sized> Recording for Watched<'_, R> {
         self.recording.joints()
     }
 
+    fn is_filtered(&self) -> bool {
+        self.recording.is_filtered()
+    }
+
     fn read(
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,

@@ -243,6 +243,10 @@ impl Recording for Recorded {
         self.logs().joints()
     }
 
+    fn is_filtered(&self) -> bool {
+        matches!(self, Self::Conditioned(_))
+    }
+
     fn read(
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,

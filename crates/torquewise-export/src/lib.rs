@@ -14,6 +14,7 @@
 //!     joints: vec!["pivot".into()],
 //!     form: Form::Torque(vec![vec![weighted]]),
 //!     friction: vec![],
+//!     chain: None,
 //!     stages: vec![],
 //!     training: Training::default(),
 //!     choices: vec![],

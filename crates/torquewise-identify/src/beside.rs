@@ -3,12 +3,13 @@
 use crate::friction::Dictionary;
 use crate::states::States;
 use faer::Mat;
+use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_motion::Motion;
 
 /// Something that loads joints in proportion to one coefficient.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Beside {
     /// Friction of a shaft (17).
     Friction(FrictionTerm),

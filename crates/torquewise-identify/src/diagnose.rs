@@ -238,6 +238,7 @@ mod tests {
             joints: vec!["a".into(), "b".into()],
             form: Form::Torque(vec![vec![of(gravity.clone(), 3.0)], vec![]]),
             friction: vec![dry(0, -5.0), dry(1, 0.7)],
+            chain: None,
             stages: vec![],
             training: Training::default(),
             choices: vec![],

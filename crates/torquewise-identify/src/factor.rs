@@ -4,13 +4,13 @@ use crate::candidates::Group;
 use crate::noise::NoiseFloor;
 use crate::rows::rub;
 use faer::Mat;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::FrictionTerm;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::Accumulate;
+use torquewise_sparse::gram::add_gram;
 use torquewise_sparse::samples::{Evaluator, Samples};
 use torquewise_sparse::triangle::Triangle;
 
@@ -101,11 +101,11 @@ impl<'a> FactorSum<'a> {
             moved += faer::Scale(sign) * &variables;
             rub(&mut shifted, self.fit.friction);
             for moved in self.rows(&shifted)? {
-                add_gram(&mut self.bias, &moved, 0.5 * share);
+                add_gram(&mut self.bias, moved.as_ref(), 0.5 * share);
             }
         }
         for still in rows {
-            add_gram(&mut self.bias, still, -share);
+            add_gram(&mut self.bias, still.as_ref(), -share);
         }
         Ok(())
     }
@@ -137,21 +137,6 @@ fn draw(random: &mut ChaCha8Rng, rows: usize, deviations: &[f64]) -> Mat<f64> {
         }
     }
     out
-}
-
-/// Adds weight·XᵀX to the lower triangle of `target`.
-pub(crate) fn add_gram(target: &mut Mat<f64>, rows: &Mat<f64>, weight: f64) {
-    triangular::matmul(
-        target.as_mut(),
-        BlockStructure::TriangularLower,
-        faer::Accum::Add,
-        rows.transpose(),
-        BlockStructure::Rectangular,
-        rows.as_ref(),
-        BlockStructure::Rectangular,
-        weight,
-        faer::Par::Seq,
-    );
 }
 
 impl Accumulate for FactorSum<'_> {

@@ -3,7 +3,7 @@
 use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
 use crate::friction::Dictionary;
-use crate::held_out::{BLOCKS, Trial, split};
+use crate::held_out::Trial;
 use crate::plan::{FrictionKind, Plan};
 use crate::survey::thinned;
 use crate::trial::{Recipe, record, record_best, trial};
@@ -23,8 +23,6 @@ pub(crate) struct Learned {
     /// What was fitted: what stands beside the links, which of the geometry moved.
     pub(crate) recipe: Recipe,
     pub(crate) choices: Vec<Choice>,
-    /// The same fit with each block of the log left out, for standard errors.
-    pub(crate) without: Vec<Chain>,
     /// Rows on which terms that are not the chain's are tried.
     pub(crate) rows: Rows,
     /// Friction that may be offered.
@@ -46,7 +44,7 @@ const WEAK_RIDGES: [f64; 2] = [1e-6, 1e-8];
 const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
 /// Rows of a joint slower than so many half widths of the reversal say nothing of its friction,
 /// which may be anything at rest.
-const AT_REST: f64 = 3.0;
+pub(crate) const AT_REST: f64 = 3.0;
 /// What such a row counts in a fit: little, but it knows gravity.
 const SHARE_AT_REST: f64 = 0.1;
 /// Rounds of refinement on all but a held-out block.
@@ -56,7 +54,7 @@ const SNAP_ROUNDS: usize = 15;
 /// Rows that trials are fitted on.
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
-const LAST_ROWS: usize = 4_000;
+pub(crate) const LAST_ROWS: usize = 4_000;
 /// Rows that terms beside those of the chain are tried on.
 pub(crate) const TRIED_ROWS: usize = 1_500;
 /// A log of fewer rows after its filter leaves several geometries about as likely: which is found
@@ -283,7 +281,7 @@ impl<'a> School<'a> {
         Ok(chain)
     }
 
-    /// Fits the chosen recipe on all rows, and with each block left out.
+    /// Fits the chosen recipe on a sample of many rows.
     fn finish(
         &self,
         recipe: Recipe,
@@ -292,17 +290,9 @@ impl<'a> School<'a> {
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&recipe, LAST_ROWS)?;
         let chain = refine(&rows, chain, &recipe.free, &recipe.search)?;
-        let search = Search { rounds: ROUNDS, weighings: 1, ..recipe.search.clone() };
-        let without = (0..BLOCKS)
-            .into_par_iter()
-            .map(|block| {
-                let rest = rows.select(&split(rows.len(), block).1);
-                Ok(refine(&rest, &chain, &recipe.free, &search)?)
-            })
-            .collect::<Result<_, IdentifyError>>()?;
         let rows = self.rows(&recipe, TRIED_ROWS)?;
         let laws = self.laws.clone();
-        Ok(Learned { chain, recipe, choices, without, rows, laws })
+        Ok(Learned { chain, recipe, choices, rows, laws })
     }
 
     fn choose(

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 
 /// Standard deviation of the white noise in each signal of each joint.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NoiseFloor {
     /// In q \[rad\], n.
     pub q: Vec<f64>,

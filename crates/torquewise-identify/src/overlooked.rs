@@ -8,7 +8,7 @@ use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
 use crate::states::States;
 use crate::survey::{Survey, thinned};
-use crate::warning::Warning;
+use crate::warning::UntriedTerm;
 use faer::Mat;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -39,7 +39,7 @@ enum Candidate {
 pub(crate) struct Tried {
     pub(crate) certificate: Overlooked,
     /// Of a term that explains what no chain does.
-    pub(crate) warning: Option<Warning>,
+    pub(crate) warning: Option<UntriedTerm>,
     /// The best of those that are terms of an energy and were not refused, if it explains what no
     /// chain does.
     pub(crate) missing: Option<EnergyTerm>,
@@ -80,7 +80,7 @@ pub(crate) fn overlooked(
         };
         let friction = matches!(candidates[verdict.place], Candidate::Friction(_));
         let joint = survey.joints[verdict.joint].clone();
-        Warning::Overlooked { term, joint, part: verdict.held_out.min(1.0), friction, refused }
+        UntriedTerm { term, joint, part: verdict.held_out.min(1.0), friction, refused }
     });
     let energy = |place: &usize| match &candidates[*place] {
         Candidate::Energy(term) if !refused.contains(term) => Some(term.clone()),

@@ -1,7 +1,6 @@
 //! Recording → Reconstruction: the whole method on one page.
 
 use crate::candidates::{Candidates, Group};
-use crate::chain::by_chain;
 use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step, one_shot, plan_steps};
 use crate::factor::Kept;
@@ -10,6 +9,7 @@ use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{Method, Plan};
+use crate::rounds::{Request, all_passes};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::settle::{Settled, settle};
 use crate::step;
@@ -31,7 +31,30 @@ pub fn reconstruct(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
-    solve(summarise(recording, plan, "", progress)?, plan, progress)
+    let summary = summarise(recording, plan, "", progress)?;
+    if plan.method != Method::Chain {
+        return solve(summary, plan, progress);
+    }
+    let survey = surveyed(&summary)?;
+    let patterns = find_patterns(&survey, &plan.patterns)?;
+    let noise = if plan.noise_correction && !recording.is_filtered() {
+        survey.noise.clone()
+    } else {
+        NoiseFloor::none(survey.joints.len())
+    };
+    let request = Request::first(&survey, plan, noise, progress)?;
+    let fitted = all_passes(recording, request)?;
+    progress(Progress::Done);
+    let noise = survey.noise.clone();
+    fitted.report(survey, patterns, noise, plan.seed)
+}
+
+/// What the logs of a summary told, if they are enough to learn from.
+fn surveyed(summary: &Summary) -> Result<Survey, IdentifyError> {
+    let survey = summary.survey()?;
+    survey.sample.require_tau()?;
+    require_rows(&survey)?;
+    Ok(survey)
 }
 
 /// Reconstructs the equations of motion from what logs were summed up to.
@@ -48,12 +71,10 @@ pub fn solve(
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
     let plan = &summary.settings().applied_to(plan);
-    let survey = summary.survey()?;
-    survey.sample.require_tau()?;
-    require_rows(&survey)?;
+    let survey = surveyed(&summary)?;
     let mut patterns = find_patterns(&survey, &plan.patterns)?;
     let Some(mut basis) = summary.settings().basis()? else {
-        return by_chain(survey, patterns, plan, progress);
+        return Err(IdentifyError::Moments("a chain needs another pass over the rows".into()));
     };
     let Settled { library, selector, choices, .. } = settle(&survey, plan, summary.friction())?;
     basis.candidates.limit_to(library);
@@ -232,7 +253,8 @@ impl<'a> Found<'a> {
         let friction = friction_of(self.candidates, &terms);
         let joints = survey.joints.clone();
         let (stages, choices) = (self.stages, self.choices);
-        let model = Model { joints, form, friction, stages, training, choices };
+        let chain = None;
+        let model = Model { joints, form, chain, friction, stages, training, choices };
         let candidates = self.candidates.len();
         Reconstruction {
             model,

@@ -1,9 +1,10 @@
 //! Kept terms, a first fit → residuals and the spread of its scores.
 
-use crate::factor::{Fit, add_gram};
+use crate::factor::Fit;
 use faer::Mat;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::Accumulate;
+use torquewise_sparse::gram::add_gram;
 use torquewise_sparse::samples::Samples;
 
 /// Residuals of a fit, and the spread of its scores: rows of all equations at one instant share the
@@ -59,7 +60,7 @@ impl Accumulate for ScoreSum<'_> {
         for (sum, column) in self.sum.iter_mut().zip(scores.col_iter()) {
             *sum += column.iter().sum::<f64>();
         }
-        add_gram(&mut self.spread, &scores, 1.0);
+        add_gram(&mut self.spread, scores.as_ref(), 1.0);
         self.rows += samples.n_rows();
         Ok(())
     }

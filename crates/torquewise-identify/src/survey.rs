@@ -68,7 +68,6 @@ pub(crate) struct SurveySum {
     /// Largest speeds, then largest accelerations.
     peaks: [Vec<f64>; 2],
     /// Time, then torques and squared torques of each joint.
-    #[serde(with = "crate::exact_bytes")]
     sums: ExactSums,
     has_torque: bool,
     noise: NoiseSum,
@@ -267,6 +266,7 @@ impl Survey {
             dq_peak: self.dq_peak.clone(),
             ddq_peak: self.ddq_peak.clone(),
             overlooked: None,
+            price_of_physics: None,
         }
     }
 

@@ -7,6 +7,7 @@ use crate::patterns::Patterns;
 use crate::plan::{Method, Plan};
 use crate::refit::Refitted;
 use crate::survey::Survey;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use torquewise_motion::Pattern;
 
@@ -52,18 +53,7 @@ pub enum Warning {
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),
     /// A term that was not offered explains what no chain of rigid bodies does.
-    Overlooked {
-        /// Its name.
-        term: String,
-        /// Name of the joint that gains most.
-        joint: String,
-        /// By what part the RMS of its residual falls on held-out rows.
-        part: f64,
-        /// Whether it is a law of friction that was not asked for.
-        friction: bool,
-        /// Whether a fit with it predicted held-out rows no better.
-        refused: bool,
-    },
+    Overlooked(UntriedTerm),
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -71,6 +61,21 @@ pub enum Warning {
         /// Its largest position.
         largest: f64,
     },
+}
+
+/// A term that was not offered, and what it would explain (E10).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct UntriedTerm {
+    /// Its name.
+    pub term: String,
+    /// Name of the joint that gains most.
+    pub joint: String,
+    /// By what part the RMS of its residual falls on held-out rows.
+    pub part: f64,
+    /// Whether it is a law of friction that was not asked for.
+    pub friction: bool,
+    /// Whether a fit with it predicted held-out rows no better.
+    pub refused: bool,
 }
 
 /// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
@@ -181,7 +186,7 @@ impl fmt::Display for Warning {
             ),
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
-            Self::Overlooked { term, joint, part, friction, refused } => write!(
+            Self::Overlooked(UntriedTerm { term, joint, part, friction, refused }) => write!(
                 f,
                 "{term} would lower the residual of {joint} by {:.0} % on held-out rows: {}",
                 100.0 * part,

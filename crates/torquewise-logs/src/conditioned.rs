@@ -194,6 +194,10 @@ impl Recording for ConditionedLogs {
         self.logs.joints()
     }
 
+    fn is_filtered(&self) -> bool {
+        true
+    }
+
     fn read(
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,

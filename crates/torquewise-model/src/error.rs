@@ -33,4 +33,8 @@ pub enum ModelError {
     Friction { what: &'static str, place: String, found: String, expected: &'static str },
     #[error(transparent)]
     Motion(#[from] torquewise_motion::MotionError),
+    #[error("the energy of {joints} joints has too many terms to list; at most {most} joints")]
+    TooManyJoints { joints: usize, most: usize },
+    #[error("the chain of the model cannot be used, {reason}: take a file that is whole")]
+    Chain { reason: String },
 }

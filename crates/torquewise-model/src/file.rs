@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 
 /// Version of the file format this program writes, and the newest it reads. Version 1 had neither
-/// friction nor choices.
-pub const FILE_VERSION: u64 = 2;
+/// friction nor choices, version 2 no chain.
+pub const FILE_VERSION: u64 = 3;
 const FORMAT: &str = "torquewise-model";
 
 #[derive(Serialize)]
@@ -82,6 +82,9 @@ fn check(model: &Model) -> Result<(), ModelError> {
         {
             finite(what, value, || candidate.label.clone())?;
         }
+    }
+    if let Some(chain) = &model.chain {
+        chain.check(n, model.friction.len())?;
     }
     model.training.overlooked.as_ref().map_or(Ok(()), check_overlooked)
 }

@@ -3,6 +3,7 @@
 use crate::energy::EnergyTerm;
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;
+use crate::rigid_chain::RigidChain;
 use crate::term::{Sum, Term, collect};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -127,6 +128,10 @@ pub struct Training {
     /// What terms that were not offered would explain, where that was looked at.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub overlooked: Option<Overlooked>,
+    /// By what part the residual is larger (RMS) than it would be without what physics asks of the
+    /// parameters, where they are physical.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub price_of_physics: Option<f64>,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).
@@ -135,8 +140,12 @@ pub struct Training {
 pub struct Model {
     /// Joint names, base to tip, n.
     pub joints: Vec<String>,
-    /// Terms and weights.
+    /// Terms and weights. Where there is a chain, those of its terms that can be told from zero:
+    /// equations to read, not to compute with.
     pub form: Form,
+    /// The chain of rigid bodies that the torque is computed from, if one was learned.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub chain: Option<RigidChain>,
     /// Friction of the shafts, n entries each; none for an arm without.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub friction: Vec<Weighted<FrictionTerm>>,
@@ -249,7 +258,7 @@ impl Model {
         let stage = step.checked_sub(1).and_then(|place| self.stages.get(place));
         let stage = stage.ok_or(ModelError::Step { found: step, known })?;
         let (form, friction) = (stage.form.clone(), stage.friction.clone());
-        Ok(Self { form, friction, stages: Vec::new(), ..self.clone() })
+        Ok(Self { form, chain: None, friction, stages: Vec::new(), ..self.clone() })
     }
 
     /// The same model whose friction reverses within another half width \[rad/s\]; 0 for the

@@ -2,11 +2,13 @@
 
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;
-use crate::model::{Model, Weighted};
+use crate::model::{Form, Model, Weighted};
+use crate::rigid_chain::{Drive, RigidChain};
 use crate::term::{Factor, Kind, Sum};
 use faer::Mat;
 use std::collections::BTreeMap;
 use torquewise_motion::Motion;
+use torquewise_rigid::{Kinematics, Moved, State};
 
 /// The parts of the torque (1) and (17).
 #[derive(Clone, Debug)]
@@ -42,6 +44,7 @@ impl Parts {
 ///         std_error: 0.0,
 ///         inclusion: None,
 ///     }]]),
+///     chain: None,
 ///     friction: vec![],
 ///     stages: vec![],
 ///     training: Training::default(),
@@ -57,6 +60,16 @@ pub struct Torque {
     factors: Vec<Factor>,
     joints: Vec<Vec<Product>>,
     friction: Vec<Weighted<FrictionTerm>>,
+    /// The links, where a chain was learned; the terms are then those of its drives.
+    links: Option<Links>,
+}
+
+/// Rigid links, moved by the recursion.
+#[derive(Clone, Debug)]
+struct Links {
+    kinematics: Kinematics,
+    weightless: Kinematics,
+    inertial: Vec<f64>,
 }
 
 /// One term with its functions looked up by place.
@@ -72,8 +85,14 @@ struct Product {
 impl Torque {
     /// Makes a model ready.
     pub fn new(model: &Model) -> Self {
-        let (factors, joints) = numbered(&model.equations());
-        Self { n_joints: model.n_joints(), factors, joints, friction: model.friction.clone() }
+        let links = model.chain.as_ref().and_then(Links::of);
+        let equations = match (&model.chain, &links) {
+            (Some(chain), Some(_)) => drives(chain).equations(model.n_joints()),
+            _ => model.equations(),
+        };
+        let (factors, joints) = numbered(&equations);
+        let friction = model.friction.clone();
+        Self { n_joints: model.n_joints(), factors, joints, friction, links }
     }
 
     /// τ̂ \[N·m\] at one state: q \[rad\], dq \[rad/s\], ddq \[rad/s²\], n each.
@@ -82,7 +101,18 @@ impl Torque {
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn at(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
-        self.visit(q, dq, ddq, |joint, _, value| tau[joint] += value)?;
+        self.visit_terms(q, dq, ddq, |joint, _, value| tau[joint] += value)?;
+        if let Some(links) = &self.links {
+            let mut moved = Moved::default();
+            let mut own = vec![0.0; self.n_joints];
+            links.kinematics.inverse_dynamics(
+                State { q, dq, ddq },
+                &links.inertial,
+                &mut moved,
+                &mut own,
+            );
+            tau.iter_mut().zip(own).for_each(|(tau, own)| *tau += own);
+        }
         Ok(tau)
     }
 
@@ -199,7 +229,30 @@ impl Torque {
         }
     }
 
+    /// Hands over every term, and the links in parts.
     fn visit(
+        &self,
+        q: &[f64],
+        dq: &[f64],
+        ddq: &[f64],
+        mut add: impl FnMut(usize, Kind, f64),
+    ) -> Result<(), ModelError> {
+        self.visit_terms(q, dq, ddq, &mut add)?;
+        let Some(Links { kinematics, weightless, inertial }) = &self.links else { return Ok(()) };
+        let rest = vec![0.0; self.n_joints];
+        let (mut moved, mut torque) = (Moved::default(), vec![0.0; self.n_joints]);
+        for (kind, kinematics, state) in [
+            (Kind::Gravity, kinematics, State { q, dq: &rest[..], ddq: &rest[..] }),
+            (Kind::Coriolis, weightless, State { q, dq, ddq: &rest[..] }),
+            (Kind::Inertia, weightless, State { q, dq: &rest[..], ddq }),
+        ] {
+            kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque);
+            torque.iter().enumerate().for_each(|(joint, tau)| add(joint, kind, *tau));
+        }
+        Ok(())
+    }
+
+    fn visit_terms(
         &self,
         q: &[f64],
         dq: &[f64],
@@ -222,6 +275,21 @@ impl Torque {
         self.visit_friction(dq, add);
         Ok(())
     }
+}
+
+impl Links {
+    fn of(chain: &RigidChain) -> Option<Self> {
+        let kinematics = Kinematics::new(&chain.axes().ok()?);
+        let weightless = kinematics.clone().without_gravity();
+        Some(Self { kinematics, weightless, inertial: chain.inertial() })
+    }
+}
+
+/// The energies of the drives of a chain.
+fn drives(chain: &RigidChain) -> Form {
+    let weighted =
+        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
+    Form::Energy(chain.drives.iter().flat_map(Drive::energy_terms).map(weighted).collect())
 }
 
 /// The functions of all terms, each once, and the terms of each joint that look them up.

@@ -24,6 +24,11 @@ pub trait Recording {
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError>;
 
+    /// Whether its signals went through a filter, so that their noise is not white.
+    fn is_filtered(&self) -> bool {
+        false
+    }
+
     /// Logs it is made of, one or more: what was recorded at one time, in one file.
     fn n_logs(&self) -> usize {
         1
@@ -60,6 +65,10 @@ impl Recording for Motion {
 impl<R: Recording> Recording for [R] {
     fn joints(&self) -> &[String] {
         self.first().map_or(&[], Recording::joints)
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.iter().any(Recording::is_filtered)
     }
 
     fn read(

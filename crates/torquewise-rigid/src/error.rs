@@ -32,8 +32,8 @@ pub enum ChainError {
          are there joints that never move, or values that are not finite?"
     )]
     Singular,
-    /// More joints than the expansion can list.
-    #[error("the energy of {joints} joints has too many terms to list; at most {most} joints")]
+    /// More joints than the recursion holds.
+    #[error("a chain of {joints} joints is too long; at most {most} joints")]
     TooManyJoints {
         /// Joints of the arm.
         joints: usize,

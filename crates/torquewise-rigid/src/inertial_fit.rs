@@ -5,9 +5,9 @@ use crate::geometry::Geometry;
 use crate::recursion::{Kinematics, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Accum, Mat, MatRef, Par, Side};
+use torquewise_sparse::gram::add_gram;
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
@@ -89,7 +89,7 @@ impl InertialFit {
         let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
         let target: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
         let mut gram = Mat::zeros(p, p);
-        lower_gram(&mut gram, &columns);
+        add_gram(&mut gram, columns.as_ref(), 1.0);
         for j in 0..p {
             gram[(j, j)] += ridge * size;
         }
@@ -137,18 +137,4 @@ fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
     let mut out = Mat::zeros(left.nrows(), right.ncols());
     matmul(out.as_mut(), Accum::Replace, left, right, 1.0, Par::Seq);
     out
-}
-
-fn lower_gram(gram: &mut Mat<f64>, columns: &Mat<f64>) {
-    triangular::matmul(
-        gram.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        columns.transpose(),
-        BlockStructure::Rectangular,
-        columns.as_ref(),
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
 }

@@ -32,28 +32,39 @@ pub(crate) struct Pull {
 impl Pull {
     /// Pulls each axis to the right angle it is nearest to.
     pub(crate) fn new(strength: f64, geometry: &Geometry) -> Self {
-        let mut anchor = Geometry::straight(geometry.n_joints());
-        anchor.set_tilt(nearest_right_angle(geometry.tilt()));
-        for joint in 1..geometry.n_joints() {
-            anchor.set_direction(joint, nearest_right_angle(geometry.direction(joint)));
-        }
-        Self { strength, anchor: anchor.parameters().to_vec() }
+        Self { strength, anchor: right_angles_near(geometry) }
     }
 
     /// Strength over the squared spread of a parameter.
     fn stiffness(&self, parameter: usize) -> f64 {
-        let spread = match parameter.checked_sub(PER_BASE) {
-            None => TILT_SPREAD,
-            Some(place) if place % PER_JOINT < 2 => DIRECTION_SPREAD,
-            Some(_) => PLACE_SPREAD,
-        };
-        self.strength / (spread * spread)
+        pull_stiffness(self.strength, parameter)
     }
 
     fn cost(&self, geometry: &Geometry) -> f64 {
         let apart = geometry.parameters().iter().zip(&self.anchor).enumerate();
         apart.map(|(place, (x, a))| self.stiffness(place) * (x - a).powi(2)).sum()
     }
+}
+
+/// The parameters of the arm whose axes lie at the right angles nearest to those of a geometry, all
+/// through one point.
+pub fn right_angles_near(geometry: &Geometry) -> Vec<f64> {
+    let mut anchor = Geometry::straight(geometry.n_joints());
+    anchor.set_tilt(nearest_right_angle(geometry.tilt()));
+    for joint in 1..geometry.n_joints() {
+        anchor.set_direction(joint, nearest_right_angle(geometry.direction(joint)));
+    }
+    anchor.parameters().to_vec()
+}
+
+/// How much a geometry is held at right angles: strength over the squared spread of a parameter.
+pub fn pull_stiffness(strength: f64, parameter: usize) -> f64 {
+    let spread = match parameter.checked_sub(PER_BASE) {
+        None => TILT_SPREAD,
+        Some(place) if place % PER_JOINT < 2 => DIRECTION_SPREAD,
+        Some(_) => PLACE_SPREAD,
+    };
+    strength / (spread * spread)
 }
 
 /// Spreads of the parameters of arms: rad, rad, m.

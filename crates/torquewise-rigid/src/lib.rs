@@ -8,12 +8,13 @@
 pub mod error;
 pub mod geometry;
 pub mod recursion;
+pub mod inertia;
+pub mod feasible;
 pub mod rows;
 mod inertial_fit;
 mod levenberg_marquardt;
 pub mod search;
 pub mod tangent;
-mod expand;
 
 pub use error::ChainError;
 pub use geometry::Geometry;

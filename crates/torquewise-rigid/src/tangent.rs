@@ -36,6 +36,19 @@ impl Chain {
     /// [`ChainError::Shape`] if the rows are of another arm, or have other columns beside the
     /// chain.
     pub fn tangent(&self, rows: &Rows, weights: &[f64]) -> Result<Tangent, ChainError> {
+        self.tangent_of(rows, weights, &all_parameters(rows.n_joints()))
+    }
+
+    /// The same with some parameters of the geometry only.
+    ///
+    /// # Errors
+    /// As [`Self::tangent`].
+    pub fn tangent_of(
+        &self,
+        rows: &Rows,
+        weights: &[f64],
+        free: &[usize],
+    ) -> Result<Tangent, ChainError> {
         let (m, n) = (rows.len(), rows.n_joints());
         for (what, found, expected) in [
             ("geometry", self.geometry.n_joints(), n),
@@ -50,7 +63,7 @@ impl Chain {
         let linear = weighted_columns(&self.geometry, rows, weights);
         let pull = Pull::new(0.0, &self.geometry);
         let target = Target { rows, weights, ridge: 0.0, pull };
-        let moves = target.changes(&self.geometry, &masses, &all_parameters(n));
+        let moves = target.changes(&self.geometry, &masses, free);
         let weights: Vec<f64> =
             rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();
         let fitted = &linear * faer::ColRef::from_slice(&masses);

@@ -20,6 +20,8 @@ pub enum SparseError {
     Indefinite { lambda: f64 },
     #[error("{found} is too large for a sum of rows: check the units of the log")]
     OutOfRange { found: f64 },
+    #[error("the normal equations cannot be solved: are there values that are not finite?")]
+    NotSolvable,
     #[error("{clusters} clusters of {points} points: ask for at least 1 and at most one a point")]
     Clusters { clusters: usize, points: usize },
 }

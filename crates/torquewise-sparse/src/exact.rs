@@ -1,6 +1,8 @@
 //! Numbers → exact sums: fixed point of 192 bits, the same bits in whatever order they are added.
 
 use crate::error::SparseError;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Sums of floating-point numbers without rounding.
 ///
@@ -230,6 +232,20 @@ fn words_of(bytes: &[u8; BYTES]) -> Words {
         *word = bytes.iter().rev().fold(0, |word, &byte| (word << 8) | u64::from(byte));
     }
     words
+}
+
+impl Serialize for ExactSums {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        (self.len(), self.to_bytes()).serialize(to)
+    }
+}
+
+impl<'de> Deserialize<'de> for ExactSums {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let (count, bytes) = <(usize, Vec<u8>)>::deserialize(from)?;
+        let sums = Self::from_bytes(&bytes, count);
+        sums.ok_or_else(|| D::Error::custom("the sums are not what their number says"))
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use crate::error::SparseError;
 use crate::moments::add_product;
 use crate::samples::{Evaluator, Samples};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Mat, Par};
+use faer::{Accum, Mat, MatRef, Par};
 
 /// Normal equations of one equation of a design.
 #[derive(Clone, Debug)]
@@ -85,6 +85,22 @@ pub fn direct_cost(evaluator: &Evaluator, n_responses: usize) -> f64 {
     evaluator.cost() + design.n_equations() as f64 * p * (p / 2.0 + responses)
 }
 
+/// Adds weight · XᵀX to the lower triangle of `target`, in an order that no number of threads
+/// changes.
+pub fn add_gram(target: &mut Mat<f64>, rows: MatRef<'_, f64>, weight: f64) {
+    triangular::matmul(
+        target.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        rows.transpose(),
+        BlockStructure::Rectangular,
+        rows,
+        BlockStructure::Rectangular,
+        weight,
+        Par::Seq,
+    );
+}
+
 /// Adds a block of rows to the normal equations of each equation (lower triangles only): the
 /// direct route.
 ///
@@ -98,17 +114,7 @@ pub(crate) fn accumulate_rows(
     let columns = evaluator.columns(samples)?;
     let (n_equations, n_responses) = (columns.len(), samples.responses.ncols());
     for (equation, (y, gram)) in columns.iter().zip(grams).enumerate() {
-        triangular::matmul(
-            gram.gram.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            y.transpose(),
-            BlockStructure::Rectangular,
-            y.as_ref(),
-            BlockStructure::Rectangular,
-            1.0,
-            Par::Seq,
-        );
+        add_gram(&mut gram.gram, y.as_ref(), 1.0);
         let own = responses_of(equation, n_equations, n_responses);
         let responses = samples.responses.subcols(own.start, own.len());
         add_product(&mut gram.cross, y.as_ref(), responses);

@@ -11,6 +11,7 @@ pub mod design;
 pub mod samples;
 pub mod moments;
 pub mod gram;
+pub mod normal_sums;
 mod gather;
 pub mod accumulate;
 pub mod row_sums;

@@ -22,7 +22,7 @@ const fn layer(
 const MOTION: &str = "torquewise-motion";
 const SPARSE: &str = "torquewise-sparse";
 const MODEL: &str = "torquewise-model";
-const CHAIN: &str = "torquewise-rigid";
+const RIGID: &str = "torquewise-rigid";
 const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
@@ -38,12 +38,12 @@ const FRONT_DOOR: &str = "torquewise";
 const LAYERS: [Layer; 16] = [
     layer(MOTION, &[], &[]),
     layer(SPARSE, &[], &[]),
-    layer(MODEL, &[MOTION], &[DYNAMICS]),
+    layer(RIGID, &[SPARSE], &[MOTION, MODEL, DYNAMICS]),
+    layer(MODEL, &[MOTION, RIGID], &[DYNAMICS]),
     layer(DYNAMICS, &[MOTION], &[]),
     layer(SIGNALS, &[MOTION], &[DYNAMICS]),
     layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
-    layer(CHAIN, &[MODEL], &[MOTION, DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, SPARSE, MODEL, CHAIN], &[DYNAMICS]),
+    layer(IDENTIFY, &[MOTION, SPARSE, MODEL, RIGID], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
     layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
@@ -126,7 +126,7 @@ mod tests {
             MOTION,
             SPARSE,
             MODEL,
-            CHAIN,
+            RIGID,
             DYNAMICS,
             LOGS,
             SIGNALS,

@@ -159,6 +159,7 @@ fn dry(n: usize) -> Model {
         joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Torque(vec![vec![]; n]),
         friction: vec![weighted],
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

@@ -85,6 +85,7 @@ fn write_files(folder: &Path, task: &str, motion: &Motion, test: &Motion) {
         joints: motion.joints().to_vec(),
         form: Form::Energy(terms),
         friction: Vec::new(),
+        chain: None,
         stages: Vec::new(),
         training: Training::default(),
         choices: Vec::new(),

@@ -115,6 +115,7 @@ fn model(terms: Vec<Weighted<EnergyTerm>>) -> Model {
         joints: (1..=N).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Energy(terms),
         friction: vec![],
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

@@ -38,6 +38,7 @@ fn model(terms: &[(EnergyTerm, f64)]) -> Model {
         joints: (1..=N).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Energy(terms.iter().map(weighted).collect()),
         friction: vec![],
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

@@ -58,6 +58,7 @@ fn torque(terms: &[(EnergyTerm, f64)], motion: &Motion) -> Mat<f64> {
         joints: motion.joints().to_vec(),
         form: Form::Energy(terms.iter().map(weighted).collect()),
         friction: vec![],
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

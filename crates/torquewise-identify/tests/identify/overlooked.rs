@@ -43,6 +43,7 @@ fn torque_of(motion: &Motion, more: &[(EnergyTerm, f64)]) -> faer::Mat<f64> {
         joints: motion.joints().to_vec(),
         form: Form::Energy(more.iter().cloned().map(weighted).collect()),
         friction: vec![],
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

@@ -31,6 +31,7 @@ fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
         joints: vec!["hip".into(), "knee".into()],
         form: Form::Torque(vec![first, vec![weighted(one.times_ddq(1), 0.5)]]),
         friction,
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

@@ -15,6 +15,7 @@ fn model(n: usize, terms: Vec<(EnergyTerm, f64)>) -> Model {
         joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Energy(terms.into_iter().map(weighted).collect()),
         friction: vec![],
+        chain: None,
         stages: vec![],
         training: Training::default(),
         choices: vec![],

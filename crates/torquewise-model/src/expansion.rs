@@ -1,9 +1,9 @@
-//! Chain → energy terms: M(q) and V(q) as the short sums of harmonics they are (E4).
+//! M(q) and V(q) of a rigid chain as the sums of harmonics that they are (E4).
 
-use crate::error::ChainError;
-use crate::recursion::{Kinematics, Moved};
-use crate::search::Chain;
-use torquewise_model::{EnergyTerm, Place, Term, Trig};
+use crate::energy::{EnergyTerm, Place};
+use crate::error::ModelError;
+use crate::term::{Term, Trig};
+use torquewise_rigid::{Geometry, Kinematics, Moved};
 
 /// Joints of an arm whose energy can be listed: 5ⁿ⁻¹ states are looked at.
 const MOST_JOINTS: usize = 8;
@@ -19,62 +19,65 @@ struct Grid {
     values: Vec<f64>,
 }
 
-impl Chain {
-    /// All energy terms of the chain with their coefficients, in the functions of the energy
-    /// library.
-    ///
-    /// M(q) and V(q) of a chain are sums of products over the joints of 1, cos kq and sin kq, k up
-    /// to 2 and 1; their values on an even grid of angles give the coefficients exactly.
-    ///
-    /// # Errors
-    /// [`ChainError::TooManyJoints`] above eight joints.
-    pub fn energy_terms(&self) -> Result<Vec<(EnergyTerm, f64)>, ChainError> {
-        let n = self.geometry.n_joints();
-        if n > MOST_JOINTS {
-            return Err(ChainError::TooManyJoints { joints: n, most: MOST_JOINTS });
+/// All energy terms of a chain with their coefficients, in the functions of the energy library.
+///
+/// M(q) and V(q) of a chain are sums of products over the joints of 1, cos kq and sin kq, k up to 2
+/// and 1; their values on an even grid of angles give the coefficients exactly.
+///
+/// - `inertial`: inertial parameters of the bodies, 10 each
+///
+/// # Errors
+/// [`ModelError::TooManyJoints`] above eight joints.
+pub fn energy_terms(
+    geometry: &Geometry,
+    inertial: &[f64],
+) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
+    let n = geometry.n_joints();
+    if n > MOST_JOINTS {
+        return Err(ModelError::TooManyJoints { joints: n, most: MOST_JOINTS });
+    }
+    let kinematics = Kinematics::new(geometry);
+    let mut terms = potential_terms(&kinematics, inertial);
+    terms.extend(inertia_terms(&kinematics, inertial));
+    Ok(terms)
+}
+
+fn potential_terms(kinematics: &Kinematics, inertial: &[f64]) -> Vec<(EnergyTerm, f64)> {
+    let n = kinematics.n_joints();
+    let grid = Grid::of(n, 1, |q| kinematics.potential_energy(q, inertial));
+    let mut terms = Vec::new();
+    listed(&grid.coefficients(), n, n, 1, |function, coefficient| {
+        // A constant of V is no torque.
+        if !function.factors.is_empty() {
+            terms.push((EnergyTerm { place: Place::Potential, function }, coefficient));
         }
-        let mut terms = self.potential_terms(n);
-        terms.extend(self.inertia_terms(n));
-        Ok(terms)
-    }
+    });
+    terms
+}
 
-    fn potential_terms(&self, n: usize) -> Vec<(EnergyTerm, f64)> {
-        let kinematics = Kinematics::new(&self.geometry);
-        let grid = Grid::of(n, 1, |q| kinematics.potential_energy(q, &self.inertial));
-        let mut terms = Vec::new();
-        listed(&grid.coefficients(), n, n, 1, |function, coefficient| {
-            // A constant of V is no torque.
-            if !function.factors.is_empty() {
-                terms.push((EnergyTerm { place: Place::Potential, function }, coefficient));
-            }
+fn inertia_terms(kinematics: &Kinematics, inertial: &[f64]) -> Vec<(EnergyTerm, f64)> {
+    // The first angle turns the whole arm: M does not depend on it.
+    let n = kinematics.n_joints();
+    let mut moved = Moved::default();
+    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); n * n];
+    for angles in Grid::points(n - 1, 2) {
+        let q: Vec<f64> = std::iter::once(0.0).chain(angles).collect();
+        kinematics.mass_matrix(&q, inertial, &mut moved, |i, j, value| {
+            columns[i * n + j].push(value);
         });
-        terms
     }
-
-    fn inertia_terms(&self, n: usize) -> Vec<(EnergyTerm, f64)> {
-        // The first angle turns the whole arm: M does not depend on it.
-        let kinematics = Kinematics::new(&self.geometry);
-        let mut moved = Moved::default();
-        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); n * n];
-        for angles in Grid::points(n - 1, 2) {
-            let q: Vec<f64> = std::iter::once(0.0).chain(angles).collect();
-            kinematics.mass_matrix(&q, &self.inertial, &mut moved, |i, j, value| {
-                columns[i * n + j].push(value);
+    let mut terms = Vec::new();
+    for i in 0..n {
+        for j in i..n {
+            let values = std::mem::take(&mut columns[i * n + j]);
+            let grid = Grid { joints: n - 1, harmonics: 2, values };
+            listed(&grid.coefficients(), n - 1, n, 2, |function, coefficient| {
+                let place = Place::Inertia(i, j);
+                terms.push((EnergyTerm { place, function }, coefficient));
             });
         }
-        let mut terms = Vec::new();
-        for i in 0..n {
-            for j in i..n {
-                let values = std::mem::take(&mut columns[i * n + j]);
-                let grid = Grid { joints: n - 1, harmonics: 2, values };
-                listed(&grid.coefficients(), n - 1, n, 2, |function, coefficient| {
-                    let place = Place::Inertia(i, j);
-                    terms.push((EnergyTerm { place, function }, coefficient));
-                });
-            }
-        }
-        terms
     }
+    terms
 }
 
 /// Hands over each coefficient that is more than rounding, with its function of the last `inner` of

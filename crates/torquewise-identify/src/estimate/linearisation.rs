@@ -1,0 +1,152 @@
+//! A structure and its parameters → rows [J e] of a block of motion.
+
+use crate::beside::{Beside, columns};
+use crate::error::IdentifyError;
+use crate::noise::NoiseFloor;
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+use torquewise_motion::{Motion, Signals};
+use torquewise_rigid::{Chain, Geometry, Rows};
+
+/// What a chain is made of: which of its parameters there are and which may move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Structure {
+    /// Rotors, friction, springs: columns of their own.
+    pub(crate) drive: Vec<Beside>,
+    /// Parameters of the geometry that may move, ascending.
+    pub(crate) free: Vec<usize>,
+    /// How strongly these are held at right angles, mean squares of the residual.
+    pub(crate) pull: f64,
+    /// Joints slower than this \[rad/s\] are at rest: their friction may be anything; n.
+    pub(crate) rest: Vec<f64>,
+}
+
+/// Where the torque of an arm is linearised, and how its rows are weighted: all that a pass over
+/// logs needs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Linearisation {
+    pub(crate) structure: Structure,
+    /// Geometry θ₀, all parameters.
+    pub(crate) geometry: Vec<f64>,
+    /// Inertial parameters of the bodies, 10 each, then coefficients of the drive.
+    pub(crate) linear: Vec<f64>,
+    /// One over the noise of each joint \[1/(N·m)\], n.
+    pub(crate) weights: Vec<f64>,
+    /// What a parameter is counted in, so that sums are of one size: a power of two.
+    pub(crate) scales: Vec<f64>,
+    /// White noise of the rows that is corrected for.
+    pub(crate) noise: NoiseFloor,
+    /// Rows of a block of time.
+    pub(crate) block_rows: usize,
+    /// Rows of a log that stay together in a fold of cross-validation.
+    pub(crate) fold_rows: usize,
+    /// Seed of the draws of noise.
+    pub(crate) seed: u64,
+}
+
+/// What an equation of a joint at rest counts: only its gravity is informative.
+const WEIGHT_AT_REST: f64 = 0.1;
+
+impl Linearisation {
+    /// Number of parameters p: linear ones, then the free ones of the geometry.
+    pub fn n_parameters(&self) -> usize {
+        self.linear.len() + self.structure.free.len()
+    }
+
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// All parameters, p.
+    pub(crate) fn parameters(&self) -> Vec<f64> {
+        let free = self.structure.free.iter().map(|&k| self.geometry[k]);
+        self.linear.iter().copied().chain(free).collect()
+    }
+
+    /// The same at other parameters.
+    pub(crate) fn at(&self, parameters: &[f64]) -> Self {
+        let (linear, free) = parameters.split_at(self.linear.len());
+        let mut geometry = self.geometry.clone();
+        for (&k, &x) in self.structure.free.iter().zip(free) {
+            geometry[k] = x;
+        }
+        Self { geometry, linear: linear.to_vec(), ..self.clone() }
+    }
+
+    /// The same with parameters counted in such units that the columns of a sample are of size 1:
+    /// powers of two, so that nothing is rounded.
+    pub(crate) fn scaled_by(self, sample: &Motion) -> Result<Self, IdentifyError> {
+        let at = Self { scales: vec![1.0; self.n_parameters()], ..self };
+        let (rows, _) = at.rows(sample, sample)?;
+        let count = rows.nrows().max(1) as f64;
+        let scale = |j: usize| {
+            let rms = (rows.col(j).squared_norm_l2() / count).sqrt();
+            if rms > 0.0 { (-rms.log2().round()).exp2() } else { 1.0 }
+        };
+        Ok(Self { scales: (0..at.n_parameters()).map(scale).collect(), ..at })
+    }
+
+    /// The chain that is linearised.
+    pub(crate) fn chain(&self) -> Result<Chain, IdentifyError> {
+        let bodies = torquewise_rigid::recursion::PER_BODY * self.n_joints();
+        let (inertial, drive) = self.linear.split_at(bodies);
+        Ok(Chain {
+            geometry: Geometry::new(&self.geometry)?,
+            inertial: inertial.to_vec(),
+            beside: drive.to_vec(),
+            residual_rms: self.weights.iter().map(|weight| 1.0 / weight).collect(),
+            cost: 0.0,
+        })
+    }
+
+    /// Rows [J e] of a block in units of the noise and of the scales, (m·n)×(p+1), and what each was
+    /// multiplied by, m·n.
+    ///
+    /// - `seen`: the motion whose speeds say which joints rest; the block itself, or the same
+    ///   without added noise
+    pub(crate) fn rows(
+        &self,
+        block: &Motion,
+        seen: &Motion,
+    ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
+        let drive = columns(&self.structure.drive, block);
+        let tau = block.require_tau()?;
+        let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
+        let rows = Rows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;
+        let rows = if rests {
+            rows.with_shares(|row, joint| {
+                let moves = seen.dq()[(row, joint)].abs() >= self.structure.rest[joint];
+                if moves { 1.0 } else { WEIGHT_AT_REST }
+            })
+        } else {
+            rows
+        };
+        let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
+        let mut out = tangent.columns;
+        for (j, scale) in self.scales.iter().enumerate() {
+            out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
+        }
+        let p = out.ncols();
+        let whole = Mat::from_fn(out.nrows(), p + 1, |k, j| {
+            if j < p { out[(k, j)] } else { tangent.residual[k] }
+        });
+        Ok((whole, tangent.weights))
+    }
+}
+
+/// The same motion with q, q̇ and q̈ shifted, m×3n.
+pub(crate) fn shifted(motion: &Motion, by: &Mat<f64>, sign: f64) -> Result<Motion, IdentifyError> {
+    let n = motion.n_joints();
+    let signal = |x: faer::MatRef<'_, f64>, first: usize| {
+        Mat::from_fn(x.nrows(), n, |row, joint| x[(row, joint)] + sign * by[(row, first + joint)])
+    };
+    Ok(Motion::new(Signals {
+        joints: motion.joints().to_vec(),
+        t: motion.t().to_vec(),
+        q: signal(motion.q(), 0),
+        dq: signal(motion.dq(), n),
+        ddq: signal(motion.ddq(), 2 * n),
+        tau: motion.tau().map(|tau| tau.to_owned()),
+    })?)
+}

@@ -1,0 +1,148 @@
+//! Structure, geometry → what is known of an arm before any motion: plain links, positive rotors,
+//! friction that takes energy (E14).
+
+use super::linearisation::Linearisation;
+use crate::beside::Beside;
+use crate::error::IdentifyError;
+use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
+use torquewise_model::FrictionTerm;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_rigid::Geometry;
+use torquewise_rigid::feasible::{Positive, Prior};
+use torquewise_rigid::inertia::plain_link;
+use torquewise_rigid::recursion::PER_BODY;
+
+/// Least size of a link \[m\].
+const LEAST_LENGTH: f64 = 0.1;
+/// Spread of a link across, as a part of the length of a link.
+const SPREAD: f64 = 0.5;
+/// Radius \[m\] at which the mass of a link makes a usual rotor, after the gear.
+const ROTOR_RADIUS: f64 = 0.1;
+/// Usual friction as a part of the spread of the torque.
+const USUAL_FRICTION: f64 = 0.05;
+/// Speeds at which friction must take energy, as parts of the peak speed.
+const SPEEDS: [f64; 16] = [
+    1e-3, 2e-3, 4e-3, 8e-3, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, 0.3, 0.5, 0.8, 1.2, 10.0,
+];
+
+/// Usual sizes of an arm, read off its log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Sizes {
+    /// Mass of a link \[kg\].
+    pub(crate) mass: f64,
+    /// Standard deviation of the torque of each joint \[N·m\], n.
+    pub(crate) torque: Vec<f64>,
+    /// Peak speed of each joint \[rad/s\], n.
+    pub(crate) speed: Vec<f64>,
+}
+
+/// Inertial parameters of plain links of one mass between the axes of a geometry, 10n.
+pub(crate) fn plain_arm(geometry: &[f64], mass: f64) -> Result<Vec<f64>, IdentifyError> {
+    let geometry = Geometry::new(geometry)?;
+    let placements = geometry.placements();
+    let n = placements.len();
+    let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
+    let lengths = (0..n).map(|k| end(k).norm()).sum::<f64>() / n as f64;
+    let spread = SPREAD * lengths.max(LEAST_LENGTH);
+    Ok((0..n).flat_map(|k| plain_link(mass, &end(k), spread)).collect())
+}
+
+/// What physics says of the parameters of a linearisation, and parameters that it allows.
+pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64>), IdentifyError> {
+    let bodies = plain_arm(&at.geometry, sizes.mass)?;
+    let mut start = bodies.clone();
+    start.extend(at.parameters().into_iter().skip(bodies.len()));
+    let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
+    let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
+    let drive = &at.structure.drive;
+    let first = bodies.len();
+    let rotor = sizes.mass * ROTOR_RADIUS * ROTOR_RADIUS;
+    for (k, term) in drive.iter().enumerate() {
+        let index = first + k;
+        match term {
+            Beside::Rotor(_) => {
+                let terms = vec![(index, 1.0)];
+                prior.positive.push(Positive { terms, nominal: rotor, weight: 1.0 });
+                start[index] = rotor;
+            }
+            Beside::Friction(term) => {
+                let usual = usual_friction(term, sizes);
+                prior.small.push((index, deviation(term, sizes)));
+                start[index] = match term.law {
+                    FrictionLaw::Coulomb { .. } if term.direction.is_both() => usual,
+                    FrictionLaw::Viscous if term.direction.is_both() => {
+                        usual / speed_of(term, sizes)
+                    }
+                    _ => 0.0,
+                };
+            }
+            Beside::Energy(_) => {
+                let torque = sizes.torque.iter().fold(0.0_f64, |most, tau| most.max(*tau));
+                prior.small.push((index, torque));
+                start[index] = 0.0;
+            }
+        }
+    }
+    prior.positive.extend(passive(drive, first, sizes));
+    Ok((prior, start))
+}
+
+/// Sums of coefficients that are the friction of each shaft at a speed, times the direction: none
+/// may be negative. An offset is a load and no friction.
+fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
+    let laws: Vec<(usize, &FrictionTerm)> = (drive.iter().enumerate())
+        .filter_map(|(k, term)| match term {
+            Beside::Friction(term) if term.law != FrictionLaw::Offset => Some((first + k, term)),
+            _ => None,
+        })
+        .collect();
+    let mut shafts: Vec<&[f64]> = Vec::new();
+    for (_, term) in &laws {
+        if !shafts.contains(&&term.shaft[..]) {
+            shafts.push(&term.shaft);
+        }
+    }
+    let mut all = Vec::new();
+    for shaft in shafts {
+        let own: Vec<&(usize, &FrictionTerm)> =
+            laws.iter().filter(|(_, term)| term.shaft == shaft).collect();
+        let Some((_, any)) = own.first() else { continue };
+        let (peak, usual) = (speed_of(any, sizes), usual_friction(any, sizes));
+        for speed in SPEEDS.iter().flat_map(|part| [part * peak, -part * peak]) {
+            let terms: Vec<(usize, f64)> = (own.iter())
+                .map(|(k, term)| (*k, speed.signum() * term.at(speed)))
+                .filter(|(_, weight)| *weight != 0.0)
+                .collect();
+            let weight = 1.0 / SPEEDS.len() as f64;
+            // A smooth sign vanishes at rest, and what is usual with it.
+            let size = terms.iter().fold(0.0_f64, |most, (_, weight)| most.max(weight.abs()));
+            if size > 0.0 {
+                let nominal = usual * size.min(1.0);
+                all.push(Positive { terms, nominal, weight });
+            }
+        }
+    }
+    all
+}
+
+/// Peak speed of the shaft of a term \[rad/s\].
+fn speed_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+    let parts = term.shaft.iter().zip(&sizes.speed).map(|(shaft, speed)| shaft.abs() * speed);
+    parts.sum::<f64>().max(f64::MIN_POSITIVE)
+}
+
+fn torque_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+    let turning = term.shaft.iter().zip(&sizes.torque).filter(|(shaft, _)| **shaft != 0.0);
+    turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)).max(f64::MIN_POSITIVE)
+}
+
+fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+    USUAL_FRICTION * torque_of(term, sizes)
+}
+
+/// How large a coefficient may well be: as the torque is.
+fn deviation(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+    let torque = torque_of(term, sizes);
+    if term.law == FrictionLaw::Viscous { torque / speed_of(term, sizes) } else { torque }
+}

@@ -1,0 +1,140 @@
+//! Logs → normal equations: one pass over every row, in parallel, with the same bits in any order.
+
+use super::linearisation::{Linearisation, shifted};
+use crate::error::IdentifyError;
+use faer::Mat;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_sparse::normal_sums::{BlockSums, NormalSums};
+
+/// Blocks of time that are read before they are summed, side by side.
+const AT_ONCE: usize = 64;
+
+/// A block of time of a log.
+struct Block {
+    motion: Motion,
+    fold: usize,
+    /// Stream of random numbers: the same for the same rows, wherever their log stands.
+    stream: u64,
+}
+
+/// Adds up the normal equations of a recording at a linearisation (E11), with the bias that noise
+/// in its rows leaves in them (E7).
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, another arm, or sums out of range.
+pub fn add_up(
+    recording: &(impl Recording + ?Sized),
+    at: &Linearisation,
+) -> Result<NormalSums, IdentifyError> {
+    let empty = || NormalSums::new(at.n_parameters(), at.n_joints());
+    let lanes = rayon::current_num_threads().max(1);
+    let mut sums: Vec<NormalSums> = (0..lanes).map(|_| empty()).collect();
+    for log in 0..recording.n_logs() {
+        let mut waiting: Vec<Block> = Vec::new();
+        let mut place = LogPlace::default();
+        recording
+            .read_log(log, &mut |_, motion| -> Result<(), ReadError> {
+                place.cut(motion, at, &mut waiting);
+                if waiting.len() >= AT_ONCE {
+                    flush(&mut waiting, &mut sums, at)?;
+                }
+                Ok(())
+            })
+            .map_err(IdentifyError::Read)?;
+        flush(&mut waiting, &mut sums, at)?;
+    }
+    let mut all = empty();
+    sums.iter().try_for_each(|lane| all.merge(lane))?;
+    Ok(all)
+}
+
+/// How far a log was read.
+#[derive(Default)]
+struct LogPlace {
+    /// What tells this log from others: the bits of its first row.
+    key: Option<u64>,
+    rows: usize,
+}
+
+impl LogPlace {
+    /// Cuts what a reader hands over into blocks of time.
+    fn cut(&mut self, motion: &Motion, at: &Linearisation, out: &mut Vec<Block>) {
+        let m = motion.n_rows();
+        if m == 0 {
+            return;
+        }
+        let key = *self.key.get_or_insert_with(|| key_of(motion));
+        for start in (0..m).step_by(at.block_rows.max(1)) {
+            let end = (start + at.block_rows.max(1)).min(m);
+            let rows: Vec<usize> = (start..end).collect();
+            let first = self.rows + start;
+            let offset = usize::try_from(key % 64).unwrap_or(0);
+            out.push(Block {
+                motion: motion.select(&rows),
+                fold: first / at.fold_rows.max(1) + offset,
+                stream: key.wrapping_add(first as u64),
+            });
+        }
+        self.rows += m;
+    }
+}
+
+/// A number that depends on the first row of a log and on nothing else.
+fn key_of(motion: &Motion) -> u64 {
+    let signals = [motion.q(), motion.dq(), motion.ddq()];
+    let values = signals.into_iter().flat_map(|x| (0..x.ncols()).map(move |joint| x[(0, joint)]));
+    values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
+        (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+    })
+}
+
+fn flush(
+    waiting: &mut Vec<Block>,
+    sums: &mut [NormalSums],
+    at: &Linearisation,
+) -> Result<(), IdentifyError> {
+    let share = waiting.len().div_ceil(sums.len()).max(1);
+    waiting.par_chunks(share).zip(sums.par_iter_mut()).try_for_each(|(blocks, sums)| {
+        blocks.iter().try_for_each(|block| -> Result<(), IdentifyError> {
+            Ok(sums.add(&summed(block, at)?)?)
+        })
+    })?;
+    waiting.clear();
+    Ok(())
+}
+
+/// The sums of one block.
+fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError> {
+    let motion = &block.motion;
+    let (rows, weights) = at.rows(motion, motion)?;
+    let mut sums = BlockSums::new(block.fold, rows.as_ref(), &weights, at.n_joints());
+    if !at.noise.is_none() {
+        let noise = drawn(block, at);
+        for sign in [1.0, -1.0] {
+            let (noisy, _) = at.rows(&shifted(motion, &noise, sign)?, motion)?;
+            sums.add_noisy(noisy.as_ref(), 0.5);
+        }
+    }
+    Ok(sums)
+}
+
+/// Noise as that of q, q̇ and q̈ is, m×3n.
+fn drawn(block: &Block, at: &Linearisation) -> Mat<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(at.seed);
+    random.set_stream(block.stream);
+    let noise = &at.noise;
+    let deviations: Vec<f64> =
+        noise.q.iter().chain(&noise.dq).chain(&noise.ddq).copied().collect();
+    let mut out = Mat::zeros(block.motion.n_rows(), deviations.len());
+    for (j, &sigma) in deviations.iter().enumerate() {
+        for value in out.col_as_slice_mut(j) {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            *value = sigma * unit;
+        }
+    }
+    out
+}

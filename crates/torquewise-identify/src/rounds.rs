@@ -1,0 +1,360 @@
+//! A chain in rounds: a search on a sample, then passes over every row until nothing moves (E8)
+//! (E11).
+//!
+//! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may be
+//! read apart and their sums merged.
+
+use crate::basis::{Energies, joint_sums};
+use crate::beside::Beside;
+use crate::error::IdentifyError;
+use crate::estimate::{Linearisation, STRENGTH, Sizes, Solved, Structure, refine, solve};
+use crate::found::{Progress, Reconstruction, StepReport};
+use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
+use crate::noise::NoiseFloor;
+use crate::overlooked::{Tried, overlooked};
+use crate::patterns::Patterns;
+use crate::plan::Plan;
+use crate::prune::prune;
+use crate::survey::{Survey, thinned};
+use crate::warning::{UntriedTerm, Warning};
+use faer::{ColRef, Mat};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use torquewise_model::model::{Choice, Overlooked};
+use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Weighted};
+use torquewise_motion::Recording;
+use torquewise_rigid::recursion::PER_BODY;
+use torquewise_sparse::accumulate::Route;
+use torquewise_sparse::normal_sums::{FOLDS, NormalSums};
+
+/// Terms beyond those of a chain at most.
+const MOST_FURTHER: usize = 12;
+/// So many terms are refused before no other is offered: the log is too short to tell.
+const MOST_REFUSED: usize = 2;
+/// Passes over the sample at most.
+const SAMPLE_PASSES: usize = 6;
+/// Passes over all rows at most.
+const MOST_PASSES: usize = 3;
+/// Parameters that would move by less than this part of a standard error are at rest.
+const SETTLED: f64 = 0.1;
+/// Rows of a block of time, of which there should be many.
+const BLOCK_ROWS: [usize; 2] = [16, 256];
+/// Blocks that a log should have.
+const BLOCKS: usize = 100;
+/// Draws of the parameters that the errors of the equations are estimated from.
+const DRAWS: usize = 40;
+/// Size of these draws in standard deviations: small, so that all is linear.
+const DRAW_SIZE: f64 = 1e-3;
+/// Terms whose coefficient is below so many standard errors cannot be told from zero.
+const LEAST_T: f64 = 2.0;
+
+/// What a pass over the logs is asked for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    pub(crate) at: Linearisation,
+    pub(crate) sizes: Sizes,
+    choices: Vec<Choice>,
+    overlooked: Overlooked,
+    warning: Option<UntriedTerm>,
+    passes: usize,
+}
+
+/// What a pass came to.
+#[derive(Debug)]
+pub(crate) enum Round {
+    /// Another pass is wanted.
+    Again(Box<Request>),
+    /// Nothing moves any more.
+    Done(Box<Fitted>),
+}
+
+/// A chain that was fitted to every row.
+#[derive(Debug)]
+pub(crate) struct Fitted {
+    request: Request,
+    solved: Solved,
+    residual_rms: Vec<f64>,
+}
+
+impl Request {
+    /// Searches a chain on the sample of a survey, and refines it there.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`].
+    pub(crate) fn first(
+        survey: &Survey,
+        plan: &Plan,
+        noise: NoiseFloor,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Self, IdentifyError> {
+        progress(Progress::Geometry);
+        let mut learned = learn(&survey.sample, plan)?;
+        progress(Progress::Overlooked);
+        let Tried { certificate, warning, .. } = complete(&mut learned, survey, plan)?;
+        progress(Progress::Refit);
+        let sizes = Sizes {
+            mass: 1.0,
+            torque: survey.torque_std.clone(),
+            speed: survey.dq_peak.clone(),
+        };
+        let sample = thinned(&survey.sample, LAST_ROWS);
+        let start = linearised(&learned, &sample, survey, noise, plan.seed)?;
+        let solved = refine(&sample, start, &sizes, SAMPLE_PASSES)?;
+        let at = cut_for(solved.at, survey.rows);
+        let choices = learned.choices;
+        Ok(Self { at, sizes, choices, overlooked: certificate, warning, passes: 0 })
+    }
+
+    /// Where the rows of the next pass are linearised.
+    pub fn linearisation(&self) -> &Linearisation {
+        &self.at
+    }
+
+    /// Takes the step that a pass asks for; where that is next to nothing, all is done.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if its sums cannot be solved.
+    pub(crate) fn take(self, sums: &NormalSums) -> Result<Round, IdentifyError> {
+        let solved = solve(sums, &self.at, &self.sizes)?;
+        let passes = self.passes + 1;
+        if solved.moved < SETTLED || passes >= MOST_PASSES {
+            let residual_rms = sums.residual_rms();
+            return Ok(Round::Done(Box::new(Fitted { request: self, solved, residual_rms })));
+        }
+        Ok(Round::Again(Box::new(Self { at: solved.at, passes, ..self })))
+    }
+}
+
+/// Blocks and folds for a log of so many rows.
+fn cut_for(at: Linearisation, rows: usize) -> Linearisation {
+    let [least, most] = BLOCK_ROWS;
+    let block_rows = (rows / BLOCKS).next_power_of_two().clamp(least, most);
+    let fold_rows = rows.div_ceil(FOLDS).div_ceil(block_rows).max(1) * block_rows;
+    Linearisation { block_rows, fold_rows, ..at }
+}
+
+/// The chain as it was learned, ready for a pass over a sample.
+fn linearised(
+    learned: &Learned,
+    sample: &torquewise_motion::Motion,
+    survey: &Survey,
+    noise: NoiseFloor,
+    seed: u64,
+) -> Result<Linearisation, IdentifyError> {
+    let Learned { chain, recipe, laws, .. } = learned;
+    let rest = if recipe.rubs() { AT_REST } else { 0.0 };
+    let structure = Structure {
+        drive: recipe.beside.clone(),
+        free: recipe.free.clone(),
+        pull: recipe.search.pull,
+        rest: laws.width.iter().map(|width| rest * width).collect(),
+    };
+    let weights = chain.residual_rms.iter().zip(&survey.torque_std).map(|(rms, torque)| {
+        1.0 / rms.max(1e-6 * if *torque > 0.0 { *torque } else { 1.0 })
+    });
+    let at = Linearisation {
+        geometry: chain.geometry.parameters().to_vec(),
+        linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
+        weights: weights.collect(),
+        scales: vec![1.0; chain.inertial.len() + chain.beside.len() + structure.free.len()],
+        structure,
+        noise,
+        block_rows: BLOCK_ROWS[0],
+        fold_rows: 1,
+        seed,
+    };
+    Ok(cut_for(at.scaled_by(sample)?, sample.n_rows()))
+}
+
+/// Takes in, one by one, terms of the energy library that explain what no chain does, until no
+/// other seems to, or too many were refused.
+fn complete(learned: &mut Learned, survey: &Survey, plan: &Plan) -> Result<Tried, IdentifyError> {
+    let mut refused = Vec::new();
+    let mut tried = overlooked(learned, survey, plan.friction, &refused)?;
+    for _ in 0..MOST_FURTHER {
+        let Some(term) = tried.missing.take() else { break };
+        if !learned.offer(&term, &survey.sample)? {
+            refused.push(term);
+        }
+        tried = overlooked(learned, survey, plan.friction, &refused)?;
+        if refused.len() == MOST_REFUSED {
+            break;
+        }
+    }
+    Ok(tried)
+}
+
+impl Fitted {
+    /// The model of the chain: its parameters, and the equations that follow from them.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Model`] if its energy cannot be listed.
+    pub(crate) fn report(
+        self,
+        survey: Survey,
+        patterns: Patterns,
+        noise: NoiseFloor,
+        seed: u64,
+    ) -> Result<Reconstruction, IdentifyError> {
+        let Self { request, solved, residual_rms } = self;
+        let (chain, friction) = parameters(&request.at, &solved.covariance)?;
+        let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
+        let mut choices = request.choices;
+        choices.extend(solved.choice.filter(|choice| choice.what == STRENGTH));
+        let mut warnings = Warning::of_survey(&survey);
+        warnings.extend(request.warning.map(Warning::Overlooked));
+        let mut training = survey.training(residual_rms);
+        training.overlooked = Some(request.overlooked);
+        training.price_of_physics = Some(solved.price);
+        let model = Model {
+            joints: survey.joints.clone(),
+            form: Form::Energy(terms),
+            chain: Some(chain),
+            friction,
+            stages: Vec::new(),
+            training,
+            choices,
+        };
+        let step = StepReport {
+            name: "all rows",
+            rows: survey.rows,
+            candidates,
+            active: model.active(),
+            route: Route::Direct,
+        };
+        let (steps, dropped) = (vec![step], Vec::new());
+        Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
+    }
+}
+
+/// The parameters of a linearisation as a model has them, with their covariance.
+fn parameters(
+    at: &Linearisation,
+    covariance: &Mat<f64>,
+) -> Result<(RigidChain, Vec<Weighted<FrictionTerm>>), IdentifyError> {
+    let bodies = PER_BODY * at.n_joints();
+    let links = at.linear[..bodies].chunks_exact(PER_BODY);
+    let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
+    let (mut drives, mut friction) = (Vec::new(), Vec::new());
+    let (mut drive_at, mut friction_at) = (Vec::new(), Vec::new());
+    for (k, term) in at.structure.drive.iter().enumerate() {
+        let (index, coefficient) = (bodies + k, at.linear[bodies + k]);
+        match term {
+            Beside::Friction(term) => {
+                friction_at.push(index);
+                friction.push(Weighted {
+                    term: term.clone(),
+                    coefficient,
+                    std_error: covariance[(index, index)].max(0.0).sqrt(),
+                    inclusion: None,
+                });
+            }
+            Beside::Rotor(shaft) => {
+                drive_at.push(index);
+                drives.push(Drive::Rotor { shaft: shaft.clone(), inertia: coefficient });
+            }
+            Beside::Energy(term) => {
+                drive_at.push(index);
+                drives.push(Drive::Energy { term: term.clone(), coefficient });
+            }
+        }
+    }
+    let order: Vec<usize> = (0..bodies)
+        .chain(drive_at)
+        .chain(friction_at)
+        .chain(at.linear.len()..at.n_parameters())
+        .collect();
+    let covariance =
+        Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
+    let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
+    let mut chain = RigidChain { geometry, fitted, links, drives, covariance: Vec::new() };
+    chain.set_covariance(&covariance);
+    Ok((chain, friction))
+}
+
+/// Equal energy terms joined.
+fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
+    let mut all = Energies::new();
+    for (term, coefficient) in chain.energy_terms()? {
+        *all.entry(term).or_insert(0.0) += coefficient;
+    }
+    Ok(all)
+}
+
+/// The energy terms of a chain that can be told from zero and that its torque needs, with their
+/// standard errors; and how many there were.
+fn equations(
+    chain: &RigidChain,
+    friction: &[Weighted<FrictionTerm>],
+    survey: &Survey,
+    residual_rms: &[f64],
+    seed: u64,
+) -> Result<(Vec<Weighted<EnergyTerm>>, usize), IdentifyError> {
+    let all = energies(chain)?;
+    let candidates = all.len() + friction.len();
+    let few = |all: Energies| prune(all.into_iter().collect(), &survey.sample, residual_rms, seed);
+    let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
+    // Parallel axes make sums shorter, others products.
+    let as_sums = sums.len() < products.len();
+    let kept = if as_sums { sums } else { products };
+    let in_basis = |all: Energies| if as_sums { joint_sums(&all) } else { all };
+    let draws = draws(chain, friction, seed)?;
+    let draws = draws.into_par_iter().map(|chain| Ok(in_basis(energies(&chain)?)));
+    let draws = draws.collect::<Result<Vec<Energies>, IdentifyError>>()?;
+    let terms = kept.into_iter().map(|(term, coefficient)| {
+        let change = |draw: &Energies| {
+            (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE
+        };
+        let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
+        let std_error = (square / draws.len().max(1) as f64).sqrt();
+        Weighted { term, coefficient, std_error, inclusion: None }
+    });
+    let certain = |w: &Weighted<EnergyTerm>| w.coefficient.abs() >= LEAST_T * w.std_error;
+    Ok((terms.filter(certain).collect(), candidates))
+}
+
+/// Chains whose parameters scatter as the covariance says, but less.
+fn draws(
+    chain: &RigidChain,
+    friction: &[Weighted<FrictionTerm>],
+    seed: u64,
+) -> Result<Vec<RigidChain>, IdentifyError> {
+    let covariance = chain.covariance_matrix();
+    let p = covariance.nrows();
+    let eigen = covariance
+        .self_adjoint_eigen(faer::Side::Lower)
+        .map_err(|_| torquewise_sparse::SparseError::NotSolvable)?;
+    let deviations: Vec<f64> =
+        eigen.S().column_vector().iter().map(|value| value.max(0.0).sqrt()).collect();
+    let known = chain.parameters(friction);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || {
+        let units: Vec<f64> = (0..p)
+            .map(|k| {
+                let unit: f64 = StandardNormal.sample(&mut random);
+                DRAW_SIZE * deviations[k] * unit
+            })
+            .collect();
+        let moved = eigen.U() * ColRef::from_slice(&units);
+        let parameters: Vec<f64> = known.iter().zip(moved.iter()).map(|(x, d)| x + d).collect();
+        chain.at(&parameters, friction.len())
+    };
+    Ok((0..DRAWS).map(|_| draw()).collect())
+}
+
+/// All passes over a recording, from a first request on.
+pub(crate) fn all_passes(
+    recording: &(impl Recording + ?Sized),
+    mut request: Request,
+) -> Result<Fitted, IdentifyError> {
+    loop {
+        let sums = crate::estimate::add_up(recording, &request.at)?;
+        match request.take(&sums)? {
+            Round::Again(next) => request = *next,
+            Round::Done(fitted) => return Ok(*fitted),
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! A rigid chain as parameters: geometry, inertial parameters, drives, and their covariance.
+
+use crate::energy::{EnergyTerm, Place};
+use crate::error::ModelError;
+use crate::friction::FrictionTerm;
+use crate::model::Weighted;
+use crate::term::Term;
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{Geometry, Kinematics, Moved, State, inertia};
+
+/// A chain of n rigid bodies with what turns on its shafts.
+///
+/// Axis 1 is z of the base; axis i + 1 is fixed in the frame of link i, see
+/// [`torquewise_rigid::Geometry`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RigidChain {
+    /// Tilt of gravity (2, rad), then direction (2, rad) and place (2, m) of each axis from the
+    /// second on.
+    pub geometry: Vec<f64>,
+    /// Indices of the parameters of the geometry that were fitted; the others are exact.
+    pub fitted: Vec<usize>,
+    /// Of each link: mass \[kg\], first moment \[kg·m\] (3), moments about the origin of its frame
+    /// \[kg·m²\] xx, yy, zz, xy, xz, yz.
+    pub links: Vec<[f64; PER_BODY]>,
+    /// Rotors and springs.
+    pub drives: Vec<Drive>,
+    /// Covariance of all parameters, its lower triangle row by row: inertial parameters, drives,
+    /// friction of the model, fitted geometry. Empty where it is not known.
+    #[serde(with = "rows", default)]
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// A part of the energy that no link has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Drive {
+    /// A rotor: T = ½ inertia (Σ shaft\[j\] q̇ⱼ)².
+    Rotor {
+        /// Speed of the rotor per speed of each joint, n.
+        shaft: Vec<f64>,
+        /// Inertia seen by the joint \[kg·m²\].
+        inertia: f64,
+    },
+    /// A spring, a counterbalance: a term of V or M with its coefficient.
+    Energy {
+        /// The term.
+        term: EnergyTerm,
+        /// Its coefficient.
+        coefficient: f64,
+    },
+}
+
+impl Drive {
+    /// The energy terms that it is, with their coefficients.
+    pub fn energy_terms(&self) -> Vec<(EnergyTerm, f64)> {
+        match self {
+            Self::Energy { term, coefficient } => vec![(term.clone(), *coefficient)],
+            Self::Rotor { shaft, inertia } => {
+                let n = shaft.len();
+                let pairs = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
+                pairs
+                    .filter(|&(i, j)| shaft[i] * shaft[j] != 0.0)
+                    .map(|(i, j)| {
+                        let term =
+                            EnergyTerm { place: Place::Inertia(i, j), function: Term::one(n) };
+                        (term, inertia * shaft[i] * shaft[j])
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// What it loads the joints with per unit of its coefficient, n.
+    fn loads(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Rotor { shaft, .. } => {
+                let turning: f64 = shaft.iter().zip(ddq).map(|(s, a)| s * a).sum();
+                shaft.iter().map(|s| s * turning).collect()
+            }
+            Self::Energy { term, .. } => (0..q.len())
+                .map(|joint| {
+                    let sum = term.torque(joint);
+                    sum.iter().map(|(weight, term)| weight * term.value(q, dq, ddq)).sum()
+                })
+                .collect(),
+        }
+    }
+}
+
+impl RigidChain {
+    /// Number of joints n.
+    pub fn n_joints(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Inertial parameters of all links, 10n.
+    pub fn inertial(&self) -> Vec<f64> {
+        self.links.iter().flatten().copied().collect()
+    }
+
+    /// Where its axes lie.
+    ///
+    /// # Errors
+    /// [`ModelError::Chain`] if these are no parameters of a geometry.
+    pub fn axes(&self) -> Result<Geometry, ModelError> {
+        Geometry::new(&self.geometry).map_err(|error| ModelError::Chain { reason: error.to_string() })
+    }
+
+    /// Whether every link is a body that can be and no rotor is negative, so that M(q) is positive
+    /// definite at every q (E14).
+    pub fn is_feasible(&self) -> bool {
+        let rotors = self.drives.iter().all(|drive| match drive {
+            Drive::Rotor { inertia, .. } => *inertia >= 0.0,
+            Drive::Energy { term, .. } => term.place == Place::Potential,
+        });
+        rotors && self.links.iter().all(|link| inertia::is_feasible(link))
+    }
+
+    /// All energy terms of the chain with its drives, equal ones not yet joined.
+    ///
+    /// # Errors
+    /// [`ModelError::TooManyJoints`] above eight joints.
+    pub fn energy_terms(&self) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
+        let mut all = crate::expansion::energy_terms(&self.axes()?, &self.inertial())?;
+        all.extend(self.drives.iter().flat_map(Drive::energy_terms));
+        Ok(all)
+    }
+
+    /// Number of parameters of its covariance, with so many laws of friction.
+    pub fn n_parameters(&self, friction: usize) -> usize {
+        PER_BODY * self.links.len() + self.drives.len() + friction + self.fitted.len()
+    }
+
+    /// Derivatives of the torques by all parameters, n×p, in the order of the covariance.
+    ///
+    /// - `friction`: the laws of the model
+    ///
+    /// # Errors
+    /// [`ModelError::Chain`] if its geometry is none.
+    pub fn sensitivities(
+        &self,
+        friction: &[Weighted<FrictionTerm>],
+        [q, dq, ddq]: [&[f64]; 3],
+    ) -> Result<Mat<f64>, ModelError> {
+        let n = self.n_joints();
+        let axes = self.axes()?;
+        let mut jacobian = Mat::zeros(n, self.n_parameters(friction.len()));
+        let mut moved = Moved::default();
+        let (inertial, mut torque) = (self.inertial(), vec![0.0; n]);
+        Kinematics::new(&axes).inverse_dynamics(
+            State { q, dq, ddq },
+            &inertial,
+            &mut moved,
+            &mut torque,
+        );
+        moved.regressor(|joint, parameter, value| jacobian[(joint, parameter)] = value);
+        let mut next = PER_BODY * n;
+        for drive in &self.drives {
+            for (joint, load) in drive.loads(q, dq, ddq).into_iter().enumerate() {
+                jacobian[(joint, next)] = load;
+            }
+            next += 1;
+        }
+        for law in friction {
+            (0..n).for_each(|joint| jacobian[(joint, next)] = law.term.torque(joint, dq));
+            next += 1;
+        }
+        let derivatives = axes.derivatives();
+        for &parameter in &self.fitted {
+            moved.geometry_derivative(&derivatives[parameter], &inertial, &mut torque);
+            (0..n).for_each(|joint| jacobian[(joint, next)] = torque[joint]);
+            next += 1;
+        }
+        Ok(jacobian)
+    }
+
+    /// Standard error of the torque of each joint \[N·m\] that the uncertainty of the parameters
+    /// makes, n; zero where no covariance is known.
+    ///
+    /// # Errors
+    /// [`ModelError::Chain`] if its geometry is none.
+    pub fn std_errors(
+        &self,
+        friction: &[Weighted<FrictionTerm>],
+        state: [&[f64]; 3],
+    ) -> Result<Vec<f64>, ModelError> {
+        let n = self.n_joints();
+        if self.covariance.is_empty() {
+            return Ok(vec![0.0; n]);
+        }
+        let jacobian = self.sensitivities(friction, state)?;
+        let rows = (0..n).map(|joint| {
+            let row: Vec<f64> = jacobian.row(joint).iter().copied().collect();
+            self.variance_of(&row).sqrt()
+        });
+        Ok(rows.collect())
+    }
+
+    /// Variance of a sum of parameters, by their weights.
+    pub fn variance_of(&self, weights: &[f64]) -> f64 {
+        let mut sum = 0.0;
+        for (i, row) in self.covariance.iter().enumerate() {
+            let below: f64 = row[..i].iter().zip(weights).map(|(c, w)| c * w).sum();
+            sum += weights[i] * (2.0 * below + row[i] * weights[i]);
+        }
+        sum.max(0.0)
+    }
+
+    /// The covariance as a matrix, p×p.
+    pub fn covariance_matrix(&self) -> Mat<f64> {
+        let p = self.covariance.len();
+        Mat::from_fn(p, p, |i, j| self.covariance[i.max(j)][i.min(j)])
+    }
+
+    /// Keeps a covariance, p×p.
+    pub fn set_covariance(&mut self, covariance: &Mat<f64>) {
+        self.covariance = (0..covariance.nrows())
+            .map(|i| (0..=i).map(|j| rounded(covariance[(i, j)])).collect())
+            .collect();
+    }
+
+    /// The same chain at other parameters, in the order of the covariance; friction is passed over.
+    pub fn at(&self, parameters: &[f64], friction: usize) -> Self {
+        let mut chain = self.clone();
+        let mut next = parameters.iter().copied();
+        let links = chain.links.iter_mut().flatten();
+        links.zip(&mut next).for_each(|(own, x)| *own = x);
+        for drive in &mut chain.drives {
+            let (Drive::Rotor { inertia: own, .. } | Drive::Energy { coefficient: own, .. }) = drive;
+            *own = next.next().unwrap_or(*own);
+        }
+        let mut next = next.skip(friction);
+        for &parameter in &chain.fitted {
+            chain.geometry[parameter] = next.next().unwrap_or(chain.geometry[parameter]);
+        }
+        chain
+    }
+
+    /// All parameters in the order of the covariance.
+    pub fn parameters(&self, friction: &[Weighted<FrictionTerm>]) -> Vec<f64> {
+        let drives = self.drives.iter().map(|drive| match drive {
+            Drive::Rotor { inertia, .. } => *inertia,
+            Drive::Energy { coefficient, .. } => *coefficient,
+        });
+        let friction = friction.iter().map(|law| law.coefficient);
+        let geometry = self.fitted.iter().map(|&k| self.geometry[k]);
+        self.inertial().into_iter().chain(drives).chain(friction).chain(geometry).collect()
+    }
+
+    /// Whether its parts fit n joints and so many laws of friction, and are finite.
+    pub(crate) fn check(&self, n: usize, friction: usize) -> Result<(), ModelError> {
+        let fail = |reason: &str| Err(ModelError::Chain { reason: reason.to_owned() });
+        if self.links.len() != n || self.axes()?.n_joints() != n {
+            return fail("its links are not as many as the joints");
+        }
+        let numbers = self.geometry.iter().chain(self.links.iter().flatten());
+        if !numbers.chain(self.covariance.iter().flatten()).all(|x| x.is_finite()) {
+            return fail("a number of it is not finite");
+        }
+        if self.fitted.iter().any(|&k| k >= self.geometry.len()) {
+            return fail("a fitted parameter is not of its geometry");
+        }
+        let shafts = self.drives.iter().all(|drive| match drive {
+            Drive::Rotor { shaft, inertia } => {
+                shaft.len() == n && inertia.is_finite() && shaft.iter().all(|s| s.is_finite())
+            }
+            Drive::Energy { term, coefficient } => {
+                term.function.n_joints() == n && coefficient.is_finite()
+            }
+        });
+        if !shafts {
+            return fail("a drive is not one of its joints");
+        }
+        let p = self.n_parameters(friction);
+        let triangle = self.covariance.iter().enumerate().all(|(i, row)| row.len() == i + 1);
+        if !self.covariance.is_empty() && !(triangle && self.covariance.len() == p) {
+            return fail("its covariance is not one of its parameters");
+        }
+        Ok(())
+    }
+}
+
+/// To eight digits: a covariance is an estimate, and files are read by people.
+fn rounded(x: f64) -> f64 {
+    format!("{x:.7e}").parse().unwrap_or(x)
+}
+
+/// Rows of numbers, each as one line of text: a matrix of a hundred rows stays readable.
+mod rows {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(rows: &[Vec<f64>], to: S) -> Result<S::Ok, S::Error> {
+        let line = |row: &Vec<f64>| {
+            row.iter().map(|x| format!("{x:e}")).collect::<Vec<String>>().join(" ")
+        };
+        rows.iter().map(line).collect::<Vec<String>>().serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Vec<Vec<f64>>, D::Error> {
+        let lines = Vec::<String>::deserialize(from)?;
+        let number = |word: &str| word.parse::<f64>().map_err(D::Error::custom);
+        lines.iter().map(|line| line.split_whitespace().map(number).collect()).collect()
+    }
+}

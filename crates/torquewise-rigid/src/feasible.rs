@@ -1,0 +1,297 @@
+//! Normal equations → the parameters that fit best among those that physics allows (E14).
+
+use crate::error::ChainError;
+use crate::inertia::{Inertial, divergence};
+use crate::recursion::PER_BODY;
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{ColRef, Mat, Side};
+
+/// What physics says of the parameters of a chain, whatever the log says.
+///
+/// All of it is one convex function Ψ of the parameters: zero at nominal values, and without bound
+/// towards what cannot be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Prior {
+    /// Nominal inertial parameters of each body; the first parameters are theirs, 10 each.
+    pub bodies: Vec<Inertial>,
+    /// Sums of parameters that must be positive: rotor inertia, friction at a speed.
+    pub positive: Vec<Positive>,
+    /// Parameters that are near zero: (index, standard deviation).
+    pub small: Vec<(usize, f64)>,
+}
+
+/// Σ weight · parameter > 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Positive {
+    /// Parameters by index, with their weights.
+    pub terms: Vec<(usize, f64)>,
+    /// A usual value of the sum, above 0.
+    pub nominal: f64,
+    /// What it counts beside the divergence of a body.
+    pub weight: f64,
+}
+
+/// ½ xᵀHx − bᵀx, the weighted sum of squares as far as it depends on the parameters x.
+#[derive(Clone, Copy, Debug)]
+pub struct Quadratic<'a> {
+    /// H, p×p, symmetric.
+    pub hessian: &'a Mat<f64>,
+    /// b, p.
+    pub right: &'a [f64],
+}
+
+impl Positive {
+    fn value(&self, x: &[f64]) -> f64 {
+        self.terms.iter().map(|&(k, weight)| weight * x[k]).sum()
+    }
+}
+
+impl Prior {
+    /// Ψ(x); `None` outside of what physics allows.
+    pub fn value(&self, x: &[f64]) -> Option<f64> {
+        let mut sum = 0.0;
+        for (k, nominal) in self.bodies.iter().enumerate() {
+            sum += divergence(&x[PER_BODY * k..PER_BODY * (k + 1)], nominal)?.0;
+        }
+        for positive in &self.positive {
+            let ratio = positive.value(x) / positive.nominal;
+            if ratio <= 0.0 {
+                return None;
+            }
+            sum += positive.weight * (ratio - ratio.ln() - 1.0);
+        }
+        sum += self.small.iter().map(|&(k, sigma)| 0.5 * (x[k] / sigma).powi(2)).sum::<f64>();
+        sum.is_finite().then_some(sum)
+    }
+
+    /// Adds `strength` times the gradient and the Hessian of Ψ at x.
+    pub fn add_slopes(&self, x: &[f64], strength: f64, gradient: &mut [f64], hessian: &mut Mat<f64>) {
+        for (body, nominal) in self.bodies.iter().enumerate() {
+            let first = PER_BODY * body;
+            let Some((_, slope, curvature)) = divergence(&x[first..first + PER_BODY], nominal)
+            else {
+                continue;
+            };
+            for i in 0..PER_BODY {
+                gradient[first + i] += strength * slope[i];
+                for j in 0..PER_BODY {
+                    hessian[(first + i, first + j)] += strength * curvature[i][j];
+                }
+            }
+        }
+        for positive in &self.positive {
+            let value = positive.value(x);
+            let slope = strength * positive.weight * (1.0 / positive.nominal - 1.0 / value);
+            let curvature = strength * positive.weight / (value * value);
+            for &(i, a) in &positive.terms {
+                gradient[i] += slope * a;
+                for &(j, b) in &positive.terms {
+                    hessian[(i, j)] += curvature * a * b;
+                }
+            }
+        }
+        for &(k, sigma) in &self.small {
+            gradient[k] += strength * x[k] / (sigma * sigma);
+            hessian[(k, k)] += strength / (sigma * sigma);
+        }
+    }
+}
+
+/// Rounds of Newton's method at most.
+const ROUNDS: usize = 60;
+/// Halvings of a step at most.
+const HALVINGS: usize = 30;
+/// Newton's decrement, in squares of the noise, below which nothing is left to gain.
+const SETTLED: f64 = 1e-7;
+/// Part of the promised gain that a step must bring.
+const ARMIJO: f64 = 1e-4;
+
+/// Minimises ½ xᵀHx − bᵀx + strength · Ψ(x) from a feasible start.
+///
+/// The sum is convex in the inertial parameters themselves, so Newton's method finds its only
+/// minimum, and Ψ keeps every step feasible: what comes out is a physical arm, whatever H and b
+/// are.
+///
+/// # Errors
+/// [`ChainError::Singular`] if the start is not feasible or no step can be computed.
+pub fn minimise(
+    cost: Quadratic<'_>,
+    prior: &Prior,
+    strength: f64,
+    start: &[f64],
+) -> Result<Vec<f64>, ChainError> {
+    let value = |x: &[f64]| {
+        prior.value(x).map(|psi| {
+            let hx = cost.hessian * ColRef::from_slice(x);
+            let pairs = x.iter().zip(hx.iter()).zip(cost.right);
+            pairs.map(|((x, hx), b)| x * (0.5 * hx - b)).sum::<f64>() + strength * psi
+        })
+    };
+    let mut x = start.to_vec();
+    let mut current = value(&x).ok_or(ChainError::Singular)?;
+    for _ in 0..ROUNDS {
+        let (step, decrement) = newton_step(cost, prior, strength, &x)?;
+        if decrement < SETTLED {
+            break;
+        }
+        let mut share = 1.0;
+        let mut taken = false;
+        for _ in 0..HALVINGS {
+            let moved: Vec<f64> = x.iter().zip(&step).map(|(x, d)| x + share * d).collect();
+            if let Some(other) = value(&moved)
+                && other <= current - ARMIJO * share * decrement
+            {
+                (x, current, taken) = (moved, other, true);
+                break;
+            }
+            share *= 0.5;
+        }
+        if !taken {
+            // What is left to gain is rounding.
+            break;
+        }
+    }
+    Ok(x)
+}
+
+/// The curvature of the whole cost, H + strength · Ψ″, factored.
+///
+/// # Errors
+/// [`ChainError::Singular`] if it is not positive definite.
+pub fn curvature(
+    cost: Quadratic<'_>,
+    prior: &Prior,
+    strength: f64,
+    x: &[f64],
+) -> Result<Factored, ChainError> {
+    let mut hessian = cost.hessian.clone();
+    prior.add_slopes(x, strength, &mut vec![0.0; x.len()], &mut hessian);
+    Factored::new(hessian)
+}
+
+fn newton_step(
+    cost: Quadratic<'_>,
+    prior: &Prior,
+    strength: f64,
+    x: &[f64],
+) -> Result<(Vec<f64>, f64), ChainError> {
+    let hx = cost.hessian * ColRef::from_slice(x);
+    let mut gradient: Vec<f64> = hx.iter().zip(cost.right).map(|(hx, b)| hx - b).collect();
+    let mut hessian = cost.hessian.clone();
+    prior.add_slopes(x, strength, &mut gradient, &mut hessian);
+    let step: Vec<f64> = Factored::new(hessian)?.solve(&gradient).iter().map(|d| -d).collect();
+    let decrement = -step.iter().zip(&gradient).map(|(d, g)| d * g).sum::<f64>();
+    if !decrement.is_finite() {
+        return Err(ChainError::Singular);
+    }
+    Ok((step, decrement))
+}
+
+/// A positive definite matrix, scaled to a unit diagonal and factored.
+#[derive(Clone, Debug)]
+pub struct Factored {
+    scales: Vec<f64>,
+    factor: Llt<f64>,
+}
+
+/// Jitters of the diagonal that are tried where rounding makes a matrix indefinite.
+const JITTERS: [f64; 5] = [0.0, 1e-14, 1e-12, 1e-10, 1e-8];
+
+impl Factored {
+    fn new(mut matrix: Mat<f64>) -> Result<Self, ChainError> {
+        let p = matrix.ncols();
+        let scales: Vec<f64> = (0..p)
+            .map(|j| if matrix[(j, j)] > 0.0 { 1.0 / matrix[(j, j)].sqrt() } else { 1.0 })
+            .collect();
+        for j in 0..p {
+            for i in 0..p {
+                matrix[(i, j)] *= scales[i] * scales[j];
+            }
+        }
+        for jitter in JITTERS {
+            let mut shifted = matrix.clone();
+            (0..p).for_each(|j| shifted[(j, j)] += jitter);
+            if let Ok(factor) = shifted.llt(Side::Lower) {
+                return Ok(Self { scales, factor });
+            }
+        }
+        Err(ChainError::Singular)
+    }
+
+    /// A⁻¹ b.
+    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
+        let scaled: Vec<f64> = right.iter().zip(&self.scales).map(|(b, s)| b * s).collect();
+        let solution = self.factor.solve(ColRef::from_slice(&scaled));
+        solution.iter().zip(&self.scales).map(|(x, s)| x * s).collect()
+    }
+
+    /// A⁻¹ B.
+    pub fn solve_matrix(&self, right: &Mat<f64>) -> Mat<f64> {
+        let scaled =
+            Mat::from_fn(right.nrows(), right.ncols(), |i, j| right[(i, j)] * self.scales[i]);
+        let solution = self.factor.solve(&scaled);
+        Mat::from_fn(right.nrows(), right.ncols(), |i, j| solution[(i, j)] * self.scales[i])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inertia::{is_feasible, plain_link};
+    use nalgebra::Vector3;
+
+    fn nominal() -> Inertial {
+        plain_link(2.0, &Vector3::new(0.2, 0.0, 0.0), 0.1)
+    }
+
+    #[test]
+    fn what_is_feasible_and_certain_is_found() {
+        let truth = plain_link(3.0, &Vector3::new(0.1, 0.1, 0.3), 0.05);
+        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { 1e8 } else { 0.0 });
+        let right: Vec<f64> = truth.iter().map(|x| 1e8 * x).collect();
+        let prior = Prior { bodies: vec![nominal()], ..Prior::default() };
+
+        let cost = Quadratic { hessian: &hessian, right: &right };
+        let found = minimise(cost, &prior, 1e-3, &nominal()).unwrap();
+
+        for (found, truth) in found.iter().zip(truth) {
+            assert!((found - truth).abs() < 1e-6, "{found} {truth}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_becomes_the_nearest_that_can() {
+        // A negative mass, as noise makes it.
+        let mut asked = nominal();
+        asked[0] = -1.0;
+        let hessian = Mat::from_fn(10, 10, |i, j| if i == j { 1e4 } else { 0.0 });
+        let right: Vec<f64> = asked.iter().map(|x| 1e4 * x).collect();
+        let prior = Prior { bodies: vec![nominal()], ..Prior::default() };
+
+        let cost = Quadratic { hessian: &hessian, right: &right };
+        let found = minimise(cost, &prior, 1e-4, &nominal()).unwrap();
+
+        assert!(is_feasible(&found));
+        assert!(found[0] > 0.0 && found[0] < 1.0, "{}", found[0]);
+    }
+
+    #[test]
+    fn a_log_that_says_nothing_leaves_the_nominal_arm() {
+        let prior = Prior {
+            bodies: vec![nominal()],
+            positive: vec![Positive { terms: vec![(10, 1.0)], nominal: 0.3, weight: 1.0 }],
+            small: vec![(11, 2.0)],
+        };
+        let hessian = Mat::zeros(12, 12);
+        let mut start = plain_link(5.0, &Vector3::new(0.0, 0.1, 0.1), 0.2).to_vec();
+        start.extend([2.0, 1.0]);
+
+        let cost = Quadratic { hessian: &hessian, right: &[0.0; 12] };
+        let found = minimise(cost, &prior, 1.0, &start).unwrap();
+
+        let expected = nominal().into_iter().chain([0.3, 0.0]);
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-4, "{found} {expected}");
+        }
+    }
+}

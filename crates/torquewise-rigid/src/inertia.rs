@@ -1,0 +1,206 @@
+//! Inertial parameters that a rigid body can have: pseudo-inertia, log-Cholesky parameters, and the
+//! divergence from a nominal body (E14).
+
+use crate::recursion::PER_BODY;
+use nalgebra::{Cholesky, Matrix4, Vector3};
+
+/// The ten inertial parameters of a body, as in [`crate::recursion`].
+pub type Inertial = [f64; PER_BODY];
+
+/// P = \[Σ h; hᵀ m\], Σ = ½ tr(I) 1 − I: positive definite exactly for the bodies there can be.
+pub fn pseudo_inertia(p: &[f64]) -> Matrix4<f64> {
+    let [m, hx, hy, hz, xx, yy, zz, xy, xz, yz] = std::array::from_fn(|k| p[k]);
+    Matrix4::new(
+        0.5 * (yy + zz - xx),
+        -xy,
+        -xz,
+        hx,
+        -xy,
+        0.5 * (xx + zz - yy),
+        -yz,
+        hy,
+        -xz,
+        -yz,
+        0.5 * (xx + yy - zz),
+        hz,
+        hx,
+        hy,
+        hz,
+        m,
+    )
+}
+
+/// The inertial parameters of a pseudo-inertia.
+pub fn inertial_of(p: &Matrix4<f64>) -> Inertial {
+    let [x, y, z] = [p[(0, 0)], p[(1, 1)], p[(2, 2)]];
+    [
+        p[(3, 3)],
+        p[(0, 3)],
+        p[(1, 3)],
+        p[(2, 3)],
+        y + z,
+        x + z,
+        x + y,
+        -p[(0, 1)],
+        -p[(0, 2)],
+        -p[(1, 2)],
+    ]
+}
+
+/// Whether a body can have these inertial parameters.
+pub fn is_feasible(inertial: &[f64]) -> bool {
+    Cholesky::new(pseudo_inertia(inertial)).is_some()
+}
+
+/// Log-Cholesky parameters of a feasible body: P = LLᵀ with L upper triangular, the logarithms of
+/// its diagonal and the six entries above it. `None` if no body has these inertial parameters.
+///
+/// Source: C. Rucker, P. Wensing, *Smooth parameterization of rigid-body inertia*, RA-L (2022).
+pub fn log_cholesky(inertial: &[f64]) -> Option<Inertial> {
+    // With J the exchange of rows, P = LLᵀ for an upper L where JPJ = KKᵀ for the lower K = JLJ.
+    let p = pseudo_inertia(inertial);
+    let exchanged = Matrix4::from_fn(|i, j| p[(3 - i, 3 - j)]);
+    let lower = Cholesky::new(exchanged)?.l();
+    let upper = Matrix4::from_fn(|i, j| lower[(3 - i, 3 - j)]);
+    let mut out = [0.0; PER_BODY];
+    for (k, out) in out.iter_mut().enumerate() {
+        let (i, j) = TRIANGLE[k];
+        *out = if i == j { upper[(i, i)].ln() } else { upper[(i, j)] };
+    }
+    Some(out)
+}
+
+/// The inertial parameters of log-Cholesky parameters: feasible whatever these are.
+pub fn from_log_cholesky(parameters: &Inertial) -> Inertial {
+    let mut upper = Matrix4::zeros();
+    for (&(i, j), &x) in TRIANGLE.iter().zip(parameters) {
+        upper[(i, j)] = if i == j { x.exp() } else { x };
+    }
+    inertial_of(&(upper * upper.transpose()))
+}
+
+/// Entries of an upper triangle, the diagonal first.
+const TRIANGLE: [(usize, usize); PER_BODY] =
+    [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+
+/// The inertial parameters of a link: a body of the given mass \[kg\] around a centre \[m\], spread
+/// by `spread` \[m\] in all directions and along the line from the origin to `end` \[m\].
+pub fn plain_link(mass: f64, end: &Vector3<f64>, spread: f64) -> Inertial {
+    let center = 0.5 * end;
+    let second = end * end.transpose() / 12.0
+        + center * center.transpose()
+        + nalgebra::Matrix3::identity() * spread * spread;
+    let mut p = Matrix4::zeros();
+    p.fixed_view_mut::<3, 3>(0, 0).copy_from(&(mass * second));
+    p.fixed_view_mut::<3, 1>(0, 3).copy_from(&(mass * center));
+    p.fixed_view_mut::<1, 3>(3, 0).copy_from(&(mass * center.transpose()));
+    p[(3, 3)] = mass;
+    inertial_of(&p)
+}
+
+/// The log-det divergence D(P‖P⁰) = tr(P⁰⁻¹P) − ln det(P⁰⁻¹P) − 4 of a body from a nominal one, by
+/// its inertial parameters: value, gradient and Hessian. It is convex, zero at P⁰, and grows
+/// without bound towards bodies that cannot be.
+///
+/// `None` outside of the feasible bodies.
+///
+/// Source: T. Lee, P. Wensing, F. Park, *Geometric robot dynamic identification*, T-RO (2020).
+pub fn divergence(
+    inertial: &[f64],
+    nominal: &Inertial,
+) -> Option<(f64, Inertial, [Inertial; PER_BODY])> {
+    let p = Cholesky::new(pseudo_inertia(inertial))?;
+    let inverse = p.inverse();
+    let of_nominal = Cholesky::new(pseudo_inertia(nominal))?;
+    let nominal_inverse = of_nominal.inverse();
+    let ratio = (nominal_inverse * pseudo_inertia(inertial)).trace();
+    let log_det = |l: &Cholesky<f64, nalgebra::Const<4>>| -> f64 {
+        2.0 * l.l_dirty().diagonal().iter().map(|x| x.ln()).sum::<f64>()
+    };
+    let value = ratio - log_det(&p) + log_det(&of_nominal) - 4.0;
+    let basis: [Matrix4<f64>; PER_BODY] = std::array::from_fn(|k| {
+        let mut unit = [0.0; PER_BODY];
+        unit[k] = 1.0;
+        pseudo_inertia(&unit)
+    });
+    let gradient = std::array::from_fn(|k| ((nominal_inverse - inverse) * basis[k]).trace());
+    let scaled: [Matrix4<f64>; PER_BODY] = std::array::from_fn(|k| inverse * basis[k]);
+    let hessian = std::array::from_fn(|i| {
+        std::array::from_fn(|j| scaled[i].component_mul(&scaled[j].transpose()).sum())
+    });
+    Some((value, gradient, hessian))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_relative_eq;
+
+    fn link() -> Inertial {
+        plain_link(3.0, &Vector3::new(0.3, -0.1, 0.2), 0.08)
+    }
+
+    #[test]
+    fn a_plain_link_weighs_what_it_should_about_its_middle() {
+        let p = plain_link(2.0, &Vector3::new(0.6, 0.0, 0.0), 0.0);
+        // A rod about its end: m l²/3 across, nothing along.
+        assert_relative_eq!(p[4], 0.0, epsilon = 1e-15);
+        assert_relative_eq!(p[5], 2.0 * 0.36 / 3.0, epsilon = 1e-15);
+        assert_relative_eq!(p[1], 0.6, epsilon = 1e-15);
+    }
+
+    #[test]
+    fn log_cholesky_goes_there_and_back() {
+        let parameters = log_cholesky(&link()).unwrap();
+        for (a, b) in from_log_cholesky(&parameters).iter().zip(link()) {
+            assert_relative_eq!(*a, b, epsilon = 1e-14);
+        }
+    }
+
+    #[test]
+    fn any_log_cholesky_parameters_are_a_body() {
+        let parameters = std::array::from_fn(|k| ((k * k) as f64 * 0.7).sin());
+        assert!(is_feasible(&from_log_cholesky(&parameters)));
+    }
+
+    #[test]
+    fn bodies_that_cannot_be_are_told() {
+        // A principal moment larger than the sum of the others; a negative mass.
+        assert!(!is_feasible(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.1, 0.1, 0.0, 0.0, 0.0]));
+        assert!(!is_feasible(&[-1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]));
+        assert!(is_feasible(&link()));
+    }
+
+    #[test]
+    fn the_divergence_is_zero_and_level_at_the_nominal_body() {
+        let (value, gradient, _) = divergence(&link(), &link()).unwrap();
+        assert_relative_eq!(value, 0.0, epsilon = 1e-12);
+        for slope in gradient {
+            assert_relative_eq!(slope, 0.0, epsilon = 1e-9);
+        }
+    }
+
+    #[test]
+    fn slopes_of_the_divergence_are_those_of_differences() {
+        let nominal = plain_link(2.0, &Vector3::new(0.1, 0.2, 0.0), 0.1);
+        let (_, gradient, hessian) = divergence(&link(), &nominal).unwrap();
+        for k in 0..PER_BODY {
+            let at = |step: f64| {
+                let mut moved = link();
+                moved[k] += step;
+                divergence(&moved, &nominal).unwrap()
+            };
+            let (ahead, behind) = (at(1e-6), at(-1e-6));
+            assert_relative_eq!(
+                gradient[k],
+                (ahead.0 - behind.0) / 2e-6,
+                max_relative = 1e-5,
+                epsilon = 1e-4
+            );
+            for i in 0..PER_BODY {
+                let slope = (ahead.1[i] - behind.1[i]) / 2e-6;
+                assert_relative_eq!(hessian[k][i], slope, max_relative = 1e-3, epsilon = 1.0);
+            }
+        }
+    }
+}

@@ -1,0 +1,350 @@
+//! Blocks of weighted rows → normal equations that add up: least squares on every row (E11).
+//!
+//! A structure hands over, block of time by block of time, the rows \[J e\]: the derivatives of its
+//! prediction by its parameters and what it leaves of the response, both over the noise. Their sums
+//! are exact, so that blocks, logs and fleets add up to the same bits in any order.
+
+use crate::error::SparseError;
+use crate::exact::ExactSums;
+use crate::gram::add_gram;
+use faer::{Mat, MatRef, Side};
+use serde::{Deserialize, Serialize};
+
+/// Folds that blocks of time are dealt out to, for cross-validation.
+pub const FOLDS: usize = 8;
+
+/// Sums that are kept of the residual of each equation.
+const PER_EQUATION: usize = 3;
+
+/// What blocks of rows add up to, p parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NormalSums {
+    /// p
+    parameters: usize,
+    /// Equations per instant n.
+    equations: usize,
+    /// \[J e\]ᵀ\[J e\] of each fold, the lower triangle row by row.
+    grams: Vec<ExactSums>,
+    /// What noise in the rows adds to them (E7).
+    bias: ExactSums,
+    /// Σ s sᵀ over the blocks, s = Jᵀe of a block.
+    scores: ExactSums,
+    /// Of each equation: Σ e², Σ w² and Σ (e/w)², w what its rows were multiplied by.
+    energies: ExactSums,
+    /// Instants of each fold.
+    rows: Vec<u64>,
+    blocks: u64,
+}
+
+/// The sums of one block of time.
+#[derive(Clone, Debug)]
+pub struct BlockSums {
+    fold: usize,
+    rows: u64,
+    gram: Mat<f64>,
+    bias: Mat<f64>,
+    scores: Mat<f64>,
+    energies: Vec<f64>,
+}
+
+impl BlockSums {
+    /// Sums up one block.
+    ///
+    /// - `rows`: \[J e\], all instants of equation 1 first, (m·n)×(p+1)
+    /// - `weights`: what each row was multiplied by, m·n
+    pub fn new(fold: usize, rows: MatRef<'_, f64>, weights: &[f64], equations: usize) -> Self {
+        let p = rows.ncols() - 1;
+        let m = rows.nrows() / equations.max(1);
+        let mut gram = Mat::zeros(p + 1, p + 1);
+        add_gram(&mut gram, rows, 1.0);
+        // s = Jᵀe stands in the last row of the Gram matrix.
+        let scores = Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { gram[(p, i)] * gram[(p, j)] });
+        let residual = rows.col(p);
+        let energies = (0..equations)
+            .flat_map(|equation| {
+                let mut sums = [0.0; PER_EQUATION];
+                for k in equation * m..(equation + 1) * m {
+                    let (e, w) = (residual[k], weights[k]);
+                    for (sum, x) in sums.iter_mut().zip([e, w, e / w]) {
+                        *sum += x * x;
+                    }
+                }
+                sums
+            })
+            .collect();
+        Self { fold, rows: m as u64, gram, bias: Mat::zeros(p + 1, p + 1), scores, energies }
+    }
+
+    /// Adds the same rows once more, seen through more noise, `share` times; and takes the rows as
+    /// they are away as often.
+    pub fn add_noisy(&mut self, noisy: MatRef<'_, f64>, share: f64) {
+        add_gram(&mut self.bias, noisy, share);
+        self.bias -= faer::Scale(share) * &self.gram;
+    }
+}
+
+fn packed(matrix: &Mat<f64>) -> Vec<f64> {
+    (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| matrix[(i, j)])).collect()
+}
+
+fn unpacked(sums: &ExactSums, size: usize) -> Mat<f64> {
+    let mut values = vec![0.0; sums.len()];
+    sums.write_to(0, &mut values);
+    Mat::from_fn(size, size, |i, j| {
+        let (high, low) = (i.max(j), i.min(j));
+        values[high * (high + 1) / 2 + low]
+    })
+}
+
+impl NormalSums {
+    /// Sums of nothing: p parameters, n equations an instant.
+    pub fn new(parameters: usize, equations: usize) -> Self {
+        let triangle = |size: usize| ExactSums::zeros(size * (size + 1) / 2);
+        Self {
+            parameters,
+            equations,
+            grams: vec![triangle(parameters + 1); FOLDS],
+            bias: triangle(parameters + 1),
+            scores: triangle(parameters),
+            energies: ExactSums::zeros(PER_EQUATION * equations),
+            rows: vec![0; FOLDS],
+            blocks: 0,
+        }
+    }
+
+    /// Adds a block.
+    ///
+    /// # Errors
+    /// [`SparseError::OutOfRange`] if a sum is not finite or too large.
+    pub fn add(&mut self, block: &BlockSums) -> Result<(), SparseError> {
+        let fold = block.fold % FOLDS;
+        self.grams[fold].add(0, &packed(&block.gram))?;
+        self.bias.add(0, &packed(&block.bias))?;
+        self.scores.add(0, &packed(&block.scores))?;
+        self.energies.add(0, &block.energies)?;
+        self.rows[fold] += block.rows;
+        self.blocks += 1;
+        Ok(())
+    }
+
+    /// Adds the blocks of another.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if it is of other parameters, [`SparseError::OutOfRange`].
+    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+        for (sums, more) in self.grams.iter_mut().zip(&other.grams) {
+            sums.merge(more)?;
+        }
+        self.bias.merge(&other.bias)?;
+        self.scores.merge(&other.scores)?;
+        self.energies.merge(&other.energies)?;
+        self.rows.iter_mut().zip(&other.rows).for_each(|(rows, more)| *rows += more);
+        self.blocks += other.blocks;
+        Ok(())
+    }
+
+    /// Whether it holds what p parameters and n equations ask for.
+    pub fn is_sound(&self, parameters: usize, equations: usize) -> bool {
+        let triangle = |size: usize| size * (size + 1) / 2;
+        (self.parameters, self.equations) == (parameters, equations)
+            && self.grams.len() == FOLDS
+            && self.rows.len() == FOLDS
+            && self.grams.iter().all(|sums| sums.len() == triangle(parameters + 1))
+            && self.bias.len() == triangle(parameters + 1)
+            && self.scores.len() == triangle(parameters)
+            && self.energies.len() == PER_EQUATION * equations
+    }
+
+    /// Instants summed.
+    pub fn rows(&self) -> u64 {
+        self.rows.iter().sum()
+    }
+
+    /// Instants of a fold.
+    pub fn rows_of(&self, fold: usize) -> u64 {
+        self.rows.get(fold).copied().unwrap_or(0)
+    }
+
+    /// Blocks summed.
+    pub fn blocks(&self) -> u64 {
+        self.blocks
+    }
+
+    /// \[J e\]ᵀ\[J e\] of all rows, (p+1)×(p+1).
+    pub fn gram(&self) -> Mat<f64> {
+        let size = self.parameters + 1;
+        (0..FOLDS).fold(Mat::zeros(size, size), |sum, fold| sum + self.gram_of(fold))
+    }
+
+    /// The same of one fold.
+    pub fn gram_of(&self, fold: usize) -> Mat<f64> {
+        unpacked(&self.grams[fold], self.parameters + 1)
+    }
+
+    /// What noise in the rows adds to the Gram matrix (E7), (p+1)×(p+1).
+    pub fn bias(&self) -> Mat<f64> {
+        unpacked(&self.bias, self.parameters + 1)
+    }
+
+    /// Σ s sᵀ over the blocks of time, p×p: how far the scores Jᵀe scatter.
+    pub fn scores(&self) -> Mat<f64> {
+        unpacked(&self.scores, self.parameters)
+    }
+
+    /// RMS of the residual of each equation in its own unit, rows counted by their weights, n.
+    pub fn weighted_rms(&self) -> Vec<f64> {
+        self.rms(|[residual, weights, _]| residual / weights)
+    }
+
+    /// RMS of the residual of each equation in its own unit, all rows alike, n.
+    pub fn residual_rms(&self) -> Vec<f64> {
+        let rows = self.rows() as f64;
+        self.rms(|[_, _, plain]| plain / rows)
+    }
+
+    fn rms(&self, mean: impl Fn([f64; PER_EQUATION]) -> f64) -> Vec<f64> {
+        (0..self.equations)
+            .map(|equation| {
+                let sum = |k| self.energies.value(PER_EQUATION * equation + k);
+                let mean = mean(std::array::from_fn(sum));
+                if mean.is_finite() { mean.max(0.0).sqrt() } else { 0.0 }
+            })
+            .collect()
+    }
+}
+
+/// A corrected Gram matrix keeps at least this part of each of its directions: where noise
+/// outweighs a column, a difference of two large numbers would be no information.
+const LEAST_KEPT: f64 = 0.1;
+/// Ridge, relative to the diagonal, below which columns count as dependent.
+const DEPENDENT: f64 = 1e-10;
+
+/// YᵀY less what noise added to it (E7), kept positive semidefinite.
+///
+/// - `gram`, `bias`: p×p, symmetric
+///
+/// # Errors
+/// [`SparseError::NotSolvable`] if the decomposition fails.
+pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseError> {
+    let p = gram.ncols();
+    if bias.norm_max() == 0.0 {
+        return Ok(gram.clone());
+    }
+    let scale: Vec<f64> = (0..p).map(|j| gram[(j, j)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scaled = |x: &Mat<f64>, i: usize, j: usize| x[(i, j)] / (scale[i] * scale[j]);
+    let ridge = |i, j| if i == j { DEPENDENT } else { 0.0 };
+    let whole = Mat::from_fn(p, p, |i, j| scaled(gram, i, j) + ridge(i, j));
+    let noise = Mat::from_fn(p, p, |i, j| scaled(bias, i, j));
+    let failed = || SparseError::NotSolvable;
+    let factor = whole.llt(Side::Lower).map_err(|_| failed())?;
+    // L⁻¹ B L⁻ᵀ: by what part noise makes each direction larger.
+    let lower = factor.L().to_owned();
+    let half = solve_lower(&lower, &noise);
+    let part = solve_lower(&lower, &half.transpose().to_owned());
+    let part = Mat::from_fn(p, p, |i, j| 0.5 * (part[(i, j)] + part[(j, i)]));
+    let eigen = part.self_adjoint_eigen(Side::Lower).map_err(|_| failed())?;
+    let values = eigen.S().column_vector();
+    let most = 1.0 - LEAST_KEPT;
+    if values.iter().all(|&value| value <= most) {
+        return Ok(gram - bias);
+    }
+    let basis = eigen.U();
+    let kept = Mat::from_fn(p, p, |i, j| basis[(i, j)] * values[j].min(most));
+    let bounded = &lower * (&kept * basis.transpose()) * lower.transpose();
+    Ok(Mat::from_fn(p, p, |i, j| {
+        let symmetric = 0.5 * (bounded[(i, j)] + bounded[(j, i)]);
+        gram[(i, j)] - symmetric * scale[i] * scale[j]
+    }))
+}
+
+fn solve_lower(lower: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
+    let mut out = right.clone();
+    faer::linalg::triangular_solve::solve_lower_triangular_in_place(
+        lower.as_ref(),
+        out.as_mut(),
+        faer::Par::Seq,
+    );
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(m: usize, seed: f64) -> Mat<f64> {
+        Mat::from_fn(2 * m, 4, |i, j| ((i as f64 + seed) * (1.3 + j as f64)).sin())
+    }
+
+    fn block(m: usize, seed: f64) -> BlockSums {
+        BlockSums::new(m, rows(m, seed).as_ref(), &vec![1.0; 2 * m], 2)
+    }
+
+    #[test]
+    fn blocks_add_up_to_the_same_bits_in_any_order() {
+        let blocks: Vec<BlockSums> = (0..7).map(|k| block(3 + k, k as f64)).collect();
+        let sum = |order: &[usize]| {
+            let mut sums = NormalSums::new(3, 2);
+            order.iter().for_each(|&k| sums.add(&blocks[k]).unwrap());
+            sums
+        };
+
+        let mut merged = sum(&[6, 2]);
+        merged.merge(&sum(&[0, 5, 3, 1, 4])).unwrap();
+
+        assert_eq!(merged, sum(&[0, 1, 2, 3, 4, 5, 6]));
+        assert_eq!((merged.rows(), merged.blocks()), (42, 7));
+    }
+
+    #[test]
+    fn sums_are_those_of_all_rows_at_once() {
+        let mut sums = NormalSums::new(3, 2);
+        let mut expected = Mat::<f64>::zeros(4, 4);
+        for k in 0..3 {
+            sums.add(&block(5, f64::from(k))).unwrap();
+            let rows = rows(5, f64::from(k));
+            expected += rows.transpose() * &rows;
+        }
+
+        assert!((sums.gram() - &expected).norm_max() < 1e-13);
+        let energy: f64 = sums.residual_rms().iter().map(|x| 15.0 * x * x).sum();
+        assert!((energy - expected[(3, 3)]).abs() < 1e-13);
+    }
+
+    #[test]
+    fn scores_scatter_block_by_block() {
+        let mut sums = NormalSums::new(3, 2);
+        let mut expected = Mat::<f64>::zeros(3, 3);
+        for k in 0..4 {
+            let rows = rows(6, f64::from(k));
+            sums.add(&block(6, f64::from(k))).unwrap();
+            let score = rows.subcols(0, 3).transpose() * rows.col(3);
+            expected += &score * score.transpose();
+        }
+
+        assert!((sums.scores() - expected).norm_max() < 1e-12);
+    }
+
+    #[test]
+    fn the_bias_is_what_noise_adds() {
+        let (still, noisy) = (rows(5, 0.0), rows(5, 0.3));
+        let mut block = block(5, 0.0);
+        block.add_noisy(noisy.as_ref(), 0.5);
+        let mut sums = NormalSums::new(3, 2);
+        sums.add(&block).unwrap();
+
+        let added = noisy.transpose() * &noisy - still.transpose() * &still;
+        assert!((sums.bias() - faer::Scale(0.5) * added).norm_max() < 1e-13);
+    }
+
+    #[test]
+    fn a_correction_larger_than_its_column_is_bounded() {
+        let gram = Mat::from_fn(2, 2, |i, j| if i == j { 4.0 } else { 1.0 });
+        let small = Mat::from_fn(2, 2, |i, j| if i == j { 0.4 } else { 0.0 });
+        let large = Mat::from_fn(2, 2, |i, j| if (i, j) == (1, 1) { 5.0 } else { 0.0 });
+
+        assert_eq!(corrected(&gram, &small).unwrap(), &gram - &small);
+        let bounded = corrected(&gram, &large).unwrap();
+        let least = bounded.self_adjoint_eigenvalues(Side::Lower).unwrap()[0];
+        assert!(least > 0.0, "{least}");
+    }
+}
