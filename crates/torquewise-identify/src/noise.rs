@@ -87,7 +87,7 @@ impl NoiseSum {
         let starts: Vec<usize> =
             (0..places).filter(|&row| (row..row + FOURTH_DIFFERENCE.len()).all(&still)).collect();
         if starts.len() >= LEAST_ROWS {
-            self.blocks.push(place, columns().map(|column| variance(column, &starts)));
+            self.blocks.push(place, variances(&columns().collect::<Vec<_>>(), &starts));
         }
     }
 
@@ -138,15 +138,43 @@ impl NoiseSum {
     }
 }
 
-/// Variance of the noise in one signal of a block.
-fn variance(signal: ColRef<'_, f64>, starts: &[usize]) -> f64 {
-    let difference = |&row: &usize| {
+/// Variance of the noise in each signal of a block.
+///
+/// Where one of them jumps, the motion changes its course: that instant says nothing of the noise
+/// of the others either, since joints start and stop together.
+fn variances(signals: &[ColRef<'_, f64>], starts: &[usize]) -> Vec<f64> {
+    let difference = |signal: &ColRef<'_, f64>, row: usize| {
         let terms = FOURTH_DIFFERENCE.iter().enumerate().map(|(k, c)| c * signal[row + k]);
         terms.sum::<f64>().abs()
     };
-    let mut sizes: Vec<f64> = starts.iter().map(difference).collect();
-    let limit = JUMP * quantile(&mut sizes, 0.5) / NORMAL_MEDIAN;
-    let kept: Vec<f64> = sizes.into_iter().filter(|&size| size <= limit).collect();
-    let sum: f64 = kept.iter().map(|size| size * size).sum();
-    sum / (GAIN * kept.len().max(1) as f64)
+    let differences: Vec<Vec<f64>> = signals
+        .iter()
+        .map(|signal| starts.iter().map(|&row| difference(signal, row)).collect())
+        .collect();
+    let limits: Vec<f64> = differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
+    let is_smooth =
+        |row: &usize| differences.iter().zip(&limits).all(|(sizes, limit)| sizes[*row] <= *limit);
+    let kept: Vec<usize> = (0..starts.len()).filter(is_smooth).collect();
+    let variance = |sizes: &Vec<f64>| {
+        let sum: f64 = kept.iter().map(|&row| sizes[row].powi(2)).sum();
+        sum / (GAIN * kept.len().max(1) as f64)
+    };
+    differences.iter().map(variance).collect()
 }
+
+/// Standard deviation of normal numbers among which some are much larger: that of those within two
+/// deviations, found by repetition.
+fn clipped_deviation(sizes: &[f64]) -> f64 {
+    let mut deviation = quantile(&mut sizes.to_vec(), 0.5) / NORMAL_MEDIAN;
+    for _ in 0..CLIPPINGS {
+        let kept = sizes.iter().filter(|size| **size <= 2.0 * deviation);
+        let (sum, count) = kept.fold((0.0, 0), |(sum, count), size| (sum + size * size, count + 1));
+        deviation = (sum / (f64::from(count.max(1)) * WITHIN_TWO)).sqrt();
+    }
+    deviation
+}
+
+/// Variance of a standard normal number that is within ±2.
+const WITHIN_TWO: f64 = 0.773_741_3;
+/// Rounds of leaving out what is beyond two deviations.
+const CLIPPINGS: usize = 8;

@@ -37,7 +37,7 @@ const MOST_REFUSED: usize = 2;
 /// Passes over the sample at most.
 const SAMPLE_PASSES: usize = 6;
 /// Passes over all rows at most.
-const MOST_PASSES: usize = 3;
+const MOST_PASSES: usize = 5;
 /// Parameters that would move by less than this part of a standard error are at rest.
 const SETTLED: f64 = 0.1;
 /// Rows of a block of time, of which there should be many.
@@ -159,7 +159,7 @@ fn linearised(
         geometry: chain.geometry.parameters().to_vec(),
         linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
         weights: weights.collect(),
-        scales: vec![1.0; chain.inertial.len() + chain.beside.len() + structure.free.len()],
+        scales: Vec::new(),
         structure,
         noise,
         block_rows: BLOCK_ROWS[0],
@@ -265,7 +265,7 @@ fn parameters(
     let order: Vec<usize> = (0..bodies)
         .chain(drive_at)
         .chain(friction_at)
-        .chain(at.linear.len()..at.n_parameters())
+        .chain(at.structure.free.iter().map(|&k| at.linear.len() + k))
         .collect();
     let covariance =
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);

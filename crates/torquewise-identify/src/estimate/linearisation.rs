@@ -13,7 +13,8 @@ use torquewise_rigid::{Chain, Geometry, Rows};
 pub(crate) struct Structure {
     /// Rotors, friction, springs: columns of their own.
     pub(crate) drive: Vec<Beside>,
-    /// Parameters of the geometry that may move, ascending.
+    /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
+    /// together ask for their release.
     pub(crate) free: Vec<usize>,
     /// How strongly these are held at right angles, mean squares of the residual.
     pub(crate) pull: f64,
@@ -48,9 +49,15 @@ pub struct Linearisation {
 const WEIGHT_AT_REST: f64 = 0.1;
 
 impl Linearisation {
-    /// Number of parameters p: linear ones, then the free ones of the geometry.
+    /// Number of parameters p: linear ones, then those of the geometry, free or not.
     pub fn n_parameters(&self) -> usize {
-        self.linear.len() + self.structure.free.len()
+        self.linear.len() + self.geometry.len()
+    }
+
+    /// Indices of the parameters that may move.
+    pub(crate) fn active(&self) -> Vec<usize> {
+        let linear = self.linear.len();
+        (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
     }
 
     /// Number of joints n.
@@ -60,18 +67,13 @@ impl Linearisation {
 
     /// All parameters, p.
     pub(crate) fn parameters(&self) -> Vec<f64> {
-        let free = self.structure.free.iter().map(|&k| self.geometry[k]);
-        self.linear.iter().copied().chain(free).collect()
+        self.linear.iter().chain(&self.geometry).copied().collect()
     }
 
     /// The same at other parameters.
     pub(crate) fn at(&self, parameters: &[f64]) -> Self {
-        let (linear, free) = parameters.split_at(self.linear.len());
-        let mut geometry = self.geometry.clone();
-        for (&k, &x) in self.structure.free.iter().zip(free) {
-            geometry[k] = x;
-        }
-        Self { geometry, linear: linear.to_vec(), ..self.clone() }
+        let (linear, geometry) = parameters.split_at(self.linear.len());
+        Self { geometry: geometry.to_vec(), linear: linear.to_vec(), ..self.clone() }
     }
 
     /// The same with parameters counted in such units that the columns of a sample are of size 1:
@@ -122,7 +124,7 @@ impl Linearisation {
         } else {
             rows
         };
-        let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
+        let tangent = self.chain()?.tangent(&rows, &self.weights)?;
         let mut out = tangent.columns;
         for (j, scale) in self.scales.iter().enumerate() {
             out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);

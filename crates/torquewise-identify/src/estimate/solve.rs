@@ -15,6 +15,8 @@ use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
 use torquewise_sparse::normal_sums::{FOLDS, NormalSums, corrected};
 
+/// The choice of the prior's strength, as the model file has it.
+pub(crate) const STRENGTH: &str = "strength of the physical prior";
 /// Strengths of the prior that are tried, the strongest first.
 const STRENGTHS: [f64; 9] = [1e4, 1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4];
 /// The strength where a log is too short to choose one.
@@ -27,6 +29,10 @@ const MOST_PULLED: f64 = 20_000.0;
 const LONGEST: f64 = 0.2;
 /// A residual below this part of the torque is taken for it: weights stay finite.
 const LEAST_RESIDUAL: f64 = 1e-7;
+/// Blocks of time that a score test needs.
+const LEAST_BLOCKS: u64 = 30;
+/// A held parameter is released where its squared score is so many times ln m above its variance.
+const STRICTNESS: f64 = 3.0;
 /// Ridge of the unconstrained optimum, relative to the curvature.
 const RIDGE: f64 = 1e-9;
 /// Parameters that move less than this part of their standard error are settled.
@@ -67,12 +73,6 @@ pub(crate) fn refine(
     Ok(solved)
 }
 
-/// The normal equations in the units of the parameters.
-struct Equations {
-    hessian: Mat<f64>,
-    right: Vec<f64>,
-}
-
 /// One step from a linearisation, by the sums that were made there.
 ///
 /// # Errors
@@ -82,36 +82,236 @@ pub(crate) fn solve(
     at: &Linearisation,
     sizes: &Sizes,
 ) -> Result<Solved, IdentifyError> {
-    let n = at.n_joints();
-    let gram = sums.gram();
-    let bias = sums.bias();
-    let sizes = Sizes { mass: mass_of(&gram, at)?, ..sizes.clone() };
-    let (prior, start) = prior(at, &sizes)?;
-    let equations = (sums.rows() as f64 * n as f64).min(MOST_PULLED);
-    let of = |gram: &Mat<f64>, bias: &Mat<f64>| Equations::new(gram, bias, at, equations);
-    let all = of(&gram, &bias)?;
-    let path = path(&all, &prior, &start, &STRENGTHS)?;
-    let (place, choice) = choose_strength(sums, at, &prior, &path, equations)?;
-    let parameters = bounded(at, &path[place]);
-    let strength = STRENGTHS[place];
+    let step = Step::new(sums, at, sizes)?;
+    let (mut active, mut best) = (at.active(), step.best(&at.active())?);
+    let released = step.released(&active, &best)?;
+    if !released.is_empty() {
+        let mut more: Vec<usize> = active.iter().copied().chain(released).collect();
+        more.sort_unstable();
+        let other = step.best(&more)?;
+        let pair = [("held", &best), ("released", &other)].map(|(label, best)| Trial {
+            label: label.to_owned(),
+            complexity: best.solution.len(),
+            errors: best.errors.clone(),
+        });
+        if !pair[0].errors.is_empty() && choose("geometry", &pair).is_some_and(|(k, _)| k == 1) {
+            (active, best) = (more, other);
+        }
+    }
+    step.finish(&active, best)
+}
 
-    let unconstrained = all.unconstrained()?;
-    let before = at.parameters();
-    let cost = |x: &[f64]| squares(&gram, at, &before, x).max(0.0);
-    let (feasible, free) = (cost(&path[place]), cost(&unconstrained));
-    let price = if free > 0.0 { (feasible / free).sqrt() - 1.0 } else { 0.0 };
+/// The normal equations of a pass, and what physics says of its parameters.
+struct Step<'a> {
+    sums: &'a NormalSums,
+    at: &'a Linearisation,
+    sizes: Sizes,
+    prior: Prior,
+    /// Parameters that the prior allows.
+    start: Vec<f64>,
+    /// Parameters of the linearisation.
+    before: Vec<f64>,
+    all: Equations,
+}
 
-    let covariance = covariance(sums, at, &all, &prior, strength, &path[place])?;
-    let moved = (0..parameters.len())
-        .map(|k| {
-            let error = covariance[(k, k)].max(0.0).sqrt();
-            let change = (parameters[k] - before[k]).abs();
-            if change == 0.0 { 0.0 } else { change / error.max(f64::MIN_POSITIVE) }
+/// The best parameters with some of them free to move.
+struct Best {
+    strength: f64,
+    choice: Option<Choice>,
+    /// Values of the parameters that may move.
+    solution: Vec<f64>,
+    /// Errors on held-out folds; empty if there are too few.
+    errors: Vec<f64>,
+}
+
+/// The normal equations in the units of the parameters.
+struct Equations {
+    hessian: Mat<f64>,
+    right: Vec<f64>,
+}
+
+impl<'a> Step<'a> {
+    fn new(
+        sums: &'a NormalSums,
+        at: &'a Linearisation,
+        sizes: &Sizes,
+    ) -> Result<Self, IdentifyError> {
+        let gram = sums.gram();
+        let sizes = Sizes { mass: mass_of(&gram, at)?, ..sizes.clone() };
+        let (prior, start) = prior(at, &sizes)?;
+        let all = Equations::new(&gram, &sums.bias(), at, pulled(sums, at))?;
+        Ok(Self { sums, at, sizes, prior, start, before: at.parameters(), all })
+    }
+
+    /// Parameters as they were, those that may move as a solution has them.
+    fn whole(&self, active: &[usize], solution: &[f64]) -> Vec<f64> {
+        let mut whole = self.before.clone();
+        active.iter().zip(solution).for_each(|(&k, x)| whole[k] = *x);
+        whole
+    }
+
+    /// Fits the parameters that may move, the strength of the prior chosen on held-out folds.
+    fn best(&self, active: &[usize]) -> Result<Best, IdentifyError> {
+        let start: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
+        let equations = self.all.of(active, &self.before);
+        let mut path = Vec::with_capacity(STRENGTHS.len());
+        let mut x = start;
+        for &strength in &STRENGTHS {
+            x = minimise(equations.quadratic(), &self.prior, strength, &x)?;
+            path.push(x.clone());
+        }
+        let errors = self.held_out(active, &path)?;
+        let trials: Vec<Trial> = (STRENGTHS.iter().enumerate())
+            .map(|(k, strength)| Trial {
+                label: format!("{strength:e}"),
+                complexity: active.len(),
+                errors: errors.iter().map(|of_fold| of_fold[k]).collect(),
+            })
+            .collect();
+        let usual = STRENGTHS.iter().position(|&s| s <= USUAL_STRENGTH).unwrap_or(0);
+        let (place, choice) = match choose(STRENGTH, &trials) {
+            Some((place, choice)) if !errors.is_empty() => (place, Some(choice)),
+            _ => (usual, None),
+        };
+        let errors = trials[place].errors.clone();
+        Ok(Best { strength: STRENGTHS[place], choice, solution: path.swap_remove(place), errors })
+    }
+
+    /// Errors on each fold of what the others teach, for each strength; nothing if folds are few.
+    fn held_out(
+        &self,
+        active: &[usize],
+        path: &[Vec<f64>],
+    ) -> Result<Vec<Vec<f64>>, IdentifyError> {
+        let sums = self.sums;
+        let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
+        if folds.len() < LEAST_FOLDS {
+            return Ok(Vec::new());
+        }
+        let (gram, bias, rows) = (sums.gram(), sums.bias(), sums.rows() as f64);
+        let of_fold = |&fold: &usize| {
+            let (held, count) = (sums.gram_of(fold), sums.rows_of(fold) as f64);
+            let share = 1.0 - count / rows;
+            let (gram, bias) = (&gram - &held, faer::Scale(share) * &bias);
+            let rest = Equations::new(&gram, &bias, self.at, share * pulled(sums, self.at))?;
+            let rest = rest.of(active, &self.before);
+            let mut errors = Vec::with_capacity(STRENGTHS.len());
+            for (strength, start) in STRENGTHS.iter().zip(path) {
+                let x = minimise(rest.quadratic(), &self.prior, *strength, start)?;
+                let squares = self.squares(&held, &self.whole(active, &x));
+                errors.push((squares / (count * self.at.n_joints() as f64)).sqrt());
+            }
+            Ok(errors)
+        };
+        folds.par_iter().map(of_fold).collect()
+    }
+
+    /// Sum of squares at parameters in the linearisation.
+    fn squares(&self, gram: &Mat<f64>, x: &[f64]) -> f64 {
+        let p = self.before.len();
+        let z: Vec<f64> = (0..=p)
+            .map(|k| if k < p { (self.before[k] - x[k]) / self.at.scales[k] } else { 1.0 })
+            .collect();
+        let product = gram * ColRef::from_slice(&z);
+        z.iter().zip(product.iter()).map(|(z, y)| z * y).sum::<f64>().max(0.0)
+    }
+
+    /// The spread of the scores of some parameters: Σ s sᵀ over blocks of time, since neighbours
+    /// are alike.
+    fn scores(&self, indices: &[usize]) -> Mat<f64> {
+        let (scores, blocks) = (self.sums.scores(), self.sums.blocks() as f64);
+        // Few blocks scatter less than many would.
+        let few = blocks / (blocks - 1.0).max(1.0);
+        let scales = &self.at.scales;
+        Mat::from_fn(indices.len(), indices.len(), |i, j| {
+            let (i, j) = (indices[i], indices[j]);
+            few * scores[(i, j)] / (scales[i] * scales[j])
         })
-        .fold(0.0, f64::max);
-    let mut next = at.at(&parameters);
-    next.weights = weights(sums, &sizes);
-    Ok(Solved { at: next, covariance, choice, price, unconstrained, moved })
+    }
+
+    /// Parameters of the geometry that stay where the sample put them, yet all rows together pull
+    /// away: a score test, the scores of blocks of time as its measure.
+    fn released(&self, active: &[usize], best: &Best) -> Result<Vec<usize>, IdentifyError> {
+        let p = self.before.len();
+        let held: Vec<usize> = (0..p).filter(|k| active.binary_search(k).is_err()).collect();
+        if held.is_empty() || self.sums.blocks() < LEAST_BLOCKS {
+            return Ok(Vec::new());
+        }
+        let equations = self.all.of(active, &self.before);
+        let factor =
+            curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
+        let across = Mat::from_fn(active.len(), held.len(), |i, j| {
+            self.all.hessian[(active[i], held[j])]
+        });
+        let followed = factor.solve_matrix(&across);
+        let x = self.whole(active, &best.solution);
+        let product = &self.all.hessian * ColRef::from_slice(&x);
+        let mut slope: Vec<f64> = equations.right.iter().map(|_| 0.0).collect();
+        for (i, &k) in active.iter().enumerate() {
+            slope[i] = self.all.right[k] - product[k];
+        }
+        let indices: Vec<usize> = active.iter().chain(&held).copied().collect();
+        let scores = self.scores(&indices);
+        let least = STRICTNESS * (self.sums.rows() as f64).ln();
+        let a = active.len();
+        let is_pulled = |&j: &usize| {
+            // The score of a held parameter once the others have followed.
+            let weights: Vec<f64> = (0..indices.len())
+                .map(|i| {
+                    if i < a { -followed[(i, j)] } else { f64::from(u8::from(i == a + j)) }
+                })
+                .collect();
+            let own = self.all.right[held[j]] - product[held[j]];
+            let score: f64 = own + (0..a).map(|i| weights[i] * slope[i]).sum::<f64>();
+            let spread = &scores * ColRef::from_slice(&weights);
+            let variance: f64 = weights.iter().zip(spread.iter()).map(|(w, s)| w * s).sum();
+            score * score > least * variance
+        };
+        Ok((0..held.len()).filter(is_pulled).map(|j| held[j]).collect())
+    }
+
+    /// All that the pass came to.
+    fn finish(self, active: &[usize], best: Best) -> Result<Solved, IdentifyError> {
+        let (p, linear) = (self.before.len(), self.at.linear.len());
+        let gram = self.sums.gram();
+        let feasible = self.whole(active, &best.solution);
+        let equations = self.all.of(active, &self.before);
+        let unconstrained = self.whole(active, &equations.unconstrained()?);
+        let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&gram, x));
+        let price = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
+
+        let factor =
+            curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
+        let mut middle = self.scores(active);
+        // The prior is as uncertain as it is weak.
+        let mut unused = vec![0.0; active.len()];
+        self.prior.add_slopes(&best.solution, best.strength, &mut unused, &mut middle);
+        let half = factor.solve_matrix(&middle);
+        let own = factor.solve_matrix(&half.transpose().to_owned());
+        let mut covariance = Mat::zeros(p, p);
+        for (i, &k) in active.iter().enumerate() {
+            for (j, &l) in active.iter().enumerate() {
+                covariance[(k, l)] = 0.5 * (own[(i, j)] + own[(j, i)]);
+            }
+        }
+        let parameters = bounded(self.at, &feasible);
+        let in_errors = |&k: &usize| {
+            let change = (parameters[k] - self.before[k]).abs();
+            let error = covariance[(k, k)].max(0.0).sqrt();
+            if change == 0.0 { 0.0 } else { change / error.max(f64::MIN_POSITIVE) }
+        };
+        let moved = active.iter().map(in_errors).fold(0.0, f64::max);
+        let mut next = self.at.at(&parameters);
+        next.weights = weights(self.sums, &self.sizes);
+        next.structure.free =
+            active.iter().filter(|&&k| k >= linear).map(|&k| k - linear).collect();
+        Ok(Solved { at: next, covariance, choice: best.choice, price, unconstrained, moved })
+    }
+}
+
+/// Equations that the pull on the geometry counts as: it must not grow with the log.
+fn pulled(sums: &NormalSums, at: &Linearisation) -> f64 {
+    (sums.rows() as f64 * at.n_joints() as f64).min(MOST_PULLED)
 }
 
 /// One over the residual of each joint \[1/(N·m)\], n.
@@ -149,6 +349,7 @@ fn mass_of(gram: &Mat<f64>, at: &Linearisation) -> Result<f64, IdentifyError> {
 }
 
 impl Equations {
+    /// - `equations`: what the pull on the geometry counts as
     fn new(
         gram: &Mat<f64>,
         bias: &Mat<f64>,
@@ -158,20 +359,31 @@ impl Equations {
         let p = at.n_parameters();
         let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
         let corrected = corrected(&part(gram), &part(bias))?;
-        let before = at.parameters();
         let mut hessian =
             Mat::from_fn(p, p, |i, j| corrected[(i, j)] / (at.scales[i] * at.scales[j]));
-        let known = &hessian * ColRef::from_slice(&before);
+        let known = &hessian * ColRef::from_slice(&at.parameters());
         let mut right: Vec<f64> =
             (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
         let anchor = right_angles_near(&Geometry::new(&at.geometry)?);
         let linear = at.linear.len();
-        for (place, &k) in at.structure.free.iter().enumerate() {
+        for (k, anchor) in anchor.into_iter().enumerate() {
             let stiffness = equations * pull_stiffness(at.structure.pull, k);
-            hessian[(linear + place, linear + place)] += stiffness;
-            right[linear + place] += stiffness * anchor[k];
+            hessian[(linear + k, linear + k)] += stiffness;
+            right[linear + k] += stiffness * anchor;
         }
         Ok(Self { hessian, right })
+    }
+
+    /// The equations of some parameters, the others as they were.
+    fn of(&self, active: &[usize], before: &[f64]) -> Self {
+        let mut held = before.to_vec();
+        active.iter().for_each(|&k| held[k] = 0.0);
+        let known = &self.hessian * ColRef::from_slice(&held);
+        let count = active.len();
+        Self {
+            hessian: Mat::from_fn(count, count, |i, j| self.hessian[(active[i], active[j])]),
+            right: active.iter().map(|&k| self.right[k] - known[k]).collect(),
+        }
     }
 
     fn quadratic(&self) -> Quadratic<'_> {
@@ -193,83 +405,6 @@ impl Equations {
     }
 }
 
-/// The best physical parameters at each strength, each from those before.
-fn path(
-    equations: &Equations,
-    prior: &Prior,
-    start: &[f64],
-    strengths: &[f64],
-) -> Result<Vec<Vec<f64>>, IdentifyError> {
-    let mut x = start.to_vec();
-    let mut path = Vec::with_capacity(strengths.len());
-    for &strength in strengths {
-        x = minimise(equations.quadratic(), prior, strength, &x)?;
-        path.push(x.clone());
-    }
-    Ok(path)
-}
-
-/// Sum of squares at parameters x in the linearisation around `before`.
-fn squares(gram: &Mat<f64>, at: &Linearisation, before: &[f64], x: &[f64]) -> f64 {
-    let p = before.len();
-    let z: Vec<f64> = (0..=p)
-        .map(|k| if k < p { (before[k] - x[k]) / at.scales[k] } else { 1.0 })
-        .collect();
-    let product = gram * ColRef::from_slice(&z);
-    z.iter().zip(product.iter()).map(|(z, y)| z * y).sum()
-}
-
-/// Chooses the strength of the prior on held-out folds of time.
-fn choose_strength(
-    sums: &NormalSums,
-    at: &Linearisation,
-    prior: &Prior,
-    path_of_all: &[Vec<f64>],
-    equations: f64,
-) -> Result<(usize, Option<Choice>), IdentifyError> {
-    let usual = STRENGTHS.iter().position(|&s| s <= USUAL_STRENGTH).unwrap_or(0);
-    let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
-    if folds.len() < LEAST_FOLDS {
-        return Ok((usual, None));
-    }
-    let (gram, bias, rows) = (sums.gram(), sums.bias(), sums.rows() as f64);
-    let before = at.parameters();
-    let errors = folds
-        .par_iter()
-        .map(|&fold| {
-            let (held, count) = (sums.gram_of(fold), sums.rows_of(fold) as f64);
-            let share = 1.0 - count / rows;
-            let rest = Equations::new(
-                &(&gram - &held),
-                &(faer::Scale(share) * &bias),
-                at,
-                equations * share,
-            )?;
-            let mut errors = Vec::with_capacity(STRENGTHS.len());
-            for (strength, start) in STRENGTHS.iter().zip(path_of_all) {
-                let x = minimise(rest.quadratic(), prior, *strength, start)?;
-                let mean = squares(&held, at, &before, &x) / (count * at.n_joints() as f64);
-                errors.push(mean.max(0.0).sqrt());
-            }
-            Ok(errors)
-        })
-        .collect::<Result<Vec<Vec<f64>>, IdentifyError>>()?;
-    let trials: Vec<Trial> = (STRENGTHS.iter().enumerate())
-        .map(|(k, strength)| Trial {
-            label: format!("{strength:e}"),
-            complexity: at.n_parameters(),
-            errors: errors.iter().map(|of_fold| of_fold[k]).collect(),
-        })
-        .collect();
-    Ok(match choose(STRENGTH, &trials) {
-        Some((place, choice)) => (place, Some(choice)),
-        None => (usual, None),
-    })
-}
-
-/// The choice, as the model file has it.
-pub(crate) const STRENGTH: &str = "strength of the physical prior";
-
 /// Parameters to go on with: the geometry takes no step that leaves its linearisation.
 fn bounded(at: &Linearisation, parameters: &[f64]) -> Vec<f64> {
     let linear = at.linear.len();
@@ -284,28 +419,4 @@ fn bounded(at: &Linearisation, parameters: &[f64]) -> Vec<f64> {
         *x = b + share * (*x - b);
     }
     bounded
-}
-
-/// The sandwich A⁻¹ (Ω + prior) A⁻¹: Ω sums the scores of blocks of time, since neighbours are
-/// alike; A is the curvature of the whole cost, and the prior is as uncertain as it is weak.
-fn covariance(
-    sums: &NormalSums,
-    at: &Linearisation,
-    equations: &Equations,
-    prior: &Prior,
-    strength: f64,
-    x: &[f64],
-) -> Result<Mat<f64>, IdentifyError> {
-    let p = at.n_parameters();
-    let factor = curvature(equations.quadratic(), prior, strength, x)?;
-    let scores = sums.scores();
-    let blocks = sums.blocks() as f64;
-    // Few blocks scatter less than many would.
-    let few = blocks / (blocks - 1.0).max(1.0);
-    let mut middle =
-        Mat::from_fn(p, p, |i, j| few * scores[(i, j)] / (at.scales[i] * at.scales[j]));
-    prior.add_slopes(x, strength, &mut vec![0.0; p], &mut middle);
-    let half = factor.solve_matrix(&middle);
-    let whole = factor.solve_matrix(&half.transpose().to_owned());
-    Ok(Mat::from_fn(p, p, |i, j| 0.5 * (whole[(i, j)] + whole[(j, i)])))
 }
