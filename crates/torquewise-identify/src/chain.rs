@@ -8,7 +8,7 @@ use crate::learn::{Learned, learn};
 use crate::noise::NoiseFloor;
 use crate::overlooked::{Tried, overlooked};
 use crate::patterns::Patterns;
-use crate::plan::Plan;
+use crate::plan::ChainOptions;
 use crate::prune::prune;
 use crate::survey::Survey;
 use crate::warning::Warning;
@@ -25,20 +25,21 @@ const MOST_REFUSED: usize = 2;
 pub(crate) fn by_chain(
     survey: Survey,
     patterns: Patterns,
-    plan: &Plan,
+    options: &ChainOptions,
+    seed: u64,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
     progress(Progress::Geometry);
-    let mut learned = learn(&survey.sample, plan)?;
+    let mut learned = learn(&survey.sample, options, seed)?;
     progress(Progress::Overlooked);
-    let tried = complete(&mut learned, &survey, plan)?;
+    let tried = complete(&mut learned, &survey, options)?;
     progress(Progress::Refit);
     let beside = &learned.recipe.beside;
     let all = energies(&learned.chain, beside)?;
     let friction = friction(&learned);
     let candidates = all.len() + friction.len();
     let few = |all: Energies| {
-        prune(all.into_iter().collect(), &survey.sample, &learned.chain.residual_rms, plan.seed)
+        prune(all.into_iter().collect(), &survey.sample, &learned.chain.residual_rms, seed)
     };
     let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
     let without = (learned.without.iter())
@@ -81,15 +82,19 @@ pub(crate) fn by_chain(
 
 /// Takes in, one by one, terms of the energy library that explain what no chain does, until no
 /// other seems to, or too many were refused.
-fn complete(learned: &mut Learned, survey: &Survey, plan: &Plan) -> Result<Tried, IdentifyError> {
+fn complete(
+    learned: &mut Learned,
+    survey: &Survey,
+    options: &ChainOptions,
+) -> Result<Tried, IdentifyError> {
     let mut refused = Vec::new();
-    let mut tried = overlooked(learned, survey, plan.friction, &refused)?;
+    let mut tried = overlooked(learned, survey, options.friction, &refused)?;
     for _ in 0..MOST_FURTHER {
         let Some(term) = tried.missing.take() else { break };
         if !learned.offer(&term, &survey.sample)? {
             refused.push(term);
         }
-        tried = overlooked(learned, survey, plan.friction, &refused)?;
+        tried = overlooked(learned, survey, options.friction, &refused)?;
         if refused.len() == MOST_REFUSED {
             break;
         }

@@ -9,7 +9,7 @@ use crate::form::{dropped, form, friction_of};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
-use crate::plan::{Method, Plan};
+use crate::plan::{LibraryOptions, Method, Plan, Regression};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::settle::{Settled, settle};
 use crate::step;
@@ -36,49 +36,69 @@ pub fn reconstruct(
 
 /// Reconstructs the equations of motion from what logs were summed up to.
 ///
-/// Standstill, uniform and variable velocity in turn, each explaining what the earlier ones leave
-/// (8)–(10), (14)–(16); last all kept terms together on all rows (E6). One-shot SINDy is the same
-/// with a single step. What was settled when the logs were summed goes before the plan.
+/// How rows were told apart, and of a library its candidates and the number of regressions, were
+/// settled when the logs were summed: these go before the plan.
 ///
 /// # Errors
-/// [`IdentifyError`]: too few rows, a library too large, or missing torque.
+/// [`IdentifyError`]: too few rows, a library too large, missing torque, or a plan for a library of
+/// which nothing was summed.
 pub fn solve(
-    mut summary: Summary,
+    summary: Summary,
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
-    let plan = &summary.settings().applied_to(plan);
     let survey = summary.survey()?;
     survey.sample.require_tau()?;
     require_rows(&survey)?;
-    let mut patterns = find_patterns(&survey, &plan.patterns)?;
-    let Some(mut basis) = summary.settings().basis()? else {
-        return by_chain(survey, patterns, plan, progress);
-    };
-    let Settled { library, selector, choices, .. } = settle(&survey, plan, summary.friction())?;
+    match &plan.method {
+        Method::Library(options) => by_library(summary, survey, options, plan.seed, progress),
+        Method::Chain(options) => {
+            let patterns = find_patterns(&survey, &summary.settings().patterns)?;
+            by_chain(survey, patterns, options, plan.seed, progress)
+        }
+    }
+}
+
+/// Standstill, uniform and variable velocity in turn, each explaining what the earlier ones leave
+/// (8)–(10), (14)–(16); last all kept terms together on all rows (E6). One-shot SINDy is the same
+/// with a single step.
+fn by_library(
+    mut summary: Summary,
+    survey: Survey,
+    options: &LibraryOptions,
+    seed: u64,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
+    let mut patterns = find_patterns(&survey, &summary.settings().patterns)?;
+    let (mut basis, options) = summary.settings().basis_for(options)?;
+    let Settled { library, selector, choices, .. } = settle(&survey, &options, summary.friction())?;
+    let options = LibraryOptions { selector, ..options };
     basis.candidates.limit_to(library);
-    if plan.method == Method::Stepwise {
+    if options.regression == Regression::Stepwise {
         patterns.present = summary.settle(&basis, &patterns.present)?;
     }
     let candidates = &basis.candidates;
-    let (steps, orphans) = match plan.method {
-        Method::Stepwise => plan_steps(candidates, &patterns.present),
-        Method::Sindy | Method::Chain => (one_shot(candidates), Vec::new()),
+    let (steps, orphans) = match options.regression {
+        Regression::Stepwise => plan_steps(candidates, &patterns.present),
+        Regression::OneShot => (one_shot(candidates), Vec::new()),
     };
     let noise = summary.still().unwrap_or_else(|| survey.noise.clone());
 
     let mut found = Found::new(candidates, survey.rows, choices);
     for (place, step) in steps.iter().enumerate() {
         progress(Progress::Step(place + 1));
-        found.take_step(step, &summary.evidence(&basis, step), &selector)?;
+        found.take_step(step, &summary.evidence(&basis, step), &options.selector)?;
     }
 
     progress(Progress::Refit);
-    let bias = if plan.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted = found.refit(&summary, &basis, &survey, (plan, &selector, &bias))?;
+    let bias =
+        if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
+    let refitted =
+        found.refit(&summary, &basis, &survey, &found.refit_plan(&options, seed, &bias))?;
 
     progress(Progress::Done);
-    let warnings = Warning::all(&survey, &patterns, plan, candidates, &orphans, &refitted);
+    let regression = options.regression;
+    let warnings = Warning::all(&survey, &patterns, regression, candidates, &orphans, &refitted);
     Ok(found.report(survey, patterns, noise, refitted, warnings))
 }
 
@@ -178,12 +198,30 @@ impl<'a> Found<'a> {
         self.weights.iter().map(found).collect()
     }
 
+    /// What the last fit is asked, whose noise is taken out.
+    fn refit_plan<'n>(
+        &self,
+        options: &LibraryOptions,
+        seed: u64,
+        noise: &'n NoiseFloor,
+    ) -> RefitPlan<'n> {
+        let rows = self.rows;
+        let least_t_squared = match options.selector {
+            Selector::Criterion(criterion) => {
+                criterion.threshold(rows as f64, self.candidates.len())
+            }
+            _ => 0.0,
+        };
+        let least_size = options.threshold.unwrap_or(0.0);
+        RefitPlan { noise, seed, least_t_squared, least_size, bags: options.bags, rows }
+    }
+
     fn refit(
         &self,
         summary: &Summary,
         basis: &Basis,
         survey: &Survey,
-        (plan, selector, noise): (&Plan, &Selector, &NoiseFloor),
+        plan: &RefitPlan<'_>,
     ) -> Result<Vec<Refitted>, IdentifyError> {
         let kept: Vec<Kept> = self
             .terms()
@@ -195,25 +233,9 @@ impl<'a> Found<'a> {
                 weights: weights.clone(),
             })
             .collect();
-        let rows = self.rows;
-        let least_t_squared = match selector {
-            Selector::Criterion(criterion) => {
-                criterion.threshold(rows as f64, self.candidates.len())
-            }
-            _ => 0.0,
-        };
-        let least_size = plan.threshold.unwrap_or(0.0);
-        let refit_plan = RefitPlan {
-            noise,
-            seed: plan.seed,
-            least_t_squared,
-            least_size,
-            bags: plan.bags,
-            rows,
-        };
         let all = summary.whole(basis)?;
         let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
-        refit(&survey.sample, self.candidates, &kept, &whole, &refit_plan)
+        refit(&survey.sample, self.candidates, &kept, &whole, plan)
     }
 
     fn report(

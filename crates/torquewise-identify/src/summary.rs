@@ -6,7 +6,7 @@ use crate::evidence::{Evidence, Step};
 use crate::found::Progress;
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, find_patterns, place_of};
-use crate::plan::{FrictionKind, LibraryKind, Method, Plan};
+use crate::plan::{FrictionKind, LibraryKind, LibraryOptions, Method, Plan, Regression};
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
 use crate::settle::choose_laws;
 use crate::survey::{Survey, SurveySum, survey};
@@ -26,18 +26,25 @@ use torquewise_sparse::samples::Samples;
 pub struct Settings {
     /// Joint names, base to tip.
     pub joints: Vec<String>,
-    /// Candidates; none where a chain is learned, which needs no sums of them.
-    pub library: Option<LibraryKind>,
-    /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
-    /// that summaries with friction are neither written nor merged.
-    #[serde(skip)]
-    pub friction: Vec<FrictionTerm>,
-    /// One-shot or stepwise.
-    pub method: Method,
+    /// The library that is summed; none where a chain is learned, which needs no sums.
+    pub library: Option<SummedLibrary>,
     /// How rows are told apart, log by log.
     pub patterns: PatternPlan,
     /// How the signals were filtered, in the words of whoever did.
     pub signals: String,
+}
+
+/// Which columns are summed, and over which rows together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SummedLibrary {
+    /// Candidates.
+    pub kind: LibraryKind,
+    /// One-shot or stepwise: one sum over all rows, or one for each pattern.
+    pub regression: Regression,
+    /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
+    /// that summaries with friction are neither written nor merged.
+    #[serde(skip)]
+    pub friction: Vec<FrictionTerm>,
 }
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
@@ -85,15 +92,14 @@ pub fn summarise(
     signals: &str,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Summary, IdentifyError> {
-    let (friction, choices) = if plan.friction == FrictionKind::None {
-        (Vec::new(), Vec::new())
-    } else {
-        progress(Progress::Survey);
-        let survey = survey(recording)?;
-        survey.sample.require_tau()?;
-        choose_laws(&survey, plan)?
+    let (library, choices) = match &plan.method {
+        Method::Library(options) => {
+            let (library, choices) = SummedLibrary::of(recording, options, progress)?;
+            (Some(library), choices)
+        }
+        Method::Chain(_) => (None, Vec::new()),
     };
-    let settings = Settings::new(recording.joints(), plan, friction, signals);
+    let settings = Settings::new(recording.joints(), plan, library, signals);
     let basis = settings.basis()?;
     let mut all = Summary { choices, ..Summary::new(settings, basis.as_ref()) };
     for log in 0..recording.n_logs() {
@@ -113,8 +119,7 @@ pub fn summarise(
             progress(Progress::Patterns);
             let patterns = find_patterns(&survey, &all.settings.patterns)?;
             progress(Progress::Evidence);
-            let one_shot = plan.method == Method::Sindy;
-            let mut sorter = Sorter::new(basis, &patterns, one_shot);
+            let mut sorter = Sorter::new(basis, &patterns, &all.settings.parts());
             recording
                 .read_log(log, &mut |_, block| sorter.add(block))
                 .map_err(IdentifyError::Read)?;
@@ -127,15 +132,33 @@ pub fn summarise(
     Ok(all)
 }
 
+impl SummedLibrary {
+    /// The library of a fit with laws of friction that suit a recording, and how these were chosen.
+    fn of(
+        recording: &(impl Recording + ?Sized),
+        options: &LibraryOptions,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(Self, Vec<Choice>), IdentifyError> {
+        let LibraryOptions { library: kind, regression, friction, .. } = *options;
+        let (friction, choices) = if friction == FrictionKind::None {
+            (Vec::new(), Vec::new())
+        } else {
+            progress(Progress::Survey);
+            let survey = survey(recording)?;
+            survey.sample.require_tau()?;
+            choose_laws(&survey, options)?
+        };
+        Ok((Self { kind, regression, friction }, choices))
+    }
+}
+
 impl Settings {
-    fn new(joints: &[String], plan: &Plan, friction: Vec<FrictionTerm>, signals: &str) -> Self {
-        let by_rows = plan.method != Method::Chain;
-        let slow = plan.patterns.slow || !friction.is_empty();
+    fn new(joints: &[String], plan: &Plan, library: Option<SummedLibrary>, signals: &str) -> Self {
+        let rubs = library.as_ref().is_some_and(|library| !library.friction.is_empty());
+        let slow = plan.patterns.slow || rubs;
         Self {
             joints: joints.to_vec(),
-            library: by_rows.then_some(plan.library),
-            method: plan.method,
-            friction,
+            library,
             patterns: PatternPlan { slow, ..plan.patterns },
             signals: signals.to_owned(),
         }
@@ -143,37 +166,49 @@ impl Settings {
 
     /// The candidates, unless a chain is learned.
     pub(crate) fn basis(&self) -> Result<Option<Basis>, IdentifyError> {
-        let Some(library) = self.library else { return Ok(None) };
+        let Some(SummedLibrary { kind, regression, friction }) = &self.library else {
+            return Ok(None);
+        };
         let n_joints = self.joints.len();
-        let laws = self.friction.clone();
-        let candidates = Candidates::with_friction(n_joints, library, self.method, laws)?;
+        let laws = friction.clone();
+        let candidates = Candidates::with_friction(n_joints, *kind, *regression, laws)?;
         let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
         let prepared = Prepared::new(&candidates.design, route);
         Ok(Some(Basis { candidates, prepared, route, n_joints }))
     }
 
-    /// A plan with what was settled when rows were summed.
-    pub(crate) fn applied_to(&self, plan: &Plan) -> Plan {
-        Plan {
-            library: self.library.unwrap_or(plan.library),
-            method: self.method,
-            patterns: self.patterns,
-            ..plan.clone()
+    /// The candidates that were summed, and options with what was settled then.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoLibrary`] if nothing was summed.
+    pub(crate) fn basis_for(
+        &self,
+        options: &LibraryOptions,
+    ) -> Result<(Basis, LibraryOptions), IdentifyError> {
+        let (Some(basis), Some(library)) = (self.basis()?, &self.library) else {
+            return Err(IdentifyError::NoLibrary);
+        };
+        let (library, regression) = (library.kind, library.regression);
+        Ok((basis, LibraryOptions { library, regression, ..options.clone() }))
+    }
+
+    /// The patterns whose rows are summed apart; `None` stands for all rows.
+    pub(crate) fn parts(&self) -> Vec<Option<Pattern>> {
+        match self.library.as_ref().map(|library| library.regression) {
+            Some(Regression::Stepwise) => Pattern::ALL.map(Some).into(),
+            Some(Regression::OneShot) => vec![None],
+            None => Vec::new(),
         }
     }
 
-    /// How many sums are kept apart.
-    pub(crate) fn n_sums(&self) -> usize {
-        match self.method {
-            Method::Stepwise => Pattern::ALL.len(),
-            Method::Sindy => 1,
-            Method::Chain => 0,
-        }
+    /// Laws of friction among the candidates.
+    fn friction(&self) -> &[FrictionTerm] {
+        self.library.as_ref().map_or(&[], |library| &library.friction)
     }
 
     /// Fails where laws of friction were chosen for these logs alone.
     pub(crate) fn refuse_friction(&self) -> Result<(), IdentifyError> {
-        if self.friction.is_empty() {
+        if self.friction().is_empty() {
             return Ok(());
         }
         let message = "it holds friction, whose laws suit its logs alone: fit all logs together";
@@ -183,10 +218,15 @@ impl Settings {
     /// Fails unless summaries of both add up.
     fn check(&self, other: &Self) -> Result<(), IdentifyError> {
         let quoted = |what: &dyn std::fmt::Debug| format!("{what:?}");
+        let regression = |it: &Self| match &it.library {
+            Some(library) => quoted(&library.regression),
+            None => "Chain".to_owned(),
+        };
+        let library = |it: &Self| quoted(&it.library.as_ref().map(|library| library.kind));
         let pairs = [
             ("joints", self.joints.join(", "), other.joints.join(", ")),
-            ("method", quoted(&self.method), quoted(&other.method)),
-            ("library", quoted(&self.library), quoted(&other.library)),
+            ("method", regression(self), regression(other)),
+            ("library", library(self), library(other)),
             ("patterns", quoted(&self.patterns), quoted(&other.patterns)),
             ("signals", self.signals.clone(), other.signals.clone()),
         ];
@@ -201,7 +241,7 @@ impl Summary {
     fn new(settings: Settings, basis: Option<&Basis>) -> Self {
         let n = settings.joints.len();
         let none = |basis: &Basis| RowSums::new(&basis.prepared, n);
-        let sums = basis.map_or_else(Vec::new, |basis| vec![none(basis); settings.n_sums()]);
+        let sums = basis.map_or_else(Vec::new, |basis| vec![none(basis); settings.parts().len()]);
         let (survey, still) = (SurveySum::new(&settings.joints), NoiseSum::new(n));
         Self { settings, logs: 0, survey, still, sums, choices: Vec::new() }
     }
@@ -213,7 +253,7 @@ impl Summary {
 
     /// Laws of friction among its candidates, and how they were chosen.
     pub(crate) fn friction(&self) -> (&[FrictionTerm], &[Choice]) {
-        (&self.settings.friction, &self.choices)
+        (self.settings.friction(), &self.choices)
     }
 
     /// Logs summed.
@@ -258,14 +298,14 @@ impl Summary {
 
     /// The patterns that some log shows in more than a few rows, of those that all logs together
     /// show: a short log may take its slowest motion for none. The rows of the others join those of
-    /// variable velocity, which assume nothing.
+    /// variable velocity, which assume nothing. Where all rows are one sum, the patterns stay.
     pub(crate) fn settle(
         &mut self,
         basis: &Basis,
         together: &[Pattern],
     ) -> Result<Vec<Pattern>, IdentifyError> {
-        if self.settings.method != Method::Stepwise {
-            return Ok(Pattern::ALL.to_vec());
+        if self.sums.len() < Pattern::ALL.len() {
+            return Ok(together.to_vec());
         }
         let least = LEAST_SHARE * self.rows() as f64;
         let last = place_of(Pattern::VariableVelocity);
@@ -322,14 +362,14 @@ struct Bin<'a> {
 }
 
 impl<'a> Sorter<'a> {
-    fn new(basis: &'a Basis, patterns: &'a Patterns, one_shot: bool) -> Self {
+    fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
         let (n, friction) = (basis.n_joints, &basis.candidates.friction[..]);
-        let bin = |pattern| Bin {
+        let bin = |&pattern: &Option<Pattern>| Bin {
             pattern,
             gathering: Gathering::new(n, friction.len()),
             adder: RowAdder::new(&basis.prepared, n),
         };
-        let bins = if one_shot { vec![bin(None)] } else { Pattern::ALL.map(Some).map(bin).into() };
+        let bins = parts.iter().map(bin).collect();
         Self { patterns, friction, noise: NoiseSum::new(n), bins }
     }
 

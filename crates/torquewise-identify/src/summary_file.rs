@@ -10,7 +10,7 @@ use torquewise_sparse::row_sums::RowSums;
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"twmoment";
 /// Raised whenever what is summed, or how it is written, changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Magic, version, length and checksum of what follows.
 const HEADER_BYTES: usize = 24;
 
@@ -70,8 +70,7 @@ impl Summary {
         let fits = settings.joints == survey.joints()
             && survey.is_sound()
             && still.is_sound(n)
-            && sums.len() == settings.n_sums()
-            && settings.library.is_some() == (settings.n_sums() > 0);
+            && sums.len() == settings.parts().len();
         if !fits {
             return Err(damaged("its parts do not fit each other"));
         }

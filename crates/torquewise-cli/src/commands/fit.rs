@@ -16,7 +16,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use torquewise::identify::disagreement::disagreements;
-use torquewise::identify::{Method, Reconstruction, Warning, diagnose, score};
+use torquewise::identify::{Plan, Reconstruction, Regression, Warning, diagnose, score};
 use torquewise::logs::Logs;
 use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
@@ -61,11 +61,11 @@ pub(crate) enum MethodName {
 }
 
 impl MethodName {
-    /// The method of that name.
-    pub(crate) fn method(self) -> Method {
+    /// The regressions of that name.
+    pub(crate) fn regression(self) -> Regression {
         match self {
-            Self::Stepwise => Method::Stepwise,
-            Self::Sindy => Method::Sindy,
+            Self::Stepwise => Regression::Stepwise,
+            Self::Sindy => Regression::OneShot,
         }
     }
 }
@@ -73,12 +73,9 @@ impl MethodName {
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
-    let method = arguments.method.method();
     // Wrong usage is told before the log is read.
-    arguments.plan.plan(method, Known::default())?;
-    let Opened { logs, test, cutoff } = open(arguments)?;
-    let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
-    let plan = arguments.plan.plan(method, known)?;
+    arguments.plan.plan(arguments.method.regression(), Known::default())?;
+    let Opened { logs, test, cutoff, plan } = open(arguments)?;
     let mut timed = timed(&logs, logs.rows_hint(), &plan)?;
     timed.found.model.choices.splice(0..0, cutoff);
     compare_logs(&mut timed.found, &logs)?;
@@ -126,6 +123,8 @@ struct Opened {
     test: Option<Recorded>,
     /// How the cut-off of the filter was chosen.
     cutoff: Option<Choice>,
+    /// What is fitted.
+    plan: Plan,
 }
 
 fn open(arguments: &Arguments) -> Result<Opened> {
@@ -134,14 +133,17 @@ fn open(arguments: &Arguments) -> Result<Opened> {
         logs.require_tau()?;
         Ok(logs)
     };
-    let (logs, cutoff) = arguments.signals.prepare_to_fit(open(&arguments.logs)?)?;
+    let logs = open(&arguments.logs)?;
+    let known = Known::of(&logs, &arguments.signals);
+    let plan = arguments.plan.plan(arguments.method.regression(), known)?;
+    let (logs, cutoff) = arguments.signals.prepare_to_fit(logs)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
     let test = test.map(|test| arguments.signals.prepare(open(test)?)).transpose()?;
     if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
     }
-    Ok(Opened { logs, test, cutoff })
+    Ok(Opened { logs, test, cutoff, plan })
 }
 
 /// Warns of logs that one model cannot fit, such as those of different payloads.

@@ -13,10 +13,8 @@ use crate::timed::doing;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::identify::Method;
 use torquewise::identify::plan::FrictionKind;
-use torquewise::identify::summarise;
-use torquewise::motion::Recording;
+use torquewise::identify::{LibraryOptions, Method, summarise};
 
 /// Sum up logs into a file that adds to others: merge such files, then solve
 #[derive(Args, Debug)]
@@ -45,17 +43,19 @@ const FRICTION: &str = "the laws of friction follow from all logs together, so t
 /// Sums up and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_output(&arguments.output, &arguments.logs)?;
-    let method = arguments.method.method();
+    let regression = arguments.method.regression();
     // Wrong usage is told before the log is read.
-    arguments.plan.plan(method, Known::default())?;
+    arguments.plan.refuse_selection()?;
+    arguments.plan.plan(regression, Known::default())?;
     let logs = arguments.profile.open(&arguments.logs)?;
     logs.require_tau()?;
-    let logs = arguments.signals.prepare(logs)?;
-    let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
-    let plan = arguments.plan.plan(method, known)?;
-    if plan.friction != FrictionKind::None && plan.method != Method::Chain {
+    let plan = arguments.plan.plan(regression, Known::of(&logs, &arguments.signals))?;
+    if let Method::Library(LibraryOptions { friction, .. }) = &plan.method
+        && *friction != FrictionKind::None
+    {
         return Err(CliError::Usage(FRICTION.into()).into());
     }
+    let logs = arguments.signals.prepare(logs)?;
 
     let watched = Watched::new(&logs, "summing").of(logs.rows_hint(), 2);
     let bar = watched.bar();

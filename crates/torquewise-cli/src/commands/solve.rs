@@ -1,10 +1,10 @@
 //! Moments file → model file: the model that fitting its logs together gives.
 
-use crate::arguments::{Friction, SelectionArguments};
 use crate::commands::fit::{json, text};
 use crate::files::{check_output, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::Outcome;
+use crate::selection::{Friction, SelectionArguments};
 use crate::timed::timed_solve;
 use anyhow::Result;
 use clap::Args;
