@@ -13,3 +13,4 @@ mod export;
 mod pitfalls;
 mod bad_input;
 mod usage;
+mod flags;
