@@ -7,7 +7,8 @@ use crate::selection::{Friction, SelectionArguments};
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
 use torquewise::identify::activation::Scaling;
-use torquewise::identify::{LibraryKind, PatternPlan, Plan, Regression};
+use torquewise::identify::plan::Regression;
+use torquewise::identify::{LibraryKind, PatternPlan, Plan};
 use torquewise::logs::Logs;
 
 /// Constants of the activation index.

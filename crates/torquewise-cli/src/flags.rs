@@ -1,7 +1,7 @@
 //! Which flags each method uses, and what is said of those it does not use.
 
 use crate::error::CliError;
-use torquewise::identify::Regression;
+use torquewise::identify::plan::Regression;
 
 /// What is fitted, as far as its flags differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,9 +3,9 @@
 use crate::error::CliError;
 use crate::flags::{Fitted, Flag, refuse_unused};
 use clap::{Args, ValueEnum};
-use torquewise::identify::plan::FrictionKind;
+use torquewise::identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
 use torquewise::identify::summary::Settings;
-use torquewise::identify::{ChainOptions, LibraryKind, LibraryOptions, Method, Plan, Regression};
+use torquewise::identify::{LibraryKind, Method, Plan};
 use torquewise::sparse::select::Selector;
 use torquewise::sparse::select::criterion::Criterion;
 use torquewise::sparse::select::lasso::Lasso;
@@ -49,20 +49,21 @@ pub(crate) enum Select {
 /// What becomes of candidates once the rows are summed.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct SelectionArguments {
-    /// Which terms stay; bic, and stlsq for one-shot SINDy
+    /// Which terms of a library stay [default: bic; stlsq with --method sindy]
     #[arg(long, value_enum)]
     select: Option<Select>,
-    /// Drop coefficients at most this large [paper: 0.1]
+    /// Drop coefficients of a library that are at most this large [paper: 0.1]
     #[arg(long, value_name = "X", value_parser = threshold)]
     threshold: Option<f64>,
     /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
     /// for
     #[arg(long, value_name = "JOINT", value_delimiter = ',')]
     pub(crate) counterbalance: Vec<String>,
-    /// Leave the bias that measurement noise causes in the normal equations
+    /// Leave the bias that measurement noise causes in the fit, as --method sindy always does
     #[arg(long)]
     no_noise_correction: bool,
-    /// Resampled logs to count in how many each term stays [default: 50; 0 with --method sindy]
+    /// Resampled logs to count in how many each term of a library stays [default: 50; 0 with
+    /// --method sindy]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     bags: Option<u16>,
 }

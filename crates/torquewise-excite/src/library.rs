@@ -8,8 +8,9 @@ use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Regression};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::samples::{Evaluator, Samples};
 
 /// Columns at most: a factorisation takes about a second then.

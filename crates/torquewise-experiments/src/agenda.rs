@@ -173,7 +173,8 @@ fn test_of<'a>(
 
 /// About how long a trial takes, in units of a small reconstruction: the candidates tell.
 fn work_of(plan: &TrialPlan) -> usize {
-    use torquewise_identify::{LibraryKind, Regression};
+    use torquewise_identify::LibraryKind;
+    use torquewise_identify::plan::Regression;
     use torquewise_sparse::select::Selector;
     let joints = torquewise_dynamics::arms()
         .into_iter()

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use torquewise_identify::activation::Scaling;
-use torquewise_identify::{LibraryOptions, PatternPlan, Plan, Regression};
+use torquewise_identify::plan::{LibraryOptions, Regression};
+use torquewise_identify::{PatternPlan, Plan};
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::lasso::Lasso;
 use torquewise_sparse::select::stlsq::Stlsq;

@@ -2,8 +2,9 @@
 
 use divan::Bencher;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Regression};
+use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_sparse::accumulate::{Lanes, Prepared, Route};
 use torquewise_sparse::gram::Gram;

@@ -50,7 +50,7 @@ pub use diagnose::{Diagnosis, diagnose};
 pub use error::IdentifyError;
 pub use found::{Progress, Reconstruction};
 pub use patterns::{PatternPlan, Patterns, find_patterns};
-pub use plan::{ChainOptions, LibraryKind, LibraryOptions, Method, Plan, Regression};
+pub use plan::{LibraryKind, Method, Plan};
 pub use reconstruct::{reconstruct, solve};
 pub use score::{Scores, score};
 pub use summary::{Summary, summarise};

@@ -5,7 +5,7 @@ use crate::call_costs::CallCosts;
 use crate::error::CliError;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
-use crate::physics::Physics;
+use crate::physics::{MassMatrix, Physics, STATES};
 use crate::progress::Watched;
 use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
 use crate::score_table;
@@ -16,7 +16,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use torquewise::identify::disagreement::disagreements;
-use torquewise::identify::{Plan, Reconstruction, Regression, Warning, diagnose, score};
+use torquewise::identify::plan::Regression;
+use torquewise::identify::{Plan, Reconstruction, Warning, diagnose, score};
 use torquewise::logs::Logs;
 use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
@@ -82,10 +83,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = &timed.found.model;
     write_whole(&arguments.output, to_json(model)?)?;
 
-    let mut text = vec![logs.text(), text(&arguments.output, &timed)];
-    let mut json = json(&arguments.output, &timed);
+    let mass = MassMatrix::of(model)?;
+    let mut text = vec![mass.headline(), logs.text(), text(&arguments.output, &timed)];
+    let mut json = json(&arguments.output, &timed, &mass);
     let found = timed.found.warnings.iter().map(ToString::to_string);
-    let mut warnings: Vec<String> = found.chain(logs.warnings()).collect();
+    let mut warnings: Vec<String> =
+        mass.warning().into_iter().chain(found).chain(logs.warnings()).collect();
     if let Some(test) = &test {
         let scores = score(model, &Watched::new(test, "predicting").of(test.rows_hint(), 1))?;
         text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
@@ -169,7 +172,7 @@ fn report(
         diagnose(&found.model, &found.patterns, &watched)
     };
     let (diagnosis, test) = (look(logs)?, test.map(look).transpose()?);
-    let physics = Physics::of(&found.model)?;
+    let physics = Physics::of(&found.model, STATES)?;
     let names = |paths: &[PathBuf]| {
         let name = |path: &PathBuf| {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
@@ -233,7 +236,7 @@ fn choices(model: &Model) -> String {
 }
 
 /// The same for programs.
-pub(crate) fn json(output: &Path, timed: &Timed) -> Value {
+pub(crate) fn json(output: &Path, timed: &Timed, mass: &MassMatrix) -> Value {
     let found = &timed.found;
     let model = &found.model;
     let steps = found.steps.iter().zip(&timed.step_seconds).map(|(step, seconds)| {
@@ -271,6 +274,7 @@ pub(crate) fn json(output: &Path, timed: &Timed) -> Value {
         "dropped": dropped.collect::<Vec<_>>(),
         "residual_rms": model.training.residual_rms,
         "torque_std": model.training.torque_std,
+        "mass_matrix": mass.json(),
         "file": output.display().to_string(),
     })
 }

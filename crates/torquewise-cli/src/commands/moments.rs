@@ -13,8 +13,8 @@ use crate::timed::doing;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::identify::plan::FrictionKind;
-use torquewise::identify::{LibraryOptions, Method, summarise};
+use torquewise::identify::plan::{FrictionKind, LibraryOptions};
+use torquewise::identify::{Method, summarise};
 
 /// Sum up logs into a file that adds to others: merge such files, then solve
 #[derive(Args, Debug)]

@@ -4,6 +4,7 @@ use crate::commands::fit::{json, text};
 use crate::files::{check_output, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::Outcome;
+use crate::physics::MassMatrix;
 use crate::selection::{Friction, SelectionArguments};
 use crate::timed::timed_solve;
 use anyhow::Result;
@@ -39,10 +40,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let plan = arguments.selection.plan_of(settings, arguments.friction, seed)?;
     let timed = timed_solve(summary, &plan)?;
     write_whole(&arguments.output, to_json(&timed.found.model)?)?;
-    let warnings = timed.found.warnings.iter().map(ToString::to_string).collect();
+    let mass = MassMatrix::of(&timed.found.model)?;
+    let found = timed.found.warnings.iter().map(ToString::to_string);
     Ok(Outcome {
-        text: text(&arguments.output, &timed),
-        json: json(&arguments.output, &timed),
-        warnings,
+        text: mass.headline() + &text(&arguments.output, &timed),
+        json: json(&arguments.output, &timed, &mass),
+        warnings: mass.warning().into_iter().chain(found).collect(),
     })
 }

@@ -14,3 +14,4 @@ mod pitfalls;
 mod bad_input;
 mod usage;
 mod flags;
+mod physics;

@@ -10,7 +10,7 @@ use crate::trial::{Cost, TrialPlan, now};
 use serde::Serialize;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::evidence::{one_shot, plan_steps};
-use torquewise_identify::{LibraryOptions, Regression};
+use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_sparse::accumulate::{Accumulate, Prepared, Route};
 use torquewise_sparse::samples::Samples;

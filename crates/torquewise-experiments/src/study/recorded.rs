@@ -6,8 +6,8 @@ use faer::Mat;
 use torquewise_control::{Plant, Sensors, record};
 use torquewise_dynamics::{Arm, Friction, Stribeck};
 use torquewise_excite::{self as excite, Planned, Wishes};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{LibraryOptions, Plan, Reconstruction, reconstruct};
+use torquewise_identify::plan::{FrictionKind, LibraryOptions};
+use torquewise_identify::{Plan, Reconstruction, reconstruct};
 use torquewise_motion::{Motion, Signals};
 use torquewise_signals::{Conditioning, Raw, condition};
 

@@ -4,10 +4,8 @@ use crate::trial::{N, errors, grams, moves, problem, test, timed, write, write_m
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{
-    ChainOptions, LibraryKind, LibraryOptions, Plan, Regression, reconstruct,
-};
+use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
+use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Training, Weighted, to_json};
 use torquewise_motion::Motion;

@@ -4,8 +4,9 @@ use crate::trial::{N, grams, moves, problem, timed, write, write_motion, write_t
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Regression};
+use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_sparse::accumulate::cheaper_route;
 use torquewise_sparse::gram::Gram;

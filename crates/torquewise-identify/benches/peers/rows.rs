@@ -3,8 +3,9 @@
 use crate::trial::{N, grams, moves, problem, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Regression};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::select::stlsq::Stlsq;
 
 /// Rows of the log, which larger numbers of rows go through again and again.

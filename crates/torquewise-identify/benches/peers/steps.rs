@@ -4,7 +4,8 @@ use crate::trial::{N, errors, moves, test, timed, write, write_motion, write_ter
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryOptions, reconstruct};
+use torquewise_identify::plan::LibraryOptions;
+use torquewise_identify::reconstruct;
 use torquewise_motion::Pattern;
 
 const ROWS: usize = 20_000;

@@ -8,8 +8,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{LibraryKind, LibraryOptions, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::{FrictionKind, LibraryOptions};
+use torquewise_identify::{LibraryKind, Reconstruction, reconstruct, score};
 use torquewise_model::{Form, Torque};
 use torquewise_motion::{Motion, Pattern, Signals};
 

@@ -6,8 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{ChainOptions, Plan, Reconstruction, Warning, reconstruct};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, Reconstruction, Warning, reconstruct};
 use torquewise_model::model::Overlooked;
 use torquewise_model::{
     EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted, from_json, to_json,

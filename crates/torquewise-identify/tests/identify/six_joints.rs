@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{ChainOptions, Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_motion::Motion;
 
 fn motion(arm: &Arm, kind: MotionKind, seconds: f64, seed: u64) -> Motion {

@@ -1,7 +1,8 @@
 //! Candidates → multiplications: what each route to their normal equations costs.
 
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Regression};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::accumulate::{Route, cheaper_route};
 use torquewise_sparse::design::Design;
 use torquewise_sparse::gram::direct_cost;
