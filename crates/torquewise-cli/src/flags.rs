@@ -1,4 +1,4 @@
-//! Which flags each method uses, and what is said of those it does not use.
+//! Flags given, what is fitted → a refusal of those it does not use.
 
 use crate::error::CliError;
 use torquewise::identify::plan::Regression;

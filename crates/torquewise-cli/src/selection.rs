@@ -4,7 +4,7 @@ use crate::error::CliError;
 use crate::flags::{Fitted, Flag, refuse_unused};
 use clap::{Args, ValueEnum};
 use torquewise::identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
-use torquewise::identify::summary::Settings;
+use torquewise::identify::settings::Settings;
 use torquewise::identify::{LibraryKind, Method, Plan};
 use torquewise::sparse::select::Selector;
 use torquewise::sparse::select::criterion::Criterion;

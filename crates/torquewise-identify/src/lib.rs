@@ -38,6 +38,7 @@ mod learn;
 mod prune;
 mod overlooked;
 pub mod found;
+pub mod settings;
 pub mod summary;
 mod summary_file;
 mod chain;

@@ -1,4 +1,4 @@
-//! What the user wants: a method with its own options, clusters and a seed.
+//! What the user wants → plan: a method with its own options, clusters and a seed.
 
 use crate::patterns::PatternPlan;
 use serde::{Deserialize, Serialize};
@@ -195,13 +195,5 @@ impl Plan {
     /// A learned chain of rigid bodies.
     pub fn chain() -> Self {
         ChainOptions::default().into()
-    }
-
-    /// The friction that is looked for.
-    pub fn friction(&self) -> FrictionKind {
-        match &self.method {
-            Method::Library(options) => options.friction,
-            Method::Chain(options) => options.friction,
-        }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::error::IdentifyError;
 use crate::noise::NoiseSum;
-use crate::summary::{Settings, Summary};
+use crate::settings::Settings;
+use crate::summary::Summary;
 use crate::survey::SurveySum;
 use serde::{Deserialize, Serialize};
 use torquewise_sparse::row_sums::RowSums;

@@ -1,5 +1,4 @@
-//! Model → is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, on sampled states; friction
-//! that takes power from its shaft.
+//! Model → is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, friction takes power.
 
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};
@@ -103,8 +102,8 @@ const SPEEDS: u32 = 2_000;
 /// Peak of a joint \[rad/s\] whose training is not known.
 const USUAL_PEAK: f64 = 1.0;
 
-/// The friction that drives its shaft hardest, if any does: Σ f(v)·v < 0 over the laws of a shaft, at
-/// a speed up to what the joints reached in training, in either direction.
+/// The friction that drives its shaft hardest, if any does: Σ f(v)·v < 0 over the laws of a shaft,
+/// at a speed up to what the joints reached in training, in either direction.
 ///
 /// Constant offsets are left aside: they are of the sensor or of a load, and drive one way.
 pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {

@@ -15,9 +15,9 @@ pub(crate) fn run(folder: &Path) -> Value {
     let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
     let options = LibraryOptions { bags: 0, ..LibraryOptions::product() };
     let candidates = Candidates::new(N, options.library, options.regression).expect("a library");
-    let (found, seconds) = timed("fit", || {
-        reconstruct(&motion, &options.into(), &mut |_| {}).expect("a log of three patterns")
-    });
+    let plan = options.into();
+    let (found, seconds) =
+        timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log of three patterns"));
 
     write_motion(&folder.join("steps.f64"), &motion);
     write_motion(&folder.join("steps_test.f64"), &test);
