@@ -1,16 +1,15 @@
 //! Words of the command line → settings that several commands share.
 
 use crate::error::CliError;
+use crate::flags::{Fitted, Flag, refuse_unused};
+use crate::recorded::SignalArguments;
+use crate::selection::{Friction, SelectionArguments};
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
 use torquewise::identify::activation::Scaling;
-use torquewise::identify::plan::FrictionKind;
-use torquewise::identify::summary::Settings;
-use torquewise::identify::{LibraryKind, Method, PatternPlan, Plan};
-use torquewise::sparse::select::Selector;
-use torquewise::sparse::select::criterion::Criterion;
-use torquewise::sparse::select::lasso::Lasso;
-use torquewise::sparse::select::stlsq::Stlsq;
+use torquewise::identify::plan::Regression;
+use torquewise::identify::{LibraryKind, PatternPlan, Plan};
+use torquewise::logs::Logs;
 
 /// Constants of the activation index.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -64,62 +63,6 @@ pub(crate) enum Library {
     Chain,
 }
 
-/// Friction beside inertia, Coriolis and gravity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Friction {
-    /// None
-    None,
-    /// Offset, viscous and dry friction
-    Linear,
-    /// The same and the Stribeck curve, forward and backward apart
-    Stribeck,
-    /// Whichever predicts held-out rows best
-    Auto,
-}
-
-impl From<Friction> for FrictionKind {
-    fn from(friction: Friction) -> Self {
-        match friction {
-            Friction::None => Self::None,
-            Friction::Linear => Self::Linear,
-            Friction::Stribeck => Self::Stribeck,
-            Friction::Auto => Self::Auto,
-        }
-    }
-}
-
-/// Which terms stay.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Select {
-    /// What a term explains against the noise
-    Bic,
-    /// LASSO, then least squares
-    Lasso,
-    /// Sequentially thresholded least squares
-    Stlsq,
-}
-
-/// What becomes of candidates once the rows are summed.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct SelectionArguments {
-    /// Which terms stay; bic, and stlsq for one-shot SINDy
-    #[arg(long, value_enum)]
-    select: Option<Select>,
-    /// Drop coefficients at most this large [paper: 0.1]
-    #[arg(long, value_name = "X", value_parser = threshold)]
-    threshold: Option<f64>,
-    /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
-    /// for
-    #[arg(long, value_name = "JOINT", value_delimiter = ',')]
-    counterbalance: Vec<String>,
-    /// Leave the bias that measurement noise causes in the normal equations
-    #[arg(long)]
-    no_noise_correction: bool,
-    /// Resampled logs to count in how many each term stays [default: 50; 0 with --method sindy]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
-    bags: Option<u16>,
-}
-
 /// How a log becomes a model, the method left open.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct PlanArguments {
@@ -154,6 +97,13 @@ pub(crate) struct Known {
     pub(crate) filtered: bool,
 }
 
+impl Known {
+    /// What the columns of logs tell.
+    pub(crate) fn of(logs: &Logs, signals: &SignalArguments) -> Self {
+        Self { joints: logs.joints().len(), filtered: signals.filters(logs) }
+    }
+}
+
 /// Joints up to which the whole energy library is offered.
 const MOST_WHOLE: usize = 4;
 
@@ -161,72 +111,109 @@ impl PlanArguments {
     /// The plan for one method.
     ///
     /// # Errors
-    /// [`CliError::Usage`] if an order is given for the library that is not used.
-    pub(crate) fn plan(&self, method: Method, log: Known) -> Result<Plan, CliError> {
-        let rubs = self.friction.is_some_and(|friction| friction != Friction::None);
-        let many = log.joints > MOST_WHOLE && self.interaction.is_none();
-        let balanced = !self.selection.counterbalance.is_empty();
-        let usual = match method {
-            Method::Sindy => Library::Product,
-            _ if log.filtered || rubs || many || balanced => Library::Chain,
-            _ => Library::Energy,
+    /// [`CliError::Usage`] if a flag is given that what is fitted does not use.
+    pub(crate) fn plan(&self, regression: Regression, log: Known) -> Result<Plan, CliError> {
+        let (library, because) = self.fitted(regression, log);
+        let fitted = match library {
+            Library::Energy => Fitted::Energy(regression),
+            Library::Product => Fitted::Product(regression),
+            Library::Chain if regression == Regression::OneShot => {
+                let message = "--method sindy fits a library, not a chain: leave it out or choose \
+                               --library product";
+                return Err(CliError::Usage(message.into()));
+            }
+            Library::Chain => Fitted::Chain,
         };
-        let library = match self.library.unwrap_or(usual) {
-            // Its terms are too many to be listed: they are grown along a chain.
-            Library::Energy if many && method != Method::Sindy => Library::Chain,
-            library => library,
-        };
-        let misplaced = match library {
-            Library::Product if rubs && method == Method::Sindy => {
-                "--friction is for stepwise reconstruction"
-            }
-            Library::Chain if method == Method::Sindy => "--method sindy is for --library product",
-            Library::Chain if self.trig_order.is_some() || self.gravity_order.is_some() => {
-                "orders are for --library product"
-            }
-            Library::Energy if self.trig_order.is_some() => "--trig-order is for --library product",
-            Library::Energy if self.gravity_order.is_some() => {
-                "--gravity-order is for --library product"
-            }
-            Library::Product | Library::Energy if balanced => {
-                "--counterbalance is for --library chain, other libraries offer any function of q"
-            }
-            Library::Product | Library::Chain if self.interaction.is_some() => {
-                "--interaction is for --library energy"
-            }
-            _ => return Ok(self.plan_with(library, method)),
-        };
-        Err(CliError::Usage(format!("{misplaced}: leave it out or choose that library")))
+        refuse_unused(&self.given(), fitted, &because, "choose")?;
+        Ok(self.plan_for(fitted))
     }
 
     /// Stepwise reconstruction, and one-shot SINDy over the product library beside it.
-    pub(crate) fn both_plans(&self) -> (Plan, Plan) {
-        let library = self.library.filter(|library| *library != Library::Chain);
-        let library = library.unwrap_or(Library::Energy);
-        let sindy = self.plan_with(Library::Product, Method::Sindy);
-        (self.plan_with(library, Method::Stepwise), sindy)
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] if a flag is given that neither of them uses.
+    pub(crate) fn both_plans(&self) -> Result<(Plan, Plan), CliError> {
+        let stepwise = match self.library {
+            None | Some(Library::Energy) => Fitted::Energy(Regression::Stepwise),
+            Some(Library::Product) => Fitted::Product(Regression::Stepwise),
+            Some(Library::Chain) => {
+                let message = "compare sets a library beside one-shot SINDy, not a chain: choose \
+                               --library energy|product";
+                return Err(CliError::Usage(message.into()));
+            }
+        };
+        let mut given = self.given();
+        given.retain(|flag| *flag != Flag::TrigOrder);
+        let because = "compare sets it beside one-shot SINDy";
+        refuse_unused(&given, stepwise, because, "fit with")?;
+        let sindy = self.plan_for(Fitted::Product(Regression::OneShot));
+        Ok((self.plan_for(stepwise), sindy))
     }
 
-    fn plan_with(&self, library: Library, method: Method) -> Plan {
+    /// Fails where a flag is given that selects terms or fits them.
+    ///
+    /// # Errors
+    /// [`CliError::Usage`] names the flag.
+    pub(crate) fn refuse_selection(&self) -> Result<(), CliError> {
+        let used = [Flag::Counterbalance];
+        match self.selection.given().iter().find(|flag| !used.contains(flag)) {
+            None => Ok(()),
+            Some(flag) => Err(CliError::Usage(format!(
+                "{} is not used where logs are only summed up: give it to solve",
+                flag.name()
+            ))),
+        }
+    }
+
+    /// What is fitted to a log, and why.
+    fn fitted(&self, regression: Regression, log: Known) -> (Library, String) {
+        let many = log.joints > MOST_WHOLE && self.interaction.is_none();
+        let stepwise = regression == Regression::Stepwise;
+        let too_many = format!("the log has {} joints", log.joints);
+        match self.library {
+            // Its terms are too many to be listed: they are grown along a chain.
+            Some(Library::Energy) if many && stepwise => (Library::Chain, too_many),
+            Some(library) => (library, "--library asks for it".into()),
+            None if !stepwise => (Library::Product, "--method sindy asks for it".into()),
+            None if log.filtered => (Library::Chain, "the log is filtered".into()),
+            None if self.rubs() => (Library::Chain, "--friction is given".into()),
+            None if many => (Library::Chain, too_many),
+            None if !self.selection.counterbalance.is_empty() => {
+                (Library::Chain, "--counterbalance is given".into())
+            }
+            None => (Library::Energy, "no other --library is given".into()),
+        }
+    }
+
+    fn rubs(&self) -> bool {
+        self.friction.is_some_and(|friction| friction != Friction::None)
+    }
+
+    /// The flags given that not every method uses.
+    fn given(&self) -> Vec<Flag> {
+        let own = [
+            (Flag::Friction, self.rubs()),
+            (Flag::Interaction, self.interaction.is_some()),
+            (Flag::TrigOrder, self.trig_order.is_some()),
+            (Flag::GravityOrder, self.gravity_order.is_some()),
+        ];
+        let own = own.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);
+        own.chain(self.selection.given()).collect()
+    }
+
+    fn plan_for(&self, fitted: Fitted) -> Plan {
         let patterns = self.patterns.plan();
-        let plan = Plan {
-            library: match library {
-                Library::Energy | Library::Chain => {
-                    LibraryKind::Energy { interaction: self.interaction.map(usize::from) }
-                }
-                Library::Product => self.product(),
-            },
-            seed: patterns.seed,
-            patterns,
-            method: if library == Library::Chain { Method::Chain } else { method },
-            friction: match (self.friction, library) {
-                (Some(friction), _) => friction.into(),
-                (None, Library::Chain) => FrictionKind::Auto,
-                (None, _) => FrictionKind::None,
-            },
-            ..Plan::default()
+        let energy = LibraryKind::Energy { interaction: self.interaction.map(usize::from) };
+        let method = match fitted {
+            Fitted::Energy(regression) => {
+                self.selection.library_options(energy, regression, self.friction)
+            }
+            Fitted::Product(regression) => {
+                self.selection.library_options(self.product(), regression, self.friction)
+            }
+            Fitted::Chain => self.selection.chain_options(self.friction),
         };
-        self.selection.applied_to(&plan)
+        Plan { method, seed: patterns.seed, patterns }
     }
 
     fn product(&self) -> LibraryKind {
@@ -240,65 +227,6 @@ impl PlanArguments {
     }
 }
 
-impl SelectionArguments {
-    /// The plan for moments that were made under these settings.
-    ///
-    /// # Errors
-    /// [`CliError::Usage`] if friction is asked of moments that are not for a chain.
-    pub(crate) fn plan_of(
-        &self,
-        settings: &Settings,
-        friction: Option<Friction>,
-        seed: u64,
-    ) -> Result<Plan, CliError> {
-        let (method, patterns) = (settings.method, settings.patterns);
-        let friction = match (friction, method) {
-            (None | Some(Friction::None), Method::Stepwise | Method::Sindy) => FrictionKind::None,
-            (None, Method::Chain) => FrictionKind::Auto,
-            (Some(friction), Method::Chain) => friction.into(),
-            (Some(_), _) => {
-                let message = "--friction is for moments made with --library chain: leave it out";
-                return Err(CliError::Usage(message.into()));
-            }
-        };
-        if method != Method::Chain && !self.counterbalance.is_empty() {
-            let message = "--counterbalance is for moments made with --library chain";
-            return Err(CliError::Usage(message.into()));
-        }
-        Ok(self.applied_to(&Plan { method, patterns, seed, friction, ..Plan::default() }))
-    }
-
-    fn applied_to(&self, plan: &Plan) -> Plan {
-        let usual = if plan.method == Method::Sindy { Plan::sindy() } else { Plan::default() };
-        Plan {
-            selector: self.selector(usual.selector),
-            threshold: self.threshold.or(usual.threshold),
-            noise_correction: usual.noise_correction && !self.no_noise_correction,
-            bags: self.bags.map_or(usual.bags, usize::from),
-            counterbalanced: self.counterbalance.clone(),
-            ..plan.clone()
-        }
-    }
-
-    fn selector(&self, usual: Selector) -> Selector {
-        let asked = match self.select {
-            None => usual,
-            Some(Select::Bic) => Selector::Criterion(Criterion::default()),
-            Some(Select::Lasso) => Selector::Lasso(Lasso::default()),
-            Some(Select::Stlsq) => Selector::Stlsq(Stlsq::default()),
-        };
-        match (asked, self.threshold) {
-            (Selector::Lasso(lasso), Some(threshold)) => {
-                Selector::Lasso(Lasso { threshold, ..lasso })
-            }
-            (Selector::Stlsq(stlsq), Some(threshold)) => {
-                Selector::Stlsq(Stlsq { threshold, ..stlsq })
-            }
-            (other, _) => other,
-        }
-    }
-}
-
 fn clusters(text: &str) -> Result<Clusters, String> {
     if text == "auto" {
         return Ok(Clusters(None));
@@ -306,13 +234,6 @@ fn clusters(text: &str) -> Result<Clusters, String> {
     match text.parse() {
         Ok(k @ 1..=9) => Ok(Clusters(Some(k))),
         _ => Err("expected `auto` or a number from 1 to 9".to_owned()),
-    }
-}
-
-fn threshold(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        _ => Err("expected a number that is zero or more".to_owned()),
     }
 }
 

@@ -52,6 +52,11 @@ pub(crate) enum CliError {
          on, or --lock the joints that the log did not move"
     )]
     ModelOfAnotherArm { model: String, arm: String },
+    #[error(
+        "{flaw}: a controller or simulation with this model goes wrong there; fit anew on more \
+         motion or with --library chain, or give --force to export it all the same"
+    )]
+    NotPositiveDefinite { flaw: String },
     #[error("{} does not add to the parts before it", file.display())]
     Part { file: PathBuf, source: IdentifyError },
     #[error("interrupted, no file was written: run it again")]

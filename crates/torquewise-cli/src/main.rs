@@ -11,6 +11,8 @@ mod moments_file;
 mod progress;
 mod recorded;
 mod timed;
+mod flags;
+mod selection;
 mod arguments;
 mod pattern_table;
 mod training_range;

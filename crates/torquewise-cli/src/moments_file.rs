@@ -6,11 +6,18 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise::identify::Summary;
+use torquewise::identify::rounds::Request;
 
 /// Reads a moments file.
 pub(crate) fn read_moments(file: &Path) -> Result<Summary> {
     let bytes = read_bytes(file)?;
     Summary::from_bytes(&bytes).with_context(|| format!("no moments in {}", file.display()))
+}
+
+/// Reads what a chain asked for.
+pub(crate) fn read_request(file: &Path) -> Result<Request> {
+    let bytes = read_bytes(file)?;
+    Request::from_bytes(&bytes).with_context(|| format!("no request in {}", file.display()))
 }
 
 /// Writes a moments file; returns its size in bytes.
@@ -28,9 +35,10 @@ pub(crate) fn add(all: &mut Summary, part: &Summary, file: &Path) -> Result<(), 
 /// What the moments are, in a line.
 pub(crate) fn text(summary: &Summary, file: &Path, bytes: usize) -> String {
     format!(
-        "{} rows of {} logs\nmoments: {} ({:.1} MB)\n",
+        "{} rows of {} logs{}\nmoments: {} ({:.1} MB)\n",
         summary.rows(),
         summary.logs(),
+        summary.request().map_or_else(String::new, |request| format!(", {}", request.name())),
         file.display(),
         bytes as f64 / 1e6
     )
@@ -44,6 +52,7 @@ pub(crate) fn json(summary: &Summary, file: &Path, bytes: usize) -> Value {
         "logs": summary.logs(),
         "joints": settings.joints,
         "settings": settings,
+        "request": summary.request().map(Request::name),
         "bytes": bytes,
         "file": file.display().to_string(),
     })

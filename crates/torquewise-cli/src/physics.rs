@@ -5,54 +5,133 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
+use torquewise::model::checks::{DrivingFriction, driving_friction, weakest_state};
 use torquewise::model::{Checks, Model, ModelError, check};
 
-/// States looked at, and the seed they are drawn with.
-const STATES: usize = 200;
+/// States looked at in each range unless another number is asked for.
+pub(crate) const STATES: usize = 10_000;
+/// The seed they are drawn with.
 const SEED: u64 = 0;
+
+/// Where the joints of a state may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Range {
+    /// Where the log of the model took them.
+    Trained,
+    /// Anywhere in a turn, from −π to π.
+    WholeTurn,
+}
 
 /// What was measured, and which properties hold.
 pub(crate) struct Physics {
-    checks: Checks,
-    positive_definite: bool,
-    symmetric: bool,
-    skew: bool,
+    trained: Checks,
+    whole: Checks,
+    driving: Option<DrivingFriction>,
+}
+
+/// Where M(q) is weakest within the training range of a model.
+pub(crate) struct MassMatrix {
+    /// Smallest eigenvalue \[kg·m²\].
+    smallest_eigenvalue: f64,
+    /// Joint angles of that \[rad\], n.
+    q: Vec<f64>,
+}
+
+impl MassMatrix {
+    /// Looks at M(q) of a model at random states of its training range.
+    pub(crate) fn of(model: &Model) -> Result<Self, ModelError> {
+        let states = random_states(model, Range::Trained, STATES);
+        let states: Vec<Vec<f64>> = states.into_iter().map(|(q, _)| q).collect();
+        let (smallest_eigenvalue, q) = weakest_state(model, &states)?;
+        Ok(Self { smallest_eigenvalue, q })
+    }
+
+    /// What is wrong with it, if anything: `M(q) has the eigenvalue … at q = (…) rad`.
+    pub(crate) fn flaw(&self) -> Option<String> {
+        let flawed = self.smallest_eigenvalue <= 0.0;
+        flawed.then(|| eigenvalue_at(self.smallest_eigenvalue, &self.q))
+    }
+
+    /// The first lines of what is said of a fit; nothing where all is well.
+    pub(crate) fn headline(&self) -> String {
+        self.flaw().map_or_else(String::new, |flaw| format!("NOT PHYSICAL: {flaw}\n\n"))
+    }
+
+    /// The same with what follows from it.
+    pub(crate) fn warning(&self) -> Option<String> {
+        let flaw = self.flaw()?;
+        Some(format!(
+            "{flaw}, within the range of the log: simulation and computed torque go wrong there, \
+             and export refuses the model; record more motion, or fit --library chain"
+        ))
+    }
+
+    /// The same for programs.
+    pub(crate) fn json(&self) -> Value {
+        json!({
+            "positive_definite": self.flaw().is_none(),
+            "smallest_eigenvalue": self.smallest_eigenvalue,
+            "q": self.q,
+        })
+    }
 }
 
 impl Physics {
-    /// Checks a model at random states of its training range.
-    pub(crate) fn of(model: &Model) -> Result<Self, ModelError> {
-        let checks = check(model, &random_states(model))?;
-        // Each property alone passes if it passes beside perfect others.
-        let perfect =
-            Checks { states: 0, smallest_eigenvalue: 1.0, asymmetry: 0.0, skew_defect: 0.0 };
-        let Checks { smallest_eigenvalue, asymmetry, skew_defect, .. } = checks;
-        Ok(Self {
-            positive_definite: Checks { smallest_eigenvalue, ..perfect.clone() }.passed(),
-            symmetric: Checks { asymmetry, ..perfect.clone() }.passed(),
-            skew: Checks { skew_defect, ..perfect }.passed(),
-            checks,
-        })
+    /// Checks a model at so many random states of its training range, and as many of a whole turn
+    /// of each joint.
+    pub(crate) fn of(model: &Model, states: usize) -> Result<Self, ModelError> {
+        let at = |range| check(model, &random_states(model, range, states));
+        let (trained, whole) = (at(Range::Trained)?, at(Range::WholeTurn)?);
+        Ok(Self { trained, whole, driving: driving_friction(model) })
     }
 
-    /// What was measured.
+    /// What was measured in the training range.
     pub(crate) fn checks(&self) -> &Checks {
-        &self.checks
+        &self.trained
+    }
+
+    fn smallest_eigenvalue(&self) -> f64 {
+        self.trained.smallest_eigenvalue.min(self.whole.smallest_eigenvalue)
+    }
+
+    /// Whether M(q) is positive definite at all states looked at.
+    fn feasible(&self) -> bool {
+        self.smallest_eigenvalue() > 0.0
+    }
+
+    /// The worst of both ranges, of M(q) − M(q)ᵀ.
+    fn asymmetry(&self) -> f64 {
+        self.trained.asymmetry.max(self.whole.asymmetry)
+    }
+
+    /// The worst of both ranges, of dM/dt − 2C.
+    fn skew_defect(&self) -> f64 {
+        self.trained.skew_defect.max(self.whole.skew_defect)
+    }
+
+    fn is_symmetric(&self) -> bool {
+        self.asymmetry() < Checks::TOLERANCE
+    }
+
+    fn is_skew(&self) -> bool {
+        self.skew_defect() < Checks::TOLERANCE
     }
 
     /// What does not hold, if anything.
     pub(crate) fn warning(&self) -> Option<String> {
         let mut failures = Vec::new();
-        if !self.positive_definite {
-            let value = number(self.checks.smallest_eigenvalue);
-            failures.push(format!("M(q) has the eigenvalue {value} kg·m²"));
+        let ranges = [(&self.trained, "in the training range"), (&self.whole, "in a whole turn")];
+        let weak = ranges.iter().find(|(checks, _)| checks.smallest_eigenvalue <= 0.0);
+        if let Some((Checks { smallest_eigenvalue, weakest_q, .. }, range)) = weak {
+            failures.push(format!("{} {range}", eigenvalue_at(*smallest_eigenvalue, weakest_q)));
         }
-        if !self.symmetric {
-            failures.push(format!("M(q) is not symmetric by {:.1e}", self.checks.asymmetry));
+        if !self.is_symmetric() {
+            failures.push(format!("M(q) is not symmetric by {:.1e}", self.asymmetry()));
         }
-        if !self.skew {
-            failures.push(format!("dM/dt − 2C is not skew by {:.1e}", self.checks.skew_defect));
+        if !self.is_skew() {
+            failures.push(format!("dM/dt − 2C is not skew by {:.1e}", self.skew_defect()));
         }
+        failures.extend(self.driving.as_ref().map(driving));
         (!failures.is_empty()).then(|| {
             format!(
                 "the model is not the physics of a rigid arm: {}; fit --library energy for a \
@@ -64,47 +143,102 @@ impl Physics {
 
     /// One line per property.
     pub(crate) fn text(&self) -> String {
-        let Checks { states, smallest_eigenvalue, asymmetry, skew_defect } = &self.checks;
         let verdict = |good: bool| if good { "yes" } else { "NO" };
+        let eigenvalue = |range: &str, checks: &Checks| {
+            let Checks { smallest_eigenvalue, weakest_q, .. } = checks;
+            let good = *smallest_eigenvalue > 0.0;
+            let smallest = number(*smallest_eigenvalue);
+            format!(
+                "\x20 M(q) positive definite  {:3}  {range}: smallest eigenvalue {smallest} \
+                 kg·m² at q = {} rad\n",
+                verdict(good),
+                angles(weakest_q)
+            )
+        };
+        let friction = self.driving.as_ref().map_or_else(
+            || "at every speed up to the trained peak, constant offset left aside".to_owned(),
+            driving,
+        );
         format!(
-            "\nChecked at {states} random states of the training range:\n\
-             \x20 M(q) positive definite  {:3}  smallest eigenvalue {} kg·m²\n\
-             \x20 M(q) symmetric          {:3}  largest relative asymmetry {asymmetry:.1e}\n\
-             \x20 dM/dt − 2C skew         {:3}  largest relative defect {skew_defect:.1e}\n",
-            verdict(self.positive_definite),
-            number(*smallest_eigenvalue),
-            verdict(self.symmetric),
-            verdict(self.skew),
+            "\nChecked at {states} random states of the training range and {states} with each \
+             joint anywhere from −π to π:\n\
+             {}{}\
+             \x20 M(q) symmetric          {:3}  largest relative asymmetry {:.1e}\n\
+             \x20 dM/dt − 2C skew         {:3}  largest relative defect {:.1e}\n\
+             \x20 friction takes power    {:3}  {friction}\n",
+            eigenvalue("training range", &self.trained),
+            eigenvalue("whole turn", &self.whole),
+            verdict(self.is_symmetric()),
+            self.asymmetry(),
+            verdict(self.is_skew()),
+            self.skew_defect(),
+            verdict(self.driving.is_none()),
+            states = self.trained.states,
         )
     }
 
     /// The same for programs.
     pub(crate) fn json(&self) -> Value {
+        let range = |checks: &Checks| {
+            json!({
+                "states": checks.states,
+                "smallest_eigenvalue": checks.smallest_eigenvalue,
+                "q": checks.weakest_q,
+            })
+        };
         json!({
-            "states": self.checks.states,
-            "passed": self.checks.passed(),
-            "positive_definite": self.positive_definite,
-            "symmetric": self.symmetric,
-            "skew": self.skew,
-            "smallest_eigenvalue": self.checks.smallest_eigenvalue,
-            "asymmetry": self.checks.asymmetry,
-            "skew_defect": self.checks.skew_defect,
+            "states": self.trained.states + self.whole.states,
+            "passed": self.trained.passed() && self.whole.passed(),
+            "feasible": self.feasible(),
+            "positive_definite": self.feasible(),
+            "symmetric": self.is_symmetric(),
+            "skew": self.is_skew(),
+            "friction_passive": self.driving.is_none(),
+            "smallest_eigenvalue": self.smallest_eigenvalue(),
+            "asymmetry": self.asymmetry(),
+            "skew_defect": self.skew_defect(),
+            "trained": range(&self.trained),
+            "whole_turn": range(&self.whole),
         })
     }
 }
 
-/// (q, dq), evenly drawn from what the model was fitted on; a turn and 1 rad/s where not known.
-fn random_states(model: &Model) -> Vec<(Vec<f64>, Vec<f64>)> {
+/// `M(q) has the eigenvalue −0.1 kg·m² at q = (0.10, 2.00) rad`.
+fn eigenvalue_at(eigenvalue: f64, q: &[f64]) -> String {
+    format!("M(q) has the eigenvalue {} kg·m² at q = {} rad", number(eigenvalue), angles(q))
+}
+
+fn angles(q: &[f64]) -> String {
+    let angles: Vec<String> = q.iter().map(|q| format!("{q:.2}")).collect();
+    format!("({})", angles.join(", "))
+}
+
+/// `friction of dq2 gives 0.3 W at −0.1 rad/s`.
+fn driving(friction: &DrivingFriction) -> String {
+    let DrivingFriction { shaft, speed, power } = friction;
+    let joints = shaft.iter().enumerate().filter(|(_, share)| **share != 0.0);
+    let joints: Vec<String> = joints.map(|(joint, _)| format!("{}", joint + 1)).collect();
+    format!(
+        "friction of the shaft of joint {} drives it with {} W at {speed:.3} rad/s",
+        joints.join(" and "),
+        number(-power)
+    )
+}
+
+/// (q, dq), evenly drawn from a range of angles, and from the speeds the model was fitted on; a
+/// turn and 1 rad/s where these are not known.
+fn random_states(model: &Model, range: Range, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
     let mut rng = ChaCha8Rng::seed_from_u64(SEED);
     let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
     let training = &model.training;
     let ranges: Vec<([f64; 2], f64)> = (0..model.n_joints())
         .map(|joint| {
-            let range = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
-            (range, training.dq_peak.get(joint).copied().unwrap_or(1.0))
+            let trained = training.q_range.get(joint).filter(|_| range == Range::Trained);
+            let q = trained.copied().unwrap_or([-PI, PI]);
+            (q, training.dq_peak.get(joint).copied().unwrap_or(1.0))
         })
         .collect();
-    (0..STATES)
+    (0..count)
         .map(|_| {
             let state =
                 |&([low, high], peak): &([f64; 2], f64)| (between(low, high), between(-peak, peak));

@@ -97,18 +97,27 @@ pub(crate) enum Recorded {
 }
 
 impl SignalArguments {
+    /// The filter that logs go through, if any.
+    fn cutoff(&self, logs: &Logs) -> Option<Cutoff> {
+        match self.filter {
+            Filter::Auto if logs.has_ddq() => None,
+            Filter::None => None,
+            Filter::Auto => Some(Cutoff::Auto),
+            Filter::Hz(hz) => Some(Cutoff::Hz(hz)),
+        }
+    }
+
+    /// Whether logs will be filtered, which their columns tell.
+    pub(crate) fn filters(&self, logs: &Logs) -> bool {
+        self.cutoff(logs).is_some()
+    }
+
     /// Logs as they are asked for: filtered, unless they hold accelerations or it is not wanted.
     ///
     /// # Errors
     /// [`CliError::Usage`] if a delay is given and nothing is filtered.
     pub(crate) fn prepare(&self, logs: Logs) -> Result<Recorded> {
-        let cutoff = match self.filter {
-            Filter::Auto if logs.has_ddq() => None,
-            Filter::None => None,
-            Filter::Auto => Some(Cutoff::Auto),
-            Filter::Hz(hz) => Some(Cutoff::Hz(hz)),
-        };
-        let Some(cutoff) = cutoff else {
+        let Some(cutoff) = self.cutoff(&logs) else {
             return match self.delay {
                 Delay::Seconds(s) if s != 0.0 => Err(CliError::Usage(
                     "--delay is for filtered signals: give --filter HZ too".into(),

@@ -3,8 +3,9 @@
 use crate::progress::{Watched, bar};
 use indicatif::ProgressBar;
 use std::time::Instant;
+use torquewise::identify::rounds::Request;
 use torquewise::identify::{
-    IdentifyError, Plan, Progress, Reconstruction, Summary, reconstruct, solve,
+    IdentifyError, Plan, Progress, Reconstruction, Solution, Summary, reconstruct, solve,
 };
 use torquewise::motion::Recording;
 
@@ -30,22 +31,39 @@ pub(crate) fn timed(
 ) -> Result<Timed, IdentifyError> {
     let watched = Watched::new(recording, "reading").of(rows, 2);
     let bar = watched.bar();
-    record(&bar, |progress| reconstruct(&watched, plan, progress))
+    let (found, seconds, step_seconds) =
+        record(&bar, |progress| reconstruct(&watched, plan, progress))?;
+    Ok(Timed { found, seconds, step_seconds })
+}
+
+/// What solving under the eyes of the user came to.
+pub(crate) enum TimedSolution {
+    /// The equations of motion.
+    Model(Box<Timed>),
+    /// Another pass over the logs is wanted.
+    Request(Box<Request>),
 }
 
 /// Solves under the eyes of the user.
 ///
 /// # Errors
 /// As [`solve()`].
-pub(crate) fn timed_solve(summary: Summary, plan: &Plan) -> Result<Timed, IdentifyError> {
-    record(&bar("solving"), |progress| solve(summary, plan, progress))
+pub(crate) fn timed_solve(summary: Summary, plan: &Plan) -> Result<TimedSolution, IdentifyError> {
+    let (solution, seconds, step_seconds) =
+        record(&bar("solving"), |progress| solve(summary, plan, progress))?;
+    Ok(match solution {
+        Solution::Model(found) => {
+            TimedSolution::Model(Box::new(Timed { found: *found, seconds, step_seconds }))
+        }
+        Solution::Request(request) => TimedSolution::Request(request),
+    })
 }
 
-/// Writes down when each stage of the work begins.
-fn record(
+/// Does some work, the seconds it took, and those of each of its steps.
+fn record<T>(
     bar: &ProgressBar,
-    work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<Reconstruction, IdentifyError>,
-) -> Result<Timed, IdentifyError> {
+    work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<T, IdentifyError>,
+) -> Result<(T, f64, Vec<f64>), IdentifyError> {
     let mut events: Vec<(Progress, Instant)> = Vec::new();
     let start = Instant::now();
     let found = work(&mut |progress| {
@@ -62,7 +80,7 @@ fn record(
             _ => {}
         }
     }
-    Ok(Timed { found, seconds: start.elapsed().as_secs_f64(), step_seconds })
+    Ok((found, start.elapsed().as_secs_f64(), step_seconds))
 }
 
 /// What is being done, in words.
@@ -73,8 +91,8 @@ pub(crate) fn doing(progress: Progress) -> String {
         Progress::Geometry => "learning the geometry".to_owned(),
         Progress::Evidence => "summing".to_owned(),
         Progress::Step(step) => format!("selecting terms, step {step}"),
-        Progress::Refit => "fitting the terms that were kept".to_owned(),
-        Progress::Overlooked => "trying the terms that were not offered".to_owned(),
+        Progress::Refit => "fitting all rows".to_owned(),
+        Progress::Overlooked => "testing omitted terms".to_owned(),
         Progress::Done => "done".to_owned(),
     }
 }

@@ -8,8 +8,9 @@ use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::samples::{Evaluator, Samples};
 
 /// Columns at most: a factorisation takes about a second then.
@@ -62,7 +63,7 @@ impl Library {
             return Err(ExciteError::TooManyColumns { columns: wanted, limit: MOST_COLUMNS });
         }
         let kind = LibraryKind::Energy { interaction: Some(order) };
-        let candidates = Candidates::new(n, kind, Method::Stepwise)?;
+        let candidates = Candidates::new(n, kind, Regression::Stepwise)?;
         let columns = candidates.len() + 3 * n;
         let [gravity, coriolis, _] = candidates.offered;
         let mut library = Self {

@@ -173,20 +173,19 @@ fn test_of<'a>(
 
 /// About how long a trial takes, in units of a small reconstruction: the candidates tell.
 fn work_of(plan: &TrialPlan) -> usize {
-    use torquewise_identify::{LibraryKind, Method};
+    use torquewise_identify::LibraryKind;
+    use torquewise_identify::plan::Regression;
     use torquewise_sparse::select::Selector;
     let joints = torquewise_dynamics::arms()
         .into_iter()
         .find(|arm| arm.name == plan.scenario.arm)
         .map_or(3, |arm| arm.joints);
-    match (plan.plan.library, plan.plan.method, &plan.plan.selector) {
-        (LibraryKind::Energy { .. }, Method::Stepwise | Method::Sindy, _) => {
-            [1, 1, 1, 1, 4, 40][joints.min(5)]
-        }
-        (_, Method::Stepwise, _) => 3,
-        (_, Method::Sindy, Selector::Lasso(_)) => 5,
-        (_, Method::Sindy, _) => 16,
-        (_, Method::Chain, _) => 40,
+    let options = &plan.plan.options;
+    match (options.library, options.regression, &options.selector) {
+        (LibraryKind::Energy { .. }, _, _) => [1, 1, 1, 1, 4, 40][joints.min(5)],
+        (_, Regression::Stepwise, _) => 3,
+        (_, Regression::OneShot, Selector::Lasso(_)) => 5,
+        (_, Regression::OneShot, _) => 16,
     }
 }
 

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use torquewise_identify::activation::Scaling;
-use torquewise_identify::{Method as Steps, Plan};
+use torquewise_identify::plan::{LibraryOptions, Regression};
+use torquewise_identify::{PatternPlan, Plan};
 use torquewise_sparse::select::Selector;
 use torquewise_sparse::select::lasso::Lasso;
 use torquewise_sparse::select::stlsq::Stlsq;
@@ -27,6 +28,21 @@ pub enum Method {
     Sindy,
 }
 
+/// How the library of a method is fitted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MethodPlan {
+    /// Candidates, regressions and the rule for which terms stay.
+    pub options: LibraryOptions,
+    /// Clustering.
+    pub patterns: PatternPlan,
+}
+
+impl From<MethodPlan> for Plan {
+    fn from(plan: MethodPlan) -> Self {
+        Self { patterns: plan.patterns, ..Self::from(plan.options) }
+    }
+}
+
 impl Method {
     /// Those of cases 1–3, ours first.
     pub const ALL: [Self; 4] = [Self::Energy, Self::Product, Self::SindyLasso, Self::Sindy];
@@ -46,16 +62,19 @@ impl Method {
     }
 
     /// The plan behind it.
-    pub fn plan(self) -> Plan {
-        let plan = match self {
-            Self::Energy => Plan::default(),
-            Self::Product => Plan::product(),
-            Self::SindyLasso => Plan { selector: lasso(), ..Plan::sindy() },
-            Self::SindyCriterion => in_one_step(Plan::product()),
-            Self::Sindy => Plan::sindy(),
+    pub fn plan(self) -> MethodPlan {
+        let options = match self {
+            Self::Energy => LibraryOptions::default(),
+            Self::Product => LibraryOptions::product(),
+            Self::SindyLasso => LibraryOptions { selector: lasso(), ..LibraryOptions::sindy() },
+            Self::SindyCriterion => {
+                LibraryOptions { regression: Regression::OneShot, ..LibraryOptions::product() }
+            }
+            Self::Sindy => LibraryOptions::sindy(),
         };
         // How often a term stays in resampled logs is not asked here.
-        Plan { bags: 0, ..plan }
+        let options = LibraryOptions { bags: 0, ..options };
+        MethodPlan { options, ..MethodPlan::default() }
     }
 }
 
@@ -70,22 +89,26 @@ pub fn threshold() -> Selector {
 }
 
 /// The same plan with another rule for which terms stay.
-pub fn selecting(plan: &Plan, selector: Selector) -> Plan {
-    Plan { selector, ..plan.clone() }
+pub fn selecting(plan: &MethodPlan, selector: Selector) -> MethodPlan {
+    let mut plan = plan.clone();
+    plan.options.selector = selector;
+    plan
 }
 
 /// The same plan in a single step on all rows.
-pub fn in_one_step(plan: Plan) -> Plan {
-    Plan { method: Steps::Sindy, ..plan }
+pub fn in_one_step(mut plan: MethodPlan) -> MethodPlan {
+    plan.options.regression = Regression::OneShot;
+    plan
 }
 
 /// The same plan with or without the correction for noise in q, q̇ and q̈ \[E7\].
-pub fn correcting_noise(plan: Plan, noise_correction: bool) -> Plan {
-    Plan { noise_correction, ..plan }
+pub fn correcting_noise(mut plan: MethodPlan, noise_correction: bool) -> MethodPlan {
+    plan.options.noise_correction = noise_correction;
+    plan
 }
 
 /// The same plan with the activation index as printed, in place of the scaled one \[E1\].
-pub fn with_printed_index(mut plan: Plan) -> Plan {
+pub fn with_printed_index(mut plan: MethodPlan) -> MethodPlan {
     plan.patterns.scaling = Scaling::Paper;
     plan.patterns.clusters = Some(3);
     plan
@@ -97,10 +120,10 @@ mod tests {
 
     #[test]
     fn the_methods_differ_in_library_steps_and_rule_only() {
-        let [energy, product, lasso, sindy] = Method::ALL.map(Method::plan);
+        let [energy, product, lasso, sindy] = Method::ALL.map(|method| method.plan().options);
 
-        assert_eq!(Plan { library: product.library, ..energy }, product);
-        assert_eq!(Plan { selector: sindy.selector.clone(), ..lasso.clone() }, sindy);
-        assert_eq!((sindy.method, lasso.noise_correction), (Steps::Sindy, false));
+        assert_eq!(LibraryOptions { library: product.library, ..energy }, product);
+        assert_eq!(LibraryOptions { selector: sindy.selector.clone(), ..lasso.clone() }, sindy);
+        assert_eq!((sindy.regression, lasso.noise_correction), (Regression::OneShot, false));
     }
 }

@@ -1,11 +1,11 @@
 //! Scenario, plan → trial: one reconstruction, its cost, its terms and its error elsewhere.
 
 use crate::error::ExperimentError;
-use crate::method::ACTIVE;
+use crate::method::{ACTIVE, MethodPlan};
 use crate::scenario::Scenario;
 use cpu_time::ThreadTime;
 use std::time::Duration;
-use torquewise_identify::{Plan, Progress, reconstruct, score};
+use torquewise_identify::{Progress, reconstruct, score};
 use torquewise_model::{Form, Model};
 use torquewise_motion::Motion;
 
@@ -15,7 +15,7 @@ pub struct TrialPlan {
     /// The log.
     pub scenario: Scenario,
     /// How it becomes a model.
-    pub plan: Plan,
+    pub plan: MethodPlan,
 }
 
 /// CPU time of a reconstruction \[s\].
@@ -68,8 +68,8 @@ pub fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, ExperimentErro
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
     let named = |source| ExperimentError::Identify { experiment: name_of(trial), source };
     let mut stopwatch = Stopwatch::start();
-    let found =
-        reconstruct(&log, &trial.plan, &mut |stage| stopwatch.enter(stage)).map_err(named)?;
+    let plan = trial.plan.clone().into();
+    let found = reconstruct(&log, &plan, &mut |stage| stopwatch.enter(stage)).map_err(named)?;
     let scores = score(&found.model, test).map_err(named)?;
     let coefficients = coefficients(&found.model.form);
     Ok(Trial {

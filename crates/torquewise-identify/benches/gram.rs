@@ -2,8 +2,9 @@
 
 use divan::Bencher;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method};
+use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_sparse::accumulate::{Lanes, Prepared, Route};
 use torquewise_sparse::gram::Gram;
@@ -45,7 +46,7 @@ fn sum(prepared: &Prepared, blocks: &[Samples], lane_bytes: usize) -> Vec<Gram> 
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
 fn library(route: Route) -> Prepared {
-    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Method::Sindy)
+    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot)
         .expect("a library that fits into memory");
     assert_eq!(candidates.len(), 3_612);
     Prepared::new(&candidates.design, route)

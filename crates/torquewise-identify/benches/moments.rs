@@ -9,8 +9,9 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 use std::hint::black_box;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::accumulate::{Prepared, Route};
 use torquewise_sparse::moments::MomentPlan;
 use torquewise_sparse::row_sums::RowAdder;
@@ -25,10 +26,10 @@ fn main() {
     let rows: usize = std::env::args().find_map(|word| word.parse().ok()).unwrap_or(40_000);
     let energy = LibraryKind::Energy { interaction: None };
     let libraries = [
-        ("SINDy, n = 3", 3, LibraryKind::PRODUCT, Method::Sindy),
-        ("product, n = 3", 3, LibraryKind::PRODUCT, Method::Stepwise),
-        ("energy, n = 3", 3, energy, Method::Stepwise),
-        ("energy, n = 4", 4, energy, Method::Stepwise),
+        ("SINDy, n = 3", 3, LibraryKind::PRODUCT, Regression::OneShot),
+        ("product, n = 3", 3, LibraryKind::PRODUCT, Regression::Stepwise),
+        ("energy, n = 3", 3, energy, Regression::Stepwise),
+        ("energy, n = 4", 4, energy, Regression::Stepwise),
     ];
     for threads in [1, 2] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
@@ -37,15 +38,21 @@ fn main() {
             "{:16} {:>9} {:>11} {:>9} {:>9} {:>9} {:>6}",
             "library", "moments", "flop/row", "rows/s", "GF/s", "peak", "share"
         );
-        for (name, n, library, method) in libraries {
-            let line = pool.install(|| share(n, library, method, rows, threads));
+        for (name, n, library, regression) in libraries {
+            let line = pool.install(|| share(n, library, regression, rows, threads));
             println!("{name:16} {line}");
         }
     }
 }
 
-fn share(n: usize, library: LibraryKind, method: Method, rows: usize, threads: usize) -> String {
-    let design = Candidates::new(n, library, method).expect("a library").design;
+fn share(
+    n: usize,
+    library: LibraryKind,
+    regression: Regression,
+    rows: usize,
+    threads: usize,
+) -> String {
+    let design = Candidates::new(n, library, regression).expect("a library").design;
     let plan = MomentPlan::new(&design);
     let flops = 2.0 * plan.size(n) as f64;
     let prepared = Prepared::new(&design, Route::Moments);

@@ -87,23 +87,12 @@ impl Beside {
         }
     }
 
-    /// The energy terms it is, with their coefficients; friction has none.
-    pub(crate) fn energy_terms(&self, coefficient: f64) -> Vec<(EnergyTerm, f64)> {
+    /// Number of joints n.
+    pub(crate) fn n_joints(&self) -> usize {
         match self {
-            Self::Friction(_) => Vec::new(),
-            Self::Energy(term) => vec![(term.clone(), coefficient)],
-            Self::Rotor(shaft) => {
-                let n = shaft.len();
-                let pairs = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
-                pairs
-                    .filter(|&(i, j)| shaft[i] * shaft[j] != 0.0)
-                    .map(|(i, j)| {
-                        let place = Place::Inertia(i, j);
-                        let term = EnergyTerm { place, function: Term::one(n) };
-                        (term, coefficient * shaft[i] * shaft[j])
-                    })
-                    .collect()
-            }
+            Self::Friction(term) => term.shaft.len(),
+            Self::Rotor(shaft) => shaft.len(),
+            Self::Energy(term) => term.function.n_joints(),
         }
     }
 }

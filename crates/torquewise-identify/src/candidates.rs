@@ -1,7 +1,7 @@
 //! Plan → candidates: the terms offered, as columns of a regression, and the step that offers each.
 
 use crate::error::IdentifyError;
-use crate::plan::{LibraryKind, MOST_CANDIDATES, Method};
+use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::{Degree, energy_library, product_library};
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
@@ -49,9 +49,9 @@ impl Candidates {
     pub fn new(
         n_joints: usize,
         library: LibraryKind,
-        method: Method,
+        regression: Regression,
     ) -> Result<Self, IdentifyError> {
-        Self::with_friction(n_joints, library, method, Vec::new())
+        Self::with_friction(n_joints, library, regression, Vec::new())
     }
 
     /// The same with laws of friction, which every step is asked for.
@@ -63,7 +63,7 @@ impl Candidates {
     pub fn with_friction(
         n_joints: usize,
         library: LibraryKind,
-        method: Method,
+        regression: Regression,
         mut friction: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
         let terms = match library {
@@ -72,7 +72,7 @@ impl Candidates {
                 None => largest_energy_library(n_joints, MOST_CANDIDATES),
             }),
             LibraryKind::Product { gravity_order, trig_order } => {
-                Terms::Torque(product_terms(n_joints, gravity_order, trig_order, method))
+                Terms::Torque(product_terms(n_joints, gravity_order, trig_order, regression))
             }
         };
         let mut equations = match &terms {
@@ -222,10 +222,10 @@ pub(crate) fn largest_energy_library(n_joints: usize, most: usize) -> Vec<Energy
     largest
 }
 
-fn product_terms(n_joints: usize, gravity: u8, order: u8, method: Method) -> Vec<Term> {
-    match method {
-        Method::Sindy => product_library(n_joints, order, &Degree::up_to(2)),
-        Method::Stepwise | Method::Chain => {
+fn product_terms(n_joints: usize, gravity: u8, order: u8, regression: Regression) -> Vec<Term> {
+    match regression {
+        Regression::OneShot => product_library(n_joints, order, &Degree::up_to(2)),
+        Regression::Stepwise => {
             [(Kind::Gravity, gravity), (Kind::Coriolis, order), (Kind::Inertia, order)]
                 .into_iter()
                 .flat_map(|(kind, order)| product_library(n_joints, order, &[Degree::of(kind)]))

@@ -40,6 +40,11 @@ pub enum IdentifyError {
     Apart { what: &'static str, expected: String, found: String },
     #[error("these are no moments to be read, {0}: make the file again with torquewise moments")]
     Moments(String),
+    #[error(
+        "the moments are for a learned chain and hold no sums of a library: make them again with \
+         --library energy or product, or learn a chain"
+    )]
+    NoLibrary,
     #[error("joint {name} is said to be balanced, the log has {joints}: name one of these")]
     NoSuchJoint { name: String, joints: String },
     #[error("no chain of rigid bodies could be learned: {0}")]

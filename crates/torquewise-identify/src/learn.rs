@@ -4,7 +4,7 @@ use crate::beside::{Beside, columns};
 use crate::error::IdentifyError;
 use crate::friction::Dictionary;
 use crate::held_out::Trial;
-use crate::plan::{FrictionKind, Plan};
+use crate::plan::{ChainOptions, FrictionKind};
 use crate::survey::thinned;
 use crate::trial::{Recipe, record, record_best, trial};
 use rayon::prelude::*;
@@ -72,15 +72,21 @@ const SAME: f64 = 1e-3;
 /// # Errors
 /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
 /// said to be balanced that is not there.
-pub(crate) fn learn(motion: &Motion, plan: &Plan) -> Result<Learned, IdentifyError> {
+pub(crate) fn learn(
+    motion: &Motion,
+    options: &ChainOptions,
+    seed: u64,
+) -> Result<Learned, IdentifyError> {
     if motion.n_rows() >= SHORT {
-        let Attempt { school, recipe, chain, choices } = attempt(motion, plan, plan.seed)?;
+        let Attempt { school, recipe, chain, choices } = attempt(motion, options, seed)?;
         return school.finish(recipe, &chain, choices);
     }
     let (mut found, mut failed) = (Vec::new(), None);
     for more in 0..SEARCHES {
-        let seed = plan.seed.wrapping_add(more);
-        match attempt(motion, plan, seed).and_then(|attempt| Ok((attempt.judged(seed)?, attempt))) {
+        let seed = seed.wrapping_add(more);
+        match attempt(motion, options, seed)
+            .and_then(|attempt| Ok((attempt.judged(seed)?, attempt)))
+        {
             Ok(judged) => found.push(judged),
             Err(error) => failed = failed.or(Some(error)),
         }
@@ -116,9 +122,13 @@ impl Attempt<'_> {
 }
 
 /// Searches the geometry and chooses all that is fitted, from one seed.
-fn attempt<'a>(motion: &'a Motion, plan: &Plan, seed: u64) -> Result<Attempt<'a>, IdentifyError> {
-    let (n, friction) = (motion.n_joints(), plan.friction);
-    let balanced = loads::balanced(motion, &plan.counterbalanced)?;
+fn attempt<'a>(
+    motion: &'a Motion,
+    options: &ChainOptions,
+    seed: u64,
+) -> Result<Attempt<'a>, IdentifyError> {
+    let (n, friction) = (motion.n_joints(), options.friction);
+    let balanced = loads::balanced(motion, &options.counterbalanced)?;
     let mut school = School::new(motion);
     let mut beside = Beside::rotors(n);
     let rubs = friction != FrictionKind::None;

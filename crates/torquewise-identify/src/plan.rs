@@ -1,4 +1,4 @@
-//! What the user wants → plan: library, method, selector, clusters.
+//! What the user wants → plan: a method with its own options, clusters and a seed.
 
 use crate::patterns::PatternPlan;
 use serde::{Deserialize, Serialize};
@@ -31,17 +31,14 @@ impl LibraryKind {
 /// Candidates of an energy library unless an interaction order is asked for.
 pub const MOST_CANDIDATES: usize = 2_100;
 
-/// One regression or three.
+/// How many regressions a library is fitted in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Method {
-    /// Standstill, uniform velocity, variable velocity (8)–(10).
+pub enum Regression {
+    /// Three: standstill, uniform velocity, variable velocity (8)–(10).
     #[default]
     Stepwise,
-    /// The whole library on all rows at once.
-    Sindy,
-    /// The energy of a chain of rigid bodies whose geometry is learned as well (E8); the library
-    /// of the plan is not asked.
-    Chain,
+    /// One: the whole library on all rows at once, as SINDy does.
+    OneShot,
 }
 
 /// Which friction is looked for (17).
@@ -70,57 +67,84 @@ impl FrictionKind {
     }
 }
 
-/// How a log becomes a model.
+/// How a library of candidates is fitted.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub struct LibraryOptions {
     /// Candidates.
     pub library: LibraryKind,
     /// One-shot or stepwise.
-    pub method: Method,
+    pub regression: Regression,
     /// Friction beside M, C and G (17).
     pub friction: FrictionKind,
-    /// Names of joints that a spring or a weight is known to balance: a chain is given functions of
-    /// their angle in V(q) that no mass has. Without, they are looked for.
-    pub counterbalanced: Vec<String>,
     /// Which terms stay.
     pub selector: Selector,
     /// Coefficients at most this large are dropped, in units of the coefficient (the paper: 0.1).
     pub threshold: Option<f64>,
     /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is taken out (E7).
     pub noise_correction: bool,
-    /// Clustering.
-    pub patterns: PatternPlan,
     /// Resampled logs from which the inclusion of each term is counted; 0 for none.
     pub bags: usize,
+}
+
+/// How a chain of rigid bodies is learned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChainOptions {
+    /// Friction beside M, C and G (17).
+    pub friction: FrictionKind,
+    /// Names of joints that a spring or a weight is known to balance: they are given functions of
+    /// their angle in V(q) that no mass has. Without, they are looked for.
+    pub counterbalanced: Vec<String>,
+    /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is to be taken out
+    /// (E7).
+    pub noise_correction: bool,
+    /// Whether all parameters must be such that a physical arm has them (E14); without, for
+    /// comparison, they are those of least squares alone.
+    pub physical: bool,
+}
+
+/// The two ways from rows to equations, each with what it may be told.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Method {
+    /// Terms are selected from a library, in three regressions or in one.
+    Library(LibraryOptions),
+    /// The energy of a chain of rigid bodies whose geometry is learned as well (E8).
+    Chain(ChainOptions),
+}
+
+/// How a log becomes a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Plan {
+    /// What is fitted, and how.
+    pub method: Method,
+    /// Clustering.
+    pub patterns: PatternPlan,
     /// Seed of everything random.
     pub seed: u64,
 }
 
-impl Default for Plan {
+impl Default for LibraryOptions {
+    /// The energy library in three regressions, terms kept by the criterion (E5), no friction.
     fn default() -> Self {
         Self {
             library: LibraryKind::Energy { interaction: None },
-            method: Method::Stepwise,
+            regression: Regression::Stepwise,
             friction: FrictionKind::None,
-            counterbalanced: Vec::new(),
             selector: Selector::Criterion(Criterion::default()),
             threshold: None,
             noise_correction: true,
             bags: 50,
-            patterns: PatternPlan::default(),
-            seed: 0,
         }
     }
 }
 
-impl Plan {
+impl LibraryOptions {
     /// One-shot SINDy, the baseline: the whole product library on all rows, terms above 0.1 kept by
     /// sequentially thresholded least squares as PySINDy does by default and the paper counts
     /// active terms, no noise correction.
     pub fn sindy() -> Self {
         Self {
             library: LibraryKind::PRODUCT,
-            method: Method::Sindy,
+            regression: Regression::OneShot,
             selector: Selector::Stlsq(Stlsq::default()),
             noise_correction: false,
             bags: 0,
@@ -131,5 +155,53 @@ impl Plan {
     /// Stepwise reconstruction with the product library.
     pub fn product() -> Self {
         Self { library: LibraryKind::PRODUCT, ..Self::default() }
+    }
+}
+
+impl Default for ChainOptions {
+    /// Whichever friction predicts held-out rows best: logs that a chain is learned from are
+    /// mostly of real arms.
+    fn default() -> Self {
+        Self {
+            friction: FrictionKind::Auto,
+            counterbalanced: Vec::new(),
+            noise_correction: true,
+            physical: true,
+        }
+    }
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self::Library(LibraryOptions::default())
+    }
+}
+
+impl From<LibraryOptions> for Plan {
+    fn from(options: LibraryOptions) -> Self {
+        Self { method: Method::Library(options), ..Self::default() }
+    }
+}
+
+impl From<ChainOptions> for Plan {
+    fn from(options: ChainOptions) -> Self {
+        Self { method: Method::Chain(options), ..Self::default() }
+    }
+}
+
+impl Plan {
+    /// One-shot SINDy, the baseline.
+    pub fn sindy() -> Self {
+        LibraryOptions::sindy().into()
+    }
+
+    /// Stepwise reconstruction with the product library.
+    pub fn product() -> Self {
+        LibraryOptions::product().into()
+    }
+
+    /// A learned chain of rigid bodies.
+    pub fn chain() -> Self {
+        ChainOptions::default().into()
     }
 }

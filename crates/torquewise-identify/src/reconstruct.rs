@@ -8,12 +8,13 @@ use crate::form::{dropped, form, friction_of};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
-use crate::plan::{Method, Plan};
-use crate::rounds::{Request, all_passes};
+use crate::plan::{ChainOptions, LibraryOptions, Method, Plan, Regression};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
+use crate::rounds::{Request, Round};
+use crate::settings::Basis;
 use crate::settle::{Settled, settle};
 use crate::step;
-use crate::summary::{Basis, Summary, summarise};
+use crate::summary::{Pass, Summary, summarise};
 use crate::survey::Survey;
 use crate::warning::Warning;
 use rayon::prelude::*;
@@ -22,7 +23,17 @@ use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
 use torquewise_sparse::select::Selector;
 
-/// Reconstructs the equations of motion from a recording: sums up its logs, and solves.
+/// What solving came to.
+#[derive(Debug)]
+pub enum Solution {
+    /// The equations of motion.
+    Model(Box<Reconstruction>),
+    /// A chain asks for another pass over the rows of all logs.
+    Request(Box<Request>),
+}
+
+/// Reconstructs the equations of motion from a recording: sums up its logs, and solves; for a chain
+/// again and again, until nothing moves.
 ///
 /// # Errors
 /// [`IdentifyError`]: the reader's message, too few rows, a library too large, or missing torque.
@@ -31,75 +42,111 @@ pub fn reconstruct(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
-    let summary = summarise(recording, plan, "", progress)?;
-    if plan.method != Method::Chain {
-        return solve(summary, plan, progress);
+    let mut summary = summarise(recording, plan, "", progress)?;
+    loop {
+        match solve(summary.clone(), plan, progress)? {
+            Solution::Model(found) => return Ok(*found),
+            Solution::Request(request) => summary.pass = Some(Pass::over(recording, *request)?),
+        }
     }
-    let survey = surveyed(&summary)?;
-    let patterns = find_patterns(&survey, &plan.patterns)?;
-    let noise = if plan.noise_correction && !recording.is_filtered() {
-        survey.noise.clone()
-    } else {
-        NoiseFloor::none(survey.joints.len())
-    };
-    let request = Request::first(&survey, plan, noise, progress)?;
-    let fitted = all_passes(recording, request)?;
-    progress(Progress::Done);
-    let noise = survey.noise.clone();
-    fitted.report(survey, patterns, noise, plan.seed)
 }
 
-/// What the logs of a summary told, if they are enough to learn from.
-fn surveyed(summary: &Summary) -> Result<Survey, IdentifyError> {
+/// Reconstructs the equations of motion from what logs were summed up to, or says which sums are
+/// wanted next.
+///
+/// How rows were told apart, and of a library its candidates and the number of regressions, were
+/// settled when the logs were summed: these go before the plan.
+///
+/// # Errors
+/// [`IdentifyError`]: too few rows, a library too large, missing torque, or a plan for a library of
+/// which nothing was summed.
+pub fn solve(
+    summary: Summary,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Solution, IdentifyError> {
     let survey = summary.survey()?;
     survey.sample.require_tau()?;
     require_rows(&survey)?;
-    Ok(survey)
+    match &plan.method {
+        Method::Library(options) => {
+            let found = by_library(summary, survey, options, plan.seed, progress)?;
+            Ok(Solution::Model(Box::new(found)))
+        }
+        Method::Chain(options) => by_chain(summary, survey, options, plan.seed, progress),
+    }
 }
 
-/// Reconstructs the equations of motion from what logs were summed up to.
-///
+/// Searches a chain on the sample, or takes the step that the last pass over all rows asks for
+/// (E8) (E11).
+fn by_chain(
+    summary: Summary,
+    survey: Survey,
+    options: &ChainOptions,
+    seed: u64,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Solution, IdentifyError> {
+    let settings = summary.settings();
+    let Some(Pass { request, sums }) = summary.pass.as_ref() else {
+        // The noise of filtered rows is not white: it is not taken out row by row.
+        let is_white = options.noise_correction && !settings.filtered;
+        let none = NoiseFloor::none(survey.joints.len());
+        let noise = if is_white { survey.noise.clone() } else { none };
+        let request = Request::first(&survey, options, noise, seed, progress)?;
+        return Ok(Solution::Request(Box::new(request)));
+    };
+    progress(Progress::Refit);
+    match request.clone().take(sums)? {
+        Round::Again(request) => Ok(Solution::Request(request)),
+        Round::Done(fitted) => {
+            let patterns = find_patterns(&survey, &settings.patterns)?;
+            let found = fitted.report(survey, patterns, seed)?;
+            progress(Progress::Done);
+            Ok(Solution::Model(Box::new(found)))
+        }
+    }
+}
+
 /// Standstill, uniform and variable velocity in turn, each explaining what the earlier ones leave
 /// (8)–(10), (14)–(16); last all kept terms together on all rows (E6). One-shot SINDy is the same
-/// with a single step. What was settled when the logs were summed goes before the plan.
-///
-/// # Errors
-/// [`IdentifyError`]: too few rows, a library too large, or missing torque.
-pub fn solve(
+/// with a single step.
+fn by_library(
     mut summary: Summary,
-    plan: &Plan,
+    survey: Survey,
+    options: &LibraryOptions,
+    seed: u64,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
-    let plan = &summary.settings().applied_to(plan);
-    let survey = surveyed(&summary)?;
-    let mut patterns = find_patterns(&survey, &plan.patterns)?;
-    let Some(mut basis) = summary.settings().basis()? else {
-        return Err(IdentifyError::Moments("a chain needs another pass over the rows".into()));
-    };
-    let Settled { library, selector, choices, .. } = settle(&survey, plan, summary.friction())?;
+    let mut patterns = find_patterns(&survey, &summary.settings().patterns)?;
+    let (mut basis, options) = summary.settings().basis_for(options)?;
+    let Settled { library, selector, choices, .. } = settle(&survey, &options, summary.friction())?;
+    let options = LibraryOptions { selector, ..options };
     basis.candidates.limit_to(library);
-    if plan.method == Method::Stepwise {
+    if options.regression == Regression::Stepwise {
         patterns.present = summary.settle(&basis, &patterns.present)?;
     }
     let candidates = &basis.candidates;
-    let (steps, orphans) = match plan.method {
-        Method::Stepwise => plan_steps(candidates, &patterns.present),
-        Method::Sindy | Method::Chain => (one_shot(candidates), Vec::new()),
+    let (steps, orphans) = match options.regression {
+        Regression::Stepwise => plan_steps(candidates, &patterns.present),
+        Regression::OneShot => (one_shot(candidates), Vec::new()),
     };
     let noise = summary.still().unwrap_or_else(|| survey.noise.clone());
 
     let mut found = Found::new(candidates, survey.rows, choices);
     for (place, step) in steps.iter().enumerate() {
         progress(Progress::Step(place + 1));
-        found.take_step(step, &summary.evidence(&basis, step), &selector)?;
+        found.take_step(step, &summary.evidence(&basis, step), &options.selector)?;
     }
 
     progress(Progress::Refit);
-    let bias = if plan.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted = found.refit(&summary, &basis, &survey, (plan, &selector, &bias))?;
+    let bias =
+        if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
+    let refitted =
+        found.refit(&summary, &basis, &survey, &found.refit_plan(&options, seed, &bias))?;
 
     progress(Progress::Done);
-    let warnings = Warning::all(&survey, &patterns, plan, candidates, &orphans, &refitted);
+    let regression = options.regression;
+    let warnings = Warning::all(&survey, &patterns, regression, candidates, &orphans, &refitted);
     Ok(found.report(survey, patterns, noise, refitted, warnings))
 }
 
@@ -199,12 +246,30 @@ impl<'a> Found<'a> {
         self.weights.iter().map(found).collect()
     }
 
+    /// What the last fit is asked, whose noise is taken out.
+    fn refit_plan<'n>(
+        &self,
+        options: &LibraryOptions,
+        seed: u64,
+        noise: &'n NoiseFloor,
+    ) -> RefitPlan<'n> {
+        let rows = self.rows;
+        let least_t_squared = match options.selector {
+            Selector::Criterion(criterion) => {
+                criterion.threshold(rows as f64, self.candidates.len())
+            }
+            _ => 0.0,
+        };
+        let least_size = options.threshold.unwrap_or(0.0);
+        RefitPlan { noise, seed, least_t_squared, least_size, bags: options.bags, rows }
+    }
+
     fn refit(
         &self,
         summary: &Summary,
         basis: &Basis,
         survey: &Survey,
-        (plan, selector, noise): (&Plan, &Selector, &NoiseFloor),
+        plan: &RefitPlan<'_>,
     ) -> Result<Vec<Refitted>, IdentifyError> {
         let kept: Vec<Kept> = self
             .terms()
@@ -216,25 +281,9 @@ impl<'a> Found<'a> {
                 weights: weights.clone(),
             })
             .collect();
-        let rows = self.rows;
-        let least_t_squared = match selector {
-            Selector::Criterion(criterion) => {
-                criterion.threshold(rows as f64, self.candidates.len())
-            }
-            _ => 0.0,
-        };
-        let least_size = plan.threshold.unwrap_or(0.0);
-        let refit_plan = RefitPlan {
-            noise,
-            seed: plan.seed,
-            least_t_squared,
-            least_size,
-            bags: plan.bags,
-            rows,
-        };
         let all = summary.whole(basis)?;
         let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
-        refit(&survey.sample, self.candidates, &kept, &whole, &refit_plan)
+        refit(&survey.sample, self.candidates, &kept, &whole, plan)
     }
 
     fn report(

@@ -13,7 +13,7 @@ use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
 use crate::noise::NoiseFloor;
 use crate::overlooked::{Tried, overlooked};
 use crate::patterns::Patterns;
-use crate::plan::Plan;
+use crate::plan::{ChainOptions, FrictionKind};
 use crate::prune::prune;
 use crate::survey::{Survey, thinned};
 use crate::warning::{UntriedTerm, Warning};
@@ -25,7 +25,6 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, Overlooked};
 use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Weighted};
-use torquewise_motion::Recording;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_sparse::accumulate::Route;
 use torquewise_sparse::normal_sums::{FOLDS, NormalSums};
@@ -51,9 +50,13 @@ const DRAW_SIZE: f64 = 1e-3;
 /// Terms whose coefficient is below so many standard errors cannot be told from zero.
 const LEAST_T: f64 = 2.0;
 
+/// First bytes of the file of a request.
+const REQUEST: &[u8; 8] = b"twreques";
+
 /// What a pass over the logs is asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
+    joints: Vec<String>,
     pub(crate) at: Linearisation,
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
@@ -86,14 +89,15 @@ impl Request {
     /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`].
     pub(crate) fn first(
         survey: &Survey,
-        plan: &Plan,
+        options: &ChainOptions,
         noise: NoiseFloor,
+        seed: u64,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, IdentifyError> {
         progress(Progress::Geometry);
-        let mut learned = learn(&survey.sample, plan)?;
+        let mut learned = learn(&survey.sample, options, seed)?;
         progress(Progress::Overlooked);
-        let Tried { certificate, warning, .. } = complete(&mut learned, survey, plan)?;
+        let Tried { certificate, warning, .. } = complete(&mut learned, survey, options.friction)?;
         progress(Progress::Refit);
         let sizes = Sizes {
             mass: 1.0,
@@ -101,11 +105,55 @@ impl Request {
             speed: survey.dq_peak.clone(),
         };
         let sample = thinned(&survey.sample, LAST_ROWS);
-        let start = linearised(&learned, &sample, survey, noise, plan.seed)?;
+        let start = linearised(&learned, &sample, survey, noise, (options.physical, seed))?;
         let solved = refine(&sample, start, &sizes, SAMPLE_PASSES)?;
         let at = cut_for(solved.at, survey.rows);
         let choices = learned.choices;
-        Ok(Self { at, sizes, choices, overlooked: certificate, warning, passes: 0 })
+        let joints = survey.joints.clone();
+        Ok(Self { joints, at, sizes, choices, overlooked: certificate, warning, passes: 0 })
+    }
+
+    /// What tells it from others: the pass it is for, and a checksum.
+    pub fn name(&self) -> String {
+        let bytes = postcard::to_stdvec(self).unwrap_or_default();
+        format!("pass {} ({:08x})", self.passes + 1, crc32fast::hash(&bytes))
+    }
+
+    /// The pass over the logs that is asked for, counted from 1.
+    pub fn pass(&self) -> usize {
+        self.passes + 1
+    }
+
+    /// Fails unless it is for an arm of these joints.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Apart`]
+    pub(crate) fn check_joints(&self, joints: &[String]) -> Result<(), IdentifyError> {
+        if joints == self.joints {
+            return Ok(());
+        }
+        let (expected, found) = (self.joints.join(", "), joints.join(", "));
+        Err(IdentifyError::Apart { what: "joints", expected, found })
+    }
+
+    /// The request as the bytes of a file.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Moments`] if it cannot be written.
+    pub fn to_bytes(&self) -> Result<Vec<u8>, IdentifyError> {
+        crate::summary_file::framed(REQUEST, self)
+    }
+
+    /// The request that [`Self::to_bytes`] wrote.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Moments`] if the bytes are no request or were damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, IdentifyError> {
+        let request: Self = crate::summary_file::unframed(REQUEST, bytes)?;
+        if request.at.is_sound(request.joints.len()) {
+            return Ok(request);
+        }
+        Err(IdentifyError::Moments("its parts do not fit each other".into()))
     }
 
     /// Where the rows of the next pass are linearised.
@@ -142,13 +190,14 @@ fn linearised(
     sample: &torquewise_motion::Motion,
     survey: &Survey,
     noise: NoiseFloor,
-    seed: u64,
+    (physical, seed): (bool, u64),
 ) -> Result<Linearisation, IdentifyError> {
     let Learned { chain, recipe, laws, .. } = learned;
     let rest = if recipe.rubs() { AT_REST } else { 0.0 };
     let structure = Structure {
         drive: recipe.beside.clone(),
         free: recipe.free.clone(),
+        physical,
         pull: recipe.search.pull,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
@@ -171,15 +220,19 @@ fn linearised(
 
 /// Takes in, one by one, terms of the energy library that explain what no chain does, until no
 /// other seems to, or too many were refused.
-fn complete(learned: &mut Learned, survey: &Survey, plan: &Plan) -> Result<Tried, IdentifyError> {
+fn complete(
+    learned: &mut Learned,
+    survey: &Survey,
+    friction: FrictionKind,
+) -> Result<Tried, IdentifyError> {
     let mut refused = Vec::new();
-    let mut tried = overlooked(learned, survey, plan.friction, &refused)?;
+    let mut tried = overlooked(learned, survey, friction, &refused)?;
     for _ in 0..MOST_FURTHER {
         let Some(term) = tried.missing.take() else { break };
         if !learned.offer(&term, &survey.sample)? {
             refused.push(term);
         }
-        tried = overlooked(learned, survey, plan.friction, &refused)?;
+        tried = overlooked(learned, survey, friction, &refused)?;
         if refused.len() == MOST_REFUSED {
             break;
         }
@@ -196,7 +249,6 @@ impl Fitted {
         self,
         survey: Survey,
         patterns: Patterns,
-        noise: NoiseFloor,
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { request, solved, residual_rms } = self;
@@ -225,7 +277,7 @@ impl Fitted {
             active: model.active(),
             route: Route::Direct,
         };
-        let (steps, dropped) = (vec![step], Vec::new());
+        let (steps, dropped, noise) = (vec![step], Vec::new(), survey.noise.clone());
         Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
     }
 }
@@ -343,18 +395,4 @@ fn draws(
         chain.at(&parameters, friction.len())
     };
     Ok((0..DRAWS).map(|_| draw()).collect())
-}
-
-/// All passes over a recording, from a first request on.
-pub(crate) fn all_passes(
-    recording: &(impl Recording + ?Sized),
-    mut request: Request,
-) -> Result<Fitted, IdentifyError> {
-    loop {
-        let sums = crate::estimate::add_up(recording, &request.at)?;
-        match request.take(&sums)? {
-            Round::Again(next) => request = *next,
-            Round::Done(fitted) => return Ok(*fitted),
-        }
-    }
 }

@@ -5,7 +5,7 @@ use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step};
 use crate::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::held_out::{BLOCKS, Trial, choose, choose_worth, split};
-use crate::plan::{FrictionKind, LibraryKind, MOST_CANDIDATES, Method, Plan};
+use crate::plan::{FrictionKind, LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step;
 use crate::survey::Survey;
@@ -37,27 +37,27 @@ const LEAST_ERROR: f64 = 1e-6;
 /// They depend on how fast the joints move, so they are chosen before rows are summed.
 pub(crate) fn choose_laws(
     survey: &Survey,
-    plan: &Plan,
+    options: &LibraryOptions,
 ) -> Result<(Vec<FrictionTerm>, Vec<Choice>), IdentifyError> {
-    if plan.friction == FrictionKind::None || plan.method == Method::Chain {
+    if options.friction == FrictionKind::None {
         return Ok((Vec::new(), Vec::new()));
     }
-    let kind = match plan.friction {
+    let kind = match options.friction {
         FrictionKind::Auto => FrictionKind::Linear,
         asked => asked,
     };
     let friction = Dictionary::new(survey.dq_peak.clone()).of(kind);
-    let mut settled = Settled::start(plan, friction);
+    let mut settled = Settled::start(options, friction);
     if is_short(survey) {
         return Ok((settled.friction, settled.choices));
     }
-    if plan.library == (LibraryKind::Energy { interaction: None }) {
-        settled.grow(survey, plan)?;
+    if options.library == (LibraryKind::Energy { interaction: None }) {
+        settled.grow(survey, options)?;
         // It is chosen, and recorded, once more when the laws are known.
         settled.choices.clear();
     }
-    let (school, laws) = settled.choose_reversal(survey, plan)?;
-    if plan.friction == FrictionKind::Auto {
+    let (school, laws) = settled.choose_reversal(survey, options)?;
+    if options.friction == FrictionKind::Auto {
         settled.choose_friction(&school, &laws)?;
     }
     Ok((settled.friction, settled.choices))
@@ -73,22 +73,22 @@ pub(crate) fn choose_laws(
 /// the log can tell.
 pub(crate) fn settle(
     survey: &Survey,
-    plan: &Plan,
+    options: &LibraryOptions,
     (friction, choices): (&[FrictionTerm], &[Choice]),
 ) -> Result<Settled, IdentifyError> {
-    let mut settled = Settled::start(plan, friction.to_vec());
+    let mut settled = Settled::start(options, friction.to_vec());
     settled.choices.extend_from_slice(choices);
-    if plan.method != Method::Stepwise || is_short(survey) {
+    if options.regression != Regression::Stepwise || is_short(survey) {
         return Ok(settled);
     }
     let mut school = None;
-    if plan.library == (LibraryKind::Energy { interaction: None }) {
-        school = settled.grow(survey, plan)?;
+    if options.library == (LibraryKind::Energy { interaction: None }) {
+        school = settled.grow(survey, options)?;
     }
-    if matches!(plan.selector, Selector::Criterion(_)) {
+    if matches!(options.selector, Selector::Criterion(_)) {
         let school = match school {
             Some(school) => school,
-            None => School::new(survey, plan, settled.library, settled.friction.clone())?,
+            None => School::new(survey, options, settled.library, settled.friction.clone())?,
         };
         settled.choose_strictness(&school)?;
     }
@@ -100,8 +100,8 @@ fn is_short(survey: &Survey) -> bool {
 }
 
 impl Settled {
-    fn start(plan: &Plan, friction: Vec<FrictionTerm>) -> Self {
-        let (library, selector) = (plan.library, plan.selector.clone());
+    fn start(options: &LibraryOptions, friction: Vec<FrictionTerm>) -> Self {
+        let (library, selector) = (options.library, options.selector.clone());
         Self { library, friction, selector, choices: Vec::new() }
     }
 
@@ -109,20 +109,24 @@ impl Settled {
     fn grow<'a>(
         &mut self,
         survey: &'a Survey,
-        plan: &Plan,
+        options: &LibraryOptions,
     ) -> Result<Option<School<'a>>, IdentifyError> {
         let laws = self.friction.clone();
         let (mut trials, mut schools) = (Vec::<Trial>::new(), Vec::new());
         for order in 1..=survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
-            let candidates =
-                Candidates::with_friction(survey.joints.len(), library, plan.method, laws.clone())?;
+            let candidates = Candidates::with_friction(
+                survey.joints.len(),
+                library,
+                options.regression,
+                laws.clone(),
+            )?;
             if order > 1 && candidates.len() > MOST_CANDIDATES {
                 break;
             }
             let school = School::of(survey, candidates)?;
             let all: Vec<usize> = (0..school.candidates.len()).collect();
-            trials.push(school.trial(format!("{order}"), &all, &plan.selector)?);
+            trials.push(school.trial(format!("{order}"), &all, &options.selector)?);
             schools.push(school);
             // One more look: a pair of orders may help where one alone does not.
             let best =
@@ -143,12 +147,12 @@ impl Settled {
     fn choose_reversal<'a>(
         &mut self,
         survey: &'a Survey,
-        plan: &Plan,
+        options: &LibraryOptions,
     ) -> Result<(School<'a>, Dictionary), IdentifyError> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
             let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
-            let school = School::new(survey, plan, self.library, laws.of(plan.friction))?;
+            let school = School::new(survey, options, self.library, laws.of(options.friction))?;
             let all: Vec<usize> = (0..school.candidates.len()).collect();
             trials.push(school.trial(reversal_label(part), &all, &self.selector)?);
             ways.push((school, laws));
@@ -159,7 +163,7 @@ impl Settled {
             place
         });
         let (school, laws) = ways.swap_remove(place);
-        self.friction = laws.of(plan.friction);
+        self.friction = laws.of(options.friction);
         Ok((school, laws))
     }
 
@@ -224,12 +228,12 @@ struct School<'a> {
 impl<'a> School<'a> {
     fn new(
         survey: &'a Survey,
-        plan: &Plan,
+        options: &LibraryOptions,
         library: LibraryKind,
         laws: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
         let n = survey.joints.len();
-        Self::of(survey, Candidates::with_friction(n, library, plan.method, laws)?)
+        Self::of(survey, Candidates::with_friction(n, library, options.regression, laws)?)
     }
 
     fn of(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {

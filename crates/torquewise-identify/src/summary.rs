@@ -1,44 +1,25 @@
 //! Recording → summary: all that a fit needs of its logs, in sums that add up without rounding.
 
-use crate::candidates::Candidates;
 use crate::error::IdentifyError;
+use crate::estimate::add_up;
 use crate::evidence::{Evidence, Step};
 use crate::found::Progress;
 use crate::noise::{NoiseFloor, NoiseSum};
-use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, find_patterns, place_of};
-use crate::plan::{FrictionKind, LibraryKind, Method, Plan};
+use crate::patterns::{LEAST_SHARE, Patterns, find_patterns, place_of};
+use crate::plan::{Method, Plan};
+use crate::rounds::Request;
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
-use crate::settle::choose_laws;
-use crate::survey::{Survey, SurveySum, survey};
+use crate::settings::{Basis, Settings, SummedLibrary};
+use crate::survey::{Survey, SurveySum};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Motion, Pattern, ReadError, Recording};
 use torquewise_sparse::SparseError;
-use torquewise_sparse::accumulate::{Prepared, Route, cheaper_route};
-use torquewise_sparse::gram::Gram;
+use torquewise_sparse::normal_sums::NormalSums;
 use torquewise_sparse::row_sums::{RowAdder, RowSums};
 use torquewise_sparse::samples::Samples;
-
-/// What logs are summed under. Summaries made under different settings do not add up.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settings {
-    /// Joint names, base to tip.
-    pub joints: Vec<String>,
-    /// Candidates; none where a chain is learned, which needs no sums of them.
-    pub library: Option<LibraryKind>,
-    /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
-    /// that summaries with friction are neither written nor merged.
-    #[serde(skip)]
-    pub friction: Vec<FrictionTerm>,
-    /// One-shot or stepwise.
-    pub method: Method,
-    /// How rows are told apart, log by log.
-    pub patterns: PatternPlan,
-    /// How the signals were filtered, in the words of whoever did.
-    pub signals: String,
-}
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
 ///
@@ -55,19 +36,27 @@ pub struct Summary {
     pub(crate) sums: Vec<RowSums>,
     /// What was chosen before rows were summed.
     pub(crate) choices: Vec<Choice>,
+    /// What the rows say where a chain asked for it.
+    pub(crate) pass: Option<Pass>,
 }
 
-/// The candidates of a summary, made ready to be summed.
-pub(crate) struct Basis {
-    pub(crate) candidates: Candidates,
-    pub(crate) prepared: Prepared,
-    pub(crate) route: Route,
-    n_joints: usize,
+/// A pass over the rows of logs that a chain asked for (E11).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Pass {
+    pub(crate) request: Request,
+    pub(crate) sums: NormalSums,
 }
 
-/// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
-/// size come by different routes and do not add up.
-const USUAL_ROWS: usize = 1 << 18;
+impl Pass {
+    /// Sums up the rows of a recording as a request asks for.
+    pub(crate) fn over(
+        recording: &(impl Recording + ?Sized),
+        request: Request,
+    ) -> Result<Self, IdentifyError> {
+        let sums = add_up(recording, request.linearisation())?;
+        Ok(Self { request, sums })
+    }
+}
 
 /// Sums up each log of a recording, in two passes over it and fixed memory: one to look around,
 /// one to sum what the rows of each pattern say of the candidates.
@@ -85,15 +74,14 @@ pub fn summarise(
     signals: &str,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Summary, IdentifyError> {
-    let (friction, choices) = if plan.friction == FrictionKind::None {
-        (Vec::new(), Vec::new())
-    } else {
-        progress(Progress::Survey);
-        let survey = survey(recording)?;
-        survey.sample.require_tau()?;
-        choose_laws(&survey, plan)?
+    let (library, choices) = match &plan.method {
+        Method::Library(options) => {
+            let (library, choices) = SummedLibrary::of(recording, options, progress)?;
+            (Some(library), choices)
+        }
+        Method::Chain(_) => (None, Vec::new()),
     };
-    let settings = Settings::new(recording.joints(), plan, friction, signals);
+    let settings = Settings::new(recording, plan, library, signals);
     let basis = settings.basis()?;
     let mut all = Summary { choices, ..Summary::new(settings, basis.as_ref()) };
     for log in 0..recording.n_logs() {
@@ -113,8 +101,7 @@ pub fn summarise(
             progress(Progress::Patterns);
             let patterns = find_patterns(&survey, &all.settings.patterns)?;
             progress(Progress::Evidence);
-            let one_shot = plan.method == Method::Sindy;
-            let mut sorter = Sorter::new(basis, &patterns, one_shot);
+            let mut sorter = Sorter::new(basis, &patterns, &all.settings.parts());
             recording
                 .read_log(log, &mut |_, block| sorter.add(block))
                 .map_err(IdentifyError::Read)?;
@@ -127,83 +114,31 @@ pub fn summarise(
     Ok(all)
 }
 
-impl Settings {
-    fn new(joints: &[String], plan: &Plan, friction: Vec<FrictionTerm>, signals: &str) -> Self {
-        let by_rows = plan.method != Method::Chain;
-        let slow = plan.patterns.slow || !friction.is_empty();
-        Self {
-            joints: joints.to_vec(),
-            library: by_rows.then_some(plan.library),
-            method: plan.method,
-            friction,
-            patterns: PatternPlan { slow, ..plan.patterns },
-            signals: signals.to_owned(),
-        }
-    }
-
-    /// The candidates, unless a chain is learned.
-    pub(crate) fn basis(&self) -> Result<Option<Basis>, IdentifyError> {
-        let Some(library) = self.library else { return Ok(None) };
-        let n_joints = self.joints.len();
-        let laws = self.friction.clone();
-        let candidates = Candidates::with_friction(n_joints, library, self.method, laws)?;
-        let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
-        let prepared = Prepared::new(&candidates.design, route);
-        Ok(Some(Basis { candidates, prepared, route, n_joints }))
-    }
-
-    /// A plan with what was settled when rows were summed.
-    pub(crate) fn applied_to(&self, plan: &Plan) -> Plan {
-        Plan {
-            library: self.library.unwrap_or(plan.library),
-            method: self.method,
-            patterns: self.patterns,
-            ..plan.clone()
-        }
-    }
-
-    /// How many sums are kept apart.
-    pub(crate) fn n_sums(&self) -> usize {
-        match self.method {
-            Method::Stepwise => Pattern::ALL.len(),
-            Method::Sindy => 1,
-            Method::Chain => 0,
-        }
-    }
-
-    /// Fails where laws of friction were chosen for these logs alone.
-    pub(crate) fn refuse_friction(&self) -> Result<(), IdentifyError> {
-        if self.friction.is_empty() {
-            return Ok(());
-        }
-        let message = "it holds friction, whose laws suit its logs alone: fit all logs together";
-        Err(IdentifyError::Moments(message.into()))
-    }
-
-    /// Fails unless summaries of both add up.
-    fn check(&self, other: &Self) -> Result<(), IdentifyError> {
-        let quoted = |what: &dyn std::fmt::Debug| format!("{what:?}");
-        let pairs = [
-            ("joints", self.joints.join(", "), other.joints.join(", ")),
-            ("method", quoted(&self.method), quoted(&other.method)),
-            ("library", quoted(&self.library), quoted(&other.library)),
-            ("patterns", quoted(&self.patterns), quoted(&other.patterns)),
-            ("signals", self.signals.clone(), other.signals.clone()),
-        ];
-        match pairs.into_iter().find(|(_, expected, found)| expected != found) {
-            Some((what, expected, found)) => Err(IdentifyError::Apart { what, expected, found }),
-            None => Ok(()),
-        }
-    }
+/// Sums up logs for a chain that asked for another pass over their rows, see
+/// [`Solution`](crate::reconstruct::Solution).
+///
+/// # Errors
+/// As [`summarise`]; [`IdentifyError::Apart`] if the request is of another arm.
+pub fn summarise_again(
+    recording: &(impl Recording + ?Sized),
+    plan: &Plan,
+    signals: &str,
+    request: &Request,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Summary, IdentifyError> {
+    request.check_joints(recording.joints())?;
+    let summary = summarise(recording, plan, signals, progress)?;
+    progress(Progress::Refit);
+    Ok(Summary { pass: Some(Pass::over(recording, request.clone())?), ..summary })
 }
 
 impl Summary {
     fn new(settings: Settings, basis: Option<&Basis>) -> Self {
         let n = settings.joints.len();
         let none = |basis: &Basis| RowSums::new(&basis.prepared, n);
-        let sums = basis.map_or_else(Vec::new, |basis| vec![none(basis); settings.n_sums()]);
+        let sums = basis.map_or_else(Vec::new, |basis| vec![none(basis); settings.parts().len()]);
         let (survey, still) = (SurveySum::new(&settings.joints), NoiseSum::new(n));
-        Self { settings, logs: 0, survey, still, sums, choices: Vec::new() }
+        Self { settings, logs: 0, survey, still, sums, choices: Vec::new(), pass: None }
     }
 
     /// What its logs were summed under.
@@ -213,7 +148,12 @@ impl Summary {
 
     /// Laws of friction among its candidates, and how they were chosen.
     pub(crate) fn friction(&self) -> (&[FrictionTerm], &[Choice]) {
-        (&self.settings.friction, &self.choices)
+        (self.settings.friction(), &self.choices)
+    }
+
+    /// The request that its rows were summed for, if a chain asked for a pass.
+    pub fn request(&self) -> Option<&Request> {
+        self.pass.as_ref().map(|pass| &pass.request)
     }
 
     /// Logs summed.
@@ -236,6 +176,19 @@ impl Summary {
         self.survey.merge(&other.survey)?;
         self.still.merge(&other.still);
         self.sums.iter_mut().zip(&other.sums).try_for_each(|(all, own)| all.merge(own))?;
+        match (&mut self.pass, &other.pass) {
+            (None, None) => {}
+            (Some(pass), Some(more)) if pass.request == more.request => {
+                pass.sums.merge(&more.sums)?;
+            }
+            (own, more) => {
+                let name = |pass: Option<&Pass>| {
+                    pass.map_or_else(|| "none".to_owned(), |pass| pass.request.name())
+                };
+                let (expected, found) = (name(own.as_ref()), name(more.as_ref()));
+                return Err(IdentifyError::Apart { what: "requests", expected, found });
+            }
+        }
         self.logs += other.logs;
         self.sort();
         Ok(())
@@ -258,14 +211,14 @@ impl Summary {
 
     /// The patterns that some log shows in more than a few rows, of those that all logs together
     /// show: a short log may take its slowest motion for none. The rows of the others join those of
-    /// variable velocity, which assume nothing.
+    /// variable velocity, which assume nothing. Where all rows are one sum, the patterns stay.
     pub(crate) fn settle(
         &mut self,
         basis: &Basis,
         together: &[Pattern],
     ) -> Result<Vec<Pattern>, IdentifyError> {
-        if self.settings.method != Method::Stepwise {
-            return Ok(Pattern::ALL.to_vec());
+        if self.sums.len() < Pattern::ALL.len() {
+            return Ok(together.to_vec());
         }
         let least = LEAST_SHARE * self.rows() as f64;
         let last = place_of(Pattern::VariableVelocity);
@@ -299,13 +252,6 @@ impl Summary {
     }
 }
 
-impl Basis {
-    /// The normal equations of some candidates over rows.
-    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<Gram> {
-        rows.grams(&self.prepared, self.n_joints, columns)
-    }
-}
-
 /// Hands each row of a log to the sums of its pattern.
 struct Sorter<'a> {
     patterns: &'a Patterns,
@@ -322,14 +268,14 @@ struct Bin<'a> {
 }
 
 impl<'a> Sorter<'a> {
-    fn new(basis: &'a Basis, patterns: &'a Patterns, one_shot: bool) -> Self {
+    fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
         let (n, friction) = (basis.n_joints, &basis.candidates.friction[..]);
-        let bin = |pattern| Bin {
+        let bin = |&pattern: &Option<Pattern>| Bin {
             pattern,
             gathering: Gathering::new(n, friction.len()),
             adder: RowAdder::new(&basis.prepared, n),
         };
-        let bins = if one_shot { vec![bin(None)] } else { Pattern::ALL.map(Some).map(bin).into() };
+        let bins = parts.iter().map(bin).collect();
         Self { patterns, friction, noise: NoiseSum::new(n), bins }
     }
 

@@ -2,15 +2,17 @@
 
 use crate::error::IdentifyError;
 use crate::noise::NoiseSum;
-use crate::summary::{Settings, Summary};
+use crate::settings::Settings;
+use crate::summary::{Pass, Summary};
 use crate::survey::SurveySum;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use torquewise_sparse::row_sums::RowSums;
 
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"twmoment";
 /// Raised whenever what is summed, or how it is written, changes.
-const VERSION: u32 = 1;
+const VERSION: u32 = 3;
 /// Magic, version, length and checksum of what follows.
 const HEADER_BYTES: usize = 24;
 
@@ -22,6 +24,7 @@ struct Saved {
     survey: SurveySum,
     still: NoiseSum,
     sums: Vec<SavedSums>,
+    pass: Option<Pass>,
 }
 
 /// Sums over rows as they are written.
@@ -45,15 +48,9 @@ impl Summary {
             survey: self.survey.clone(),
             still: self.still.clone(),
             sums: sums.map(|s| SavedSums { rows: s.rows(), bytes: s.to_bytes() }).collect(),
+            pass: self.pass.clone(),
         };
-        let body = postcard::to_stdvec(&saved).map_err(|error| damaged(&error.to_string()))?;
-        let mut bytes = Vec::with_capacity(HEADER_BYTES + body.len());
-        bytes.extend(MAGIC);
-        bytes.extend(VERSION.to_le_bytes());
-        bytes.extend((body.len() as u64).to_le_bytes());
-        bytes.extend(crc32fast::hash(&body).to_le_bytes());
-        bytes.extend(body);
-        Ok(bytes)
+        framed(MAGIC, &saved)
     }
 
     /// The summary that [`Self::to_bytes`] wrote.
@@ -62,17 +59,17 @@ impl Summary {
     /// [`IdentifyError::Moments`] if the bytes are not a summary, are of another version, or were
     /// damaged or cut short.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, IdentifyError> {
-        let body = checked_body(bytes)?;
-        let saved: Saved =
-            postcard::from_bytes(body).map_err(|error| damaged(&error.to_string()))?;
-        let Saved { settings, logs, survey, still, sums } = saved;
+        let Saved { settings, logs, survey, still, sums, pass } = unframed(MAGIC, bytes)?;
         let n = settings.joints.len();
         let fits = settings.joints == survey.joints()
             && survey.is_sound()
             && still.is_sound(n)
-            && sums.len() == settings.n_sums()
-            && settings.library.is_some() == (settings.n_sums() > 0);
-        if !fits {
+            && sums.len() == settings.parts().len();
+        let is_sound = |pass: &Pass| {
+            let at = pass.request.linearisation();
+            at.is_sound(n) && pass.sums.is_sound(at.n_parameters(), n)
+        };
+        if !fits || !pass.as_ref().is_none_or(is_sound) {
             return Err(damaged("its parts do not fit each other"));
         }
         let basis = settings.basis()?;
@@ -82,14 +79,38 @@ impl Summary {
         };
         let sums: Option<Vec<RowSums>> = sums.iter().map(read).collect();
         let sums = sums.ok_or_else(|| damaged("its sums are not those of its library"))?;
-        Ok(Self { settings, logs, survey, still, sums, choices: Vec::new() })
+        Ok(Self { settings, logs, survey, still, sums, choices: Vec::new(), pass })
     }
 }
 
+/// The bytes of a file: what it begins with, version, length, checksum, and what it holds.
+pub(crate) fn framed(
+    magic: &[u8; 8],
+    holds: &impl Serialize,
+) -> Result<Vec<u8>, IdentifyError> {
+    let body = postcard::to_stdvec(holds).map_err(|error| damaged(&error.to_string()))?;
+    let mut bytes = Vec::with_capacity(HEADER_BYTES + body.len());
+    bytes.extend(magic);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend((body.len() as u64).to_le_bytes());
+    bytes.extend(crc32fast::hash(&body).to_le_bytes());
+    bytes.extend(body);
+    Ok(bytes)
+}
+
+/// What [`framed`] was given.
+pub(crate) fn unframed<T: DeserializeOwned>(
+    magic: &[u8; 8],
+    bytes: &[u8],
+) -> Result<T, IdentifyError> {
+    let body = checked_body(magic, bytes)?;
+    postcard::from_bytes(body).map_err(|error| damaged(&error.to_string()))
+}
+
 /// What follows the header, if it is whole.
-fn checked_body(bytes: &[u8]) -> Result<&[u8], IdentifyError> {
-    let magic = bytes.get(..MAGIC.len()).unwrap_or(bytes);
-    if !MAGIC.starts_with(magic) || magic.is_empty() {
+fn checked_body<'a>(magic: &[u8; 8], bytes: &'a [u8]) -> Result<&'a [u8], IdentifyError> {
+    let begin = bytes.get(..magic.len()).unwrap_or(bytes);
+    if !magic.starts_with(begin) || begin.is_empty() {
         return Err(IdentifyError::Moments("it does not begin as one does".into()));
     }
     let Some((header, body)) = bytes.split_at_checked(HEADER_BYTES) else {

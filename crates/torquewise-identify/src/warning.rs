@@ -4,7 +4,7 @@ use crate::candidates::Candidates;
 use crate::disagreement::Disagreement;
 use crate::excitation::{Finding, findings};
 use crate::patterns::Patterns;
-use crate::plan::{Method, Plan};
+use crate::plan::Regression;
 use crate::refit::Refitted;
 use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
@@ -98,13 +98,13 @@ impl Warning {
     pub(crate) fn all(
         survey: &Survey,
         patterns: &Patterns,
-        plan: &Plan,
+        regression: Regression,
         candidates: &Candidates,
         orphans: &[usize],
         refitted: &[Refitted],
     ) -> Vec<Self> {
         let mut warnings = Self::of_survey(survey);
-        if plan.method == Method::Stepwise {
+        if regression == Regression::Stepwise {
             let missing = Pattern::ALL.into_iter().filter(|name| !patterns.present.contains(name));
             warnings.extend(missing.map(Self::PatternMissing));
         }

@@ -1,7 +1,8 @@
-//! Model → is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, on sampled states.
+//! Model → is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, friction takes power.
 
 use crate::error::ModelError;
-use crate::model::Model;
+use crate::friction::{FrictionLaw, FrictionTerm};
+use crate::model::{Model, Weighted};
 use crate::torque::Torque;
 use faer::{Mat, Side};
 
@@ -12,6 +13,8 @@ pub struct Checks {
     pub states: usize,
     /// Smallest eigenvalue of the symmetric part of M(q) \[kg·m²\]; positive for a real arm.
     pub smallest_eigenvalue: f64,
+    /// Joint angles q \[rad\] of that eigenvalue, n; empty where no state was looked at.
+    pub weakest_q: Vec<f64>,
     /// Largest ‖M − Mᵀ‖ / ‖M‖; zero for a real arm.
     pub asymmetry: f64,
     /// Largest |q̇ᵀ(Ṁq̇ − 2c)| / (‖q̇‖‖Ṁq̇‖ + 2‖q̇‖‖c‖), which is zero where Ṁ − 2C is skew: the
@@ -19,10 +22,32 @@ pub struct Checks {
     pub skew_defect: f64,
 }
 
+/// Friction that drives its shaft at some speed, where any real one takes power.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrivingFriction {
+    /// The shaft, as speed per speed of each joint, n.
+    pub shaft: Vec<f64>,
+    /// Its speed v \[rad/s\] where it is driven hardest.
+    pub speed: f64,
+    /// The power f(v)·v \[W\] that friction takes there, below zero.
+    pub power: f64,
+}
+
 impl Checks {
+    /// Relative asymmetry and defect from which on they are more than rounding.
+    pub const TOLERANCE: f64 = 1e-6;
+
+    fn see(&mut self, eigenvalue: f64, q: &[f64]) {
+        if eigenvalue < self.smallest_eigenvalue {
+            self.smallest_eigenvalue = eigenvalue;
+            self.weakest_q = q.to_vec();
+        }
+    }
+
     /// Whether M is symmetric and positive definite and Ṁ − 2C skew at all states looked at.
     pub fn passed(&self) -> bool {
-        self.smallest_eigenvalue > 0.0 && self.asymmetry < 1e-6 && self.skew_defect < 1e-6
+        let [asymmetry, defect] = [self.asymmetry, self.skew_defect];
+        self.smallest_eigenvalue > 0.0 && asymmetry.max(defect) < Self::TOLERANCE
     }
 }
 
@@ -38,18 +63,83 @@ pub fn check(model: &Model, states: &[(Vec<f64>, Vec<f64>)]) -> Result<Checks, M
     let mut checks = Checks {
         states: states.len(),
         smallest_eigenvalue: f64::INFINITY,
+        weakest_q: Vec::new(),
         asymmetry: 0.0,
         skew_defect: 0.0,
     };
     for (q, dq) in states {
         let mass = torque.mass_matrix(q)?;
-        checks.smallest_eigenvalue = checks.smallest_eigenvalue.min(smallest_eigenvalue(&mass));
+        checks.see(smallest_eigenvalue(&mass), q);
         let scale = mass.norm_l2().max(f64::MIN_POSITIVE);
         let asymmetry = (&mass - mass.transpose()).norm_l2() / scale;
         checks.asymmetry = checks.asymmetry.max(asymmetry);
         checks.skew_defect = checks.skew_defect.max(skew_defect(&torque, q, dq)?);
     }
     Ok(checks)
+}
+
+/// The smallest eigenvalue of M(q) \[kg·m²\] over states, and the q \[rad\] that has it: infinite
+/// and empty where no state is given.
+///
+/// - `states`: joint angles q \[rad\], n each
+///
+/// # Errors
+/// [`ModelError::Shape`] if a state has another length than the model has joints.
+pub fn weakest_state(model: &Model, states: &[Vec<f64>]) -> Result<(f64, Vec<f64>), ModelError> {
+    let torque = Torque::new(model);
+    let (mut smallest, mut weakest) = (f64::INFINITY, Vec::new());
+    for q in states {
+        let eigenvalue = smallest_eigenvalue(&torque.mass_matrix(q)?);
+        if eigenvalue < smallest {
+            (smallest, weakest) = (eigenvalue, q.clone());
+        }
+    }
+    Ok((smallest, weakest))
+}
+
+/// Speeds looked at in each direction of a shaft, from near rest to its peak.
+const SPEEDS: u32 = 2_000;
+/// Peak of a joint \[rad/s\] whose training is not known.
+const USUAL_PEAK: f64 = 1.0;
+
+/// The friction that drives its shaft hardest, if any does: Σ f(v)·v < 0 over the laws of a shaft,
+/// at a speed up to what the joints reached in training, in either direction.
+///
+/// Constant offsets are left aside: they are of the sensor or of a load, and drive one way.
+pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {
+    let mut shafts: Vec<Vec<&Weighted<FrictionTerm>>> = Vec::new();
+    for law in model.friction.iter().filter(|law| law.term.law != FrictionLaw::Offset) {
+        match shafts.iter_mut().find(|laws| laws[0].term.shaft == law.term.shaft) {
+            Some(laws) => laws.push(law),
+            None => shafts.push(vec![law]),
+        }
+    }
+    let peak = |shaft: &[f64]| -> f64 {
+        let peaks = &model.training.dq_peak;
+        let of = |(joint, share): (usize, &f64)| {
+            share.abs() * peaks.get(joint).copied().unwrap_or(USUAL_PEAK)
+        };
+        shaft.iter().enumerate().map(of).sum()
+    };
+    let hardest = shafts.iter().filter_map(|laws| {
+        let shaft = &laws[0].term.shaft;
+        let powers = speeds(peak(shaft)).map(|v| (v, power(laws, v)));
+        let (speed, power) = powers.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (power < 0.0).then(|| DrivingFriction { shaft: shaft.clone(), speed, power })
+    });
+    hardest.min_by(|a, b| a.power.total_cmp(&b.power))
+}
+
+/// Even speeds \[rad/s\] up to a peak, in both directions.
+fn speeds(peak: f64) -> impl Iterator<Item = f64> {
+    let part = move |k: u32| peak * f64::from(k) / f64::from(SPEEDS);
+    (1..=SPEEDS).flat_map(move |k| [part(k), -part(k)])
+}
+
+/// f(v)·v \[W\] of the laws of one shaft.
+fn power(laws: &[&Weighted<FrictionTerm>], speed: f64) -> f64 {
+    let loads = laws.iter().map(|law| law.coefficient * law.term.at_speed(speed));
+    loads.sum::<f64>() * speed
 }
 
 /// Smallest eigenvalue of the symmetric part; −∞ where none can be computed.
@@ -72,7 +162,9 @@ fn skew_defect(torque: &Torque, q: &[f64], dq: &[f64]) -> Result<f64, ModelError
         .collect();
     let norm = |a: &[f64]| dot(a, a).sqrt();
     let scale = norm(dq) * (norm(&m_dot_dq) + 2.0 * norm(&coriolis));
-    let power = dot(dq, &m_dot_dq) - 2.0 * dot(dq, &coriolis);
+    let power = (dot(dq, &m_dot_dq) - 2.0 * dot(dq, &coriolis)).abs();
+    // Where M hardly changes, the rounding of its central difference is all there is of Ṁ.
+    let rounding = 8.0 * f64::EPSILON / STEP * ahead.norm_l2() * dot(dq, dq);
     // An arm whose M is constant has no Coriolis torque: rounding must not be divided by rounding.
-    Ok(if scale > 1e-9 { power.abs() / scale } else { 0.0 })
+    Ok(if scale > 1e-9 { (power - rounding).max(0.0) / scale } else { 0.0 })
 }

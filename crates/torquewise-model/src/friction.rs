@@ -132,11 +132,11 @@ impl FrictionTerm {
 
     /// f(v) at joint speeds dq \[rad/s\], n.
     pub fn value(&self, dq: &[f64]) -> f64 {
-        self.at(self.speed(dq))
+        self.at_speed(self.speed(dq))
     }
 
-    /// f(v) at a speed of the shaft \[rad/s\].
-    pub fn at(&self, speed: f64) -> f64 {
+    /// f(v) at a speed v of the shaft \[rad/s\].
+    pub fn at_speed(&self, speed: f64) -> f64 {
         if self.direction.holds(speed) { self.law.value(speed) } else { 0.0 }
     }
 

@@ -59,6 +59,7 @@ pub struct Torque {
     n_joints: usize,
     factors: Vec<Factor>,
     joints: Vec<Vec<Product>>,
+    mass: Mass,
     friction: Vec<Weighted<FrictionTerm>>,
     /// The links, where a chain was learned; the terms are then those of its drives.
     links: Option<Links>,
@@ -70,6 +71,21 @@ struct Links {
     kinematics: Kinematics,
     weightless: Kinematics,
     inertial: Vec<f64>,
+}
+
+/// M(q) on its own: the functions it needs, and what each term adds to an entry.
+#[derive(Clone, Debug)]
+struct Mass {
+    factors: Vec<Factor>,
+    entries: Vec<Entry>,
+}
+
+/// A term of M(q): `coefficient` times its functions, at (row, column).
+#[derive(Clone, Debug)]
+struct Entry {
+    place: (usize, usize),
+    coefficient: f64,
+    factors: Vec<usize>,
 }
 
 /// One term with its functions looked up by place.
@@ -91,8 +107,9 @@ impl Torque {
             _ => model.equations(),
         };
         let (factors, joints) = numbered(&equations);
+        let mass = Mass::of(equations, model.n_joints());
         let friction = model.friction.clone();
-        Self { n_joints: model.n_joints(), factors, joints, friction, links }
+        Self { n_joints: model.n_joints(), factors, joints, mass, friction, links }
     }
 
     /// τ̂ \[N·m\] at one state: q \[rad\], dq \[rad/s\], ddq \[rad/s²\], n each.
@@ -160,17 +177,20 @@ impl Torque {
     /// # Errors
     /// [`ModelError::Shape`] if `q` has another length than the model has joints.
     pub fn mass_matrix(&self, q: &[f64]) -> Result<Mat<f64>, ModelError> {
-        let n = self.n_joints;
-        let (rest, mut unit) = (vec![0.0; n], vec![0.0; n]);
-        let mut matrix = Mat::zeros(n, n);
-        for column in 0..n {
-            unit[column] = 1.0;
-            self.visit(q, &rest, &unit, |joint, kind, value| {
-                if kind == Kind::Inertia {
-                    matrix[(joint, column)] += value;
+        self.check_length("q", q)?;
+        let factors: Vec<f64> = self.mass.factors.iter().map(|factor| factor.value(q)).collect();
+        let mut matrix = Mat::zeros(self.n_joints, self.n_joints);
+        for Entry { place, coefficient, factors: places } in &self.mass.entries {
+            let angles: f64 = places.iter().map(|&place| factors[place]).product();
+            matrix[*place] += coefficient * angles;
+        }
+        if let Some(links) = &self.links {
+            links.kinematics.mass_matrix(q, &links.inertial, &mut Moved::default(), |i, j, value| {
+                matrix[(i, j)] += value;
+                if i != j {
+                    matrix[(j, i)] += value;
                 }
-            })?;
-            unit[column] = 0.0;
+            });
         }
         Ok(matrix)
     }
@@ -290,6 +310,27 @@ fn drives(chain: &RigidChain) -> Form {
     let weighted =
         |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
     Form::Energy(chain.drives.iter().flat_map(Drive::energy_terms).map(weighted).collect())
+}
+
+impl Mass {
+    /// The terms of torque equations that a unit acceleration of one joint leaves at rest.
+    fn of(mut equations: Vec<Sum>, n_joints: usize) -> Self {
+        for equation in &mut equations {
+            equation.retain(|(_, term)| term.kind() == Kind::Inertia);
+        }
+        let (factors, joints) = numbered(&equations);
+        let mut entries = Vec::new();
+        for (row, products) in joints.into_iter().enumerate() {
+            for Product { coefficient, factors, rates, .. } in products {
+                let alone = rates.windows(2).all(|pair| pair[0] == pair[1]);
+                let column = rates.first().and_then(|place| place.checked_sub(n_joints));
+                if let (true, Some(column)) = (alone, column) {
+                    entries.push(Entry { place: (row, column), coefficient, factors });
+                }
+            }
+        }
+        Self { factors, entries }
+    }
 }
 
 /// The functions of all terms, each once, and the terms of each joint that look them up.

@@ -19,8 +19,8 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use torquewise::identify::cutoff::{MULTIPLES, choose_cutoff};
-use torquewise::identify::plan::FrictionKind;
-use torquewise::identify::{Method, Plan, reconstruct, score};
+use torquewise::identify::plan::ChainOptions;
+use torquewise::identify::{reconstruct, score};
 use torquewise::logs::{Clock, ConditionedLogs, LogError, Logs, Options, Profile};
 use torquewise::model::Model;
 use torquewise::model::model::Choice;
@@ -90,13 +90,11 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let (train, test) = (motion.select(&train), motion.select(&test));
 
     let start = Instant::now();
-    let plan = Plan {
-        method: Method::Chain,
-        friction: FrictionKind::Auto,
+    let options = ChainOptions {
         counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
-        ..Plan::default()
+        ..ChainOptions::default()
     };
-    let mut found = reconstruct(&train, &plan, &mut |_| {})?;
+    let mut found = reconstruct(&train, &options.into(), &mut |_| {})?;
     found.model.choices.splice(0..0, cutoff);
     let seconds = start.elapsed().as_secs_f64();
     let scores = score(&found.model, &test)?;

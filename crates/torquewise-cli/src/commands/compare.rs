@@ -33,10 +33,10 @@ struct Contender {
 
 /// Fits with both methods and scores both.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    let (stepwise, sindy) = arguments.plan.both_plans()?;
     let (train, test) = (Logs::open(&arguments.logs)?, Logs::open(&arguments.test)?);
     train.require_tau()?;
     test.require_tau()?;
-    let (stepwise, sindy) = arguments.plan.both_plans();
     let contend = |name, plan: &Plan| -> Result<Contender> {
         let timed = timed(&train, None, plan)?;
         let scores = score(&timed.found.model, &test)?;

@@ -6,6 +6,7 @@ use crate::files::{
     check_distinct, check_ending, check_output, create_folder, read_model, write_whole,
 };
 use crate::outcome::Outcome;
+use crate::physics::MassMatrix;
 use crate::table::Table;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -50,6 +51,9 @@ pub(crate) struct Arguments {
     /// Write an fmu of sources alone
     #[arg(long)]
     no_binary: bool,
+    /// Export a model whose mass matrix is not positive definite all the same
+    #[arg(long)]
+    force: bool,
 }
 
 /// What is written.
@@ -89,6 +93,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let vectors = arguments.test_vectors.then(|| output.with_extension("vectors.csv"));
     check_paths(arguments, vectors.as_ref())?;
     let model = read_model(&arguments.model)?;
+    let flaw = MassMatrix::of(&model)?.flaw();
+    if let (Some(flaw), false) = (&flaw, arguments.force) {
+        return Err(CliError::NotPositiveDefinite { flaw: flaw.clone() }.into());
+    }
     let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
     let program = Program::of(&model)?;
     let (name, precision) = (name(arguments), precision(arguments.precision));
@@ -104,7 +112,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = &vectors {
         write_whole(file, test_vectors(&model, TEST_STATES, arguments.seed)?)?;
     }
-    Ok(outcome(arguments, &model, &program, vectors.as_deref()))
+    let outcome = outcome(arguments, &model, &program, vectors.as_deref());
+    let warnings = flaw.map(|flaw| format!("{flaw}: do not let this code move an arm there"));
+    Ok(Outcome { warnings: warnings.into_iter().collect(), ..outcome })
 }
 
 fn width(text: &str) -> Result<f64, String> {

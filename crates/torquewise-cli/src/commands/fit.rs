@@ -5,7 +5,7 @@ use crate::call_costs::CallCosts;
 use crate::error::CliError;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
-use crate::physics::Physics;
+use crate::physics::{MassMatrix, Physics, STATES};
 use crate::progress::Watched;
 use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
 use crate::score_table;
@@ -16,7 +16,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use torquewise::identify::disagreement::disagreements;
-use torquewise::identify::{Method, Reconstruction, Warning, diagnose, score};
+use torquewise::identify::plan::Regression;
+use torquewise::identify::{Plan, Reconstruction, Warning, diagnose, score};
 use torquewise::logs::Logs;
 use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
@@ -61,11 +62,11 @@ pub(crate) enum MethodName {
 }
 
 impl MethodName {
-    /// The method of that name.
-    pub(crate) fn method(self) -> Method {
+    /// The regressions of that name.
+    pub(crate) fn regression(self) -> Regression {
         match self {
-            Self::Stepwise => Method::Stepwise,
-            Self::Sindy => Method::Sindy,
+            Self::Stepwise => Regression::Stepwise,
+            Self::Sindy => Regression::OneShot,
         }
     }
 }
@@ -73,22 +74,21 @@ impl MethodName {
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
-    let method = arguments.method.method();
     // Wrong usage is told before the log is read.
-    arguments.plan.plan(method, Known::default())?;
-    let Opened { logs, test, cutoff } = open(arguments)?;
-    let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
-    let plan = arguments.plan.plan(method, known)?;
+    arguments.plan.plan(arguments.method.regression(), Known::default())?;
+    let Opened { logs, test, cutoff, plan } = open(arguments)?;
     let mut timed = timed(&logs, logs.rows_hint(), &plan)?;
     timed.found.model.choices.splice(0..0, cutoff);
     compare_logs(&mut timed.found, &logs)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, to_json(model)?)?;
 
-    let mut text = vec![logs.text(), text(&arguments.output, &timed)];
-    let mut json = json(&arguments.output, &timed);
+    let mass = MassMatrix::of(model)?;
+    let mut text = vec![mass.headline(), logs.text(), text(&arguments.output, &timed)];
+    let mut json = json(&arguments.output, &timed, &mass);
     let found = timed.found.warnings.iter().map(ToString::to_string);
-    let mut warnings: Vec<String> = found.chain(logs.warnings()).collect();
+    let mut warnings: Vec<String> =
+        mass.warning().into_iter().chain(found).chain(logs.warnings()).collect();
     if let Some(test) = &test {
         let scores = score(model, &Watched::new(test, "predicting").of(test.rows_hint(), 1))?;
         text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
@@ -126,6 +126,8 @@ struct Opened {
     test: Option<Recorded>,
     /// How the cut-off of the filter was chosen.
     cutoff: Option<Choice>,
+    /// What is fitted.
+    plan: Plan,
 }
 
 fn open(arguments: &Arguments) -> Result<Opened> {
@@ -134,14 +136,17 @@ fn open(arguments: &Arguments) -> Result<Opened> {
         logs.require_tau()?;
         Ok(logs)
     };
-    let (logs, cutoff) = arguments.signals.prepare_to_fit(open(&arguments.logs)?)?;
+    let logs = open(&arguments.logs)?;
+    let known = Known::of(&logs, &arguments.signals);
+    let plan = arguments.plan.plan(arguments.method.regression(), known)?;
+    let (logs, cutoff) = arguments.signals.prepare_to_fit(logs)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
     let test = test.map(|test| arguments.signals.prepare(open(test)?)).transpose()?;
     if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
     }
-    Ok(Opened { logs, test, cutoff })
+    Ok(Opened { logs, test, cutoff, plan })
 }
 
 /// Warns of logs that one model cannot fit, such as those of different payloads.
@@ -167,7 +172,7 @@ fn report(
         diagnose(&found.model, &found.patterns, &watched)
     };
     let (diagnosis, test) = (look(logs)?, test.map(look).transpose()?);
-    let physics = Physics::of(&found.model)?;
+    let physics = Physics::of(&found.model, STATES)?;
     let names = |paths: &[PathBuf]| {
         let name = |path: &PathBuf| {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
@@ -231,7 +236,7 @@ fn choices(model: &Model) -> String {
 }
 
 /// The same for programs.
-pub(crate) fn json(output: &Path, timed: &Timed) -> Value {
+pub(crate) fn json(output: &Path, timed: &Timed, mass: &MassMatrix) -> Value {
     let found = &timed.found;
     let model = &found.model;
     let steps = found.steps.iter().zip(&timed.step_seconds).map(|(step, seconds)| {
@@ -269,6 +274,7 @@ pub(crate) fn json(output: &Path, timed: &Timed) -> Value {
         "dropped": dropped.collect::<Vec<_>>(),
         "residual_rms": model.training.residual_rms,
         "torque_std": model.training.torque_std,
+        "mass_matrix": mass.json(),
         "file": output.display().to_string(),
     })
 }

@@ -5,7 +5,7 @@ use crate::arguments::PlanArguments;
 use crate::commands::fit::MethodName;
 use crate::error::CliError;
 use crate::files::check_output;
-use crate::moments_file::{json, text, write_moments};
+use crate::moments_file::{json, read_request, text, write_moments};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
 use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
@@ -13,10 +13,9 @@ use crate::timed::doing;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::identify::Method;
-use torquewise::identify::plan::FrictionKind;
-use torquewise::identify::summarise;
-use torquewise::motion::Recording;
+use torquewise::identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
+use torquewise::identify::summary::summarise_again;
+use torquewise::identify::{Method, Plan, summarise};
 
 /// Sum up logs into a file that adds to others: merge such files, then solve
 #[derive(Args, Debug)]
@@ -27,6 +26,9 @@ pub(crate) struct Arguments {
     /// Moments file to write
     #[arg(short, long, value_name = "PART.moments")]
     output: PathBuf,
+    /// What `solve` asked for: sum up the rows for another pass of a chain
+    #[arg(long, value_name = "FILE.request")]
+    request: Option<PathBuf>,
     /// Standstill, uniform and variable velocity in turn, or all at once
     #[arg(long, value_enum, default_value_t)]
     method: MethodName,
@@ -45,23 +47,32 @@ const FRICTION: &str = "the laws of friction follow from all logs together, so t
 /// Sums up and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_output(&arguments.output, &arguments.logs)?;
-    let method = arguments.method.method();
+    let regression = arguments.method.regression();
     // Wrong usage is told before the log is read.
-    arguments.plan.plan(method, Known::default())?;
+    arguments.plan.refuse_selection()?;
+    arguments.plan.plan(regression, Known::default())?;
     let logs = arguments.profile.open(&arguments.logs)?;
     logs.require_tau()?;
-    let logs = arguments.signals.prepare(logs)?;
-    let known = Known { joints: logs.joints().len(), filtered: logs.report().is_some() };
-    let plan = arguments.plan.plan(method, known)?;
-    if plan.friction != FrictionKind::None && plan.method != Method::Chain {
+    let request = arguments.request.as_deref().map(read_request).transpose()?;
+    let plan = arguments.plan.plan(regression, Known::of(&logs, &arguments.signals))?;
+    let plan = match (&request, &plan.method) {
+        (Some(_), Method::Library(_)) => Plan { method: Method::Chain(ChainOptions::default()), ..plan },
+        _ => plan,
+    };
+    if let Method::Library(LibraryOptions { friction, .. }) = &plan.method
+        && *friction != FrictionKind::None
+    {
         return Err(CliError::Usage(FRICTION.into()).into());
     }
+    let logs = arguments.signals.prepare(logs)?;
 
     let watched = Watched::new(&logs, "summing").of(logs.rows_hint(), 2);
     let bar = watched.bar();
-    let summary = summarise(&watched, &plan, &how(&logs), &mut |progress| {
-        bar.set_message(doing(progress));
-    })?;
+    let mut told = |progress| bar.set_message(doing(progress));
+    let summary = match &request {
+        None => summarise(&watched, &plan, &how(&logs), &mut told)?,
+        Some(request) => summarise_again(&watched, &plan, &how(&logs), request, &mut told)?,
+    };
     let bytes = write_moments(&arguments.output, &summary)?;
     Ok(Outcome {
         text: logs.text() + &text(&summary, &arguments.output, bytes),

@@ -3,7 +3,7 @@
 use crate::call_costs::CallCosts;
 use crate::files::read_model;
 use crate::outcome::Outcome;
-use crate::physics::Physics;
+use crate::physics::{Physics, STATES};
 use crate::table::{Table, number};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -20,9 +20,17 @@ pub(crate) struct Arguments {
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
-    /// Check at random states that M(q) is symmetric and positive definite and dM/dt − 2C skew
+    /// Check at random states that M(q) is symmetric and positive definite and dM/dt − 2C skew,
+    /// and at all speeds up to the trained peak that friction takes power
+    ///
+    /// States are drawn from the training range, and again with each joint anywhere from −π to π.
+    /// The constant offset of friction is left aside.
     #[arg(long)]
     check: bool,
+    /// Random states of each range
+    #[arg(long, value_name = "N", default_value_t = STATES, requires = "check")]
+    #[arg(value_parser = states)]
+    states: usize,
     /// Count what a call of the torque costs a controller, after each step and whole
     #[arg(long)]
     cost: bool,
@@ -43,7 +51,7 @@ enum Format {
 /// Prints, and checks if asked to.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
-    let physics = arguments.check.then(|| Physics::of(&model)).transpose()?;
+    let physics = arguments.check.then(|| Physics::of(&model, arguments.states)).transpose()?;
     let costs = arguments.cost.then(|| CallCosts::of(&model)).transpose()?;
     let mut json = json(&model, physics.as_ref());
     json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
@@ -60,6 +68,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let warnings = physics.iter().filter_map(Physics::warning).collect();
     Ok(Outcome { text, json, warnings })
+}
+
+fn states(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..=10_000_000) => Ok(count),
+        _ => Err("expected a number from 1 to 10000000".to_owned()),
+    }
 }
 
 /// What there was to choose from, and what was taken.

@@ -13,3 +13,5 @@ mod export;
 mod pitfalls;
 mod bad_input;
 mod usage;
+mod flags;
+mod physics;

@@ -3,14 +3,14 @@
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;
 use crate::method::{
-    Method, correcting_noise, in_one_step, lasso, selecting, threshold, with_printed_index,
+    Method, MethodPlan, correcting_noise, in_one_step, lasso, selecting, threshold,
+    with_printed_index,
 };
 use crate::scenario::{Decibels, Scenario, outside};
 use crate::settings::Settings;
 use crate::spread::Spread;
 use crate::trial::{TrialPlan, judge_steps};
 use serde::Serialize;
-use torquewise_identify::Plan;
 
 /// One row of the ablation.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ pub const AS_IT_IS: &str = "as it is";
 const PRINTED: &str = "activation index as printed";
 
 /// Family, change, equation, plan and whether it is judged before the refit.
-type Row = (&'static str, &'static str, &'static str, Plan, bool);
+type Row = (&'static str, &'static str, &'static str, MethodPlan, bool);
 
 fn rows() -> Vec<Row> {
     let mut rows = Vec::new();

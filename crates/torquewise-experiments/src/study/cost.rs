@@ -2,7 +2,7 @@
 
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;
-use crate::method::{Method, lasso, selecting, threshold};
+use crate::method::{Method, MethodPlan, lasso, selecting, threshold};
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use crate::spread::Spread;
@@ -10,7 +10,7 @@ use crate::trial::{Cost, TrialPlan, now};
 use serde::Serialize;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::evidence::{one_shot, plan_steps};
-use torquewise_identify::{Method as Steps, Plan};
+use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_sparse::accumulate::{Accumulate, Prepared, Route};
 use torquewise_sparse::samples::Samples;
@@ -20,7 +20,7 @@ use torquewise_sparse::samples::Samples;
 pub struct CostPlan {
     name: &'static str,
     rule: &'static str,
-    plan: Plan,
+    plan: MethodPlan,
     trials: Vec<TrialId>,
 }
 
@@ -115,7 +115,10 @@ pub fn evaluate(plans: &[CostPlan], settings: &Settings) -> Result<Vec<f64>, Exp
         let known = plans.iter().zip(&seconds).find(|(known, _)| known.name == *name);
         seconds.push(match known {
             Some((_, &seconds)) => seconds,
-            None => times * one_thread.install(|| evaluate_all(&log, &simulation.truth, plan))?,
+            None => {
+                times
+                    * one_thread.install(|| evaluate_all(&log, &simulation.truth, &plan.options))?
+            }
         });
     }
     Ok(seconds)
@@ -155,13 +158,18 @@ pub fn costs(
 }
 
 /// CPU time \[s\] of the normal equations of all steps, every column evaluated on its rows.
-fn evaluate_all(log: &Motion, truth: &[Pattern], plan: &Plan) -> Result<f64, ExperimentError> {
+fn evaluate_all(
+    log: &Motion,
+    truth: &[Pattern],
+    options: &LibraryOptions,
+) -> Result<f64, ExperimentError> {
     let named = |source| ExperimentError::Identify { experiment: "cost".into(), source };
     let n = log.n_joints();
-    let candidates = Candidates::new(n, plan.library, plan.method).map_err(named)?;
-    let steps = match plan.method {
-        Steps::Stepwise => plan_steps(&candidates, &Pattern::ALL).0,
-        Steps::Sindy | Steps::Chain => one_shot(&candidates),
+    let LibraryOptions { library, regression, .. } = *options;
+    let candidates = Candidates::new(n, library, regression).map_err(named)?;
+    let steps = match regression {
+        Regression::Stepwise => plan_steps(&candidates, &Pattern::ALL).0,
+        Regression::OneShot => one_shot(&candidates),
     };
     let start = now();
     for step in steps {

@@ -6,7 +6,7 @@ use faer::Mat;
 use torquewise_control::{Plant, Sensors, record};
 use torquewise_dynamics::{Arm, Friction, Stribeck};
 use torquewise_excite::{self as excite, Planned, Wishes};
-use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::{Plan, Reconstruction, reconstruct};
 use torquewise_motion::{Motion, Signals};
 use torquewise_signals::{Conditioning, Raw, condition};
@@ -50,7 +50,7 @@ pub fn plant(settings: &Settings) -> Result<Plant, ExperimentError> {
 
 /// How the recordings become a model.
 pub fn plan() -> Plan {
-    Plan { friction: FrictionKind::Stribeck, ..Plan::default() }
+    LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() }.into()
 }
 
 /// What was recorded, cleaned for the learner: very slow, uniform and variable velocity.

@@ -4,7 +4,8 @@ use crate::trial::{N, errors, grams, moves, problem, test, timed, write, write_m
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method, Plan, reconstruct};
+use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
+use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Training, Weighted, to_json};
 use torquewise_motion::Motion;
@@ -20,7 +21,7 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
     let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
     write_files(folder, "energy3", &motion, &test);
     let library = LibraryKind::Energy { interaction: None };
-    let candidates = Candidates::new(N, library, Method::Stepwise).expect("a library");
+    let candidates = Candidates::new(N, library, Regression::Stepwise).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
 
     let ((all, _, _), gram) =
@@ -30,7 +31,7 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
     let (path, seconds) =
         timed("lasso", || lasso_path(&all, &lasso).expect("settings within range"));
     write(&folder.join("energy3_lambdas.f64"), path.iter().map(|point| point.lambda));
-    let plan = Plan { bags: 0, ..Plan::default() };
+    let plan = Plan::from(LibraryOptions { bags: 0, ..LibraryOptions::default() });
     let (found, fit) = timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log"));
     json!({
         "rows": ROWS,
@@ -48,7 +49,7 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
 pub(crate) fn six_joints(folder: &Path) -> Value {
     let (motion, test) = (moves("generic-6", FEW_ROWS, 2), test("generic-6"));
     write_files(folder, "energy6", &motion, &test);
-    let plan = Plan { method: Method::Chain, bags: 0, ..Plan::default() };
+    let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
     let (found, fit) = timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log"));
     json!({
         "rows": FEW_ROWS,

@@ -4,8 +4,9 @@ use crate::trial::{N, grams, moves, problem, timed, write, write_motion, write_t
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method};
+use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_sparse::accumulate::cheaper_route;
 use torquewise_sparse::gram::Gram;
@@ -33,7 +34,7 @@ pub(crate) fn run(folder: &Path) -> Value {
 /// Number of candidates and times at one order; the weights are written at the largest.
 fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let library = LibraryKind::Product { gravity_order: 2, trig_order: order };
-    let candidates = Candidates::new(N, library, Method::Sindy).expect("a library");
+    let candidates = Candidates::new(N, library, Regression::OneShot).expect("a library");
     let p = candidates.len();
     let route = cheaper_route(&candidates.design, N, ROWS);
     let columns: Vec<usize> = (0..p).collect();

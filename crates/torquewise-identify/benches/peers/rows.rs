@@ -3,8 +3,9 @@
 use crate::trial::{N, grams, moves, problem, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::select::stlsq::Stlsq;
 
 /// Rows of the log, which larger numbers of rows go through again and again.
@@ -15,7 +16,7 @@ const REPEATS: [usize; 4] = [1, 10, 100, 1_000];
 pub(crate) fn run(folder: &Path) -> Value {
     let motion = moves("puma560-3", ROWS, 3);
     let library = LibraryKind::Product { gravity_order: 1, trig_order: 1 };
-    let candidates = Candidates::new(N, library, Method::Sindy).expect("a library");
+    let candidates = Candidates::new(N, library, Regression::OneShot).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
     write_motion(&folder.join("many.f64"), &motion);
     write_terms(&folder.join("many.txt"), &candidates, &columns);

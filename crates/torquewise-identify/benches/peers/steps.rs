@@ -4,7 +4,8 @@ use crate::trial::{N, errors, moves, test, timed, write, write_motion, write_ter
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{Plan, reconstruct};
+use torquewise_identify::plan::LibraryOptions;
+use torquewise_identify::reconstruct;
 use torquewise_motion::Pattern;
 
 const ROWS: usize = 20_000;
@@ -12,8 +13,9 @@ const ROWS: usize = 20_000;
 /// Times of a whole fit: patterns, sums, selection, bias of the noise, refit, standard errors.
 pub(crate) fn run(folder: &Path) -> Value {
     let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
-    let plan = Plan { bags: 0, ..Plan::product() };
-    let candidates = Candidates::new(N, plan.library, plan.method).expect("a library");
+    let options = LibraryOptions { bags: 0, ..LibraryOptions::product() };
+    let candidates = Candidates::new(N, options.library, options.regression).expect("a library");
+    let plan = options.into();
     let (found, seconds) =
         timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log of three patterns"));
 

@@ -16,6 +16,8 @@ pub(crate) struct Structure {
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
     /// together ask for their release.
     pub(crate) free: Vec<usize>,
+    /// Whether parameters are to be such that a physical arm has them (E14).
+    pub(crate) physical: bool,
     /// How strongly these are held at right angles, mean squares of the residual.
     pub(crate) pull: f64,
     /// Joints slower than this \[rad/s\] are at rest: their friction may be anything; n.
@@ -58,6 +60,27 @@ impl Linearisation {
     pub(crate) fn active(&self) -> Vec<usize> {
         let linear = self.linear.len();
         (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
+    }
+
+    /// Whether its parts fit n joints.
+    pub(crate) fn is_sound(&self, n: usize) -> bool {
+        let bodies = torquewise_rigid::recursion::PER_BODY * n;
+        let geometry = Geometry::new(&self.geometry);
+        let finite = |x: &[f64]| x.iter().all(|x| x.is_finite());
+        let noise = [&self.noise.q, &self.noise.dq, &self.noise.ddq];
+        geometry.is_ok_and(|geometry| geometry.n_joints() == n)
+            && self.linear.len() == bodies + self.structure.drive.len()
+            && self.structure.drive.iter().all(|term| term.n_joints() == n)
+            && self.structure.free.iter().all(|&k| k < self.geometry.len())
+            && self.structure.rest.len() == n
+            && self.weights.len() == n
+            && self.scales.len() == self.n_parameters()
+            && noise.iter().all(|noise| noise.len() == n && finite(noise))
+            && [&self.geometry, &self.linear, &self.weights, &self.scales]
+                .iter()
+                .all(|x| finite(x))
+            && self.block_rows > 0
+            && self.fold_rows > 0
     }
 
     /// Number of joints n.

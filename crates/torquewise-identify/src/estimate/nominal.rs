@@ -111,7 +111,7 @@ fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
         let (peak, usual) = (speed_of(any, sizes), usual_friction(any, sizes));
         for speed in SPEEDS.iter().flat_map(|part| [part * peak, -part * peak]) {
             let terms: Vec<(usize, f64)> = (own.iter())
-                .map(|(k, term)| (*k, speed.signum() * term.at(speed)))
+                .map(|(k, term)| (*k, speed.signum() * term.at_speed(speed)))
                 .filter(|(_, weight)| *weight != 0.0)
                 .collect();
             let weight = 1.0 / SPEEDS.len() as f64;

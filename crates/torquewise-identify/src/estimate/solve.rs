@@ -19,8 +19,10 @@ use torquewise_sparse::normal_sums::{FOLDS, NormalSums, corrected};
 pub(crate) const STRENGTH: &str = "strength of the physical prior";
 /// Strengths of the prior that are tried, the strongest first.
 const STRENGTHS: [f64; 9] = [1e4, 1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4];
-/// The strength where a log is too short to choose one.
-const USUAL_STRENGTH: f64 = 1.0;
+/// The strength where a log is too short to choose one, 1.
+const USUAL_PLACE: usize = 4;
+/// Parts of the pull on the geometry that are tried once the prior is as strong as it should be.
+const RELEASED: [f64; 4] = [0.1, 1e-2, 1e-3, 1e-4];
 /// Fewer folds with rows are too few to choose by.
 const LEAST_FOLDS: usize = 3;
 /// Equations that the pull on the geometry counts as at most: it must not grow with the log.
@@ -49,8 +51,6 @@ pub(crate) struct Solved {
     pub(crate) choice: Option<Choice>,
     /// By what part physics makes the residual larger (RMS) than it is at the optimum without.
     pub(crate) price: f64,
-    /// The optimum without physics, p.
-    pub(crate) unconstrained: Vec<f64>,
     /// Largest move of a parameter in its standard errors.
     pub(crate) moved: f64,
 }
@@ -111,12 +111,15 @@ struct Step<'a> {
     start: Vec<f64>,
     /// Parameters of the linearisation.
     before: Vec<f64>,
+    /// Without the pull on the geometry.
     all: Equations,
 }
 
 /// The best parameters with some of them free to move.
 struct Best {
     strength: f64,
+    /// What the pull on the geometry counts as, in equations.
+    pull: f64,
     choice: Option<Choice>,
     /// Values of the parameters that may move.
     solution: Vec<f64>,
@@ -139,7 +142,7 @@ impl<'a> Step<'a> {
         let gram = sums.gram();
         let sizes = Sizes { mass: mass_of(&gram, at)?, ..sizes.clone() };
         let (prior, start) = prior(at, &sizes)?;
-        let all = Equations::new(&gram, &sums.bias(), at, pulled(sums, at))?;
+        let all = Equations::new(&gram, &sums.bias(), at)?;
         Ok(Self { sums, at, sizes, prior, start, before: at.parameters(), all })
     }
 
@@ -150,38 +153,74 @@ impl<'a> Step<'a> {
         whole
     }
 
-    /// Fits the parameters that may move, the strength of the prior chosen on held-out folds.
-    fn best(&self, active: &[usize]) -> Result<Best, IdentifyError> {
-        let start: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
-        let equations = self.all.of(active, &self.before);
-        let mut path = Vec::with_capacity(STRENGTHS.len());
-        let mut x = start;
-        for &strength in &STRENGTHS {
-            x = minimise(equations.quadratic(), &self.prior, strength, &x)?;
-            path.push(x.clone());
-        }
-        let errors = self.held_out(active, &path)?;
-        let trials: Vec<Trial> = (STRENGTHS.iter().enumerate())
-            .map(|(k, strength)| Trial {
-                label: format!("{strength:e}"),
-                complexity: active.len(),
-                errors: errors.iter().map(|of_fold| of_fold[k]).collect(),
-            })
-            .collect();
-        let usual = STRENGTHS.iter().position(|&s| s <= USUAL_STRENGTH).unwrap_or(0);
-        let (place, choice) = match choose(STRENGTH, &trials) {
-            Some((place, choice)) if !errors.is_empty() => (place, Some(choice)),
-            _ => (usual, None),
-        };
-        let errors = trials[place].errors.clone();
-        Ok(Best { strength: STRENGTHS[place], choice, solution: path.swap_remove(place), errors })
+    /// The equations of the parameters that may move, the geometry pulled to right angles.
+    fn equations(&self, active: &[usize], pull: f64) -> Equations {
+        self.all.of(active, self.at, pull)
     }
 
-    /// Errors on each fold of what the others teach, for each strength; nothing if folds are few.
+    /// Fits the parameters that may move. How strong the prior is, and then how strongly the
+    /// geometry is pulled, is chosen on held-out folds.
+    fn best(&self, active: &[usize]) -> Result<Best, IdentifyError> {
+        let most = self.sums.rows() as f64 * self.at.n_joints() as f64;
+        let pull = most.min(MOST_PULLED);
+        let equations = self.equations(active, pull);
+        let mut path = Vec::with_capacity(STRENGTHS.len());
+        let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
+        for &strength in &STRENGTHS {
+            x = minimise(equations.quadratic(), &self.prior, strength, &x)?;
+            path.push((strength, pull, x.clone()));
+        }
+        let (place, choice, errors) = self.choose(STRENGTH, active, &path)?;
+        let place = choice.as_ref().map_or(USUAL_PLACE, |_| place);
+        let (strength, _, x) = path.swap_remove(place);
+        let mut best = Best { strength, pull, choice, solution: x.clone(), errors };
+        if best.choice.is_none() || active.len() == self.at.linear.len() {
+            return Ok(best);
+        }
+        let mut path = vec![(strength, pull, x.clone())];
+        for share in RELEASED {
+            let equations = self.equations(active, share * pull);
+            let x = minimise(equations.quadratic(), &self.prior, strength, &x)?;
+            path.push((strength, share * pull, x));
+        }
+        // A pull has no error of its own to be preferred for: the best is taken.
+        let errors = self.held_out(active, &path)?;
+        let mean = |k: usize| errors.iter().map(|of_fold| of_fold[k]).sum::<f64>();
+        let place = (0..path.len()).min_by(|&a, &b| mean(a).total_cmp(&mean(b))).unwrap_or(0);
+        best.errors = errors.iter().map(|of_fold| of_fold[place]).collect();
+        (_, best.pull, best.solution) = path.swap_remove(place);
+        Ok(best)
+    }
+
+    /// Chooses among fits by the rule of one standard error; also its errors on the folds.
+    fn choose(
+        &self,
+        what: &str,
+        active: &[usize],
+        path: &[(f64, f64, Vec<f64>)],
+    ) -> Result<(usize, Option<Choice>, Vec<f64>), IdentifyError> {
+        let errors = self.held_out(active, path)?;
+        if errors.is_empty() {
+            return Ok((0, None, Vec::new()));
+        }
+        let trial = |(k, (strength, ..)): (usize, &(f64, f64, Vec<f64>))| Trial {
+            label: format!("{strength:e}"),
+            complexity: active.len(),
+            errors: errors.iter().map(|of_fold| of_fold[k]).collect(),
+        };
+        let trials: Vec<Trial> = path.iter().enumerate().map(trial).collect();
+        Ok(match choose(what, &trials) {
+            Some((place, choice)) => (place, Some(choice), trials[place].errors.clone()),
+            None => (0, None, Vec::new()),
+        })
+    }
+
+    /// Errors on each fold of what the others teach, for each (strength, pull, start); nothing if
+    /// folds are few.
     fn held_out(
         &self,
         active: &[usize],
-        path: &[Vec<f64>],
+        path: &[(f64, f64, Vec<f64>)],
     ) -> Result<Vec<Vec<f64>>, IdentifyError> {
         let sums = self.sums;
         let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
@@ -193,10 +232,10 @@ impl<'a> Step<'a> {
             let (held, count) = (sums.gram_of(fold), sums.rows_of(fold) as f64);
             let share = 1.0 - count / rows;
             let (gram, bias) = (&gram - &held, faer::Scale(share) * &bias);
-            let rest = Equations::new(&gram, &bias, self.at, share * pulled(sums, self.at))?;
-            let rest = rest.of(active, &self.before);
-            let mut errors = Vec::with_capacity(STRENGTHS.len());
-            for (strength, start) in STRENGTHS.iter().zip(path) {
+            let rest = Equations::new(&gram, &bias, self.at)?;
+            let mut errors = Vec::with_capacity(path.len());
+            for (strength, pull, start) in path {
+                let rest = rest.of(active, self.at, share * pull);
                 let x = minimise(rest.quadratic(), &self.prior, *strength, start)?;
                 let squares = self.squares(&held, &self.whole(active, &x));
                 errors.push((squares / (count * self.at.n_joints() as f64)).sqrt());
@@ -237,7 +276,7 @@ impl<'a> Step<'a> {
         if held.is_empty() || self.sums.blocks() < LEAST_BLOCKS {
             return Ok(Vec::new());
         }
-        let equations = self.all.of(active, &self.before);
+        let equations = self.equations(active, best.pull);
         let factor =
             curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
         let across = Mat::from_fn(active.len(), held.len(), |i, j| {
@@ -275,7 +314,7 @@ impl<'a> Step<'a> {
         let (p, linear) = (self.before.len(), self.at.linear.len());
         let gram = self.sums.gram();
         let feasible = self.whole(active, &best.solution);
-        let equations = self.all.of(active, &self.before);
+        let equations = self.equations(active, best.pull);
         let unconstrained = self.whole(active, &equations.unconstrained()?);
         let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&gram, x));
         let price = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
@@ -294,7 +333,8 @@ impl<'a> Step<'a> {
                 covariance[(k, l)] = 0.5 * (own[(i, j)] + own[(j, i)]);
             }
         }
-        let parameters = bounded(self.at, &feasible);
+        let chosen = if self.at.structure.physical { &feasible } else { &unconstrained };
+        let parameters = bounded(self.at, chosen);
         let in_errors = |&k: &usize| {
             let change = (parameters[k] - self.before[k]).abs();
             let error = covariance[(k, k)].max(0.0).sqrt();
@@ -305,13 +345,8 @@ impl<'a> Step<'a> {
         next.weights = weights(self.sums, &self.sizes);
         next.structure.free =
             active.iter().filter(|&&k| k >= linear).map(|&k| k - linear).collect();
-        Ok(Solved { at: next, covariance, choice: best.choice, price, unconstrained, moved })
+        Ok(Solved { at: next, covariance, choice: best.choice, price, moved })
     }
-}
-
-/// Equations that the pull on the geometry counts as: it must not grow with the log.
-fn pulled(sums: &NormalSums, at: &Linearisation) -> f64 {
-    (sums.rows() as f64 * at.n_joints() as f64).min(MOST_PULLED)
 }
 
 /// One over the residual of each joint \[1/(N·m)\], n.
@@ -349,41 +384,42 @@ fn mass_of(gram: &Mat<f64>, at: &Linearisation) -> Result<f64, IdentifyError> {
 }
 
 impl Equations {
-    /// - `equations`: what the pull on the geometry counts as
     fn new(
         gram: &Mat<f64>,
         bias: &Mat<f64>,
         at: &Linearisation,
-        equations: f64,
     ) -> Result<Self, IdentifyError> {
         let p = at.n_parameters();
         let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
         let corrected = corrected(&part(gram), &part(bias))?;
-        let mut hessian =
+        let hessian =
             Mat::from_fn(p, p, |i, j| corrected[(i, j)] / (at.scales[i] * at.scales[j]));
         let known = &hessian * ColRef::from_slice(&at.parameters());
-        let mut right: Vec<f64> =
+        let right =
             (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
-        let anchor = right_angles_near(&Geometry::new(&at.geometry)?);
-        let linear = at.linear.len();
-        for (k, anchor) in anchor.into_iter().enumerate() {
-            let stiffness = equations * pull_stiffness(at.structure.pull, k);
-            hessian[(linear + k, linear + k)] += stiffness;
-            right[linear + k] += stiffness * anchor;
-        }
         Ok(Self { hessian, right })
     }
 
     /// The equations of some parameters, the others as they were.
-    fn of(&self, active: &[usize], before: &[f64]) -> Self {
-        let mut held = before.to_vec();
+    ///
+    /// - `pull`: equations that a pull of the geometry to right angles counts as
+    fn of(&self, active: &[usize], at: &Linearisation, pull: f64) -> Self {
+        let mut held = at.parameters();
         active.iter().for_each(|&k| held[k] = 0.0);
         let known = &self.hessian * ColRef::from_slice(&held);
         let count = active.len();
-        Self {
+        let mut own = Self {
             hessian: Mat::from_fn(count, count, |i, j| self.hessian[(active[i], active[j])]),
             right: active.iter().map(|&k| self.right[k] - known[k]).collect(),
+        };
+        let linear = at.linear.len();
+        let anchor = Geometry::new(&at.geometry).map_or_else(|_| Vec::new(), |g| right_angles_near(&g));
+        for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
+            let stiffness = pull * pull_stiffness(at.structure.pull, k - linear);
+            own.hessian[(place, place)] += stiffness;
+            own.right[place] += stiffness * anchor.get(k - linear).unwrap_or(&0.0);
         }
+        own
     }
 
     fn quadratic(&self) -> Quadratic<'_> {

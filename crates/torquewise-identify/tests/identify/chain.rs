@@ -8,8 +8,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::LazyLock;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{IdentifyError, Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, Torque, check, from_json, to_json};
@@ -45,7 +45,7 @@ fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motion {
 }
 
 fn plan(friction: FrictionKind) -> Plan {
-    Plan { method: Method::Chain, friction, ..Plan::default() }
+    ChainOptions { friction, ..ChainOptions::default() }.into()
 }
 
 fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {

@@ -8,8 +8,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::plan::FrictionKind;
-use torquewise_identify::{LibraryKind, Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::{FrictionKind, LibraryOptions};
+use torquewise_identify::{LibraryKind, Reconstruction, reconstruct, score};
 use torquewise_model::{Form, Torque};
 use torquewise_motion::{Motion, Pattern, Signals};
 
@@ -90,7 +90,7 @@ fn rubbing(arm: &Arm, states: &[[Vec<f64>; 3]], noise: f64) -> Motion {
 
 fn fit(library: LibraryKind, friction: FrictionKind) -> Reconstruction {
     let arm = Arm::builtin("puma560-3").unwrap();
-    let plan = Plan { library, friction, ..Plan::default() };
+    let plan = LibraryOptions { library, friction, ..LibraryOptions::default() }.into();
     reconstruct(&recordings(&arm), &plan, &mut |_| {}).unwrap()
 }
 
@@ -157,7 +157,8 @@ fn an_empty_half_is_left_out() {
     let arm = Arm::builtin("puma560-3").unwrap();
     let log = recordings(&arm);
     let forward: Vec<usize> = (0..log.n_rows()).filter(|&row| log.dq()[(row, 2)] >= 0.0).collect();
-    let plan = Plan { friction: FrictionKind::Stribeck, ..Plan::default() };
+    let plan =
+        LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() }.into();
 
     let found = reconstruct(&log.select(&forward), &plan, &mut |_| {}).unwrap();
 

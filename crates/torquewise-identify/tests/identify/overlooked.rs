@@ -6,7 +6,8 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::{Method, Plan, Reconstruction, Warning, reconstruct};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, Reconstruction, Warning, reconstruct};
 use torquewise_model::model::Overlooked;
 use torquewise_model::{
     EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted, from_json, to_json,
@@ -52,7 +53,7 @@ fn torque_of(motion: &Motion, more: &[(EnergyTerm, f64)]) -> faer::Mat<f64> {
 }
 
 fn fit(motion: &Motion) -> Reconstruction {
-    let plan = Plan { method: Method::Chain, ..Plan::default() };
+    let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
     reconstruct(motion, &plan, &mut |_| {}).unwrap()
 }
 

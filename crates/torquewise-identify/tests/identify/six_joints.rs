@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_identify::{Method, Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_motion::Motion;
 
 fn motion(arm: &Arm, kind: MotionKind, seconds: f64, seed: u64) -> Motion {
@@ -13,7 +14,7 @@ fn motion(arm: &Arm, kind: MotionKind, seconds: f64, seed: u64) -> Motion {
 fn fit(arm: &Arm, case: u8) -> Reconstruction {
     let clean = motion(arm, MotionKind::Moves, 200.0, 1);
     let noisy = add_noise(&clean, &Noise::case(case).unwrap(), 1).unwrap();
-    let plan = Plan { method: Method::Chain, ..Plan::default() };
+    let plan = Plan::from(ChainOptions { friction: FrictionKind::None, ..ChainOptions::default() });
     reconstruct(&noisy, &plan, &mut |_| {}).unwrap()
 }
 

@@ -166,3 +166,12 @@ fn the_slowest_motion_of_a_short_log_is_not_standstill() {
         assert!(residual < &(1e-9 * spread), "{residual} of {spread}");
     }
 }
+
+#[test]
+fn moments_for_a_chain_hold_no_sums_of_a_library() {
+    let summary = parts(&logs()[..1], &Plan::chain()).remove(0);
+
+    let error = solve(summary, &Plan::default(), &mut |_| {}).unwrap_err();
+
+    assert!(matches!(error, IdentifyError::NoLibrary), "{error}");
+}

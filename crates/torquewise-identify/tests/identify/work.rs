@@ -1,7 +1,8 @@
 //! Candidates → multiplications: what each route to their normal equations costs.
 
+use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
-use torquewise_identify::{LibraryKind, Method};
+use torquewise_identify::plan::Regression;
 use torquewise_sparse::accumulate::{Route, cheaper_route};
 use torquewise_sparse::design::Design;
 use torquewise_sparse::gram::direct_cost;
@@ -12,7 +13,7 @@ const N_RESPONSES: usize = 3;
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
 fn sindy() -> Design {
-    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Method::Sindy);
+    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot);
     candidates.expect("a library that fits into memory").design
 }
 

@@ -2,3 +2,4 @@
 
 mod friction;
 mod model;
+mod physics;

@@ -2,8 +2,7 @@
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use torquewise::identify::plan::FrictionKind;
-use torquewise::identify::{Method, Plan, reconstruct};
+use torquewise::identify::{Plan, reconstruct};
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::{Model, Torque};
 use torquewise::motion::{Motion, Recording};
@@ -35,11 +34,9 @@ pub(crate) fn run(project: &Path) -> Result<Option<Parts>, Box<dyn Error + Send 
     let truths: Vec<Logs> = truths.iter().map(|text| open(text)).collect::<Result<_, _>>()?;
     let without = profile.replace("[ddq]\ncolumns = \"ddq\"\nunit = \"rad/s2\"\n", "");
     let (given, derived) = (open(&profile)?, open(&without)?);
-    let plan = Plan::default();
-    let first = reconstruct(&given, &plan, &mut |_| {})?;
+    let first = reconstruct(&given, &Plan::default(), &mut |_| {})?;
     let filtered = ConditionedLogs::new(derived, &Conditioning::default(), true)?;
-    let learned = Plan { method: Method::Chain, friction: FrictionKind::Auto, ..plan };
-    let second = reconstruct(&filtered, &learned, &mut |_| {})?;
+    let second = reconstruct(&filtered, &Plan::chain(), &mut |_| {})?;
     Ok(Some(Parts {
         terms: [first.model.n_coefficients(), second.model.n_coefficients()],
         rows: first.survey.rows,

@@ -1,0 +1,102 @@
+//! Models that no arm can be: said first by `fit`, shown by `show --check`, refused by `export`.
+
+use crate::terminal::Terminal;
+use serde_json::{Value, json};
+
+/// A fitted model with what a change makes of its file.
+fn changed(change: impl FnOnce(&mut Value)) -> Terminal {
+    let terminal = Terminal::with_model();
+    let mut model: Value = serde_json::from_str(&terminal.read("model.json")).unwrap();
+    change(&mut model);
+    terminal.write("changed.json", &model.to_string());
+    terminal
+}
+
+/// Multiplies what M₁₁ holds beside its constant.
+fn scale_m11(model: &mut Value, factor: f64) {
+    let terms = model["form"]["energy"].as_array_mut().unwrap();
+    let varying = terms.iter_mut().find(|term| {
+        let function = &term["term"]["function"]["factors"];
+        term["term"]["place"] == json!({ "inertia": [0, 0] }) && function != &json!([])
+    });
+    let coefficient = &mut varying.unwrap()["coefficient"];
+    *coefficient = json!(factor * coefficient.as_f64().unwrap());
+}
+
+#[test]
+fn fit_says_first_that_the_mass_matrix_is_not_positive_definite() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o log.csv --seconds 20 --rate 50 --case 3 --seed 1");
+
+    let said = terminal.run("fit log.csv -o model.json --library product");
+    let fit = terminal.json("fit log.csv -o model.json --library product");
+
+    assert_eq!(said.code, 3, "{said:?}");
+    assert!(said.stdout.starts_with("NOT PHYSICAL: M(q) has the eigenvalue -"), "{said:?}");
+    assert!(said.stdout.lines().next().unwrap().contains(" at q = ("), "{said:?}");
+    assert!(said.stderr.contains("export refuses the model; record more motion"), "{said:?}");
+    assert_eq!(fit["mass_matrix"]["positive_definite"], false);
+    assert_eq!(fit["mass_matrix"]["q"].as_array().unwrap().len(), 3);
+    terminal
+        .refused("export model.json --to c -o arm.c", &["M(q) has the eigenvalue -", "--force"]);
+}
+
+#[test]
+fn export_refuses_any_model_that_is_not_positive_definite_unless_forced() {
+    let terminal = changed(|model| scale_m11(model, -20.0));
+
+    terminal.refused(
+        "export changed.json --to c -o arm.c",
+        &["M(q) has the eigenvalue -", "at q = (", "fit anew", "--force"],
+    );
+    let forced = terminal.run("export changed.json --to c -o arm.c --force");
+
+    assert_eq!(forced.code, 3, "{forced:?}");
+    assert!(forced.stderr.starts_with("warning: M(q) has the eigenvalue -"), "{forced:?}");
+    assert!(terminal.read("arm.c").contains("arm_torque"));
+    terminal.done("export model.json --to c -o arm.c --force");
+}
+
+#[test]
+fn the_check_looks_beyond_the_training_range() {
+    let terminal = changed(|model| {
+        scale_m11(model, 20.0);
+        model["training"]["q_range"] = json!([[-0.1, 0.1], [-0.1, 0.1]]);
+    });
+
+    let said = terminal.run("show changed.json --check");
+    let checks = &terminal.json("show changed.json --check --states 500")["checks"];
+
+    assert_eq!(said.code, 3, "{said:?}");
+    assert!(said.stdout.contains("M(q) positive definite  yes  training range"), "{said:?}");
+    assert!(said.stdout.contains("M(q) positive definite  NO   whole turn"), "{said:?}");
+    assert!(said.stderr.contains("in a whole turn"), "{said:?}");
+    assert_eq!((&checks["feasible"], &checks["passed"]), (&json!(false), &json!(false)));
+    assert_eq!(checks["states"], 1000);
+    let smallest = |range: &str| checks[range]["smallest_eigenvalue"].as_f64().unwrap();
+    assert!(smallest("trained") > 0.0 && smallest("whole_turn") < 0.0, "{checks}");
+    assert_eq!(checks["smallest_eigenvalue"], checks["whole_turn"]["smallest_eigenvalue"]);
+    terminal.done("export changed.json --to c -o arm.c");
+}
+
+#[test]
+fn the_check_tells_whether_friction_takes_power() {
+    let law = |law: Value, coefficient: f64| {
+        let term = json!({ "shaft": [0.0, 1.0], "law": law });
+        json!({ "term": term, "coefficient": coefficient, "std_error": 0.01 })
+    };
+    let offset = law(json!("offset"), -3.0);
+    let driving = law(json!({ "coulomb": { "width": 0.0 } }), -0.7);
+    let taking = changed(|model| model["friction"] = json!([offset, law(json!("viscous"), 1.0)]));
+    let giving = changed(|model| model["friction"] = json!([offset, driving]));
+
+    let sound = &taking.json("show changed.json --check")["checks"];
+    let said = giving.run("show changed.json --check");
+    let unsound = &giving.json("show changed.json --check")["checks"];
+
+    assert_eq!((&sound["friction_passive"], &sound["feasible"]), (&json!(true), &json!(true)));
+    assert_eq!((&unsound["friction_passive"], &unsound["feasible"]), (&json!(false), &json!(true)));
+    assert_eq!(said.code, 3, "{said:?}");
+    assert!(said.stdout.contains("friction takes power    NO   friction of the shaft of joint 2"));
+    assert!(said.stderr.contains("drives it with"), "{said:?}");
+}
