@@ -37,8 +37,6 @@ const MOST_REFUSED: usize = 2;
 const SAMPLE_PASSES: usize = 6;
 /// Passes over all rows at most.
 const MOST_PASSES: usize = 5;
-/// Parameters that would move by less than this part of a standard error are at rest.
-const SETTLED: f64 = 0.1;
 /// Rows of a block of time, of which there should be many.
 const BLOCK_ROWS: [usize; 2] = [16, 256];
 /// Blocks that a log should have.
@@ -168,7 +166,7 @@ impl Request {
     pub(crate) fn take(self, sums: &NormalSums) -> Result<Round, IdentifyError> {
         let solved = solve(sums, &self.at, &self.sizes)?;
         let passes = self.passes + 1;
-        if solved.moved < SETTLED || passes >= MOST_PASSES {
+        if solved.settled || passes >= MOST_PASSES {
             let residual_rms = sums.residual_rms();
             return Ok(Round::Done(Box::new(Fitted { request: self, solved, residual_rms })));
         }

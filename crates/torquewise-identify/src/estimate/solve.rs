@@ -38,7 +38,10 @@ const STRICTNESS: f64 = 3.0;
 /// Ridge of the unconstrained optimum, relative to the curvature.
 const RIDGE: f64 = 1e-9;
 /// Parameters that move less than this part of their standard error are settled.
-const SETTLED: f64 = 0.05;
+const SETTLED: f64 = 0.1;
+/// So much the sum of squares may fall for each parameter, in squares of the noise. A step along a
+/// direction that the log hardly tells may be short and yet far too long for its linearisation.
+const LEAST_GAIN: f64 = 0.05;
 
 /// What a pass over the rows came to.
 #[derive(Clone, Debug)]
@@ -51,8 +54,9 @@ pub(crate) struct Solved {
     pub(crate) choice: Option<Choice>,
     /// By what part physics makes the residual larger (RMS) than it is at the optimum without.
     pub(crate) price: f64,
-    /// Largest move of a parameter in its standard errors.
-    pub(crate) moved: f64,
+    /// Whether another pass would change next to nothing: no parameter moves by a good part of its
+    /// standard error, and the sum of squares does not fall.
+    pub(crate) settled: bool,
 }
 
 /// Passes over a recording from a linearisation until the parameters settle, `most` at most.
@@ -64,7 +68,7 @@ pub(crate) fn refine(
 ) -> Result<Solved, IdentifyError> {
     let mut solved = solve(&add_up(recording, &start)?, &start, sizes)?;
     for _ in 1..most {
-        if solved.moved < SETTLED {
+        if solved.settled {
             break;
         }
         let at = solved.at.clone();
@@ -341,11 +345,13 @@ impl<'a> Step<'a> {
             if change == 0.0 { 0.0 } else { change / error.max(f64::MIN_POSITIVE) }
         };
         let moved = active.iter().map(in_errors).fold(0.0, f64::max);
+        let gain = self.squares(&gram, &self.before) - self.squares(&gram, &parameters);
+        let settled = moved < SETTLED && gain < LEAST_GAIN * active.len() as f64;
         let mut next = self.at.at(&parameters);
         next.weights = weights(self.sums, &self.sizes);
         next.structure.free =
             active.iter().filter(|&&k| k >= linear).map(|&k| k - linear).collect();
-        Ok(Solved { at: next, covariance, choice: best.choice, price, moved })
+        Ok(Solved { at: next, covariance, choice: best.choice, price, settled })
     }
 }
 
