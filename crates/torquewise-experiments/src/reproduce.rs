@@ -11,6 +11,7 @@ use crate::study::cases::{self, CasePlan, true_terms};
 use crate::study::coefficients::judge_coefficients;
 use crate::study::control::{ControlResults, study_control};
 use crate::study::cost::{self, CostPlan};
+use crate::study::indicators::{IndicatorResults, study_indicators};
 use crate::study::order_curves::{OrderResults, study_orders};
 use crate::study::patterns::{PatternResults, study_patterns};
 use crate::study::steps::study_steps;
@@ -22,6 +23,7 @@ const PATTERN_WORK: usize = 6;
 const ORDER_WORK: usize = 60;
 const EVALUATION_WORK: usize = 30;
 const CONTROL_WORK: usize = 40;
+const INDICATOR_WORK: usize = 120;
 
 /// Does every experiment.
 ///
@@ -37,7 +39,8 @@ pub fn reproduce(
     settings.check()?;
     let mut agenda = Agenda::default();
     let asked = Asked::of(&mut agenda, settings);
-    let total = agenda.work() + PATTERN_WORK + ORDER_WORK + EVALUATION_WORK + CONTROL_WORK;
+    let studies = [PATTERN_WORK, ORDER_WORK, EVALUATION_WORK, CONTROL_WORK, INDICATOR_WORK];
+    let total = agenda.work() + studies.iter().sum::<usize>();
     let done = AtomicUsize::new(0);
     let advance = |doing: &'static str, work: usize| {
         let done = done.fetch_add(work, Ordering::Relaxed) + work;
@@ -66,7 +69,19 @@ pub fn reproduce(
         let control = control.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         (orders, control, trials)
     });
-    asked.results(settings, (patterns, orders?, control?), &evaluated, &trials?)
+    let (orders, control, trials) = (orders?, control?, trials?);
+    let indicators = study_indicators(settings)?;
+    advance("trials", INDICATOR_WORK);
+    let studies = Studies { patterns, orders, control, indicators };
+    asked.results(settings, studies, &evaluated, &trials)
+}
+
+/// The experiments that are no trials.
+struct Studies {
+    patterns: PatternResults,
+    orders: Vec<OrderResults>,
+    control: ControlResults,
+    indicators: IndicatorResults,
 }
 
 /// What each experiment asked the agenda for.
@@ -94,7 +109,7 @@ impl Asked {
     fn results(
         &self,
         settings: &Settings,
-        (patterns, orders, control): (PatternResults, Vec<OrderResults>, ControlResults),
+        studies: Studies,
         evaluated: &[f64],
         trials: &Trials,
     ) -> Result<Results, ExperimentError> {
@@ -102,13 +117,13 @@ impl Asked {
         let second = self.cases.iter().find(|case| case.case == 2);
         let mut results = Results {
             settings: settings.clone(),
-            patterns,
-            orders,
+            patterns: studies.patterns,
+            orders: studies.orders,
             costs: cost::costs(&self.costs, evaluated, trials)?,
             true_terms: true_terms(settings.arm)?,
             cases: all(&self.cases, |case| case.results(settings, trials))?,
             steps: second.map_or(Ok(Vec::new()), |case| study_steps(case, settings, trials))?,
-            control,
+            control: studies.control,
             ablation: all(&self.ablation, |variant| variant.result(settings, trials))?,
             noise_sweep: all(&self.noise, |point| point.result(trials))?,
             length_sweep: all(&self.lengths, |point| point.result(trials))?,
@@ -116,6 +131,7 @@ impl Asked {
             coefficients: noisy()
                 .map(|case| judge_coefficients(case, settings, trials))
                 .collect::<Result<_, _>>()?,
+            indicators: studies.indicators,
             claims: Vec::new(),
         };
         results.claims = judge_claims(&results);

@@ -11,3 +11,4 @@ pub mod coefficients;
 pub mod ablation;
 pub mod sweeps;
 pub mod arms;
+pub mod indicators;

@@ -1,0 +1,54 @@
+//! Indicators → figure: the error of every way to sort and weight rows, against noise.
+
+use crate::figures::Figure;
+use crate::figures::looks::{beside, places, spread_series, worst_joint};
+use crate::method::Method;
+use crate::study::indicators::{IndicatorResults, IndicatorRow, Sorting};
+use torquewise_report::html::{Axis, Chart, Colour, Mark, Series};
+
+/// One chart for each library, with the noise correction.
+pub(super) fn figure(results: &IndicatorResults) -> Figure {
+    let mut levels: Vec<String> = Vec::new();
+    for row in &results.rows {
+        if !levels.contains(&row.noise.name()) {
+            levels.push(row.noise.name());
+        }
+    }
+    let chart = |method: Method, title: &str| Chart {
+        title: title.into(),
+        x: places("signal-to-noise ratio of q/dq/ddq", levels.iter().cloned()),
+        y: Axis::log("RMSE / std(torque), worst joint [%]"),
+        series: series(results, method, &levels),
+        ..Chart::default()
+    };
+    Figure {
+        name: "beyond_indicators".into(),
+        title: "Rows sorted by activation, noise and leverage".into(),
+        caption: format!(
+            "Error of the worst joint outside the training log of {} s, median with range over the \
+             seeds, bias of the noise taken out.",
+            results.log_length
+        ),
+        charts: vec![
+            chart(Method::Energy, "Rows sorted, energy library"),
+            chart(Method::Product, "Rows sorted, product library"),
+        ],
+        columns: 2,
+    }
+}
+
+fn series(results: &IndicatorResults, method: Method, levels: &[String]) -> Vec<Series> {
+    let of = |(place, sorting): (usize, Sorting)| {
+        let own = results
+            .rows
+            .iter()
+            .filter(|row| row.method == method && row.sorting == sorting && row.noise_correction);
+        let point = |row: &IndicatorRow| {
+            let name = row.noise.name();
+            let level = levels.iter().position(|level| *level == name).unwrap_or(0);
+            (beside(level, place, Sorting::ALL.len()), worst_joint(&row.nrmse_percent))
+        };
+        spread_series(sorting.name(), Colour::Series(place), Mark::Rings, own.map(point))
+    };
+    Sorting::ALL.into_iter().enumerate().map(of).collect()
+}
