@@ -45,11 +45,12 @@ impl FirstFit {
         let experiment = || format!("indicators, noise {}", scenario.noise.name());
         let named = |source| ExperimentError::Identify { experiment: experiment(), source };
         let log = scenario.record(&scenario.simulate()?)?;
-        let plan = method.plan();
+        let options = method.plan().options;
+        let plan = Plan::from(method.plan());
         let found = reconstruct(&log, &plan, &mut |_| {}).map_err(named)?;
         let (n, choices) = (log.n_joints(), &found.model.choices);
-        let candidates =
-            Candidates::new(n, settled_library(&plan, choices), plan.method).map_err(named)?;
+        let library = settled_library(options.library, choices);
+        let candidates = Candidates::new(n, library, options.regression).map_err(named)?;
         Ok(Self {
             samples: samples_of(&log)?,
             groups: candidates.groups(),
@@ -158,10 +159,10 @@ fn chosen(choices: &[Choice], what: &str) -> Option<f64> {
     choices.iter().find(|choice| choice.what.contains(what))?.chosen.parse().ok()
 }
 
-/// The library of a plan at the interaction order that was chosen.
+/// A library at the interaction order that was chosen.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
-fn settled_library(plan: &Plan, choices: &[Choice]) -> LibraryKind {
-    match (plan.library, chosen(choices, "joint angles")) {
+fn settled_library(library: LibraryKind, choices: &[Choice]) -> LibraryKind {
+    match (library, chosen(choices, "joint angles")) {
         (LibraryKind::Energy { .. }, Some(order)) => {
             LibraryKind::Energy { interaction: Some(order as usize) }
         }

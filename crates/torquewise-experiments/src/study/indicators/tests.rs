@@ -28,6 +28,7 @@ fn true_model() -> Model {
     Model {
         joints: (1..=N).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Energy(energies.into_iter().map(weigh).collect()),
+        chain: None,
         friction: Vec::new(),
         stages: Vec::new(),
         training: Training::default(),
