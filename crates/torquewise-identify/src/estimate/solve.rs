@@ -17,10 +17,12 @@ use torquewise_sparse::normal_sums::{FOLDS, NormalSums, corrected};
 
 /// The choice of the prior's strength, as the model file has it.
 pub(crate) const STRENGTH: &str = "strength of the physical prior";
-/// Strengths of the prior that are tried, the strongest first.
-const STRENGTHS: [f64; 9] = [1e4, 1e3, 1e2, 1e1, 1.0, 1e-1, 1e-2, 1e-3, 1e-4];
-/// The strength where a log is too short to choose one, 1.
-const USUAL_PLACE: usize = 4;
+/// Strengths of the prior that are tried, the strongest first, in units of what one independent
+/// row tells. A weaker one would leave to noise what the log does not tell, and no held-out row of
+/// the same log would object.
+const STRENGTHS: [f64; 7] = [1e4, 3e3, 1e3, 3e2, 1e2, 1e1, 1.0];
+/// The strength where a log is too short to choose one, 10.
+const USUAL_PLACE: usize = 5;
 /// Parts of the pull on the geometry that are tried once the prior is as strong as it should be.
 const RELEASED: [f64; 4] = [0.1, 1e-2, 1e-3, 1e-4];
 /// Fewer folds with rows are too few to choose by.
@@ -117,6 +119,8 @@ struct Step<'a> {
     before: Vec<f64>,
     /// Without the pull on the geometry.
     all: Equations,
+    /// Rows that tell as much as one independent one: neighbours err alike.
+    repeats: f64,
 }
 
 /// The best parameters with some of them free to move.
@@ -147,7 +151,8 @@ impl<'a> Step<'a> {
         let sizes = Sizes { mass: mass_of(&gram, at)?, ..sizes.clone() };
         let (prior, start) = prior(at, &sizes)?;
         let all = Equations::new(&gram, &sums.bias(), at)?;
-        Ok(Self { sums, at, sizes, prior, start, before: at.parameters(), all })
+        let repeats = repeats(sums);
+        Ok(Self { sums, at, sizes, prior, start, before: at.parameters(), all, repeats })
     }
 
     /// Parameters as they were, those that may move as a solution has them.
@@ -170,7 +175,7 @@ impl<'a> Step<'a> {
         let equations = self.equations(active, pull);
         let mut path = Vec::with_capacity(STRENGTHS.len());
         let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
-        for &strength in &STRENGTHS {
+        for strength in STRENGTHS.map(|strength| strength * self.repeats) {
             x = minimise(equations.quadratic(), &self.prior, strength, &x)?;
             path.push((strength, pull, x.clone()));
         }
@@ -208,7 +213,7 @@ impl<'a> Step<'a> {
             return Ok((0, None, Vec::new()));
         }
         let trial = |(k, (strength, ..)): (usize, &(f64, f64, Vec<f64>))| Trial {
-            label: format!("{strength:e}"),
+            label: format!("{:.0}", strength / self.repeats),
             complexity: active.len(),
             errors: errors.iter().map(|of_fold| of_fold[k]).collect(),
         };
@@ -374,6 +379,18 @@ impl<'a> Step<'a> {
             active.iter().filter(|&&k| k >= linear).map(|&k| k - linear).collect();
         Ok(Solved { at: next, covariance, choice: best.choice, price, settled })
     }
+}
+
+/// How many rows tell as much as one independent one: by how much the scores of blocks of time
+/// scatter more than those of independent rows would, at the median over the parameters.
+fn repeats(sums: &NormalSums) -> f64 {
+    let (gram, scores) = (sums.gram(), sums.scores());
+    let mut ratios: Vec<f64> = (0..scores.ncols())
+        .filter(|&k| gram[(k, k)] > 0.0)
+        .map(|k| scores[(k, k)] / gram[(k, k)])
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).max(1.0)
 }
 
 /// One over the residual of each joint \[1/(N·m)\], n.
