@@ -241,11 +241,11 @@ impl<'a> School<'a> {
             (format!("{ridge:e}"), Recipe { search, ..recipe.clone() })
         };
         let mut ways: Vec<(String, Recipe)> = RIDGES.iter().map(way).collect();
-        let mut trials = self.trials(&ways, chain, ROUNDS)?;
+        let mut trials = self.trials(&ways, chain, 0)?;
         let errors: Vec<f64> = trials.iter().map(Trial::error).collect();
         if errors.last() < errors.first() && errors.iter().all(|e| Some(e) >= errors.last()) {
             let weak: Vec<(String, Recipe)> = WEAK_RIDGES.iter().map(way).collect();
-            trials.extend(self.trials(&weak, chain, ROUNDS)?);
+            trials.extend(self.trials(&weak, chain, 0)?);
             ways.extend(weak);
         }
         *recipe = ways[record("ridge", &trials, choices)].1.clone();

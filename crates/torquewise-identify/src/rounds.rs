@@ -98,7 +98,6 @@ impl Request {
         let Tried { certificate, warning, .. } = complete(&mut learned, survey, options.friction)?;
         progress(Progress::Refit);
         let sizes = Sizes {
-            mass: 1.0,
             torque: survey.torque_std.clone(),
             speed: survey.dq_peak.clone(),
         };

@@ -9,16 +9,25 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_rigid::Geometry;
+use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
 
-/// Least size of a link \[m\].
-const LEAST_LENGTH: f64 = 0.1;
-/// Spread of a link across, as a part of the length of a link.
-const SPREAD: f64 = 0.5;
-/// Radius \[m\] at which the mass of a link makes a usual rotor, after the gear.
-const ROTOR_RADIUS: f64 = 0.1;
+/// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms to a
+/// few tons.
+const DENSITY: f64 = 200.0;
+/// Spread of the mass of a link, as a part of its length.
+const SPREAD: f64 = 0.3;
+/// Radius at which the mass of a link makes a usual rotor, after the gear, as a part of its length.
+const ROTOR_RADIUS: f64 = 0.3;
+/// Least length of a link \[m\].
+const LEAST_LENGTH: f64 = 0.02;
+/// Least speed that an arm is taken to reach \[rad/s\].
+const LEAST_SPEED: f64 = 0.1;
+/// Coefficients of either sign may well be so many times as large as the torque: a counterbalance
+/// takes the place of most of it.
+const LARGE: f64 = 10.0;
 /// Usual friction as a part of the spread of the torque.
 const USUAL_FRICTION: f64 = 0.05;
 /// Speeds at which friction must take energy: even up to the peak, closer where it reverses, and
@@ -33,35 +42,42 @@ const LEAST_FRICTION: f64 = 0.02;
 /// Usual sizes of an arm, read off its log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sizes {
-    /// Mass of a link \[kg\].
-    pub(crate) mass: f64,
     /// Standard deviation of the torque of each joint \[N·m\], n.
     pub(crate) torque: Vec<f64>,
     /// Peak speed of each joint \[rad/s\], n.
     pub(crate) speed: Vec<f64>,
 }
 
-/// Inertial parameters of plain links of one mass between the axes of a geometry, 10n.
-pub(crate) fn plain_arm(geometry: &[f64], mass: f64) -> Result<Vec<f64>, IdentifyError> {
-    let geometry = Geometry::new(geometry)?;
-    let placements = geometry.placements();
-    let n = placements.len();
+impl Sizes {
+    /// Length \[m\] and mass \[kg\] of a link of an arm that takes such torques: those that a link of
+    /// the usual density makes by its weight, T = m g L with m = density · L³.
+    fn link(&self) -> (f64, f64) {
+        let torque = self.torque.iter().fold(0.0_f64, |most, torque| most.max(*torque));
+        let length = (torque / (DENSITY * GRAVITY)).powf(0.25).max(LEAST_LENGTH);
+        (length, DENSITY * length.powi(3))
+    }
+}
+
+/// Inertial parameters of plain links between the axes of a geometry, 10n.
+fn plain_arm(geometry: &[f64], sizes: &Sizes) -> Result<Vec<f64>, IdentifyError> {
+    let (length, mass) = sizes.link();
+    let placements = Geometry::new(geometry)?.placements();
     let end = |k: usize| placements.get(k + 1).map_or_else(Vector3::zeros, |next| next.origin);
-    let lengths = (0..n).map(|k| end(k).norm()).sum::<f64>() / n as f64;
-    let spread = SPREAD * lengths.max(LEAST_LENGTH);
-    Ok((0..n).flat_map(|k| plain_link(mass, &end(k), spread)).collect())
+    let links = (0..placements.len()).flat_map(|k| plain_link(mass, &end(k), SPREAD * length));
+    Ok(links.collect())
 }
 
 /// What physics says of the parameters of a linearisation, and parameters that it allows.
 pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64>), IdentifyError> {
-    let bodies = plain_arm(&at.geometry, sizes.mass)?;
+    let bodies = plain_arm(&at.geometry, sizes)?;
     let mut start = bodies.clone();
     start.extend(at.parameters().into_iter().skip(bodies.len()));
     let of_bodies = bodies.chunks_exact(PER_BODY).map(|p| std::array::from_fn(|k| p[k])).collect();
     let mut prior = Prior { bodies: of_bodies, ..Prior::default() };
     let drive = &at.structure.drive;
     let first = bodies.len();
-    let rotor = sizes.mass * ROTOR_RADIUS * ROTOR_RADIUS;
+    let (length, mass) = sizes.link();
+    let rotor = mass * (ROTOR_RADIUS * length).powi(2);
     for (k, term) in drive.iter().enumerate() {
         let index = first + k;
         match term {
@@ -83,7 +99,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
             }
             Beside::Energy(_) => {
                 let torque = sizes.torque.iter().fold(0.0_f64, |most, tau| most.max(*tau));
-                prior.small.push((index, torque));
+                prior.small.push((index, LARGE * torque));
                 start[index] = 0.0;
             }
         }
@@ -132,10 +148,12 @@ fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
     all
 }
 
-/// Peak speed of the shaft of a term \[rad/s\].
+/// Peak speed of the shaft of a term \[rad/s\]. A joint that hardly moves in a log will elsewhere:
+/// it is taken to reach half the speed of the fastest.
 fn speed_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+    let fastest = sizes.speed.iter().fold(LEAST_SPEED, |most, speed| most.max(*speed));
     let parts = term.shaft.iter().zip(&sizes.speed).map(|(shaft, speed)| shaft.abs() * speed);
-    parts.sum::<f64>().max(f64::MIN_POSITIVE)
+    parts.sum::<f64>().max(0.5 * fastest)
 }
 
 fn torque_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
@@ -147,8 +165,8 @@ fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     USUAL_FRICTION * torque_of(term, sizes)
 }
 
-/// How large a coefficient may well be: as the torque is.
+/// How large a coefficient may well be.
 fn deviation(term: &FrictionTerm, sizes: &Sizes) -> f64 {
-    let torque = torque_of(term, sizes);
+    let torque = LARGE * torque_of(term, sizes);
     if term.law == FrictionLaw::Viscous { torque / speed_of(term, sizes) } else { torque }
 }

@@ -2,7 +2,7 @@
 //! (E14).
 
 use super::linearisation::Linearisation;
-use super::nominal::{Sizes, plain_arm, prior};
+use super::nominal::{Sizes, prior};
 use super::pass::add_up;
 use crate::error::IdentifyError;
 use crate::held_out::{Trial, choose};
@@ -20,9 +20,9 @@ pub(crate) const STRENGTH: &str = "strength of the physical prior";
 /// Strengths of the prior that are tried, the strongest first, in units of what one independent
 /// row tells. A weaker one would leave to noise what the log does not tell, and no held-out row of
 /// the same log would object.
-const STRENGTHS: [f64; 7] = [1e4, 3e3, 1e3, 3e2, 1e2, 1e1, 1.0];
+const STRENGTHS: [f64; 7] = [1e3, 1e2, 30.0, 10.0, 3.0, 1.0, 0.1];
 /// The strength where a log is too short to choose one, 10.
-const USUAL_PLACE: usize = 5;
+const USUAL_PLACE: usize = 3;
 /// Parts of the pull on the geometry that are tried once the prior is as strong as it should be.
 const RELEASED: [f64; 4] = [0.1, 1e-2, 1e-3, 1e-4];
 /// Fewer folds with rows are too few to choose by.
@@ -111,7 +111,7 @@ pub(crate) fn solve(
 struct Step<'a> {
     sums: &'a NormalSums,
     at: &'a Linearisation,
-    sizes: Sizes,
+    sizes: &'a Sizes,
     prior: Prior,
     /// Parameters that the prior allows.
     start: Vec<f64>,
@@ -145,11 +145,10 @@ impl<'a> Step<'a> {
     fn new(
         sums: &'a NormalSums,
         at: &'a Linearisation,
-        sizes: &Sizes,
+        sizes: &'a Sizes,
     ) -> Result<Self, IdentifyError> {
         let gram = sums.gram();
-        let sizes = Sizes { mass: mass_of(&gram, at)?, ..sizes.clone() };
-        let (prior, start) = prior(at, &sizes)?;
+        let (prior, start) = prior(at, sizes)?;
         let all = Equations::new(&gram, &sums.bias(), at)?;
         let repeats = repeats(sums);
         Ok(Self { sums, at, sizes, prior, start, before: at.parameters(), all, repeats })
@@ -213,7 +212,7 @@ impl<'a> Step<'a> {
             return Ok((0, None, Vec::new()));
         }
         let trial = |(k, (strength, ..)): (usize, &(f64, f64, Vec<f64>))| Trial {
-            label: format!("{:.0}", strength / self.repeats),
+            label: format!("{:.1}", strength / self.repeats),
             complexity: active.len(),
             errors: errors.iter().map(|of_fold| of_fold[k]).collect(),
         };
@@ -374,7 +373,7 @@ impl<'a> Step<'a> {
         let gain = self.squares(&gram, &self.before) - self.squares(&gram, &parameters);
         let settled = moved < SETTLED && gain < LEAST_GAIN * active.len() as f64;
         let mut next = self.at.at(&parameters);
-        next.weights = weights(self.sums, &self.sizes);
+        next.weights = weights(self.sums, self.sizes);
         next.structure.free =
             active.iter().filter(|&&k| k >= linear).map(|&k| k - linear).collect();
         Ok(Solved { at: next, covariance, choice: best.choice, price, settled })
@@ -401,30 +400,6 @@ fn weights(sums: &NormalSums, sizes: &Sizes) -> Vec<f64> {
             1.0 / rms.max(LEAST_RESIDUAL * if *torque > 0.0 { *torque } else { 1.0 })
         })
         .collect()
-}
-
-/// Mass of the plain links \[kg\] that take torques as large as those of the log.
-fn mass_of(gram: &Mat<f64>, at: &Linearisation) -> Result<f64, IdentifyError> {
-    let plain = plain_arm(&at.geometry, 1.0)?;
-    let p = at.n_parameters();
-    let scaled = |x: &[f64]| -> Vec<f64> {
-        (0..=p)
-            .map(|k| match x.get(k) {
-                Some(x) if k < p => x / at.scales[k],
-                _ => 0.0,
-            })
-            .collect()
-    };
-    let energy = |x: &[f64]| {
-        let product = gram * ColRef::from_slice(x);
-        x.iter().zip(product.iter()).map(|(x, y)| x * y).sum::<f64>()
-    };
-    // The torque is what the linear parameters explain and the residual.
-    let mut torque = scaled(&at.linear);
-    torque[p] = 1.0;
-    let (torque, plain) = (energy(&torque), energy(&scaled(&plain)));
-    let mass = if plain > 0.0 { (torque / plain).sqrt() } else { 1.0 };
-    Ok(mass.clamp(1e-4, 1e4))
 }
 
 impl Equations {
