@@ -6,7 +6,7 @@
 
 use crate::error::SparseError;
 use crate::exact::ExactSums;
-use crate::gram::add_gram;
+use crate::products::add_gram;
 use faer::{Mat, MatRef, Side};
 use serde::{Deserialize, Serialize};
 
