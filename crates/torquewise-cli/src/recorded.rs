@@ -6,7 +6,7 @@ use clap::Args;
 use std::path::PathBuf;
 use torquewise::identify::cutoff::{MULTIPLES, choose_cutoff};
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
-use torquewise::model::model::Choice;
+use torquewise::model::model::{Choice, Filter as FilterUsed};
 use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::signals::{ConditionReport, Conditioning, Cutoff};
 
@@ -136,6 +136,26 @@ impl SignalArguments {
 }
 
 impl SignalArguments {
+    /// Logs filtered as those a model was fitted on, where nothing else is asked for: so that what
+    /// is measured on them is what the fit measured.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
+    pub(crate) fn prepare_as(&self, known: Option<FilterUsed>, logs: Logs) -> Result<Recorded> {
+        let Some(known) = known.filter(|_| !logs.has_ddq()) else {
+            return self.prepare(logs);
+        };
+        let filter = match self.filter {
+            Filter::Auto => Filter::Hz(known.cutoff_hz),
+            asked => asked,
+        };
+        let delay = match (self.delay, filter) {
+            (Delay::Auto, Filter::Hz(_)) => Delay::Seconds(known.delay),
+            (asked, _) => asked,
+        };
+        Self { filter, delay }.prepare(logs)
+    }
+
     /// The same for a fit: where the cut-off is not given, held-out rows have a say in it.
     ///
     /// Returns the logs, and how the cut-off was chosen if it was.
@@ -169,6 +189,13 @@ impl Recorded {
     /// About how many rows there are, if that can be told without reading them.
     pub(crate) fn rows_hint(&self) -> Option<u64> {
         self.logs().rows_hint()
+    }
+
+    /// How a model that is fitted on them is told they were filtered.
+    pub(crate) fn filter(&self) -> Option<FilterUsed> {
+        let Self::Conditioned(logs) = self else { return None };
+        let (cutoff_hz, delay) = (logs.report().cutoff?, logs.settings().delay);
+        Some(FilterUsed { cutoff_hz, delay })
     }
 
     /// What was done to the signals, if anything was.

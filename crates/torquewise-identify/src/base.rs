@@ -18,8 +18,6 @@ pub(crate) struct Base {
     pub(crate) start: Start,
     /// Whether the torque is explained but for rounding.
     pub(crate) explained: bool,
-    /// RMS of what the start leaves of each equation \[N·m\].
-    pub(crate) residual_rms: Vec<f64>,
 }
 
 /// The plain least-squares fit, with the columns that depend on others found out.
@@ -53,12 +51,11 @@ impl Base {
             rows += part.rows as f64;
         }
         let mut start = Start::solve(&gram, rows)?;
-        let (mut explained, mut residual_rms) = (true, Vec::new());
+        let mut explained = true;
         for &(equation, response) in &kept.group.equations {
             let (own, part) = (response_place(grams.len(), response), &grams[equation]);
             let left = residual_energy(part, own, &start.coefficients);
             explained &= left <= EXPLAINED * part.energy[own];
-            residual_rms.push((left / part.rows.max(1) as f64).sqrt());
         }
         if explained {
             gram.fill(0.0);
@@ -67,7 +64,7 @@ impl Base {
             }
             start = Start::solve(&gram, rows)?;
         }
-        Ok(Self { gram, start, explained, residual_rms })
+        Ok(Self { gram, start, explained })
     }
 }
 

@@ -42,8 +42,8 @@ mod summary_file;
 pub mod rounds;
 pub mod settings;
 pub mod summary;
-pub mod reconstruct;
 pub mod score;
+pub mod reconstruct;
 pub mod diagnose;
 pub mod orders;
 

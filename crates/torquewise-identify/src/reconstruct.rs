@@ -9,6 +9,7 @@ use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{ChainOptions, LibraryOptions, Method, Plan, Regression};
+use crate::score::score;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::rounds::{Request, Round};
 use crate::settings::Basis;
@@ -45,7 +46,15 @@ pub fn reconstruct(
     let mut summary = summarise(recording, plan, "", progress)?;
     loop {
         match solve(summary.clone(), plan, progress)? {
-            Solution::Model(found) => return Ok(*found),
+            Solution::Model(mut found) => {
+                if !summary.settings().friction().is_empty() {
+                    // Rows near reversals were left out of the sums, but not of what is told.
+                    let scores = score(&found.model, recording)?;
+                    found.model.training.residual_rms =
+                        scores.joints.into_iter().map(|joint| joint.rmse).collect();
+                }
+                return Ok(*found);
+            }
             Solution::Request(request) => summary.pass = Some(Pass::over(recording, *request)?),
         }
     }

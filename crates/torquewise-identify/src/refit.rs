@@ -7,6 +7,7 @@ use crate::factor::{Factor, FactorSum, Fit, Kept};
 use crate::noise::NoiseFloor;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::spread::ScoreSum;
+use crate::step::{residual_energy, response_place};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -119,10 +120,10 @@ pub(crate) fn refit(
         pass(log, parts, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
     fits.iter()
         .zip(factors.into_iter().zip(&bases))
-        .zip(scores)
-        .map(|((fit, (factors, base)), scores)| {
+        .zip(scores.into_iter().zip(whole))
+        .map(|((fit, (factors, base)), (scores, grams))| {
             let parts = factors.into_iter().zip(scores).collect();
-            Group { fit, base, parts, scale }.finish(plan)
+            Group { fit, base, grams, parts, scale }.finish(plan)
         })
         .collect()
 }
@@ -164,6 +165,8 @@ fn pass<'a, T, A: Accumulate>(
 struct Group<'a> {
     fit: &'a Fit<'a>,
     base: &'a Base,
+    /// Normal equations of all rows, of each equation.
+    grams: &'a [Gram],
     /// What the parts of the sample say.
     parts: Vec<(Factor, ScoreSum<'a>)>,
     /// Rows that a row of the sample stands for.
@@ -206,7 +209,8 @@ impl Group<'_> {
             .collect();
         let dependent =
             self.base.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
-        Ok(Refitted { terms, dropped, dependent, residual_rms: self.residual_rms() })
+        let residual_rms = self.residual_rms(&estimate.active, &exact);
+        Ok(Refitted { terms, dropped, dependent, residual_rms })
     }
 
     /// Estimating equations of all rows as they would be if the parts of the sample counted as
@@ -300,10 +304,18 @@ impl Group<'_> {
         Ok(Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect()))
     }
 
-    fn residual_rms(&self) -> Vec<f64> {
+    /// RMS of what the final coefficients leave of each equation \[N·m\].
+    fn residual_rms(&self, active: &[usize], coefficients: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.fit.n_columns()];
+        active.iter().zip(coefficients).for_each(|(&j, c)| all[j] = *c);
+        let of_equation = |&(equation, response): &(usize, usize)| {
+            let (own, gram) = (response_place(self.grams.len(), response), &self.grams[equation]);
+            (residual_energy(gram, own, &all).max(0.0) / gram.rows.max(1) as f64).sqrt()
+        };
         if !self.base.explained {
-            return self.base.residual_rms.clone();
+            return self.fit.kept.group.equations.iter().map(of_equation).collect();
         }
+        // Normal equations keep too few digits to say how little is left: the sample says it.
         let rows: usize = self.parts.iter().map(|(_, score)| score.rows).sum();
         (0..self.fit.kept.group.equations.len())
             .map(|equation| {

@@ -266,6 +266,7 @@ impl Survey {
             dq_peak: self.dq_peak.clone(),
             ddq_peak: self.ddq_peak.clone(),
             overlooked: None,
+            filter: None,
             price_of_physics: None,
         }
     }

@@ -109,6 +109,27 @@ pub struct Unused {
     pub of_joint: f64,
 }
 
+/// How signals were filtered.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Filter {
+    /// Cut-off of the zero-phase low-pass \[Hz\].
+    pub cutoff_hz: f64,
+    /// Seconds by which the torque lagged the motion.
+    pub delay: f64,
+}
+
+/// A fit whose parameters are physical beside the best one without (E14).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PriceOfPhysics {
+    /// By what part the residual is larger (RMS).
+    pub residual: f64,
+    /// By what part the error on held-out folds is larger; below 0 it is smaller. `None` where a log
+    /// has too few folds.
+    pub held_out: Option<f64>,
+}
+
 /// The data a model was fitted on, kept to judge what it is asked later.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -128,10 +149,12 @@ pub struct Training {
     /// What terms that were not offered would explain, where that was looked at.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub overlooked: Option<Overlooked>,
-    /// By what part the residual is larger (RMS) than it would be without what physics asks of the
-    /// parameters, where they are physical.
+    /// How the signals were filtered, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub price_of_physics: Option<f64>,
+    pub filter: Option<Filter>,
+    /// What it costs that the parameters are physical, where they are (E14).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub price_of_physics: Option<PriceOfPhysics>,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).
@@ -162,6 +185,23 @@ impl Unused {
     /// By what part the RMS of the residual would fall, all joints counted by their noise.
     pub fn of_residual(&self) -> f64 {
         1.0 - (1.0 - self.share).max(0.0).sqrt()
+    }
+}
+
+impl fmt::Display for PriceOfPhysics {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let more = |part: f64| if part < 0.0 { "smaller" } else { "larger" };
+        let percent = |part: f64| 100.0 * part.abs();
+        let residual = self.residual;
+        write!(
+            f,
+            "physical parameters: residual {:.2} % {} than by least squares alone",
+            percent(residual),
+            more(residual)
+        )?;
+        self.held_out.map_or(Ok(()), |held| {
+            write!(f, ", error on held-out folds {:.2} % {}", percent(held), more(held))
+        })
     }
 }
 

@@ -20,12 +20,14 @@ pub struct Prior {
     pub small: Vec<(usize, f64)>,
 }
 
-/// Σ weight · parameter > 0.
+/// Σ weight · parameter > least.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Positive {
+    /// What the sum must exceed, 0 or a little more.
+    pub least: f64,
     /// Parameters by index, with their weights.
     pub terms: Vec<(usize, f64)>,
-    /// A usual value of the sum, above 0.
+    /// By how much it usually does, above 0.
     pub nominal: f64,
     /// What it counts beside the divergence of a body.
     pub weight: f64,
@@ -42,7 +44,7 @@ pub struct Quadratic<'a> {
 
 impl Positive {
     fn value(&self, x: &[f64]) -> f64 {
-        self.terms.iter().map(|&(k, weight)| weight * x[k]).sum()
+        self.terms.iter().map(|&(k, weight)| weight * x[k]).sum::<f64>() - self.least
     }
 }
 
@@ -279,7 +281,7 @@ mod tests {
     fn a_log_that_says_nothing_leaves_the_nominal_arm() {
         let prior = Prior {
             bodies: vec![nominal()],
-            positive: vec![Positive { terms: vec![(10, 1.0)], nominal: 0.3, weight: 1.0 }],
+            positive: vec![Positive { least: 0.0, terms: vec![(10, 1.0)], nominal: 0.3, weight: 1.0 }],
             small: vec![(11, 2.0)],
         };
         let hessian = Mat::zeros(12, 12);

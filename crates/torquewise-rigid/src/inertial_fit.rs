@@ -6,7 +6,7 @@ use crate::recursion::{Kinematics, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};
-use torquewise_sparse::products::{add_gram, product};
+use torquewise_sparse::products::{add_gram_of_equations, product};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
@@ -88,7 +88,7 @@ impl InertialFit {
         let weighted = |(k, tau): (usize, &f64)| rows.shares[k] * weights[k / m] * tau;
         let target: Vec<f64> = rows.torque.iter().enumerate().map(weighted).collect();
         let mut gram = Mat::zeros(p, p);
-        add_gram(&mut gram, columns.as_ref(), 1.0);
+        add_gram_of_equations(&mut gram, columns.as_ref(), n, 1.0);
         for j in 0..p {
             gram[(j, j)] += ridge * size;
         }

@@ -6,7 +6,7 @@
 
 use crate::error::SparseError;
 use crate::exact::ExactSums;
-use crate::products::add_gram;
+use crate::products::add_gram_of_equations;
 use faer::{Mat, MatRef, Side};
 use serde::{Deserialize, Serialize};
 
@@ -56,7 +56,7 @@ impl BlockSums {
         let p = rows.ncols() - 1;
         let m = rows.nrows() / equations.max(1);
         let mut gram = Mat::zeros(p + 1, p + 1);
-        add_gram(&mut gram, rows, 1.0);
+        add_gram_of_equations(&mut gram, rows, equations, 1.0);
         // s = Jᵀe stands in the last row of the Gram matrix.
         let scores = Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { gram[(p, i)] * gram[(p, j)] });
         let residual = rows.col(p);
@@ -78,7 +78,7 @@ impl BlockSums {
     /// Adds the same rows once more, seen through more noise, `share` times; and takes the rows as
     /// they are away as often.
     pub fn add_noisy(&mut self, noisy: MatRef<'_, f64>, share: f64) {
-        add_gram(&mut self.bias, noisy, share);
+        add_gram_of_equations(&mut self.bias, noisy, self.energies.len() / PER_EQUATION, share);
         self.bias -= faer::Scale(share) * &self.gram;
     }
 }

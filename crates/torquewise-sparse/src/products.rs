@@ -31,6 +31,30 @@ pub fn add_gram(target: &mut Mat<f64>, rows: MatRef<'_, f64>, weight: f64) {
     );
 }
 
+/// [`add_gram`] for the rows of several equations, all instants of one after those of the one
+/// before, many of whose columns are zero; only columns that hold something are multiplied.
+pub fn add_gram_of_equations(
+    target: &mut Mat<f64>,
+    rows: MatRef<'_, f64>,
+    equations: usize,
+    weight: f64,
+) {
+    let m = rows.nrows() / equations.max(1);
+    for equation in 0..equations {
+        let part = rows.subrows(equation * m, m);
+        let used: Vec<usize> =
+            (0..rows.ncols()).filter(|&j| part.col(j).iter().any(|x| *x != 0.0)).collect();
+        let dense = Mat::from_fn(m, used.len(), |row, j| part[(row, used[j])]);
+        let mut gram = Mat::zeros(used.len(), used.len());
+        add_gram(&mut gram, dense.as_ref(), weight);
+        for (j, &column) in used.iter().enumerate() {
+            for (i, &row) in used.iter().enumerate().skip(j) {
+                target[(row, column)] += gram[(i, j)];
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

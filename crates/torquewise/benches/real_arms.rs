@@ -24,7 +24,7 @@ use torquewise::identify::{reconstruct, score};
 use torquewise::logs::{Clock, ConditionedLogs, LogError, Logs, Options, Profile};
 use torquewise::model::Model;
 use torquewise::model::model::Choice;
-use torquewise::motion::{Motion, Recording, Signals};
+use torquewise::motion::{Motion, ReadError, Recording, Signals};
 use torquewise::signals::{ConditionReport, Conditioning};
 
 /// What is put down of one set.
@@ -94,7 +94,7 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
         counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
         ..ChainOptions::default()
     };
-    let mut found = reconstruct(&train, &options.into(), &mut |_| {})?;
+    let mut found = reconstruct(&Filtered(&train), &options.into(), &mut |_| {})?;
     found.model.choices.splice(0..0, cutoff);
     let seconds = start.elapsed().as_secs_f64();
     let scores = score(&found.model, &test)?;
@@ -127,6 +127,26 @@ fn conditioned(logs: Logs) -> Result<(ConditionedLogs, Option<Choice>), LogError
         }
         found => (logs, found.map(|(_, choice)| choice)),
     })
+}
+
+/// Rows that went through a filter: their noise is not white.
+struct Filtered<'a>(&'a Motion);
+
+impl Recording for Filtered<'_> {
+    fn joints(&self) -> &[String] {
+        self.0.joints()
+    }
+
+    fn is_filtered(&self) -> bool {
+        true
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.0.read(visit)
+    }
 }
 
 /// All rows of a recording of one trajectory.

@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = arguments.profile.open(&arguments.logs)?;
     model.check_joints(logs.joints())?;
     logs.require_tau()?;
-    let logs = arguments.signals.prepare(logs)?;
+    let logs = arguments.signals.prepare_as(model.training.filter, logs)?;
     let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
 
     Ok(Outcome {

@@ -79,6 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Opened { logs, test, cutoff, plan } = open(arguments)?;
     let mut timed = timed(&logs, logs.rows_hint(), &plan)?;
     timed.found.model.choices.splice(0..0, cutoff);
+    timed.found.model.training.filter = logs.filter();
     compare_logs(&mut timed.found, &logs)?;
     let model = &timed.found.model;
     write_whole(&arguments.output, to_json(model)?)?;
@@ -141,7 +142,7 @@ fn open(arguments: &Arguments) -> Result<Opened> {
     let plan = arguments.plan.plan(arguments.method.regression(), known)?;
     let (logs, cutoff) = arguments.signals.prepare_to_fit(logs)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
-    let test = test.map(|test| arguments.signals.prepare(open(test)?)).transpose()?;
+    let test = test.map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?)).transpose()?;
     if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
@@ -205,7 +206,7 @@ pub(crate) fn text(output: &Path, timed: &Timed) -> String {
         joints.row(name, cells);
     }
     format!(
-        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\n{}model: {}\n",
+        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\n{}{}model: {}\n",
         found.survey.rows,
         found.survey.seconds,
         number(found.survey.rate()),
@@ -215,9 +216,15 @@ pub(crate) fn text(output: &Path, timed: &Timed) -> String {
         model.n_coefficients(),
         found.candidates,
         timed.seconds,
-        model.training.overlooked.as_ref().map_or_else(String::new, |found| format!("{found}\n")),
+        line(model.training.overlooked.as_ref()),
+        line(model.training.price_of_physics.as_ref()),
         output.display(),
     )
+}
+
+/// A line of its own, if there is something to say.
+fn line(what: Option<&impl ToString>) -> String {
+    what.map_or_else(String::new, |what| what.to_string() + "\n")
 }
 
 /// What was chosen on held-out data, and how much worse the runner-up is.
@@ -264,6 +271,9 @@ pub(crate) fn json(output: &Path, timed: &Timed, mass: &MassMatrix) -> Value {
         "steps": steps.collect::<Vec<_>>(),
         "choices": model.choices,
         "overlooked": model.training.overlooked,
+        "price_of_physics": model.training.price_of_physics,
+        "residual_percent": model.training.residual_rms.iter().zip(&model.training.torque_std)
+            .map(|(rms, std)| 100.0 * rms / std).collect::<Vec<_>>(),
         "seconds": timed.seconds,
         "route": overall_route(found),
         "noise": {

@@ -1,5 +1,6 @@
 //! Model, log → torque, whole and in parts.
 
+use crate::error::CliError;
 use crate::files::{check_output, read_model};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
@@ -13,7 +14,7 @@ use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
-use torquewise::model::{Model, Torque};
+use torquewise::model::{Model, RigidChain, Torque};
 use torquewise::motion::{Motion, ReadError, Recording};
 
 /// Predict the torque of a log, with or without measured torque
@@ -32,6 +33,10 @@ pub(crate) struct Arguments {
     /// Predict with what was known after this step
     #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
     step: Option<u8>,
+    /// Add the columns tau_low and tau_high of each joint, between which this percentage of measured
+    /// torques should lie
+    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=99))]
+    interval: Option<u8>,
     #[command(flatten)]
     profile: ProfileArguments,
 }
@@ -49,7 +54,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     model.check_joints(logs.joints())?;
 
     let _shield = Shield::new();
-    let names = column_names(model.n_joints(), arguments.parts);
+    let interval = arguments.interval.map(|percent| Interval::new(&model, percent)).transpose()?;
+    let names = column_names(model.n_joints(), arguments.parts, interval.is_some());
     let columns: Vec<Column> =
         names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
     let mut writer = TableWriter::create(&arguments.output, &columns)?;
@@ -62,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         .read(&mut |_, block| {
             rows += block.n_rows();
             asked.add(block);
-            let tau_hat = append(&mut writer, &torque, block, arguments.parts)?;
+            let tau_hat = append(&mut writer, &torque, block, arguments.parts, interval.as_ref())?;
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
             }
@@ -73,12 +79,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(outcome(arguments, &model, rows, &largest, &names, &asked))
 }
 
-fn column_names(n_joints: usize, parts: bool) -> Vec<String> {
-    let signals: &[&str] = if parts {
-        &["tau_hat", "inertia", "coriolis", "gravity", "friction"]
-    } else {
-        &["tau_hat"]
-    };
+fn column_names(n_joints: usize, parts: bool, interval: bool) -> Vec<String> {
+    let mut signals = vec!["tau_hat"];
+    if parts {
+        signals.extend(["inertia", "coriolis", "gravity", "friction"]);
+    }
+    if interval {
+        signals.extend(["tau_low", "tau_high"]);
+    }
     let numbered = |signal: &&str| {
         let signal = (*signal).to_owned();
         (1..=n_joints).map(move |joint| format!("{signal}{joint}"))
@@ -92,6 +100,7 @@ fn append(
     torque: &Torque,
     block: &Motion,
     with_parts: bool,
+    interval: Option<&Interval<'_>>,
 ) -> Result<Mat<f64>, ReadError> {
     let parts = torque.parts(block)?;
     let total = parts.total();
@@ -99,6 +108,8 @@ fn append(
     if with_parts {
         signals.extend([&parts.inertia, &parts.coriolis, &parts.gravity, &parts.friction]);
     }
+    let bounds = interval.map(|interval| interval.bounds(block, &total)).transpose()?;
+    signals.extend(bounds.iter().flatten());
     let joints = 0..block.n_joints();
     let columns = signals
         .iter()
@@ -107,6 +118,58 @@ fn append(
         std::iter::once(Values::Numbers(block.t())).chain(columns).collect();
     writer.append(&values)?;
     Ok(total)
+}
+
+/// What a measured torque is expected within: the parameters are uncertain, and what the model
+/// leaves of the torque is not predicted.
+struct Interval<'a> {
+    model: &'a Model,
+    chain: &'a RigidChain,
+    /// Deviations of a normal number on either side.
+    deviations: f64,
+}
+
+impl<'a> Interval<'a> {
+    fn new(model: &'a Model, percent: u8) -> Result<Self> {
+        let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
+        let chain = chain.ok_or_else(|| {
+            CliError::Usage(
+                "--interval is for models of a chain, which keep the covariance of their \
+                 parameters: leave it out, or fit with --library chain"
+                    .into(),
+            )
+        })?;
+        let deviations = normal_quantile(0.5 + f64::from(percent) / 200.0);
+        Ok(Self { model, chain, deviations })
+    }
+
+    /// Lower and upper bounds of the torque \[N·m\], m×n each.
+    fn bounds(&self, block: &Motion, total: &Mat<f64>) -> Result<[Mat<f64>; 2], ReadError> {
+        let (m, n) = (block.n_rows(), block.n_joints());
+        let mut half = Mat::zeros(m, n);
+        for row in 0..m {
+            let state = [block.q(), block.dq(), block.ddq()]
+                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect::<Vec<f64>>());
+            let state = [&state[0][..], &state[1][..], &state[2][..]];
+            let errors = self.chain.std_errors(&self.model.friction, state)?;
+            for (joint, error) in errors.into_iter().enumerate() {
+                let residual = self.model.training.residual_rms.get(joint).unwrap_or(&0.0);
+                half[(row, joint)] = self.deviations * error.hypot(*residual);
+            }
+        }
+        Ok([total - &half, total + &half])
+    }
+}
+
+/// The number that a standard normal one is below with probability `p`, above one half.
+///
+/// Source: M. Abramowitz, I. Stegun, *Handbook of Mathematical Functions* (1964), 26.2.23; the
+/// error is below 5e-4.
+fn normal_quantile(p: f64) -> f64 {
+    let t = (-2.0 * (1.0 - p).ln()).sqrt();
+    let above = 2.515_517 + t * (0.802_853 + t * 0.010_328);
+    let below = 1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308));
+    t - above / below
 }
 
 fn outcome(

@@ -21,10 +21,14 @@ const SPREAD: f64 = 0.5;
 const ROTOR_RADIUS: f64 = 0.1;
 /// Usual friction as a part of the spread of the torque.
 const USUAL_FRICTION: f64 = 0.05;
-/// Speeds at which friction must take energy, as parts of the peak speed.
-const SPEEDS: [f64; 16] = [
-    1e-3, 2e-3, 4e-3, 8e-3, 0.015, 0.025, 0.04, 0.06, 0.09, 0.13, 0.2, 0.3, 0.5, 0.8, 1.2, 10.0,
-];
+/// Speeds at which friction must take energy: even up to the peak, closer where it reverses, and
+/// far beyond.
+const EVEN_SPEEDS: u32 = 200;
+const SLOW_SPEEDS: [f64; 10] = [1e-4, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3, 1.5e-3, 2e-3, 3e-3, 4e-3];
+const FAST_SPEEDS: [f64; 2] = [1.2, 10.0];
+/// What it takes there at least, as a part of what is usual: between two speeds it may be a little
+/// less.
+const LEAST_FRICTION: f64 = 0.02;
 
 /// Usual sizes of an arm, read off its log.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,7 +67,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
         match term {
             Beside::Rotor(_) => {
                 let terms = vec![(index, 1.0)];
-                prior.positive.push(Positive { terms, nominal: rotor, weight: 1.0 });
+                prior.positive.push(Positive { least: 0.0, terms, nominal: rotor, weight: 1.0 });
                 start[index] = rotor;
             }
             Beside::Friction(term) => {
@@ -109,17 +113,19 @@ fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
             laws.iter().filter(|(_, term)| term.shaft == shaft).collect();
         let Some((_, any)) = own.first() else { continue };
         let (peak, usual) = (speed_of(any, sizes), usual_friction(any, sizes));
-        for speed in SPEEDS.iter().flat_map(|part| [part * peak, -part * peak]) {
+        let even = (1..=EVEN_SPEEDS).map(|k| f64::from(k) / f64::from(EVEN_SPEEDS));
+        let parts: Vec<f64> = even.chain(SLOW_SPEEDS).chain(FAST_SPEEDS).collect();
+        for speed in parts.iter().flat_map(|part| [part * peak, -part * peak]) {
             let terms: Vec<(usize, f64)> = (own.iter())
                 .map(|(k, term)| (*k, speed.signum() * term.at_speed(speed)))
                 .filter(|(_, weight)| *weight != 0.0)
                 .collect();
-            let weight = 1.0 / SPEEDS.len() as f64;
+            let weight = 1.0 / parts.len() as f64;
             // A smooth sign vanishes at rest, and what is usual with it.
             let size = terms.iter().fold(0.0_f64, |most, (_, weight)| most.max(weight.abs()));
             if size > 0.0 {
                 let nominal = usual * size.min(1.0);
-                all.push(Positive { terms, nominal, weight });
+                all.push(Positive { least: LEAST_FRICTION * nominal, terms, nominal, weight });
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::error::IdentifyError;
 use crate::held_out::{Trial, choose};
 use faer::{ColRef, Mat};
 use rayon::prelude::*;
-use torquewise_model::model::Choice;
+use torquewise_model::model::{Choice, PriceOfPhysics};
 use torquewise_motion::Recording;
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
@@ -52,8 +52,8 @@ pub(crate) struct Solved {
     pub(crate) covariance: Mat<f64>,
     /// How the strength of the prior was chosen.
     pub(crate) choice: Option<Choice>,
-    /// By what part physics makes the residual larger (RMS) than it is at the optimum without.
-    pub(crate) price: f64,
+    /// What physics costs, beside the optimum without.
+    pub(crate) price: PriceOfPhysics,
     /// Whether another pass would change next to nothing: no parameter moves by a good part of its
     /// standard error, and the sum of squares does not fall.
     pub(crate) settled: bool,
@@ -249,6 +249,26 @@ impl<'a> Step<'a> {
         folds.par_iter().map(of_fold).collect()
     }
 
+    /// By what part the error on held-out folds is larger than that of the optimum without physics;
+    /// `None` if folds are few.
+    fn held_out_price(&self, active: &[usize], best: &Best) -> Result<Option<f64>, IdentifyError> {
+        let sums = self.sums;
+        let (gram, bias, rows) = (sums.gram(), sums.bias(), sums.rows() as f64);
+        let (mut squares, mut count) = (0.0, 0.0);
+        for fold in (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0 && !best.errors.is_empty()) {
+            let (held, own) = (sums.gram_of(fold), sums.rows_of(fold) as f64);
+            let share = 1.0 - own / rows;
+            let rest = Equations::new(&(&gram - &held), &(faer::Scale(share) * &bias), self.at)?;
+            let free = rest.of(active, self.at, share * best.pull).unconstrained()?;
+            squares += (self.squares(&held, &self.whole(active, &free))
+                / (own * self.at.n_joints() as f64))
+                .sqrt();
+            count += 1.0;
+        }
+        let mean = best.errors.iter().sum::<f64>() / best.errors.len().max(1) as f64;
+        Ok((count > 0.0 && squares > 0.0).then(|| mean / (squares / count) - 1.0))
+    }
+
     /// Sum of squares at parameters in the linearisation.
     fn squares(&self, gram: &Mat<f64>, x: &[f64]) -> f64 {
         let p = self.before.len();
@@ -321,7 +341,8 @@ impl<'a> Step<'a> {
         let equations = self.equations(active, best.pull);
         let unconstrained = self.whole(active, &equations.unconstrained()?);
         let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&gram, x));
-        let price = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
+        let residual = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
+        let price = PriceOfPhysics { residual, held_out: self.held_out_price(active, &best)? };
 
         let factor =
             curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
