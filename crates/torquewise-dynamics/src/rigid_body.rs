@@ -1,4 +1,4 @@
-//! Arm, q, q̇, q̈ → torque, regressor, mass matrix, energy: rigid bodies and the rotors that drive them.
+//! Arm, q, q̇, q̈ → torque, regressor, mass matrix, energy: rigid bodies and their rotors.
 
 use crate::arm::Arm;
 use faer::{ColRef, Mat};

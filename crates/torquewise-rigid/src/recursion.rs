@@ -1,8 +1,7 @@
-//! Frames, state → torque, regressor, mass matrix, energy: recursive Newton–Euler for a chain of
-//! rigid bodies.
+//! Frames, state → torque, regressor, mass matrix, energy: recursive Newton–Euler.
 //!
-//! Every crate that needs rigid-body dynamics uses this recursion, the simulator and the learner. It is generic over its scalar:
-//! `f64` for one state, [`Lanes`] for four states at once.
+//! Every crate that needs rigid-body dynamics uses this recursion, the simulator and the learner.
+//! It is generic over its scalar: `f64` for one state, [`Lanes`] for four states at once.
 
 mod derivative;
 mod mass;

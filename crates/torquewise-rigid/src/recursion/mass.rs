@@ -4,7 +4,11 @@ use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z}
 use nalgebra::{Matrix3, Vector3};
 
 impl Kinematics {
-    /// M(q) \[kg·m²\]: torque per unit of each acceleration. `put(i, j, value)` is called for i ≤ j.
+    /// M(q) \[kg·m²\]: torque per unit of each acceleration. `put(i, j, value)` is called for
+    /// i ≤ j.
+    ///
+    /// - `q` \[rad\]: n
+    /// - `inertial`: inertial parameters of all bodies, 10 each
     pub fn mass_matrix<T: Scalar>(
         &self,
         q: &[T],
