@@ -6,6 +6,9 @@ use crate::spatial::{Body, Pose, is_positive_semidefinite};
 use nalgebra::{Unit, Vector3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
+use torquewise_rigid::Kinematics;
+use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::recursion::PER_BODY;
 
 /// Gravity \[m/s²\] where none is given: along −z of the world.
 pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -57,6 +60,10 @@ pub struct Arm {
     joint_names: Vec<String>,
     joints: Vec<Joint>,
     gravity: [f64; 3],
+    /// The frames of the joints, each turned so that its z is the axis.
+    kinematics: Kinematics,
+    /// Inertial parameters of all bodies in those frames, 10n.
+    inertial: Vec<f64>,
 }
 
 impl Arm {
@@ -78,8 +85,10 @@ impl Arm {
             }
             joint.check(joint_name)?;
         }
-        let (joint_names, joints) = joints.into_iter().unzip();
-        Ok(Self { name, joint_names, joints, gravity })
+        let (joint_names, joints): (_, Vec<Joint>) = joints.into_iter().unzip();
+        let kinematics = Kinematics::of_frames(placements(&joints), gravity);
+        let inertial = joints.iter().flat_map(Joint::inertial_parameters).collect();
+        Ok(Self { name, joint_names, joints, gravity, kinematics, inertial })
     }
 
     /// What the arm is called.
@@ -139,13 +148,35 @@ impl Arm {
         &self.joints
     }
 
-    /// Gravity as a vector.
-    pub(crate) fn gravity_vector(&self) -> Vector3<f64> {
-        self.gravity.into()
+    /// Frames whose z is the axis of their joint.
+    pub(crate) fn kinematics(&self) -> &Kinematics {
+        &self.kinematics
+    }
+
+    /// Inertial parameters of all bodies in the frames of [`Arm::kinematics`], 10n.
+    pub(crate) fn inertial(&self) -> &[f64] {
+        &self.inertial
     }
 }
 
+/// The frames of joints, each turned so that its z is the axis, each seen from the one before.
+fn placements(joints: &[Joint]) -> Vec<Placement> {
+    let mut X_ZP = Pose::identity();
+    let placed = joints.iter().map(|joint| {
+        let X_JZ = Pose::with_z_along(&joint.axis);
+        let X_ZZ = X_ZP * joint.X_PJ * X_JZ;
+        X_ZP = X_JZ.inverse();
+        Placement { rotation: X_ZZ.R_AB, origin: X_ZZ.p_AB }
+    });
+    placed.collect()
+}
+
 impl Joint {
+    /// Inertial parameters of the body in the frame whose z is the axis.
+    fn inertial_parameters(&self) -> [f64; PER_BODY] {
+        self.body.seen_from(&Pose::with_z_along(&self.axis).inverse()).inertial_parameters()
+    }
+
     fn check(&self, name: &str) -> Result<(), DynamicsError> {
         check_finite("placement", name, self.X_PJ.R_AB.as_slice())?;
         check_finite("placement", name, self.X_PJ.p_AB.as_slice())?;

@@ -5,6 +5,7 @@ use crate::error::DynamicsError;
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use torquewise_rigid::{Moved, State};
 
 impl Arm {
     /// Acceleration that a torque causes.
@@ -12,7 +13,7 @@ impl Arm {
     /// - `q` \[rad\], `dq` \[rad/s\], `tau` \[N·m\]: n each
     /// - returns: q̈ \[rad/s²\], n
     ///
-    /// Source: method.md (1), solved by Cholesky. Checked against: `tests/identities.rs`.
+    /// Source: method.md (1), solved by Cholesky. Checked against: `tests/dynamics/identities.rs`.
     ///
     /// # Errors
     /// [`DynamicsError::JointCount`] for a slice of another length than n;
@@ -31,9 +32,11 @@ impl Arm {
             }
         }
 
-        let bias = self.inverse_dynamics(q, dq, &vec![0.0; expected]);
+        let (ddq, mut bias) = (vec![0.0; expected], vec![0.0; expected]);
+        let mut moved = Moved::default();
+        self.load(State { q, dq, ddq: &ddq }, &mut moved, &mut bias);
         let rest = Mat::from_fn(expected, 1, |i, _| tau[i] - bias[i]);
-        let factor = self.mass_matrix(q).llt(Side::Lower).map_err(
+        let factor = self.mass_matrix_of(&moved).llt(Side::Lower).map_err(
             |LltError::NonPositivePivot { index }| DynamicsError::Massless { joint: index },
         )?;
         Ok(factor.solve(&rest).col_as_slice(0).to_vec())

@@ -8,6 +8,7 @@ use crate::trajectory::{State, Trajectory};
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording, Signals};
+use torquewise_rigid::Moved;
 
 /// A simulated log and what is true about it.
 #[derive(Clone, Debug)]
@@ -100,10 +101,12 @@ impl SimulatedLog {
         let [mut q, mut dq, mut ddq, mut tau] = std::array::from_fn(|_| Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
         let (mut state, mut torque) = (State::zero(n), vec![0.0; n]);
+        let mut moved = Moved::default();
         for (k, row) in rows.enumerate() {
             t.push(trajectory.state_at(row, &mut state));
             truth.push(Pattern::of(&state.dq, &state.ddq));
-            arm.inverse_dynamics_into(&state.q, &state.dq, &state.ddq, &mut torque);
+            let moving = torquewise_rigid::State { q: &state.q, dq: &state.dq, ddq: &state.ddq };
+            arm.load(moving, &mut moved, &mut torque);
             for i in 0..n {
                 q[(k, i)] = state.q[i];
                 dq[(k, i)] = state.dq[i];

@@ -1,8 +1,9 @@
 //! Frames, masses → Pose, Body: frames that compose, bodies that weld.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB")]
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::ops::Mul;
+use torquewise_rigid::recursion::PER_BODY;
 
 /// Frame B seen from frame A.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +35,19 @@ impl Pose {
             R_AB: about_z * turn(Vector3::x_axis(), alpha),
             p_AB: about_z * Vector3::new(a, 0.0, d),
         }
+    }
+
+    /// Turned so that z lies along `axis`; no turn at all if `axis` is z.
+    pub(crate) fn with_z_along(axis: &Unit<Vector3<f64>>) -> Self {
+        let x = Vector3::ith(axis.iamin(), 1.0);
+        let x = (x - axis.into_inner() * axis.dot(&x)).normalize();
+        let R_AB = Matrix3::from_columns(&[x, axis.cross(&x), axis.into_inner()]);
+        Self { R_AB, p_AB: Vector3::zeros() }
+    }
+
+    /// A seen from B.
+    pub(crate) fn inverse(&self) -> Self {
+        Self { R_AB: self.R_AB.transpose(), p_AB: -self.R_AB.tr_mul(&self.p_AB) }
     }
 }
 
@@ -79,21 +93,28 @@ impl Body {
         }
     }
 
-    /// Both bodies welded together, all in one frame (Huygens–Steiner).
+    /// Both bodies welded together, all in one frame.
     pub(crate) fn welded_to(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         if mass <= 0.0 {
             return Self { inertia: self.inertia + other.inertia, ..Self::none() };
         }
         let com = (self.com * self.mass + other.com * other.mass) / mass;
-        let about = |body: &Self| body.inertia + point_inertia(body.mass, body.com - com);
-        Self { mass, com, inertia: about(self) + about(other) }
+        Self { mass, com, inertia: self.inertia_about(&com) + other.inertia_about(&com) }
     }
-}
 
-/// Inertia \[kg·m²\] about the origin of a point mass at `r`.
-fn point_inertia(mass: f64, r: Vector3<f64>) -> Matrix3<f64> {
-    mass * (Matrix3::identity() * r.norm_squared() - r * r.transpose())
+    /// Inertia \[kg·m²\] about a point of the frame (Huygens–Steiner).
+    fn inertia_about(&self, point: &Vector3<f64>) -> Matrix3<f64> {
+        let r = self.com - point;
+        self.inertia + self.mass * (Matrix3::identity() * r.norm_squared() - r * r.transpose())
+    }
+
+    /// m, m·c (3), and the moments about the origin: xx, yy, zz, xy, xz, yz.
+    pub(crate) fn inertial_parameters(&self) -> [f64; PER_BODY] {
+        let first = self.mass * self.com;
+        let i = self.inertia_about(&Vector3::zeros());
+        [self.mass, first.x, first.y, first.z, i.m11, i.m22, i.m33, i.m12, i.m13, i.m23]
+    }
 }
 
 /// Whether no principal moment of a symmetric matrix is negative, up to rounding.

@@ -6,9 +6,9 @@ use faer::linalg::cholesky::llt::factor::{
     LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
 };
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, MatRef, Par, Spec};
+use faer::{Mat, MatRef, Par, Spec};
+use torquewise_sparse::products::add_gram;
 
 /// Σ aᵀa over rows a, plus a small multiple of one, and its factor. One thread, so that the same
 /// rows give the same bits.
@@ -31,7 +31,7 @@ impl Information {
             gram[(j, j)] = ridge;
         }
         for rows in known {
-            add_square(&mut gram, rows.as_ref(), 1.0);
+            add_gram(&mut gram, rows.as_ref(), 1.0);
         }
         let factor = factor(&gram);
         Self { gram, factor }
@@ -39,7 +39,7 @@ impl Information {
 
     /// Adds rows, `sign` 1, or takes rows that were added away, `sign` −1.
     pub(crate) fn add(&mut self, rows: MatRef<'_, f64>, sign: f64) {
-        add_square(&mut self.gram, rows, sign);
+        add_gram(&mut self.gram, rows, sign);
         self.factor = factor(&self.gram);
     }
 
@@ -48,14 +48,14 @@ impl Information {
         let (k, p) = (rows.nrows(), rows.ncols());
         if k >= p {
             let mut gram = self.gram.clone();
-            add_square(&mut gram, rows, 1.0);
+            add_gram(&mut gram, rows, 1.0);
             return log_det(&factor(&gram)) - log_det(&self.factor);
         }
         // The same as det(I + A G⁻¹ Aᵀ), which is smaller.
         let mut white = rows.transpose().to_owned();
         solve_lower_triangular_in_place(self.factor.as_ref(), white.as_mut(), Par::Seq);
         let mut small = Mat::identity(k, k);
-        add_square(&mut small, white.as_ref(), 1.0);
+        add_gram(&mut small, white.as_ref(), 1.0);
         log_det(&factor(&small))
     }
 }
@@ -77,7 +77,7 @@ impl Criterion {
     pub(crate) fn of(rows: MatRef<'_, f64>, seconds: f64) -> Self {
         let p = rows.ncols();
         let mut gram = Mat::zeros(p, p);
-        add_square(&mut gram, rows, 1.0 / seconds);
+        add_gram(&mut gram, rows, 1.0 / seconds);
         let eigenvalues = eigenvalues(&gram);
         let information = if is_regular(&eigenvalues) {
             (eigenvalues.iter().map(|x| x.ln()).sum::<f64>() / p as f64).exp()
@@ -124,21 +124,6 @@ fn eigenvalues(matrix: &Mat<f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.unwrap_or_default();
     values.sort_by(f64::total_cmp);
     values
-}
-
-/// Adds sign · AᵀA to a lower triangle.
-fn add_square(gram: &mut Mat<f64>, rows: MatRef<'_, f64>, sign: f64) {
-    triangular::matmul(
-        gram.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        rows.transpose(),
-        BlockStructure::Rectangular,
-        rows,
-        BlockStructure::Rectangular,
-        sign,
-        Par::Seq,
-    );
 }
 
 /// L of a positive definite matrix; not a number on the diagonal if it is none.

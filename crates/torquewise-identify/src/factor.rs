@@ -10,7 +10,7 @@ use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::FrictionTerm;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::Accumulate;
-use torquewise_sparse::gram::add_gram;
+use torquewise_sparse::products::add_gram;
 use torquewise_sparse::samples::{Evaluator, Samples};
 use torquewise_sparse::triangle::Triangle;
 

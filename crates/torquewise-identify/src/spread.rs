@@ -4,7 +4,7 @@ use crate::factor::Fit;
 use faer::Mat;
 use torquewise_sparse::SparseError;
 use torquewise_sparse::accumulate::Accumulate;
-use torquewise_sparse::gram::add_gram;
+use torquewise_sparse::products::add_gram;
 use torquewise_sparse::samples::Samples;
 
 /// Residuals of a fit, and the spread of its scores: rows of all equations at one instant share the

@@ -4,10 +4,9 @@ use crate::error::ChainError;
 use crate::geometry::Geometry;
 use crate::recursion::{Kinematics, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
-use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Accum, Mat, MatRef, Par, Side};
-use torquewise_sparse::gram::add_gram_of_equations;
+use faer::{Mat, MatRef, Side};
+use torquewise_sparse::products::{add_gram_of_equations, product};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]
@@ -130,11 +129,4 @@ impl InertialFit {
         };
         parts.map(of).collect()
     }
-}
-
-/// A product whose bits do not depend on the number of threads; starts are fitted side by side.
-fn product(left: MatRef<'_, f64>, right: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(left.nrows(), right.ncols());
-    matmul(out.as_mut(), Accum::Replace, left, right, 1.0, Par::Seq);
-    out
 }

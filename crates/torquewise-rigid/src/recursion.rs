@@ -1,10 +1,12 @@
-//! Recursive Newton–Euler for a chain of rigid bodies: torque, regressor, and how both change with
-//! the geometry.
+//! Frames, state → torque, regressor, mass matrix, energy: recursive Newton–Euler.
 //!
-//! Every crate that needs rigid-body dynamics uses this recursion. It is generic over its scalar:
-//! `f64` for one state, [`Lanes`] for four states at once.
+//! Every crate that needs rigid-body dynamics uses this recursion, the simulator and the learner.
+//! It is generic over its scalar: `f64` for one state, [`Lanes`] for four states at once.
 
-use crate::geometry::{Geometry, GeometryDerivative, Placement};
+mod derivative;
+mod mass;
+
+use crate::geometry::{Geometry, Placement};
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
 
@@ -117,11 +119,23 @@ impl Kinematics {
     /// Moves the bodies: the outward half of the recursion. `moved` is overwritten, so that a loop
     /// over rows allocates once.
     pub fn move_into<T: Scalar>(&self, state: State<'_, T>, moved: &mut Moved<T>) {
+        self.move_bodies(|joint| [state.q[joint], state.dq[joint], state.ddq[joint]], moved);
+    }
+
+    /// [`Self::move_into`] at rest: the bodies stand at q \[rad\].
+    pub fn place_into<T: Scalar>(&self, q: &[T], moved: &mut Moved<T>) {
+        self.move_bodies(|joint| [q[joint], T::zero(), T::zero()], moved);
+    }
+
+    /// - `state`: q, q̇ and q̈ of a joint
+    fn move_bodies<T: Scalar>(&self, state: impl Fn(usize) -> [T; 3], moved: &mut Moved<T>) {
         moved.base = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
         moved.bodies.clear();
+        moved.bodies.reserve(self.n_joints());
         let mut before = moved.base;
         for (joint, placement) in self.placements.iter().enumerate() {
-            before = before.next(placement, state.q[joint], state.dq[joint], state.ddq[joint]);
+            let [q, dq, ddq] = state(joint);
+            before = before.next(placement, q, dq, ddq);
             moved.bodies.push(before);
         }
     }
@@ -138,30 +152,6 @@ impl Kinematics {
         moved.torque(inertial, torque);
     }
 
-    /// M(q) \[kg·m²\], column by column: torque per unit of each acceleration, at rest and without
-    /// gravity. `put(i, j, value)` is called for i ≤ j.
-    pub fn mass_matrix<T: Scalar>(
-        &self,
-        q: &[T],
-        inertial: &[f64],
-        moved: &mut Moved<T>,
-        mut put: impl FnMut(usize, usize, T),
-    ) {
-        let n = self.n_joints();
-        let rest = [T::zero(); MOST_JOINTS];
-        let mut unit = [T::zero(); MOST_JOINTS];
-        let mut torque = [T::zero(); MOST_JOINTS];
-        for j in 0..n {
-            unit[j] = T::one();
-            self.move_into(State { q, dq: &rest[..n], ddq: &unit[..n] }, moved);
-            // Gravity is taken back: it would need another chain.
-            moved.weightless(&splat(&self.gravity));
-            moved.torque(inertial, &mut torque[..n]);
-            (0..=j).for_each(|i| put(i, j, torque[i]));
-            unit[j] = T::zero();
-        }
-    }
-
     /// Potential energy \[J\] at q, up to a constant.
     pub fn potential_energy(&self, q: &[f64], inertial: &[f64]) -> f64 {
         let mut turned = Matrix3::identity();
@@ -170,7 +160,7 @@ impl Kinematics {
         for (joint, placement) in self.placements.iter().enumerate() {
             let (sin, cos) = q[joint].sin_cos();
             origin += turned * placement.origin;
-            turned = turned * placement.rotation * about_z(sin, cos);
+            turned *= turned_about_z(&placement.rotation, sin, cos);
             let body = &inertial[PER_BODY * joint..];
             sum += origin * body[0] + turned * Vector3::new(body[1], body[2], body[3]);
         }
@@ -178,9 +168,10 @@ impl Kinematics {
     }
 }
 
-fn about_z<T: Scalar>(sin: T, cos: T) -> Matrix3<T> {
-    let (zero, one) = (T::zero(), T::one());
-    Matrix3::new(cos, -sin, zero, sin, cos, zero, zero, zero, one)
+/// R · Rz for the sine and cosine of an angle.
+fn turned_about_z<T: Scalar>(rotation: &Matrix3<T>, sin: T, cos: T) -> Matrix3<T> {
+    let [x, y, z] = [0, 1, 2].map(|column| rotation.column(column));
+    Matrix3::from_columns(&[x * cos + y * sin, y * cos - x * sin, z.into_owned()])
 }
 
 impl<T: Scalar> Default for Moved<T> {
@@ -190,20 +181,12 @@ impl<T: Scalar> Default for Moved<T> {
 }
 
 impl<T: Scalar> Moved<T> {
-    /// Takes gravity \[m/s²\] back from the acceleration of every body.
-    fn weightless(&mut self, gravity: &Vector3<T>) {
-        let mut seen = *gravity;
-        for body in &mut self.bodies {
-            seen = body.rotation.tr_mul(&seen);
-            body.acceleration += seen;
-        }
-    }
-
     /// The inward half of the recursion: torques \[N·m\], n.
     ///
     /// - `inertial`: inertial parameters of all bodies, 10 each
     pub fn torque(&mut self, inertial: &[f64], torque: &mut [T]) {
         self.wrenches.clear();
+        self.wrenches.reserve(self.bodies.len());
         let mut wrench = Wrench::none();
         for (joint, body) in self.bodies.iter().enumerate().rev() {
             wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
@@ -232,53 +215,6 @@ impl<T: Scalar> Moved<T> {
             }
         }
     }
-
-    /// The change of all torques per unit of one parameter of the geometry, exactly: the recursion
-    /// differentiated. [`Self::torque`] must have been called with the same inertial parameters.
-    ///
-    /// - `change`: \[N·m\] per rad or m, n
-    pub fn geometry_derivative(
-        &self,
-        derivative: &GeometryDerivative,
-        inertial: &[f64],
-        change: &mut [T],
-    ) {
-        let moved = derivative.joint;
-        let mut tangent = [Tangent::none(); MOST_JOINTS];
-        for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
-            let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
-            let known = if joint == moved { Tangent::none() } else { tangent[joint - 1] };
-            let (rotation, origin, gravity) = if joint == moved {
-                let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
-                (splat(rotation), splat(origin), splat(gravity))
-            } else {
-                (Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
-            };
-            let known = Tangent { acceleration: known.acceleration - gravity, ..known };
-            tangent[joint] = known.next(before, body, &rotation, &origin);
-        }
-        let mut wrench = Wrench::none();
-        for (joint, body) in self.bodies.iter().enumerate().rev() {
-            if joint >= moved {
-                let inertia = Inertia::of(&inertial[PER_BODY * joint..]);
-                wrench = wrench.plus(&tangent[joint].wrench(body, &inertia));
-            }
-            change[joint] = wrench.moment.z;
-            wrench = wrench.before(body);
-            if joint == moved {
-                let carried = self.wrenches[joint].before(body);
-                let rotation: Vector3<T> = splat(&derivative.rotation);
-                let shift: Vector3<T> = splat(&derivative.origin);
-                let force = rotation.cross(&carried.force);
-                // The moment without the lever of the force turns; the lever moves with the origin.
-                let turned = carried.moment - body.origin.cross(&carried.force);
-                wrench.force += force;
-                wrench.moment += rotation.cross(&turned)
-                    + shift.cross(&carried.force)
-                    + body.origin.cross(&force);
-            }
-        }
-    }
 }
 
 impl<T: Scalar> Body<T> {
@@ -291,7 +227,7 @@ impl<T: Scalar> Body<T> {
     /// The body behind the next joint.
     fn next(&self, placement: &Placement, q: T, dq: T, ddq: T) -> Self {
         let (sin, cos) = q.simd_sin_cos();
-        let rotation: Matrix3<T> = splat3::<T>(&placement.rotation) * about_z(sin, cos);
+        let rotation: Matrix3<T> = turned_about_z(&splat3(&placement.rotation), sin, cos);
         let origin: Vector3<T> = splat(&placement.origin);
         let carried: Vector3<T> = rotation.tr_mul(&self.omega);
         let omega: Vector3<T> = carried + along_z(dq);
@@ -369,64 +305,6 @@ impl<T: Scalar> Wrench<T> {
     fn before(&self, body: &Body<T>) -> Self {
         let force = body.rotation * self.force;
         Self { force, moment: body.rotation * self.moment + body.origin.cross(&force) }
-    }
-}
-
-/// How the motion of a body changes with one parameter of the geometry, in its own frame.
-#[derive(Clone, Copy, Debug)]
-struct Tangent<T> {
-    omega: Vector3<T>,
-    alpha: Vector3<T>,
-    acceleration: Vector3<T>,
-}
-
-impl<T: Scalar> Tangent<T> {
-    fn none() -> Self {
-        let zero = Vector3::zeros();
-        Self { omega: zero, alpha: zero, acceleration: zero }
-    }
-
-    /// The change of the next body.
-    ///
-    /// - `before`, `body`: the motion of the body before and of this one
-    /// - `rotation`, `origin`: how its own frame turns and shifts, in the frame before
-    fn next(
-        &self,
-        before: &Body<T>,
-        body: &Body<T>,
-        rotation: &Vector3<T>,
-        origin: &Vector3<T>,
-    ) -> Self {
-        let back = |v: Vector3<T>| body.rotation.tr_mul(&v);
-        let (w, o) = (&before.omega, &body.origin);
-        let omega = back(self.omega - rotation.cross(w));
-        let spin = along_z(body.omega.z - body.rotation.column(2).dot(w));
-        let alpha = back(self.alpha - rotation.cross(&before.alpha)) + omega.cross(&spin);
-        let whole = body.rotation * body.acceleration;
-        let acceleration = self.acceleration
-            + self.alpha.cross(o)
-            + self.omega.cross(&w.cross(o))
-            + w.cross(&self.omega.cross(o))
-            + before.alpha.cross(origin)
-            + w.cross(&w.cross(origin))
-            - rotation.cross(&whole);
-        Self { omega, alpha, acceleration: back(acceleration) }
-    }
-
-    /// The change of the wrench that the motion takes.
-    fn wrench(&self, body: &Body<T>, inertia: &Inertia<T>) -> Wrench<T> {
-        let Inertia { mass, first, about_origin } = inertia;
-        let (w, dw) = (&body.omega, &self.omega);
-        Wrench {
-            force: self.acceleration * *mass
-                + self.alpha.cross(first)
-                + dw.cross(&w.cross(first))
-                + w.cross(&dw.cross(first)),
-            moment: about_origin * self.alpha
-                + dw.cross(&(about_origin * w))
-                + w.cross(&(about_origin * dw))
-                + first.cross(&self.acceleration),
-        }
     }
 }
 

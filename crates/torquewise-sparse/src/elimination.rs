@@ -3,8 +3,8 @@
 use crate::cholesky;
 use crate::error::SparseError;
 use crate::problem::{nonzero, require};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use crate::products::product;
+use faer::Mat;
 
 /// Estimating equations A c = b with the spread of their right-hand side.
 #[derive(Clone, Debug)]
@@ -131,12 +131,6 @@ fn weakest(t_squared: &[f64], threshold: f64) -> Vec<usize> {
     order.truncate(at_once.max(1));
     order.sort_unstable();
     order
-}
-
-fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
-    out
 }
 
 impl Estimate {

@@ -1,10 +1,9 @@
 //! Rows → normal equations YᵀY and Yᵀy of a design: the direct route.
 
 use crate::error::SparseError;
-use crate::moments::add_product;
+use crate::products::{add_gram, add_product};
 use crate::samples::{Evaluator, Samples};
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Mat, MatRef, Par};
+use faer::Mat;
 
 /// Normal equations of one equation of a design.
 #[derive(Clone, Debug)]
@@ -83,47 +82,6 @@ pub fn direct_cost(evaluator: &Evaluator, n_responses: usize) -> f64 {
     let p = design.n_columns() as f64;
     let responses = if design.n_equations() == 1 { n_responses as f64 } else { 1.0 };
     evaluator.cost() + design.n_equations() as f64 * p * (p / 2.0 + responses)
-}
-
-/// Adds weight · XᵀX to the lower triangle of `target`, in an order that no number of threads
-/// changes.
-pub fn add_gram(target: &mut Mat<f64>, rows: MatRef<'_, f64>, weight: f64) {
-    triangular::matmul(
-        target.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        rows.transpose(),
-        BlockStructure::Rectangular,
-        rows,
-        BlockStructure::Rectangular,
-        weight,
-        Par::Seq,
-    );
-}
-
-/// The same for the rows of several equations, all instants of one after those of the one before,
-/// many of whose columns are zero: a joint is loaded by the links beyond it and by its own friction.
-/// Only columns that hold something are multiplied.
-pub fn add_gram_of_equations(
-    target: &mut Mat<f64>,
-    rows: MatRef<'_, f64>,
-    equations: usize,
-    weight: f64,
-) {
-    let m = rows.nrows() / equations.max(1);
-    for equation in 0..equations {
-        let part = rows.subrows(equation * m, m);
-        let used: Vec<usize> =
-            (0..rows.ncols()).filter(|&j| part.col(j).iter().any(|x| *x != 0.0)).collect();
-        let dense = Mat::from_fn(m, used.len(), |row, j| part[(row, used[j])]);
-        let mut gram = Mat::zeros(used.len(), used.len());
-        add_gram(&mut gram, dense.as_ref(), weight);
-        for (j, &column) in used.iter().enumerate() {
-            for (i, &row) in used.iter().enumerate().skip(j) {
-                target[(row, column)] += gram[(i, j)];
-            }
-        }
-    }
 }
 
 /// Adds a block of rows to the normal equations of each equation (lower triangles only): the

@@ -9,6 +9,7 @@ pub mod exact;
 pub mod atom;
 pub mod design;
 pub mod samples;
+pub mod products;
 pub mod moments;
 pub mod gram;
 pub mod normal_sums;

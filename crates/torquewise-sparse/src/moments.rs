@@ -3,9 +3,9 @@
 use crate::atom::{Monomial, Numbering};
 use crate::design::Design;
 use crate::error::SparseError;
+use crate::products::add_product;
 use crate::samples::{Phasors, Samples, WaveTree, monomial_values, multiply};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::Mat;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -167,11 +167,6 @@ impl MomentPlan {
 /// Place of the pair a ≤ b in a packed triangle.
 fn packed(a: usize, b: usize) -> usize {
     b * (b + 1) / 2 + a
-}
-
-/// target += aᵀ b
-pub(crate) fn add_product(target: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
-    matmul(target.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
 }
 
 /// Rows worked on at once: few enough to stay in a cache, many enough for a product of matrices.

@@ -6,7 +6,7 @@
 
 use crate::error::SparseError;
 use crate::exact::ExactSums;
-use crate::gram::add_gram_of_equations;
+use crate::products::add_gram_of_equations;
 use faer::{Mat, MatRef, Side};
 use serde::{Deserialize, Serialize};
 
@@ -284,7 +284,9 @@ mod tests {
         let blocks: Vec<BlockSums> = (0..7).map(|k| block(3 + k, k as f64)).collect();
         let sum = |order: &[usize]| {
             let mut sums = NormalSums::new(3, 2);
-            order.iter().for_each(|&k| sums.add(&blocks[k]).unwrap());
+            for &k in order {
+                sums.add(&blocks[k]).unwrap();
+            }
             sums
         };
 

@@ -1,10 +1,9 @@
 //! Columns → an orthonormal basis of what they span.
 
 use crate::cholesky::{Pivoted, pivoted, regular_factor};
-use faer::linalg::matmul::matmul;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
+use crate::products::add_gram;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, Par};
+use faer::{Mat, Par};
 
 /// Columns of unit length that are perpendicular to each other and span what `columns` do, N×g with
 /// g their rank.
@@ -35,17 +34,7 @@ pub(crate) fn orthonormal(mut columns: Mat<f64>) -> Mat<f64> {
 fn gram(columns: &Mat<f64>) -> Mat<f64> {
     let size = columns.ncols();
     let mut gram = Mat::zeros(size, size);
-    triangular::matmul(
-        gram.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        columns.transpose(),
-        BlockStructure::Rectangular,
-        columns.as_ref(),
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
+    add_gram(&mut gram, columns.as_ref(), 1.0);
     gram
 }
 
@@ -58,16 +47,10 @@ fn gathered(columns: &Mat<f64>, places: &[usize]) -> Mat<f64> {
     Mat::from_fn(columns.nrows(), places.len(), |row, j| columns[(row, places[j])])
 }
 
-/// XᵀY, one thread: the same bits on any machine load.
-pub(crate) fn across(left: faer::MatRef<'_, f64>, right: faer::MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(left.ncols(), right.ncols());
-    matmul(out.as_mut(), Accum::Replace, left.transpose(), right, 1.0, Par::Seq);
-    out
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{across, orthonormal};
+    use super::orthonormal;
+    use crate::products::product;
     use faer::Mat;
 
     /// Eight columns of which the last two are sums of others, of very different lengths.
@@ -85,7 +68,7 @@ mod tests {
         let basis = orthonormal(columns());
 
         assert_eq!(basis.ncols(), 6);
-        let gram = across(basis.as_ref(), basis.as_ref());
+        let gram = product(basis.transpose(), basis.as_ref());
         for i in 0..6 {
             for j in 0..6 {
                 let expected = f64::from(u8::from(i == j));
@@ -100,7 +83,7 @@ mod tests {
 
         let basis = orthonormal(columns.clone());
 
-        let left = &columns - &basis * across(basis.as_ref(), columns.as_ref());
+        let left = &columns - &basis * product(basis.transpose(), columns.as_ref());
         for j in 0..8 {
             let (left, length) = (left.col(j).norm_l2(), columns.col(j).norm_l2());
             assert!(left < 1e-12 * length, "{j}: {left}");

@@ -2,7 +2,8 @@
 
 use crate::cholesky::regular_factor;
 use crate::error::SparseError;
-use crate::orthonormal::{across, orthonormal};
+use crate::orthonormal::orthonormal;
+use crate::products::product;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
@@ -184,7 +185,7 @@ impl Fold {
     fn new(basis: &Mat<f64>, block: &Range<usize>, energy: f64) -> Self {
         let g = basis.ncols() - 1;
         let part = basis.subrows(block.start, block.len());
-        let own = across(part, part);
+        let own = product(part.transpose(), part);
         // What all rows sum up to is known: 1, and no residual in the span.
         let gram =
             Mat::from_fn(g, g, |i, j| (if i == j { 1.0 + UNSEEN } else { 0.0 }) - own[(i, j)]);
@@ -220,7 +221,7 @@ struct Sums {
 impl Sums {
     fn of(basis: MatRef<'_, f64>, columns: MatRef<'_, f64>) -> Self {
         let energy = columns.col_iter().map(|column| column.squared_norm_l2()).collect();
-        Self { across: across(basis, columns), energy }
+        Self { across: product(basis.transpose(), columns), energy }
     }
 
     fn total(parts: &[Self], size: usize, columns: usize) -> Self {

@@ -40,7 +40,7 @@ const LAYERS: [Layer; 16] = [
     layer(SPARSE, &[], &[]),
     layer(RIGID, &[SPARSE], &[MOTION, MODEL, DYNAMICS]),
     layer(MODEL, &[MOTION, RIGID], &[DYNAMICS]),
-    layer(DYNAMICS, &[MOTION], &[]),
+    layer(DYNAMICS, &[MOTION, RIGID], &[]),
     layer(SIGNALS, &[MOTION], &[DYNAMICS]),
     layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
     layer(IDENTIFY, &[MOTION, SPARSE, MODEL, RIGID], &[DYNAMICS]),

@@ -96,20 +96,6 @@ fn torque_is_the_sum_of_inertia_coriolis_and_gravity() {
 }
 
 #[test]
-fn kinetic_energy_is_half_of_m_times_velocity_squared() {
-    for_states(|arm, q, dq, _| {
-        let mass = arm.mass_matrix(q);
-        let n = arm.n_joints();
-        let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-
-        let half: f64 = pairs.map(|(i, j)| dq[i] * mass[(i, j)] * dq[j]).sum::<f64>() / 2.0;
-
-        let energy = arm.kinetic_energy(q, dq);
-        assert!((half - energy).abs() < 1e-12 * energy, "{}: {half} {energy}", arm.name());
-    });
-}
-
-#[test]
 fn power_in_is_change_of_energy() {
     // d/dt (T + V) along q(t) = q + t dq + t² ddq / 2, by a central difference of fourth order.
     for_states(|arm, q, dq, ddq| {

@@ -2,10 +2,10 @@
 
 use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Mat, Par};
+use faer::Mat;
 use torquewise_identify::candidates::Group;
 use torquewise_sparse::problem::{Problem, Selection};
+use torquewise_sparse::products;
 use torquewise_sparse::samples::{Evaluator, Samples};
 use torquewise_sparse::select::Selector;
 
@@ -219,15 +219,5 @@ pub(super) fn add_gram(gram: &mut Mat<f64>, columns: &Mat<f64>, weights: &[f64])
         let column = scaled.col_as_slice_mut(j).iter_mut().zip(weights);
         column.for_each(|(y, w)| *y *= w.sqrt());
     }
-    triangular::matmul(
-        gram.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Add,
-        scaled.transpose(),
-        BlockStructure::Rectangular,
-        scaled.as_ref(),
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
+    products::add_gram(gram, scaled.as_ref(), 1.0);
 }

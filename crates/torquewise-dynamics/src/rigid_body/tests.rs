@@ -1,0 +1,106 @@
+//! Joints that turn about any axis: energies summed body by body, torque by the regressor.
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
+
+use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, direction};
+use crate::spatial::{Body, Pose};
+use nalgebra::{Rotation3, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Joints about the given axes, placed and laden at random.
+fn arm(axes: &[[f64; 3]], random: &mut ChaCha8Rng) -> Arm {
+    let mut three = || std::array::from_fn(|_| random.random_range(-1.0..1.0));
+    let joints = axes.iter().enumerate().map(|(i, &axis)| {
+        let name = format!("joint{}", i + 1);
+        // Principal moments of at least 0.5 outweigh products of inertia of at most 0.1.
+        let ([x, y, z], [xy, xz, yz]): ([f64; 3], [f64; 3]) = (three(), three());
+        let moments = [0.5 + x.abs(), 0.5 + y.abs(), 0.5 + z.abs(), 0.1 * xy, 0.1 * xz, 0.1 * yz];
+        let joint = Joint {
+            X_PJ: Pose::from_xyz_rpy(three(), three()),
+            axis: direction(&name, axis).unwrap(),
+            body: Body::new(1.0 + 0.3 * i as f64, three(), moments),
+            rotor: 0.2,
+            range: [-1.0, 1.0],
+            limits: JointLimits::default(),
+        };
+        (name, joint)
+    });
+    Arm::new("arm".into(), STANDARD_GRAVITY, joints.collect()).unwrap()
+}
+
+/// Along and against the axes of the frame, and between them.
+const AXES: [[f64; 3]; 8] = [
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, -1.0],
+    [1.0, 0.0, 0.0],
+    [0.3, -0.5, 0.8],
+    [0.0, -1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [-1.0, 0.0, 0.0],
+    [1e-9, 0.7, 0.7],
+];
+
+/// Arms of one to eight joints in states q, q̇, q̈.
+fn for_states(check: impl Fn(&Arm, [&[f64]; 3])) {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for n in 1..=AXES.len() {
+        for first in 0..AXES.len() {
+            let axes: Vec<_> = (0..n).map(|i| AXES[(first + i) % AXES.len()]).collect();
+            let arm = arm(&axes, &mut random);
+            let [q, dq, ddq] = [3.0, 2.0, 5.0].map(|most| -> Vec<f64> {
+                (0..n).map(|_| random.random_range(-most..most)).collect()
+            });
+            check(&arm, [&q, &dq, &ddq]);
+        }
+    }
+}
+
+/// T and V from the velocity and height of each body, in the frames the joints were given in.
+fn energies(arm: &Arm, q: &[f64], dq: &[f64]) -> [f64; 2] {
+    let (mut w, mut v) = (Vector3::zeros(), Vector3::zeros());
+    let mut X_WJ = Pose::identity();
+    let (mut twice_kinetic, mut potential) = (0.0, 0.0);
+    for ((joint, &q), &dq) in arm.chain().iter().zip(q).zip(dq) {
+        let turned = *Rotation3::from_axis_angle(&joint.axis, q).matrix();
+        let X_PJ = joint.X_PJ * Pose { R_AB: turned, p_AB: Vector3::zeros() };
+        v = X_PJ.R_AB.tr_mul(&(v + w.cross(&X_PJ.p_AB)));
+        w = X_PJ.R_AB.tr_mul(&w) + joint.axis.into_inner() * dq;
+        X_WJ = X_WJ * X_PJ;
+        let body = &joint.body;
+        let v_com = v + w.cross(&body.com);
+        twice_kinetic += body.mass * v_com.norm_squared() + w.dot(&(body.inertia * w));
+        twice_kinetic += joint.rotor * dq * dq;
+        potential -= body.mass * Vector3::from(arm.gravity()).dot(&body.seen_from(&X_WJ).com);
+    }
+    [twice_kinetic / 2.0, potential]
+}
+
+#[test]
+fn energies_are_those_of_the_bodies_one_by_one() {
+    for_states(|arm, [q, dq, _]| {
+        let [kinetic, potential] = energies(arm, q, dq);
+
+        let found = [arm.kinetic_energy(q, dq), arm.potential_energy(q)];
+
+        assert!((found[0] - kinetic).abs() < 1e-12 * kinetic, "{found:?} {kinetic}");
+        // Heights of a few metres that cancel.
+        let scale = 10.0 * arm.n_joints() as f64;
+        assert!((found[1] - potential).abs() < 1e-13 * scale.powi(2), "{found:?} {potential}");
+    });
+}
+
+#[test]
+fn the_regressor_times_the_masses_is_the_torque() {
+    for_states(|arm, [q, dq, ddq]| {
+        let masses = arm.inertial_parameters();
+
+        let regressor = arm.regressor(q, dq, ddq);
+
+        let torque = arm.inverse_dynamics(q, dq, ddq);
+        for (i, (torque, ddq)) in torque.iter().zip(ddq).enumerate() {
+            let bodies: f64 = masses.iter().enumerate().map(|(j, p)| regressor[(i, j)] * p).sum();
+            let sum = bodies + 0.2 * ddq;
+            assert!((sum - torque).abs() < 1e-11 * (100.0 + torque.abs()), "{sum} {torque}");
+        }
+    });
+}

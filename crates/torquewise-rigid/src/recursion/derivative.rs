@@ -1,0 +1,112 @@
+//! Moved bodies, a change of the geometry → the change of the torque: the recursion differentiated.
+
+use super::{Body, Inertia, MOST_JOINTS, Moved, PER_BODY, Scalar, Wrench, along_z, splat};
+use crate::geometry::GeometryDerivative;
+use nalgebra::Vector3;
+
+impl<T: Scalar> Moved<T> {
+    /// The change of all torques per unit of one parameter of the geometry, exactly: the recursion
+    /// differentiated. [`Self::torque`] must have been called with the same inertial parameters.
+    ///
+    /// - `change`: \[N·m\] per rad or m, n
+    pub fn geometry_derivative(
+        &self,
+        derivative: &GeometryDerivative,
+        inertial: &[f64],
+        change: &mut [T],
+    ) {
+        let moved = derivative.joint;
+        let mut tangent = [Tangent::none(); MOST_JOINTS];
+        for (joint, body) in self.bodies.iter().enumerate().skip(moved) {
+            let before = if joint == 0 { &self.base } else { &self.bodies[joint - 1] };
+            let known = if joint == moved { Tangent::none() } else { tangent[joint - 1] };
+            let (rotation, origin, gravity) = if joint == moved {
+                let GeometryDerivative { rotation, origin, gravity, .. } = derivative;
+                (splat(rotation), splat(origin), splat(gravity))
+            } else {
+                (Vector3::zeros(), Vector3::zeros(), Vector3::zeros())
+            };
+            let known = Tangent { acceleration: known.acceleration - gravity, ..known };
+            tangent[joint] = known.next(before, body, &rotation, &origin);
+        }
+        let mut wrench = Wrench::none();
+        for (joint, body) in self.bodies.iter().enumerate().rev() {
+            if joint >= moved {
+                let inertia = Inertia::of(&inertial[PER_BODY * joint..]);
+                wrench = wrench.plus(&tangent[joint].wrench(body, &inertia));
+            }
+            change[joint] = wrench.moment.z;
+            wrench = wrench.before(body);
+            if joint == moved {
+                let carried = self.wrenches[joint].before(body);
+                let rotation: Vector3<T> = splat(&derivative.rotation);
+                let shift: Vector3<T> = splat(&derivative.origin);
+                let force = rotation.cross(&carried.force);
+                // The moment without the lever of the force turns; the lever moves with the origin.
+                let turned = carried.moment - body.origin.cross(&carried.force);
+                wrench.force += force;
+                wrench.moment += rotation.cross(&turned)
+                    + shift.cross(&carried.force)
+                    + body.origin.cross(&force);
+            }
+        }
+    }
+}
+
+/// How the motion of a body changes with one parameter of the geometry, in its own frame.
+#[derive(Clone, Copy, Debug)]
+struct Tangent<T> {
+    omega: Vector3<T>,
+    alpha: Vector3<T>,
+    acceleration: Vector3<T>,
+}
+
+impl<T: Scalar> Tangent<T> {
+    fn none() -> Self {
+        let zero = Vector3::zeros();
+        Self { omega: zero, alpha: zero, acceleration: zero }
+    }
+
+    /// The change of the next body.
+    ///
+    /// - `before`, `body`: the motion of the body before and of this one
+    /// - `rotation`, `origin`: how its own frame turns and shifts, in the frame before
+    fn next(
+        &self,
+        before: &Body<T>,
+        body: &Body<T>,
+        rotation: &Vector3<T>,
+        origin: &Vector3<T>,
+    ) -> Self {
+        let back = |v: Vector3<T>| body.rotation.tr_mul(&v);
+        let (w, o) = (&before.omega, &body.origin);
+        let omega = back(self.omega - rotation.cross(w));
+        let spin = along_z(body.omega.z - body.rotation.column(2).dot(w));
+        let alpha = back(self.alpha - rotation.cross(&before.alpha)) + omega.cross(&spin);
+        let whole = body.rotation * body.acceleration;
+        let acceleration = self.acceleration
+            + self.alpha.cross(o)
+            + self.omega.cross(&w.cross(o))
+            + w.cross(&self.omega.cross(o))
+            + before.alpha.cross(origin)
+            + w.cross(&w.cross(origin))
+            - rotation.cross(&whole);
+        Self { omega, alpha, acceleration: back(acceleration) }
+    }
+
+    /// The change of the wrench that the motion takes.
+    fn wrench(&self, body: &Body<T>, inertia: &Inertia<T>) -> Wrench<T> {
+        let Inertia { mass, first, about_origin } = inertia;
+        let (w, dw) = (&body.omega, &self.omega);
+        Wrench {
+            force: self.acceleration * *mass
+                + self.alpha.cross(first)
+                + dw.cross(&w.cross(first))
+                + w.cross(&dw.cross(first)),
+            moment: about_origin * self.alpha
+                + dw.cross(&(about_origin * w))
+                + w.cross(&(about_origin * dw))
+                + first.cross(&self.acceleration),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! Frames, q → M(q): composite rigid bodies, from the tip inward.
+
+use super::{Body, Inertia, Kinematics, Moved, PER_BODY, Scalar, Wrench, along_z};
+use nalgebra::{Matrix3, Vector3};
+
+impl Kinematics {
+    /// M(q) \[kg·m²\]: torque per unit of each acceleration. `put(i, j, value)` is called for
+    /// i ≤ j.
+    ///
+    /// - `q` \[rad\]: n
+    /// - `inertial`: inertial parameters of all bodies, 10 each
+    pub fn mass_matrix<T: Scalar>(
+        &self,
+        q: &[T],
+        inertial: &[f64],
+        moved: &mut Moved<T>,
+        put: impl FnMut(usize, usize, T),
+    ) {
+        self.place_into(q, moved);
+        moved.mass_matrix(inertial, put);
+    }
+}
+
+impl<T: Scalar> Moved<T> {
+    /// M(q) \[kg·m²\] where the bodies are, however they move. `put(i, j, value)` is called for
+    /// i ≤ j.
+    ///
+    /// Column j is the torque when only joint j accelerates, at rest and without gravity: all
+    /// beyond it turns as one body, and the joints before it hold that body's force.
+    ///
+    /// - `inertial`: inertial parameters of all bodies, 10 each
+    ///
+    /// Source: M. Walker, D. Orin, J. Dyn. Sys. Meas. Control 104 (1982).
+    pub fn mass_matrix(&self, inertial: &[f64], mut put: impl FnMut(usize, usize, T)) {
+        let mut composite = Inertia::none();
+        for (j, body) in self.bodies.iter().enumerate().rev() {
+            composite = composite.plus(&Inertia::of(&inertial[PER_BODY * j..]));
+            let mut wrench = composite.wrench_of_unit_acceleration();
+            put(j, j, wrench.moment.z);
+            for i in (0..j).rev() {
+                wrench = wrench.before(&self.bodies[i + 1]);
+                put(i, j, wrench.moment.z);
+            }
+            composite = composite.before(body);
+        }
+    }
+}
+
+impl<T: Scalar> Inertia<T> {
+    fn none() -> Self {
+        Self { mass: T::zero(), first: Vector3::zeros(), about_origin: Matrix3::zeros() }
+    }
+
+    /// Both welded together.
+    fn plus(&self, other: &Self) -> Self {
+        Self {
+            mass: self.mass + other.mass,
+            first: self.first + other.first,
+            about_origin: self.about_origin + other.about_origin,
+        }
+    }
+
+    /// Force and moment that turn it about z at 1 rad/s² from rest.
+    fn wrench_of_unit_acceleration(&self) -> Wrench<T> {
+        Wrench {
+            force: along_z(T::one()).cross(&self.first),
+            moment: self.about_origin.column(2).into_owned(),
+        }
+    }
+
+    /// The same in the frame before that of a body: turned, then moved (Huygens–Steiner).
+    fn before(&self, body: &Body<T>) -> Self {
+        let Body { rotation, origin, .. } = body;
+        let turned = rotation * self.first;
+        let first = turned + origin * self.mass;
+        // The sum over its points of |p + r|² − (p + r)(p + r)ᵀ less that of |r|² − r rᵀ.
+        let trace = origin.dot(&(turned + first));
+        let shift = Matrix3::from_diagonal_element(trace)
+            - origin * first.transpose()
+            - turned * origin.transpose();
+        let about_origin = rotation * self.about_origin * rotation.transpose() + shift;
+        Self { mass: self.mass, first, about_origin }
+    }
+}

@@ -1,0 +1,74 @@
+//! Matrices → their products and Gram matrices, in an order that no number of threads changes.
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Mat, MatRef, Par};
+
+/// A B
+pub fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(a.nrows(), b.ncols());
+    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    out
+}
+
+/// Adds AᵀB to `target`.
+pub(crate) fn add_product(target: &mut Mat<f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>) {
+    matmul(target.as_mut(), Accum::Add, a.transpose(), b, 1.0, Par::Seq);
+}
+
+/// Adds weight · XᵀX to the lower triangle of `target`.
+pub fn add_gram(target: &mut Mat<f64>, rows: MatRef<'_, f64>, weight: f64) {
+    triangular::matmul(
+        target.as_mut(),
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        rows.transpose(),
+        BlockStructure::Rectangular,
+        rows,
+        BlockStructure::Rectangular,
+        weight,
+        Par::Seq,
+    );
+}
+
+/// [`add_gram`] for the rows of several equations, all instants of one after those of the one
+/// before, many of whose columns are zero; only columns that hold something are multiplied.
+pub fn add_gram_of_equations(
+    target: &mut Mat<f64>,
+    rows: MatRef<'_, f64>,
+    equations: usize,
+    weight: f64,
+) {
+    let m = rows.nrows() / equations.max(1);
+    for equation in 0..equations {
+        let part = rows.subrows(equation * m, m);
+        let used: Vec<usize> =
+            (0..rows.ncols()).filter(|&j| part.col(j).iter().any(|x| *x != 0.0)).collect();
+        let dense = Mat::from_fn(m, used.len(), |row, j| part[(row, used[j])]);
+        let mut gram = Mat::zeros(used.len(), used.len());
+        add_gram(&mut gram, dense.as_ref(), weight);
+        for (j, &column) in used.iter().enumerate() {
+            for (i, &row) in used.iter().enumerate().skip(j) {
+                target[(row, column)] += gram[(i, j)];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gram_matrix_is_the_product_of_the_rows_with_themselves() {
+        let rows = faer::mat![[1.0, 2.0], [3.0, -4.0], [0.5, 0.0]];
+        let (mut gram, mut whole) = (Mat::zeros(2, 2), Mat::zeros(2, 2));
+
+        add_gram(&mut gram, rows.as_ref(), 2.0);
+        add_product(&mut whole, rows.as_ref(), rows.as_ref());
+
+        assert_eq!(whole, product(rows.transpose(), rows.as_ref()));
+        assert_eq!(whole, faer::mat![[10.25, -10.0], [-10.0, 20.0]]);
+        assert_eq!(gram, faer::mat![[20.5, 0.0], [-20.0, 40.0]]);
+    }
+}
