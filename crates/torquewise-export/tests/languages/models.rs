@@ -139,5 +139,6 @@ fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Ve
     // Names that a careless printer would break a string or a comment with.
     let names = (0..n).map(|joint| format!("gelenk \"{joint}\" */ ??/ é\\"));
     let joints = names.collect();
-    Model { joints, form, friction, stages, training: Training::default(), choices: Vec::new() }
+    let (training, choices, chain) = (Training::default(), Vec::new(), None);
+    Model { joints, form, friction, stages, training, choices, chain }
 }
