@@ -430,5 +430,7 @@ impl<T: Scalar> Tangent<T> {
     }
 }
 
+mod torque;
+
 #[cfg(test)]
 mod tests;
