@@ -15,7 +15,21 @@ impl Kinematics {
     /// # Panics
     /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
     pub fn torque<T: Scalar>(&self, state: State<'_, T>, inertial: &[f64], torque: &mut [T]) {
-        let mut bodies = [Body::at_rest(); MOST_JOINTS];
+        // Short chains should not pay for clearing what only long ones need.
+        match self.n_joints() {
+            0..=4 => self.torque_within::<4, T>(state, inertial, torque),
+            5..=8 => self.torque_within::<8, T>(state, inertial, torque),
+            _ => self.torque_within::<MOST_JOINTS, T>(state, inertial, torque),
+        }
+    }
+
+    fn torque_within<const MOST: usize, T: Scalar>(
+        &self,
+        state: State<'_, T>,
+        inertial: &[f64],
+        torque: &mut [T],
+    ) {
+        let mut bodies = [Body::at_rest(); MOST];
         let mut before = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
         for (joint, placement) in self.placements.iter().enumerate() {
             before = before.next(placement, state.q[joint], state.dq[joint], state.ddq[joint]);
