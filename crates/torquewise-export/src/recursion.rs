@@ -90,7 +90,7 @@ impl<'a> Recursion<'a> {
         let mut matrix = vec![zero; n * n];
         let mut beyond = Composite { first: [zero; 3], moments: [[zero; 3]; 3] };
         for (j, link) in self.chain.links.iter().enumerate().rev() {
-            let all = self.with(link, beyond);
+            let all = self.with(link, &beyond);
             let [x, y, _] = all.first;
             let force = [self.graph.neg(y), x, zero];
             let mut wrench = Wrench { force, moment: all.moments[2] };
@@ -220,7 +220,7 @@ impl<'a> Recursion<'a> {
     }
 
     /// A link and all beyond it, in its frame.
-    fn with(&mut self, link: &BaseLink, beyond: Composite) -> Composite {
+    fn with(&mut self, link: &BaseLink, beyond: &Composite) -> Composite {
         let Moments { xx, zz, xy, xz, yz } = link.moments;
         let own = [[xx, xy, xz], [xy, 0.0, yz], [xz, yz, zz]];
         let own = own.map(|row| row.map(|x| self.graph.constant(x)));

@@ -36,8 +36,8 @@ pub(crate) struct Frictionless {
 /// One of these functions.
 type Choice = fn(&Frictionless) -> &Vec<Id>;
 
-/// A way to compute all functions.
-type Way<'a> = Box<dyn Fn(&mut Graph) -> Frictionless + 'a>;
+/// A way to compute something.
+type Way<'a, T> = Box<dyn Fn(&mut Graph) -> T + 'a>;
 
 /// The functions of a model, each the cheapest that is known.
 ///
@@ -84,7 +84,7 @@ fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, Expor
         0..=MOST_EXPANDED => with_sums(joined(chain.energy_terms()?), n),
         _ => Vec::new(),
     };
-    let mut ways: Vec<Way<'_>> = vec![Box::new(|graph| {
+    let mut ways: Vec<Way<'_, Frictionless>> = vec![Box::new(|graph| {
         let mut recursion = Recursion::new(graph, &base);
         let links = Frictionless {
             torque: recursion.torque(Motion::Whole),
@@ -111,7 +111,7 @@ fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, Expor
 }
 
 /// For each function the place of the way that computes it in the fewest operations.
-fn cheapest(ways: &[Way<'_>], choices: [Choice; 4]) -> [(usize, Choice); 4] {
+fn cheapest(ways: &[Way<'_, Frictionless>], choices: [Choice; 4]) -> [(usize, Choice); 4] {
     let mut best = choices.map(|choice| (usize::MAX, 0, choice));
     for (place, way) in ways.iter().enumerate() {
         let mut graph = Graph::default();
@@ -154,7 +154,7 @@ fn of_form(
         Form::Energy(terms) => with_sums(terms.clone(), n),
         Form::Torque(_) => Vec::new(),
     };
-    let mut ways: Vec<Box<dyn Fn(&mut Graph) -> Parts + '_>> = Vec::new();
+    let mut ways: Vec<Way<'_, Parts>> = Vec::new();
     for order in [Order::Products, Order::Horner] {
         for terms in &energies {
             ways.push(Box::new(move |graph| from_energies(graph, terms, n, order)));

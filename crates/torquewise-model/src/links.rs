@@ -2,7 +2,6 @@
 
 use crate::rigid_chain::RigidChain;
 use crate::term::Kind;
-use faer::MatRef;
 use torquewise_motion::Motion;
 use torquewise_rigid::recursion::MOST_JOINTS;
 use torquewise_rigid::{Kinematics, Moved, State};
@@ -60,7 +59,7 @@ impl Links {
         mut put: impl FnMut(usize, usize, Kind, f64),
     ) {
         let (q, dq, ddq) = (motion.q(), motion.dq(), motion.ddq());
-        let parts: [(Kind, &Kinematics, [Option<MatRef<'_, f64>>; 3]); 3] = [
+        let parts = [
             (Kind::Gravity, &self.kinematics, [Some(q), None, None]),
             (Kind::Coriolis, &self.weightless, [Some(q), Some(dq), None]),
             (Kind::Inertia, &self.weightless, [Some(q), None, Some(ddq)]),

@@ -58,7 +58,7 @@ impl Kinematics {
         mut put: impl FnMut(usize, usize, f64),
     ) {
         let n = self.n_joints();
-        let m = signals.iter().flatten().map(|signal| signal.nrows()).max().unwrap_or(0);
+        let m = signals.iter().flatten().map(MatRef::nrows).max().unwrap_or(0);
         let mut state = [[Lanes::splat(0.0); MOST_JOINTS]; 3];
         let mut torque = [Lanes::splat(0.0); MOST_JOINTS];
         for first in (0..m).step_by(N_LANES) {
