@@ -1,5 +1,7 @@
 //! The torque of a model that holds a rigid chain, at one state and over a motion.
 
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
 use faer::Mat;
 use torquewise_model::{
     Drive, EnergyTerm, Form, Model, Place, RigidChain, Term, Torque, Training, Trig, Weighted,
