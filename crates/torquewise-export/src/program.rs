@@ -3,11 +3,10 @@
 use crate::cost::Cost;
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
-use crate::harmonics::summed;
 use crate::lower::lowered;
-use crate::parts::{Grouping, Parts, friction, from_energies, from_equations};
-use crate::polynomial::Order;
-use torquewise_model::{EnergyTerm, Form, Model, Weighted, to_json};
+use crate::parts::friction;
+use crate::ways::{frictionless, gravity_of};
+use torquewise_model::{Form, Model, to_json};
 
 /// What a function of an exported file computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,25 +97,24 @@ impl Program {
     /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
     pub fn of(model: &Model) -> Result<Self, ExportError> {
         let text = to_json(model)?;
-        let first = match model.stages.len() {
-            0 => model.clone(),
-            _ => model.after_step(1)?,
-        };
         let mut graph = Graph::default();
         let n = model.n_joints();
-        let parts = cheapest(&mut graph, &model.form, n, |parts| &parts.motion);
-        let first = cheapest(&mut graph, &first.form, n, |parts| &parts.gravity);
+        let parts = frictionless(&mut graph, model)?;
+        let first = match (model.stages.len(), &model.chain) {
+            (0, Some(_)) => parts.gravity.clone(),
+            (0, None) => gravity_of(&mut graph, &model.form, n),
+            _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
+        };
         let friction = friction(&mut graph, &model.friction, n);
-        let torque = (0..n)
-            .map(|joint| graph.sum(&[parts.motion[joint], parts.gravity[joint], friction[joint]]))
-            .collect();
+        let torque =
+            parts.torque.iter().zip(&friction).map(|(&tau, &own)| graph.add(tau, own)).collect();
         let functions = vec![
             (Quantity::Torque, torque),
             (Quantity::Gravity, parts.gravity),
             (Quantity::Coriolis, parts.coriolis),
             (Quantity::Inertia, parts.matrix),
             (Quantity::Friction, friction),
-            (Quantity::Step1, first.gravity),
+            (Quantity::Step1, first),
         ];
         let roots: Vec<Id> = functions.iter().flat_map(|(_, roots)| roots.clone()).collect();
         let (graph, roots) = lowered(&graph, &roots);
@@ -134,7 +132,7 @@ impl Program {
             graph,
             functions,
             steps: model.stages.len(),
-            symmetric: matches!(model.form, Form::Energy(_)),
+            symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
             fingerprint: fingerprint(&text),
         })
     }
@@ -199,51 +197,6 @@ impl Program {
             _ => Ok(()),
         }
     }
-}
-
-/// A way to compute the parts.
-type Way<'a> = Box<dyn Fn(&mut Graph) -> Parts + 'a>;
-
-/// The parts that cost least where it matters most, of all ways to compute them.
-fn cheapest(graph: &mut Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<Id>) -> Parts {
-    let equations = form.equations(n);
-    let mut energies = Vec::new();
-    if let Form::Energy(terms) = form {
-        energies = shortest_sums(terms, n);
-        energies.insert(0, terms.clone());
-    }
-    let mut ways: Vec<Way<'_>> = Vec::new();
-    for order in [Order::Products, Order::Horner] {
-        for terms in &energies {
-            ways.push(Box::new(move |graph| from_energies(graph, terms, n, order)));
-        }
-        for grouping in [Grouping::ByMotion, Grouping::None] {
-            let equations = &equations;
-            ways.push(Box::new(move |graph| from_equations(graph, equations, order, grouping)));
-        }
-    }
-    let tried = ways.iter().map(|way| {
-        let mut graph = Graph::default();
-        let parts = way(&mut graph);
-        let (graph, roots) = lowered(&graph, which(&parts));
-        Cost::of(&graph, &roots).weight()
-    });
-    let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
-    let place = best.map_or(0, |(place, _)| place);
-    ways[place](graph)
-}
-
-/// Ways to sum angles that are worth trying.
-const SUMS: usize = 3;
-
-/// The energies with the angles of some neighbouring joints summed, where that takes fewer terms.
-fn shortest_sums(terms: &[Weighted<EnergyTerm>], n: usize) -> Vec<Vec<Weighted<EnergyTerm>>> {
-    let ranges = (0..n).flat_map(|first| (first + 2..=n).map(move |end| first..end));
-    let mut sums: Vec<_> = ranges.filter_map(|joints| summed(terms, &joints)).collect();
-    sums.retain(|sum| sum.len() < terms.len());
-    sums.sort_by_key(Vec::len);
-    sums.truncate(SUMS);
-    sums
 }
 
 /// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.

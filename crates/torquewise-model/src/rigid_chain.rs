@@ -276,7 +276,7 @@ impl RigidChain {
         }
         let p = self.n_parameters(friction);
         let triangle = self.covariance.iter().enumerate().all(|(i, row)| row.len() == i + 1);
-        if !self.covariance.is_empty() && !(triangle && self.covariance.len() == p) {
+        if !(self.covariance.is_empty() || triangle && self.covariance.len() == p) {
             return fail("its covariance is not one of its parameters");
         }
         Ok(())

@@ -2,13 +2,14 @@
 
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;
+use crate::links::Links;
 use crate::model::{Form, Model, Weighted};
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::term::{Factor, Kind, Sum};
 use faer::Mat;
 use std::collections::BTreeMap;
 use torquewise_motion::Motion;
-use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_rigid::State;
 
 /// The parts of the torque (1) and (17).
 #[derive(Clone, Debug)]
@@ -65,14 +66,6 @@ pub struct Torque {
     links: Option<Links>,
 }
 
-/// Rigid links, moved by the recursion.
-#[derive(Clone, Debug)]
-struct Links {
-    kinematics: Kinematics,
-    weightless: Kinematics,
-    inertial: Vec<f64>,
-}
-
 /// M(q) on its own: the functions it needs, and what each term adds to an entry.
 #[derive(Clone, Debug)]
 struct Mass {
@@ -120,15 +113,7 @@ impl Torque {
         let mut tau = vec![0.0; self.n_joints];
         self.visit_terms(q, dq, ddq, |joint, _, value| tau[joint] += value)?;
         if let Some(links) = &self.links {
-            let mut moved = Moved::default();
-            let mut own = vec![0.0; self.n_joints];
-            links.kinematics.inverse_dynamics(
-                State { q, dq, ddq },
-                &links.inertial,
-                &mut moved,
-                &mut own,
-            );
-            tau.iter_mut().zip(own).for_each(|(tau, own)| *tau += own);
+            links.add_torque(State { q, dq, ddq }, &mut tau);
         }
         Ok(tau)
     }
@@ -139,27 +124,22 @@ impl Torque {
     /// [`ModelError::JointCount`] if the motion is of another arm.
     pub fn parts(&self, motion: &Motion) -> Result<Parts, ModelError> {
         let (m, n) = (motion.n_rows(), self.n_joints);
-        if motion.n_joints() != n {
-            return Err(ModelError::JointCount { model: n, log: motion.n_joints() });
-        }
+        self.check_joints(motion)?;
         let zeros = || Mat::zeros(m, n);
         let (inertia, coriolis, gravity, friction) = (zeros(), zeros(), zeros(), zeros());
         let mut parts = Parts { inertia, coriolis, gravity, friction };
-        let row_of = |signal: faer::MatRef<'_, f64>, row| -> Vec<f64> {
-            (0..n).map(|joint| signal[(row, joint)]).collect()
+        let mut add = |row, joint, kind, value| {
+            let part = match kind {
+                Kind::Inertia => &mut parts.inertia,
+                Kind::Coriolis => &mut parts.coriolis,
+                Kind::Gravity => &mut parts.gravity,
+                Kind::Friction => &mut parts.friction,
+            };
+            part[(row, joint)] += value;
         };
-        for row in 0..m {
-            let (q, dq) = (row_of(motion.q(), row), row_of(motion.dq(), row));
-            let ddq = row_of(motion.ddq(), row);
-            self.visit(&q, &dq, &ddq, |joint, kind, value| {
-                let part = match kind {
-                    Kind::Inertia => &mut parts.inertia,
-                    Kind::Coriolis => &mut parts.coriolis,
-                    Kind::Gravity => &mut parts.gravity,
-                    Kind::Friction => &mut parts.friction,
-                };
-                part[(row, joint)] += value;
-            })?;
+        self.visit_rows(motion, &mut add)?;
+        if let Some(links) = &self.links {
+            links.visit_parts(motion, add);
         }
         Ok(parts)
     }
@@ -169,7 +149,37 @@ impl Torque {
     /// # Errors
     /// [`ModelError::JointCount`] if the motion is of another arm.
     pub fn over(&self, motion: &Motion) -> Result<Mat<f64>, ModelError> {
-        Ok(self.parts(motion)?.total())
+        let Some(links) = &self.links else { return Ok(self.parts(motion)?.total()) };
+        self.check_joints(motion)?;
+        let mut tau = Mat::zeros(motion.n_rows(), self.n_joints);
+        self.visit_rows(motion, |row, joint, _, value| tau[(row, joint)] += value)?;
+        links.visit_torque(motion, |row, joint, value| tau[(row, joint)] += value);
+        Ok(tau)
+    }
+
+    fn check_joints(&self, motion: &Motion) -> Result<(), ModelError> {
+        let (model, log) = (self.n_joints, motion.n_joints());
+        if model == log { Ok(()) } else { Err(ModelError::JointCount { model, log }) }
+    }
+
+    /// Hands over every term at every row: row, joint, part, value.
+    fn visit_rows(
+        &self,
+        motion: &Motion,
+        mut add: impl FnMut(usize, usize, Kind, f64),
+    ) -> Result<(), ModelError> {
+        let n = self.n_joints;
+        let signals = [motion.q(), motion.dq(), motion.ddq()];
+        let mut state = vec![0.0; 3 * n];
+        for row in 0..motion.n_rows() {
+            for (place, x) in state.iter_mut().enumerate() {
+                *x = signals[place / n][(row, place % n)];
+            }
+            let (q, rates) = state.split_at(n);
+            let (dq, ddq) = rates.split_at(n);
+            self.visit_terms(q, dq, ddq, |joint, kind, value| add(row, joint, kind, value))?;
+        }
+        Ok(())
     }
 
     /// M(q) \[kg·m²\], n×n: the torque per unit acceleration of each joint.
@@ -185,7 +195,7 @@ impl Torque {
             matrix[*place] += coefficient * angles;
         }
         if let Some(links) = &self.links {
-            links.kinematics.mass_matrix(q, &links.inertial, &mut Moved::default(), |i, j, value| {
+            links.visit_mass_matrix(q, |i, j, value| {
                 matrix[(i, j)] += value;
                 if i != j {
                     matrix[(j, i)] += value;
@@ -225,11 +235,15 @@ impl Torque {
     /// One part of the torque of an arm that does not accelerate.
     fn part(&self, wanted: Kind, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
-        self.visit(q, dq, &vec![0.0; self.n_joints], |joint, kind, value| {
+        let ddq = &vec![0.0; self.n_joints];
+        self.visit_terms(q, dq, ddq, |joint, kind, value| {
             if kind == wanted {
                 tau[joint] += value;
             }
         })?;
+        if let Some(links) = &self.links {
+            links.add_part(wanted, State { q, dq, ddq }, &mut tau);
+        }
         Ok(tau)
     }
 
@@ -247,29 +261,6 @@ impl Torque {
                 }
             }
         }
-    }
-
-    /// Hands over every term, and the links in parts.
-    fn visit(
-        &self,
-        q: &[f64],
-        dq: &[f64],
-        ddq: &[f64],
-        mut add: impl FnMut(usize, Kind, f64),
-    ) -> Result<(), ModelError> {
-        self.visit_terms(q, dq, ddq, &mut add)?;
-        let Some(Links { kinematics, weightless, inertial }) = &self.links else { return Ok(()) };
-        let rest = vec![0.0; self.n_joints];
-        let (mut moved, mut torque) = (Moved::default(), vec![0.0; self.n_joints]);
-        for (kind, kinematics, state) in [
-            (Kind::Gravity, kinematics, State { q, dq: &rest[..], ddq: &rest[..] }),
-            (Kind::Coriolis, weightless, State { q, dq, ddq: &rest[..] }),
-            (Kind::Inertia, weightless, State { q, dq: &rest[..], ddq }),
-        ] {
-            kinematics.inverse_dynamics(state, inertial, &mut moved, &mut torque);
-            torque.iter().enumerate().for_each(|(joint, tau)| add(joint, kind, *tau));
-        }
-        Ok(())
     }
 
     fn visit_terms(
@@ -294,14 +285,6 @@ impl Torque {
         }
         self.visit_friction(dq, add);
         Ok(())
-    }
-}
-
-impl Links {
-    fn of(chain: &RigidChain) -> Option<Self> {
-        let kinematics = Kinematics::new(&chain.axes().ok()?);
-        let weightless = kinematics.clone().without_gravity();
-        Some(Self { kinematics, weightless, inertial: chain.inertial() })
     }
 }
 

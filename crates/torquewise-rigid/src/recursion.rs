@@ -5,6 +5,7 @@
 
 mod derivative;
 mod mass;
+mod torque;
 
 use crate::geometry::{Geometry, Placement};
 use nalgebra::{Matrix3, SimdRealField, Vector3};

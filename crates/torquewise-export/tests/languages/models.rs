@@ -5,7 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{
-    EnergyTerm, Form, FrictionTerm, Model, Place, Stage, Term, Training, Trig, Weighted,
+    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Stage, Term, Training, Trig,
+    Weighted,
 };
 
 /// A state of an arm: q, q̇, q̈.
@@ -111,6 +112,43 @@ pub(crate) fn products(n: usize, count: usize, seed: u64) -> Model {
     model(n, Form::Torque(equations), Vec::new(), Vec::new())
 }
 
+/// A rigid chain with rotors, one of them on the shaft of two joints, a spring and friction. Of its
+/// equations to read only a part is left, as of a model that was fitted.
+///
+/// - `skew`: whether axes lie anyhow, under tilted gravity, and not mostly at right angles
+pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut between = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+    let mut geometry = if skew { vec![0.1, -0.2] } else { vec![0.0, 0.0] };
+    let quarter = PI / 2.0;
+    let right = [[quarter, 0.0], [0.0, 0.0], [0.0, -quarter], [PI, 0.0], [-quarter, 0.0]];
+    for joint in 1..n {
+        let direction = right[(joint - 1) % right.len()];
+        let off = if skew { between(-0.3, 0.3) } else { 0.0 };
+        geometry.extend([direction[0] + off, direction[1] - 0.5 * off]);
+        geometry
+            .extend([between(-0.5, 0.5), if joint % 2 == 0 { 0.0 } else { between(-0.2, 0.2) }]);
+    }
+    let links = (0..n)
+        .map(|_| {
+            let [x, y, z] = [0, 1, 2].map(|_| between(-0.4, 0.4));
+            let [xx, yy, zz] = [0, 1, 2].map(|_| between(0.5, 0.7));
+            let [xy, xz, yz] = [0, 1, 2].map(|_| between(-0.1, 0.1));
+            [between(1.0, 4.0), x, y, z, xx, yy, zz, xy, xz, yz]
+        })
+        .collect();
+    let mut shafts = [vec![0.0; n], vec![0.0; n]];
+    shafts[0][1] = 1.0;
+    (shafts[1][n - 2], shafts[1][n - 1]) = (1.0, -0.5);
+    let rotors = shafts.into_iter().map(|shaft| Drive::Rotor { shaft, inertia: 0.3 });
+    let function = Term::one(n).times(Trig::Cos, 1, 1, 1);
+    let term = EnergyTerm { place: Place::Potential, function };
+    let drives = rotors.chain([Drive::Energy { term: term.clone(), coefficient: -4.0 }]).collect();
+    let chain = RigidChain { geometry, fitted: Vec::new(), links, drives, covariance: Vec::new() };
+    let form = Form::Energy(vec![weighted(term, 1.0)]);
+    Model { chain: Some(chain), ..model(n, form, friction(n), Vec::new()) }
+}
+
 /// Every law, exact and smooth, in both directions and one, on joints and on a coupled shaft.
 fn friction(n: usize) -> Vec<Weighted<FrictionTerm>> {
     let mut terms = Vec::new();
@@ -139,5 +177,6 @@ fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Ve
     // Names that a careless printer would break a string or a comment with.
     let names = (0..n).map(|joint| format!("gelenk \"{joint}\" */ ??/ é\\"));
     let joints = names.collect();
-    Model { joints, form, friction, stages, training: Training::default(), choices: Vec::new() }
+    let (training, choices, chain) = (Training::default(), Vec::new(), None);
+    Model { joints, form, friction, stages, training, choices, chain }
 }

@@ -23,18 +23,23 @@ pub(crate) fn expected(model: &Model, states: &[State]) -> Vec<Vec<f64>> {
     states.iter().map(values).collect()
 }
 
+/// Part of the largest output that an output is rounding below.
+const ROUNDING: f64 = 1e-3;
+
 /// Largest difference of an output from what is expected, beside the value, or beside the output's
-/// root mean square where it passes through zero.
+/// root mean square where it passes through zero; an output that is always zero is rounded as the
+/// others are.
 pub(crate) fn worst(found: &[Vec<f64>], expected: &[Vec<f64>]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let (m, outputs) = (expected.len(), expected[0].len());
     let mut worst: f64 = 0.0;
+    let most = expected.iter().flatten().fold(0.0_f64, |most, x| most.max(x.abs()));
     for output in 0..outputs {
         let square: f64 = expected.iter().map(|row| row[output].powi(2)).sum();
         let usual = (square / m as f64).sqrt();
         for (found, expected) in found.iter().zip(expected) {
             assert_eq!(found.len(), outputs);
-            let scale = expected[output].abs().max(usual).max(f64::MIN_POSITIVE);
+            let scale = expected[output].abs().max(usual).max(ROUNDING * most);
             let error = (found[output] - expected[output]).abs() / scale;
             assert!(error.is_finite(), "output {output}: {}", found[output]);
             worst = worst.max(error);

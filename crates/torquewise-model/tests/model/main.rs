@@ -1,5 +1,6 @@
 //! Models beside closed forms.
 
+mod chain;
 mod friction;
 mod model;
 mod physics;

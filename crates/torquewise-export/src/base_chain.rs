@@ -1,0 +1,204 @@
+//! Rigid chain → the same chain in the frames, and with the parameters, that the recursion is
+//! cheapest with.
+//!
+//! Torque leaves open where a frame lies along its axis, how it is turned about it, and which of two
+//! links carries what does not notice the turn of the joint between them. Frames are turned so that
+//! each joint is a turn about x, a shift and a turn about z (Craig); mass, first moment along the
+//! axis and Iyy of each link are put into the link before it (Gautier and Khalil, 1990), so that
+//! links have seven parameters and no mass.
+
+use crate::error::ExportError;
+use torquewise_model::RigidChain;
+
+/// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
+const ROUNDING: f64 = 1e-15;
+
+/// Three components of a vector.
+pub(crate) type Vector = [f64; 3];
+
+/// A chain whose links carry what torque can tell.
+#[derive(Clone, Debug)]
+pub(crate) struct BaseChain {
+    /// The links, from the base outward, n.
+    pub(crate) links: Vec<BaseLink>,
+    /// Acceleration of gravity \[m/s²\], in the base.
+    pub(crate) gravity: Vector,
+}
+
+/// A link and the joint before it: a shift, a turn about x, and a turn about z by q and an offset.
+#[derive(Clone, Debug)]
+pub(crate) struct BaseLink {
+    /// Origin of its frame \[m\], in the frame before.
+    pub(crate) origin: Vector,
+    /// Sine and cosine of the turn about x.
+    pub(crate) twist: [f64; 2],
+    /// Sine and cosine of what is added to q.
+    pub(crate) offset: [f64; 2],
+    /// First moment across the axis \[kg·m\].
+    pub(crate) first: [f64; 2],
+    /// Moments about the origin \[kg·m²\].
+    pub(crate) moments: Moments,
+}
+
+/// A symmetric tensor less its yy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moments {
+    /// About x, less that about y.
+    pub(crate) xx: f64,
+    /// About z.
+    pub(crate) zz: f64,
+    /// Off the diagonal.
+    pub(crate) xy: f64,
+    /// Off the diagonal.
+    pub(crate) xz: f64,
+    /// Off the diagonal.
+    pub(crate) yz: f64,
+}
+
+/// How the frame of a joint lies in the one before: turns about z, x and z again, and the origin.
+struct Joint {
+    before: f64,
+    twist: f64,
+    after: f64,
+    origin: Vector,
+}
+
+/// Mass, first moment and moments about the origin of a body.
+#[derive(Clone, Copy)]
+struct Body {
+    mass: f64,
+    first: Vector,
+    moments: [Vector; 3],
+}
+
+impl BaseChain {
+    /// The chain of a model.
+    ///
+    /// # Errors
+    /// [`ExportError::Model`] if its geometry is none.
+    pub(crate) fn of(chain: &RigidChain) -> Result<Self, ExportError> {
+        let axes = chain.axes()?;
+        let n = chain.n_joints();
+        let joints: Vec<Joint> =
+            (0..n).map(|j| Joint::of(axes.direction(j), axes.place(j))).collect();
+        // Frames turn along with the joint behind them; the last turns so that it has no offset.
+        let turns: Vec<f64> = (0..n)
+            .map(|j| joints.get(j + 1).map_or(-joints[j].after, |next| next.before))
+            .collect();
+        let mut bodies: Vec<Body> = Vec::with_capacity(n);
+        for (link, turn) in chain.links.iter().zip(&turns) {
+            bodies.push(Body::of(link).turned(&about_z(-turn)));
+        }
+        for j in (1..n).rev() {
+            let moved = bodies[j].unturned(&about_x(joints[j].twist), &joints[j].origin);
+            bodies[j - 1] = bodies[j - 1].plus(&moved);
+        }
+        let link = |((joint, body), turn): ((&Joint, &Body), &f64)| BaseLink {
+            origin: joint.origin,
+            twist: sine_cosine(joint.twist),
+            offset: sine_cosine(joint.after + turn),
+            first: [body.first[0], body.first[1]],
+            moments: body.base_moments(),
+        };
+        let links = joints.iter().zip(&bodies).zip(&turns).map(link).collect();
+        let gravity = axes.gravity();
+        let size = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        let gravity = gravity.map(|g| if g.abs() < ROUNDING * size { 0.0 } else { g });
+        Ok(Self { links, gravity })
+    }
+}
+
+impl Joint {
+    /// - `direction`: rotation vector of the axis \[rad\]
+    /// - `place`: origin along x and y of the turned frame \[m\]
+    fn of([wx, wy]: [f64; 2], [px, py]: [f64; 2]) -> Self {
+        let (twist, azimuth) = (wx.hypot(wy), wy.atan2(wx));
+        let unturned = apply(&about_z(-azimuth), &[px, py, 0.0]);
+        let in_plane = apply(&about_x(twist), &unturned);
+        let [sine, cosine] = sine_cosine(twist);
+        if sine.abs() > 0.0 {
+            return Self { before: azimuth, twist, after: -azimuth, origin: in_plane };
+        }
+        // Parallel axes: x may point from one to the other.
+        let [x, y, _] = apply(&about_z(azimuth), &in_plane);
+        let before = if x == 0.0 && y == 0.0 { azimuth } else { y.atan2(x) };
+        let after = if cosine > 0.0 { -before } else { before - 2.0 * azimuth };
+        Self { before, twist, after, origin: [x.hypot(y), 0.0, 0.0] }
+    }
+}
+
+impl Body {
+    fn of(link: &[f64; 10]) -> Self {
+        let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *link;
+        Self { mass, first: [x, y, z], moments: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] }
+    }
+
+    /// Components in a frame from which `rotation` turns to the one they are in.
+    fn turned(&self, rotation: &[Vector; 3]) -> Self {
+        let columns = self.moments.map(|column| apply(rotation, &column));
+        let moments = transposed(&columns).map(|row| apply(rotation, &row));
+        Self { mass: self.mass, first: apply(rotation, &self.first), moments }
+    }
+
+    /// What of it does not notice a turn about z, in the frame before.
+    fn unturned(&self, rotation: &[Vector; 3], origin: &Vector) -> Self {
+        let yy = self.moments[1][1];
+        let round = Self {
+            mass: self.mass,
+            first: [0.0, 0.0, self.first[2]],
+            moments: [[yy, 0.0, 0.0], [0.0, yy, 0.0], [0.0; 3]],
+        };
+        round.turned(rotation).shifted(origin)
+    }
+
+    /// The same body about a point that lies at −`by`.
+    fn shifted(&self, by: &Vector) -> Self {
+        let Self { mass, first, moments } = self;
+        let dot = |a: &Vector, b: &Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let round = 2.0 * dot(by, first) + mass * dot(by, by);
+        let at = |i: usize, j: usize| {
+            let across = by[i] * first[j] + first[i] * by[j] + mass * by[i] * by[j];
+            moments[i][j] - across + if i == j { round } else { 0.0 }
+        };
+        let moments = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(i, j)));
+        Self { mass: *mass, first: [0, 1, 2].map(|i| first[i] + mass * by[i]), moments }
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        let sum = |a: &Vector, b: &Vector| [0, 1, 2].map(|i| a[i] + b[i]);
+        Self {
+            mass: self.mass + other.mass,
+            first: sum(&self.first, &other.first),
+            moments: [0, 1, 2].map(|i| sum(&self.moments[i], &other.moments[i])),
+        }
+    }
+
+    fn base_moments(&self) -> Moments {
+        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.moments;
+        Moments { xx: xx - yy, zz, xy, xz, yz }
+    }
+}
+
+/// Sine and cosine of an angle, exact at right angles.
+fn sine_cosine(angle: f64) -> [f64; 2] {
+    let (sine, cosine) = angle.sin_cos();
+    [sine, cosine].map(|x| if (x - x.round()).abs() < ROUNDING { x.round() } else { x })
+}
+
+fn about_x(angle: f64) -> [Vector; 3] {
+    let [s, c] = sine_cosine(angle);
+    [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
+}
+
+fn about_z(angle: f64) -> [Vector; 3] {
+    let [s, c] = sine_cosine(angle);
+    [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
+}
+
+fn apply(rotation: &[Vector; 3], v: &Vector) -> Vector {
+    rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+fn transposed(m: &[Vector; 3]) -> [Vector; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[j][i]))
+}

@@ -1,0 +1,327 @@
+//! Rigid chain → nodes of its torque by the recursion of Newton and Euler, outward and back.
+//!
+//! Numbers of the chain are folded in: what is multiplied by zero or one costs nothing. The
+//! acceleration of a point p of a link is a + Up, with U = \[ω̇\]× + \[ω\]×\[ω\]×, and nine entries
+//! of U serve force and moment as well (Khalil and Kleinfinger, 1987).
+
+use crate::base_chain::{BaseChain, BaseLink, Moments};
+use crate::graph::{Graph, Id, Input};
+
+/// Components in the frame of a link.
+type Vector = [Id; 3];
+
+/// What moves the arm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Motion {
+    /// Gravity alone.
+    Rest,
+    /// Velocities, no gravity.
+    Steady,
+    /// All.
+    Whole,
+}
+
+/// Nodes that compute the functions of a chain.
+pub(crate) struct Recursion<'a> {
+    graph: &'a mut Graph,
+    chain: &'a BaseChain,
+    /// Sine and cosine of each joint with its offset, n.
+    angles: Vec<[Id; 2]>,
+}
+
+/// Motion of a link.
+struct Moved {
+    omega: Vector,
+    alpha: Vector,
+    acceleration: Vector,
+    /// U, row by row.
+    spread: [Vector; 3],
+}
+
+/// Force and moment about the origin.
+#[derive(Clone, Copy)]
+struct Wrench {
+    force: Vector,
+    moment: Vector,
+}
+
+/// First moment and moments of several links together; they have no mass.
+struct Composite {
+    first: Vector,
+    moments: [Vector; 3],
+}
+
+impl<'a> Recursion<'a> {
+    /// Prepares the angles.
+    pub(crate) fn new(graph: &'a mut Graph, chain: &'a BaseChain) -> Self {
+        let n = chain.links.len();
+        let mut angles = Vec::with_capacity(n);
+        for (joint, link) in chain.links.iter().enumerate() {
+            let mut multiples = vec![0; n];
+            multiples[joint] = 1;
+            let own = [graph.sin(&multiples), graph.cos(&multiples)];
+            angles.push(turned(graph, link.offset, own));
+        }
+        Self { graph, chain, angles }
+    }
+
+    /// Torques of all joints, n.
+    pub(crate) fn torque(&mut self, motion: Motion) -> Vec<Id> {
+        let moved = self.moved(motion);
+        let mut wrench = self.no_wrench();
+        let mut torque = Vec::with_capacity(moved.len());
+        for (joint, (link, moved)) in self.chain.links.iter().zip(&moved).enumerate().rev() {
+            let own = self.wrench(link, moved);
+            wrench = Wrench {
+                force: self.plus(&own.force, &wrench.force),
+                moment: self.plus(&own.moment, &wrench.moment),
+            };
+            torque.push(wrench.moment[2]);
+            wrench = self.carried(joint, &wrench);
+        }
+        torque.reverse();
+        torque
+    }
+
+    /// M(q) row by row, n·n: each link with all beyond it as one body.
+    pub(crate) fn matrix(&mut self) -> Vec<Id> {
+        let n = self.chain.links.len();
+        let zero = self.graph.constant(0.0);
+        let mut matrix = vec![zero; n * n];
+        let mut beyond = Composite { first: [zero; 3], moments: [[zero; 3]; 3] };
+        for (j, link) in self.chain.links.iter().enumerate().rev() {
+            let all = self.with(link, &beyond);
+            let [x, y, _] = all.first;
+            let force = [self.graph.neg(y), x, zero];
+            let mut wrench = Wrench { force, moment: all.moments[2] };
+            for i in (0..=j).rev() {
+                matrix[i * n + j] = wrench.moment[2];
+                matrix[j * n + i] = wrench.moment[2];
+                wrench = self.carried(i, &wrench);
+            }
+            beyond = self.shifted(j, &all);
+        }
+        matrix
+    }
+
+    /// The motion of all links.
+    fn moved(&mut self, motion: Motion) -> Vec<Moved> {
+        let zero = self.graph.constant(0.0);
+        let weighs = matches!(motion, Motion::Rest | Motion::Whole);
+        let gravity = self.chain.gravity.map(|g| if weighs { -g } else { 0.0 });
+        let mut omega = [zero; 3];
+        let mut alpha = [zero; 3];
+        let mut acceleration = gravity.map(|g| self.graph.constant(g));
+        let mut all: Vec<Moved> = Vec::new();
+        for (joint, link) in self.chain.links.iter().enumerate() {
+            if let Some(before) = all.last() {
+                let origin = link.origin.map(|x| self.graph.constant(x));
+                let spread = self.times(&before.spread, &origin);
+                acceleration = self.plus(&before.acceleration, &spread);
+                (omega, alpha) = (before.omega, before.alpha);
+            }
+            let (speed, rate) = self.inputs(joint, motion);
+            omega = self.inward(joint, &omega);
+            alpha = self.inward(joint, &alpha);
+            acceleration = self.inward(joint, &acceleration);
+            let (left, right) = (self.graph.mul(omega[1], speed), self.graph.mul(omega[0], speed));
+            alpha[0] = self.graph.add(alpha[0], left);
+            alpha[1] = self.graph.sub(alpha[1], right);
+            alpha[2] = self.graph.add(alpha[2], rate);
+            omega[2] = self.graph.add(omega[2], speed);
+            let spread = self.spread(&omega, &alpha);
+            all.push(Moved { omega, alpha, acceleration, spread });
+        }
+        all
+    }
+
+    /// q̇ and q̈ of a joint, zero where it is held.
+    fn inputs(&mut self, joint: usize, motion: Motion) -> (Id, Id) {
+        let zero = self.graph.constant(0.0);
+        let (speed, rate) =
+            (self.graph.input(Input::Dq(joint)), self.graph.input(Input::Ddq(joint)));
+        match motion {
+            Motion::Rest => (zero, zero),
+            Motion::Steady => (speed, zero),
+            Motion::Whole => (speed, rate),
+        }
+    }
+
+    fn spread(&mut self, omega: &Vector, alpha: &Vector) -> [Vector; 3] {
+        let graph = &mut *self.graph;
+        let [x, y, z] = *omega;
+        let [xx, yy, zz] = [graph.mul(x, x), graph.mul(y, y), graph.mul(z, z)];
+        let [xy, xz, yz] = [graph.mul(x, y), graph.mul(x, z), graph.mul(y, z)];
+        let diagonal = [[yy, zz], [xx, zz], [xx, yy]].map(|[a, b]| {
+            let sum = graph.add(a, b);
+            graph.neg(sum)
+        });
+        [
+            [diagonal[0], graph.sub(xy, alpha[2]), graph.add(xz, alpha[1])],
+            [graph.add(xy, alpha[2]), diagonal[1], graph.sub(yz, alpha[0])],
+            [graph.sub(xz, alpha[1]), graph.add(yz, alpha[0]), diagonal[2]],
+        ]
+    }
+
+    /// Force and moment that the motion of a link takes: Us, and Jω̇ + ω×Jω + s×a.
+    fn wrench(&mut self, link: &BaseLink, moved: &Moved) -> Wrench {
+        let zero = self.graph.constant(0.0);
+        let [x, y] = link.first.map(|s| self.graph.constant(s));
+        let force = self.times(&moved.spread, &[x, y, zero]);
+        let turning = self.turning(&link.moments, moved);
+        let weight = self.cross(&[x, y, zero], &moved.acceleration);
+        Wrench { force, moment: self.plus(&turning, &weight) }
+    }
+
+    /// Jω̇ + ω×Jω.
+    fn turning(&mut self, moments: &Moments, moved: &Moved) -> Vector {
+        let Moments { xx, zz, xy, xz, yz } = *moments;
+        let [[_, u_xy, u_xz], [u_yx, _, u_yz], [u_zx, u_zy, _]] = moved.spread;
+        let [x, y, z] = moved.omega;
+        let squares = {
+            let graph = &mut *self.graph;
+            [(y, z), (z, x), (x, y)].map(|(a, b)| {
+                let (a, b) = (graph.mul(a, a), graph.mul(b, b));
+                graph.sub(a, b)
+            })
+        };
+        let products = [(y, z), (x, z), (x, y)].map(|(a, b)| self.graph.mul(a, b));
+        [
+            self.weighted([
+                (xx, moved.alpha[0]),
+                (zz, products[0]),
+                (-xy, u_zx),
+                (xz, u_yx),
+                (yz, squares[0]),
+            ]),
+            self.weighted([
+                (0.0, moved.alpha[1]),
+                (xx - zz, products[1]),
+                (xy, u_zy),
+                (-yz, u_xy),
+                (xz, squares[1]),
+            ]),
+            self.weighted([
+                (zz, moved.alpha[2]),
+                (-xx, products[2]),
+                (-xz, u_yz),
+                (yz, u_xz),
+                (xy, squares[2]),
+            ]),
+        ]
+    }
+
+    fn weighted(&mut self, parts: [(f64, Id); 5]) -> Id {
+        let parts = parts.map(|(weight, node)| {
+            let weight = self.graph.constant(weight);
+            self.graph.mul(weight, node)
+        });
+        self.graph.sum(&parts)
+    }
+
+    /// A link and all beyond it, in its frame.
+    fn with(&mut self, link: &BaseLink, beyond: &Composite) -> Composite {
+        let Moments { xx, zz, xy, xz, yz } = link.moments;
+        let own = [[xx, xy, xz], [xy, 0.0, yz], [xz, yz, zz]];
+        let own = own.map(|row| row.map(|x| self.graph.constant(x)));
+        let first = [link.first[0], link.first[1], 0.0].map(|x| self.graph.constant(x));
+        let moments = [0, 1, 2].map(|i| self.plus(&own[i], &beyond.moments[i]));
+        Composite { first: self.plus(&first, &beyond.first), moments }
+    }
+
+    /// The same body in the frame before that of a joint, about its origin.
+    fn shifted(&mut self, joint: usize, body: &Composite) -> Composite {
+        let by = self.chain.links[joint].origin.map(|x| self.graph.constant(x));
+        let first = self.outward(joint, &body.first);
+        let columns = body.moments.map(|column| self.outward(joint, &column));
+        let rows = [0, 1, 2].map(|i| columns.map(|column| column[i]));
+        let turned = rows.map(|row| self.outward(joint, &row));
+        let along = [0, 1, 2].map(|i| self.graph.mul(by[i], first[i]));
+        let mut moments = turned;
+        for i in 0..3 {
+            // The tensor is symmetric: entries below the diagonal are those above.
+            for j in i..3 {
+                let shift = if i == j {
+                    let sum = self.graph.add(along[(i + 1) % 3], along[(i + 2) % 3]);
+                    self.graph.add(sum, sum)
+                } else {
+                    let (left, right) =
+                        (self.graph.mul(by[i], first[j]), self.graph.mul(by[j], first[i]));
+                    let sum = self.graph.add(left, right);
+                    self.graph.neg(sum)
+                };
+                moments[i][j] = self.graph.add(turned[i][j], shift);
+                moments[j][i] = moments[i][j];
+            }
+        }
+        Composite { first, moments }
+    }
+
+    /// A wrench in the frame before that of a joint, about its origin.
+    fn carried(&mut self, joint: usize, wrench: &Wrench) -> Wrench {
+        let force = self.outward(joint, &wrench.force);
+        let moment = self.outward(joint, &wrench.moment);
+        let origin = self.chain.links[joint].origin.map(|x| self.graph.constant(x));
+        let lever = self.cross(&origin, &force);
+        Wrench { force, moment: self.plus(&moment, &lever) }
+    }
+
+    /// Components in the frame of a joint of a vector of the frame before.
+    fn inward(&mut self, joint: usize, v: &Vector) -> Vector {
+        let [sine, cosine] = self.chain.links[joint].twist.map(|x| self.graph.constant(x));
+        let [z, y] = self.turn([sine, cosine], [v[2], v[1]], -1.0);
+        let [y, x] = self.turn(self.angles[joint], [y, v[0]], -1.0);
+        [x, y, z]
+    }
+
+    /// Components in the frame before that of a joint.
+    fn outward(&mut self, joint: usize, v: &Vector) -> Vector {
+        let [sine, cosine] = self.chain.links[joint].twist.map(|x| self.graph.constant(x));
+        let [y, x] = self.turn(self.angles[joint], [v[1], v[0]], 1.0);
+        let [z, y] = self.turn([sine, cosine], [v[2], y], 1.0);
+        [x, y, z]
+    }
+
+    /// (second, first) component turned forward or, with a direction of −1, back.
+    fn turn(&mut self, [sine, cosine]: [Id; 2], [y, x]: [Id; 2], direction: f64) -> [Id; 2] {
+        let graph = &mut *self.graph;
+        let [xc, yc] = [graph.mul(x, cosine), graph.mul(y, cosine)];
+        let [xs, ys] = [graph.mul(x, sine), graph.mul(y, sine)];
+        if direction > 0.0 {
+            [graph.add(yc, xs), graph.sub(xc, ys)]
+        } else {
+            [graph.sub(yc, xs), graph.add(xc, ys)]
+        }
+    }
+
+    fn no_wrench(&mut self) -> Wrench {
+        let zero = self.graph.constant(0.0);
+        Wrench { force: [zero; 3], moment: [zero; 3] }
+    }
+
+    fn plus(&mut self, a: &Vector, b: &Vector) -> Vector {
+        [0, 1, 2].map(|i| self.graph.add(a[i], b[i]))
+    }
+
+    fn times(&mut self, matrix: &[Vector; 3], v: &Vector) -> Vector {
+        matrix.map(|row| {
+            let parts = [0, 1, 2].map(|i| self.graph.mul(row[i], v[i]));
+            self.graph.sum(&parts)
+        })
+    }
+
+    fn cross(&mut self, a: &Vector, b: &Vector) -> Vector {
+        [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
+            let (left, right) = (self.graph.mul(a[i], b[j]), self.graph.mul(a[j], b[i]));
+            self.graph.sub(left, right)
+        })
+    }
+}
+
+/// Sine and cosine of a + b, of those of a number a and an angle b.
+fn turned(graph: &mut Graph, offset: [f64; 2], [sine, cosine]: [Id; 2]) -> [Id; 2] {
+    let [s, c] = offset.map(|x| graph.constant(x));
+    let (sc, cs) = (graph.mul(s, cosine), graph.mul(c, sine));
+    let (cc, ss) = (graph.mul(c, cosine), graph.mul(s, sine));
+    [graph.add(sc, cs), graph.sub(cc, ss)]
+}

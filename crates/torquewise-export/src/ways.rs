@@ -1,0 +1,187 @@
+//! Model → nodes of its functions without friction, of all ways to compute them the cheapest.
+//!
+//! A model that holds a rigid chain is that chain, exactly: the recursion or its expanded energies,
+//! whichever is cheaper, for each function on its own. Of other models the terms are what they are.
+
+use crate::base_chain::BaseChain;
+use crate::cost::Cost;
+use crate::error::ExportError;
+use crate::graph::{Graph, Id};
+use crate::harmonics::summed;
+use crate::lower::lowered;
+use crate::parts::{Grouping, Parts, from_energies, from_equations};
+use crate::polynomial::Order;
+use crate::recursion::{Motion, Recursion};
+use std::collections::BTreeMap;
+use torquewise_model::{Drive, EnergyTerm, Form, Model, RigidChain, Weighted};
+
+/// Joints up to which a chain is expanded; the terms of more cost many times the recursion.
+const MOST_EXPANDED: usize = 4;
+/// Ways to sum angles that are worth trying.
+const SUMS: usize = 3;
+
+/// What a model computes but for friction, as nodes.
+#[derive(Clone, Debug)]
+pub(crate) struct Frictionless {
+    /// M(q)q̈ + C(q, q̇)q̇ + G(q), n.
+    pub(crate) torque: Vec<Id>,
+    /// G(q), n.
+    pub(crate) gravity: Vec<Id>,
+    /// C(q, q̇)q̇, n.
+    pub(crate) coriolis: Vec<Id>,
+    /// M(q) row by row, n·n.
+    pub(crate) matrix: Vec<Id>,
+}
+
+/// One of these functions.
+type Choice = fn(&Frictionless) -> &Vec<Id>;
+
+/// A way to compute something.
+type Way<'a, T> = Box<dyn Fn(&mut Graph) -> T + 'a>;
+
+/// The functions of a model, each the cheapest that is known.
+///
+/// # Errors
+/// [`ExportError::Model`] if a chain of it is none.
+pub(crate) fn frictionless(graph: &mut Graph, model: &Model) -> Result<Frictionless, ExportError> {
+    match &model.chain {
+        Some(chain) => of_chain(graph, chain),
+        None => Ok(of_form(graph, &model.form, model.n_joints(), |parts| &parts.motion)),
+    }
+}
+
+/// G(q) of terms, n.
+pub(crate) fn gravity_of(graph: &mut Graph, form: &Form, n: usize) -> Vec<Id> {
+    of_form(graph, form, n, |parts| &parts.gravity).gravity
+}
+
+impl Frictionless {
+    fn of(graph: &mut Graph, parts: Parts) -> Self {
+        let Parts { motion, gravity, coriolis, matrix } = parts;
+        Self { torque: sums(graph, &motion, &gravity), gravity, coriolis, matrix }
+    }
+
+    fn plus(&self, graph: &mut Graph, other: &Self) -> Self {
+        Self {
+            torque: sums(graph, &self.torque, &other.torque),
+            gravity: sums(graph, &self.gravity, &other.gravity),
+            coriolis: sums(graph, &self.coriolis, &other.coriolis),
+            matrix: sums(graph, &self.matrix, &other.matrix),
+        }
+    }
+}
+
+fn sums(graph: &mut Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
+    left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
+}
+
+/// The recursion or the expansion, for each function the cheaper.
+fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, ExportError> {
+    let n = chain.n_joints();
+    let base = BaseChain::of(chain)?;
+    let drives = joined(chain.drives.iter().flat_map(Drive::energy_terms).collect());
+    let energies = match n {
+        0..=MOST_EXPANDED => with_sums(joined(chain.energy_terms()?), n),
+        _ => Vec::new(),
+    };
+    let mut ways: Vec<Way<'_, Frictionless>> = vec![Box::new(|graph| {
+        let mut recursion = Recursion::new(graph, &base);
+        let links = Frictionless {
+            torque: recursion.torque(Motion::Whole),
+            gravity: recursion.torque(Motion::Rest),
+            coriolis: recursion.torque(Motion::Steady),
+            matrix: recursion.matrix(),
+        };
+        let beside = from_energies(graph, &drives, n, Order::Products);
+        let beside = Frictionless::of(graph, beside);
+        links.plus(graph, &beside)
+    })];
+    for terms in &energies {
+        for order in [Order::Products, Order::Horner] {
+            ways.push(Box::new(move |graph| {
+                let parts = from_energies(graph, terms, n, order);
+                Frictionless::of(graph, parts)
+            }));
+        }
+    }
+    let choices: [Choice; 4] = [|f| &f.torque, |f| &f.gravity, |f| &f.coriolis, |f| &f.matrix];
+    let [torque, gravity, coriolis, matrix] =
+        cheapest(&ways, choices).map(|(way, choice)| choice(&ways[way](graph)).clone());
+    Ok(Frictionless { torque, gravity, coriolis, matrix })
+}
+
+/// For each function the place of the way that computes it in the fewest operations.
+fn cheapest(ways: &[Way<'_, Frictionless>], choices: [Choice; 4]) -> [(usize, Choice); 4] {
+    let mut best = choices.map(|choice| (usize::MAX, 0, choice));
+    for (place, way) in ways.iter().enumerate() {
+        let mut graph = Graph::default();
+        let functions = way(&mut graph);
+        for (least, at, choice) in &mut best {
+            let weight = weight(&graph, choice(&functions));
+            if weight < *least {
+                (*least, *at) = (weight, place);
+            }
+        }
+    }
+    best.map(|(_, place, choice)| (place, choice))
+}
+
+fn weight(graph: &Graph, roots: &[Id]) -> usize {
+    let (graph, roots) = lowered(graph, roots);
+    Cost::of(&graph, &roots).weight()
+}
+
+/// Energy terms, each once.
+fn joined(terms: Vec<(EnergyTerm, f64)>) -> Vec<Weighted<EnergyTerm>> {
+    let mut sums: BTreeMap<EnergyTerm, f64> = BTreeMap::new();
+    for (term, coefficient) in terms {
+        *sums.entry(term).or_insert(0.0) += coefficient;
+    }
+    let weighted =
+        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
+    sums.into_iter().map(weighted).collect()
+}
+
+/// The parts that cost least where it matters most, of all ways to compute them.
+fn of_form(
+    graph: &mut Graph,
+    form: &Form,
+    n: usize,
+    which: fn(&Parts) -> &Vec<Id>,
+) -> Frictionless {
+    let equations = form.equations(n);
+    let energies = match form {
+        Form::Energy(terms) => with_sums(terms.clone(), n),
+        Form::Torque(_) => Vec::new(),
+    };
+    let mut ways: Vec<Way<'_, Parts>> = Vec::new();
+    for order in [Order::Products, Order::Horner] {
+        for terms in &energies {
+            ways.push(Box::new(move |graph| from_energies(graph, terms, n, order)));
+        }
+        for grouping in [Grouping::ByMotion, Grouping::None] {
+            let equations = &equations;
+            ways.push(Box::new(move |graph| from_equations(graph, equations, order, grouping)));
+        }
+    }
+    let tried = ways.iter().map(|way| {
+        let mut graph = Graph::default();
+        let parts = way(&mut graph);
+        weight(&graph, which(&parts))
+    });
+    let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
+    let parts = ways[best.map_or(0, |(place, _)| place)](graph);
+    Frictionless::of(graph, parts)
+}
+
+/// The energies, and the same with the angles of some neighbouring joints summed where that takes
+/// fewer terms.
+fn with_sums(terms: Vec<Weighted<EnergyTerm>>, n: usize) -> Vec<Vec<Weighted<EnergyTerm>>> {
+    let ranges = (0..n).flat_map(|first| (first + 2..=n).map(move |end| first..end));
+    let mut sums: Vec<_> = ranges.filter_map(|joints| summed(&terms, &joints)).collect();
+    sums.retain(|sum| sum.len() < terms.len());
+    sums.sort_by_key(Vec::len);
+    sums.truncate(SUMS);
+    sums.insert(0, terms);
+    sums
+}

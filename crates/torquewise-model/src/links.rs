@@ -1,0 +1,78 @@
+//! Links of a rigid chain → their torque, whole or in parts: the recursion, ready to run.
+
+use crate::rigid_chain::RigidChain;
+use crate::term::Kind;
+use torquewise_motion::Motion;
+use torquewise_rigid::recursion::MOST_JOINTS;
+use torquewise_rigid::{Kinematics, Moved, State};
+
+/// Rigid links, moved by the recursion.
+#[derive(Clone, Debug)]
+pub(crate) struct Links {
+    kinematics: Kinematics,
+    weightless: Kinematics,
+    inertial: Vec<f64>,
+}
+
+impl Links {
+    /// The links of a chain; `None` where its geometry is none.
+    pub(crate) fn of(chain: &RigidChain) -> Option<Self> {
+        let kinematics = Kinematics::new(&chain.axes().ok()?);
+        let weightless = kinematics.clone().without_gravity();
+        let inertial = chain.inertial();
+        let fits = chain.n_joints() <= MOST_JOINTS && kinematics.n_joints() == chain.n_joints();
+        fits.then_some(Self { kinematics, weightless, inertial })
+    }
+
+    /// Adds the torque of the links at one state \[N·m\], n.
+    pub(crate) fn add_torque(&self, state: State<'_, f64>, torque: &mut [f64]) {
+        let mut own = [0.0; MOST_JOINTS];
+        self.kinematics.torque(state, &self.inertial, &mut own[..torque.len()]);
+        torque.iter_mut().zip(own).for_each(|(torque, own)| *torque += own);
+    }
+
+    /// Adds one part of it.
+    pub(crate) fn add_part(&self, kind: Kind, state: State<'_, f64>, torque: &mut [f64]) {
+        let n = torque.len();
+        let rest = &[0.0; MOST_JOINTS][..n];
+        let (kinematics, state) = match kind {
+            Kind::Gravity => (&self.kinematics, State { dq: rest, ddq: rest, ..state }),
+            Kind::Coriolis => (&self.weightless, State { ddq: rest, ..state }),
+            Kind::Inertia => (&self.weightless, State { dq: rest, ..state }),
+            Kind::Friction => return,
+        };
+        let mut own = [0.0; MOST_JOINTS];
+        kinematics.torque(state, &self.inertial, &mut own[..n]);
+        torque.iter_mut().zip(own).for_each(|(torque, own)| *torque += own);
+    }
+
+    /// Hands over the torque at each row of a motion: row, joint, \[N·m\].
+    pub(crate) fn visit_torque(&self, motion: &Motion, put: impl FnMut(usize, usize, f64)) {
+        let signals = [motion.q(), motion.dq(), motion.ddq()].map(Some);
+        self.kinematics.torques(signals, &self.inertial, put);
+    }
+
+    /// Hands over its parts: row, joint, part, \[N·m\].
+    pub(crate) fn visit_parts(
+        &self,
+        motion: &Motion,
+        mut put: impl FnMut(usize, usize, Kind, f64),
+    ) {
+        let (q, dq, ddq) = (motion.q(), motion.dq(), motion.ddq());
+        let parts = [
+            (Kind::Gravity, &self.kinematics, [Some(q), None, None]),
+            (Kind::Coriolis, &self.weightless, [Some(q), Some(dq), None]),
+            (Kind::Inertia, &self.weightless, [Some(q), None, Some(ddq)]),
+        ];
+        for (kind, kinematics, signals) in parts {
+            kinematics.torques(signals, &self.inertial, |row, joint, torque| {
+                put(row, joint, kind, torque);
+            });
+        }
+    }
+
+    /// Hands over M(q) \[kg·m²\]: row, column, value of each entry on and above the diagonal.
+    pub(crate) fn visit_mass_matrix(&self, q: &[f64], put: impl FnMut(usize, usize, f64)) {
+        self.kinematics.mass_matrix(q, &self.inertial, &mut Moved::default(), put);
+    }
+}

@@ -1,0 +1,102 @@
+//! The torque of a model that holds a rigid chain, at one state and over a motion.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use faer::Mat;
+use torquewise_model::{
+    Drive, EnergyTerm, Form, Model, Place, RigidChain, Term, Torque, Training, Trig, Weighted,
+};
+use torquewise_motion::{Motion, Signals};
+
+/// Three links, a rotor on two shafts and a spring; no equations to read.
+fn model() -> Model {
+    let geometry = vec![0.0, 0.0, 1.4, 0.2, 0.1, 0.0, 0.3, 0.0, 0.5, -0.1];
+    let link = |mass: f64| [mass, 0.2, -0.1, 0.3, 0.6, 0.5, 0.7, 0.02, -0.03, 0.01];
+    let function = Term::one(3).times(Trig::Cos, 1, 1, 1);
+    let spring = EnergyTerm { place: Place::Potential, function };
+    let drives = vec![
+        Drive::Rotor { shaft: vec![0.0, 1.0, -0.5], inertia: 0.3 },
+        Drive::Energy { term: spring, coefficient: -4.0 },
+    ];
+    let links = [3.0, 2.0, 1.0].map(link).to_vec();
+    let chain = RigidChain { geometry, fitted: vec![], links, drives, covariance: vec![] };
+    Model {
+        joints: ["a", "b", "c"].map(String::from).to_vec(),
+        form: Form::Energy(vec![]),
+        chain: Some(chain),
+        friction: vec![],
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
+    }
+}
+
+/// The same as all of its energy terms.
+fn expanded(model: &Model) -> Model {
+    let terms = model.chain.as_ref().unwrap().energy_terms().unwrap();
+    let weighted =
+        |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
+    let form = Form::Energy(terms.into_iter().map(weighted).collect());
+    Model { form, chain: None, ..model.clone() }
+}
+
+/// A number of rows that four do not divide.
+fn motion() -> Motion {
+    let signal = |shift: f64, size: f64| {
+        Mat::from_fn(7, 3, |row, joint| size * (row as f64 + 2.1 * joint as f64 + shift).sin())
+    };
+    let t = (0..7).map(f64::from).collect();
+    let joints = ["a", "b", "c"].map(String::from).to_vec();
+    let (q, dq, ddq) = (signal(0.1, 3.0), signal(0.7, 2.0), signal(1.9, 5.0));
+    Motion::new(Signals { joints, t, q, dq, ddq, tau: None }).unwrap()
+}
+
+fn largest(difference: &Mat<f64>) -> f64 {
+    difference.norm_max()
+}
+
+#[test]
+fn a_chain_moves_as_its_energies_say() {
+    let (model, motion) = (model(), motion());
+    let (chain, terms) = (Torque::new(&model), Torque::new(&expanded(&model)));
+
+    let (own, expected) = (chain.parts(&motion).unwrap(), terms.parts(&motion).unwrap());
+
+    // Torques are some tens; terms are left out below 1e-12 of the largest.
+    assert!(largest(&(&own.inertia - &expected.inertia)) < 1e-11);
+    assert!(largest(&(&own.coriolis - &expected.coriolis)) < 1e-11);
+    assert!(largest(&(&own.gravity - &expected.gravity)) < 1e-11);
+    assert!(largest(&(&own.total() - &chain.over(&motion).unwrap())) < 1e-12);
+}
+
+#[test]
+fn four_states_at_once_are_four_states() {
+    let (torque, motion) = (Torque::new(&model()), motion());
+    let (tau, parts) = (torque.over(&motion).unwrap(), torque.parts(&motion).unwrap());
+
+    for row in 0..motion.n_rows() {
+        let state = |signal: faer::MatRef<'_, f64>| [0, 1, 2].map(|joint| signal[(row, joint)]);
+        let (q, dq, ddq) = (state(motion.q()), state(motion.dq()), state(motion.ddq()));
+        let alone = torque.at(&q, &dq, &ddq).unwrap();
+        let (gravity, coriolis) = (torque.gravity(&q).unwrap(), torque.coriolis(&q, &dq).unwrap());
+        for joint in 0..3 {
+            assert!((alone[joint] - tau[(row, joint)]).abs() < 1e-12);
+            assert!((gravity[joint] - parts.gravity[(row, joint)]).abs() < 1e-12);
+            assert!((coriolis[joint] - parts.coriolis[(row, joint)]).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_row_has_the_same_bits_whatever_is_beside_it() {
+    let (torque, motion) = (Torque::new(&model()), motion());
+    let whole = torque.over(&motion).unwrap();
+
+    let some = torque.over(&motion.select(&[5, 2])).unwrap();
+
+    for (place, row) in [5, 2].into_iter().enumerate() {
+        (0..3).for_each(|joint| {
+            assert_eq!(some[(place, joint)].to_bits(), whole[(row, joint)].to_bits());
+        });
+    }
+}

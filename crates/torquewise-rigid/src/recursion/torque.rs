@@ -1,0 +1,80 @@
+//! States → torque alone: nothing is kept of the recursion, and it takes no memory.
+
+use super::splat;
+use super::{
+    Body, Inertia, Kinematics, Lanes, MOST_JOINTS, N_LANES, PER_BODY, Scalar, State, Wrench,
+};
+use faer::MatRef;
+use simba::simd::SimdValue;
+
+impl Kinematics {
+    /// Torques \[N·m\] of all joints, n, at most [`MOST_JOINTS`].
+    ///
+    /// - `inertial`: inertial parameters of all bodies, 10 each
+    ///
+    /// # Panics
+    /// If the chain has more than [`MOST_JOINTS`] joints, or the arguments are of another one.
+    pub fn torque<T: Scalar>(&self, state: State<'_, T>, inertial: &[f64], torque: &mut [T]) {
+        // Short chains should not pay for clearing what only long ones need.
+        match self.n_joints() {
+            0..=4 => self.torque_within::<4, T>(state, inertial, torque),
+            5..=8 => self.torque_within::<8, T>(state, inertial, torque),
+            _ => self.torque_within::<MOST_JOINTS, T>(state, inertial, torque),
+        }
+    }
+
+    fn torque_within<const MOST: usize, T: Scalar>(
+        &self,
+        state: State<'_, T>,
+        inertial: &[f64],
+        torque: &mut [T],
+    ) {
+        let mut bodies = [Body::at_rest(); MOST];
+        let mut before = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
+        for (joint, placement) in self.placements.iter().enumerate() {
+            before = before.next(placement, state.q[joint], state.dq[joint], state.ddq[joint]);
+            bodies[joint] = before;
+        }
+        let mut wrench = Wrench::none();
+        for (joint, body) in bodies[..self.n_joints()].iter().enumerate().rev() {
+            wrench = wrench.plus(&body.wrench(&Inertia::of(&inertial[PER_BODY * joint..])));
+            torque[joint] = wrench.moment.z;
+            wrench = wrench.before(body);
+        }
+    }
+
+    /// Torques \[N·m\] over many states, four at once: calls `put(row, joint, torque)`, row by row
+    /// within each four. A row gives the same bits whatever rows are beside it.
+    ///
+    /// - `signals`: q, q̇, q̈, m×n each; `None` is all zeros
+    /// - `inertial`: inertial parameters of all bodies, 10 each
+    ///
+    /// # Panics
+    /// As [`Self::torque`].
+    pub fn torques(
+        &self,
+        signals: [Option<MatRef<'_, f64>>; 3],
+        inertial: &[f64],
+        mut put: impl FnMut(usize, usize, f64),
+    ) {
+        let n = self.n_joints();
+        let m = signals.iter().flatten().map(MatRef::nrows).max().unwrap_or(0);
+        let mut state = [[Lanes::splat(0.0); MOST_JOINTS]; 3];
+        let mut torque = [Lanes::splat(0.0); MOST_JOINTS];
+        for first in (0..m).step_by(N_LANES) {
+            for (lanes, signal) in state.iter_mut().zip(&signals) {
+                let Some(signal) = signal else { continue };
+                for lane in 0..N_LANES {
+                    // Where rows run out the last is repeated.
+                    let row = (first + lane).min(m - 1);
+                    (0..n).for_each(|joint| lanes[joint].replace(lane, signal[(row, joint)]));
+                }
+            }
+            let [q, dq, ddq] = state.each_ref().map(|lanes| &lanes[..n]);
+            self.torque(State { q, dq, ddq }, inertial, &mut torque[..n]);
+            for lane in 0..N_LANES.min(m - first) {
+                (0..n).for_each(|joint| put(first + lane, joint, torque[joint].extract(lane)));
+            }
+        }
+    }
+}
