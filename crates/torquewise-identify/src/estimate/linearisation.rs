@@ -99,6 +99,13 @@ impl Linearisation {
         Self { geometry: geometry.to_vec(), linear: linear.to_vec(), ..self.clone() }
     }
 
+    /// The same part of the way to another: between two physical arms all are physical.
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
+        let pairs = self.parameters().into_iter().zip(other.parameters());
+        let mixed: Vec<f64> = pairs.map(|(a, b)| a + share * (b - a)).collect();
+        Self { structure: other.structure.clone(), ..self.at(&mixed) }
+    }
+
     /// The same with parameters counted in such units that the columns of a sample are of size 1:
     /// powers of two, so that nothing is rounded.
     pub(crate) fn scaled_by(self, sample: &Motion) -> Result<Self, IdentifyError> {

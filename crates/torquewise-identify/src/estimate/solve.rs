@@ -1,7 +1,7 @@
 //! Normal equations → the next parameters, what is certain of them, and what physics cost (E11)
 //! (E14).
 
-use super::linearisation::Linearisation;
+use super::linearisation::{Linearisation, Structure};
 use super::nominal::{Sizes, prior};
 use super::pass::add_up;
 use crate::error::IdentifyError;
@@ -29,6 +29,13 @@ const RELEASED: [f64; 4] = [0.1, 1e-2, 1e-3, 1e-4];
 const LEAST_FOLDS: usize = 3;
 /// Equations that the pull on the geometry counts as at most: it must not grow with the log.
 const MOST_PULLED: f64 = 20_000.0;
+/// Passes that make the links physical before the geometry moves.
+const HELD_PASSES: usize = 2;
+/// A step that explains the torque worse by this part, residuals of the joints by their geometric
+/// mean, was too long.
+const WORSE: f64 = 0.02;
+/// Times that a step is shortened at most.
+const HALVINGS: usize = 3;
 /// Longest step of a parameter of the geometry: rad or m.
 const LONGEST: f64 = 0.2;
 /// A residual below this part of the torque is taken for it: weights stay finite.
@@ -62,21 +69,50 @@ pub(crate) struct Solved {
 }
 
 /// Passes over a recording from a linearisation until the parameters settle, `most` at most.
+///
+/// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
+/// those of such an arm: the geometry is held until its links are physical.
 pub(crate) fn refine(
     recording: &(impl Recording + ?Sized),
     start: Linearisation,
     sizes: &Sizes,
     most: usize,
 ) -> Result<Solved, IdentifyError> {
-    let mut solved = solve(&add_up(recording, &start)?, &start, sizes)?;
+    let free = start.structure.free.clone();
+    let held = Structure { free: Vec::new(), ..start.structure.clone() };
+    let mut at = Linearisation { structure: held, ..start };
+    for _ in 0..HELD_PASSES {
+        at = step(&add_up(recording, &at)?, &at, sizes)?.at;
+    }
+    at.structure.free = free;
+    let mut sums = add_up(recording, &at)?;
+    let mut solved = solve(&sums, &at, sizes)?;
     for _ in 1..most {
         if solved.settled {
             break;
         }
-        let at = solved.at.clone();
-        solved = solve(&add_up(recording, &at)?, &at, sizes)?;
+        let mut next = solved.at.clone();
+        let mut ahead = add_up(recording, &next)?;
+        for _ in 0..HALVINGS {
+            if !is_worse(&ahead, &sums) {
+                break;
+            }
+            next = at.towards(&next, 0.25);
+            ahead = add_up(recording, &next)?;
+        }
+        (at, sums) = (next, ahead);
+        solved = solve(&sums, &at, sizes)?;
     }
     Ok(solved)
+}
+
+/// Whether the torque of the joints is explained worse, by their geometric mean, than before.
+pub(crate) fn is_worse(sums: &NormalSums, before: &NormalSums) -> bool {
+    let merit = |sums: &NormalSums| -> f64 {
+        sums.weighted_rms().iter().map(|rms| rms.max(f64::MIN_POSITIVE).ln()).sum()
+    };
+    let joints = sums.weighted_rms().len().max(1) as f64;
+    (merit(sums) - merit(before)) / joints > WORSE
 }
 
 /// One step from a linearisation, by the sums that were made there.
@@ -90,6 +126,7 @@ pub(crate) fn solve(
 ) -> Result<Solved, IdentifyError> {
     let step = Step::new(sums, at, sizes)?;
     let (mut active, mut best) = (at.active(), step.best(&at.active())?);
+    // What the sample put at right angles may be wrong.
     let released = step.released(&active, &best)?;
     if !released.is_empty() {
         let mut more: Vec<usize> = active.iter().copied().chain(released).collect();
@@ -105,6 +142,17 @@ pub(crate) fn solve(
         }
     }
     step.finish(&active, best)
+}
+
+/// The same where the sample is not to be overruled.
+fn step(
+    sums: &NormalSums,
+    at: &Linearisation,
+    sizes: &Sizes,
+) -> Result<Solved, IdentifyError> {
+    let step = Step::new(sums, at, sizes)?;
+    let best = step.best(&at.active())?;
+    step.finish(&at.active(), best)
 }
 
 /// The normal equations of a pass, and what physics says of its parameters.
