@@ -21,6 +21,8 @@ const SPREAD: f64 = 0.5;
 const ROTOR_RADIUS: f64 = 0.1;
 /// Usual friction as a part of the spread of the torque.
 const USUAL_FRICTION: f64 = 0.05;
+/// Speeds \[rad/s\] and torques \[N·m\] below this are none.
+const LEAST_SIZE: f64 = 1e-9;
 /// Speeds at which friction must take energy: even up to the peak, closer where it reverses, and
 /// far beyond.
 const EVEN_SPEEDS: u32 = 200;
@@ -83,7 +85,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
             }
             Beside::Energy(_) => {
                 let torque = sizes.torque.iter().fold(0.0_f64, |most, tau| most.max(*tau));
-                prior.small.push((index, torque));
+                prior.small.push((index, or_one(torque)));
                 start[index] = 0.0;
             }
         }
@@ -132,15 +134,20 @@ fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
     all
 }
 
+/// A size of the log, or 1 where it has none: a joint that never moves is like any other.
+fn or_one(size: f64) -> f64 {
+    if size > LEAST_SIZE { size } else { 1.0 }
+}
+
 /// Peak speed of the shaft of a term \[rad/s\].
 fn speed_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     let parts = term.shaft.iter().zip(&sizes.speed).map(|(shaft, speed)| shaft.abs() * speed);
-    parts.sum::<f64>().max(f64::MIN_POSITIVE)
+    or_one(parts.sum())
 }
 
 fn torque_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     let turning = term.shaft.iter().zip(&sizes.torque).filter(|(shaft, _)| **shaft != 0.0);
-    turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)).max(f64::MIN_POSITIVE)
+    or_one(turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)))
 }
 
 fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {

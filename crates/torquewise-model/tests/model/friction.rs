@@ -242,9 +242,9 @@ fn a_file_of_version_1_still_reads() {
     assert!(read.friction.is_empty() && read.choices.is_empty());
     let tau = Torque::new(&read).at(&[0.5], &[4.0], &[0.0]).unwrap();
     assert_eq!(tau, [3.3 * 0.5_f64.sin()]);
-    for version in ["0", "3"] {
+    for version in ["0", "4"] {
         let other = old.replace("\"version\": 1", &format!("\"version\": {version}"));
-        assert!(matches!(from_json(&other), Err(ModelError::Version { known: 2, .. })));
+        assert!(matches!(from_json(&other), Err(ModelError::Version { known: 3, .. })));
     }
 }
 

@@ -3,3 +3,4 @@
 mod friction;
 mod model;
 mod physics;
+mod rigid_chain;
