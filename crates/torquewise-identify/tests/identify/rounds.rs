@@ -192,7 +192,7 @@ fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases
 fn error(model: &Model) -> f64 {
     let plan = MotionPlan { seconds: 20.0, rate: 50.0, seed: 99, ..sines() };
     let test = simulate(&arm(), &plan).unwrap().motion;
-    let links = Model { friction: vec![], chain: None, ..model.clone() };
+    let links = Model { friction: vec![], ..model.clone() };
     let tau = test.tau().unwrap();
     let wrong = Torque::new(&links).over(&test).unwrap() - tau;
     wrong.norm_l2() / tau.norm_l2()
