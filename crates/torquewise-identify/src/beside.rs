@@ -12,7 +12,7 @@ use torquewise_motion::Motion;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Beside {
     /// Friction of a shaft (17).
-    Friction(FrictionTerm),
+    Friction(#[serde(with = "whole")] FrictionTerm),
     /// Inertia of a rotor on a shaft that turns with Σ shaft\[j\]·q̇ⱼ: T = ½ (Σ shaft\[j\]·q̇ⱼ)².
     Rotor(Vec<f64>),
     /// A term of V or M that no chain of rigid bodies has, such as a spring's.
@@ -112,6 +112,22 @@ pub(crate) fn columns(beside: &[Beside], motion: &Motion) -> Vec<Mat<f64>> {
         }
     }
     columns
+}
+
+/// Laws of friction with all their fields: a model file leaves out the usual direction, which a
+/// format without names cannot.
+mod whole {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use torquewise_model::FrictionTerm;
+
+    pub(super) fn serialize<S: Serializer>(term: &FrictionTerm, to: S) -> Result<S::Ok, S::Error> {
+        (&term.shaft, term.law, term.direction).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<FrictionTerm, D::Error> {
+        let (shaft, law, direction) = Deserialize::deserialize(from)?;
+        Ok(FrictionTerm { shaft, law, direction })
+    }
 }
 
 #[cfg(test)]

@@ -6,9 +6,8 @@ use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{
-    EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
+    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
 };
 use torquewise_motion::{Motion, Signals};
 
@@ -41,7 +40,8 @@ fn a_rotor_loads_joints_as_its_energy_says() {
         let rotor = Beside::Rotor(shaft.clone());
         let weighted =
             |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
-        let terms = rotor.energy_terms(coefficient).into_iter().map(weighted).collect();
+        let drive = Drive::Rotor { shaft: shaft.clone(), inertia: coefficient };
+        let terms = drive.energy_terms().into_iter().map(weighted).collect();
         let expected = Torque::new(&model(terms)).over(&motion).unwrap();
 
         let columns = columns(&[rotor], &motion);
@@ -123,16 +123,6 @@ fn model(terms: Vec<Weighted<EnergyTerm>>) -> Model {
 }
 
 #[test]
-fn a_spring_is_its_own_energy_term() {
-    for spring in Beside::counterbalance(N, 2) {
-        let terms = spring.energy_terms(-1.5);
-
-        let Beside::Energy(own) = spring else { panic!("a spring") };
-        assert_eq!(terms, [(own, -1.5)]);
-    }
-}
-
-#[test]
 fn a_shared_shaft_does_the_work_of_its_friction_and_its_rotor() {
     let motion = states();
     let (shaft, width) = ([0.0, 1.0, -1.0], 0.1);
@@ -203,11 +193,4 @@ fn a_joint_that_never_moves_has_columns_all_the_same() {
     let columns = columns(&beside, &states());
 
     assert!(columns.iter().all(Mat::is_all_finite));
-}
-
-#[test]
-fn friction_is_no_energy() {
-    let term = FrictionTerm::of_joint(N, 0, FrictionLaw::Viscous);
-
-    assert_eq!(Beside::Friction(term).energy_terms(3.0), []);
 }

@@ -30,6 +30,8 @@ const LEAST_SPEED: f64 = 0.1;
 const LARGE: f64 = 10.0;
 /// Usual friction as a part of the spread of the torque.
 const USUAL_FRICTION: f64 = 0.05;
+/// Speeds \[rad/s\] and torques \[N·m\] below this are none.
+const LEAST_SIZE: f64 = 1e-9;
 /// Speeds at which friction must take energy: even up to the peak, closer where it reverses, and
 /// far beyond.
 const EVEN_SPEEDS: u32 = 200;
@@ -99,7 +101,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
             }
             Beside::Energy(_) => {
                 let torque = sizes.torque.iter().fold(0.0_f64, |most, tau| most.max(*tau));
-                prior.small.push((index, LARGE * torque));
+                prior.small.push((index, LARGE * or_one(torque)));
                 start[index] = 0.0;
             }
         }
@@ -148,17 +150,22 @@ fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
     all
 }
 
+/// A size of the log, or 1 where it has none: a joint that never moves is like any other.
+fn or_one(size: f64) -> f64 {
+    if size > LEAST_SIZE { size } else { 1.0 }
+}
+
 /// Peak speed of the shaft of a term \[rad/s\]. A joint that hardly moves in a log will elsewhere:
 /// it is taken to reach half the speed of the fastest.
 fn speed_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     let fastest = sizes.speed.iter().fold(LEAST_SPEED, |most, speed| most.max(*speed));
     let parts = term.shaft.iter().zip(&sizes.speed).map(|(shaft, speed)| shaft.abs() * speed);
-    parts.sum::<f64>().max(0.5 * fastest)
+    or_one(parts.sum::<f64>().max(0.5 * fastest))
 }
 
 fn torque_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     let turning = term.shaft.iter().zip(&sizes.torque).filter(|(shaft, _)| **shaft != 0.0);
-    turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)).max(f64::MIN_POSITIVE)
+    or_one(turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)))
 }
 
 fn usual_friction(term: &FrictionTerm, sizes: &Sizes) -> f64 {

@@ -6,9 +6,10 @@ use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_rigid::{Chain, Geometry};
+use torquewise_model::expansion::energy_terms;
 use torquewise_model::{EnergyTerm, Form, Model, Place, Torque, Training, Weighted};
 use torquewise_motion::{Motion, Signals};
+use torquewise_rigid::Geometry;
 
 const N: usize = 3;
 
@@ -18,9 +19,8 @@ fn terms() -> Vec<(EnergyTerm, f64)> {
     let parameters = [0.01, -0.02, quarter + 0.01, 0.02, 0.0, 0.001, -0.01, 0.005, 0.4, -0.002];
     let geometry = Geometry::new(&parameters).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(2);
-    let inertial = (0..10 * N).map(|_| random.random_range(0.1..2.0)).collect();
-    let chain = Chain { geometry, inertial, beside: vec![], residual_rms: vec![], cost: 0.0 };
-    chain.energy_terms().unwrap()
+    let inertial: Vec<f64> = (0..10 * N).map(|_| random.random_range(0.1..2.0)).collect();
+    energy_terms(&geometry, &inertial).unwrap()
 }
 
 /// A smooth motion.

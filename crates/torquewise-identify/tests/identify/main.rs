@@ -6,6 +6,7 @@ mod memory;
 mod oracle;
 mod overlooked;
 mod recovery;
+mod rounds;
 mod six_joints;
 mod summary;
 mod truth;

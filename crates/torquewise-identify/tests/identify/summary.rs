@@ -5,7 +5,7 @@
 use faer::Mat;
 use std::f64::consts::TAU;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_identify::{IdentifyError, Plan, Summary, reconstruct, solve, summarise};
+use torquewise_identify::{IdentifyError, Plan, Solution, Summary, reconstruct, solve, summarise};
 use torquewise_model::to_json;
 use torquewise_motion::{Motion, Signals};
 
@@ -35,7 +35,10 @@ fn merged<'a>(parts: impl IntoIterator<Item = &'a Summary>) -> Summary {
 }
 
 fn model(summary: Summary, plan: &Plan) -> String {
-    to_json(&solve(summary, plan, &mut |_| {}).unwrap().model).unwrap()
+    match solve(summary, plan, &mut |_| {}).unwrap() {
+        Solution::Model(found) => to_json(&found.model).unwrap(),
+        Solution::Request(request) => panic!("{} is asked for", request.name()),
+    }
 }
 
 #[test]

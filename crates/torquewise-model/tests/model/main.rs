@@ -4,3 +4,4 @@ mod chain;
 mod friction;
 mod model;
 mod physics;
+mod rigid_chain;

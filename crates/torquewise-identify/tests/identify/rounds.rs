@@ -1,0 +1,299 @@
+//! Chains fitted on every row → intervals, longer logs, physics, and rounds through files.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use faer::Mat;
+use faer::prelude::SolveLstsq;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::rounds::Request;
+use torquewise_identify::summary::summarise_again;
+use torquewise_identify::{
+    IdentifyError, Plan, Reconstruction, Solution, Summary, reconstruct, score, solve, summarise,
+};
+use torquewise_model::checks::driving_friction;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::term::{Factor, Trig};
+use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, to_json};
+use torquewise_motion::Motion;
+
+/// A normal variable is within this many standard deviations in 90 of 100 cases.
+const NINETY_PERCENT: f64 = 1.645;
+/// Logs over which intervals are counted.
+const LOGS: u64 = 20;
+/// Offset, viscous and dry friction of each joint.
+const FRICTION: [[f64; 3]; 3] = [[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]];
+
+fn arm() -> Arm {
+    Arm::builtin("puma560-3").unwrap()
+}
+
+/// What rubs in a motion, its dry friction as sharp as the learner takes it to be.
+fn friction(motion: &Motion) -> Vec<(FrictionTerm, f64)> {
+    let laws = |(joint, [offset, viscous, dry]): (usize, [f64; 3])| {
+        let peak = motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
+        let sign = FrictionLaw::Coulomb { width: format!("{:.1e}", 0.01 * peak).parse().unwrap() };
+        let laws = [(FrictionLaw::Offset, offset), (FrictionLaw::Viscous, viscous), (sign, dry)];
+        laws.map(|(law, c)| (FrictionTerm::of_joint(3, joint, law), c))
+    };
+    FRICTION.into_iter().enumerate().flat_map(laws).collect()
+}
+
+fn sines() -> MotionPlan {
+    MotionPlan { kind: MotionKind::Sines, seconds: 60.0, rate: 100.0, seed: 1 }
+}
+
+/// Sines of the arm with friction, and the noise of a case in q, q̇ and q̈.
+fn log(seconds: f64, seed: u64, case: u8) -> Motion {
+    let plan = MotionPlan { seconds, seed, ..sines() };
+    let clean = simulate(&arm(), &plan).unwrap().motion;
+    let friction = friction(&clean);
+    let mut signals = clean.into_signals();
+    let (dq, tau) = (&signals.dq, signals.tau.as_mut().unwrap());
+    for row in 0..tau.nrows() {
+        let dq: Vec<f64> = dq.row(row).iter().copied().collect();
+        for joint in 0..3 {
+            tau[(row, joint)] += friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum::<f64>();
+        }
+    }
+    add_noise(&Motion::new(signals).unwrap(), &Noise::case(case).unwrap(), seed).unwrap()
+}
+
+fn plan() -> Plan {
+    ChainOptions { friction: FrictionKind::Linear, ..ChainOptions::default() }.into()
+}
+
+fn fit(motion: &Motion) -> Reconstruction {
+    reconstruct(motion, &plan(), &mut |_| {}).unwrap()
+}
+
+/// The harmonics of sums of angles up to twice each, of all joints.
+fn harmonics() -> Vec<Term> {
+    let range = [-2_i8, -1, 0, 1, 2];
+    let mut all = Vec::new();
+    for a in range {
+        for b in range {
+            for c in range {
+                let multiples = [a, b, c];
+                // cos(−x) and sin(−x) are no others.
+                if multiples.iter().find(|k| **k != 0).is_some_and(|k| *k > 0) {
+                    for function in [Trig::Cos, Trig::Sin] {
+                        let factor = Factor { multiples: multiples.to_vec(), function, power: 1 };
+                        all.push(Term { factors: vec![factor], ..Term::one(3) });
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Products of 1, cos kq and sin kq of each joint.
+fn products() -> Vec<Term> {
+    let mut all = vec![Term::one(3)];
+    for joint in 0..3 {
+        let more = all.iter().flat_map(|term| {
+            [(Trig::Cos, 1), (Trig::Sin, 1), (Trig::Cos, 2), (Trig::Sin, 2)]
+                .map(|(trig, multiple)| term.clone().times(trig, joint, multiple, 1))
+        });
+        all = all.iter().cloned().chain(more.collect::<Vec<_>>()).collect();
+    }
+    all
+}
+
+/// The true coefficients of M and V, by name, in products and in sums of angles.
+static TRUTH: LazyLock<BTreeMap<String, f64>> = LazyLock::new(|| {
+    let arm = arm();
+    let sums: Vec<Term> = std::iter::once(Term::one(3)).chain(harmonics()).collect();
+    let mut truth = projected(&arm, &sums);
+    truth.extend(projected(&arm, &products()));
+    truth
+});
+
+/// M and V of an arm in a basis that holds them, by name.
+fn projected(arm: &Arm, basis: &[Term]) -> BTreeMap<String, f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(20);
+    let states: Vec<Vec<f64>> =
+        (0..400).map(|_| (0..3).map(|_| random.random_range(-3.0..3.0)).collect()).collect();
+    let rest = [0.0; 3];
+    let columns = Mat::from_fn(states.len(), basis.len(), |row, j| {
+        basis[j].value(&states[row], &rest, &rest)
+    });
+    let inertia = (0..3).flat_map(|i| (i..3).map(move |j| Place::Inertia(i, j)));
+    let places: Vec<Place> = std::iter::once(Place::Potential).chain(inertia).collect();
+    let values = Mat::from_fn(states.len(), places.len(), |row, k| match places[k] {
+        Place::Potential => arm.potential_energy(&states[row]),
+        Place::Inertia(i, j) => arm.mass_matrix(&states[row])[(i, j)],
+    });
+    let weights = columns.qr().solve_lstsq(&values);
+    let mut truth = BTreeMap::new();
+    for (k, &place) in places.iter().enumerate() {
+        for (j, function) in basis.iter().enumerate() {
+            if weights[(j, k)].abs() > 1e-9 {
+                let term = EnergyTerm { place, function: function.clone() };
+                truth.insert(term.name(), weights[(j, k)]);
+            }
+        }
+    }
+    truth
+}
+
+/// Errors of the coefficients of a model in standard errors, by name; terms that the arm does not
+/// have are left out.
+fn deviations(model: &Model) -> Vec<(String, f64)> {
+    let Form::Energy(terms) = &model.form else { panic!("a chain has energies") };
+    let energies = terms.iter().filter_map(|w| {
+        let truth = TRUTH.get(&w.term.name())?;
+        Some((w.term.name(), (w.coefficient - truth) / w.std_error))
+    });
+    let friction = model.friction.iter().map(|w| {
+        let joint = w.term.shaft.iter().position(|share| *share != 0.0).unwrap();
+        let (place, law) = match w.term.law {
+            FrictionLaw::Offset => (0, "offset"),
+            FrictionLaw::Viscous => (1, "viscous"),
+            _ => (2, "dry"),
+        };
+        let name = format!("{law} friction of joint {}", joint + 1);
+        (name, (w.coefficient - FRICTION[joint][place]) / w.std_error)
+    });
+    energies.chain(friction).collect()
+}
+
+#[test]
+fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases() {
+    let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for seed in 1..=LOGS {
+        let model = fit(&log(60.0, seed, 2)).model;
+        assert!(model.chain.as_ref().unwrap().is_feasible());
+        deviations(&model).into_iter().for_each(|(name, x)| all.entry(name).or_default().push(x));
+    }
+
+    let holds = |x: &&f64| x.abs() <= NINETY_PERCENT;
+    for (name, x) in &all {
+        let rms = (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt();
+        let held = x.iter().filter(holds).count();
+        eprintln!("{name}: {held} of {}, errors of {rms:.2} standard errors", x.len());
+    }
+    let (energy, friction): (Vec<_>, Vec<_>) = all.iter().partition(|(name, _)| name.contains(':'));
+    for (what, part, least) in [("M and V", energy, 15 * LOGS), ("friction", friction, 9 * LOGS)] {
+        let x: Vec<f64> = part.iter().flat_map(|(_, x)| x.iter().copied()).collect();
+        let share = x.iter().filter(holds).count() as f64 / x.len() as f64;
+        eprintln!("{what}: {share:.3} of {} intervals", x.len());
+        assert!(x.len() as u64 >= least, "{what}: {} intervals", x.len());
+        assert!((0.8..=0.98).contains(&share), "{what}: {share} of {}", x.len());
+    }
+}
+
+/// RMS error of what moves the links of a model over its size, on a motion without noise.
+fn error(model: &Model) -> f64 {
+    let plan = MotionPlan { seconds: 20.0, rate: 50.0, seed: 99, ..sines() };
+    let test = simulate(&arm(), &plan).unwrap().motion;
+    let links = Model { friction: vec![], ..model.clone() };
+    let tau = test.tau().unwrap();
+    let wrong = Torque::new(&links).over(&test).unwrap() - tau;
+    wrong.norm_l2() / tau.norm_l2()
+}
+
+#[test]
+fn a_log_ten_times_as_long_has_at_most_half_the_error() {
+    let of = |seconds: f64| -> f64 {
+        (1..=3).map(|seed| error(&fit(&log(seconds, seed, 2)).model)).sum::<f64>() / 3.0
+    };
+
+    let [short, long] = [20.0, 200.0].map(of);
+
+    eprintln!("{short:.2e} of a short log, {long:.2e} of a long one");
+    assert!(long < 0.5 * short, "{short} of a short log, {long} of a long one");
+}
+
+#[test]
+fn a_chain_is_a_physical_arm_whose_residual_is_its_score() {
+    let log = log(30.0, 1, 2);
+    let model = fit(&log).model;
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+
+    assert!(model.chain.as_ref().unwrap().is_feasible());
+    assert_eq!(driving_friction(&model), None);
+    let torque = Torque::new(&model);
+    for _ in 0..10_000 {
+        let q: Vec<f64> = (0..3).map(|_| random.random_range(-10.0..10.0)).collect();
+        let mass = torque.mass_matrix(&q).unwrap();
+        assert!(mass.llt(faer::Side::Lower).is_ok(), "M at {q:?}");
+    }
+    let scores = score(&model, &log).unwrap();
+    for (joint, rms) in scores.joints.iter().zip(&model.training.residual_rms) {
+        assert!((joint.rmse / rms - 1.0).abs() < 1e-9, "{} and {rms}", joint.rmse);
+    }
+}
+
+/// Sums up parts apart, merges them in some order and solves, round by round, all through the
+/// bytes of files.
+fn by_files(parts: &[Motion], orders: &[[usize; 3]]) -> String {
+    let read = |summary: &Summary| Summary::from_bytes(&summary.to_bytes().unwrap()).unwrap();
+    let merged = |parts: Vec<Summary>, order: [usize; 3]| {
+        let mut all = read(&parts[order[0]]);
+        order[1..].iter().for_each(|&k| all.merge(&read(&parts[k])).unwrap());
+        read(&all)
+    };
+    let first = parts.iter().map(|log| summarise(log, &plan(), "", &mut |_| {}).unwrap());
+    let mut all = merged(first.collect(), orders[0]);
+    for round in 1.. {
+        match solve(all, &plan(), &mut |_| {}).unwrap() {
+            Solution::Model(found) => return to_json(&found.model).unwrap(),
+            Solution::Request(request) => {
+                let request = Request::from_bytes(&request.to_bytes().unwrap()).unwrap();
+                let again = parts
+                    .iter()
+                    .map(|log| summarise_again(log, &plan(), "", &request, &mut |_| {}).unwrap());
+                all = merged(again.collect(), orders[round % orders.len()]);
+            }
+        }
+    }
+    unreachable!("rounds end")
+}
+
+#[test]
+fn rounds_through_files_in_any_order_give_the_model_of_a_fit_byte_for_byte() {
+    let parts = [log(20.0, 1, 2), log(31.0, 2, 2), log(12.0, 3, 2)];
+
+    let fitted = to_json(&reconstruct(&parts[..], &plan(), &mut |_| {}).unwrap().model).unwrap();
+
+    assert!(by_files(&parts, &[[2, 0, 1], [0, 1, 2], [1, 2, 0]]) == fitted, "two models");
+}
+
+#[test]
+fn a_seed_gives_the_same_bits_at_one_and_three_threads() {
+    let log = log(20.0, 1, 2);
+    let model_with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| to_json(&fit(&log).model).unwrap())
+    };
+
+    assert!(model_with(1) == model_with(3), "two models");
+}
+
+#[test]
+fn a_request_of_other_logs_does_not_add_up() {
+    let parts = [log(12.0, 1, 2), log(12.0, 2, 2)];
+    let [one, other] = parts.each_ref().map(|log| {
+        let summary = summarise(log, &plan(), "", &mut |_| {}).unwrap();
+        let Solution::Request(request) = solve(summary, &plan(), &mut |_| {}).unwrap() else {
+            panic!("a chain asks for a pass");
+        };
+        summarise_again(log, &plan(), "", &request, &mut |_| {}).unwrap()
+    });
+
+    let error = one.clone().merge(&other).unwrap_err();
+
+    assert!(matches!(error, IdentifyError::Apart { what: "requests", .. }), "{error}");
+    let bytes = one.request().unwrap().to_bytes().unwrap();
+    for place in (0..bytes.len()).step_by(bytes.len() / 50) {
+        let mut hit = bytes.clone();
+        hit[place] ^= 0x10;
+        assert!(matches!(Request::from_bytes(&hit), Err(IdentifyError::Moments(_))), "{place}");
+    }
+}

@@ -1,0 +1,176 @@
+//! A rigid chain as parameters: its derivatives, its covariance, what can be a body.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use faer::Mat;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::{
+    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Training, Trig,
+    Weighted, from_json, to_json,
+};
+
+/// A link of three kilograms about as large as a forearm.
+const LINK: [f64; 10] = [3.0, 0.3, -0.15, 0.6, 0.3, 0.4, 0.2, 0.02, -0.05, 0.01];
+
+fn spring() -> EnergyTerm {
+    let function = Term::one(2).times(Trig::Cos, 1, 2, 1);
+    EnergyTerm { place: Place::Potential, function }
+}
+
+fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
+    Weighted { term, coefficient, std_error: 0.0, inclusion: None }
+}
+
+/// Two links at odd angles, a rotor of a shared shaft and a spring.
+fn chain() -> RigidChain {
+    RigidChain {
+        geometry: vec![0.1, -0.2, 1.4, 0.05, 0.3, -0.1],
+        fitted: vec![0, 2, 4],
+        links: vec![LINK; 2],
+        drives: vec![
+            Drive::Rotor { shaft: vec![1.0, -0.5], inertia: 0.3 },
+            Drive::Energy { term: spring(), coefficient: 1.5 },
+        ],
+        covariance: vec![],
+    }
+}
+
+fn friction() -> Vec<Weighted<FrictionTerm>> {
+    vec![weighted(FrictionTerm::of_joint(2, 1, FrictionLaw::Viscous), 0.7)]
+}
+
+const STATE: [[f64; 2]; 3] = [[0.4, -1.1], [0.9, 0.3], [-2.0, 1.5]];
+
+fn state() -> [&'static [f64]; 3] {
+    [&STATE[0], &STATE[1], &STATE[2]]
+}
+
+/// The torque of the equations that follow from a chain.
+fn torque(chain: &RigidChain, friction: Vec<Weighted<FrictionTerm>>) -> Vec<f64> {
+    let terms = chain.energy_terms().unwrap();
+    let model = Model {
+        joints: vec!["one".into(), "two".into()],
+        form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
+        chain: None,
+        friction,
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
+    };
+    let [q, dq, ddq] = state();
+    Torque::new(&model).at(q, dq, ddq).unwrap()
+}
+
+#[test]
+fn a_rotor_is_half_the_square_of_its_speed() {
+    let rotor = Drive::Rotor { shaft: vec![1.0, -0.5], inertia: 0.8 };
+
+    let inertia = |i, j| EnergyTerm { place: Place::Inertia(i, j), function: Term::one(2) };
+    let expected = [(inertia(0, 0), 0.8), (inertia(0, 1), -0.4), (inertia(1, 1), 0.2)];
+    assert_eq!(rotor.energy_terms(), expected);
+}
+
+#[test]
+fn a_spring_is_its_own_energy_term() {
+    let drive = Drive::Energy { term: spring(), coefficient: -1.5 };
+
+    assert_eq!(drive.energy_terms(), [(spring(), -1.5)]);
+}
+
+#[test]
+fn parameters_go_into_the_chain_they_came_from() {
+    let chain = chain();
+    let known = chain.parameters(&friction());
+
+    assert_eq!(known.len(), chain.n_parameters(1));
+    assert_eq!(chain.at(&known, 1), chain);
+    let moved: Vec<f64> = known.iter().map(|x| x + 0.25).collect();
+    assert_eq!(chain.at(&moved, 1).parameters(&friction())[..22], moved[..22]);
+    assert_eq!(chain.at(&moved, 1).parameters(&[]), [&moved[..22], &moved[23..]].concat());
+}
+
+#[test]
+fn sensitivities_are_differences_of_the_torque() {
+    let chain = chain();
+    let sensitivities = chain.sensitivities(&friction(), state()).unwrap();
+    let known = chain.parameters(&friction());
+    let step = 1e-5;
+
+    for k in 0..known.len() {
+        let at = |sign: f64| {
+            let mut parameters = known.clone();
+            parameters[k] += sign * step;
+            let mut friction = friction();
+            friction[0].coefficient = parameters[22];
+            torque(&chain.at(&parameters, 1), friction)
+        };
+        let (above, below) = (at(1.0), at(-1.0));
+        for joint in 0..2 {
+            let expected = (above[joint] - below[joint]) / (2.0 * step);
+            let found = sensitivities[(joint, k)];
+            assert!((found - expected).abs() < 1e-8 * (1.0 + expected.abs()), "{k}: {found}");
+        }
+    }
+}
+
+#[test]
+fn the_error_of_the_torque_is_that_of_its_parameters() {
+    let mut chain = chain();
+    let p = chain.n_parameters(1);
+    let half = Mat::from_fn(p, p, |i, j| 0.01 * ((i * p + j) as f64).sin());
+    let covariance = &half * half.transpose();
+    assert_eq!(chain.std_errors(&friction(), state()).unwrap(), [0.0; 2]);
+    chain.set_covariance(&covariance);
+
+    let found = chain.std_errors(&friction(), state()).unwrap();
+
+    let jacobian = chain.sensitivities(&friction(), state()).unwrap();
+    let expected = &jacobian * &covariance * jacobian.transpose();
+    for joint in 0..2 {
+        let expected = expected[(joint, joint)].sqrt();
+        assert!((found[joint] - expected).abs() < 1e-6 * expected, "{found:?}");
+    }
+}
+
+#[test]
+fn only_bodies_that_can_be_are_feasible() {
+    let with = |change: fn(&mut RigidChain)| {
+        let mut chain = chain();
+        change(&mut chain);
+        chain.is_feasible()
+    };
+
+    assert!(with(|_| {}));
+    assert!(!with(|chain| chain.links[1][0] = -1.0));
+    // A first moment that no spread of the mass has.
+    assert!(!with(|chain| chain.links[0][3] = 5.0));
+    // More about one axis than about the other two together.
+    assert!(!with(|chain| chain.links[0][6] = 4.0));
+    assert!(!with(|chain| {
+        chain.drives[0] = Drive::Rotor { shaft: vec![1.0, 0.0], inertia: -0.1 };
+    }));
+    // A term of M that no body has may make M(q) indefinite.
+    assert!(!with(|chain| {
+        let term = EnergyTerm { place: Place::Inertia(0, 0), ..spring() };
+        chain.drives[1] = Drive::Energy { term, coefficient: 0.1 };
+    }));
+}
+
+#[test]
+fn the_model_file_keeps_the_chain() {
+    let mut chain = chain();
+    let p = chain.n_parameters(1);
+    chain.set_covariance(&Mat::from_fn(p, p, |i, j| if i == j { 2e-4 } else { 1e-7 / 3.0 }));
+    let terms = chain.energy_terms().unwrap();
+    let model = Model {
+        joints: vec!["one".into(), "two".into()],
+        form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
+        chain: Some(chain),
+        friction: friction(),
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
+    };
+
+    assert_eq!(from_json(&to_json(&model).unwrap()).unwrap(), model);
+}
