@@ -2,7 +2,6 @@
 
 mod layers;
 mod reading_order;
-mod first_lines;
 mod lengths;
 mod names;
 mod forbidden;
@@ -41,7 +40,6 @@ pub(crate) fn check(workspace: &Workspace) -> Result<Vec<Violation>> {
         violations.extend(crate_roots::check(package));
     }
     for source in workspace.sources() {
-        violations.extend(first_lines::check(source));
         violations.extend(lengths::check(source));
         violations.extend(names::check(source));
         violations.extend(forbidden::check(source));

@@ -62,8 +62,8 @@ pub(crate) struct SelectionArguments {
     /// Leave the bias that measurement noise causes in the fit, as --method sindy always does
     #[arg(long)]
     no_noise_correction: bool,
-    /// Fit a chain by least squares alone, without what physics asks of masses, rotors and friction:
-    /// for comparison, its mass matrix may not be positive definite
+    /// Fit a chain by least squares alone, without what physics asks of masses, rotors and
+    /// friction: for comparison, its mass matrix may not be positive definite
     #[arg(long)]
     unconstrained: bool,
     /// Resampled logs to count in how many each term of a library stays [default: 50; 0 with

@@ -3,9 +3,10 @@
 use crate::progress::{Watched, bar};
 use indicatif::ProgressBar;
 use std::time::Instant;
+use torquewise::identify::reconstruct::Solution;
 use torquewise::identify::rounds::Request;
 use torquewise::identify::{
-    IdentifyError, Plan, Progress, Reconstruction, Solution, Summary, reconstruct, solve,
+    IdentifyError, Plan, Progress, Reconstruction, Summary, reconstruct, solve,
 };
 use torquewise::motion::Recording;
 

@@ -1,11 +1,11 @@
 //! Rigid chain → the same chain in the frames, and with the parameters, that the recursion is
 //! cheapest with.
 //!
-//! Torque leaves open where a frame lies along its axis, how it is turned about it, and which of two
-//! links carries what does not notice the turn of the joint between them. Frames are turned so that
-//! each joint is a turn about x, a shift and a turn about z (Craig); mass, first moment along the
-//! axis and Iyy of each link are put into the link before it (Gautier and Khalil, 1990), so that
-//! links have seven parameters and no mass.
+//! Torque leaves open where a frame lies along its axis, how it is turned about it, and which of
+//! two links carries what does not notice the turn of the joint between them. Frames are turned so
+//! that each joint is a turn about x, a shift and a turn about z (Craig); mass, first moment along
+//! the axis and Iyy of each link are put into the link before it (Gautier and Khalil, 1990), so
+//! that links have seven parameters and no mass.
 
 use crate::error::ExportError;
 use torquewise_model::RigidChain;

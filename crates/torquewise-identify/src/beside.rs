@@ -124,7 +124,9 @@ mod whole {
         (&term.shaft, term.law, term.direction).serialize(to)
     }
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<FrictionTerm, D::Error> {
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<FrictionTerm, D::Error> {
         let (shaft, law, direction) = Deserialize::deserialize(from)?;
         Ok(FrictionTerm { shaft, law, direction })
     }

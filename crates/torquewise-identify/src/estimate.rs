@@ -1,16 +1,20 @@
 //! A chain and a log → the chain refitted on every row, physical, with its covariance (E11) (E14).
 //!
-//! The search finds the structure on a sample. Here every row counts: a [`Linearisation`] says where
+//! The search finds the structure on a sample. Here every row counts: a [`Linearisation`] says
+//! where
 //! the torque is linearised, a pass over the logs adds up normal equations, and [`solve`] takes the
 //! step.
 
 mod linearisation;
 mod nominal;
 mod pass;
+mod equations;
 mod solve;
+mod refine;
 
 pub use linearisation::Linearisation;
 pub(crate) use linearisation::Structure;
 pub(crate) use nominal::Sizes;
 pub use pass::add_up;
-pub(crate) use solve::{STRENGTH, Solved, refine, solve};
+pub(crate) use refine::refine;
+pub(crate) use solve::{STRENGTH, Solved, solve};

@@ -8,10 +8,10 @@ use crate::plan::{ChainOptions, FrictionKind};
 use crate::survey::thinned;
 use crate::trial::{Recipe, record, record_best, trial};
 use rayon::prelude::*;
-use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, Rows, Search, refine, search};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, Rows, Search, refine, search};
 
 mod further;
 mod loads;

@@ -151,7 +151,8 @@ fn variances(signals: &[ColRef<'_, f64>], starts: &[usize]) -> Vec<f64> {
         .iter()
         .map(|signal| starts.iter().map(|&row| difference(signal, row)).collect())
         .collect();
-    let limits: Vec<f64> = differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
+    let limits: Vec<f64> =
+        differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
     let is_smooth =
         |row: &usize| differences.iter().zip(&limits).all(|(sizes, limit)| sizes[*row] <= *limit);
     let kept: Vec<usize> = (0..starts.len()).filter(is_smooth).collect();

@@ -1,8 +1,7 @@
-//! A chain in rounds: a search on a sample, then passes over every row until nothing moves (E8)
-//! (E11).
+//! A chain in rounds: a search on a sample, then passes over every row (E8) (E11).
 //!
-//! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may be
-//! read apart and their sums merged.
+//! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may
+//! be read apart and their sums merged.
 
 use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
@@ -97,10 +96,7 @@ impl Request {
         progress(Progress::Overlooked);
         let Tried { certificate, warning, .. } = complete(&mut learned, survey, options.friction)?;
         progress(Progress::Refit);
-        let sizes = Sizes {
-            torque: survey.torque_std.clone(),
-            speed: survey.dq_peak.clone(),
-        };
+        let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, survey, noise, (options.physical, seed))?;
         let solved = refine(&sample, start, &sizes, SAMPLE_PASSES)?;
@@ -138,7 +134,7 @@ impl Request {
     /// # Errors
     /// [`IdentifyError::Moments`] if it cannot be written.
     pub fn to_bytes(&self) -> Result<Vec<u8>, IdentifyError> {
-        crate::summary_file::framed(REQUEST, self)
+        crate::framed::framed(REQUEST, self)
     }
 
     /// The request that [`Self::to_bytes`] wrote.
@@ -146,7 +142,7 @@ impl Request {
     /// # Errors
     /// [`IdentifyError::Moments`] if the bytes are no request or were damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, IdentifyError> {
-        let request: Self = crate::summary_file::unframed(REQUEST, bytes)?;
+        let request: Self = crate::framed::unframed(REQUEST, bytes)?;
         if request.at.is_sound(request.joints.len()) {
             return Ok(request);
         }
@@ -198,9 +194,11 @@ fn linearised(
         pull: recipe.search.pull,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
-    let weights = chain.residual_rms.iter().zip(&survey.torque_std).map(|(rms, torque)| {
-        1.0 / rms.max(1e-6 * if *torque > 0.0 { *torque } else { 1.0 })
-    });
+    let weights = chain
+        .residual_rms
+        .iter()
+        .zip(&survey.torque_std)
+        .map(|(rms, torque)| 1.0 / rms.max(1e-6 * if *torque > 0.0 { *torque } else { 1.0 }));
     let at = Linearisation {
         geometry: chain.geometry.parameters().to_vec(),
         linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
@@ -354,9 +352,8 @@ fn equations(
     let draws = draws.into_par_iter().map(|chain| Ok(in_basis(energies(&chain)?)));
     let draws = draws.collect::<Result<Vec<Energies>, IdentifyError>>()?;
     let terms = kept.into_iter().map(|(term, coefficient)| {
-        let change = |draw: &Energies| {
-            (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE
-        };
+        let change =
+            |draw: &Energies| (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE;
         let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
         let std_error = (square / draws.len().max(1) as f64).sqrt();
         Weighted { term, coefficient, std_error, inclusion: None }

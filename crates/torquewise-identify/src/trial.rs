@@ -4,8 +4,8 @@ use crate::beside::Beside;
 use crate::error::IdentifyError;
 use crate::held_out::{BLOCKS, Trial, choose_worth, split};
 use rayon::prelude::*;
-use torquewise_rigid::{Chain, Rows, Search, fit, refine};
 use torquewise_model::model::Choice;
+use torquewise_rigid::{Chain, Rows, Search, fit, refine};
 
 /// What a fit is made of, beside the geometry.
 #[derive(Clone, Debug)]

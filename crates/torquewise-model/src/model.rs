@@ -5,23 +5,9 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::rigid_chain::RigidChain;
 use crate::term::{Sum, Term, collect};
+pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-/// A term with its coefficient and the standard error of it; both in the units of the coefficient.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Weighted<T> {
-    /// The term.
-    pub term: T,
-    /// Its coefficient.
-    pub coefficient: f64,
-    /// Standard error of the coefficient; 0 where it is not known.
-    pub std_error: f64,
-    /// Share of resampled logs in which the term was kept; `None` where it was not asked.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub inclusion: Option<f64>,
-}
 
 /// The two shapes a model comes in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -125,8 +111,8 @@ pub struct Filter {
 pub struct PriceOfPhysics {
     /// By what part the residual is larger (RMS).
     pub residual: f64,
-    /// By what part the error on held-out folds is larger; below 0 it is smaller. `None` where a log
-    /// has too few folds.
+    /// By what part the error on held-out folds is larger; below 0 it is smaller. `None` where a
+    /// log has too few folds.
     pub held_out: Option<f64>,
 }
 

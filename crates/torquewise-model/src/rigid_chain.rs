@@ -3,8 +3,8 @@
 use crate::energy::{EnergyTerm, Place};
 use crate::error::ModelError;
 use crate::friction::FrictionTerm;
-use crate::model::Weighted;
 use crate::term::Term;
+use crate::weighted::Weighted;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_rigid::recursion::PER_BODY;
@@ -106,7 +106,8 @@ impl RigidChain {
     /// # Errors
     /// [`ModelError::Chain`] if these are no parameters of a geometry.
     pub fn axes(&self) -> Result<Geometry, ModelError> {
-        Geometry::new(&self.geometry).map_err(|error| ModelError::Chain { reason: error.to_string() })
+        Geometry::new(&self.geometry)
+            .map_err(|error| ModelError::Chain { reason: error.to_string() })
     }
 
     /// Whether every link is a body that can be and no rotor is negative, so that M(q) is positive
@@ -229,7 +230,8 @@ impl RigidChain {
         let links = chain.links.iter_mut().flatten();
         links.zip(&mut next).for_each(|(own, x)| *own = x);
         for drive in &mut chain.drives {
-            let (Drive::Rotor { inertia: own, .. } | Drive::Energy { coefficient: own, .. }) = drive;
+            let (Drive::Rotor { inertia: own, .. } | Drive::Energy { coefficient: own, .. }) =
+                drive;
             *own = next.next().unwrap_or(*own);
         }
         let mut next = next.skip(friction);

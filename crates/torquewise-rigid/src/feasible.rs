@@ -67,7 +67,13 @@ impl Prior {
     }
 
     /// Adds `strength` times the gradient and the Hessian of Ψ at x.
-    pub fn add_slopes(&self, x: &[f64], strength: f64, gradient: &mut [f64], hessian: &mut Mat<f64>) {
+    pub fn add_slopes(
+        &self,
+        x: &[f64],
+        strength: f64,
+        gradient: &mut [f64],
+        hessian: &mut Mat<f64>,
+    ) {
         for (body, nominal) in self.bodies.iter().enumerate() {
             let first = PER_BODY * body;
             let Some((_, slope, curvature)) = divergence(&x[first..first + PER_BODY], nominal)
@@ -281,7 +287,12 @@ mod tests {
     fn a_log_that_says_nothing_leaves_the_nominal_arm() {
         let prior = Prior {
             bodies: vec![nominal()],
-            positive: vec![Positive { least: 0.0, terms: vec![(10, 1.0)], nominal: 0.3, weight: 1.0 }],
+            positive: vec![Positive {
+                least: 0.0,
+                terms: vec![(10, 1.0)],
+                nominal: 0.3,
+                weight: 1.0,
+            }],
             small: vec![(11, 2.0)],
         };
         let hessian = Mat::zeros(12, 12);

@@ -1,7 +1,7 @@
 //! Motion, torque, further columns → rows of a regression: what a chain is learned from.
 
-use crate::recursion::{Lanes, MOST_JOINTS, N_LANES, State};
 use crate::error::ChainError;
+use crate::recursion::{Lanes, MOST_JOINTS, N_LANES, State};
 use faer::{Mat, MatRef};
 use simba::simd::SimdValue;
 

@@ -1,9 +1,9 @@
 //! Rows → chain: many starts with axes at right angles, the best of them refined.
 
-use crate::levenberg_marquardt::{Fitted, Pull, Target};
-pub use crate::levenberg_marquardt::{pull_stiffness, right_angles_near};
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
+use crate::levenberg_marquardt::{Fitted, Pull, Target};
+pub use crate::levenberg_marquardt::{pull_stiffness, right_angles_near};
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use rand::{RngExt, SeedableRng};

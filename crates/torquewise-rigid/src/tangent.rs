@@ -1,8 +1,8 @@
 //! Chain, rows → what it leaves of them, and how each of its parameters would change that (E10).
 
-use crate::levenberg_marquardt::{Pull, Target};
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
+use crate::levenberg_marquardt::{Pull, Target};
 use crate::rows::Rows;
 use crate::search::{Chain, all_parameters, first_weights, weights_of};
 use faer::Mat;

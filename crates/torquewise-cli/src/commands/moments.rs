@@ -56,7 +56,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let request = arguments.request.as_deref().map(read_request).transpose()?;
     let plan = arguments.plan.plan(regression, Known::of(&logs, &arguments.signals))?;
     let plan = match (&request, &plan.method) {
-        (Some(_), Method::Library(_)) => Plan { method: Method::Chain(ChainOptions::default()), ..plan },
+        (Some(_), Method::Library(_)) => {
+            Plan { method: Method::Chain(ChainOptions::default()), ..plan }
+        }
         _ => plan,
     };
     if let Method::Library(LibraryOptions { friction, .. }) = &plan.method

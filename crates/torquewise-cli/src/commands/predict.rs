@@ -33,8 +33,8 @@ pub(crate) struct Arguments {
     /// Predict with what was known after this step
     #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
     step: Option<u8>,
-    /// Add the columns tau_low and tau_high of each joint, between which this percentage of measured
-    /// torques should lie
+    /// Add the columns tau_low and tau_high of each joint, between which this percentage of
+    /// measured torques should lie
     #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=99))]
     interval: Option<u8>,
     #[command(flatten)]

@@ -76,9 +76,7 @@ impl Linearisation {
             && self.weights.len() == n
             && self.scales.len() == self.n_parameters()
             && noise.iter().all(|noise| noise.len() == n && finite(noise))
-            && [&self.geometry, &self.linear, &self.weights, &self.scales]
-                .iter()
-                .all(|x| finite(x))
+            && [&self.geometry, &self.linear, &self.weights, &self.scales].iter().all(|x| finite(x))
             && self.block_rows > 0
             && self.fold_rows > 0
     }
@@ -132,8 +130,8 @@ impl Linearisation {
         })
     }
 
-    /// Rows [J e] of a block in units of the noise and of the scales, (m·n)×(p+1), and what each was
-    /// multiplied by, m·n.
+    /// Rows \[J e\] of a block in units of the noise and of the scales, (m·n)×(p+1), and what each
+    /// was multiplied by, m·n.
     ///
     /// - `seen`: the motion whose speeds say which joints rest; the block itself, or the same
     ///   without added noise
@@ -160,9 +158,14 @@ impl Linearisation {
             out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
         }
         let p = out.ncols();
-        let whole = Mat::from_fn(out.nrows(), p + 1, |k, j| {
-            if j < p { out[(k, j)] } else { tangent.residual[k] }
-        });
+        let whole =
+            Mat::from_fn(
+                out.nrows(),
+                p + 1,
+                |k, j| {
+                    if j < p { out[(k, j)] } else { tangent.residual[k] }
+                },
+            );
         Ok((whole, tangent.weights))
     }
 }

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_rigid::Geometry;
-use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::feasible::{Positive, Prior};
+use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
 
-/// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms to a
-/// few tons.
+/// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
+/// to a few tons.
 const DENSITY: f64 = 200.0;
 /// Spread of the mass of a link, as a part of its length.
 const SPREAD: f64 = 0.3;
@@ -51,8 +51,8 @@ pub(crate) struct Sizes {
 }
 
 impl Sizes {
-    /// Length \[m\] and mass \[kg\] of a link of an arm that takes such torques: those that a link of
-    /// the usual density makes by its weight, T = m g L with m = density · L³.
+    /// Length \[m\] and mass \[kg\] of a link of an arm that takes such torques: those that a link
+    /// of the usual density makes by its weight, T = m g L with m = density · L³.
     fn link(&self) -> (f64, f64) {
         let torque = self.torque.iter().fold(0.0_f64, |most, torque| most.max(*torque));
         let length = (torque / (DENSITY * GRAVITY)).powf(0.25).max(LEAST_LENGTH);

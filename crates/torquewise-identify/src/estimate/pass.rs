@@ -127,8 +127,7 @@ fn drawn(block: &Block, at: &Linearisation) -> Mat<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(at.seed);
     random.set_stream(block.stream);
     let noise = &at.noise;
-    let deviations: Vec<f64> =
-        noise.q.iter().chain(&noise.dq).chain(&noise.ddq).copied().collect();
+    let deviations: Vec<f64> = noise.q.iter().chain(&noise.dq).chain(&noise.ddq).copied().collect();
     let mut out = Mat::zeros(block.motion.n_rows(), deviations.len());
     for (j, &sigma) in deviations.iter().enumerate() {
         for value in out.col_as_slice_mut(j) {

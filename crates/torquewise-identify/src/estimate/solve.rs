@@ -1,19 +1,16 @@
 //! Normal equations → the next parameters, what is certain of them, and what physics cost (E11)
 //! (E14).
 
-use super::linearisation::{Linearisation, Structure};
+use super::equations::Equations;
+use super::linearisation::Linearisation;
 use super::nominal::{Sizes, prior};
-use super::pass::add_up;
 use crate::error::IdentifyError;
 use crate::held_out::{Trial, choose};
 use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, PriceOfPhysics};
-use torquewise_motion::Recording;
-use torquewise_rigid::Geometry;
-use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
-use torquewise_rigid::search::{pull_stiffness, right_angles_near};
-use torquewise_sparse::normal_sums::{FOLDS, NormalSums, corrected};
+use torquewise_rigid::feasible::{Prior, curvature, minimise};
+use torquewise_sparse::normal_sums::{FOLDS, NormalSums};
 
 /// The choice of the prior's strength, as the model file has it.
 pub(crate) const STRENGTH: &str = "strength of the physical prior";
@@ -29,13 +26,6 @@ const RELEASED: [f64; 4] = [0.1, 1e-2, 1e-3, 1e-4];
 const LEAST_FOLDS: usize = 3;
 /// Equations that the pull on the geometry counts as at most: it must not grow with the log.
 const MOST_PULLED: f64 = 20_000.0;
-/// Passes that make the links physical before the geometry moves.
-const HELD_PASSES: usize = 2;
-/// A step that explains the torque worse by this part, residuals of the joints by their geometric
-/// mean, was too long.
-const WORSE: f64 = 0.02;
-/// Times that a step is shortened at most.
-const HALVINGS: usize = 3;
 /// Longest step of a parameter of the geometry: rad or m.
 const LONGEST: f64 = 0.2;
 /// A residual below this part of the torque is taken for it: weights stay finite.
@@ -44,8 +34,6 @@ const LEAST_RESIDUAL: f64 = 1e-7;
 const LEAST_BLOCKS: u64 = 30;
 /// A held parameter is released where its squared score is so many times ln m above its variance.
 const STRICTNESS: f64 = 3.0;
-/// Ridge of the unconstrained optimum, relative to the curvature.
-const RIDGE: f64 = 1e-9;
 /// Parameters that move less than this part of their standard error are settled.
 const SETTLED: f64 = 0.1;
 /// So much the sum of squares may fall for each parameter, in squares of the noise. A step along a
@@ -66,53 +54,6 @@ pub(crate) struct Solved {
     /// Whether another pass would change next to nothing: no parameter moves by a good part of its
     /// standard error, and the sum of squares does not fall.
     pub(crate) settled: bool,
-}
-
-/// Passes over a recording from a linearisation until the parameters settle, `most` at most.
-///
-/// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
-/// those of such an arm: the geometry is held until its links are physical.
-pub(crate) fn refine(
-    recording: &(impl Recording + ?Sized),
-    start: Linearisation,
-    sizes: &Sizes,
-    most: usize,
-) -> Result<Solved, IdentifyError> {
-    let free = start.structure.free.clone();
-    let held = Structure { free: Vec::new(), ..start.structure.clone() };
-    let mut at = Linearisation { structure: held, ..start };
-    for _ in 0..HELD_PASSES {
-        at = step(&add_up(recording, &at)?, &at, sizes)?.at;
-    }
-    at.structure.free = free;
-    let mut sums = add_up(recording, &at)?;
-    let mut solved = solve(&sums, &at, sizes)?;
-    for _ in 1..most {
-        if solved.settled {
-            break;
-        }
-        let mut next = solved.at.clone();
-        let mut ahead = add_up(recording, &next)?;
-        for _ in 0..HALVINGS {
-            if !is_worse(&ahead, &sums) {
-                break;
-            }
-            next = at.towards(&next, 0.25);
-            ahead = add_up(recording, &next)?;
-        }
-        (at, sums) = (next, ahead);
-        solved = solve(&sums, &at, sizes)?;
-    }
-    Ok(solved)
-}
-
-/// Whether the torque of the joints is explained worse, by their geometric mean, than before.
-pub(crate) fn is_worse(sums: &NormalSums, before: &NormalSums) -> bool {
-    let merit = |sums: &NormalSums| -> f64 {
-        sums.weighted_rms().iter().map(|rms| rms.max(f64::MIN_POSITIVE).ln()).sum()
-    };
-    let joints = sums.weighted_rms().len().max(1) as f64;
-    (merit(sums) - merit(before)) / joints > WORSE
 }
 
 /// One step from a linearisation, by the sums that were made there.
@@ -145,7 +86,7 @@ pub(crate) fn solve(
 }
 
 /// The same where the sample is not to be overruled.
-fn step(
+pub(super) fn step(
     sums: &NormalSums,
     at: &Linearisation,
     sizes: &Sizes,
@@ -181,12 +122,6 @@ struct Best {
     solution: Vec<f64>,
     /// Errors on held-out folds; empty if there are too few.
     errors: Vec<f64>,
-}
-
-/// The normal equations in the units of the parameters.
-struct Equations {
-    hessian: Mat<f64>,
-    right: Vec<f64>,
 }
 
 impl<'a> Step<'a> {
@@ -353,11 +288,9 @@ impl<'a> Step<'a> {
             return Ok(Vec::new());
         }
         let equations = self.equations(active, best.pull);
-        let factor =
-            curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
-        let across = Mat::from_fn(active.len(), held.len(), |i, j| {
-            self.all.hessian[(active[i], held[j])]
-        });
+        let factor = curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
+        let across =
+            Mat::from_fn(active.len(), held.len(), |i, j| self.all.hessian[(active[i], held[j])]);
         let followed = factor.solve_matrix(&across);
         let x = self.whole(active, &best.solution);
         let product = &self.all.hessian * ColRef::from_slice(&x);
@@ -372,9 +305,7 @@ impl<'a> Step<'a> {
         let is_pulled = |&j: &usize| {
             // The score of a held parameter once the others have followed.
             let weights: Vec<f64> = (0..indices.len())
-                .map(|i| {
-                    if i < a { -followed[(i, j)] } else { f64::from(u8::from(i == a + j)) }
-                })
+                .map(|i| if i < a { -followed[(i, j)] } else { f64::from(u8::from(i == a + j)) })
                 .collect();
             let own = self.all.right[held[j]] - product[held[j]];
             let score: f64 = own + (0..a).map(|i| weights[i] * slope[i]).sum::<f64>();
@@ -396,8 +327,7 @@ impl<'a> Step<'a> {
         let residual = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
         let price = PriceOfPhysics { residual, held_out: self.held_out_price(active, &best)? };
 
-        let factor =
-            curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
+        let factor = curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
         let mut middle = self.scores(active);
         // The prior is as uncertain as it is weak.
         let mut unused = vec![0.0; active.len()];
@@ -448,64 +378,6 @@ fn weights(sums: &NormalSums, sizes: &Sizes) -> Vec<f64> {
             1.0 / rms.max(LEAST_RESIDUAL * if *torque > 0.0 { *torque } else { 1.0 })
         })
         .collect()
-}
-
-impl Equations {
-    fn new(
-        gram: &Mat<f64>,
-        bias: &Mat<f64>,
-        at: &Linearisation,
-    ) -> Result<Self, IdentifyError> {
-        let p = at.n_parameters();
-        let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
-        let corrected = corrected(&part(gram), &part(bias))?;
-        let hessian =
-            Mat::from_fn(p, p, |i, j| corrected[(i, j)] / (at.scales[i] * at.scales[j]));
-        let known = &hessian * ColRef::from_slice(&at.parameters());
-        let right =
-            (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
-        Ok(Self { hessian, right })
-    }
-
-    /// The equations of some parameters, the others as they were.
-    ///
-    /// - `pull`: equations that a pull of the geometry to right angles counts as
-    fn of(&self, active: &[usize], at: &Linearisation, pull: f64) -> Self {
-        let mut held = at.parameters();
-        active.iter().for_each(|&k| held[k] = 0.0);
-        let known = &self.hessian * ColRef::from_slice(&held);
-        let count = active.len();
-        let mut own = Self {
-            hessian: Mat::from_fn(count, count, |i, j| self.hessian[(active[i], active[j])]),
-            right: active.iter().map(|&k| self.right[k] - known[k]).collect(),
-        };
-        let linear = at.linear.len();
-        let anchor = Geometry::new(&at.geometry).map_or_else(|_| Vec::new(), |g| right_angles_near(&g));
-        for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
-            let stiffness = pull * pull_stiffness(at.structure.pull, k - linear);
-            own.hessian[(place, place)] += stiffness;
-            own.right[place] += stiffness * anchor.get(k - linear).unwrap_or(&0.0);
-        }
-        own
-    }
-
-    fn quadratic(&self) -> Quadratic<'_> {
-        Quadratic { hessian: &self.hessian, right: &self.right }
-    }
-
-    /// The optimum without physics; what the log does not tell is held by a small ridge.
-    fn unconstrained(&self) -> Result<Vec<f64>, IdentifyError> {
-        let p = self.right.len();
-        let mut ridged = self.hessian.clone();
-        let most = (0..p).fold(0.0_f64, |most, j| most.max(ridged[(j, j)]));
-        for j in 0..p {
-            let own = ridged[(j, j)].max(RIDGE * most).max(f64::MIN_POSITIVE);
-            ridged[(j, j)] += RIDGE * own;
-        }
-        let cost = Quadratic { hessian: &ridged, right: &self.right };
-        let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; p])?;
-        Ok(factor.solve(&self.right))
-    }
 }
 
 /// Parameters to go on with: the geometry takes no step that leaves its linearisation.

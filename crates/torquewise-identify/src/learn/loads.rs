@@ -6,9 +6,9 @@ use crate::error::IdentifyError;
 use crate::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::plan::FrictionKind;
 use crate::trial::{Recipe, record, record_worth, trial};
-use torquewise_rigid::Chain;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
+use torquewise_rigid::Chain;
 
 /// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
 const SHAFT_GAIN: f64 = 0.85;

@@ -11,11 +11,11 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, Geometry, Rows, Search};
 use torquewise_model::expansion::energy_terms;
 use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted};
 use torquewise_motion::{Motion, Signals};
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, Geometry, Rows, Search};
 
 const N: usize = 3;
 const NOISE: f64 = 0.05;

@@ -10,10 +10,11 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
 use torquewise_identify::{
-    IdentifyError, Plan, Reconstruction, Solution, Summary, reconstruct, score, solve, summarise,
+    IdentifyError, Plan, Reconstruction, Summary, reconstruct, score, solve, summarise,
 };
 use torquewise_model::checks::driving_friction;
 use torquewise_model::friction::FrictionLaw;
@@ -57,7 +58,8 @@ fn log(seconds: f64, seed: u64, case: u8) -> Motion {
     for row in 0..tau.nrows() {
         let dq: Vec<f64> = dq.row(row).iter().copied().collect();
         for joint in 0..3 {
-            tau[(row, joint)] += friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum::<f64>();
+            tau[(row, joint)] +=
+                friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum::<f64>();
         }
     }
     add_noise(&Motion::new(signals).unwrap(), &Noise::case(case).unwrap(), seed).unwrap()

@@ -4,10 +4,10 @@ use crate::twins::{chain, drawn, puma};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_rigid::{Chain, Geometry, Rows};
 use torquewise_model::expansion::energy_terms;
 use torquewise_model::library::energy_library;
 use torquewise_model::{EnergyTerm, Form, Model, Torque, Training, Weighted};
+use torquewise_rigid::{Chain, Geometry, Rows};
 
 fn model(n: usize, terms: Vec<(EnergyTerm, f64)>) -> Model {
     let weighted =
