@@ -10,7 +10,7 @@ const VERSION: u32 = 3;
 const HEADER_BYTES: usize = 24;
 
 /// The bytes of a file: what it begins with, version, length, checksum, and what it holds.
-pub(crate) fn framed(magic: &[u8; 8], holds: &impl Serialize) -> Result<Vec<u8>, IdentifyError> {
+pub(crate) fn framed(magic: [u8; 8], holds: &impl Serialize) -> Result<Vec<u8>, IdentifyError> {
     let body = postcard::to_stdvec(holds).map_err(|error| damaged(&error.to_string()))?;
     let mut bytes = Vec::with_capacity(HEADER_BYTES + body.len());
     bytes.extend(magic);
@@ -23,7 +23,7 @@ pub(crate) fn framed(magic: &[u8; 8], holds: &impl Serialize) -> Result<Vec<u8>,
 
 /// What [`framed`] was given.
 pub(crate) fn unframed<T: DeserializeOwned>(
-    magic: &[u8; 8],
+    magic: [u8; 8],
     bytes: &[u8],
 ) -> Result<T, IdentifyError> {
     let body = checked_body(magic, bytes)?;
@@ -31,7 +31,7 @@ pub(crate) fn unframed<T: DeserializeOwned>(
 }
 
 /// What follows the header, if it is whole.
-fn checked_body<'a>(magic: &[u8; 8], bytes: &'a [u8]) -> Result<&'a [u8], IdentifyError> {
+fn checked_body(magic: [u8; 8], bytes: &[u8]) -> Result<&[u8], IdentifyError> {
     let begin = bytes.get(..magic.len()).unwrap_or(bytes);
     if !magic.starts_with(begin) || begin.is_empty() {
         return Err(IdentifyError::Moments("it does not begin as one does".into()));

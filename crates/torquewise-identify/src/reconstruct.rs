@@ -82,14 +82,14 @@ pub fn solve(
             let found = by_library(summary, survey, options, plan.seed, progress)?;
             Ok(Solution::Model(Box::new(found)))
         }
-        Method::Chain(options) => by_chain(summary, survey, options, plan.seed, progress),
+        Method::Chain(options) => by_chain(&summary, survey, options, plan.seed, progress),
     }
 }
 
 /// Searches a chain on the sample, or takes the step that the last pass over all rows asks for
 /// (E8) (E11).
 fn by_chain(
-    summary: Summary,
+    summary: &Summary,
     survey: Survey,
     options: &ChainOptions,
     seed: u64,

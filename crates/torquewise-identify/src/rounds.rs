@@ -48,7 +48,7 @@ const DRAW_SIZE: f64 = 1e-3;
 const LEAST_T: f64 = 2.0;
 
 /// First bytes of the file of a request.
-const REQUEST: &[u8; 8] = b"twreques";
+const REQUEST: [u8; 8] = *b"twreques";
 
 /// What a pass over the logs is asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -247,7 +247,7 @@ impl Fitted {
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { request, solved, residual_rms } = self;
-        let (chain, friction) = parameters(&request.at, &solved.covariance)?;
+        let (chain, friction) = parameters(&request.at, &solved.covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         let mut choices = request.choices;
         choices.extend(solved.choice.filter(|choice| choice.what == STRENGTH));
@@ -281,7 +281,7 @@ impl Fitted {
 fn parameters(
     at: &Linearisation,
     covariance: &Mat<f64>,
-) -> Result<(RigidChain, Vec<Weighted<FrictionTerm>>), IdentifyError> {
+) -> (RigidChain, Vec<Weighted<FrictionTerm>>) {
     let bodies = PER_BODY * at.n_joints();
     let links = at.linear[..bodies].chunks_exact(PER_BODY);
     let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
@@ -319,7 +319,7 @@ fn parameters(
     let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
     let mut chain = RigidChain { geometry, fitted, links, drives, covariance: Vec::new() };
     chain.set_covariance(&covariance);
-    Ok((chain, friction))
+    (chain, friction)
 }
 
 /// Equal energy terms joined.

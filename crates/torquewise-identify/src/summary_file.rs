@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_sparse::row_sums::RowSums;
 
 /// First bytes of a file.
-const MAGIC: &[u8; 8] = b"twmoment";
+const MAGIC: [u8; 8] = *b"twmoment";
 
 /// A summary as it is written.
 #[derive(Serialize, Deserialize)]

@@ -38,7 +38,9 @@ impl Equations {
     /// - `pull`: equations that a pull of the geometry to right angles counts as
     pub(super) fn of(&self, active: &[usize], at: &Linearisation, pull: f64) -> Self {
         let mut held = at.parameters();
-        active.iter().for_each(|&k| held[k] = 0.0);
+        for &k in active {
+            held[k] = 0.0;
+        }
         let known = &self.hessian * ColRef::from_slice(&held);
         let count = active.len();
         let mut own = Self {
