@@ -171,7 +171,9 @@ fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases
     for seed in 1..=LOGS {
         let model = fit(&log(60.0, seed, 2)).model;
         assert!(model.chain.as_ref().unwrap().is_feasible());
-        deviations(&model).into_iter().for_each(|(name, x)| all.entry(name).or_default().push(x));
+        for (name, x) in deviations(&model) {
+            all.entry(name).or_default().push(x);
+        }
     }
 
     let holds = |x: &&f64| x.abs() <= NINETY_PERCENT;
