@@ -197,9 +197,10 @@ mod tests {
                 max_relative = 1e-5,
                 epsilon = 1e-4
             );
-            for i in 0..PER_BODY {
-                let slope = (ahead.1[i] - behind.1[i]) / 2e-6;
-                assert_relative_eq!(hessian[k][i], slope, max_relative = 1e-3, epsilon = 1.0);
+            for (curvature, (ahead, behind)) in hessian[k].iter().zip(ahead.1.iter().zip(behind.1))
+            {
+                let slope = (ahead - behind) / 2e-6;
+                assert_relative_eq!(*curvature, slope, max_relative = 1e-3, epsilon = 1.0);
             }
         }
     }

@@ -92,9 +92,8 @@ fn derivatives_hold_where_an_axis_is_parallel_to_the_one_before() {
     let at = |w: f64| {
         torque_of(&Geometry::new(&[0.0, 0.0, w, 0.0, 0.0, 0.0]).unwrap(), &inertial, &state)
     };
-    for joint in 0..2 {
-        let difference = (at(1e-5)[joint] - at(-1e-5)[joint]) / 2e-5;
-        assert_relative_eq!(change[joint], difference, epsilon = 1e-7);
+    for (change, (ahead, behind)) in change.iter().zip(at(1e-5).into_iter().zip(at(-1e-5))) {
+        assert_relative_eq!(*change, (ahead - behind) / 2e-5, epsilon = 1e-7);
     }
 }
 
