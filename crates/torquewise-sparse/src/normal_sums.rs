@@ -13,6 +13,9 @@ use serde::{Deserialize, Serialize};
 /// Folds that blocks of time are dealt out to, for cross-validation.
 pub const FOLDS: usize = 8;
 
+/// Scores are squared: where the noise is next to nothing and a first fit far off, they are huge.
+/// They are counted in this unit, 2⁻²⁰.
+const SCORE_UNIT: f64 = 1.0 / 1_048_576.0;
 /// Sums that are kept of the residual of each equation.
 const PER_EQUATION: usize = 3;
 
@@ -58,8 +61,8 @@ impl BlockSums {
         let mut gram = Mat::zeros(p + 1, p + 1);
         add_gram_of_equations(&mut gram, rows, equations, 1.0);
         // s = Jᵀe stands in the last row of the Gram matrix.
-        let scores =
-            Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { gram[(p, i)] * gram[(p, j)] });
+        let score = |j: usize| SCORE_UNIT * gram[(p, j)];
+        let scores = Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { score(i) * score(j) });
         let residual = rows.col(p);
         let energies = (0..equations)
             .flat_map(|equation| {
@@ -189,7 +192,7 @@ impl NormalSums {
 
     /// Σ s sᵀ over the blocks of time, p×p: how far the scores Jᵀe scatter.
     pub fn scores(&self) -> Mat<f64> {
-        unpacked(&self.scores, self.parameters)
+        faer::Scale(SCORE_UNIT.powi(-2)) * unpacked(&self.scores, self.parameters)
     }
 
     /// RMS of the residual of each equation in its own unit, rows counted by their weights, n.

@@ -149,11 +149,11 @@ fn half_a_model_is_refused() {
 #[test]
 fn a_model_of_a_newer_version_is_refused() {
     let terminal = Terminal::with_model();
-    let model = terminal.read("model.json").replacen("\"version\": 2", "\"version\": 99", 1);
+    let model = terminal.read("model.json").replacen("\"version\": 3", "\"version\": 99", 1);
     terminal.write("newer.json", &model);
 
     terminal
-        .refused("show newer.json", &["version 99", "reads up to version 2", "update torquewise"]);
+        .refused("show newer.json", &["version 99", "reads up to version 3", "update torquewise"]);
 }
 
 #[test]
