@@ -2,7 +2,7 @@
 //!
 //! The search finds the structure on a sample. Here every row counts: a [`Linearisation`] says
 //! where
-//! the torque is linearised, a pass over the logs adds up normal equations, and [`solve`] takes the
+//! the torque is linearised, a pass over the logs adds up normal equations, and `solve` takes the
 //! step.
 
 mod linearisation;

@@ -198,7 +198,7 @@ fn linearised(
         .residual_rms
         .iter()
         .zip(&survey.torque_std)
-        .map(|(rms, torque)| 1.0 / rms.max(1e-6 * if *torque > 0.0 { *torque } else { 1.0 }));
+        .map(|(rms, torque)| 1.0 / rms.max(1e-4 * if *torque > 0.0 { *torque } else { 1.0 }));
     let at = Linearisation {
         geometry: chain.geometry.parameters().to_vec(),
         linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),

@@ -29,7 +29,7 @@ const MOST_PULLED: f64 = 20_000.0;
 /// Longest step of a parameter of the geometry: rad or m.
 const LONGEST: f64 = 0.2;
 /// A residual below this part of the torque is taken for it: weights stay finite.
-const LEAST_RESIDUAL: f64 = 1e-7;
+const LEAST_RESIDUAL: f64 = 1e-4;
 /// Blocks of time that a score test needs.
 const LEAST_BLOCKS: u64 = 30;
 /// A held parameter is released where its squared score is so many times ln m above its variance.
