@@ -8,6 +8,8 @@ use torquewise_rigid::feasible::{Prior, Quadratic, curvature};
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
 use torquewise_sparse::normal_sums::corrected;
 
+/// Price of a step, relative to the diagonal of the normal equations.
+const ROUNDING: f64 = 1e-11;
 /// Ridge of the unconstrained optimum, relative to the curvature.
 const RIDGE: f64 = 1e-9;
 
@@ -26,7 +28,12 @@ impl Equations {
         let p = at.n_parameters();
         let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
         let corrected = corrected(&part(gram), &part(bias))?;
-        let hessian = Mat::from_fn(p, p, |i, j| corrected[(i, j)] / (at.scales[i] * at.scales[j]));
+        // Where torque tells nothing, the difference of two rounded matrices may be negative, and
+        // nothing would hold the parameters: a step has this small price of its own.
+        let own = |i: usize, j: usize| if i == j { ROUNDING * gram[(j, j)] } else { 0.0 };
+        let hessian = Mat::from_fn(p, p, |i, j| {
+            (corrected[(i, j)] + own(i, j)) / (at.scales[i] * at.scales[j])
+        });
         let known = &hessian * ColRef::from_slice(&at.parameters());
         let right =
             (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();

@@ -40,15 +40,16 @@ pub(crate) fn refine(
             break;
         }
         let mut next = solved.at.clone();
-        let mut ahead = add_up(recording, &next)?;
+        let mut ahead = add_up(recording, &next);
         for _ in 0..HALVINGS {
-            if !is_worse(&ahead, &sums) {
+            // A torque beyond all numbers is one that is explained worse.
+            if ahead.as_ref().is_ok_and(|ahead| !is_worse(ahead, &sums)) {
                 break;
             }
             next = at.towards(&next, 0.25);
-            ahead = add_up(recording, &next)?;
+            ahead = add_up(recording, &next);
         }
-        (at, sums) = (next, ahead);
+        (at, sums) = (next, ahead?);
         solved = solve(&sums, &at, sizes)?;
     }
     Ok(solved)
