@@ -1,8 +1,7 @@
 //! A chain and a log → the chain refitted on every row, physical, with its covariance (E11) (E14).
 //!
 //! The search finds the structure on a sample. Here every row counts: a [`Linearisation`] says
-//! where
-//! the torque is linearised, a pass over the logs adds up normal equations, and `solve` takes the
+//! where the torque is linearised, a pass over the logs adds up normal equations, and `solve` takes the
 //! step.
 
 mod linearisation;
@@ -16,5 +15,5 @@ pub use linearisation::Linearisation;
 pub(crate) use linearisation::Structure;
 pub(crate) use nominal::Sizes;
 pub use pass::add_up;
-pub(crate) use refine::refine;
-pub(crate) use solve::{STRENGTH, Solved, solve};
+pub(crate) use refine::{Next, Passes, refine};
+pub(crate) use solve::{STRENGTH, Solved};

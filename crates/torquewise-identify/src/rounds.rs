@@ -6,7 +6,7 @@
 use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
 use crate::error::IdentifyError;
-use crate::estimate::{Linearisation, STRENGTH, Sizes, Solved, Structure, refine, solve};
+use crate::estimate::{Linearisation, Next, Passes, STRENGTH, Sizes, Solved, Structure, refine};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
 use crate::noise::NoiseFloor;
@@ -32,8 +32,6 @@ use torquewise_sparse::normal_sums::{FOLDS, NormalSums};
 const MOST_FURTHER: usize = 12;
 /// So many terms are refused before no other is offered: the log is too short to tell.
 const MOST_REFUSED: usize = 2;
-/// Passes over the sample at most.
-const SAMPLE_PASSES: usize = 6;
 /// Passes over all rows at most.
 const MOST_PASSES: usize = 5;
 /// Rows of a block of time, of which there should be many.
@@ -54,12 +52,11 @@ const REQUEST: [u8; 8] = *b"twreques";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Request {
     joints: Vec<String>,
-    pub(crate) at: Linearisation,
+    passes: Passes,
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
     overlooked: Overlooked,
     warning: Option<UntriedTerm>,
-    passes: usize,
 }
 
 /// What a pass came to.
@@ -99,22 +96,22 @@ impl Request {
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, survey, noise, (options.physical, seed))?;
-        let solved = refine(&sample, start, &sizes, SAMPLE_PASSES)?;
-        let at = cut_for(solved.at, survey.rows);
+        let at = cut_for(refine(&sample, &start, &sizes)?, survey.rows);
+        let passes = Passes::over_all(at, MOST_PASSES);
         let choices = learned.choices;
         let joints = survey.joints.clone();
-        Ok(Self { joints, at, sizes, choices, overlooked: certificate, warning, passes: 0 })
+        Ok(Self { joints, passes, sizes, choices, overlooked: certificate, warning })
     }
 
     /// What tells it from others: the pass it is for, and a checksum.
     pub fn name(&self) -> String {
         let bytes = postcard::to_stdvec(self).unwrap_or_default();
-        format!("pass {} ({:08x})", self.passes + 1, crc32fast::hash(&bytes))
+        format!("pass {} ({:08x})", self.pass(), crc32fast::hash(&bytes))
     }
 
     /// The pass over the logs that is asked for, counted from 1.
     pub fn pass(&self) -> usize {
-        self.passes + 1
+        self.passes.made + 1
     }
 
     /// Fails unless it is for an arm of these joints.
@@ -143,7 +140,7 @@ impl Request {
     /// [`IdentifyError::Moments`] if the bytes are no request or were damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, IdentifyError> {
         let request: Self = crate::framed::unframed(REQUEST, bytes)?;
-        if request.at.is_sound(request.joints.len()) {
+        if request.passes.at.is_sound(request.joints.len()) {
             return Ok(request);
         }
         Err(IdentifyError::Moments("its parts do not fit each other".into()))
@@ -151,7 +148,7 @@ impl Request {
 
     /// Where the rows of the next pass are linearised.
     pub fn linearisation(&self) -> &Linearisation {
-        &self.at
+        &self.passes.at
     }
 
     /// Takes the step that a pass asks for; where that is next to nothing, all is done.
@@ -159,13 +156,13 @@ impl Request {
     /// # Errors
     /// [`IdentifyError::Chain`] if its sums cannot be solved.
     pub(crate) fn take(self, sums: &NormalSums) -> Result<Round, IdentifyError> {
-        let solved = solve(sums, &self.at, &self.sizes)?;
-        let passes = self.passes + 1;
-        if solved.settled || passes >= MOST_PASSES {
-            let residual_rms = sums.residual_rms();
-            return Ok(Round::Done(Box::new(Fitted { request: self, solved, residual_rms })));
-        }
-        Ok(Round::Again(Box::new(Self { at: solved.at, passes, ..self })))
+        Ok(match self.passes.clone().take(sums, &self.sizes)? {
+            Next::Pass(passes) => Round::Again(Box::new(Self { passes, ..self })),
+            Next::Settled(solved) => {
+                let residual_rms = sums.residual_rms();
+                Round::Done(Box::new(Fitted { request: self, solved, residual_rms }))
+            }
+        })
     }
 }
 
@@ -247,7 +244,7 @@ impl Fitted {
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { request, solved, residual_rms } = self;
-        let (chain, friction) = parameters(&request.at, &solved.covariance);
+        let (chain, friction) = parameters(&solved.at, &solved.covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         let mut choices = request.choices;
         choices.extend(solved.choice.filter(|choice| choice.what == STRENGTH));

@@ -17,6 +17,8 @@ const RIDGE: f64 = 1e-9;
 pub(super) struct Equations {
     pub(super) hessian: Mat<f64>,
     pub(super) right: Vec<f64>,
+    /// Sum of squares where they were linearised.
+    squares: f64,
 }
 
 impl Equations {
@@ -37,13 +39,29 @@ impl Equations {
         let known = &hessian * ColRef::from_slice(&at.parameters());
         let right =
             (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
-        Ok(Self { hessian, right })
+        Ok(Self { hessian, right, squares: gram[(p, p)] - bias[(p, p)] })
+    }
+
+    /// Half the sum of squares at parameters of the linearisation, its noise taken out.
+    pub(super) fn cost(&self, at: &Linearisation, parameters: &[f64]) -> f64 {
+        let before = at.parameters();
+        let step: Vec<f64> = parameters.iter().zip(&before).map(|(x, b)| x - b).collect();
+        let known = &self.hessian * ColRef::from_slice(&before);
+        let bent = &self.hessian * ColRef::from_slice(&step);
+        let change = |k: usize| step[k] * (0.5 * bent[k] - (self.right[k] - known[k]));
+        0.5 * self.squares + (0..step.len()).map(change).sum::<f64>()
     }
 
     /// The equations of some parameters, the others as they were.
     ///
     /// - `pull`: equations that a pull of the geometry to right angles counts as
-    pub(super) fn of(&self, active: &[usize], at: &Linearisation, pull: f64) -> Self {
+    /// - `damping`: what a step of the geometry costs, in parts of its curvature
+    pub(super) fn of(
+        &self,
+        active: &[usize],
+        at: &Linearisation,
+        (pull, damping): (f64, f64),
+    ) -> Self {
         let mut held = at.parameters();
         for &k in active {
             held[k] = 0.0;
@@ -53,14 +71,15 @@ impl Equations {
         let mut own = Self {
             hessian: Mat::from_fn(count, count, |i, j| self.hessian[(active[i], active[j])]),
             right: active.iter().map(|&k| self.right[k] - known[k]).collect(),
+            squares: self.squares,
         };
         let linear = at.linear.len();
-        let anchor =
-            Geometry::new(&at.geometry).map_or_else(|_| Vec::new(), |g| right_angles_near(&g));
+        let anchor = anchor(at);
         for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
             let stiffness = pull * pull_stiffness(at.structure.pull, k - linear);
-            own.hessian[(place, place)] += stiffness;
-            own.right[place] += stiffness * anchor.get(k - linear).unwrap_or(&0.0);
+            let price = damping * self.hessian[(k, k)];
+            own.hessian[(place, place)] += stiffness + price;
+            own.right[place] += stiffness * anchor[k - linear] + price * at.geometry[k - linear];
         }
         own
     }
@@ -82,4 +101,20 @@ impl Equations {
         let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; p])?;
         Ok(factor.solve(&self.right))
     }
+}
+
+/// Where the geometry is pulled to.
+fn anchor(at: &Linearisation) -> Vec<f64> {
+    Geometry::new(&at.geometry)
+        .map_or_else(|_| at.geometry.clone(), |geometry| right_angles_near(&geometry))
+}
+
+/// What a pull of the geometry to right angles costs at parameters.
+pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], pull: f64) -> f64 {
+    let (linear, anchor) = (at.linear.len(), anchor(at));
+    let cost = |&k: &usize| {
+        let apart = parameters[linear + k] - anchor[k];
+        0.5 * pull * pull_stiffness(at.structure.pull, k) * apart * apart
+    };
+    at.structure.free.iter().map(cost).sum()
 }

@@ -50,6 +50,9 @@ pub struct Linearisation {
 /// What an equation of a joint at rest counts: only its gravity is informative.
 const WEIGHT_AT_REST: f64 = 0.1;
 
+/// A column smaller than this part of the largest is counted as if it were of this size.
+const LEAST_COLUMN: f64 = 1e-6;
+
 impl Linearisation {
     /// Number of parameters p: linear ones, then those of the geometry, free or not.
     pub fn n_parameters(&self) -> usize {
@@ -110,11 +113,13 @@ impl Linearisation {
         let at = Self { scales: vec![1.0; self.n_parameters()], ..self };
         let (rows, _) = at.rows(sample, sample)?;
         let count = rows.nrows().max(1) as f64;
-        let scale = |j: usize| {
-            let rms = (rows.col(j).squared_norm_l2() / count).sqrt();
-            if rms > 0.0 { (-rms.log2().round()).exp2() } else { 1.0 }
-        };
-        Ok(Self { scales: (0..at.n_parameters()).map(scale).collect(), ..at })
+        let sizes: Vec<f64> = (0..at.n_parameters())
+            .map(|j| (rows.col(j).squared_norm_l2() / count).sqrt())
+            .collect();
+        // A column that is nothing here may be something elsewhere.
+        let least = LEAST_COLUMN * sizes.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let scale = |rms: &f64| (-rms.max(least).log2().round()).exp2();
+        Ok(Self { scales: sizes.iter().map(scale).collect(), ..at })
     }
 
     /// The chain that is linearised.

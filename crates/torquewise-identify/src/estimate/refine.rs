@@ -1,65 +1,128 @@
-//! A start → the chain refined on a recording: passes until nothing moves (E11).
+//! A start → passes over rows until nothing moves (E11).
 
-use super::linearisation::{Linearisation, Structure};
+use super::linearisation::Linearisation;
 use super::nominal::Sizes;
 use super::pass::add_up;
-use super::solve::{Solved, solve, step};
+use super::solve::{Solved, Step, Tuning, weights};
 use crate::error::IdentifyError;
+use serde::{Deserialize, Serialize};
 use torquewise_motion::Recording;
 use torquewise_sparse::normal_sums::NormalSums;
 
-/// Passes that make the links physical before the geometry moves.
-const HELD_PASSES: usize = 2;
-/// A step that explains the torque worse by this part, residuals of the joints by their geometric
-/// mean, was too long.
-const WORSE: f64 = 0.02;
-/// Times that a step is shortened at most.
-const HALVINGS: usize = 3;
+/// Passes over a sample, for each set of weights, at most.
+const SAMPLE_PASSES: usize = 10;
+/// Times that a sample is refined, each with weights by what is left before.
+const WEIGHINGS: usize = 2;
+/// Part of a step that is tried where the whole was worse.
+const SHORTER: f64 = 0.25;
 
-/// Passes over a recording from a linearisation until the parameters settle, `most` at most.
+/// Passes over rows, each from where the last one led (E11).
 ///
-/// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
-/// those of such an arm: the geometry is held until its links are physical.
-pub(crate) fn refine(
-    recording: &(impl Recording + ?Sized),
-    start: Linearisation,
-    sizes: &Sizes,
+/// The best linear parameters follow from the geometry, so a pass is judged by what they leave
+/// there. A step of the geometry after which more is left than before was too long: a shorter one
+/// is tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Passes {
+    /// Where the next pass is linearised.
+    pub(crate) at: Linearisation,
+    /// Chosen by the first pass, so that all are judged alike.
+    tuning: Option<Tuning>,
+    /// The best parameters so far, and what they cost.
+    best: Option<(Vec<f64>, f64)>,
+    /// Whether the next pass is the last: the geometry stays.
+    is_last: bool,
+    /// Passes made.
+    pub(crate) made: usize,
+    /// Passes at most.
     most: usize,
-) -> Result<Solved, IdentifyError> {
-    let free = start.structure.free.clone();
-    let held = Structure { free: Vec::new(), ..start.structure.clone() };
-    let mut at = Linearisation { structure: held, ..start };
-    for _ in 0..HELD_PASSES {
-        at = step(&add_up(recording, &at)?, &at, sizes)?.at;
-    }
-    at.structure.free = free;
-    let mut sums = add_up(recording, &at)?;
-    let mut solved = solve(&sums, &at, sizes)?;
-    for _ in 1..most {
-        if solved.settled {
-            break;
-        }
-        let mut next = solved.at.clone();
-        let mut ahead = add_up(recording, &next);
-        for _ in 0..HALVINGS {
-            // A torque beyond all numbers is one that is explained worse.
-            if ahead.as_ref().is_ok_and(|ahead| !is_worse(ahead, &sums)) {
-                break;
-            }
-            next = at.towards(&next, 0.25);
-            ahead = add_up(recording, &next);
-        }
-        (at, sums) = (next, ahead?);
-        solved = solve(&sums, &at, sizes)?;
-    }
-    Ok(solved)
+    /// Whether parameters of the geometry that the sample held may be released.
+    may_release: bool,
 }
 
-/// Whether the torque of the joints is explained worse, by their geometric mean, than before.
-fn is_worse(sums: &NormalSums, before: &NormalSums) -> bool {
-    let merit = |sums: &NormalSums| -> f64 {
-        sums.weighted_rms().iter().map(|rms| rms.max(f64::MIN_POSITIVE).ln()).sum()
-    };
-    let joints = sums.weighted_rms().len().max(1) as f64;
-    (merit(sums) - merit(before)) / joints > WORSE
+/// What follows a pass.
+pub(crate) enum Next {
+    /// Another pass.
+    Pass(Passes),
+    /// Nothing moves any more.
+    Settled(Solved),
+}
+
+impl Passes {
+    /// Passes over all rows, `most` at most.
+    pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
+        Self { at, tuning: None, best: None, is_last: false, made: 0, most, may_release: true }
+    }
+
+    fn over_sample(at: Linearisation) -> Self {
+        Self { most: SAMPLE_PASSES, may_release: false, ..Self::over_all(at, 0) }
+    }
+
+    /// What follows from the sums of the pass that was asked for.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if they cannot be solved.
+    pub(crate) fn take(mut self, sums: &NormalSums, sizes: &Sizes) -> Result<Next, IdentifyError> {
+        self.made += 1;
+        let step = Step::new(sums, &self.at, sizes)?;
+        let (active, tuning) = match self.tuning.take() {
+            Some(tuning) => (self.at.active(), tuning),
+            None => step.tuned(self.may_release)?,
+        };
+        let tolerance = step.tolerance(&active);
+        let here = step.cost(&self.at.parameters(), &tuning);
+        let linear = step.linear(&tuning)?;
+        let merit = step.cost(&linear, &tuning);
+        let moved = step.step(&active, &tuning)?;
+        let ahead = merit - step.cost(&moved, &tuning);
+        if self.is_last || (here - merit <= tolerance && ahead <= tolerance) {
+            return Ok(Next::Settled(step.solved(&active, tuning)?));
+        }
+        let gain = self.best.as_ref().map_or(f64::INFINITY, |(_, least)| least - merit);
+        let best = match self.best.take() {
+            Some(best) if gain <= 0.0 => best,
+            _ => (linear, merit),
+        };
+        self.is_last = gain.abs() <= tolerance || ahead <= tolerance || self.made + 1 >= self.most;
+        let parameters = if self.is_last {
+            best.0.clone()
+        } else if gain > 0.0 {
+            moved
+        } else {
+            // The step was too long.
+            let from = self.at.at(&best.0);
+            from.towards(&self.at, SHORTER).parameters()
+        };
+        let first = self.at.linear.len();
+        let mut at = self.at.at(&parameters);
+        at.structure.free = active.iter().filter_map(|k| k.checked_sub(first)).collect();
+        Ok(Next::Pass(Self { at, tuning: Some(tuning), best: Some(best), ..self }))
+    }
+}
+
+/// Passes over a recording until the parameters settle.
+///
+/// The search leaves inertial parameters that no arm has, and derivatives by the geometry that are
+/// those of such an arm: links are made physical before the geometry moves.
+pub(crate) fn refine(
+    recording: &(impl Recording + ?Sized),
+    start: &Linearisation,
+    sizes: &Sizes,
+) -> Result<Linearisation, IdentifyError> {
+    let linear: Vec<usize> = (0..start.linear.len()).collect();
+    let sums = add_up(recording, start)?;
+    let step = Step::new(&sums, start, sizes)?;
+    let parameters = step.step(&linear, &step.tuning(&linear)?)?;
+    let mut at = start.at(&parameters);
+    for _ in 0..WEIGHINGS {
+        at.weights = weights(&add_up(recording, &at)?, sizes);
+        let mut passes = Passes::over_sample(at);
+        at = loop {
+            let sums = add_up(recording, &passes.at)?;
+            match passes.take(&sums, sizes)? {
+                Next::Pass(next) => passes = next,
+                Next::Settled(solved) => break solved.at,
+            }
+        };
+    }
+    Ok(at)
 }
