@@ -222,6 +222,8 @@ impl NormalSums {
 const LEAST_KEPT: f64 = 0.1;
 /// Ridge, relative to the diagonal, below which columns count as dependent.
 const DEPENDENT: f64 = 1e-10;
+/// A column whose squares are below this part of the largest is lost in the last place of the sums.
+const LEAST_COLUMN: f64 = 1e-18;
 
 /// YᵀY less what noise added to it (E7), kept positive semidefinite.
 ///
@@ -234,7 +236,8 @@ pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseErr
     if bias.norm_max() == 0.0 {
         return Ok(gram.clone());
     }
-    let scale: Vec<f64> = (0..p).map(|j| gram[(j, j)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let least = LEAST_COLUMN * (0..p).fold(f64::MIN_POSITIVE, |most, j| most.max(gram[(j, j)]));
+    let scale: Vec<f64> = (0..p).map(|j| gram[(j, j)].max(least).sqrt()).collect();
     let scaled = |x: &Mat<f64>, i: usize, j: usize| x[(i, j)] / (scale[i] * scale[j]);
     let ridge = |i, j| if i == j { DEPENDENT } else { 0.0 };
     let whole = Mat::from_fn(p, p, |i, j| scaled(gram, i, j) + ridge(i, j));
