@@ -183,7 +183,10 @@ impl ConditionedLogs {
         let (motions, noise) = match rest {
             Stretch::Running(conditioner, lane) => {
                 let motions = conditioner.finish().map_err(failed)?;
-                (motions, lane.map_or_else(|| Ok(Vec::new()), |lane| lane.finish()).map_err(failed)?)
+                (
+                    motions,
+                    lane.map_or_else(|| Ok(Vec::new()), |lane| lane.finish()).map_err(failed)?,
+                )
             }
             Stretch::Waiting(blocks) => {
                 let raw = joined(self.logs.joints(), &blocks);

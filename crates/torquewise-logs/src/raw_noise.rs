@@ -1,9 +1,9 @@
 //! Noise measured in raw signals → draws like it, conditioned as the signals are (E7).
 
+use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use faer::Mat;
 use torquewise_motion::Motion;
 use torquewise_signals::{ConditionReport, Conditioner, Derive, Plan, Raw, SignalError};
 
@@ -58,9 +58,10 @@ impl NoiseLane {
             random
         });
         let n = raw.joints.len();
-        let mut parts = self.noise.deviations.each_ref().map(|deviations| {
-            (deviations.len() == n).then(|| Mat::<f64>::zeros(raw.t.len(), n))
-        });
+        let mut parts =
+            self.noise.deviations.each_ref().map(|deviations| {
+                (deviations.len() == n).then(|| Mat::<f64>::zeros(raw.t.len(), n))
+            });
         // Row by row, so that draws do not depend on where blocks end.
         for row in 0..raw.t.len() {
             for (part, deviations) in parts.iter_mut().zip(&self.noise.deviations) {

@@ -88,23 +88,13 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let motion = whole(&conditioned)?;
     let noise = noise_of(&conditioned, &motion)?;
     let (train, test) = split(&motion, set.split);
-    let (train, noise, test) =
-        (motion.select(&train), noise.select(&train), motion.select(&test));
+    let (train, noise, test) = (motion.select(&train), noise.select(&train), motion.select(&test));
 
     let start = Instant::now();
     let options = ChainOptions {
         counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
         ..ChainOptions::default()
     };
-    if std::env::var_os("NOISE_ONOFF").is_some() {
-        for noise_correction in [false, true] {
-            let options = ChainOptions { noise_correction, ..options.clone() };
-            let found = reconstruct(&Filtered { motion: &train, noise: &noise }, &options.into(), &mut |_| {})?;
-            let scores = score(&found.model, &test)?;
-            let all: Vec<String> = scores.joints.iter().map(|j| format!("{:.3}", j.nrmse_percent)).collect();
-            println!("{} noise correction {noise_correction}: {}", set.name, all.join(" "));
-        }
-    }
     let recording = Filtered { motion: &train, noise: &noise };
     let mut found = reconstruct(&recording, &options.into(), &mut |_| {})?;
     found.model.choices.splice(0..0, cutoff);
@@ -205,10 +195,7 @@ fn whole(recording: &impl Recording) -> Result<Motion, Box<dyn Error + Send + Sy
 }
 
 /// Blocks as one motion.
-fn joined(
-    joints: &[String],
-    blocks: &[Motion],
-) -> Result<Motion, Box<dyn Error + Send + Sync>> {
+fn joined(joints: &[String], blocks: &[Motion]) -> Result<Motion, Box<dyn Error + Send + Sync>> {
     let place: Vec<(usize, usize)> = (blocks.iter().enumerate())
         .flat_map(|(index, block)| (0..block.n_rows()).map(move |row| (index, row)))
         .collect();

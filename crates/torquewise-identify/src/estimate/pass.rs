@@ -46,7 +46,8 @@ pub fn add_up(
             Ok(())
         };
         let read = |take: &mut dyn FnMut(&Motion, Option<&Motion>) -> Result<(), ReadError>| {
-            let mut with_noise = |_: usize, motion: &Motion, noise: &Motion| take(motion, Some(noise));
+            let mut with_noise =
+                |_: usize, motion: &Motion, noise: &Motion| take(motion, Some(noise));
             if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
                 return Ok(());
             }
