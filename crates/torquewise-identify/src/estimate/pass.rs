@@ -45,20 +45,29 @@ pub fn add_up(
             }
             Ok(())
         };
-        let read = |take: &mut dyn FnMut(&Motion, Option<&Motion>) -> Result<(), ReadError>| {
-            let mut with_noise =
-                |_: usize, motion: &Motion, noise: &Motion| take(motion, Some(noise));
-            if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
-                return Ok(());
-            }
-            recording.read_log(log, &mut |_, motion| take(motion, None))
-        };
-        read(&mut take).map_err(IdentifyError::Read)?;
+        read(recording, log, at, &mut take).map_err(IdentifyError::Read)?;
         flush(&mut waiting, &mut sums, at)?;
     }
     let mut all = empty();
     sums.iter().try_for_each(|lane| all.merge(lane))?;
     Ok(all)
+}
+
+/// Who is shown rows, and the noise in them if it is asked for and known.
+type Take<'t> = &'t mut dyn FnMut(&Motion, Option<&Motion>) -> Result<(), ReadError>;
+
+/// Reads a log, beside its noise where that is corrected for.
+fn read(
+    recording: &(impl Recording + ?Sized),
+    log: usize,
+    at: &Linearisation,
+    take: Take<'_>,
+) -> Result<(), ReadError> {
+    let mut with_noise = |_: usize, motion: &Motion, noise: &Motion| take(motion, Some(noise));
+    if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
+        return Ok(());
+    }
+    recording.read_log(log, &mut |_, motion| take(motion, None))
 }
 
 /// How far a log was read.
