@@ -77,6 +77,21 @@ impl<R: Recording + ?Sized> Recording for Watched<'_, R> {
     ) -> Result<(), ReadError> {
         self.watch(|visit| self.recording.read_log(log, visit), visit)
     }
+
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        seed: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        let _shield = Shield::new();
+        self.recording.read_log_with_noise(log, seed, &mut |trajectory, block, noise| {
+            check()?;
+            visit(trajectory, block, noise)?;
+            self.bar.inc(block.n_rows() as u64);
+            Ok(())
+        })
+    }
 }
 
 /// Who is shown the blocks.

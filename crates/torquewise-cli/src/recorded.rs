@@ -307,4 +307,16 @@ impl Recording for Recorded {
             Self::Conditioned(logs) => logs.read_log(log, visit),
         }
     }
+
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        seed: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        match self {
+            Self::Plain(logs) => logs.read_log_with_noise(log, seed, visit),
+            Self::Conditioned(logs) => logs.read_log_with_noise(log, seed, visit),
+        }
+    }
 }

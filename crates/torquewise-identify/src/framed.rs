@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Raised whenever what is summed, or how it is written, changes.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 /// Magic, version, length and checksum of what follows.
 const HEADER_BYTES: usize = 24;
 

@@ -203,6 +203,7 @@ fn linearised(
         scales: Vec::new(),
         structure,
         noise,
+        raw_noise: false,
         block_rows: BLOCK_ROWS[0],
         fold_rows: 1,
         seed,

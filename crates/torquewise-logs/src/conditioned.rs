@@ -3,6 +3,7 @@
 use crate::blocks::RawBlock;
 use crate::error::LogError;
 use crate::logs::Logs;
+use crate::raw_noise::{NoiseLane, RawNoise};
 use faer::Mat;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
 use torquewise_signals::cutoff::Decided;
@@ -111,13 +112,15 @@ impl ConditionedLogs {
         &self.report
     }
 
-    /// Conditions all files, or one of them; returns whether a trajectory was long enough.
+    /// Conditions all files, or one of them, and noise beside them if there is any; returns whether
+    /// a trajectory was long enough.
     fn visit(
         &self,
         file: Option<usize>,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+        noise: Option<&RawNoise>,
+        visit: Visit<'_>,
     ) -> Result<bool, ReadError> {
-        let mut out = Cutter { trajectory: 0, is_empty: true, visit };
+        let mut out = Cutter { trajectory: 0, is_empty: true, noise, visit };
         let mut own: Option<(usize, Stretch)> = None;
         let mut take = |trajectory: usize, block: &RawBlock| -> Result<(), ReadError> {
             if own.as_ref().is_none_or(|(current, _)| *current != trajectory) {
@@ -157,15 +160,18 @@ impl ConditionedLogs {
                 if rows >= FIRST_ROWS {
                     let raw = joined(self.logs.joints(), blocks);
                     let plan = Plan::new(&raw, &self.settings).map_err(failed)?;
+                    let mut lane = out.noise.map(|noise| noise.lane(plan.clone()));
                     let mut conditioner = Box::new(Conditioner::new(plan));
-                    out.hand_out(conditioner.push(&raw).map_err(failed)?)?;
-                    *stretch = Stretch::Running(conditioner);
+                    let motions = conditioner.push(&raw).map_err(failed)?;
+                    out.hand_out(motions, pushed(lane.as_mut(), &raw).map_err(failed)?)?;
+                    *stretch = Stretch::Running(conditioner, lane.map(Box::new));
                 }
                 Ok(())
             }
-            Stretch::Running(conditioner) => {
+            Stretch::Running(conditioner, lane) => {
                 let raw = joined(self.logs.joints(), std::slice::from_ref(block));
-                out.hand_out(conditioner.push(&raw).map_err(failed)?)
+                let motions = conditioner.push(&raw).map_err(failed)?;
+                out.hand_out(motions, pushed(lane.as_deref_mut(), &raw).map_err(failed)?)
             }
         }
     }
@@ -174,18 +180,31 @@ impl ConditionedLogs {
     fn end(&self, trajectory: usize, rest: Stretch, out: &mut Cutter<'_>) -> Result<(), ReadError> {
         let failed = |source| signals(&self.logs, trajectory, source);
         out.trajectory = trajectory;
-        let motions = match rest {
-            Stretch::Running(conditioner) => conditioner.finish().map_err(failed)?,
+        let (motions, noise) = match rest {
+            Stretch::Running(conditioner, lane) => {
+                let motions = conditioner.finish().map_err(failed)?;
+                (
+                    motions,
+                    lane.map_or_else(|| Ok(Vec::new()), |lane| lane.finish()).map_err(failed)?,
+                )
+            }
             Stretch::Waiting(blocks) => {
                 let raw = joined(self.logs.joints(), &blocks);
-                match condition(&raw, &self.settings) {
+                let motions = match condition(&raw, &self.settings) {
                     Ok(conditioned) => vec![conditioned.motion],
                     Err(error) if error.is_too_short() => return Ok(()),
                     Err(error) => return Err(failed(error).into()),
-                }
+                };
+                let beside = |noise: &RawNoise| -> Result<Vec<Motion>, SignalError> {
+                    let mut lane = noise.lane(Plan::new(&raw, &self.settings)?);
+                    let mut rows = lane.push(&raw)?;
+                    rows.extend(lane.finish()?);
+                    Ok(rows)
+                };
+                (motions, out.noise.map_or_else(|| Ok(Vec::new()), beside).map_err(failed)?)
             }
         };
-        out.hand_out(motions)
+        out.hand_out(motions, noise)
     }
 }
 
@@ -202,7 +221,7 @@ impl Recording for ConditionedLogs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        if !self.visit(None, visit)? {
+        if !self.visit(None, None, &mut |trajectory, motion, _| visit(trajectory, motion))? {
             let cutoff = self.report.cutoff.unwrap_or_default();
             return Err(LogError::NothingLeft { cutoff }.into());
         }
@@ -218,15 +237,38 @@ impl Recording for ConditionedLogs {
         log: usize,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.visit(Some(log), visit).map(drop)
+        self.visit(Some(log), None, &mut |trajectory, motion, _| visit(trajectory, motion))
+            .map(drop)
     }
+
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        seed: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        let noise = RawNoise::of(&self.report, self.settings.derive, seed);
+        self.visit(Some(log), Some(&noise), &mut |trajectory, motion, noise| match noise {
+            Some(noise) => visit(trajectory, motion, noise),
+            None => Ok(()),
+        })?;
+        Ok(true)
+    }
+}
+
+/// Who is shown rows, and noise beside them if it was asked for.
+type Visit<'v> = &'v mut dyn FnMut(usize, &Motion, Option<&Motion>) -> Result<(), ReadError>;
+
+/// Noise for the next rows, if there is to be any.
+fn pushed(lane: Option<&mut NoiseLane>, raw: &Raw) -> Result<Vec<Motion>, SignalError> {
+    lane.map_or_else(|| Ok(Vec::new()), |lane| lane.push(raw))
 }
 
 /// A trajectory on its way through the filter.
 enum Stretch {
     /// Too few rows to plan by so far.
     Waiting(Vec<RawBlock>),
-    Running(Box<Conditioner>),
+    Running(Box<Conditioner>, Option<Box<NoiseLane>>),
 }
 
 /// Cuts motion into blocks.
@@ -234,16 +276,22 @@ struct Cutter<'a> {
     /// The trajectory in hand, as the logs count them.
     trajectory: usize,
     is_empty: bool,
-    visit: &'a mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    /// Noise that is asked for beside the rows.
+    noise: Option<&'a RawNoise>,
+    visit: Visit<'a>,
 }
 
 impl Cutter<'_> {
-    fn hand_out(&mut self, motions: Vec<Motion>) -> Result<(), ReadError> {
+    /// - `noise`: of the same rows, or nothing where none is asked for
+    fn hand_out(&mut self, motions: Vec<Motion>, noise: Vec<Motion>) -> Result<(), ReadError> {
+        let mut noise = noise.into_iter();
         for motion in motions {
+            let noise = noise.next();
             let rows: Vec<usize> = (0..motion.n_rows()).collect();
             for block in rows.chunks(BLOCK_ROWS) {
                 self.is_empty = false;
-                (self.visit)(self.trajectory, &motion.select(block))?;
+                let noise = noise.as_ref().map(|noise| noise.select(block));
+                (self.visit)(self.trajectory, &motion.select(block), noise.as_ref())?;
             }
         }
         Ok(())

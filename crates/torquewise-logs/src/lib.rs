@@ -44,6 +44,7 @@ pub mod source;
 mod gaps;
 pub mod blocks;
 pub mod logs;
+mod raw_noise;
 pub mod conditioned;
 pub mod suggest;
 pub mod units;

@@ -46,6 +46,26 @@ pub trait Recording {
     ) -> Result<(), ReadError> {
         if log == 0 { self.read(visit) } else { Ok(()) }
     }
+
+    /// Reads one of its logs as [`read_log`](Self::read_log) does, each block beside what noise
+    /// like that of the raw samples becomes on its way to the same rows: q, q̇ and q̈ of the second
+    /// motion are that noise alone.
+    ///
+    /// Returns whether it can: false, and nothing is visited, where rows are as they were measured.
+    ///
+    /// - `seed`: of the noise, which depends on the seed and on the log alone
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        seed: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        let _ = (log, seed, visit);
+        Ok(false)
+    }
 }
 
 impl Recording for Motion {
@@ -104,5 +124,21 @@ impl<R: Recording> Recording for [R] {
             own -= recording.n_logs();
         }
         Ok(())
+    }
+
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        seed: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        let mut own = log;
+        for recording in self {
+            if own < recording.n_logs() {
+                return recording.read_log_with_noise(own, seed, visit);
+            }
+            own -= recording.n_logs();
+        }
+        Ok(false)
     }
 }

@@ -81,6 +81,14 @@ impl Plan {
         Ok((plan, even))
     }
 
+    /// The same plan for a part of the signals, such as their noise: what is done to it is what is
+    /// done to that part when the whole is conditioned. Nothing of it is taken for a spike.
+    #[must_use]
+    pub fn for_part(mut self) -> Self {
+        self.base.keep_spikes();
+        self
+    }
+
     /// Cut-off of the low-pass filter \[Hz\], if there is one.
     pub fn cutoff(&self) -> Option<f64> {
         self.cutoff

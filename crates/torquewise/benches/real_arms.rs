@@ -24,7 +24,7 @@ use torquewise::identify::{reconstruct, score};
 use torquewise::logs::{Clock, ConditionedLogs, LogError, Logs, Options, Profile};
 use torquewise::model::Model;
 use torquewise::model::model::Choice;
-use torquewise::motion::{Motion, ReadError, Recording, Signals};
+use torquewise::motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
 use torquewise::signals::{ConditionReport, Conditioning};
 
 /// What is put down of one set.
@@ -86,15 +86,17 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let logs = Logs::open_with(&[data.join(set.log)], &options)?;
     let (conditioned, cutoff) = conditioned(logs)?;
     let motion = whole(&conditioned)?;
+    let noise = noise_of(&conditioned, &motion)?;
     let (train, test) = split(&motion, set.split);
-    let (train, test) = (motion.select(&train), motion.select(&test));
+    let (train, noise, test) = (motion.select(&train), noise.select(&train), motion.select(&test));
 
     let start = Instant::now();
     let options = ChainOptions {
         counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
         ..ChainOptions::default()
     };
-    let mut found = reconstruct(&Filtered(&train), &options.into(), &mut |_| {})?;
+    let recording = Filtered { motion: &train, noise: &noise };
+    let mut found = reconstruct(&recording, &options.into(), &mut |_| {})?;
     found.model.choices.splice(0..0, cutoff);
     let seconds = start.elapsed().as_secs_f64();
     let scores = score(&found.model, &test)?;
@@ -129,12 +131,33 @@ fn conditioned(logs: Logs) -> Result<(ConditionedLogs, Option<Choice>), LogError
     })
 }
 
-/// Rows that went through a filter: their noise is not white.
-struct Filtered<'a>(&'a Motion);
+/// Seed of the noise.
+const SEED: u64 = 1;
+
+/// What noise of the raw samples becomes in the rows of a recording.
+fn noise_of(
+    recording: &ConditionedLogs,
+    motion: &Motion,
+) -> Result<Motion, Box<dyn Error + Send + Sync>> {
+    let mut noise: Vec<Motion> = Vec::new();
+    for log in 0..recording.n_logs() {
+        recording.read_log_with_noise(log, SEED, &mut |_, _, own| {
+            noise.push(own.clone());
+            Ok(())
+        })?;
+    }
+    joined(motion.joints(), &noise)
+}
+
+/// Rows that went through a filter, and what became of their noise there.
+struct Filtered<'a> {
+    motion: &'a Motion,
+    noise: &'a Motion,
+}
 
 impl Recording for Filtered<'_> {
     fn joints(&self) -> &[String] {
-        self.0.joints()
+        self.motion.joints()
     }
 
     fn is_filtered(&self) -> bool {
@@ -145,7 +168,19 @@ impl Recording for Filtered<'_> {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.0.read(visit)
+        self.motion.read(visit)
+    }
+
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        _: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        let rows: Vec<usize> = (0..self.motion.n_rows()).filter(|_| log == 0).collect();
+        let mut blocks = rows.chunks(BLOCK_ROWS);
+        blocks.try_for_each(|b| visit(0, &self.motion.select(b), &self.noise.select(b)))?;
+        Ok(true)
     }
 }
 
@@ -156,10 +191,15 @@ fn whole(recording: &impl Recording) -> Result<Motion, Box<dyn Error + Send + Sy
         blocks.push(block.clone());
         Ok(())
     })?;
+    joined(recording.joints(), &blocks)
+}
+
+/// Blocks as one motion.
+fn joined(joints: &[String], blocks: &[Motion]) -> Result<Motion, Box<dyn Error + Send + Sync>> {
     let place: Vec<(usize, usize)> = (blocks.iter().enumerate())
         .flat_map(|(index, block)| (0..block.n_rows()).map(move |row| (index, row)))
         .collect();
-    let n = recording.joints().len();
+    let n = joints.len();
     let signal = |of: &dyn Fn(&Motion, usize, usize) -> f64| {
         faer::Mat::from_fn(place.len(), n, |row, joint| {
             let (index, row) = place[row];
@@ -167,7 +207,7 @@ fn whole(recording: &impl Recording) -> Result<Motion, Box<dyn Error + Send + Sy
         })
     };
     Ok(Motion::new(Signals {
-        joints: recording.joints().to_vec(),
+        joints: joints.to_vec(),
         t: blocks.iter().flat_map(Motion::t).copied().collect(),
         q: signal(&|block, row, joint| block.q()[(row, joint)]),
         dq: signal(&|block, row, joint| block.dq()[(row, joint)]),

@@ -39,6 +39,8 @@ pub struct Linearisation {
     pub(crate) scales: Vec<f64>,
     /// White noise of the rows that is corrected for.
     pub(crate) noise: NoiseFloor,
+    /// Whether noise of the raw samples that went through the filter is corrected for.
+    pub(crate) raw_noise: bool,
     /// Rows of a block of time.
     pub(crate) block_rows: usize,
     /// Rows of a log that stay together in a fold of cross-validation.
@@ -175,7 +177,9 @@ impl Linearisation {
     }
 }
 
-/// The same motion with q, q̇ and q̈ shifted, m×3n.
+/// The same motion with q, q̇ and q̈ shifted.
+///
+/// - `by`: m×3n
 pub(crate) fn shifted(motion: &Motion, by: &Mat<f64>, sign: f64) -> Result<Motion, IdentifyError> {
     let n = motion.n_joints();
     let signal = |x: faer::MatRef<'_, f64>, first: usize| {

@@ -16,6 +16,8 @@ const AT_ONCE: usize = 64;
 /// A block of time of a log.
 struct Block {
     motion: Motion,
+    /// What noise of the raw samples became in these rows, if that is known.
+    noise: Option<Motion>,
     fold: usize,
     /// Stream of random numbers: the same for the same rows, wherever their log stands.
     stream: u64,
@@ -36,20 +38,36 @@ pub fn add_up(
     for log in 0..recording.n_logs() {
         let mut waiting: Vec<Block> = Vec::new();
         let mut place = LogPlace::default();
-        recording
-            .read_log(log, &mut |_, motion| -> Result<(), ReadError> {
-                place.cut(motion, at, &mut waiting);
-                if waiting.len() >= AT_ONCE {
-                    flush(&mut waiting, &mut sums, at)?;
-                }
-                Ok(())
-            })
-            .map_err(IdentifyError::Read)?;
+        let mut take = |motion: &Motion, noise: Option<&Motion>| -> Result<(), ReadError> {
+            place.cut((motion, noise), at, &mut waiting);
+            if waiting.len() >= AT_ONCE {
+                flush(&mut waiting, &mut sums, at)?;
+            }
+            Ok(())
+        };
+        read(recording, log, at, &mut take).map_err(IdentifyError::Read)?;
         flush(&mut waiting, &mut sums, at)?;
     }
     let mut all = empty();
     sums.iter().try_for_each(|lane| all.merge(lane))?;
     Ok(all)
+}
+
+/// Who is shown rows, and the noise in them if it is asked for and known.
+type Take<'t> = &'t mut dyn FnMut(&Motion, Option<&Motion>) -> Result<(), ReadError>;
+
+/// Reads a log, beside its noise where that is corrected for.
+fn read(
+    recording: &(impl Recording + ?Sized),
+    log: usize,
+    at: &Linearisation,
+    take: Take<'_>,
+) -> Result<(), ReadError> {
+    let mut with_noise = |_: usize, motion: &Motion, noise: &Motion| take(motion, Some(noise));
+    if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
+        return Ok(());
+    }
+    recording.read_log(log, &mut |_, motion| take(motion, None))
 }
 
 /// How far a log was read.
@@ -62,7 +80,12 @@ struct LogPlace {
 
 impl LogPlace {
     /// Cuts what a reader hands over into blocks of time.
-    fn cut(&mut self, motion: &Motion, at: &Linearisation, out: &mut Vec<Block>) {
+    fn cut(
+        &mut self,
+        (motion, noise): (&Motion, Option<&Motion>),
+        at: &Linearisation,
+        out: &mut Vec<Block>,
+    ) {
         let m = motion.n_rows();
         if m == 0 {
             return;
@@ -75,6 +98,7 @@ impl LogPlace {
             let offset = usize::try_from(key % 64).unwrap_or(0);
             out.push(Block {
                 motion: motion.select(&rows),
+                noise: noise.map(|noise| noise.select(&rows)),
                 fold: first / at.fold_rows.max(1) + offset,
                 stream: key.wrapping_add(first as u64),
             });
@@ -112,14 +136,23 @@ fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError>
     let motion = &block.motion;
     let (rows, weights) = at.rows(motion, motion)?;
     let mut sums = BlockSums::new(block.fold, rows.as_ref(), &weights, at.n_joints());
-    if !at.noise.is_none() {
-        let noise = drawn(block, at);
+    let noise = match &block.noise {
+        Some(noise) => Some(side_by_side(noise)),
+        None => (!at.noise.is_none()).then(|| drawn(block, at)),
+    };
+    if let Some(noise) = noise {
         for sign in [1.0, -1.0] {
             let (noisy, _) = at.rows(&shifted(motion, &noise, sign)?, motion)?;
             sums.add_noisy(noisy.as_ref(), 0.5);
         }
     }
     Ok(sums)
+}
+
+/// q, q̇ and q̈ of a motion, m×3n.
+fn side_by_side(motion: &Motion) -> Mat<f64> {
+    let (n, signals) = (motion.n_joints(), [motion.q(), motion.dq(), motion.ddq()]);
+    Mat::from_fn(motion.n_rows(), 3 * n, |row, j| signals[j / n][(row, j % n)])
 }
 
 /// Noise as that of q, q̇ and q̈ is, m×3n.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use tempfile::TempDir;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::{LocalPolynomial, Recording};
-use torquewise_signals::Conditioning;
+use torquewise_signals::{Conditioning, Cutoff};
 
 /// A folder with text files.
 struct Files(TempDir);
@@ -178,4 +178,78 @@ fn the_polynomial_of_missing_derivatives_can_be_chosen() {
         assert!((parabola.dq()[(row, 0)] - 2.0 * row as f64).abs() < 1e-12);
         assert!((parabola.ddq()[(row, 0)] - 2.0).abs() < 1e-12);
     }
+}
+
+/// A joint that swings, with white noise of 1e-3 in its position; no velocities.
+fn noisy_swing(rows: usize) -> String {
+    let mut state = 1_u64;
+    let mut unit = || -> f64 {
+        // Twelve uniform numbers are about normal together.
+        let mut sum = -6.0;
+        for _ in 0..12 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695);
+            sum += (state >> 11) as f64 / (1_u64 << 53) as f64;
+        }
+        sum
+    };
+    let row = |k: usize| {
+        let t = 0.01 * k as f64;
+        format!("{t:?},{:?},{:?}\n", (2.0 * t).sin() + 1e-3 * unit(), t.cos())
+    };
+    format!("t,q1,tau1\n{}", (0..rows).map(row).collect::<String>())
+}
+
+/// Rows of a log, and their noise.
+fn rows_and_noise(logs: &ConditionedLogs, log: usize, seed: u64) -> [Vec<[f64; 4]>; 2] {
+    let mut found = [Vec::new(), Vec::new()];
+    let row = |m: &torquewise_motion::Motion, k: usize| {
+        [m.t()[k], m.q()[(k, 0)], m.dq()[(k, 0)], m.ddq()[(k, 0)]]
+    };
+    let can = logs.read_log_with_noise(log, seed, &mut |_, motion, noise| {
+        for k in 0..motion.n_rows() {
+            found[0].push(row(motion, k));
+            found[1].push(row(noise, k));
+        }
+        Ok(())
+    });
+    assert!(can.unwrap());
+    found
+}
+
+#[test]
+fn noise_of_raw_samples_goes_where_their_rows_go() {
+    let files = Files::new();
+    // Longer than what a plan is made from, and shorter.
+    let long = files.add("a.csv", &noisy_swing(70_000));
+    let short = files.add("b.csv", &noisy_swing(5_000));
+    let open = |paths: &[PathBuf]| {
+        let settings = Conditioning { cutoff: Cutoff::Hz(3.0), ..Conditioning::default() };
+        ConditionedLogs::new(Logs::open(paths).unwrap(), &settings, false).unwrap()
+    };
+    let logs = open(&[long, short.clone()]);
+
+    for log in 0..2 {
+        let [rows, noise] = rows_and_noise(&logs, log, 7);
+        let mut plain = Vec::new();
+        logs.read_log(log, &mut |_, motion| {
+            plain.extend((0..motion.n_rows()).map(|k| [motion.t()[k], motion.ddq()[(k, 0)]]));
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(rows.iter().map(|row| [row[0], row[3]]).collect::<Vec<_>>(), plain);
+        let times = |rows: &[[f64; 4]]| rows.iter().map(|row| row[0].to_bits()).collect::<Vec<_>>();
+        assert_eq!(times(&rows), times(&noise));
+        // The derivatives of the rows err as those of the noise: both went through one filter.
+        let rms = |of: &dyn Fn(usize) -> f64| {
+            ((0..rows.len()).map(|k| of(k).powi(2)).sum::<f64>() / rows.len() as f64).sqrt()
+        };
+        let error = |k: usize| rows[k][3] + 4.0 * (2.0 * rows[k][0]).sin();
+        let [wrong, drawn] = [rms(&error), rms(&|k| noise[k][3])];
+        assert!((0.8..1.25).contains(&(wrong / drawn)), "log {log}: {wrong} and {drawn}");
+    }
+    // The same noise wherever the log stands, another with another seed.
+    let [_, noise] = rows_and_noise(&logs, 1, 7);
+    assert_eq!(rows_and_noise(&open(std::slice::from_ref(&short)), 0, 7)[1].len(), noise.len());
+    assert_ne!(rows_and_noise(&logs, 1, 8)[1], noise);
+    assert_eq!(rows_and_noise(&logs, 1, 7)[1], noise);
 }
