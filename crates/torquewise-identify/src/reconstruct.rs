@@ -97,12 +97,7 @@ fn by_chain(
 ) -> Result<Solution, IdentifyError> {
     let settings = summary.settings();
     let Some(Pass { request, sums }) = summary.pass.as_ref() else {
-        // The noise of filtered rows is not white: it is drawn before the filter.
-        let is_white = options.noise_correction && !settings.filtered;
-        let none = NoiseFloor::none(survey.joints.len());
-        let noise = if is_white { survey.noise.clone() } else { none };
-        let mut request = Request::first(&survey, options, noise, seed, progress)?;
-        request.at.raw_noise = options.noise_correction && settings.filtered;
+        let request = Request::first(&survey, options, settings.filtered, seed, progress)?;
         return Ok(Solution::Request(Box::new(request)));
     };
     progress(Progress::Refit);

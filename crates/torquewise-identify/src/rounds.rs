@@ -84,7 +84,7 @@ impl Request {
     pub(crate) fn first(
         survey: &Survey,
         options: &ChainOptions,
-        noise: NoiseFloor,
+        filtered: bool,
         seed: u64,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, IdentifyError> {
@@ -95,7 +95,7 @@ impl Request {
         progress(Progress::Refit);
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
-        let start = linearised(&learned, &sample, survey, noise, (options.physical, seed))?;
+        let start = linearised(&learned, &sample, survey, options, (filtered, seed))?;
         let at = cut_for(refine(&sample, &start, &sizes)?, survey.rows);
         let passes = Passes::over_all(at, MOST_PASSES);
         let choices = learned.choices;
@@ -179,15 +179,15 @@ fn linearised(
     learned: &Learned,
     sample: &torquewise_motion::Motion,
     survey: &Survey,
-    noise: NoiseFloor,
-    (physical, seed): (bool, u64),
+    options: &ChainOptions,
+    (filtered, seed): (bool, u64),
 ) -> Result<Linearisation, IdentifyError> {
     let Learned { chain, recipe, laws, .. } = learned;
     let rest = if recipe.rubs() { AT_REST } else { 0.0 };
     let structure = Structure {
         drive: recipe.beside.clone(),
         free: recipe.free.clone(),
-        physical,
+        physical: options.physical,
         pull: recipe.search.pull,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
@@ -196,14 +196,20 @@ fn linearised(
         .iter()
         .zip(&survey.torque_std)
         .map(|(rms, torque)| 1.0 / rms.max(1e-4 * if *torque > 0.0 { *torque } else { 1.0 }));
+    // The noise of filtered rows is not white: it is drawn before the filter.
+    let white = if options.noise_correction && !filtered {
+        survey.noise.clone()
+    } else {
+        NoiseFloor::none(survey.joints.len())
+    };
     let at = Linearisation {
         geometry: chain.geometry.parameters().to_vec(),
         linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
         weights: weights.collect(),
         scales: Vec::new(),
         structure,
-        noise,
-        raw_noise: false,
+        noise: white,
+        raw_noise: options.noise_correction && filtered,
         block_rows: BLOCK_ROWS[0],
         fold_rows: 1,
         seed,
