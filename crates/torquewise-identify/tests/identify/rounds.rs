@@ -6,7 +6,9 @@ use faer::Mat;
 use faer::prelude::SolveLstsq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::sync::LazyLock;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
@@ -16,11 +18,13 @@ use torquewise_identify::summary::summarise_again;
 use torquewise_identify::{
     IdentifyError, Plan, Reconstruction, Summary, reconstruct, score, solve, summarise,
 };
+use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::checks::driving_friction;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::term::{Factor, Trig};
 use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, to_json};
 use torquewise_motion::Motion;
+use torquewise_signals::Conditioning;
 
 /// A normal variable is within this many standard deviations in 90 of 100 cases.
 const NINETY_PERCENT: f64 = 1.645;
@@ -51,7 +55,11 @@ fn sines() -> MotionPlan {
 /// Sines of the arm with friction, and the noise of a case in q, q̇ and q̈.
 fn log(seconds: f64, seed: u64, case: u8) -> Motion {
     let plan = MotionPlan { seconds, seed, ..sines() };
-    let clean = simulate(&arm(), &plan).unwrap().motion;
+    let log = with_friction(simulate(&arm(), &plan).unwrap().motion);
+    add_noise(&log, &Noise::case(case).unwrap(), seed).unwrap()
+}
+
+fn with_friction(clean: Motion) -> Motion {
     let friction = friction(&clean);
     let mut signals = clean.into_signals();
     let (dq, tau) = (&signals.dq, signals.tau.as_mut().unwrap());
@@ -62,7 +70,7 @@ fn log(seconds: f64, seed: u64, case: u8) -> Motion {
                 friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum::<f64>();
         }
     }
-    add_noise(&Motion::new(signals).unwrap(), &Noise::case(case).unwrap(), seed).unwrap()
+    Motion::new(signals).unwrap()
 }
 
 fn plan() -> Plan {
@@ -165,17 +173,47 @@ fn deviations(model: &Model) -> Vec<(String, f64)> {
     energies.chain(friction).collect()
 }
 
-#[test]
-fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases() {
+/// Positions and torque of a log of the arm with friction, both noisy, as a file has them: rows are
+/// derived from them and filtered.
+fn fit_filtered(seed: u64) -> Reconstruction {
+    let plan = MotionPlan { seed, rate: 250.0, ..sines() };
+    let clean = simulate(&arm(), &plan).unwrap().motion;
+    let torque = with_friction(clean.clone());
+    let q = add_noise(&clean, &Noise::from_db(70.0, f64::INFINITY, f64::INFINITY).unwrap(), seed);
+    let (q, tau) = (q.unwrap(), torque.tau().unwrap());
+    let mut random = ChaCha8Rng::seed_from_u64(1_000 + seed);
+    let mut text = String::from("t,q1,q2,q3,tau1,tau2,tau3\n");
+    for row in 0..clean.n_rows() {
+        let q = (0..3).map(|joint| q.q()[(row, joint)]);
+        let spread = [0.5, 2.0, 0.5];
+        let noise = spread.map(|spread| {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            spread * unit
+        });
+        let tau = (0..3).map(|joint| tau[(row, joint)] + noise[joint]);
+        let values: Vec<String> =
+            std::iter::once(clean.t()[row]).chain(q).chain(tau).map(|x| format!("{x:?}")).collect();
+        writeln!(text, "{}", values.join(",")).unwrap();
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, text).unwrap();
+    let logs = Logs::open(&[path]).unwrap();
+    let rows = ConditionedLogs::new(logs, &Conditioning::default(), false).unwrap();
+    eprintln!("cut-off {:?}", rows.report().cutoff);
+    reconstruct(&rows, &self::plan(), &mut |_| {}).unwrap()
+}
+
+/// Counts how many intervals of 90 % hold the truth, over many logs: of energy terms, of friction.
+fn intervals_that_hold(fit: impl Fn(u64) -> Reconstruction) -> [(f64, u64); 2] {
+    let models: Vec<Model> = (1..=LOGS).map(|seed| fit(seed).model).collect();
     let mut all: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for seed in 1..=LOGS {
-        let model = fit(&log(60.0, seed, 2)).model;
+    for model in &models {
         assert!(model.chain.as_ref().unwrap().is_feasible());
-        for (name, x) in deviations(&model) {
+        for (name, x) in deviations(model) {
             all.entry(name).or_default().push(x);
         }
     }
-
     let holds = |x: &&f64| x.abs() <= NINETY_PERCENT;
     for (name, x) in &all {
         let rms = (x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64).sqrt();
@@ -183,13 +221,31 @@ fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases
         eprintln!("{name}: {held} of {}, errors of {rms:.2} standard errors", x.len());
     }
     let (energy, friction): (Vec<_>, Vec<_>) = all.iter().partition(|(name, _)| name.contains(':'));
-    for (what, part, least) in [("M and V", energy, 15 * LOGS), ("friction", friction, 9 * LOGS)] {
+    [("M and V", energy), ("friction", friction)].map(|(what, part)| {
         let x: Vec<f64> = part.iter().flat_map(|(_, x)| x.iter().copied()).collect();
         let share = x.iter().filter(holds).count() as f64 / x.len() as f64;
         eprintln!("{what}: {share:.3} of {} intervals", x.len());
-        assert!(x.len() as u64 >= least, "{what}: {} intervals", x.len());
-        assert!((0.8..=0.98).contains(&share), "{what}: {share} of {}", x.len());
-    }
+        (share, x.len() as u64)
+    })
+}
+
+#[test]
+fn intervals_of_ninety_percent_hold_the_truth_in_about_ninety_of_a_hundred_cases() {
+    let [(energy, terms), (friction, laws)] = intervals_that_hold(|seed| fit(&log(60.0, seed, 2)));
+
+    assert!(terms >= 15 * LOGS && laws >= 9 * LOGS, "{terms} terms, {laws} laws");
+    assert!((0.8..=0.98).contains(&energy), "M and V: {energy}");
+    assert!((0.8..=0.98).contains(&friction), "friction: {friction}");
+}
+
+/// Dry friction is left out of the count: a filter rounds the corners of its sign, and so the
+/// intervals of dry and viscous friction do not hold the truth.
+#[test]
+fn intervals_of_filtered_rows_hold_the_truth_of_the_links_as_often() {
+    let [(energy, terms), _] = intervals_that_hold(fit_filtered);
+
+    assert!(terms >= 12 * LOGS, "{terms} terms");
+    assert!((0.8..=0.98).contains(&energy), "M and V: {energy}");
 }
 
 /// RMS error of what moves the links of a model over its size, on a motion without noise.
