@@ -15,7 +15,7 @@ Every file with its first line, crates and modules in reading order. Written by 
 /// Crates from the bottom layer up; a crate not named here comes last.
 const CRATES: [&str; 14] = [
     "torquewise-motion",
-    "torquewise-sparse",
+    "torquewise-regression",
     "torquewise-model",
     "torquewise-dynamics",
     "torquewise-signals",

@@ -11,7 +11,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
-use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_regression::samples::{Evaluator, Samples};
 
 /// Columns at most: a factorisation takes about a second then.
 const MOST_COLUMNS: usize = 3_000;

@@ -6,9 +6,9 @@ use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
-use torquewise_sparse::accumulate::{Lanes, Prepared, Route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::accumulate::{Lanes, Prepared, Route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::samples::Samples;
 
 const ROWS: usize = 60_000;
 const RATE: f64 = 250.0;

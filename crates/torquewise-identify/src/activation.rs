@@ -3,7 +3,7 @@
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
-use torquewise_sparse::kmeans::{KMeans, kmeans};
+use torquewise_regression::kmeans::{KMeans, kmeans};
 
 /// Which constants the index uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,9 +3,9 @@
 use crate::factor::{Factor, Kept};
 use crate::step::{residual_energy, response_place};
 use faer::Mat;
-use torquewise_sparse::SparseError;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::problem::Problem;
+use torquewise_regression::SparseError;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
 
 /// Where least squares leaves less than this part of the torque, squared, normal equations cannot
 /// say how much less: they keep about 13 digits.

@@ -6,8 +6,8 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::{Degree, energy_library, product_library};
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
-use torquewise_sparse::atom::{Atom, Monomial, Phase, Wave};
-use torquewise_sparse::design::{Column, Design};
+use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
+use torquewise_regression::design::{Column, Design};
 
 /// What is offered, in the order of the columns.
 #[derive(Clone, Debug)]

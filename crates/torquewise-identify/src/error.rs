@@ -3,7 +3,7 @@
 
 use torquewise_model::ModelError;
 use torquewise_motion::{MotionError, ReadError};
-use torquewise_sparse::SparseError;
+use torquewise_regression::SparseError;
 
 /// Why no model could be made or scored.
 #[derive(Debug, thiserror::Error)]

@@ -3,8 +3,8 @@
 use crate::candidates::Candidates;
 use crate::patterns::place_of;
 use torquewise_motion::Pattern;
-use torquewise_sparse::accumulate::Route;
-use torquewise_sparse::gram::Gram;
+use torquewise_regression::accumulate::Route;
+use torquewise_regression::gram::Gram;
 
 /// One regression: the rows of a pattern, or all, and the candidates they are asked for.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,11 +8,11 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::FrictionTerm;
-use torquewise_sparse::SparseError;
-use torquewise_sparse::accumulate::Accumulate;
-use torquewise_sparse::gram::add_gram;
-use torquewise_sparse::samples::{Evaluator, Samples};
-use torquewise_sparse::triangle::Triangle;
+use torquewise_regression::SparseError;
+use torquewise_regression::accumulate::Accumulate;
+use torquewise_regression::gram::add_gram;
+use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::triangle::Triangle;
 
 /// The terms of one group to be fitted together.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@ use crate::patterns::Patterns;
 use crate::survey::Survey;
 use crate::warning::Warning;
 use torquewise_model::Model;
-use torquewise_sparse::accumulate::Route;
+use torquewise_regression::accumulate::Route;
 
 /// What was found, and how.
 #[derive(Clone, Debug)]

@@ -12,10 +12,10 @@ use serde::Serialize;
 use torquewise_model::library::{Degree, energy_library, product_library};
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
-use torquewise_sparse::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
-use torquewise_sparse::design::Design;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::problem::Problem;
+use torquewise_regression::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
+use torquewise_regression::design::Design;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,7 +15,7 @@ use std::cmp::Ordering;
 use std::ops::Range;
 use torquewise_model::model::{Overlooked, Unused};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
-use torquewise_sparse::screen::{Gain, Screen};
+use torquewise_regression::screen::{Gain, Screen};
 
 /// Terms of the energy library at most: all of them up to seven joints.
 const MOST_TRIED: usize = 60_000;

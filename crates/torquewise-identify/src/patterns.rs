@@ -5,8 +5,8 @@ use crate::error::IdentifyError;
 use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_sparse::elbow::elbow;
-use torquewise_sparse::kmeans::{KMeans, kmeans};
+use torquewise_regression::elbow::elbow;
+use torquewise_regression::kmeans::{KMeans, kmeans};
 
 /// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 9;

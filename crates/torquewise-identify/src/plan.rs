@@ -2,9 +2,9 @@
 
 use crate::patterns::PatternPlan;
 use serde::{Deserialize, Serialize};
-use torquewise_sparse::select::Selector;
-use torquewise_sparse::select::criterion::Criterion;
-use torquewise_sparse::select::stlsq::Stlsq;
+use torquewise_regression::select::Selector;
+use torquewise_regression::select::criterion::Criterion;
+use torquewise_regression::select::stlsq::Stlsq;
 
 /// Which candidates are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -9,9 +9,9 @@ use crate::found::{Progress, Reconstruction, StepReport};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{ChainOptions, LibraryOptions, Method, Plan, Regression};
-use crate::score::score;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::rounds::{Request, Round};
+use crate::score::score;
 use crate::settings::Basis;
 use crate::settle::{Settled, settle};
 use crate::step;
@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
-use torquewise_sparse::select::Selector;
+use torquewise_regression::select::Selector;
 
 /// What solving came to.
 #[derive(Debug)]

@@ -14,12 +14,12 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{Motion, Recording};
-use torquewise_sparse::SparseError;
-use torquewise_sparse::accumulate::{Accumulate, Lanes};
-use torquewise_sparse::elimination::{Equations, Estimate};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::samples::Evaluator;
-use torquewise_sparse::triangle::Triangle;
+use torquewise_regression::SparseError;
+use torquewise_regression::accumulate::{Accumulate, Lanes};
+use torquewise_regression::elimination::{Equations, Estimate};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::samples::Evaluator;
+use torquewise_regression::triangle::Triangle;
 
 /// A term of the final fit.
 #[derive(Clone, Copy, Debug, PartialEq)]

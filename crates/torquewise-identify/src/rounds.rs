@@ -25,9 +25,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, Overlooked};
 use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Weighted};
+use torquewise_regression::accumulate::Route;
+use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_sparse::accumulate::Route;
-use torquewise_sparse::normal_sums::{FOLDS, NormalSums};
 
 /// Terms beyond those of a chain at most.
 const MOST_FURTHER: usize = 12;
@@ -97,11 +97,8 @@ impl Request {
         progress(Progress::Overlooked);
         let Tried { certificate, warning, .. } = complete(&mut learned, survey, options.friction)?;
         progress(Progress::Refit);
-        let sizes = Sizes {
-            mass: 1.0,
-            torque: survey.torque_std.clone(),
-            speed: survey.dq_peak.clone(),
-        };
+        let sizes =
+            Sizes { mass: 1.0, torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, survey, noise, (options.physical, seed))?;
         let solved = refine(&sample, start, &sizes, SAMPLE_PASSES)?;
@@ -199,9 +196,11 @@ fn linearised(
         pull: recipe.search.pull,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
-    let weights = chain.residual_rms.iter().zip(&survey.torque_std).map(|(rms, torque)| {
-        1.0 / rms.max(1e-6 * if *torque > 0.0 { *torque } else { 1.0 })
-    });
+    let weights = chain
+        .residual_rms
+        .iter()
+        .zip(&survey.torque_std)
+        .map(|(rms, torque)| 1.0 / rms.max(1e-6 * if *torque > 0.0 { *torque } else { 1.0 }));
     let at = Linearisation {
         geometry: chain.geometry.parameters().to_vec(),
         linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
@@ -355,9 +354,8 @@ fn equations(
     let draws = draws.into_par_iter().map(|chain| Ok(in_basis(energies(&chain)?)));
     let draws = draws.collect::<Result<Vec<Energies>, IdentifyError>>()?;
     let terms = kept.into_iter().map(|(term, coefficient)| {
-        let change = |draw: &Energies| {
-            (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE
-        };
+        let change =
+            |draw: &Energies| (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE;
         let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
         let std_error = (square / draws.len().max(1) as f64).sqrt();
         Weighted { term, coefficient, std_error, inclusion: None }
@@ -376,7 +374,7 @@ fn draws(
     let p = covariance.nrows();
     let eigen = covariance
         .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| torquewise_sparse::SparseError::NotSolvable)?;
+        .map_err(|_| torquewise_regression::SparseError::NotSolvable)?;
     let deviations: Vec<f64> =
         eigen.S().column_vector().iter().map(|value| value.max(0.0).sqrt()).collect();
     let known = chain.parameters(friction);

@@ -4,7 +4,7 @@ use faer::Mat;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{BLOCK_ROWS, Motion, MotionError};
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::samples::Samples;
 
 /// The rows of a motion in the words of a regression.
 ///

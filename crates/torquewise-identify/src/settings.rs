@@ -11,9 +11,9 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Pattern, Recording};
-use torquewise_sparse::accumulate::{Prepared, Route, cheaper_route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::row_sums::RowSums;
+use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::row_sums::RowSums;
 
 /// What logs are summed under. Summaries made under different settings do not add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -12,9 +12,9 @@ use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_sparse::accumulate::{Accumulate, GramSum, Prepared, cheaper_route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::select::Selector;
+use torquewise_regression::accumulate::{Accumulate, GramSum, Prepared, cheaper_route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::select::Selector;
 
 /// What a plan leaves open, settled.
 #[derive(Clone, Debug)]
@@ -299,7 +299,7 @@ impl<'a> School<'a> {
                     })
                     .collect::<Vec<f64>>())
             })
-            .collect::<Result<Vec<_>, torquewise_sparse::SparseError>>()?
+            .collect::<Result<Vec<_>, torquewise_regression::SparseError>>()?
             .concat();
         Ok((errors.iter().sum::<f64>() / errors.len().max(1) as f64).exp())
     }
@@ -318,6 +318,6 @@ impl<'a> School<'a> {
             }
         }
         let rows = grams.first().map_or(0, |gram| gram.rows);
-        Ok(Evidence { grams, route: torquewise_sparse::accumulate::Route::Direct, rows })
+        Ok(Evidence { grams, route: torquewise_regression::accumulate::Route::Direct, rows })
     }
 }

@@ -2,10 +2,10 @@
 
 use crate::factor::Fit;
 use faer::Mat;
-use torquewise_sparse::SparseError;
-use torquewise_sparse::accumulate::Accumulate;
-use torquewise_sparse::gram::add_gram;
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::SparseError;
+use torquewise_regression::accumulate::Accumulate;
+use torquewise_regression::gram::add_gram;
+use torquewise_regression::samples::Samples;
 
 /// Residuals of a fit, and the spread of its scores: rows of all equations at one instant share the
 /// noise of that instant, so they count as one.

@@ -3,10 +3,10 @@
 use crate::candidates::Group;
 use crate::evidence::{Evidence, Step};
 use faer::Mat;
-use torquewise_sparse::SparseError;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::select::Selector;
+use torquewise_regression::SparseError;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
+use torquewise_regression::select::Selector;
 
 /// Rounds of weighing the joints by what the round before left unexplained.
 const ROUNDS: usize = 2;

@@ -16,10 +16,10 @@ use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Motion, Pattern, ReadError, Recording};
-use torquewise_sparse::SparseError;
-use torquewise_sparse::normal_sums::NormalSums;
-use torquewise_sparse::row_sums::{RowAdder, RowSums};
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::SparseError;
+use torquewise_regression::normal_sums::NormalSums;
+use torquewise_regression::row_sums::{RowAdder, RowSums};
+use torquewise_regression::samples::Samples;
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
 ///

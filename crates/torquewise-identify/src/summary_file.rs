@@ -7,7 +7,7 @@ use crate::summary::{Pass, Summary};
 use crate::survey::SurveySum;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use torquewise_sparse::row_sums::RowSums;
+use torquewise_regression::row_sums::RowSums;
 
 /// First bytes of a file.
 const MAGIC: &[u8; 8] = b"twmoment";
@@ -84,10 +84,7 @@ impl Summary {
 }
 
 /// The bytes of a file: what it begins with, version, length, checksum, and what it holds.
-pub(crate) fn framed(
-    magic: &[u8; 8],
-    holds: &impl Serialize,
-) -> Result<Vec<u8>, IdentifyError> {
+pub(crate) fn framed(magic: &[u8; 8], holds: &impl Serialize) -> Result<Vec<u8>, IdentifyError> {
     let body = postcard::to_stdvec(holds).map_err(|error| damaged(&error.to_string()))?;
     let mut bytes = Vec::with_capacity(HEADER_BYTES + body.len());
     bytes.extend(magic);

@@ -7,8 +7,8 @@ use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::Training;
 use torquewise_motion::{Motion, Recording, Signals};
-use torquewise_sparse::SparseError;
-use torquewise_sparse::exact::ExactSums;
+use torquewise_regression::SparseError;
+use torquewise_regression::exact::ExactSums;
 
 /// What one pass over a log tells.
 #[derive(Clone, Debug)]

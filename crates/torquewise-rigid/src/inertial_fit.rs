@@ -7,7 +7,7 @@ use crate::rows::Rows;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Accum, Mat, MatRef, Par, Side};
-use torquewise_sparse::gram::add_gram_of_equations;
+use torquewise_regression::gram::add_gram_of_equations;
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]

@@ -23,6 +23,6 @@ pub use torquewise_identify as identify;
 pub use torquewise_logs as logs;
 pub use torquewise_model as model;
 pub use torquewise_motion as motion;
+pub use torquewise_regression as regression;
 pub use torquewise_report as report;
 pub use torquewise_signals as signals;
-pub use torquewise_sparse as sparse;

@@ -20,7 +20,7 @@ const fn layer(
 }
 
 const MOTION: &str = "torquewise-motion";
-const SPARSE: &str = "torquewise-sparse";
+const REGRESSION: &str = "torquewise-regression";
 const MODEL: &str = "torquewise-model";
 const RIGID: &str = "torquewise-rigid";
 const DYNAMICS: &str = "torquewise-dynamics";
@@ -37,27 +37,27 @@ const FRONT_DOOR: &str = "torquewise";
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
 const LAYERS: [Layer; 16] = [
     layer(MOTION, &[], &[]),
-    layer(SPARSE, &[], &[]),
-    layer(RIGID, &[SPARSE], &[MOTION, MODEL, DYNAMICS]),
+    layer(REGRESSION, &[], &[]),
+    layer(RIGID, &[REGRESSION], &[MOTION, MODEL, DYNAMICS]),
     layer(MODEL, &[MOTION, RIGID], &[DYNAMICS]),
     layer(DYNAMICS, &[MOTION], &[]),
     layer(SIGNALS, &[MOTION], &[DYNAMICS]),
     layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, SPARSE, MODEL, RIGID], &[DYNAMICS]),
+    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
-    layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
+    layer(EXCITE, &[MOTION, REGRESSION, MODEL, DYNAMICS, IDENTIFY], &[]),
     layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
     layer(
         EXPERIMENTS,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, IDENTIFY, REPORT, EXCITE, CONTROL],
+        &[MOTION, REGRESSION, MODEL, DYNAMICS, SIGNALS, IDENTIFY, REPORT, EXCITE, CONTROL],
         &[],
     ),
     layer(
         FRONT_DOOR,
         &[
             MOTION,
-            SPARSE,
+            REGRESSION,
             MODEL,
             DYNAMICS,
             SIGNALS,
@@ -124,7 +124,7 @@ mod tests {
     fn messages(name: &str, manifest: &str) -> Vec<String> {
         let others = [
             MOTION,
-            SPARSE,
+            REGRESSION,
             MODEL,
             RIGID,
             DYNAMICS,
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn crates_of_others_are_free() {
-        assert_eq!(messages(SPARSE, "[dependencies]\nfaer.workspace = true"), [""; 0]);
+        assert_eq!(messages(REGRESSION, "[dependencies]\nfaer.workspace = true"), [""; 0]);
     }
 
     #[test]

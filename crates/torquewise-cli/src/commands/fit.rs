@@ -22,8 +22,8 @@ use torquewise::logs::Logs;
 use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
+use torquewise::regression::accumulate::Route;
 use torquewise::report::{Findings, fit_report};
-use torquewise::sparse::accumulate::Route;
 
 /// Reconstruct the equations of motion from logs
 #[derive(Args, Debug)]
@@ -142,7 +142,8 @@ fn open(arguments: &Arguments) -> Result<Opened> {
     let plan = arguments.plan.plan(arguments.method.regression(), known)?;
     let (logs, cutoff) = arguments.signals.prepare_to_fit(logs)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
-    let test = test.map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?)).transpose()?;
+    let test =
+        test.map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?)).transpose()?;
     if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());

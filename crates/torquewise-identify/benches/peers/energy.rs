@@ -9,8 +9,8 @@ use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Training, Weighted, to_json};
 use torquewise_motion::Motion;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::select::lasso::{Lasso, lasso_path};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::select::lasso::{Lasso, lasso_path};
 
 const ROWS: usize = 20_000;
 /// Of six joints: what 9 947 candidates leave a peer memory for.

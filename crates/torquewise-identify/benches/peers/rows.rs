@@ -6,7 +6,7 @@ use std::path::Path;
 use torquewise_identify::LibraryKind;
 use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
-use torquewise_sparse::select::stlsq::Stlsq;
+use torquewise_regression::select::stlsq::Stlsq;
 
 /// Rows of the log, which larger numbers of rows go through again and again.
 const ROWS: usize = 10_000;

@@ -10,11 +10,11 @@ use torquewise_identify::candidates::{Candidates, Terms};
 use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
-use torquewise_sparse::accumulate::{Prepared, cheaper_route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::row_sums::RowAdder;
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::accumulate::{Prepared, cheaper_route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
+use torquewise_regression::row_sums::RowAdder;
+use torquewise_regression::samples::Samples;
 
 /// Joints of the arm of all tasks but one.
 pub(crate) const N: usize = 3;

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_sparse::normal_sums::{BlockSums, NormalSums};
+use torquewise_regression::normal_sums::{BlockSums, NormalSums};
 
 /// Blocks of time that are read before they are summed, side by side.
 const AT_ONCE: usize = 64;
@@ -127,8 +127,7 @@ fn drawn(block: &Block, at: &Linearisation) -> Mat<f64> {
     let mut random = ChaCha8Rng::seed_from_u64(at.seed);
     random.set_stream(block.stream);
     let noise = &at.noise;
-    let deviations: Vec<f64> =
-        noise.q.iter().chain(&noise.dq).chain(&noise.ddq).copied().collect();
+    let deviations: Vec<f64> = noise.q.iter().chain(&noise.dq).chain(&noise.ddq).copied().collect();
     let mut out = Mat::zeros(block.motion.n_rows(), deviations.len());
     for (j, &sigma) in deviations.iter().enumerate() {
         for value in out.col_as_slice_mut(j) {

@@ -10,10 +10,10 @@ use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, PriceOfPhysics};
 use torquewise_motion::Recording;
+use torquewise_regression::normal_sums::{FOLDS, NormalSums, corrected};
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
-use torquewise_sparse::normal_sums::{FOLDS, NormalSums, corrected};
 
 /// The choice of the prior's strength, as the model file has it.
 pub(crate) const STRENGTH: &str = "strength of the physical prior";
@@ -306,11 +306,9 @@ impl<'a> Step<'a> {
             return Ok(Vec::new());
         }
         let equations = self.equations(active, best.pull);
-        let factor =
-            curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
-        let across = Mat::from_fn(active.len(), held.len(), |i, j| {
-            self.all.hessian[(active[i], held[j])]
-        });
+        let factor = curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
+        let across =
+            Mat::from_fn(active.len(), held.len(), |i, j| self.all.hessian[(active[i], held[j])]);
         let followed = factor.solve_matrix(&across);
         let x = self.whole(active, &best.solution);
         let product = &self.all.hessian * ColRef::from_slice(&x);
@@ -325,9 +323,7 @@ impl<'a> Step<'a> {
         let is_pulled = |&j: &usize| {
             // The score of a held parameter once the others have followed.
             let weights: Vec<f64> = (0..indices.len())
-                .map(|i| {
-                    if i < a { -followed[(i, j)] } else { f64::from(u8::from(i == a + j)) }
-                })
+                .map(|i| if i < a { -followed[(i, j)] } else { f64::from(u8::from(i == a + j)) })
                 .collect();
             let own = self.all.right[held[j]] - product[held[j]];
             let score: f64 = own + (0..a).map(|i| weights[i] * slope[i]).sum::<f64>();
@@ -349,8 +345,7 @@ impl<'a> Step<'a> {
         let residual = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
         let price = PriceOfPhysics { residual, held_out: self.held_out_price(active, &best)? };
 
-        let factor =
-            curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
+        let factor = curvature(equations.quadratic(), &self.prior, best.strength, &best.solution)?;
         let mut middle = self.scores(active);
         // The prior is as uncertain as it is weak.
         let mut unused = vec![0.0; active.len()];
@@ -428,16 +423,11 @@ fn mass_of(gram: &Mat<f64>, at: &Linearisation) -> Result<f64, IdentifyError> {
 }
 
 impl Equations {
-    fn new(
-        gram: &Mat<f64>,
-        bias: &Mat<f64>,
-        at: &Linearisation,
-    ) -> Result<Self, IdentifyError> {
+    fn new(gram: &Mat<f64>, bias: &Mat<f64>, at: &Linearisation) -> Result<Self, IdentifyError> {
         let p = at.n_parameters();
         let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
         let corrected = corrected(&part(gram), &part(bias))?;
-        let hessian =
-            Mat::from_fn(p, p, |i, j| corrected[(i, j)] / (at.scales[i] * at.scales[j]));
+        let hessian = Mat::from_fn(p, p, |i, j| corrected[(i, j)] / (at.scales[i] * at.scales[j]));
         let known = &hessian * ColRef::from_slice(&at.parameters());
         let right =
             (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
@@ -457,7 +447,8 @@ impl Equations {
             right: active.iter().map(|&k| self.right[k] - known[k]).collect(),
         };
         let linear = at.linear.len();
-        let anchor = Geometry::new(&at.geometry).map_or_else(|_| Vec::new(), |g| right_angles_near(&g));
+        let anchor =
+            Geometry::new(&at.geometry).map_or_else(|_| Vec::new(), |g| right_angles_near(&g));
         for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
             let stiffness = pull * pull_stiffness(at.structure.pull, k - linear);
             own.hessian[(place, place)] += stiffness;

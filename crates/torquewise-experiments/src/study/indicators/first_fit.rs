@@ -11,8 +11,8 @@ use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::model::Choice;
 use torquewise_model::{Form, Model, Weighted};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_sparse::samples::Samples;
-use torquewise_sparse::select::criterion::Criterion;
+use torquewise_regression::samples::Samples;
+use torquewise_regression::select::criterion::Criterion;
 
 /// A log with its stepwise reconstruction, ready to be regressed again with other weights.
 pub(super) struct FirstFit {

@@ -8,9 +8,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::candidates::Group;
-use torquewise_sparse::elimination::{Equations, Estimate};
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_regression::elimination::{Equations, Estimate};
+use torquewise_regression::problem::Problem;
+use torquewise_regression::samples::{Evaluator, Samples};
 
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
 const PRECISION: f64 = 1e-11;

@@ -5,9 +5,9 @@ use crate::study::indicators::first_fit::FirstFit;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par};
 use torquewise_identify::candidates::Group;
-use torquewise_sparse::problem::{Problem, Selection};
-use torquewise_sparse::samples::{Evaluator, Samples};
-use torquewise_sparse::select::Selector;
+use torquewise_regression::problem::{Problem, Selection};
+use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::select::Selector;
 
 /// Rows evaluated at a time.
 const BLOCK_ROWS: usize = 2_048;

@@ -3,8 +3,8 @@
 use crate::planted;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
-use torquewise_sparse::elimination::{Equations, Estimate};
-use torquewise_sparse::error::SparseError;
+use torquewise_regression::elimination::{Equations, Estimate};
+use torquewise_regression::error::SparseError;
 
 /// Noise uniform within ±0.1.
 const NOISE: f64 = 0.1;

@@ -3,9 +3,9 @@
 use crate::planted::{self, Rows};
 use faer::Mat;
 use proptest::prelude::*;
-use torquewise_sparse::error::SparseError;
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::select::lasso::{Choice, Lasso, lasso_path};
+use torquewise_regression::error::SparseError;
+use torquewise_regression::problem::Problem;
+use torquewise_regression::select::lasso::{Choice, Lasso, lasso_path};
 
 const EXACT: Lasso = Lasso {
     path: 30,

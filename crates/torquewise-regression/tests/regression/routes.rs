@@ -4,10 +4,12 @@ use crate::random_design::{RandomDesign, any_design, samples};
 use faer::Mat;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
-use torquewise_sparse::accumulate::{Accumulate, GramSum, Lanes, Prepared, Route, cheaper_route};
-use torquewise_sparse::error::SparseError;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_regression::accumulate::{
+    Accumulate, GramSum, Lanes, Prepared, Route, cheaper_route,
+};
+use torquewise_regression::error::SparseError;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::samples::{Evaluator, Samples};
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 

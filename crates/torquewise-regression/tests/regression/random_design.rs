@@ -4,9 +4,9 @@ use faer::Mat;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_sparse::atom::{Atom, Monomial, Phase, Wave};
-use torquewise_sparse::design::{Column, Design};
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
+use torquewise_regression::design::{Column, Design};
+use torquewise_regression::samples::Samples;
 
 /// weight · cos or sin (k·θ) · x^α, k of any sign.
 #[derive(Clone, Debug)]

@@ -3,8 +3,8 @@
 use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
-use torquewise_sparse::error::SparseError;
-use torquewise_sparse::problem::Problem;
+use torquewise_regression::error::SparseError;
+use torquewise_regression::problem::Problem;
 
 /// Σ (y − X c)².
 fn residual_energy(rows: &planted::Rows, coefficients: &[f64]) -> f64 {

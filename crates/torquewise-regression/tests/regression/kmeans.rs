@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_sparse::elbow::{elbow, inertias};
-use torquewise_sparse::error::SparseError;
-use torquewise_sparse::kmeans::{Clustering, KMeans, kmeans};
+use torquewise_regression::elbow::{elbow, inertias};
+use torquewise_regression::error::SparseError;
+use torquewise_regression::kmeans::{Clustering, KMeans, kmeans};
 
 /// Normal enough: the sum of twelve uniform numbers, variance 1.
 fn normal(rng: &mut ChaCha8Rng) -> f64 {

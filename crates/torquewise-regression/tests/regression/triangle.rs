@@ -4,8 +4,8 @@ use faer::Mat;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_sparse::error::SparseError;
-use torquewise_sparse::triangle::Triangle;
+use torquewise_regression::error::SparseError;
+use torquewise_regression::triangle::Triangle;
 
 fn random(seed: u64, rows: usize, columns: usize) -> Mat<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);

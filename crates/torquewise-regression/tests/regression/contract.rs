@@ -3,11 +3,11 @@
 use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
-use torquewise_sparse::error::SparseError;
-use torquewise_sparse::problem::{Problem, Selection};
-use torquewise_sparse::select::criterion::Criterion;
-use torquewise_sparse::select::lasso::Lasso;
-use torquewise_sparse::select::stlsq::Stlsq;
+use torquewise_regression::error::SparseError;
+use torquewise_regression::problem::{Problem, Selection};
+use torquewise_regression::select::criterion::Criterion;
+use torquewise_regression::select::lasso::Lasso;
+use torquewise_regression::select::stlsq::Stlsq;
 
 struct Selector {
     name: &'static str,

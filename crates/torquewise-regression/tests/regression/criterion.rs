@@ -1,8 +1,8 @@
 //! The information criterion against planted truths.
 
 use crate::planted;
-use torquewise_sparse::problem::Selection;
-use torquewise_sparse::select::criterion::Criterion;
+use torquewise_regression::problem::Selection;
+use torquewise_regression::select::criterion::Criterion;
 
 fn select(rows: &planted::Rows) -> Selection {
     Criterion::default().select(&rows.problem()).expect("γ is in range")

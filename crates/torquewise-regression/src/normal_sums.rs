@@ -58,7 +58,8 @@ impl BlockSums {
         let mut gram = Mat::zeros(p + 1, p + 1);
         add_gram_of_equations(&mut gram, rows, equations, 1.0);
         // s = Jᵀe stands in the last row of the Gram matrix.
-        let scores = Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { gram[(p, i)] * gram[(p, j)] });
+        let scores =
+            Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { gram[(p, i)] * gram[(p, j)] });
         let residual = rows.col(p);
         let energies = (0..equations)
             .flat_map(|equation| {

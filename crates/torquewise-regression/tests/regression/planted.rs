@@ -3,7 +3,7 @@
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_sparse::problem::Problem;
+use torquewise_regression::problem::Problem;
 
 /// Rows y = X c + noise with few entries of c different from zero.
 pub(crate) struct Rows {
