@@ -13,7 +13,7 @@ Every file with its first line, crates and modules in reading order. Written by 
 ";
 
 /// Crates from the bottom layer up; a crate not named here comes last.
-const CRATES: [&str; 14] = [
+const CRATES: [&str; 16] = [
     "torquewise-motion",
     "torquewise-regression",
     "torquewise-model",
@@ -21,6 +21,8 @@ const CRATES: [&str; 14] = [
     "torquewise-signals",
     "torquewise-logs",
     "torquewise-rigid",
+    "torquewise-survey",
+    "torquewise-stepwise",
     "torquewise-identify",
     "torquewise-report",
     "torquewise-excite",

@@ -4,6 +4,7 @@ use faer::MatRef;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 use torquewise_regression::kmeans::{KMeans, kmeans};
+use torquewise_survey::quantile::quantile;
 
 /// Which constants the index uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,19 +112,6 @@ impl Activation {
             })
             .collect()
     }
-}
-
-/// The value below which a share of the values lies; zero of none.
-pub(crate) fn quantile(values: &mut [f64], share: f64) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let last = values.len() - 1;
-    // share ≤ 1, so the place is within the slice.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ share ≤ 1")]
-    let place = ((share * last as f64).round() as usize).min(last);
-    let (_, value, _) = values.select_nth_unstable_by(place, f64::total_cmp);
-    *value
 }
 
 #[cfg(test)]

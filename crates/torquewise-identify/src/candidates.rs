@@ -1,6 +1,5 @@
 //! Plan → candidates: the terms offered, as columns of a regression, and the step that offers each.
 
-use crate::error::IdentifyError;
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::{Degree, energy_library, product_library};
@@ -8,6 +7,7 @@ use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::{Column, Design};
+use torquewise_survey::error::IdentifyError;
 
 /// What is offered, in the order of the columns.
 #[derive(Clone, Debug)]

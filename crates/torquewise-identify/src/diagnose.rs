@@ -1,6 +1,5 @@
 //! Model, recording → diagnosis: what the residuals look like, and which terms carry the torque.
 
-use crate::error::IdentifyError;
 use crate::patterns::Patterns;
 use crate::score::{Scores, score};
 use faer::Mat;
@@ -9,6 +8,7 @@ use torquewise_model::print::weighted_friction;
 use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::{Motion, Pattern, Recording};
+use torquewise_survey::error::IdentifyError;
 
 /// An even sample of a log, measured and predicted.
 #[derive(Clone, Debug)]

@@ -1,11 +1,11 @@
 //! Model, several logs → disagreements: joints whose gravity is another in one log than in another.
 
-use crate::error::IdentifyError;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::fmt;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::{Motion, Recording};
+use torquewise_survey::error::IdentifyError;
 
 /// Two logs in which gravity loads joints differently, as under another payload.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,11 +1,11 @@
 //! Sample of a log → findings: what its motion cannot determine, in words a person can act on.
 
 use crate::rough::{Rough, rough};
-use crate::survey::{Survey, thinned};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::fmt;
 use torquewise_motion::Motion;
+use torquewise_survey::survey::{Survey, thinned};
 
 /// Something that the motion of a log leaves open.
 #[derive(Clone, Debug, PartialEq)]
@@ -257,9 +257,9 @@ impl fmt::Display for Finding {
 #[cfg(test)]
 mod tests {
     use super::{Finding, findings};
-    use crate::survey::survey;
     use faer::Mat;
     use torquewise_motion::{Motion, Signals};
+    use torquewise_survey::survey::survey;
 
     /// A sine per joint, (amplitude, rate, phase), and a smaller and faster one, without which
     /// inertia and gravity look the same; torque by `tau`.

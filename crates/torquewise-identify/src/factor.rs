@@ -1,7 +1,6 @@
 //! Kept terms, all rows → R factor, and what noise in the rows does to it (E6) (E7).
 
 use crate::candidates::Group;
-use crate::noise::NoiseFloor;
 use crate::rows::rub;
 use faer::Mat;
 use rand::SeedableRng;
@@ -13,6 +12,7 @@ use torquewise_regression::accumulate::Accumulate;
 use torquewise_regression::gram::add_gram;
 use torquewise_regression::samples::{Evaluator, Samples};
 use torquewise_regression::triangle::Triangle;
+use torquewise_survey::noise::NoiseFloor;
 
 /// The terms of one group to be fitted together.
 #[derive(Clone, Debug)]

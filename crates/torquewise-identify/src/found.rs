@@ -1,12 +1,14 @@
 //! Log → Reconstruction: what was found, how, and what was said on the way.
 
 use crate::form::Dropped;
-use crate::noise::NoiseFloor;
 use crate::patterns::Patterns;
-use crate::survey::Survey;
 use crate::warning::Warning;
 use torquewise_model::Model;
 use torquewise_regression::accumulate::Route;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::survey::Survey;
+
+pub use torquewise_survey::progress::Progress;
 
 /// What was found, and how.
 #[derive(Clone, Debug)]
@@ -42,25 +44,4 @@ pub struct StepReport {
     pub active: Vec<usize>,
     /// How its normal equations were come by.
     pub route: Route,
-}
-
-/// A stage of the work, told when it begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// The log is looked through.
-    Survey,
-    /// Rows are clustered.
-    Patterns,
-    /// The geometry of the arm is learned (E8).
-    Geometry,
-    /// Normal equations are summed.
-    Evidence,
-    /// Terms are selected in a step, counted from 1.
-    Step(usize),
-    /// The kept terms are fitted on all rows.
-    Refit,
-    /// Terms that were not offered are tried (E10).
-    Overlooked,
-    /// All is done.
-    Done,
 }

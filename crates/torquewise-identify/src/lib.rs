@@ -5,16 +5,11 @@
 //! [`Summary`], add up without rounding: those of many logs may be taken apart, saved, merged in
 //! any order, and [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
-pub mod error;
 pub mod activation;
-mod even;
-pub mod noise;
-pub mod survey;
 mod rough;
 pub mod excitation;
 pub mod patterns;
 pub mod plan;
-mod friction;
 mod states;
 mod beside;
 pub mod candidates;
@@ -22,7 +17,6 @@ mod basis;
 mod rows;
 pub mod evidence;
 mod step;
-mod held_out;
 pub mod cutoff;
 mod settle;
 mod factor;
@@ -48,12 +42,11 @@ pub mod diagnose;
 pub mod orders;
 
 pub use diagnose::{Diagnosis, diagnose};
-pub use error::IdentifyError;
 pub use found::{Progress, Reconstruction};
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};
 pub use score::{Scores, score};
 pub use summary::{Summary, summarise};
-pub use survey::{Survey, survey};
+pub use torquewise_survey::{IdentifyError, Survey, survey};
 pub use warning::Warning;

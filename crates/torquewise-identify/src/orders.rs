@@ -1,10 +1,8 @@
 //! Recording → residual against order, and the orders it asks for (Fig. 5 of the paper).
 
 use crate::candidates::{columns_of_energies, columns_of_terms};
-use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
 use crate::rows::{Gathering, cut, samples_of};
-use crate::survey::survey;
 use crate::warning::Warning;
 use faer::Mat;
 use rayon::prelude::*;
@@ -16,6 +14,8 @@ use torquewise_regression::accumulate::{GramSum, Lanes, Prepared, cheaper_route}
 use torquewise_regression::design::Design;
 use torquewise_regression::gram::Gram;
 use torquewise_regression::problem::Problem;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::survey::survey;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,6 +6,8 @@ use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::stlsq::Stlsq;
 
+pub use torquewise_survey::friction::FrictionKind;
+
 /// Which candidates are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LibraryKind {
@@ -39,32 +41,6 @@ pub enum Regression {
     Stepwise,
     /// One: the whole library on all rows at once, as SINDy does.
     OneShot,
-}
-
-/// Which friction is looked for (17).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FrictionKind {
-    /// None: simulated arms, or torque measured behind the gears.
-    #[default]
-    None,
-    /// Offset, viscous and dry friction of each joint.
-    Linear,
-    /// The same and the Stribeck curve, from a dictionary of speeds; forward and backward apart.
-    Stribeck,
-    /// None, linear or Stribeck, whichever predicts held-out rows best.
-    Auto,
-}
-
-impl FrictionKind {
-    /// As the command line has it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Linear => "linear",
-            Self::Stribeck => "stribeck",
-            Self::Auto => "auto",
-        }
-    }
 }
 
 /// How a library of candidates is fitted.

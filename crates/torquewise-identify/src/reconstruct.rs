@@ -1,12 +1,10 @@
 //! Recording → Reconstruction: the whole method on one page.
 
 use crate::candidates::{Candidates, Group};
-use crate::error::IdentifyError;
 use crate::evidence::{Evidence, Step, one_shot, plan_steps};
 use crate::factor::Kept;
 use crate::form::{dropped, form, friction_of};
 use crate::found::{Progress, Reconstruction, StepReport};
-use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{ChainOptions, LibraryOptions, Method, Plan, Regression};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
@@ -16,13 +14,15 @@ use crate::settings::Basis;
 use crate::settle::{Settled, settle};
 use crate::step;
 use crate::summary::{Pass, Summary, summarise};
-use crate::survey::Survey;
 use crate::warning::Warning;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage};
 use torquewise_motion::Recording;
 use torquewise_regression::select::Selector;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::survey::Survey;
 
 /// What solving came to.
 #[derive(Debug)]

@@ -2,9 +2,7 @@
 
 use crate::base::Base;
 use crate::candidates::Candidates;
-use crate::error::IdentifyError;
 use crate::factor::{Factor, FactorSum, Fit, Kept};
-use crate::noise::NoiseFloor;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::spread::ScoreSum;
 use crate::step::{residual_energy, response_place};
@@ -20,6 +18,8 @@ use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::samples::Evaluator;
 use torquewise_regression::triangle::Triangle;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
 
 /// A term of the final fit.
 #[derive(Clone, Copy, Debug, PartialEq)]

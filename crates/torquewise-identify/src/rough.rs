@@ -1,9 +1,9 @@
 //! Sample of a log → rough model of each joint: does its torque follow its motion, and which way?
 
-use crate::survey::thinned;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};
 use torquewise_motion::Motion;
+use torquewise_survey::survey::thinned;
 
 /// What a linear model of one joint, good for any arm, says of its torque.
 #[derive(Clone, Copy, Debug)]

@@ -6,16 +6,13 @@
 
 use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
-use crate::error::IdentifyError;
 use crate::estimate::{Linearisation, STRENGTH, Sizes, Solved, Structure, refine, solve};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
-use crate::noise::NoiseFloor;
 use crate::overlooked::{Tried, overlooked};
 use crate::patterns::Patterns;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::prune::prune;
-use crate::survey::{Survey, thinned};
 use crate::warning::{UntriedTerm, Warning};
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -28,6 +25,9 @@ use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain,
 use torquewise_regression::accumulate::Route;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::survey::{Survey, thinned};
 
 /// Terms beyond those of a chain at most.
 const MOST_FURTHER: usize = 12;

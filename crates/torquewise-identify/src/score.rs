@@ -1,8 +1,8 @@
 //! Model, recording → scores: RMSE, NRMSE and R² of each joint.
 
-use crate::error::IdentifyError;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Recording;
+use torquewise_survey::error::IdentifyError;
 
 /// How well a model predicts the torque of one joint.
 #[derive(Clone, Debug, PartialEq)]

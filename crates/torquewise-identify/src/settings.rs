@@ -1,12 +1,10 @@
 //! Plan, recording → settings: what logs are summed under, and the columns that are summed.
 
 use crate::candidates::Candidates;
-use crate::error::IdentifyError;
 use crate::found::Progress;
 use crate::patterns::PatternPlan;
 use crate::plan::{FrictionKind, LibraryKind, LibraryOptions, Plan, Regression};
 use crate::settle::choose_laws;
-use crate::survey::survey;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
@@ -14,6 +12,8 @@ use torquewise_motion::{Pattern, Recording};
 use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::row_sums::RowSums;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::survey::survey;
 
 /// What logs are summed under. Summaries made under different settings do not add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,16 +1,13 @@
 //! Recording → summary: all that a fit needs of its logs, in sums that add up without rounding.
 
-use crate::error::IdentifyError;
 use crate::estimate::add_up;
 use crate::evidence::{Evidence, Step};
 use crate::found::Progress;
-use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{LEAST_SHARE, Patterns, find_patterns, place_of};
 use crate::plan::{Method, Plan};
 use crate::rounds::Request;
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
 use crate::settings::{Basis, Settings, SummedLibrary};
-use crate::survey::{Survey, SurveySum};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
@@ -20,6 +17,9 @@ use torquewise_regression::SparseError;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::row_sums::{RowAdder, RowSums};
 use torquewise_regression::samples::Samples;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::{NoiseFloor, NoiseSum};
+use torquewise_survey::survey::{Survey, SurveySum};
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
 ///

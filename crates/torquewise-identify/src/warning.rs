@@ -6,10 +6,10 @@ use crate::excitation::{Finding, findings};
 use crate::patterns::Patterns;
 use crate::plan::Regression;
 use crate::refit::Refitted;
-use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use torquewise_motion::Pattern;
+use torquewise_survey::survey::Survey;
 
 /// Something that does not stop the work but may spoil its result.
 #[derive(Clone, Debug, PartialEq)]

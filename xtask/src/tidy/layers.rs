@@ -26,6 +26,7 @@ const RIGID: &str = "torquewise-rigid";
 const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
+const SURVEY: &str = "torquewise-survey";
 const IDENTIFY: &str = "torquewise-identify";
 const CONTROL: &str = "torquewise-control";
 const REPORT: &str = "torquewise-report";
@@ -35,7 +36,7 @@ const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 16] = [
+const LAYERS: [Layer; 17] = [
     layer(MOTION, &[], &[]),
     layer(REGRESSION, &[], &[]),
     layer(RIGID, &[REGRESSION], &[MOTION, MODEL, DYNAMICS]),
@@ -43,14 +44,16 @@ const LAYERS: [Layer; 16] = [
     layer(DYNAMICS, &[MOTION], &[]),
     layer(SIGNALS, &[MOTION], &[DYNAMICS]),
     layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID], &[DYNAMICS]),
+    // Of rigid, survey knows the error alone, which its own holds.
+    layer(SURVEY, &[MOTION, REGRESSION, MODEL, RIGID], &[DYNAMICS]),
+    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID, SURVEY], &[DYNAMICS]),
     layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
     layer(EXCITE, &[MOTION, REGRESSION, MODEL, DYNAMICS, IDENTIFY], &[]),
     layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
     layer(
         EXPERIMENTS,
-        &[MOTION, REGRESSION, MODEL, DYNAMICS, SIGNALS, IDENTIFY, REPORT, EXCITE, CONTROL],
+        &[MOTION, REGRESSION, MODEL, DYNAMICS, SIGNALS, SURVEY, IDENTIFY, REPORT, EXCITE, CONTROL],
         &[],
     ),
     layer(
@@ -62,6 +65,7 @@ const LAYERS: [Layer; 16] = [
             DYNAMICS,
             SIGNALS,
             LOGS,
+            SURVEY,
             IDENTIFY,
             REPORT,
             EXPORT,
@@ -130,6 +134,7 @@ mod tests {
             DYNAMICS,
             LOGS,
             SIGNALS,
+            SURVEY,
             IDENTIFY,
             REPORT,
             EXPORT,

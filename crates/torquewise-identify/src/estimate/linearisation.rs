@@ -1,12 +1,12 @@
 //! A structure and its parameters → rows [J e] of a block of motion.
 
 use crate::beside::{Beside, columns};
-use crate::error::IdentifyError;
-use crate::noise::NoiseFloor;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
 
 /// What a chain is made of: which of its parameters there are and which may move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -76,9 +76,7 @@ impl Linearisation {
             && self.weights.len() == n
             && self.scales.len() == self.n_parameters()
             && noise.iter().all(|noise| noise.len() == n && finite(noise))
-            && [&self.geometry, &self.linear, &self.weights, &self.scales]
-                .iter()
-                .all(|x| finite(x))
+            && [&self.geometry, &self.linear, &self.weights, &self.scales].iter().all(|x| finite(x))
             && self.block_rows > 0
             && self.fold_rows > 0
     }
@@ -153,9 +151,14 @@ impl Linearisation {
             out.col_as_slice_mut(j).iter_mut().for_each(|x| *x *= scale);
         }
         let p = out.ncols();
-        let whole = Mat::from_fn(out.nrows(), p + 1, |k, j| {
-            if j < p { out[(k, j)] } else { tangent.residual[k] }
-        });
+        let whole =
+            Mat::from_fn(
+                out.nrows(),
+                p + 1,
+                |k, j| {
+                    if j < p { out[(k, j)] } else { tangent.residual[k] }
+                },
+            );
         Ok((whole, tangent.weights))
     }
 }

@@ -3,7 +3,6 @@
 
 use super::linearisation::Linearisation;
 use crate::beside::Beside;
-use crate::error::IdentifyError;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
@@ -12,6 +11,7 @@ use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_survey::error::IdentifyError;
 
 /// Least size of a link \[m\].
 const LEAST_LENGTH: f64 = 0.1;

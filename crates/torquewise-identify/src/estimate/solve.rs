@@ -4,8 +4,6 @@
 use super::linearisation::Linearisation;
 use super::nominal::{Sizes, plain_arm, prior};
 use super::pass::add_up;
-use crate::error::IdentifyError;
-use crate::held_out::{Trial, choose};
 use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, PriceOfPhysics};
@@ -14,6 +12,8 @@ use torquewise_regression::normal_sums::{FOLDS, NormalSums, corrected};
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::held_out::{Trial, choose};
 
 /// The choice of the prior's strength, as the model file has it.
 pub(crate) const STRENGTH: &str = "strength of the physical prior";

@@ -1,19 +1,19 @@
 //! What a term would explain, against least squares solved anew with the torque of the term.
 
 use super::{Candidate, Trials, Tried, candidates, overlooked};
-use crate::friction::Dictionary;
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
-use crate::survey::{Survey, survey, thinned};
 use crate::trial::Recipe;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, Geometry, Rows, Search};
 use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted};
 use torquewise_motion::{Motion, Signals};
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, Geometry, Rows, Search};
+use torquewise_survey::friction::Dictionary;
+use torquewise_survey::survey::{Survey, survey, thinned};
 
 const N: usize = 3;
 const NOISE: f64 = 0.05;

@@ -1,59 +1,84 @@
 //! Peak speeds → the friction that is offered: laws of each joint (17), with their speeds.
 
-use crate::plan::FrictionKind;
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::{Direction, FrictionLaw};
+
+/// Which friction is looked for (17).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FrictionKind {
+    /// None: simulated arms, or torque measured behind the gears.
+    #[default]
+    None,
+    /// Offset, viscous and dry friction of each joint.
+    Linear,
+    /// The same and the Stribeck curve, from a dictionary of speeds; forward and backward apart.
+    Stribeck,
+    /// None, linear or Stribeck, whichever predicts held-out rows best.
+    Auto,
+}
+
+impl FrictionKind {
+    /// As the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Linear => "linear",
+            Self::Stribeck => "stribeck",
+            Self::Auto => "auto",
+        }
+    }
+}
 
 /// Half width of the smooth sign, as a part of the peak speed of a joint.
 const WIDTH: f64 = 0.01;
 /// Widths that are tried, in the same parts: noise in a speed and filters blur its reversal, but
 /// slow motion tells of the Stribeck curve only if the sign is sharp.
-pub(crate) const WIDTHS: [f64; 3] = [WIDTH, 0.001, 0.003];
+pub const WIDTHS: [f64; 3] = [WIDTH, 0.001, 0.003];
 /// Stribeck speeds offered, as parts of the peak speed of a joint: each half as large again as the
 /// one before, so that a curve of any speed between them is nearly a sum of two.
 const STRIBECK_PARTS: [f64; 6] = [0.025, 0.035, 0.05, 0.075, 0.11, 0.17];
 
 /// The choice among them, as the model file has it.
-pub(crate) const REVERSAL: &str = "half width of the reversal of friction";
+pub const REVERSAL: &str = "half width of the reversal of friction";
 
 /// A width among the choices.
-pub(crate) fn reversal_label(part: f64) -> String {
+pub fn reversal_label(part: f64) -> String {
     format!("{} % of the peak speed", 100.0 * part)
 }
 
 /// A richer law must lower the error on held-out rows by this part, or it only follows how the sign
 /// is smoothed.
-pub(crate) const WORTH: f64 = 0.03;
+pub const WORTH: f64 = 0.03;
 
 /// Laws of friction by the speeds that joints reach.
 #[derive(Clone, Debug)]
-pub(crate) struct Dictionary {
+pub struct Dictionary {
     /// Peak speed of each joint \[rad/s\], n.
-    pub(crate) peak: Vec<f64>,
+    pub peak: Vec<f64>,
     /// Half width of the smooth sign of each joint \[rad/s\], n.
-    pub(crate) width: Vec<f64>,
+    pub width: Vec<f64>,
 }
 
 impl Dictionary {
     /// - `peak`: peak speed of each joint \[rad/s\], n
-    pub(crate) fn new(peak: Vec<f64>) -> Self {
+    pub fn new(peak: Vec<f64>) -> Self {
         Self::with_width(peak, WIDTH)
     }
 
     /// - `part`: half width of the smooth sign, as a part of the peak speed
-    pub(crate) fn with_width(peak: Vec<f64>, part: f64) -> Self {
+    pub fn with_width(peak: Vec<f64>, part: f64) -> Self {
         let width = peak.iter().map(|peak| rounded(part * peak)).collect();
         Self { peak, width }
     }
 
     /// Half width of the smooth sign of a shaft that several joints may turn \[rad/s\].
-    pub(crate) fn width_of(&self, shaft: &[f64]) -> f64 {
+    pub fn width_of(&self, shaft: &[f64]) -> f64 {
         let turning = self.width.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
         turning.map(|(width, _)| *width).fold(f64::INFINITY, f64::min)
     }
 
     /// All laws of a kind, joint by joint; those of `auto` are the largest dictionary.
-    pub(crate) fn of(&self, kind: FrictionKind) -> Vec<FrictionTerm> {
+    pub fn of(&self, kind: FrictionKind) -> Vec<FrictionTerm> {
         match kind {
             FrictionKind::None => Vec::new(),
             FrictionKind::Linear => self.linear(),
@@ -66,7 +91,7 @@ impl Dictionary {
     }
 
     /// Offset, viscous and dry friction of each joint.
-    pub(crate) fn linear(&self) -> Vec<FrictionTerm> {
+    pub fn linear(&self) -> Vec<FrictionTerm> {
         let laws = |(joint, &width): (usize, &f64)| {
             [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width }]
                 .map(|law| self.term(joint, law))
@@ -76,7 +101,7 @@ impl Dictionary {
 
     /// What the Stribeck curve of each joint adds to linear friction: exponentials of several
     /// speeds, and backward motion apart from forward motion.
-    pub(crate) fn stribeck(&self) -> Vec<FrictionTerm> {
+    pub fn stribeck(&self) -> Vec<FrictionTerm> {
         (0..self.peak.len())
             .flat_map(|joint| {
                 let bumps = self.exponentials(joint);
@@ -115,8 +140,7 @@ fn rounded(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Dictionary, rounded};
-    use crate::plan::FrictionKind;
+    use super::{Dictionary, FrictionKind, rounded};
 
     #[test]
     fn speeds_are_decimals_of_two_digits() {

@@ -59,7 +59,7 @@ pub fn survey(recording: &(impl Recording + ?Sized)) -> Result<Survey, IdentifyE
 
 /// A survey on its way: what logs add up to, the same in any order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct SurveySum {
+pub struct SurveySum {
     joints: Vec<String>,
     rows: usize,
     trajectories: usize,
@@ -79,7 +79,8 @@ pub(crate) struct SurveySum {
 }
 
 impl SurveySum {
-    pub(crate) fn new(joints: &[String]) -> Self {
+    /// Nothing yet of logs of these joints.
+    pub fn new(joints: &[String]) -> Self {
         let n = joints.len();
         Self {
             joints: joints.to_vec(),
@@ -96,17 +97,20 @@ impl SurveySum {
     }
 
     /// Joint names.
-    pub(crate) fn joints(&self) -> &[String] {
+    pub fn joints(&self) -> &[String] {
         &self.joints
     }
 
     /// Rows seen.
-    pub(crate) fn rows(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.rows
     }
 
     /// Adds the next block of a log.
-    pub(crate) fn add(&mut self, trajectory: usize, block: &Motion) -> Result<(), SparseError> {
+    ///
+    /// # Errors
+    /// [`SparseError`] if its numbers are too large to be summed.
+    pub fn add(&mut self, trajectory: usize, block: &Motion) -> Result<(), SparseError> {
         let (Some(&start), Some(&end)) = (block.t().first(), block.t().last()) else {
             return Ok(());
         };
@@ -154,7 +158,10 @@ impl SurveySum {
     }
 
     /// Adds other logs of the same joints.
-    pub(crate) fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+    ///
+    /// # Errors
+    /// As [`Self::add`].
+    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
         self.sums.merge(&other.sums)?;
         self.rows += other.rows;
         self.trajectories += other.trajectories;
@@ -172,14 +179,14 @@ impl SurveySum {
     }
 
     /// Puts what it holds in an order of its own, whatever was merged first.
-    pub(crate) fn sort(&mut self) {
+    pub fn sort(&mut self) {
         self.noise.sort();
         self.sampled.sort();
         self.last = None;
     }
 
     /// Whether its parts fit each other.
-    pub(crate) fn is_sound(&self) -> bool {
+    pub fn is_sound(&self) -> bool {
         let n = self.joints.len();
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         n > 0
@@ -191,7 +198,10 @@ impl SurveySum {
     }
 
     /// What the logs told.
-    pub(crate) fn finish(&self) -> Result<Survey, IdentifyError> {
+    ///
+    /// # Errors
+    /// [`IdentifyError::Motion`] if there are no joints.
+    pub fn finish(&self) -> Result<Survey, IdentifyError> {
         let n = self.joints.len();
         let rows: Vec<&[f64]> = self.sampled.things().collect();
         let signal = |first: usize| {
@@ -237,7 +247,7 @@ impl SurveySum {
 }
 
 /// At most `count` rows, evenly spread.
-pub(crate) fn thinned(motion: &Motion, count: usize) -> Motion {
+pub fn thinned(motion: &Motion, count: usize) -> Motion {
     let m = motion.n_rows();
     if m <= count {
         return motion.clone();
@@ -257,7 +267,7 @@ fn row_of(block: &Motion, row: usize) -> Vec<f64> {
 impl Survey {
     /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque
     /// of each joint \[N·m\], n.
-    pub(crate) fn training(&self, residual_rms: Vec<f64>) -> Training {
+    pub fn training(&self, residual_rms: Vec<f64>) -> Training {
         Training {
             rows: self.rows,
             residual_rms,

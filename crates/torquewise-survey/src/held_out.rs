@@ -3,13 +3,13 @@
 use torquewise_model::model::{Candidate, Choice};
 
 /// Blocks a log is cut into, in time: samples are never shuffled, since neighbours are alike.
-pub(crate) const BLOCKS: usize = 5;
+pub const BLOCKS: usize = 5;
 
 /// How choices are made, as the model file has it.
-pub(crate) const RULE: &str = "one standard error, 5 blocks in time";
+pub const RULE: &str = "one standard error, 5 blocks in time";
 
 /// Rows of `count`, those of a block and the others.
-pub(crate) fn split(count: usize, block: usize) -> (Vec<usize>, Vec<usize>) {
+pub fn split(count: usize, block: usize) -> (Vec<usize>, Vec<usize>) {
     let edge = |block: usize| block * count / BLOCKS;
     let held: Vec<usize> = (edge(block)..edge(block + 1)).collect();
     let rest = (0..edge(block)).chain(edge(block + 1)..count).collect();
@@ -18,17 +18,19 @@ pub(crate) fn split(count: usize, block: usize) -> (Vec<usize>, Vec<usize>) {
 
 /// A way to fit, and how it does on each block it was not fitted on.
 #[derive(Clone, Debug)]
-pub(crate) struct Trial {
-    pub(crate) label: String,
+pub struct Trial {
+    /// As a choice has it on record.
+    pub label: String,
     /// Number of coefficients.
-    pub(crate) complexity: usize,
+    pub complexity: usize,
     /// Error on each block: geometric mean over the joints of RMSE / standard deviation of the
     /// torque.
-    pub(crate) errors: Vec<f64>,
+    pub errors: Vec<f64>,
 }
 
 impl Trial {
-    pub(crate) fn error(&self) -> f64 {
+    /// Mean error over the blocks.
+    pub fn error(&self) -> f64 {
         mean(&self.errors)
     }
 
@@ -40,12 +42,13 @@ impl Trial {
     }
 }
 
-pub(crate) fn mean(x: &[f64]) -> f64 {
+/// Mean of some values; zero of none.
+pub fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len().max(1) as f64
 }
 
 /// Standard error of a mean.
-pub(crate) fn standard_error(x: &[f64]) -> f64 {
+pub fn standard_error(x: &[f64]) -> f64 {
     let count = x.len() as f64;
     if count < 2.0 {
         return 0.0;
@@ -61,13 +64,13 @@ pub(crate) fn standard_error(x: &[f64]) -> f64 {
 /// blocks, the standard error is that of the difference to the best.
 ///
 /// Returns its place and the record of the choice; `None` without trials.
-pub(crate) fn choose(what: &str, trials: &[Trial]) -> Option<(usize, Choice)> {
+pub fn choose(what: &str, trials: &[Trial]) -> Option<(usize, Choice)> {
     choose_worth(what, trials, 0.0)
 }
 
 /// The same where complexity has a price of its own: a trial also passes for the best if it is
 /// worse by no more than this part.
-pub(crate) fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, Choice)> {
+pub fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, Choice)> {
     let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
     let near =
         |trial: &&Trial| trial.error() <= best.error() + trial.apart(best).max(part * best.error());
@@ -78,7 +81,7 @@ pub(crate) fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(u
 }
 
 /// Trials as a choice has them on record.
-pub(crate) fn listed(trials: &[Trial]) -> Vec<Candidate> {
+pub fn listed(trials: &[Trial]) -> Vec<Candidate> {
     let candidate = |trial: &Trial| Candidate {
         label: trial.label.clone(),
         error: trial.error(),

@@ -1,7 +1,7 @@
 //! Motion blocks → noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
 
-use crate::activation::quantile;
 use crate::even::Even;
+use crate::quantile::quantile;
 use faer::ColRef;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
@@ -36,7 +36,7 @@ impl NoiseFloor {
 /// that of white noise has the variance 70σ². The few rows where an acceleration jumps are left out
 /// of a block, and the median over blocks shrugs off what is left of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct NoiseSum {
+pub struct NoiseSum {
     /// Variance of each signal of each joint, signal by signal, of an even sample of the blocks.
     blocks: Even,
     /// Largest size seen of each signal of each joint, in the same order.
@@ -66,13 +66,14 @@ const NEGLIGIBLE: f64 = 1e-6;
 const UNLIKELY: f64 = 0.15;
 
 impl NoiseSum {
-    pub(crate) fn new(n_joints: usize) -> Self {
+    /// Nothing of n joints yet.
+    pub fn new(n_joints: usize) -> Self {
         let width = SIGNALS * n_joints;
         Self { blocks: Even::new(width, MOST_BLOCKS), peaks: vec![0.0; width], seen: 0 }
     }
 
     /// Adds the rows of a block that are among five in a row of which `still` is true.
-    pub(crate) fn add(&mut self, block: &Motion, still: impl Fn(usize) -> bool) {
+    pub fn add(&mut self, block: &Motion, still: impl Fn(usize) -> bool) {
         let signals = [block.q(), block.dq(), block.ddq()];
         let columns = || signals.iter().flat_map(|signal| signal.col_iter());
         for (peak, column) in self.peaks.iter_mut().zip(columns()) {
@@ -92,7 +93,7 @@ impl NoiseSum {
     }
 
     /// Adds the blocks of other logs.
-    pub(crate) fn merge(&mut self, other: &Self) {
+    pub fn merge(&mut self, other: &Self) {
         self.blocks.merge(&other.blocks);
         for (peak, more) in self.peaks.iter_mut().zip(&other.peaks) {
             *peak = peak.max(*more);
@@ -101,13 +102,13 @@ impl NoiseSum {
     }
 
     /// Puts what it holds in an order of its own.
-    pub(crate) fn sort(&mut self) {
+    pub fn sort(&mut self) {
         self.blocks.sort();
         self.seen = 0;
     }
 
     /// Whether it holds what one of n joints does.
-    pub(crate) fn is_sound(&self, n_joints: usize) -> bool {
+    pub fn is_sound(&self, n_joints: usize) -> bool {
         let width = SIGNALS * n_joints;
         self.blocks.is_sound(width, MOST_BLOCKS)
             && self.peaks.len() == width
@@ -115,13 +116,13 @@ impl NoiseSum {
     }
 
     /// The noise of all rows, zero where it is unlikely to be noise.
-    pub(crate) fn finish(&self) -> NoiseFloor {
+    pub fn finish(&self) -> NoiseFloor {
         let likely = |sigma: f64, peak: f64| if sigma > UNLIKELY * peak { 0.0 } else { sigma };
         self.floor(likely)
     }
 
     /// The noise of rows known to stand still; `None` if they are too few.
-    pub(crate) fn finish_still(&self) -> Option<NoiseFloor> {
+    pub fn finish_still(&self) -> Option<NoiseFloor> {
         (self.blocks.len() >= LEAST_BLOCKS).then(|| self.floor(|sigma, _| sigma))
     }
 
@@ -151,7 +152,8 @@ fn variances(signals: &[ColRef<'_, f64>], starts: &[usize]) -> Vec<f64> {
         .iter()
         .map(|signal| starts.iter().map(|&row| difference(signal, row)).collect())
         .collect();
-    let limits: Vec<f64> = differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
+    let limits: Vec<f64> =
+        differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
     let is_smooth =
         |row: &usize| differences.iter().zip(&limits).all(|(sizes, limit)| sizes[*row] <= *limit);
     let kept: Vec<usize> = (0..starts.len()).filter(is_smooth).collect();
