@@ -5,9 +5,10 @@ use indicatif::ProgressBar;
 use std::time::Instant;
 use torquewise::identify::rounds::Request;
 use torquewise::identify::{
-    IdentifyError, Plan, Progress, Reconstruction, Solution, Summary, reconstruct, solve,
+    IdentifyError, Plan, Reconstruction, Solution, Summary, reconstruct, solve,
 };
 use torquewise::motion::Recording;
+use torquewise::survey::Progress;
 
 /// A reconstruction and the time it took by the clock.
 #[derive(Debug)]

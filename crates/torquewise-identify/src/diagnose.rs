@@ -1,6 +1,5 @@
 //! Model, recording → diagnosis: what the residuals look like, and which terms carry the torque.
 
-use crate::patterns::Patterns;
 use crate::score::{Scores, score};
 use faer::Mat;
 use std::collections::VecDeque;
@@ -8,6 +7,7 @@ use torquewise_model::print::weighted_friction;
 use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::{Motion, Pattern, Recording};
+use torquewise_stepwise::patterns::Patterns;
 use torquewise_survey::error::IdentifyError;
 
 /// An even sample of a log, measured and predicted.

@@ -1,13 +1,14 @@
 //! Log → Reconstruction: what was found, how, and what was said on the way.
 
-use crate::form::Dropped;
-use crate::patterns::Patterns;
 use crate::warning::Warning;
 use torquewise_model::Model;
-use torquewise_regression::accumulate::Route;
+use torquewise_stepwise::fit::LibraryFit;
+use torquewise_stepwise::form::Dropped;
+use torquewise_stepwise::patterns::Patterns;
 use torquewise_survey::noise::NoiseFloor;
 use torquewise_survey::survey::Survey;
 
+pub use torquewise_stepwise::fit::StepReport;
 pub use torquewise_survey::progress::Progress;
 
 /// What was found, and how.
@@ -31,17 +32,11 @@ pub struct Reconstruction {
     pub warnings: Vec<Warning>,
 }
 
-/// One step of the reconstruction.
-#[derive(Clone, Debug)]
-pub struct StepReport {
-    /// Name of its pattern.
-    pub name: &'static str,
-    /// Its rows.
-    pub rows: usize,
-    /// Candidates offered.
-    pub candidates: usize,
-    /// Terms found so far that act on each joint, n.
-    pub active: Vec<usize>,
-    /// How its normal equations were come by.
-    pub route: Route,
+impl Reconstruction {
+    /// What the steps found in a library, with what the user should know of it.
+    pub(crate) fn of_library(survey: Survey, fit: LibraryFit) -> Self {
+        let warnings = Warning::of_library(&survey, &fit);
+        let LibraryFit { model, patterns, noise, candidates, steps, dropped, .. } = fit;
+        Self { model, survey, patterns, noise, candidates, steps, dropped, warnings }
+    }
 }

@@ -1,7 +1,6 @@
 //! Learned chain → the terms it was not offered, and what each would explain of its residual (E10).
 
 use crate::beside::Beside;
-use crate::candidates::largest_energy_library;
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
 use crate::states::States;
@@ -13,6 +12,7 @@ use std::ops::Range;
 use torquewise_model::model::{Overlooked, Unused};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_regression::screen::{Gain, Screen};
+use torquewise_stepwise::candidates::largest_energy_library;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::held_out::{BLOCKS, mean, split, standard_error};
 use torquewise_survey::survey::{Survey, thinned};

@@ -10,7 +10,6 @@ use crate::estimate::{Linearisation, STRENGTH, Sizes, Solved, Structure, refine,
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
 use crate::overlooked::{Tried, overlooked};
-use crate::patterns::Patterns;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::prune::prune;
 use crate::warning::{UntriedTerm, Warning};
@@ -25,6 +24,7 @@ use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain,
 use torquewise_regression::accumulate::Route;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_stepwise::patterns::Patterns;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseFloor;
 use torquewise_survey::survey::{Survey, thinned};

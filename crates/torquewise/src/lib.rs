@@ -26,4 +26,5 @@ pub use torquewise_motion as motion;
 pub use torquewise_regression as regression;
 pub use torquewise_report as report;
 pub use torquewise_signals as signals;
+pub use torquewise_stepwise as stepwise;
 pub use torquewise_survey as survey;

@@ -27,6 +27,7 @@ const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
 const SURVEY: &str = "torquewise-survey";
+const STEPWISE: &str = "torquewise-stepwise";
 const IDENTIFY: &str = "torquewise-identify";
 const CONTROL: &str = "torquewise-control";
 const REPORT: &str = "torquewise-report";
@@ -36,7 +37,7 @@ const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 17] = [
+const LAYERS: [Layer; 18] = [
     layer(MOTION, &[], &[]),
     layer(REGRESSION, &[], &[]),
     layer(RIGID, &[REGRESSION], &[MOTION, MODEL, DYNAMICS]),
@@ -46,14 +47,18 @@ const LAYERS: [Layer; 17] = [
     layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
     // Of rigid, survey knows the error alone, which its own holds.
     layer(SURVEY, &[MOTION, REGRESSION, MODEL, RIGID], &[DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID, SURVEY], &[DYNAMICS]),
-    layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
+    layer(STEPWISE, &[MOTION, REGRESSION, MODEL, SURVEY], &[DYNAMICS]),
+    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID, SURVEY, STEPWISE], &[DYNAMICS]),
+    layer(REPORT, &[MOTION, MODEL, STEPWISE, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
-    layer(EXCITE, &[MOTION, REGRESSION, MODEL, DYNAMICS, IDENTIFY], &[]),
+    layer(EXCITE, &[MOTION, REGRESSION, MODEL, DYNAMICS, STEPWISE, IDENTIFY], &[]),
     layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
     layer(
         EXPERIMENTS,
-        &[MOTION, REGRESSION, MODEL, DYNAMICS, SIGNALS, SURVEY, IDENTIFY, REPORT, EXCITE, CONTROL],
+        &[
+            MOTION, REGRESSION, MODEL, DYNAMICS, SIGNALS, SURVEY, STEPWISE, IDENTIFY, REPORT,
+            EXCITE, CONTROL,
+        ],
         &[],
     ),
     layer(
@@ -66,6 +71,7 @@ const LAYERS: [Layer; 17] = [
             SIGNALS,
             LOGS,
             SURVEY,
+            STEPWISE,
             IDENTIFY,
             REPORT,
             EXPORT,
@@ -135,6 +141,7 @@ mod tests {
             LOGS,
             SIGNALS,
             SURVEY,
+            STEPWISE,
             IDENTIFY,
             REPORT,
             EXPORT,

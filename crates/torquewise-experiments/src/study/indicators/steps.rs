@@ -4,10 +4,10 @@ use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, Mat, Par};
-use torquewise_identify::candidates::Group;
 use torquewise_regression::problem::{Problem, Selection};
 use torquewise_regression::samples::{Evaluator, Samples};
 use torquewise_regression::select::Selector;
+use torquewise_stepwise::candidates::Group;
 
 /// Rows evaluated at a time.
 const BLOCK_ROWS: usize = 2_048;

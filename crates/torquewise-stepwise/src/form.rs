@@ -59,3 +59,12 @@ pub(crate) fn dropped(candidates: &Candidates, refitted: &[Refitted]) -> Vec<Dro
     dropped.sort_by(|a, b| b.inclusion.total_cmp(&a.inclusion));
     dropped
 }
+
+/// Names of the terms that say nothing the others do not say.
+pub(crate) fn dependent(candidates: &Candidates, refitted: &[Refitted]) -> Vec<String> {
+    let mut columns: Vec<usize> =
+        refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    columns.into_iter().map(|column| candidates.name(column)).collect()
+}

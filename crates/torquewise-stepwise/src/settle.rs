@@ -2,7 +2,7 @@
 
 use crate::candidates::{Candidates, Group};
 use crate::evidence::{Evidence, Step};
-use crate::plan::{FrictionKind, LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
+use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step;
 use rayon::prelude::*;
@@ -12,7 +12,9 @@ use torquewise_regression::accumulate::{Accumulate, GramSum, Prepared, cheaper_r
 use torquewise_regression::gram::Gram;
 use torquewise_regression::select::Selector;
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
+use torquewise_survey::friction::{
+    Dictionary, FrictionKind, REVERSAL, WIDTHS, WORTH, reversal_label,
+};
 use torquewise_survey::held_out::{BLOCKS, Trial, choose, choose_worth, split};
 use torquewise_survey::survey::Survey;
 

@@ -210,7 +210,7 @@ impl Terms {
 }
 
 /// The energy library of the highest interaction order that holds at most `most` terms.
-pub(crate) fn largest_energy_library(n_joints: usize, most: usize) -> Vec<EnergyTerm> {
+pub fn largest_energy_library(n_joints: usize, most: usize) -> Vec<EnergyTerm> {
     let mut largest = energy_library(n_joints, Some(1));
     for limit in 2..=n_joints {
         let next = energy_library(n_joints, Some(limit));
@@ -301,7 +301,7 @@ fn atoms(weight: f64, term: &Term) -> Vec<Atom> {
 }
 
 /// The trigonometric part of a term, times a weight, as a sum of harmonics of joint sums.
-pub(crate) fn waves_of(weight: f64, term: &Term) -> Vec<(f64, Wave)> {
+pub fn waves_of(weight: f64, term: &Term) -> Vec<(f64, Wave)> {
     let mut waves = vec![(weight, Wave::one(term.n_joints()))];
     for factor in &term.factors {
         let phase = if factor.function == Trig::Sin { Phase::Sin } else { Phase::Cos };

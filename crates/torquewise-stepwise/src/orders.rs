@@ -3,7 +3,6 @@
 use crate::candidates::{columns_of_energies, columns_of_terms};
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
 use crate::rows::{Gathering, cut, samples_of};
-use crate::warning::Warning;
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -75,8 +74,6 @@ const BEFORE: u8 = 4;
 /// A higher order must take this part off the residual of one joint, without a loss elsewhere that
 /// outweighs it.
 pub const WORTHWHILE: f64 = 0.1;
-/// A library that leaves this part of a joint's torque has explained little.
-const LITTLE: f64 = 0.5;
 /// Residuals below this part of the torque are rounding: normal equations resolve no less.
 const RESOLUTION: f64 = 1e-6;
 
@@ -103,22 +100,6 @@ pub fn orders(
         curves.push(ladder.climb(halves, &survey.torque_std)?);
     }
     Ok(curves)
-}
-
-/// What to know before trusting the orders chosen.
-///
-/// - `joints`: their names, n
-pub fn warnings(curves: &[OrderCurve], joints: &[String]) -> Vec<Warning> {
-    let missing =
-        Pattern::ALL.into_iter().filter(|pattern| !curves.iter().any(|c| c.name == pattern.name()));
-    let unexplained = curves.iter().filter_map(|curve| {
-        let chosen = curve.points.get(curve.chosen)?;
-        let residuals = joints.iter().zip(&chosen.residual);
-        let (joint, &residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
-        let (library, joint) = (curve.name.clone(), joint.clone());
-        (residual > LITTLE).then_some(Warning::Unexplained { library, joint, residual })
-    });
-    missing.map(Warning::NoOrder).chain(unexplained).collect()
 }
 
 /// A library with the columns of each of its orders.
