@@ -13,7 +13,7 @@ Every file with its first line, crates and modules in reading order. Written by 
 ";
 
 /// Crates from the bottom layer up; a crate not named here comes last.
-const CRATES: [&str; 16] = [
+const CRATES: [&str; 17] = [
     "torquewise-motion",
     "torquewise-regression",
     "torquewise-model",
@@ -23,6 +23,7 @@ const CRATES: [&str; 16] = [
     "torquewise-rigid",
     "torquewise-survey",
     "torquewise-stepwise",
+    "torquewise-diagnose",
     "torquewise-identify",
     "torquewise-report",
     "torquewise-excite",

@@ -1,9 +1,9 @@
 //! One log filtered at several cut-offs → the cut-off, by torque predicted on held-out blocks.
 
-use crate::rough::{Normal, columns};
 use faer::Mat;
 use std::f64::consts::TAU;
 use std::ops::Range;
+use torquewise_diagnose::rough::{Normal, columns};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_survey::held_out::{BLOCKS, Trial, choose_worth, listed};

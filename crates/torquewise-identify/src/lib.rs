@@ -6,14 +6,11 @@
 //! without rounding: those of many logs may be taken apart, saved, merged in any order, and
 //! [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
-mod rough;
-pub mod excitation;
 pub mod plan;
 mod states;
 mod beside;
 mod basis;
 pub mod cutoff;
-pub mod disagreement;
 pub mod warning;
 pub mod estimate;
 mod trial;
@@ -25,16 +22,13 @@ mod summary_file;
 pub mod rounds;
 pub mod settings;
 pub mod summary;
-pub mod score;
 pub mod reconstruct;
-pub mod diagnose;
 
-pub use diagnose::{Diagnosis, diagnose};
 pub use found::Reconstruction;
 pub use plan::{Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};
-pub use score::{Scores, score};
 pub use summary::{Summary, summarise};
+pub use torquewise_diagnose::{Diagnosis, Scores, diagnose, score};
 pub use torquewise_stepwise::{LibraryKind, PatternPlan, Patterns, find_patterns};
 pub use torquewise_survey::{IdentifyError, Survey, survey};
 pub use warning::Warning;

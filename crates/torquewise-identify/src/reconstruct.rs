@@ -3,8 +3,8 @@
 use crate::found::{Progress, Reconstruction};
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::rounds::{Request, Round};
-use crate::score::score;
 use crate::summary::{Pass, Summary, summarise};
+use torquewise_diagnose::score::score;
 use torquewise_motion::Recording;
 use torquewise_stepwise::patterns::find_patterns;
 use torquewise_stepwise::reconstruct as stepwise;

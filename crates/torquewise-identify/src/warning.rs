@@ -1,9 +1,9 @@
 //! Survey, patterns, fit → warnings: what the user should know, in words.
 
-use crate::disagreement::Disagreement;
-use crate::excitation::{Finding, findings};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use torquewise_diagnose::disagreement::Disagreement;
+use torquewise_diagnose::excitation::{Finding, findings};
 use torquewise_motion::Pattern;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;

@@ -15,6 +15,7 @@
 //! ```
 
 pub use torquewise_control as control;
+pub use torquewise_diagnose as diagnose;
 pub use torquewise_dynamics as dynamics;
 pub use torquewise_excite as excite;
 pub use torquewise_experiments as experiments;

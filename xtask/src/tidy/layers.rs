@@ -28,6 +28,7 @@ const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
 const SURVEY: &str = "torquewise-survey";
 const STEPWISE: &str = "torquewise-stepwise";
+const DIAGNOSE: &str = "torquewise-diagnose";
 const IDENTIFY: &str = "torquewise-identify";
 const CONTROL: &str = "torquewise-control";
 const REPORT: &str = "torquewise-report";
@@ -37,7 +38,7 @@ const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 18] = [
+const LAYERS: [Layer; 19] = [
     layer(MOTION, &[], &[]),
     layer(REGRESSION, &[], &[]),
     layer(RIGID, &[REGRESSION], &[MOTION, MODEL, DYNAMICS]),
@@ -48,8 +49,9 @@ const LAYERS: [Layer; 18] = [
     // Of rigid, survey knows the error alone, which its own holds.
     layer(SURVEY, &[MOTION, REGRESSION, MODEL, RIGID], &[DYNAMICS]),
     layer(STEPWISE, &[MOTION, REGRESSION, MODEL, SURVEY], &[DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID, SURVEY, STEPWISE], &[DYNAMICS]),
-    layer(REPORT, &[MOTION, MODEL, STEPWISE, IDENTIFY], &[DYNAMICS]),
+    layer(DIAGNOSE, &[MOTION, MODEL, SURVEY, STEPWISE], &[DYNAMICS]),
+    layer(IDENTIFY, &[MOTION, REGRESSION, MODEL, RIGID, SURVEY, STEPWISE, DIAGNOSE], &[DYNAMICS]),
+    layer(REPORT, &[MOTION, MODEL, STEPWISE, DIAGNOSE, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
     layer(EXCITE, &[MOTION, REGRESSION, MODEL, DYNAMICS, STEPWISE, IDENTIFY], &[]),
     layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
@@ -72,6 +74,7 @@ const LAYERS: [Layer; 18] = [
             LOGS,
             SURVEY,
             STEPWISE,
+            DIAGNOSE,
             IDENTIFY,
             REPORT,
             EXPORT,

@@ -15,7 +15,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use torquewise::identify::disagreement::disagreements;
+use torquewise::diagnose::disagreement::disagreements;
 use torquewise::identify::plan::Regression;
 use torquewise::identify::{Plan, Reconstruction, Warning, diagnose, score};
 use torquewise::logs::Logs;

@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use torquewise::identify::excitation::findings;
+use torquewise::diagnose::excitation::findings;
 use torquewise::identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
 use torquewise::logs::{LogError, Logs, UnitWarning, suggest, unit_warnings};
 use torquewise::motion::{Pattern, Recording};

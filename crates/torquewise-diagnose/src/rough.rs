@@ -7,15 +7,15 @@ use torquewise_survey::survey::thinned;
 
 /// What a linear model of one joint, good for any arm, says of its torque.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rough {
+pub struct Rough {
     /// Part of the deviation of the torque that the model leaves.
-    pub(crate) left: f64,
+    pub left: f64,
     /// Torque per acceleration of the joint itself \[kg·m²\].
-    pub(crate) inertia: f64,
+    pub inertia: f64,
     /// Part of the variance of the torque that this alone explains.
-    pub(crate) inertia_share: f64,
+    pub inertia_share: f64,
     /// Power of viscous and dry friction over the power of the whole torque, rms times rms.
-    pub(crate) friction_power: f64,
+    pub friction_power: f64,
 }
 
 /// Rows that tell.
@@ -31,7 +31,7 @@ const SLOW: f64 = 0.02;
 /// each angle, twice each angle and each two neighbours together.
 ///
 /// `None` for a joint at rest, or if there are too few rows.
-pub(crate) fn rough(motion: &Motion, joint: usize) -> Option<Rough> {
+pub fn rough(motion: &Motion, joint: usize) -> Option<Rough> {
     let motion = thinned(motion, ROWS);
     let tau: Vec<f64> = motion.tau()?.col(joint).iter().copied().collect();
     let columns = columns(&motion, joint)?;
@@ -62,7 +62,7 @@ pub(crate) fn rough(motion: &Motion, joint: usize) -> Option<Rough> {
 }
 
 /// Normal equations on columns of unit length, with a small ridge.
-pub(crate) struct Normal {
+pub struct Normal {
     /// Lengths of the columns.
     size: Vec<f64>,
     factor: Llt<f64>,
@@ -70,7 +70,7 @@ pub(crate) struct Normal {
 
 impl Normal {
     /// `None` if they are singular.
-    pub(crate) fn new(mut gram: Mat<f64>, ridge: f64) -> Option<Self> {
+    pub fn new(mut gram: Mat<f64>, ridge: f64) -> Option<Self> {
         let p = gram.ncols();
         let size: Vec<f64> = (0..p).map(|k| gram[(k, k)].sqrt().max(f64::MIN_POSITIVE)).collect();
         for j in 0..p {
@@ -84,7 +84,7 @@ impl Normal {
     }
 
     /// Weights of the columns as they are.
-    pub(crate) fn solve(&self, moments: &Mat<f64>) -> Mat<f64> {
+    pub fn solve(&self, moments: &Mat<f64>) -> Mat<f64> {
         self.unscaled(&self.scaled(moments))
     }
 
@@ -100,7 +100,7 @@ impl Normal {
 }
 
 /// The regressors of that model, m×p; `None` for a joint at rest.
-pub(crate) fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
+pub fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
     let (q, dq, ddq) = (motion.q(), motion.dq(), motion.ddq());
     let peak = dq.col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
     let (m, n) = (motion.n_rows(), motion.n_joints());

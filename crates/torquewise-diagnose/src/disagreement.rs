@@ -296,4 +296,47 @@ impl fmt::Display for Disagreement {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    use super::Batches;
+    use faer::Mat;
+
+    #[test]
+    fn the_slope_is_that_of_least_squares_however_long_the_log() {
+        for rows in [100, 1_000, 20_000] {
+            let x = |row: i32| {
+                let t = 0.07 * f64::from(row);
+                [2.0 + t.sin(), (3.0 * t).sin(), 1.0, t.cos(), t.cos().signum()]
+            };
+            let residual = |row: i32| {
+                let [gravity, inertia, one, dq, sign] = x(row);
+                let noise = 0.1 * (f64::from(row) * 12.9898).sin();
+                0.07 * gravity + 0.3 * inertia - one + 0.2 * dq + 0.5 * sign + noise
+            };
+            let mut batches = Batches::default();
+            (0..rows).for_each(|row| batches.add(x(row), residual(row)));
+
+            let slope = batches.slope().unwrap();
+
+            let columns = Mat::from_fn(rows.unsigned_abs() as usize, 5, |row, i| {
+                x(i32::try_from(row).unwrap())[i]
+            });
+            let y =
+                Mat::from_fn(columns.nrows(), 1, |row, _| residual(i32::try_from(row).unwrap()));
+            let exact = faer::linalg::solvers::SolveLstsq::solve_lstsq(&columns.qr(), &y);
+            // The ridge of 1e-10 and normal equations.
+            assert!((slope.value - exact[(0, 0)]).abs() < 1e-7, "{slope:?} {exact:?}");
+            assert!((slope.value - 0.07).abs() < 5.0 * slope.error + 1e-7, "{slope:?}");
+            assert!(batches.whole.len() < super::MOST_BATCHES);
+        }
+    }
+
+    #[test]
+    fn a_joint_at_rest_says_nothing_of_its_gravity() {
+        let mut batches = Batches::default();
+        for row in 0..1_000 {
+            batches.add([2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin());
+        }
+
+        assert!(batches.slope().is_none());
+    }
+}
