@@ -13,14 +13,17 @@ Every file with its first line, crates and modules in reading order. Written by 
 ";
 
 /// Crates from the bottom layer up; a crate not named here comes last.
-const CRATES: [&str; 14] = [
+const CRATES: [&str; 17] = [
     "torquewise-motion",
-    "torquewise-sparse",
+    "torquewise-regression",
     "torquewise-model",
     "torquewise-dynamics",
     "torquewise-signals",
     "torquewise-logs",
     "torquewise-rigid",
+    "torquewise-survey",
+    "torquewise-stepwise",
+    "torquewise-diagnose",
     "torquewise-identify",
     "torquewise-report",
     "torquewise-excite",

@@ -6,10 +6,10 @@ use crate::recorded::SignalArguments;
 use crate::selection::{Friction, SelectionArguments};
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
-use torquewise::identify::activation::Scaling;
 use torquewise::identify::plan::Regression;
 use torquewise::identify::{LibraryKind, PatternPlan, Plan};
 use torquewise::logs::Logs;
+use torquewise::stepwise::activation::Scaling;
 
 /// Constants of the activation index.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]

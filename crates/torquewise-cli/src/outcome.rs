@@ -15,8 +15,8 @@ use torquewise::identify::IdentifyError;
 use torquewise::logs::LogError;
 use torquewise::model::ModelError;
 use torquewise::motion::MotionError;
+use torquewise::regression::SparseError;
 use torquewise::report::ReportError;
-use torquewise::sparse::SparseError;
 
 /// What a command found.
 #[derive(Clone, Debug, Default)]

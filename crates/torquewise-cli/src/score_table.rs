@@ -2,8 +2,8 @@
 
 use crate::table::{Table, number};
 use serde_json::{Value, json};
+use torquewise::diagnose::score::JointScore;
 use torquewise::identify::Scores;
-use torquewise::identify::score::JointScore;
 
 /// One line per joint.
 pub(crate) fn text(scores: &Scores) -> String {

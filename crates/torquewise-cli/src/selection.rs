@@ -6,10 +6,10 @@ use clap::{Args, ValueEnum};
 use torquewise::identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
 use torquewise::identify::settings::Settings;
 use torquewise::identify::{LibraryKind, Method, Plan};
-use torquewise::sparse::select::Selector;
-use torquewise::sparse::select::criterion::Criterion;
-use torquewise::sparse::select::lasso::Lasso;
-use torquewise::sparse::select::stlsq::Stlsq;
+use torquewise::regression::select::Selector;
+use torquewise::regression::select::criterion::Criterion;
+use torquewise::regression::select::lasso::Lasso;
+use torquewise::regression::select::stlsq::Stlsq;
 
 /// Friction beside inertia, Coriolis and gravity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

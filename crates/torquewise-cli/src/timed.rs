@@ -5,10 +5,9 @@ use indicatif::ProgressBar;
 use std::time::Instant;
 use torquewise::identify::reconstruct::Solution;
 use torquewise::identify::rounds::Request;
-use torquewise::identify::{
-    IdentifyError, Plan, Progress, Reconstruction, Summary, reconstruct, solve,
-};
+use torquewise::identify::{IdentifyError, Plan, Reconstruction, Summary, reconstruct, solve};
 use torquewise::motion::Recording;
+use torquewise::survey::Progress;
 
 /// A reconstruction and the time it took by the clock.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 
 use torquewise_identify::IdentifyError;
 use torquewise_motion::MotionError;
-use torquewise_sparse::SparseError;
+use torquewise_regression::SparseError;
 
 /// Why a motion cannot be planned.
 #[derive(Debug, thiserror::Error)]

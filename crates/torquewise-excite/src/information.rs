@@ -8,7 +8,7 @@ use faer::linalg::cholesky::llt::factor::{
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Mat, MatRef, Par, Spec};
-use torquewise_sparse::products::add_gram;
+use torquewise_regression::products::add_gram;
 
 /// Σ aᵀa over rows a, plus a small multiple of one, and its factor. One thread, so that the same
 /// rows give the same bits.

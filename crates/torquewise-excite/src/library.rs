@@ -9,9 +9,9 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_identify::LibraryKind;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
-use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_stepwise::candidates::Candidates;
 
 /// Columns at most: a factorisation takes about a second then.
 const MOST_COLUMNS: usize = 3_000;

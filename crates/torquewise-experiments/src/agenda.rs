@@ -175,7 +175,7 @@ fn test_of<'a>(
 fn work_of(plan: &TrialPlan) -> usize {
     use torquewise_identify::LibraryKind;
     use torquewise_identify::plan::Regression;
-    use torquewise_sparse::select::Selector;
+    use torquewise_regression::select::Selector;
     let joints = torquewise_dynamics::arms()
         .into_iter()
         .find(|arm| arm.name == plan.scenario.arm)

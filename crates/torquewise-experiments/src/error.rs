@@ -7,9 +7,9 @@ use torquewise_excite::ExciteError;
 use torquewise_identify::IdentifyError;
 use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
+use torquewise_regression::SparseError;
 use torquewise_report::ReportError;
 use torquewise_signals::SignalError;
-use torquewise_sparse::SparseError;
 
 /// Why there are no results, figures or report.
 #[derive(Debug, thiserror::Error)]

@@ -1,12 +1,12 @@
 //! Name → plan: the methods that are compared, and the one choice in which variants differ.
 
 use serde::Serialize;
-use torquewise_identify::activation::Scaling;
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_identify::{PatternPlan, Plan};
-use torquewise_sparse::select::Selector;
-use torquewise_sparse::select::lasso::Lasso;
-use torquewise_sparse::select::stlsq::Stlsq;
+use torquewise_regression::select::Selector;
+use torquewise_regression::select::lasso::Lasso;
+use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_stepwise::activation::Scaling;
 
 /// A coefficient larger than this counts as active in the paper.
 pub const ACTIVE: f64 = 0.1;

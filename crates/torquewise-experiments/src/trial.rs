@@ -5,9 +5,10 @@ use crate::method::{ACTIVE, MethodPlan};
 use crate::scenario::Scenario;
 use cpu_time::ThreadTime;
 use std::time::Duration;
-use torquewise_identify::{Progress, reconstruct, score};
+use torquewise_identify::{reconstruct, score};
 use torquewise_model::{Form, Model};
 use torquewise_motion::Motion;
+use torquewise_survey::Progress;
 
 /// What is to be tried.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,12 +3,12 @@
 use divan::Bencher;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::LibraryKind;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
-use torquewise_sparse::accumulate::{Lanes, Prepared, Route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::accumulate::{Lanes, Prepared, Route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::samples::Samples;
+use torquewise_stepwise::candidates::Candidates;
 
 const ROWS: usize = 60_000;
 const RATE: f64 = 250.0;

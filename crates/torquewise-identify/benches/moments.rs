@@ -10,12 +10,12 @@ use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 use std::hint::black_box;
 use torquewise_identify::LibraryKind;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
-use torquewise_sparse::accumulate::{Prepared, Route};
-use torquewise_sparse::moments::MomentPlan;
-use torquewise_sparse::row_sums::RowAdder;
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::accumulate::{Prepared, Route};
+use torquewise_regression::moments::MomentPlan;
+use torquewise_regression::row_sums::RowAdder;
+use torquewise_regression::samples::Samples;
+use torquewise_stepwise::candidates::Candidates;
 
 const BLOCK: usize = 1024;
 const ROUNDS: usize = 9;

@@ -1,10 +1,10 @@
 //! Products of sines and cosines → harmonics of joint sums, in which parallel axes need fewer (E4).
 
-use crate::candidates::waves_of;
 use std::collections::BTreeMap;
 use torquewise_model::term::Factor;
 use torquewise_model::{EnergyTerm, Term, Trig};
-use torquewise_sparse::atom::{Phase, Wave};
+use torquewise_regression::atom::{Phase, Wave};
+use torquewise_stepwise::candidates::waves_of;
 
 /// Energy terms with their coefficients, equal terms added up.
 pub(crate) type Energies = BTreeMap<EnergyTerm, f64>;

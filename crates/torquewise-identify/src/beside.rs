@@ -1,12 +1,12 @@
 //! Friction, rotors, springs → columns: what loads a joint beside the links of the arm.
 
-use crate::friction::Dictionary;
 use crate::states::States;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_motion::Motion;
+use torquewise_survey::friction::Dictionary;
 
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,12 +1,12 @@
 //! One log filtered at several cut-offs → the cut-off, by torque predicted on held-out blocks.
 
-use crate::held_out::{BLOCKS, Trial, choose_worth, listed};
-use crate::rough::{Normal, columns};
 use faer::Mat;
 use std::f64::consts::TAU;
 use std::ops::Range;
+use torquewise_diagnose::rough::{Normal, columns};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
+use torquewise_survey::held_out::{BLOCKS, Trial, choose_worth, listed};
 
 /// Cut-offs worth trying, as multiples of the one that spectra suggest; that one comes first.
 pub const MULTIPLES: [f64; 5] = [1.0, 0.5, std::f64::consts::FRAC_1_SQRT_2, 1.5, 2.0];

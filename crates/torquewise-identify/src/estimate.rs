@@ -1,13 +1,15 @@
 //! A chain and a log → the chain refitted on every row, physical, with its covariance (E11) (E14).
 //!
 //! The search finds the structure on a sample. Here every row counts: a [`Linearisation`] says
-//! where the torque is linearised, a pass over the logs adds up normal equations, and `solve` takes the
-//! step.
+//! where the torque is linearised, a pass over the logs adds up normal equations, and these say
+//! where to linearise next.
 
 mod linearisation;
 mod nominal;
 mod pass;
 mod equations;
+mod step;
+mod tuning;
 mod solve;
 mod refine;
 
@@ -16,4 +18,5 @@ pub(crate) use linearisation::Structure;
 pub(crate) use nominal::Sizes;
 pub use pass::add_up;
 pub(crate) use refine::{Next, Passes, refine};
-pub(crate) use solve::{STRENGTH, Solved};
+pub(crate) use solve::Solved;
+pub(crate) use tuning::STRENGTH;

@@ -1,12 +1,15 @@
 //! Log → Reconstruction: what was found, how, and what was said on the way.
 
-use crate::form::Dropped;
-use crate::noise::NoiseFloor;
-use crate::patterns::Patterns;
-use crate::survey::Survey;
 use crate::warning::Warning;
 use torquewise_model::Model;
-use torquewise_sparse::accumulate::Route;
+use torquewise_stepwise::fit::LibraryFit;
+use torquewise_stepwise::form::Dropped;
+use torquewise_stepwise::patterns::Patterns;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::survey::Survey;
+
+pub use torquewise_stepwise::fit::StepReport;
+pub use torquewise_survey::progress::Progress;
 
 /// What was found, and how.
 #[derive(Clone, Debug)]
@@ -29,38 +32,11 @@ pub struct Reconstruction {
     pub warnings: Vec<Warning>,
 }
 
-/// One step of the reconstruction.
-#[derive(Clone, Debug)]
-pub struct StepReport {
-    /// Name of its pattern.
-    pub name: &'static str,
-    /// Its rows.
-    pub rows: usize,
-    /// Candidates offered.
-    pub candidates: usize,
-    /// Terms found so far that act on each joint, n.
-    pub active: Vec<usize>,
-    /// How its normal equations were come by.
-    pub route: Route,
-}
-
-/// A stage of the work, told when it begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// The log is looked through.
-    Survey,
-    /// Rows are clustered.
-    Patterns,
-    /// The geometry of the arm is learned (E8).
-    Geometry,
-    /// Normal equations are summed.
-    Evidence,
-    /// Terms are selected in a step, counted from 1.
-    Step(usize),
-    /// The kept terms are fitted on all rows.
-    Refit,
-    /// Terms that were not offered are tried (E10).
-    Overlooked,
-    /// All is done.
-    Done,
+impl Reconstruction {
+    /// What the steps found in a library, with what the user should know of it.
+    pub(crate) fn of_library(survey: Survey, fit: LibraryFit) -> Self {
+        let warnings = Warning::of_library(&survey, &fit);
+        let LibraryFit { model, patterns, noise, candidates, steps, dropped, .. } = fit;
+        Self { model, survey, patterns, noise, candidates, steps, dropped, warnings }
+    }
 }

@@ -1,8 +1,8 @@
 //! What a file holds → its bytes and back: versioned, checksummed.
 
-use crate::error::IdentifyError;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use torquewise_survey::error::IdentifyError;
 
 /// Raised whenever what is summed, or how it is written, changes.
 const VERSION: u32 = 4;

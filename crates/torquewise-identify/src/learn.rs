@@ -1,17 +1,17 @@
 //! A sample of a log → chain: the geometry of the arm, its masses and its friction (E8).
 
 use crate::beside::{Beside, columns};
-use crate::error::IdentifyError;
-use crate::friction::Dictionary;
-use crate::held_out::Trial;
 use crate::plan::{ChainOptions, FrictionKind};
-use crate::survey::thinned;
 use crate::trial::{Recipe, record, record_best, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Rows, Search, refine, search};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::friction::Dictionary;
+use torquewise_survey::held_out::Trial;
+use torquewise_survey::survey::thinned;
 
 mod further;
 mod loads;

@@ -1,36 +1,16 @@
 //! From a motion log to equations of motion.
 //!
-//! [`reconstruct`](reconstruct::reconstruct) is the method on one page. It reads each log twice, in
-//! fixed memory: once to look around, once to sum what a fit needs of it. These sums, a
-//! [`Summary`], add up without rounding: those of many logs may be taken apart, saved, merged in
-//! any order, and [solved](solve) for the model that fitting all logs together gives, bit for bit.
+//! [`reconstruct`](reconstruct::reconstruct) joins the two ways: the steps of the paper over a
+//! library, and a chain of rigid bodies that is learned. It reads each log twice, in fixed memory:
+//! once to look around, once to sum what a fit needs of it. These sums, a [`Summary`], add up
+//! without rounding: those of many logs may be taken apart, saved, merged in any order, and
+//! [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
-pub mod error;
-pub mod activation;
-mod even;
-pub mod noise;
-pub mod survey;
-mod rough;
-pub mod excitation;
-pub mod patterns;
 pub mod plan;
-mod friction;
 mod states;
 mod beside;
-pub mod candidates;
 mod basis;
-mod rows;
-pub mod evidence;
-mod step;
-mod held_out;
 pub mod cutoff;
-mod settle;
-mod factor;
-mod base;
-mod spread;
-mod refit;
-pub mod form;
-pub mod disagreement;
 pub mod warning;
 pub mod estimate;
 mod trial;
@@ -43,18 +23,13 @@ pub mod rounds;
 pub mod settings;
 pub mod summary;
 mod summary_file;
-pub mod score;
 pub mod reconstruct;
-pub mod diagnose;
-pub mod orders;
 
-pub use diagnose::{Diagnosis, diagnose};
-pub use error::IdentifyError;
-pub use found::{Progress, Reconstruction};
-pub use patterns::{PatternPlan, Patterns, find_patterns};
-pub use plan::{LibraryKind, Method, Plan};
-pub use reconstruct::{reconstruct, solve};
-pub use score::{Scores, score};
+pub use found::Reconstruction;
+pub use plan::{Method, Plan};
+pub use reconstruct::{Solution, reconstruct, solve};
 pub use summary::{Summary, summarise};
-pub use survey::{Survey, survey};
+pub use torquewise_diagnose::{Diagnosis, Scores, diagnose, score};
+pub use torquewise_stepwise::{LibraryKind, PatternPlan, Patterns, find_patterns};
+pub use torquewise_survey::{IdentifyError, Survey, survey};
 pub use warning::Warning;

@@ -1,13 +1,9 @@
 //! Learned chain → the terms it was not offered, and what each would explain of its residual (E10).
 
 use crate::beside::Beside;
-use crate::candidates::largest_energy_library;
-use crate::error::IdentifyError;
-use crate::held_out::{BLOCKS, mean, split, standard_error};
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
 use crate::states::States;
-use crate::survey::{Survey, thinned};
 use crate::warning::UntriedTerm;
 use faer::Mat;
 use rayon::prelude::*;
@@ -15,7 +11,11 @@ use std::cmp::Ordering;
 use std::ops::Range;
 use torquewise_model::model::{Overlooked, Unused};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
-use torquewise_sparse::screen::{Gain, Screen};
+use torquewise_regression::screen::{Gain, Screen};
+use torquewise_stepwise::candidates::largest_energy_library;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::held_out::{BLOCKS, mean, split, standard_error};
+use torquewise_survey::survey::{Survey, thinned};
 
 /// Terms of the energy library at most: all of them up to seven joints.
 const MOST_TRIED: usize = 60_000;

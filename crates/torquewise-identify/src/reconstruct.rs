@@ -1,28 +1,15 @@
-//! Recording → Reconstruction: the whole method on one page.
+//! Recording → Reconstruction: sums of its logs, then the steps of the paper or a learned chain.
 
-use crate::candidates::{Candidates, Group};
-use crate::error::IdentifyError;
-use crate::evidence::{Evidence, Step, one_shot, plan_steps};
-use crate::factor::Kept;
-use crate::form::{dropped, form, friction_of};
-use crate::found::{Progress, Reconstruction, StepReport};
-use crate::noise::NoiseFloor;
-use crate::patterns::{Patterns, find_patterns};
-use crate::plan::{ChainOptions, LibraryOptions, Method, Plan, Regression};
-use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
+use crate::found::{Progress, Reconstruction};
+use crate::plan::{ChainOptions, Method, Plan};
 use crate::rounds::{Request, Round};
-use crate::score::score;
-use crate::settings::Basis;
-use crate::settle::{Settled, settle};
-use crate::step;
 use crate::summary::{Pass, Summary, summarise};
-use crate::survey::Survey;
-use crate::warning::Warning;
-use rayon::prelude::*;
-use torquewise_model::model::Choice;
-use torquewise_model::{Model, Stage};
+use torquewise_diagnose::score::score;
 use torquewise_motion::Recording;
-use torquewise_sparse::select::Selector;
+use torquewise_stepwise::patterns::find_patterns;
+use torquewise_stepwise::reconstruct as stepwise;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::survey::Survey;
 
 /// What solving came to.
 #[derive(Debug)]
@@ -79,8 +66,9 @@ pub fn solve(
     require_rows(&survey)?;
     match &plan.method {
         Method::Library(options) => {
-            let found = by_library(summary, survey, options, plan.seed, progress)?;
-            Ok(Solution::Model(Box::new(found)))
+            let sums = summary.library_sums()?;
+            let fit = stepwise::reconstruct(&survey, sums, options, plan.seed, progress)?;
+            Ok(Solution::Model(Box::new(Reconstruction::of_library(survey, fit))))
         }
         Method::Chain(options) => by_chain(&summary, survey, options, plan.seed, progress),
     }
@@ -112,49 +100,6 @@ fn by_chain(
     }
 }
 
-/// Standstill, uniform and variable velocity in turn, each explaining what the earlier ones leave
-/// (8)–(10), (14)–(16); last all kept terms together on all rows (E6). One-shot SINDy is the same
-/// with a single step.
-fn by_library(
-    mut summary: Summary,
-    survey: Survey,
-    options: &LibraryOptions,
-    seed: u64,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Reconstruction, IdentifyError> {
-    let mut patterns = find_patterns(&survey, &summary.settings().patterns)?;
-    let (mut basis, options) = summary.settings().basis_for(options)?;
-    let Settled { library, selector, choices, .. } = settle(&survey, &options, summary.friction())?;
-    let options = LibraryOptions { selector, ..options };
-    basis.candidates.limit_to(library);
-    if options.regression == Regression::Stepwise {
-        patterns.present = summary.settle(&basis, &patterns.present)?;
-    }
-    let candidates = &basis.candidates;
-    let (steps, orphans) = match options.regression {
-        Regression::Stepwise => plan_steps(candidates, &patterns.present),
-        Regression::OneShot => (one_shot(candidates), Vec::new()),
-    };
-    let noise = summary.still().unwrap_or_else(|| survey.noise.clone());
-
-    let mut found = Found::new(candidates, survey.rows, choices);
-    for (place, step) in steps.iter().enumerate() {
-        progress(Progress::Step(place + 1));
-        found.take_step(step, &summary.evidence(&basis, step), &options.selector)?;
-    }
-
-    progress(Progress::Refit);
-    let bias =
-        if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted =
-        found.refit(&summary, &basis, &survey, &found.refit_plan(&options, seed, &bias))?;
-
-    progress(Progress::Done);
-    let regression = options.regression;
-    let warnings = Warning::all(&survey, &patterns, regression, candidates, &orphans, &refitted);
-    Ok(found.report(survey, patterns, noise, refitted, warnings))
-}
-
 /// Fewer rows cannot be told from chance.
 const LEAST_ROWS: usize = 50;
 
@@ -164,161 +109,4 @@ fn require_rows(survey: &Survey) -> Result<(), IdentifyError> {
         return Ok(());
     }
     Err(IdentifyError::TooFewRows { rows: survey.rows, needed: LEAST_ROWS, joints })
-}
-
-/// The model as it grows.
-struct Found<'a> {
-    candidates: &'a Candidates,
-    groups: Vec<Group>,
-    /// Weight of each candidate, per group.
-    weights: Vec<Vec<f64>>,
-    /// Weight of the rows of each equation, per group.
-    row_weights: Vec<Vec<f64>>,
-    stages: Vec<Stage>,
-    reports: Vec<StepReport>,
-    /// Rows of the log.
-    rows: usize,
-    choices: Vec<Choice>,
-}
-
-impl<'a> Found<'a> {
-    fn new(candidates: &'a Candidates, rows: usize, choices: Vec<Choice>) -> Self {
-        let groups = candidates.groups();
-        let weights = vec![vec![0.0; candidates.len()]; groups.len()];
-        let row_weights = groups.iter().map(|group| vec![1.0; group.equations.len()]).collect();
-        let (stages, reports) = (Vec::new(), Vec::new());
-        Self { candidates, groups, weights, row_weights, stages, reports, rows, choices }
-    }
-
-    /// Regresses what is unexplained on the rows of a step, and adds what was found.
-    fn take_step(
-        &mut self,
-        step: &Step,
-        evidence: &Evidence,
-        selector: &Selector,
-    ) -> Result<(), IdentifyError> {
-        // Joints with coefficients of their own are independent regressions.
-        let found: Vec<_> = (self.groups.par_iter().zip(&self.weights))
-            .map(|(group, known)| step::select(step, evidence, group, known, selector))
-            .collect::<Result<_, _>>()
-            .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
-        for (place, found) in found.into_iter().enumerate() {
-            let known = &mut self.weights[place];
-            for &column in &step.offered {
-                known[column] = 0.0;
-            }
-            for (column, weight) in found {
-                known[column] = weight;
-            }
-            let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-            self.row_weights[place] = step::noise_weights(evidence, &self.groups[place], &total);
-        }
-        let terms = self.terms();
-        let form = form(self.candidates, &terms);
-        let friction = friction_of(self.candidates, &terms);
-        let mut active = form.active(self.candidates.design.n_angles());
-        for (joint, count) in active.iter_mut().enumerate() {
-            *count += friction.iter().filter(|law| law.term.acts_on(joint)).count();
-        }
-        self.reports.push(StepReport {
-            name: step.name(),
-            rows: evidence.rows,
-            candidates: step.offered.len(),
-            active,
-            route: evidence.route,
-        });
-        self.stages.push(Stage {
-            name: step.name().into(),
-            rows: evidence.rows,
-            candidates: step.offered.len(),
-            form,
-            friction,
-        });
-        Ok(())
-    }
-
-    /// What is found so far, per group; errors are not known yet.
-    fn terms(&self) -> Vec<Vec<FittedTerm>> {
-        let term = |(column, &coefficient): (usize, &f64)| FittedTerm {
-            column,
-            coefficient,
-            std_error: 0.0,
-            inclusion: None,
-        };
-        let found = |weights: &Vec<f64>| -> Vec<FittedTerm> {
-            weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(term).collect()
-        };
-        self.weights.iter().map(found).collect()
-    }
-
-    /// What the last fit is asked, whose noise is taken out.
-    fn refit_plan<'n>(
-        &self,
-        options: &LibraryOptions,
-        seed: u64,
-        noise: &'n NoiseFloor,
-    ) -> RefitPlan<'n> {
-        let rows = self.rows;
-        let least_t_squared = match options.selector {
-            Selector::Criterion(criterion) => {
-                criterion.threshold(rows as f64, self.candidates.len())
-            }
-            _ => 0.0,
-        };
-        let least_size = options.threshold.unwrap_or(0.0);
-        RefitPlan { noise, seed, least_t_squared, least_size, bags: options.bags, rows }
-    }
-
-    fn refit(
-        &self,
-        summary: &Summary,
-        basis: &Basis,
-        survey: &Survey,
-        plan: &RefitPlan<'_>,
-    ) -> Result<Vec<Refitted>, IdentifyError> {
-        let kept: Vec<Kept> = self
-            .terms()
-            .iter()
-            .zip(self.groups.iter().zip(&self.row_weights))
-            .map(|(found, (group, weights))| Kept {
-                group: group.clone(),
-                columns: found.iter().map(|term| term.column).collect(),
-                weights: weights.clone(),
-            })
-            .collect();
-        let all = summary.whole(basis)?;
-        let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
-        refit(&survey.sample, self.candidates, &kept, &whole, plan)
-    }
-
-    fn report(
-        self,
-        survey: Survey,
-        patterns: Patterns,
-        noise: NoiseFloor,
-        refitted: Vec<Refitted>,
-        warnings: Vec<Warning>,
-    ) -> Reconstruction {
-        let terms: Vec<_> = refitted.iter().map(|group| group.terms.clone()).collect();
-        let dropped = dropped(self.candidates, &refitted);
-        let left = refitted.into_iter().flat_map(|group| group.residual_rms).collect();
-        let training = survey.training(left);
-        let form = form(self.candidates, &terms);
-        let friction = friction_of(self.candidates, &terms);
-        let joints = survey.joints.clone();
-        let (stages, choices) = (self.stages, self.choices);
-        let chain = None;
-        let model = Model { joints, form, chain, friction, stages, training, choices };
-        let candidates = self.candidates.len();
-        Reconstruction {
-            model,
-            survey,
-            patterns,
-            noise,
-            candidates,
-            steps: self.reports,
-            dropped,
-            warnings,
-        }
-    }
 }

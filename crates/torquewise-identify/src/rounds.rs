@@ -5,16 +5,12 @@
 
 use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
-use crate::error::IdentifyError;
 use crate::estimate::{Linearisation, Next, Passes, STRENGTH, Sizes, Solved, Structure, refine};
 use crate::found::{Progress, Reconstruction, StepReport};
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
-use crate::noise::NoiseFloor;
 use crate::overlooked::{Tried, overlooked};
-use crate::patterns::Patterns;
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::prune::prune;
-use crate::survey::{Survey, thinned};
 use crate::warning::{UntriedTerm, Warning};
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -24,9 +20,13 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, Overlooked};
 use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Weighted};
+use torquewise_regression::accumulate::Route;
+use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_sparse::accumulate::Route;
-use torquewise_sparse::normal_sums::{FOLDS, NormalSums};
+use torquewise_stepwise::patterns::Patterns;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::survey::{Survey, thinned};
 
 /// Terms beyond those of a chain at most.
 const MOST_FURTHER: usize = 12;
@@ -376,7 +376,7 @@ fn draws(
     let p = covariance.nrows();
     let eigen = covariance
         .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| torquewise_sparse::SparseError::NotSolvable)?;
+        .map_err(|_| torquewise_regression::SparseError::NotSolvable)?;
     let deviations: Vec<f64> =
         eigen.S().column_vector().iter().map(|value| value.max(0.0).sqrt()).collect();
     let known = chain.parameters(friction);

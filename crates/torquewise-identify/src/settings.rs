@@ -1,19 +1,12 @@
 //! Plan, recording → settings: what logs are summed under, and the columns that are summed.
 
-use crate::candidates::Candidates;
-use crate::error::IdentifyError;
-use crate::found::Progress;
-use crate::patterns::PatternPlan;
-use crate::plan::{FrictionKind, LibraryKind, LibraryOptions, Plan, Regression};
-use crate::settle::choose_laws;
-use crate::survey::survey;
+use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
-use torquewise_model::model::Choice;
 use torquewise_motion::{Pattern, Recording};
-use torquewise_sparse::accumulate::{Prepared, Route, cheaper_route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::row_sums::RowSums;
+use torquewise_stepwise::library::{Basis, SummedLibrary};
+use torquewise_stepwise::patterns::PatternPlan;
+use torquewise_survey::error::IdentifyError;
 
 /// What logs are summed under. Summaries made under different settings do not add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,51 +21,6 @@ pub struct Settings {
     pub signals: String,
     /// Whether they were filtered at all.
     pub filtered: bool,
-}
-
-/// Which columns are summed, and over which rows together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SummedLibrary {
-    /// Candidates.
-    pub kind: LibraryKind,
-    /// One-shot or stepwise: one sum over all rows, or one for each pattern.
-    pub regression: Regression,
-    /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
-    /// that summaries with friction are neither written nor merged.
-    #[serde(skip)]
-    pub friction: Vec<FrictionTerm>,
-}
-
-/// The candidates of a summary, made ready to be summed.
-pub(crate) struct Basis {
-    pub(crate) candidates: Candidates,
-    pub(crate) prepared: Prepared,
-    pub(crate) route: Route,
-    pub(crate) n_joints: usize,
-}
-
-/// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
-/// size come by different routes and do not add up.
-const USUAL_ROWS: usize = 1 << 18;
-
-impl SummedLibrary {
-    /// The library of a fit with laws of friction that suit a recording, and how these were chosen.
-    pub(crate) fn of(
-        recording: &(impl Recording + ?Sized),
-        options: &LibraryOptions,
-        progress: &mut dyn FnMut(Progress),
-    ) -> Result<(Self, Vec<Choice>), IdentifyError> {
-        let LibraryOptions { library: kind, regression, friction, .. } = *options;
-        let (friction, choices) = if friction == FrictionKind::None {
-            (Vec::new(), Vec::new())
-        } else {
-            progress(Progress::Survey);
-            let survey = survey(recording)?;
-            survey.sample.require_tau()?;
-            choose_laws(&survey, options)?
-        };
-        Ok((Self { kind, regression, friction }, choices))
-    }
 }
 
 impl Settings {
@@ -95,39 +43,12 @@ impl Settings {
 
     /// The candidates, unless a chain is learned.
     pub(crate) fn basis(&self) -> Result<Option<Basis>, IdentifyError> {
-        let Some(SummedLibrary { kind, regression, friction }) = &self.library else {
-            return Ok(None);
-        };
-        let n_joints = self.joints.len();
-        let laws = friction.clone();
-        let candidates = Candidates::with_friction(n_joints, *kind, *regression, laws)?;
-        let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
-        let prepared = Prepared::new(&candidates.design, route);
-        Ok(Some(Basis { candidates, prepared, route, n_joints }))
-    }
-
-    /// The candidates that were summed, and options with what was settled then.
-    ///
-    /// # Errors
-    /// [`IdentifyError::NoLibrary`] if nothing was summed.
-    pub(crate) fn basis_for(
-        &self,
-        options: &LibraryOptions,
-    ) -> Result<(Basis, LibraryOptions), IdentifyError> {
-        let (Some(basis), Some(library)) = (self.basis()?, &self.library) else {
-            return Err(IdentifyError::NoLibrary);
-        };
-        let (library, regression) = (library.kind, library.regression);
-        Ok((basis, LibraryOptions { library, regression, ..options.clone() }))
+        self.library.as_ref().map(|library| library.basis(self.joints.len())).transpose()
     }
 
     /// The patterns whose rows are summed apart; `None` stands for all rows.
     pub(crate) fn parts(&self) -> Vec<Option<Pattern>> {
-        match self.library.as_ref().map(|library| library.regression) {
-            Some(Regression::Stepwise) => Pattern::ALL.map(Some).into(),
-            Some(Regression::OneShot) => vec![None],
-            None => Vec::new(),
-        }
+        self.library.as_ref().map_or_else(Vec::new, SummedLibrary::parts)
     }
 
     /// Laws of friction among the candidates.
@@ -164,12 +85,5 @@ impl Settings {
             Some((what, expected, found)) => Err(IdentifyError::Apart { what, expected, found }),
             None => Ok(()),
         }
-    }
-}
-
-impl Basis {
-    /// The normal equations of some candidates over rows.
-    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<Gram> {
-        rows.grams(&self.prepared, self.n_joints, columns)
     }
 }

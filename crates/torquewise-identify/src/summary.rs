@@ -1,25 +1,21 @@
 //! Recording → summary: all that a fit needs of its logs, in sums that add up without rounding.
 
-use crate::error::IdentifyError;
 use crate::estimate::add_up;
-use crate::evidence::{Evidence, Step};
 use crate::found::Progress;
-use crate::noise::{NoiseFloor, NoiseSum};
-use crate::patterns::{LEAST_SHARE, Patterns, find_patterns, place_of};
 use crate::plan::{Method, Plan};
 use crate::rounds::Request;
-use crate::rows::{Gathering, clear_of_reversals, samples_of};
-use crate::settings::{Basis, Settings, SummedLibrary};
-use crate::survey::{Survey, SurveySum};
+use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
-use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_motion::{Motion, Pattern, ReadError, Recording};
-use torquewise_sparse::SparseError;
-use torquewise_sparse::normal_sums::NormalSums;
-use torquewise_sparse::row_sums::{RowAdder, RowSums};
-use torquewise_sparse::samples::Samples;
+use torquewise_motion::Recording;
+use torquewise_regression::normal_sums::NormalSums;
+use torquewise_regression::row_sums::RowSums;
+use torquewise_stepwise::library::{Basis, SummedLibrary};
+use torquewise_stepwise::patterns::find_patterns;
+use torquewise_stepwise::sums::{LibrarySums, Sorter};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseSum;
+use torquewise_survey::survey::{Survey, SurveySum};
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.
 ///
@@ -135,8 +131,8 @@ pub fn summarise_again(
 impl Summary {
     fn new(settings: Settings, basis: Option<&Basis>) -> Self {
         let n = settings.joints.len();
-        let none = |basis: &Basis| RowSums::new(&basis.prepared, n);
-        let sums = basis.map_or_else(Vec::new, |basis| vec![none(basis); settings.parts().len()]);
+        let none = |basis: &Basis| vec![basis.no_rows(); settings.parts().len()];
+        let sums = basis.map_or_else(Vec::new, none);
         let (survey, still) = (SurveySum::new(&settings.joints), NoiseSum::new(n));
         Self { settings, logs: 0, survey, still, sums, choices: Vec::new(), pass: None }
     }
@@ -144,11 +140,6 @@ impl Summary {
     /// What its logs were summed under.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// Laws of friction among its candidates, and how they were chosen.
-    pub(crate) fn friction(&self) -> (&[FrictionTerm], &[Choice]) {
-        (self.settings.friction(), &self.choices)
     }
 
     /// The request that its rows were summed for, if a chain asked for a pass.
@@ -204,110 +195,14 @@ impl Summary {
         self.survey.finish()
     }
 
-    /// The noise at standstill, if enough rows stand still.
-    pub(crate) fn still(&self) -> Option<NoiseFloor> {
-        self.still.finish_still()
-    }
-
-    /// The patterns that some log shows in more than a few rows, of those that all logs together
-    /// show: a short log may take its slowest motion for none. The rows of the others join those of
-    /// variable velocity, which assume nothing. Where all rows are one sum, the patterns stay.
-    pub(crate) fn settle(
-        &mut self,
-        basis: &Basis,
-        together: &[Pattern],
-    ) -> Result<Vec<Pattern>, IdentifyError> {
-        if self.sums.len() < Pattern::ALL.len() {
-            return Ok(together.to_vec());
-        }
-        let least = LEAST_SHARE * self.rows() as f64;
-        let last = place_of(Pattern::VariableVelocity);
-        let mut present = Vec::new();
-        for pattern in Pattern::ALL {
-            let place = place_of(pattern);
-            let is_shown = place == last || together.contains(&pattern);
-            if is_shown && self.sums[place].rows() as f64 > least {
-                present.push(pattern);
-            } else if place != last {
-                let none = RowSums::new(&basis.prepared, basis.n_joints);
-                let few = std::mem::replace(&mut self.sums[place], none);
-                self.sums[last].merge(&few)?;
-            }
-        }
-        Ok(present)
-    }
-
-    /// What the rows of a step say of its columns.
-    pub(crate) fn evidence(&self, basis: &Basis, step: &Step) -> Evidence {
-        let sums = &self.sums[step.pattern.map_or(0, place_of)];
-        let grams = sums.grams(&basis.prepared, basis.n_joints, &step.columns);
-        Evidence { grams, route: basis.route, rows: sums.rows() }
-    }
-
-    /// All rows as one.
-    pub(crate) fn whole(&self, basis: &Basis) -> Result<RowSums, SparseError> {
-        let mut whole = RowSums::new(&basis.prepared, basis.n_joints);
-        self.sums.iter().try_for_each(|sums| whole.merge(sums))?;
-        Ok(whole)
-    }
-}
-
-/// Hands each row of a log to the sums of its pattern.
-struct Sorter<'a> {
-    patterns: &'a Patterns,
-    friction: &'a [FrictionTerm],
-    noise: NoiseSum,
-    bins: Vec<Bin<'a>>,
-}
-
-struct Bin<'a> {
-    /// Whose rows; `None` for all.
-    pattern: Option<Pattern>,
-    gathering: Gathering,
-    adder: RowAdder<'a>,
-}
-
-impl<'a> Sorter<'a> {
-    fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
-        let (n, friction) = (basis.n_joints, &basis.candidates.friction[..]);
-        let bin = |&pattern: &Option<Pattern>| Bin {
-            pattern,
-            gathering: Gathering::new(n, friction.len()),
-            adder: RowAdder::new(&basis.prepared, n),
-        };
-        let bins = parts.iter().map(bin).collect();
-        Self { patterns, friction, noise: NoiseSum::new(n), bins }
-    }
-
-    fn add(&mut self, block: &Motion) -> Result<(), ReadError> {
-        let labels = self.patterns.label(block);
-        self.noise.add(block, |row| labels[row] == Pattern::Standstill);
-        match clear_of_reversals(block, self.friction) {
-            Cow::Borrowed(block) => self.add_rows(block, &labels),
-            Cow::Owned(block) => self.add_rows(&block, &self.patterns.label(&block)),
-        }
-    }
-
-    fn add_rows(&mut self, block: &Motion, labels: &[Pattern]) -> Result<(), ReadError> {
-        let samples = samples_of(block, self.friction)?;
-        for bin in &mut self.bins {
-            for (row, &label) in labels.iter().enumerate() {
-                if bin.pattern.is_none_or(|pattern| pattern == label) {
-                    let full: Option<Samples> = bin.gathering.push(&samples, row);
-                    full.map_or(Ok(()), |full| bin.adder.push(full))?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn finish(self) -> Result<(Vec<RowSums>, NoiseSum), SparseError> {
-        let sums = self.bins.into_iter().map(|mut bin| {
-            if let Some(rest) = bin.gathering.take() {
-                bin.adder.push(rest)?;
-            }
-            bin.adder.finish()
-        });
-        Ok((sums.collect::<Result<_, _>>()?, self.noise))
+    /// What its logs were summed up to for a library.
+    ///
+    /// # Errors
+    /// [`IdentifyError::NoLibrary`] if nothing was.
+    pub(crate) fn library_sums(self) -> Result<LibrarySums, IdentifyError> {
+        let Settings { library, patterns, .. } = self.settings;
+        let library = library.ok_or(IdentifyError::NoLibrary)?;
+        let still = self.still.finish_still();
+        Ok(LibrarySums { library, patterns, sums: self.sums, still, choices: self.choices })
     }
 }

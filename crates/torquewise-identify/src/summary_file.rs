@@ -1,13 +1,13 @@
 //! Summary → bytes of a file and back: versioned, checksummed, the same for the same logs.
 
-use crate::error::IdentifyError;
 use crate::framed::{damaged, framed, unframed};
-use crate::noise::NoiseSum;
 use crate::settings::Settings;
 use crate::summary::{Pass, Summary};
-use crate::survey::SurveySum;
 use serde::{Deserialize, Serialize};
-use torquewise_sparse::row_sums::RowSums;
+use torquewise_regression::row_sums::RowSums;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseSum;
+use torquewise_survey::survey::SurveySum;
 
 /// First bytes of a file.
 const MAGIC: [u8; 8] = *b"twmoment";

@@ -1,11 +1,11 @@
 //! Recipe, rows → trial: a chain fitted with each block of time left out, and judged there.
 
 use crate::beside::Beside;
-use crate::error::IdentifyError;
-use crate::held_out::{BLOCKS, Trial, choose_worth, split};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::{Chain, Rows, Search, fit, refine};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::held_out::{BLOCKS, Trial, choose_worth, split};
 
 /// What a fit is made of, beside the geometry.
 #[derive(Clone, Debug)]

@@ -1,15 +1,13 @@
 //! Survey, patterns, fit → warnings: what the user should know, in words.
 
-use crate::candidates::Candidates;
-use crate::disagreement::Disagreement;
-use crate::excitation::{Finding, findings};
-use crate::patterns::Patterns;
-use crate::plan::Regression;
-use crate::refit::Refitted;
-use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use torquewise_diagnose::disagreement::Disagreement;
+use torquewise_diagnose::excitation::{Finding, findings};
 use torquewise_motion::Pattern;
+use torquewise_stepwise::fit::LibraryFit;
+use torquewise_stepwise::orders::OrderCurve;
+use torquewise_survey::survey::Survey;
 
 /// Something that does not stop the work but may spoil its result.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +79,8 @@ pub struct UntriedTerm {
 /// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
 const LARGEST_ANGLE: f64 = 50.0;
 
+/// A library that leaves this part of a joint's torque has explained little.
+const LITTLE: f64 = 0.5;
 /// What to make of a term that was overlooked.
 fn advice(friction: bool, refused: bool) -> &'static str {
     if friction {
@@ -95,31 +95,33 @@ fn advice(friction: bool, refused: bool) -> &'static str {
 }
 
 impl Warning {
-    pub(crate) fn all(
-        survey: &Survey,
-        patterns: &Patterns,
-        regression: Regression,
-        candidates: &Candidates,
-        orphans: &[usize],
-        refitted: &[Refitted],
-    ) -> Vec<Self> {
+    pub(crate) fn of_library(survey: &Survey, fit: &LibraryFit) -> Vec<Self> {
         let mut warnings = Self::of_survey(survey);
-        if regression == Regression::Stepwise {
-            let missing = Pattern::ALL.into_iter().filter(|name| !patterns.present.contains(name));
-            warnings.extend(missing.map(Self::PatternMissing));
+        warnings.extend(fit.missing.iter().copied().map(Self::PatternMissing));
+        if fit.unassigned > 0 {
+            warnings.push(Self::NotAsked { candidates: fit.unassigned });
         }
-        if !orphans.is_empty() {
-            warnings.push(Self::NotAsked { candidates: orphans.len() });
-        }
-        let mut dependent: Vec<usize> =
-            refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();
-        dependent.sort_unstable();
-        dependent.dedup();
-        if !dependent.is_empty() {
-            let name = |&column: &usize| candidates.name(column);
-            warnings.push(Self::Dependent { terms: dependent.iter().map(name).collect() });
+        if !fit.dependent.is_empty() {
+            warnings.push(Self::Dependent { terms: fit.dependent.clone() });
         }
         warnings
+    }
+
+    /// What to know before trusting the orders chosen.
+    ///
+    /// - `joints`: their names, n
+    pub fn of_orders(curves: &[OrderCurve], joints: &[String]) -> Vec<Self> {
+        let missing = Pattern::ALL
+            .into_iter()
+            .filter(|pattern| !curves.iter().any(|c| c.name == pattern.name()));
+        let unexplained = curves.iter().filter_map(|curve| {
+            let chosen = curve.points.get(curve.chosen)?;
+            let residuals = joints.iter().zip(&chosen.residual);
+            let (joint, &residual) = residuals.max_by(|a, b| a.1.total_cmp(b.1))?;
+            let (library, joint) = (curve.name.clone(), joint.clone());
+            (residual > LITTLE).then_some(Self::Unexplained { library, joint, residual })
+        });
+        missing.map(Self::NoOrder).chain(unexplained).collect()
     }
 
     pub(crate) fn of_survey(survey: &Survey) -> Vec<Self> {

@@ -6,7 +6,7 @@ use crate::recursion::{Kinematics, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};
-use torquewise_sparse::products::{add_gram_of_equations, product};
+use torquewise_regression::products::{add_gram_of_equations, product};
 
 /// The linear half of the fit: parameters that the torque is proportional to, at a fixed geometry.
 #[derive(Clone, Debug)]

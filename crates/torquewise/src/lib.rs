@@ -15,6 +15,7 @@
 //! ```
 
 pub use torquewise_control as control;
+pub use torquewise_diagnose as diagnose;
 pub use torquewise_dynamics as dynamics;
 pub use torquewise_excite as excite;
 pub use torquewise_experiments as experiments;
@@ -23,6 +24,8 @@ pub use torquewise_identify as identify;
 pub use torquewise_logs as logs;
 pub use torquewise_model as model;
 pub use torquewise_motion as motion;
+pub use torquewise_regression as regression;
 pub use torquewise_report as report;
 pub use torquewise_signals as signals;
-pub use torquewise_sparse as sparse;
+pub use torquewise_stepwise as stepwise;
+pub use torquewise_survey as survey;

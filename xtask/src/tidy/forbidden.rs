@@ -56,11 +56,11 @@ mod tests {
     use super::*;
 
     fn is_reported(path: &str, text: &str) -> bool {
-        !check(&Source::new("crates/torquewise-sparse", path, text)).is_empty()
+        !check(&Source::new("crates/torquewise-regression", path, text)).is_empty()
     }
 
-    const SHIPPED: &str = "crates/torquewise-sparse/src/gram.rs";
-    const TESTS: &str = "crates/torquewise-sparse/tests/contract.rs";
+    const SHIPPED: &str = "crates/torquewise-regression/src/gram.rs";
+    const TESTS: &str = "crates/torquewise-regression/tests/contract.rs";
 
     #[test]
     fn a_panic_on_bad_input_is_for_tests_only() {

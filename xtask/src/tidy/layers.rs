@@ -20,12 +20,15 @@ const fn layer(
 }
 
 const MOTION: &str = "torquewise-motion";
-const SPARSE: &str = "torquewise-sparse";
+const REGRESSION: &str = "torquewise-regression";
 const MODEL: &str = "torquewise-model";
 const RIGID: &str = "torquewise-rigid";
 const DYNAMICS: &str = "torquewise-dynamics";
 const LOGS: &str = "torquewise-logs";
 const SIGNALS: &str = "torquewise-signals";
+const SURVEY: &str = "torquewise-survey";
+const STEPWISE: &str = "torquewise-stepwise";
+const DIAGNOSE: &str = "torquewise-diagnose";
 const IDENTIFY: &str = "torquewise-identify";
 const CONTROL: &str = "torquewise-control";
 const REPORT: &str = "torquewise-report";
@@ -35,33 +38,47 @@ const EXPERIMENTS: &str = "torquewise-experiments";
 const FRONT_DOOR: &str = "torquewise";
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 16] = [
+const LAYERS: [Layer; 19] = [
     layer(MOTION, &[], &[]),
-    layer(SPARSE, &[], &[]),
-    layer(RIGID, &[SPARSE], &[MOTION, MODEL, DYNAMICS]),
+    layer(REGRESSION, &[], &[]),
+    layer(RIGID, &[REGRESSION], &[MOTION, MODEL, DYNAMICS]),
     layer(MODEL, &[MOTION, RIGID], &[DYNAMICS]),
     layer(DYNAMICS, &[MOTION, RIGID], &[]),
     layer(SIGNALS, &[MOTION], &[DYNAMICS]),
     layer(LOGS, &[MOTION, SIGNALS], &[DYNAMICS]),
-    layer(IDENTIFY, &[MOTION, SPARSE, MODEL, RIGID], &[DYNAMICS]),
-    layer(REPORT, &[MOTION, MODEL, IDENTIFY], &[DYNAMICS]),
+    // Of rigid, survey knows the error alone, which its own holds.
+    layer(SURVEY, &[MOTION, REGRESSION, MODEL, RIGID], &[DYNAMICS]),
+    layer(STEPWISE, &[MOTION, REGRESSION, MODEL, SURVEY], &[DYNAMICS]),
+    layer(DIAGNOSE, &[MOTION, MODEL, SURVEY, STEPWISE], &[DYNAMICS]),
+    layer(
+        IDENTIFY,
+        &[MOTION, REGRESSION, MODEL, RIGID, SURVEY, STEPWISE, DIAGNOSE],
+        &[DYNAMICS, SIGNALS, LOGS],
+    ),
+    layer(REPORT, &[MOTION, MODEL, STEPWISE, DIAGNOSE, IDENTIFY], &[DYNAMICS]),
     layer(EXPORT, &[MODEL], &[DYNAMICS]),
-    layer(EXCITE, &[MOTION, SPARSE, MODEL, DYNAMICS, IDENTIFY], &[]),
+    layer(EXCITE, &[MOTION, REGRESSION, MODEL, DYNAMICS, STEPWISE, IDENTIFY], &[]),
     layer(CONTROL, &[MOTION, MODEL, DYNAMICS], &[]),
     layer(
         EXPERIMENTS,
-        &[MOTION, SPARSE, MODEL, DYNAMICS, SIGNALS, IDENTIFY, REPORT, EXCITE, CONTROL],
+        &[
+            MOTION, REGRESSION, MODEL, DYNAMICS, SIGNALS, SURVEY, STEPWISE, IDENTIFY, REPORT,
+            EXCITE, CONTROL,
+        ],
         &[],
     ),
     layer(
         FRONT_DOOR,
         &[
             MOTION,
-            SPARSE,
+            REGRESSION,
             MODEL,
             DYNAMICS,
             SIGNALS,
             LOGS,
+            SURVEY,
+            STEPWISE,
+            DIAGNOSE,
             IDENTIFY,
             REPORT,
             EXPORT,
@@ -124,12 +141,14 @@ mod tests {
     fn messages(name: &str, manifest: &str) -> Vec<String> {
         let others = [
             MOTION,
-            SPARSE,
+            REGRESSION,
             MODEL,
             RIGID,
             DYNAMICS,
             LOGS,
             SIGNALS,
+            SURVEY,
+            STEPWISE,
             IDENTIFY,
             REPORT,
             EXPORT,
@@ -170,7 +189,7 @@ mod tests {
 
     #[test]
     fn crates_of_others_are_free() {
-        assert_eq!(messages(SPARSE, "[dependencies]\nfaer.workspace = true"), [""; 0]);
+        assert_eq!(messages(REGRESSION, "[dependencies]\nfaer.workspace = true"), [""; 0]);
     }
 
     #[test]

@@ -15,15 +15,15 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use torquewise::identify::disagreement::disagreements;
+use torquewise::diagnose::disagreement::disagreements;
 use torquewise::identify::plan::Regression;
 use torquewise::identify::{Plan, Reconstruction, Warning, diagnose, score};
 use torquewise::logs::Logs;
 use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
+use torquewise::regression::accumulate::Route;
 use torquewise::report::{Findings, fit_report};
-use torquewise::sparse::accumulate::Route;
 
 /// Reconstruct the equations of motion from logs
 #[derive(Args, Debug)]

@@ -10,11 +10,11 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use torquewise::identify::excitation::findings;
-use torquewise::identify::noise::NoiseFloor;
+use torquewise::diagnose::excitation::findings;
 use torquewise::identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
 use torquewise::logs::{LogError, Logs, UnitWarning, suggest, unit_warnings};
 use torquewise::motion::{Pattern, Recording};
+use torquewise::survey::NoiseFloor;
 
 /// Show what a log holds and what it lacks
 #[derive(Args, Debug)]

@@ -10,8 +10,9 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use torquewise::identify::orders::{OrderCurve, OrderPlan, OrderPoint, orders, warnings};
+use torquewise::identify::Warning;
 use torquewise::report::{chart_figure, order_charts};
+use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
 
 /// Show what each order of the libraries leaves unexplained, and which orders that asks for
 ///
@@ -76,7 +77,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "libraries": curves.iter().map(curve_json).collect::<Vec<_>>(),
         "file": arguments.output.as_ref().map(|file| file.display().to_string()),
     });
-    let warnings = warnings(&curves, logs.joints()).iter().map(ToString::to_string).collect();
+    let warnings =
+        Warning::of_orders(&curves, logs.joints()).iter().map(ToString::to_string).collect();
     Ok(Outcome { text: text.concat(), json, warnings })
 }
 

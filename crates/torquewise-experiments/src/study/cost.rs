@@ -8,12 +8,12 @@ use crate::settings::Settings;
 use crate::spread::Spread;
 use crate::trial::{Cost, TrialPlan, now};
 use serde::Serialize;
-use torquewise_identify::candidates::Candidates;
-use torquewise_identify::evidence::{one_shot, plan_steps};
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_sparse::accumulate::{Accumulate, Prepared, Route};
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::accumulate::{Accumulate, Prepared, Route};
+use torquewise_regression::samples::Samples;
+use torquewise_stepwise::candidates::Candidates;
+use torquewise_stepwise::evidence::{one_shot, plan_steps};
 
 /// A method whose time is measured.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use crate::error::ExperimentError;
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use serde::Serialize;
-use torquewise_identify::orders::{OrderCurve, OrderPlan, orders};
+use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
 
 /// Residuals against order at one level of noise.
 #[derive(Clone, Debug, Serialize)]

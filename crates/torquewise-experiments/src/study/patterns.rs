@@ -4,9 +4,9 @@ use crate::error::ExperimentError;
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use serde::Serialize;
-use torquewise_identify::activation::Scaling;
 use torquewise_identify::{IdentifyError, PatternPlan, Patterns, Survey, find_patterns, survey};
 use torquewise_motion::{Motion, Pattern};
+use torquewise_stepwise::activation::Scaling;
 
 /// The clusters of the paper.
 const CLUSTERS: usize = 3;

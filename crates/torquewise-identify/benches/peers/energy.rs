@@ -3,14 +3,14 @@
 use crate::trial::{N, errors, grams, moves, problem, test, timed, write, write_motion};
 use serde_json::{Value, json};
 use std::path::Path;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
 use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Training, Weighted, to_json};
 use torquewise_motion::Motion;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::select::lasso::{Lasso, lasso_path};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::select::lasso::{Lasso, lasso_path};
+use torquewise_stepwise::candidates::Candidates;
 
 const ROWS: usize = 20_000;
 /// Of six joints: what 9 947 candidates leave a peer memory for.

@@ -5,13 +5,13 @@ use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::LibraryKind;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
-use torquewise_sparse::accumulate::cheaper_route;
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::select::lasso::{Lasso, lasso_path};
-use torquewise_sparse::select::stlsq::Stlsq;
+use torquewise_regression::accumulate::cheaper_route;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::select::lasso::{Lasso, lasso_path};
+use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_stepwise::candidates::Candidates;
 
 const ROWS: usize = 20_000;
 /// The joint that the LASSO explains.

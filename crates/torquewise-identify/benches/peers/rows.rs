@@ -4,9 +4,9 @@ use crate::trial::{N, grams, moves, problem, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::LibraryKind;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
-use torquewise_sparse::select::stlsq::Stlsq;
+use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_stepwise::candidates::Candidates;
 
 /// Rows of the log, which larger numbers of rows go through again and again.
 const ROWS: usize = 10_000;

@@ -3,10 +3,10 @@
 use crate::trial::{N, errors, moves, test, timed, write, write_motion, write_terms};
 use serde_json::{Value, json};
 use std::path::Path;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::LibraryOptions;
 use torquewise_identify::reconstruct;
 use torquewise_motion::Pattern;
+use torquewise_stepwise::candidates::Candidates;
 
 const ROWS: usize = 20_000;
 

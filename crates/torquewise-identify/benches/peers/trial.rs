@@ -6,15 +6,15 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_identify::candidates::{Candidates, Terms};
 use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
-use torquewise_sparse::accumulate::{Prepared, cheaper_route};
-use torquewise_sparse::gram::Gram;
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::row_sums::RowAdder;
-use torquewise_sparse::samples::Samples;
+use torquewise_regression::accumulate::{Prepared, cheaper_route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
+use torquewise_regression::row_sums::RowAdder;
+use torquewise_regression::samples::Samples;
+use torquewise_stepwise::candidates::{Candidates, Terms};
 
 /// Joints of the arm of all tasks but one.
 pub(crate) const N: usize = 3;

@@ -1,7 +1,6 @@
 //! Columns against closed forms: energies differentiated by hand, virtual work.
 
 use super::{Beside, columns};
-use crate::friction::Dictionary;
 use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -10,6 +9,7 @@ use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
 };
 use torquewise_motion::{Motion, Signals};
+use torquewise_survey::friction::Dictionary;
 
 const N: usize = 3;
 

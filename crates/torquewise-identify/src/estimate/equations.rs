@@ -1,12 +1,12 @@
 //! Sums of a pass → normal equations in the units of the parameters (E11).
 
 use super::linearisation::Linearisation;
-use crate::error::IdentifyError;
 use faer::{ColRef, Mat};
+use torquewise_regression::normal_sums::corrected;
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature};
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
-use torquewise_sparse::normal_sums::corrected;
+use torquewise_survey::error::IdentifyError;
 
 /// Price of a step, relative to the diagonal of the normal equations.
 const ROUNDING: f64 = 1e-11;

@@ -1,12 +1,12 @@
 //! A structure and its parameters → rows [J e] of a block of motion.
 
 use crate::beside::{Beside, columns};
-use crate::error::IdentifyError;
-use crate::noise::NoiseFloor;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
 
 /// What a chain is made of: which of its parameters there are and which may move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,6 @@
 
 use super::linearisation::Linearisation;
 use crate::beside::Beside;
-use crate::error::IdentifyError;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
@@ -13,6 +12,7 @@ use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_survey::error::IdentifyError;
 
 /// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
 /// to a few tons.

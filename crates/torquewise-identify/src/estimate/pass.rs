@@ -1,14 +1,14 @@
 //! Logs → normal equations: one pass over every row, in parallel, with the same bits in any order.
 
 use super::linearisation::{Linearisation, shifted};
-use crate::error::IdentifyError;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_sparse::normal_sums::{BlockSums, NormalSums};
+use torquewise_regression::normal_sums::{BlockSums, NormalSums};
+use torquewise_survey::error::IdentifyError;
 
 /// Blocks of time that are read before they are summed, side by side.
 const AT_ONCE: usize = 64;

@@ -3,11 +3,12 @@
 use super::linearisation::Linearisation;
 use super::nominal::Sizes;
 use super::pass::add_up;
-use super::solve::{Solved, Step, Tuning, weights};
-use crate::error::IdentifyError;
+use super::solve::Solved;
+use super::step::{Step, Tuning, weights};
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Recording;
-use torquewise_sparse::normal_sums::NormalSums;
+use torquewise_regression::normal_sums::NormalSums;
+use torquewise_survey::error::IdentifyError;
 
 /// Passes over a sample, for each set of weights, at most.
 const SAMPLE_PASSES: usize = 10;

@@ -2,11 +2,11 @@
 
 use super::{LAST_ROWS, Learned, SNAP_ROUNDS, School, TRIAL_ROWS};
 use crate::beside::Beside;
-use crate::error::IdentifyError;
 use crate::trial::{record, trial};
 use torquewise_model::EnergyTerm;
 use torquewise_motion::Motion;
 use torquewise_rigid::refine;
+use torquewise_survey::error::IdentifyError;
 
 impl Learned {
     /// Takes in a term that no chain of rigid bodies has, if a fit with it, geometry and all,

@@ -2,13 +2,13 @@
 
 use super::{School, TRIAL_ROWS};
 use crate::beside::Beside;
-use crate::error::IdentifyError;
-use crate::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
 use crate::plan::FrictionKind;
 use crate::trial::{Recipe, record, record_worth, trial};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::Chain;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
 
 /// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
 const SHAFT_GAIN: f64 = 0.85;

@@ -1,10 +1,8 @@
 //! What a term would explain, against least squares solved anew with the torque of the term.
 
 use super::{Candidate, Trials, Tried, candidates, overlooked};
-use crate::friction::Dictionary;
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
-use crate::survey::{Survey, survey, thinned};
 use crate::trial::Recipe;
 use crate::warning::{UntriedTerm, Warning};
 use faer::Mat;
@@ -16,6 +14,8 @@ use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, T
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Geometry, Rows, Search};
+use torquewise_survey::friction::Dictionary;
+use torquewise_survey::survey::{Survey, survey, thinned};
 
 const N: usize = 3;
 const NOISE: f64 = 0.05;

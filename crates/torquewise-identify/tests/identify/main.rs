@@ -1,6 +1,7 @@
 //! Reconstruction, summaries and memory, as a user of the crate sees them.
 
 mod chain;
+mod disagreement;
 mod friction;
 mod memory;
 mod oracle;

@@ -5,11 +5,11 @@
 use crate::truth;
 use std::collections::BTreeMap;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise_identify::orders::OrderPlan;
-use torquewise_identify::orders::orders;
 use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, check, to_json};
 use torquewise_motion::{Motion, Pattern};
+use torquewise_stepwise::orders::OrderPlan;
+use torquewise_stepwise::orders::orders;
 
 fn moves(arm: &Arm, seconds: f64, case: u8, seed: u64) -> (Motion, Vec<Pattern>) {
     let plan = MotionPlan { kind: MotionKind::Moves, seconds, rate: 100.0, seed };

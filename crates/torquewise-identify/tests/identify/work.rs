@@ -1,13 +1,13 @@
 //! Candidates → multiplications: what each route to their normal equations costs.
 
 use torquewise_identify::LibraryKind;
-use torquewise_identify::candidates::Candidates;
 use torquewise_identify::plan::Regression;
-use torquewise_sparse::accumulate::{Route, cheaper_route};
-use torquewise_sparse::design::Design;
-use torquewise_sparse::gram::direct_cost;
-use torquewise_sparse::moments::MomentPlan;
-use torquewise_sparse::samples::Evaluator;
+use torquewise_regression::accumulate::{Route, cheaper_route};
+use torquewise_regression::design::Design;
+use torquewise_regression::gram::direct_cost;
+use torquewise_regression::moments::MomentPlan;
+use torquewise_regression::samples::Evaluator;
+use torquewise_stepwise::candidates::Candidates;
 
 const N_RESPONSES: usize = 3;
 

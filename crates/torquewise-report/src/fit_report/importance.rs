@@ -65,7 +65,7 @@ fn friction_label(term: &FrictionTerm) -> Label {
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {
     let all = &findings.found.dropped;
-    let row = |dropped: &torquewise_identify::form::Dropped| BarRow {
+    let row = |dropped: &torquewise_stepwise::form::Dropped| BarRow {
         name: Label::Text(dropped.name.clone()),
         sizes: vec![100.0 * dropped.inclusion],
     };

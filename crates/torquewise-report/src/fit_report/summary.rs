@@ -144,7 +144,7 @@ pub(crate) fn share(findings: &Findings<'_>, pattern: Pattern) -> f64 {
 /// Errors of each joint over what a diagnosis looked at.
 pub(crate) fn score_table(findings: &Findings<'_>, diagnosis: &Diagnosis) -> Item {
     let active = findings.found.model.active();
-    let row = |(joint, terms): (&torquewise_identify::score::JointScore, usize)| -> Vec<Label> {
+    let row = |(joint, terms): (&torquewise_diagnose::score::JointScore, usize)| -> Vec<Label> {
         vec![
             joint.name.as_str().into(),
             count(terms).into(),

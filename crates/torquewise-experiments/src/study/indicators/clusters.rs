@@ -1,8 +1,8 @@
 //! Noise, leverage → clusters: which rows carry information, which amplified noise \[E17\].
 
 use crate::error::ExperimentError;
-use torquewise_sparse::elbow::{elbow, inertias};
-use torquewise_sparse::kmeans::{Clustering, KMeans, kmeans};
+use torquewise_regression::elbow::{elbow, inertias};
+use torquewise_regression::kmeans::{Clustering, KMeans, kmeans};
 
 /// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 6;

@@ -4,15 +4,15 @@ use crate::error::ExperimentError;
 use crate::method::Method;
 use crate::scenario::Scenario;
 use std::collections::BTreeSet;
-use torquewise_identify::candidates::{Candidates, Group, Terms};
-use torquewise_identify::evidence::{Step, plan_steps};
-use torquewise_identify::noise::NoiseFloor;
 use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::model::Choice;
 use torquewise_model::{Form, Model, Weighted};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_sparse::samples::Samples;
-use torquewise_sparse::select::criterion::Criterion;
+use torquewise_regression::samples::Samples;
+use torquewise_regression::select::criterion::Criterion;
+use torquewise_stepwise::candidates::{Candidates, Group, Terms};
+use torquewise_stepwise::evidence::{Step, plan_steps};
+use torquewise_survey::NoiseFloor;
 
 /// A log with its stepwise reconstruction, ready to be regressed again with other weights.
 pub(super) struct FirstFit {

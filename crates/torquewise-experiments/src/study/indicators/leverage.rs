@@ -4,9 +4,9 @@ use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;
 use crate::study::indicators::steps::{add_gram, pick};
 use faer::Mat;
-use torquewise_identify::evidence::Step;
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::samples::Evaluator;
+use torquewise_regression::problem::Problem;
+use torquewise_regression::samples::Evaluator;
+use torquewise_stepwise::evidence::Step;
 
 /// Leverage of rows in the regression of a step, over the offered columns that the first fit kept:
 /// hᵢ(t) = wᵢ yᵢ(t) (Σ wᵢ YᵢᵀYᵢ)⁻¹ yᵢ(t)ᵀ, with wᵢ one over the mean of the variance of equation i.

@@ -7,10 +7,10 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_identify::candidates::Group;
-use torquewise_sparse::elimination::{Equations, Estimate};
-use torquewise_sparse::problem::Problem;
-use torquewise_sparse::samples::{Evaluator, Samples};
+use torquewise_regression::elimination::{Equations, Estimate};
+use torquewise_regression::problem::Problem;
+use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_stepwise::candidates::Group;
 
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
 const PRECISION: f64 = 1e-11;

@@ -3,11 +3,11 @@
 use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;
 use faer::Mat;
-use torquewise_identify::candidates::Group;
-use torquewise_sparse::problem::{Problem, Selection};
-use torquewise_sparse::products;
-use torquewise_sparse::samples::{Evaluator, Samples};
-use torquewise_sparse::select::Selector;
+use torquewise_regression::problem::{Problem, Selection};
+use torquewise_regression::products;
+use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::select::Selector;
+use torquewise_stepwise::candidates::Group;
 
 /// Rows evaluated at a time.
 const BLOCK_ROWS: usize = 2_048;

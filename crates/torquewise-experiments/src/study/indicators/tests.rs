@@ -11,9 +11,9 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_identify::noise::NoiseFloor;
 use torquewise_model::{Torque, model::Training};
 use torquewise_motion::motion::Signals;
+use torquewise_survey::NoiseFloor;
 
 const N: usize = 3;
 /// Noisy copies of a state.

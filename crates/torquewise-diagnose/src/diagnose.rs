@@ -1,0 +1,269 @@
+//! Model, recording → diagnosis: what the residuals look like, and which terms carry the torque.
+
+use crate::score::{Scores, score};
+use faer::Mat;
+use std::collections::VecDeque;
+use torquewise_model::print::weighted_friction;
+use torquewise_model::term::Sum;
+use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
+use torquewise_motion::{Motion, Pattern, Recording};
+use torquewise_stepwise::patterns::Patterns;
+use torquewise_survey::error::IdentifyError;
+
+/// An even sample of a log, measured and predicted.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Rows of the log each sampled row stands for.
+    pub stride: usize,
+    /// The sampled rows, with the measured torque.
+    pub motion: Motion,
+    /// τ̂ \[N·m\], rows × n.
+    pub tau_hat: Mat<f64>,
+    /// Pattern of each row.
+    pub patterns: Vec<Pattern>,
+}
+
+/// Counts of residuals between equally spaced edges.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// Left edge of the first bin \[N·m\].
+    pub start: f64,
+    /// Width of a bin \[N·m\].
+    pub width: f64,
+    /// Rows in each bin; the first and last also hold what lies beyond.
+    pub counts: Vec<usize>,
+}
+
+/// How much of a joint's torque a term carries.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Importance {
+    /// Name of the term: of the equation, or of its friction.
+    pub name: String,
+    /// RMS of its share of the torque \[N·m\].
+    pub rms: f64,
+}
+
+/// What one look at the residuals of a model tells.
+#[derive(Clone, Debug)]
+pub struct Diagnosis {
+    /// RMSE, NRMSE, R² of each joint.
+    pub scores: Scores,
+    /// An even sample of the log.
+    pub trace: Trace,
+    /// Residuals of each joint, n.
+    pub histograms: Vec<Histogram>,
+    /// Autocorrelation of the residual of each joint at lags 0, 1, 2, … rows, n.
+    pub autocorrelation: Vec<Vec<f64>>,
+    /// Terms of each joint, the most important first, n.
+    pub importance: Vec<Vec<Importance>>,
+}
+
+/// Rows of a trace at most.
+const TRACE_ROWS: usize = 4096;
+const BINS: usize = 61;
+/// Histograms reach this many RMSE to either side.
+const REACH: f64 = 4.0;
+const LAGS: usize = 50;
+
+/// Looks at the residuals of a model over a recording, in two passes and fixed memory.
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, or a model of another arm.
+pub fn diagnose(
+    model: &Model,
+    patterns: &Patterns,
+    recording: &(impl Recording + ?Sized),
+) -> Result<Diagnosis, IdentifyError> {
+    let scores = score(model, recording)?;
+    let mut look = Look::new(model, &scores);
+    recording.read(&mut |_, block| look.add(block, patterns)).map_err(IdentifyError::Read)?;
+    look.finish(model, scores)
+}
+
+struct Look {
+    torque: Torque,
+    stride: usize,
+    rows: usize,
+    sampled: Vec<(Vec<f64>, Pattern)>,
+    histograms: Vec<Histogram>,
+    /// Per joint: the last residuals, newest first, and sums of products at each lag.
+    recent: Vec<VecDeque<f64>>,
+    products: Vec<Vec<f64>>,
+}
+
+impl Look {
+    fn new(model: &Model, scores: &Scores) -> Self {
+        let histogram = |rmse: f64| {
+            let reach = if rmse > 0.0 { REACH * rmse } else { f64::MIN_POSITIVE };
+            Histogram { start: -reach, width: 2.0 * reach / BINS as f64, counts: vec![0; BINS] }
+        };
+        let n = model.n_joints();
+        Self {
+            torque: Torque::new(model),
+            stride: scores.rows.div_ceil(TRACE_ROWS).max(1),
+            rows: 0,
+            sampled: Vec::new(),
+            histograms: scores.joints.iter().map(|joint| histogram(joint.rmse)).collect(),
+            recent: vec![VecDeque::with_capacity(LAGS + 1); n],
+            products: vec![vec![0.0; LAGS + 1]; n],
+        }
+    }
+
+    fn add(
+        &mut self,
+        block: &Motion,
+        patterns: &Patterns,
+    ) -> Result<(), torquewise_motion::ReadError> {
+        let (tau, tau_hat) = (block.require_tau()?, self.torque.over(block)?);
+        let labels = patterns.label(block);
+        for row in 0..block.n_rows() {
+            for joint in 0..block.n_joints() {
+                self.add_residual(joint, tau[(row, joint)] - tau_hat[(row, joint)]);
+            }
+            if self.rows.is_multiple_of(self.stride) {
+                let signals = [block.q(), block.dq(), block.ddq(), tau, tau_hat.as_ref()];
+                let values = signals
+                    .into_iter()
+                    .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
+                let values = std::iter::once(block.t()[row]).chain(values).collect();
+                self.sampled.push((values, labels[row]));
+            }
+            self.rows += 1;
+        }
+        Ok(())
+    }
+
+    fn add_residual(&mut self, joint: usize, residual: f64) {
+        let histogram = &mut self.histograms[joint];
+        let place = ((residual - histogram.start) / histogram.width).clamp(0.0, BINS as f64 - 1.0);
+        // Clamped to the bins.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let bin = place as usize;
+        histogram.counts[bin] += 1;
+
+        let recent = &mut self.recent[joint];
+        recent.push_front(residual);
+        recent.truncate(LAGS + 1);
+        for (product, before) in self.products[joint].iter_mut().zip(recent.iter()) {
+            *product += residual * before;
+        }
+    }
+
+    fn finish(self, model: &Model, scores: Scores) -> Result<Diagnosis, IdentifyError> {
+        let n = model.n_joints();
+        let signal = |first: usize| {
+            Mat::from_fn(self.sampled.len(), n, |row, j| self.sampled[row].0[1 + first * n + j])
+        };
+        let motion = Motion::new(torquewise_motion::Signals {
+            joints: model.joints.clone(),
+            t: self.sampled.iter().map(|(values, _)| values[0]).collect(),
+            q: signal(0),
+            dq: signal(1),
+            ddq: signal(2),
+            tau: Some(signal(3)),
+        })?;
+        let normalised = |products: Vec<f64>| -> Vec<f64> {
+            let own = products[0].max(f64::MIN_POSITIVE);
+            products.into_iter().map(|product| product / own).collect()
+        };
+        let importance = importance(model, &motion);
+        let patterns = self.sampled.iter().map(|(_, pattern)| *pattern).collect();
+        Ok(Diagnosis {
+            scores,
+            trace: Trace { stride: self.stride, tau_hat: signal(4), motion, patterns },
+            histograms: self.histograms,
+            autocorrelation: self.products.into_iter().map(normalised).collect(),
+            importance,
+        })
+    }
+}
+
+/// RMS of each term of each joint, friction too, over the rows of a motion.
+fn importance(model: &Model, motion: &Motion) -> Vec<Vec<Importance>> {
+    let n = model.n_joints();
+    let states: Vec<[Vec<f64>; 3]> = (0..motion.n_rows())
+        .map(|row| {
+            [motion.q(), motion.dq(), motion.ddq()]
+                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect())
+        })
+        .collect();
+    let rms = |weight: f64, value: &dyn Fn(&[Vec<f64>; 3]) -> f64| {
+        let squares: f64 = states.iter().map(|state| value(state).powi(2)).sum();
+        weight.abs() * (squares / states.len().max(1) as f64).sqrt()
+    };
+    let of_equation = |equation: Sum| -> Vec<Importance> {
+        let term = |(weight, term): &(f64, Term)| Importance {
+            name: term.name(),
+            rms: rms(*weight, &|[q, dq, ddq]| term.value(q, dq, ddq)),
+        };
+        equation.iter().map(term).collect()
+    };
+    let of_friction = |w: Weighted<FrictionTerm>| Importance {
+        name: w.term.name(),
+        rms: rms(w.coefficient, &|[_, dq, _]| w.term.value(dq)),
+    };
+    (model.equations().into_iter().zip(weighted_friction(model)))
+        .map(|(equation, friction)| {
+            let mut terms = of_equation(equation);
+            terms.extend(friction.into_iter().map(of_friction));
+            terms.sort_by(|a, b| b.rms.total_cmp(&a.rms));
+            terms
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::importance;
+    use faer::Mat;
+    use torquewise_model::friction::FrictionLaw;
+    use torquewise_model::{Form, FrictionTerm, Model, Term, Training, Trig, Weighted};
+    use torquewise_motion::{Motion, Signals};
+
+    #[test]
+    fn friction_is_weighed_among_the_terms_of_its_joint() {
+        let of =
+            |term, coefficient| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
+        let dry = |joint, c| {
+            let law = FrictionLaw::Coulomb { width: 0.0 };
+            Weighted {
+                term: FrictionTerm::of_joint(2, joint, law),
+                coefficient: c,
+                std_error: 0.0,
+                inclusion: None,
+            }
+        };
+        let gravity = Term::one(2).times(Trig::Cos, 0, 1, 1);
+        let model = Model {
+            joints: vec!["a".into(), "b".into()],
+            form: Form::Torque(vec![vec![of(gravity.clone(), 3.0)], vec![]]),
+            friction: vec![dry(0, -5.0), dry(1, 0.7)],
+            chain: None,
+            stages: vec![],
+            training: Training::default(),
+            choices: vec![],
+        };
+        // Forward, backward, and half the rows at rest.
+        let speeds = [1.0, 0.0, -2.0, 0.0];
+        let zeros = Mat::<f64>::zeros(4, 2);
+        let motion = Motion::new(Signals {
+            joints: model.joints.clone(),
+            t: vec![0.0, 0.1, 0.2, 0.3],
+            q: zeros.clone(),
+            dq: Mat::from_fn(4, 2, |row, _| speeds[row]),
+            ddq: zeros,
+            tau: None,
+        })
+        .unwrap();
+
+        let found = importance(&model, &motion);
+
+        let names = |joint: usize| -> Vec<String> {
+            found[joint].iter().map(|found| found.name.clone()).collect()
+        };
+        assert_eq!(names(0), ["sign(dq1)".to_owned(), gravity.name()]);
+        assert!((found[0][0].rms - 5.0 * 0.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(names(1), ["sign(dq2)"]);
+        assert!((found[1][0].rms - 0.7 * 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+}

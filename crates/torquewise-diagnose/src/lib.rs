@@ -1,0 +1,12 @@
+//! Log, model → diagnosis: what the log leaves open, and what the model leaves unexplained.
+
+pub mod rough;
+pub mod excitation;
+pub mod disagreement;
+pub mod score;
+pub mod diagnose;
+
+pub use diagnose::{Diagnosis, diagnose};
+pub use disagreement::{Disagreement, disagreements};
+pub use excitation::findings;
+pub use score::{Scores, score};

@@ -1,0 +1,166 @@
+//! The sums of a pass → what it costs to be where, and the best step from there (E11) (E14).
+
+use super::equations::{Equations, cost_of_pull};
+use super::linearisation::Linearisation;
+use super::nominal::{Sizes, prior};
+use faer::{ColRef, Mat};
+use serde::{Deserialize, Serialize};
+use torquewise_model::model::Choice;
+use torquewise_regression::normal_sums::NormalSums;
+use torquewise_rigid::feasible::{Prior, minimise};
+use torquewise_survey::error::IdentifyError;
+
+/// Longest step of a parameter of the geometry: rad or m.
+const LONGEST: f64 = 0.2;
+/// A residual below this part of the torque is taken for it: weights stay finite.
+const LEAST_RESIDUAL: f64 = 1e-4;
+/// So much the cost may still fall for each parameter, in squares of the noise of an independent
+/// row: parameters are then within about a tenth of their standard errors.
+const LEAST_GAIN: f64 = 0.005;
+/// What a step of the geometry costs that would be too long without, in parts of its curvature.
+const LEAST_DAMPING: f64 = 1e-6;
+const MOST_DAMPING: f64 = 1e3;
+
+/// What a fit is tuned by, chosen on held-out folds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Tuning {
+    /// Strength of the prior.
+    pub(super) strength: f64,
+    /// What the pull on the geometry counts as, in equations.
+    pub(super) pull: f64,
+    /// How the strength was chosen; nothing where a log has too few folds.
+    pub(super) choice: Option<Choice>,
+    /// Errors on held-out folds; empty where they are too few.
+    pub(super) errors: Vec<f64>,
+}
+
+/// The normal equations of a pass, and what physics says of its parameters.
+pub(super) struct Step<'a> {
+    pub(super) sums: &'a NormalSums,
+    pub(super) at: &'a Linearisation,
+    pub(super) prior: Prior,
+    /// Parameters that the prior allows.
+    pub(super) start: Vec<f64>,
+    /// Parameters of the linearisation.
+    pub(super) before: Vec<f64>,
+    /// Without the pull on the geometry.
+    pub(super) all: Equations,
+    /// Rows that tell as much as one independent one: neighbours err alike.
+    pub(super) repeats: f64,
+}
+
+impl<'a> Step<'a> {
+    pub(super) fn new(
+        sums: &'a NormalSums,
+        at: &'a Linearisation,
+        sizes: &'a Sizes,
+    ) -> Result<Self, IdentifyError> {
+        let (prior, start) = prior(at, sizes)?;
+        let all = Equations::new(&sums.gram(), &sums.bias(), at)?;
+        let repeats = repeats(sums);
+        Ok(Self { sums, at, prior, start, before: at.parameters(), all, repeats })
+    }
+
+    /// Parameters as they were, those that may move as a solution has them.
+    pub(super) fn whole(&self, active: &[usize], solution: &[f64]) -> Vec<f64> {
+        let mut whole = self.before.clone();
+        active.iter().zip(solution).for_each(|(&k, x)| whole[k] = *x);
+        whole
+    }
+
+    /// The best parameters that the geometry of the linearisation allows.
+    pub(super) fn linear(&self, tuning: &Tuning) -> Result<Vec<f64>, IdentifyError> {
+        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
+        let equations = self.all.of(&linear, self.at, (tuning.pull, 0.0));
+        Ok(self.whole(&linear, &self.minimum(&equations, &linear, tuning)?))
+    }
+
+    /// Half the sum of squares at parameters in the linearisation, with what prior and pull add:
+    /// infinite where the prior does not allow them.
+    pub(super) fn cost(&self, x: &[f64], tuning: &Tuning) -> f64 {
+        let prior = if self.at.structure.physical {
+            tuning.strength * self.prior.value(x).unwrap_or(f64::INFINITY)
+        } else {
+            0.0
+        };
+        self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, tuning.pull)
+    }
+
+    /// The best parameters where some may move; the geometry takes no step that leaves its
+    /// linearisation.
+    pub(super) fn step(
+        &self,
+        active: &[usize],
+        tuning: &Tuning,
+    ) -> Result<Vec<f64>, IdentifyError> {
+        let linear = self.at.linear.len();
+        let mut damping = 0.0;
+        loop {
+            let equations = self.all.of(active, self.at, (tuning.pull, damping));
+            let best = self.whole(active, &self.minimum(&equations, active, tuning)?);
+            let moves = best.iter().zip(&self.before).skip(linear);
+            let longest = moves.fold(0.0_f64, |most, (x, b)| most.max((x - b).abs()));
+            if longest <= LONGEST || damping > MOST_DAMPING {
+                return Ok(best);
+            }
+            damping = (10.0 * damping).max(LEAST_DAMPING);
+        }
+    }
+
+    pub(super) fn minimum(
+        &self,
+        equations: &Equations,
+        active: &[usize],
+        tuning: &Tuning,
+    ) -> Result<Vec<f64>, IdentifyError> {
+        if !self.at.structure.physical {
+            return equations.unconstrained();
+        }
+        let allowed =
+            if self.prior.value(&self.before).is_some() { &self.before } else { &self.start };
+        let start: Vec<f64> = active.iter().map(|&k| allowed[k]).collect();
+        Ok(minimise(equations.quadratic(), &self.prior, tuning.strength, &start)?)
+    }
+
+    /// Part of the cost that may be left: the parameters are then within a small part of their
+    /// standard errors.
+    pub(super) fn tolerance(&self, active: &[usize]) -> f64 {
+        LEAST_GAIN * active.len() as f64 * self.repeats
+    }
+
+    /// Sum of squares at parameters in the linearisation.
+    pub(super) fn squares(&self, gram: &Mat<f64>, x: &[f64]) -> f64 {
+        let p = self.before.len();
+        let z: Vec<f64> = (0..=p)
+            .map(|k| if k < p { (self.before[k] - x[k]) / self.at.scales[k] } else { 1.0 })
+            .collect();
+        let product = gram * ColRef::from_slice(&z);
+        z.iter().zip(product.iter()).map(|(z, y)| z * y).sum::<f64>().max(0.0)
+    }
+}
+
+/// How many rows tell as much as one independent one: by how much the scores of blocks of time
+/// scatter more than those of independent rows would, at the median over the parameters.
+fn repeats(sums: &NormalSums) -> f64 {
+    let (gram, scores) = (sums.gram(), sums.scores());
+    let p = scores.ncols();
+    let equations = sums.rows() as f64 * sums.residual_rms().len() as f64;
+    // Mean square of a residual in units of the noise that weights are made of.
+    let noise = (gram[(p, p)] / equations.max(1.0)).max(f64::MIN_POSITIVE);
+    let mut ratios: Vec<f64> = (0..scores.ncols())
+        .filter(|&k| gram[(k, k)] > 0.0)
+        .map(|k| scores[(k, k)] / (gram[(k, k)] * noise))
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied().unwrap_or(1.0).max(1.0)
+}
+
+/// One over the residual of each joint \[1/(N·m)\], n.
+pub(super) fn weights(sums: &NormalSums, sizes: &Sizes) -> Vec<f64> {
+    let residuals = sums.weighted_rms().into_iter().zip(&sizes.torque);
+    residuals
+        .map(|(rms, torque)| {
+            1.0 / rms.max(LEAST_RESIDUAL * if *torque > 0.0 { *torque } else { 1.0 })
+        })
+        .collect()
+}

@@ -1,0 +1,135 @@
+//! Held-out folds → how strong the prior is, and how strongly the geometry is pulled (E14).
+
+use super::equations::Equations;
+use super::step::{Step, Tuning};
+use faer::Mat;
+use rayon::prelude::*;
+use torquewise_model::model::Choice;
+use torquewise_regression::normal_sums::FOLDS;
+use torquewise_rigid::feasible::minimise;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::held_out::{Trial, listed, mean};
+
+/// The choice of the prior's strength, as the model file has it.
+pub(crate) const STRENGTH: &str = "strength of the physical prior";
+/// Strengths of the prior that are tried, the strongest first, in units of what one independent
+/// row tells. A weaker one would leave to noise what the log does not tell, and no held-out row of
+/// the same log would object.
+const STRENGTHS: [f64; 9] = [1e3, 1e2, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03];
+/// The strength where a log is too short to choose one.
+const USUAL_STRENGTH: f64 = 10.0;
+/// Parts of the pull on the geometry that are tried once the prior is as strong as it should be.
+const PULLS: [f64; 5] = [1.0, 0.1, 1e-2, 1e-3, 1e-4];
+/// Fewer folds with rows are too few to choose by.
+const LEAST_FOLDS: usize = 3;
+/// Equations that the pull on the geometry counts as at most: it must not grow with the log.
+const MOST_PULLED: f64 = 20_000.0;
+
+/// The place of the best of some ways to fit, and the errors of each on each fold.
+type Judged = (usize, Vec<Vec<f64>>);
+
+impl Step<'_> {
+    /// Chooses how strong the prior is, and then how strongly the geometry is pulled, on held-out
+    /// folds.
+    ///
+    /// A weaker prior makes no model longer: the best is taken, not the strongest near it.
+    pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
+        let equations = self.sums.rows() as f64 * self.at.n_joints() as f64;
+        let pull = equations.min(MOST_PULLED);
+        let strengths = STRENGTHS.map(|strength| (strength * self.repeats, pull));
+        let Some((place, errors)) = self.best_of(active, &strengths)? else {
+            let strength = USUAL_STRENGTH * self.repeats;
+            return Ok(Tuning { strength, pull, choice: None, errors: Vec::new() });
+        };
+        let (strength, _) = strengths[place];
+        let trials: Vec<Trial> = (STRENGTHS.iter().zip(&errors))
+            .map(|(strength, errors)| Trial {
+                label: strength.to_string(),
+                complexity: active.len(),
+                errors: errors.clone(),
+            })
+            .collect();
+        let choice = Some(Choice {
+            what: STRENGTH.into(),
+            chosen: trials[place].label.clone(),
+            rule: format!("least error, {} folds of blocks in time", errors[place].len()),
+            from: listed(&trials),
+        });
+        let tuning = Tuning { strength, pull, choice, errors: errors[place].clone() };
+        if active.len() == self.at.linear.len() {
+            return Ok(tuning);
+        }
+        let pulls = PULLS.map(|share| (strength, share * pull));
+        Ok(match self.best_of(active, &pulls)? {
+            Some((place, errors)) => {
+                Tuning { pull: pulls[place].1, errors: errors[place].clone(), ..tuning }
+            }
+            None => tuning,
+        })
+    }
+
+    /// Which of some pairs of strength and pull does best on held-out folds, and the errors of each
+    /// on each fold; nothing if folds are few.
+    fn best_of(
+        &self,
+        active: &[usize],
+        pairs: &[(f64, f64)],
+    ) -> Result<Option<Judged>, IdentifyError> {
+        let sums = self.sums;
+        let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
+        if folds.len() < LEAST_FOLDS {
+            return Ok(None);
+        }
+        let of_fold = |&fold: &usize| {
+            let (held, rest, share) = self.without(fold)?;
+            let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
+            let mut errors = Vec::with_capacity(pairs.len());
+            for (strength, pull) in pairs {
+                let rest = rest.of(active, self.at, (share * pull, 0.0));
+                x = minimise(rest.quadratic(), &self.prior, *strength, &x)?;
+                errors.push(self.error(&held, fold, &self.whole(active, &x)));
+            }
+            Ok(errors)
+        };
+        let by_fold = folds.par_iter().map(of_fold).collect::<Result<Vec<_>, IdentifyError>>()?;
+        let errors: Vec<Vec<f64>> = (0..pairs.len())
+            .map(|pair| by_fold.iter().map(|errors| errors[pair]).collect())
+            .collect();
+        let best = (0..pairs.len()).min_by(|&a, &b| mean(&errors[a]).total_cmp(&mean(&errors[b])));
+        Ok(best.map(|place| (place, errors)))
+    }
+
+    /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
+    fn without(&self, fold: usize) -> Result<(Mat<f64>, Equations, f64), IdentifyError> {
+        let sums = self.sums;
+        let held = sums.gram_of(fold);
+        let share = 1.0 - sums.rows_of(fold) as f64 / sums.rows() as f64;
+        let (gram, bias) = (sums.gram() - &held, faer::Scale(share) * sums.bias());
+        let rest = Equations::new(&gram, &bias, self.at)?;
+        Ok((held, rest, share))
+    }
+
+    /// RMS of the residual of a fold in units of the noise.
+    fn error(&self, held: &Mat<f64>, fold: usize, x: &[f64]) -> f64 {
+        let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
+        (self.squares(held, x) / equations.max(1.0)).sqrt()
+    }
+
+    /// By what part the error on held-out folds is larger than that of the optimum without physics;
+    /// `None` if folds are few.
+    pub(super) fn held_out_price(
+        &self,
+        active: &[usize],
+        tuning: &Tuning,
+    ) -> Result<Option<f64>, IdentifyError> {
+        let mut free = Vec::with_capacity(FOLDS);
+        let with_rows = |fold: &usize| self.sums.rows_of(*fold) > 0 && !tuning.errors.is_empty();
+        for fold in (0..FOLDS).filter(with_rows) {
+            let (held, rest, share) = self.without(fold)?;
+            let best = rest.of(active, self.at, (share * tuning.pull, 0.0)).unconstrained()?;
+            free.push(self.error(&held, fold, &self.whole(active, &best)));
+        }
+        let (physical, free) = (mean(&tuning.errors), mean(&free));
+        Ok((free > 0.0).then(|| physical / free - 1.0))
+    }
+}

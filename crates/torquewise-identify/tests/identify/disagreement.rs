@@ -1,0 +1,124 @@
+//! Arms with and without payload, against the payload; arms alike, against silence.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use torquewise_diagnose::{Disagreement, disagreements};
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::{Plan, reconstruct};
+use torquewise_motion::{Motion, Signals};
+
+/// Three links; the hand weighs so much.
+fn arm(hand: f64) -> Arm {
+    let link = |name: &str, a: f64, alpha: f64, mass: f64, com: f64| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\na = {a:?}\nalpha = {alpha:?}\nd = 0.1\n\
+             mass = {mass:?}\ncom = [{com:?}, 0.0, 0.0]\n\
+             inertia = [0.02, 0.1, 0.1, 0.0, 0.0, 0.0]\n"
+        )
+    };
+    let quarter = std::f64::consts::FRAC_PI_2;
+    Arm::from_dh_toml(&format!(
+        "name = \"hand\"\n{}{}{}",
+        link("column", 0.0, quarter, 5.0, 0.0),
+        link("boom", 0.5, 0.0, 6.0, -0.2),
+        link("hand", 0.3, 0.0, hand, -0.1),
+    ))
+    .unwrap()
+}
+
+fn log(hand: f64, seconds: f64, kind: MotionKind, seed: u64) -> Motion {
+    let plan = MotionPlan { kind, seconds, rate: 50.0, seed };
+    let motion = simulate(&arm(hand), &plan).unwrap().motion;
+    add_noise(&motion, &Noise::case(2).unwrap(), seed).unwrap()
+}
+
+fn with_friction(log: Motion, viscous: f64, dry: f64) -> Motion {
+    let mut signals = log.into_signals();
+    let tau = signals.tau.as_mut().unwrap();
+    for row in 0..tau.nrows() {
+        for joint in 0..tau.ncols() {
+            let dq = signals.dq[(row, joint)];
+            tau[(row, joint)] += viscous * dq + dry * (dq / 0.01).tanh();
+        }
+    }
+    Motion::new(signals).unwrap()
+}
+
+fn found(logs: &[Motion]) -> Vec<Disagreement> {
+    let model = reconstruct(logs, &Plan::default(), &mut |_| ()).unwrap().model;
+    disagreements(&model, logs, &|k| format!("log {k}")).unwrap()
+}
+
+fn joints(found: &Disagreement) -> Vec<&str> {
+    found.joints.iter().map(|at_odds| at_odds.joint.as_str()).collect()
+}
+
+#[test]
+fn a_payload_is_told_and_measured() {
+    for lengths in [[60.0, 60.0], [120.0, 30.0]] {
+        let bare = log(3.0, lengths[0], MotionKind::Moves, 1);
+        let laden = log(3.6, lengths[1], MotionKind::Moves, 2);
+
+        let found = found(&[bare, laden]);
+
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].logs, ["log 0", "log 1"]);
+        assert_eq!(joints(&found[0]), ["boom", "hand"]);
+        // The axis of the hand carries the hand alone: its gravity grows as its mass.
+        let hand = &found[0].joints[1];
+        let ratio = (1.0 + hand.excess[1]) / (1.0 + hand.excess[0]);
+        let error = hand.std_error[0].hypot(hand.std_error[1]);
+        assert!((ratio - 1.2).abs() < 6.0 * error + 0.01, "{ratio} {hand:?}");
+        assert!(hand.excess[0] < 0.0 && hand.excess[1] > 0.0, "{hand:?}");
+        assert!(
+            found[0].to_string().contains("log 0 and log 1 disagree about the gravity of boom")
+        );
+    }
+}
+
+#[test]
+fn the_log_with_the_payload_is_named_among_others() {
+    let moves = |hand, seed| log(hand, 40.0, MotionKind::Moves, seed);
+
+    let found = found(&[moves(3.0, 1), moves(3.0, 2), moves(4.0, 3), moves(3.0, 4)]);
+
+    assert!(!found.is_empty());
+    for disagreement in &found {
+        assert!(disagreement.logs.contains(&"log 2".to_owned()), "{disagreement}");
+    }
+}
+
+#[test]
+fn logs_of_one_arm_agree_whatever_their_motion_and_friction() {
+    let moves = |seed| log(3.0, 30.0, MotionKind::Moves, seed);
+    let sines = log(3.0, 30.0, MotionKind::Sines, 5);
+
+    for logs in [
+        vec![moves(1), moves(2)],
+        vec![moves(1), sines.clone()],
+        vec![with_friction(moves(1), 0.5, 0.4), with_friction(moves(2), 0.9, 0.7)],
+        vec![with_friction(moves(1), 0.5, 0.4), with_friction(sines, 0.5, 0.4)],
+        (1..9).map(|seed| log(3.0, 10.0, MotionKind::Moves, seed)).collect(),
+    ] {
+        assert_eq!(found(&logs), []);
+    }
+}
+
+#[test]
+fn one_log_agrees_with_itself_though_it_has_gaps() {
+    let moves = |hand, seed| log(hand, 40.0, MotionKind::Moves, seed);
+    let logs = [moves(3.0, 1), moves(4.0, 2)];
+    let model = reconstruct(&logs[..], &Plan::default(), &mut |_| ()).unwrap().model;
+
+    assert_eq!(disagreements(&model, &logs[..], &|_| "one".into()).unwrap(), []);
+    assert_ne!(disagreements(&model, &logs[..], &|k| k.to_string()).unwrap(), []);
+}
+
+#[test]
+fn a_log_without_torque_is_refused() {
+    let bare = log(3.0, 40.0, MotionKind::Moves, 1);
+    let model = reconstruct(&bare, &Plan::default(), &mut |_| ()).unwrap().model;
+    let without = Motion::new(Signals { tau: None, ..bare.into_signals() }).unwrap();
+
+    assert!(disagreements(&model, &without, &|_| String::new()).is_err());
+}

@@ -1,0 +1,239 @@
+//! k-means and the elbow on planted clusters.
+
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use torquewise_regression::elbow::{elbow, inertias};
+use torquewise_regression::error::SparseError;
+use torquewise_regression::kmeans::{Clustering, KMeans, kmeans};
+
+/// Normal enough: the sum of twelve uniform numbers, variance 1.
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    (0..12).map(|_| rng.random_range(-0.5..0.5_f64)).sum()
+}
+
+fn blobs(seed: u64, centres: &[[f64; 2]], spread: f64, each: usize) -> Vec<[f64; 2]> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut point = |c: &[f64; 2]| c.map(|x| x + spread * normal(&mut rng));
+    (0..each * centres.len()).map(|i| point(&centres[i % centres.len()])).collect()
+}
+
+/// Velocity and acceleration index of an arm: rest, cruise, and changes of speed, where moving
+/// means tanh(3u) ± `sign_weight`·u for some u, and both carry noise.
+fn activation(seed: u64, rows: [usize; 3], sign_weight: f64, noise: f64) -> Vec<[f64; 2]> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut points = Vec::new();
+    for (pattern, count) in rows.into_iter().enumerate() {
+        for _ in 0..count {
+            let mut moving = || {
+                let u = rng.random_range(0.2..1.0_f64);
+                let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+                (3.0 * u).tanh() + sign * sign_weight * u
+            };
+            let moves = [moving(), moving()];
+            let mut still = || noise * normal(&mut rng).abs();
+            let rests = [still(), still()];
+            points.push(match pattern {
+                0 => rests,
+                1 => [moves[0], rests[1]],
+                _ => moves,
+            });
+        }
+    }
+    points
+}
+
+fn clusters_found(points: &[[f64; 2]]) -> usize {
+    let curve = inertias(points, 8, &KMeans::default());
+    elbow(&curve.expect("finite points, more than eight"))
+}
+
+fn inertia_of(points: &[[f64; 2]], assignment: &[usize], k: usize) -> f64 {
+    let mut inertia = 0.0;
+    for cluster in 0..k {
+        let own: Vec<_> =
+            points.iter().zip(assignment).filter(|(_, a)| **a == cluster).map(|(p, _)| p).collect();
+        for axis in 0..2 {
+            let mean = own.iter().map(|p| p[axis]).sum::<f64>() / own.len().max(1) as f64;
+            inertia += own.iter().map(|p| (p[axis] - mean).powi(2)).sum::<f64>();
+        }
+    }
+    inertia
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn few_points_get_the_best_of_all_partitions(
+        points in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0_f64], 3..9),
+    ) {
+        let many = KMeans { restarts: 200, tolerance: 0.0, ..KMeans::default() };
+
+        let found = kmeans(&points, 3, &many).unwrap();
+
+        let mut best = f64::INFINITY;
+        let mut assignment = vec![0; points.len()];
+        // Counts through all assignments as numbers to base three.
+        while let Some(digit) = assignment.iter().position(|&cluster| cluster < 2) {
+            assignment[..digit].fill(0);
+            assignment[digit] += 1;
+            best = best.min(inertia_of(&points, &assignment, 3));
+        }
+        prop_assert!((found.inertia - best).abs() <= 1e-12, "{} beside {}", found.inertia, best);
+    }
+
+    #[test]
+    fn every_point_belongs_to_its_nearest_centre_and_centres_are_means(
+        points in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0_f64], 5..60),
+        k in 1..6_usize,
+    ) {
+        let Clustering { centres, assignment, inertia, iterations } =
+            kmeans(&points, k, &KMeans { tolerance: 0.0, ..KMeans::default() }).unwrap();
+
+        prop_assert!(iterations < 300);
+        let distance = |p: &[f64; 2], c: &[f64; 2]| (p[0] - c[0]).powi(2) + (p[1] - c[1]).powi(2);
+        for (point, &own) in points.iter().zip(&assignment) {
+            let least = centres.iter().map(|c| distance(point, c)).fold(f64::INFINITY, f64::min);
+            prop_assert!(distance(point, &centres[own]) <= least);
+        }
+        let about_means = inertia_of(&points, &assignment, k);
+        prop_assert!((inertia - about_means).abs() <= 1e-12);
+    }
+}
+
+#[test]
+fn equal_points_in_many_clusters_are_no_trouble() {
+    let points = [[0.5, 0.5]; 7];
+
+    let found = kmeans(&points, 4, &KMeans::default()).unwrap();
+
+    assert!(found.inertia < f64::MIN_POSITIVE);
+    assert_eq!(found.centres, [[0.5, 0.5]; 4]);
+}
+
+#[test]
+fn a_rare_cluster_far_away_is_found() {
+    let mut points = blobs(1, &[[0.0, 0.0], [1.0, 0.0]], 0.05, 15_000);
+    points.extend(blobs(2, &[[1.0, 1.0]], 0.05, 600));
+
+    let found = kmeans(&points, 3, &KMeans::default()).unwrap();
+
+    for (centre, planted) in found.centres.iter().zip([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]) {
+        assert!((centre[0] - planted[0]).abs() < 0.01, "{centre:?}");
+        assert!((centre[1] - planted[1]).abs() < 0.01, "{centre:?}");
+    }
+    assert!(found.assignment[30_000..].iter().all(|&cluster| cluster == 2));
+}
+
+#[test]
+fn one_seed_gives_the_same_bits_at_any_number_of_threads() {
+    let points = activation(3, [20_000, 20_000, 20_000], 0.3, 0.05);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| kmeans(&points, 3, &KMeans::default()).unwrap())
+    };
+
+    let alone = run(1);
+    let together = run(5);
+
+    assert_eq!(alone, together);
+    assert_eq!(alone.inertia.to_bits(), together.inertia.to_bits());
+}
+
+#[test]
+fn another_seed_finds_the_same_clusters_in_the_same_order() {
+    let points = blobs(4, &[[1.0, 1.0], [0.0, 0.0], [1.0, 0.0]], 0.1, 300);
+
+    let one = kmeans(&points, 3, &KMeans::default()).unwrap();
+    let other = kmeans(&points, 3, &KMeans { seed: 99, ..KMeans::default() }).unwrap();
+
+    assert_eq!(one.assignment, other.assignment);
+}
+
+#[test]
+fn the_tolerance_gives_away_next_to_nothing() {
+    let points = activation(6, [3_000, 3_000, 3_000], 0.3, 0.1);
+    let exact = KMeans { tolerance: 0.0, max_iterations: 10_000, ..KMeans::default() };
+
+    let quick = kmeans(&points, 7, &KMeans::default()).unwrap();
+    let slow = kmeans(&points, 7, &exact).unwrap();
+
+    assert!(quick.inertia - slow.inertia < 1e-3 * slow.inertia);
+}
+
+#[test]
+fn the_bound_on_moves_is_kept() {
+    let points = activation(5, [100, 100, 100], 0.3, 0.1);
+    let hasty = KMeans { restarts: 1, max_iterations: 1, ..KMeans::default() };
+
+    let found = kmeans(&points, 5, &hasty).unwrap();
+
+    assert_eq!(found.iterations, 1);
+}
+
+#[test]
+fn questions_without_answer_are_refused() {
+    let points = [[0.0, 0.0], [1.0, f64::NAN]];
+    let settings = KMeans::default();
+
+    let none = kmeans(&points, 0, &settings);
+    let more = kmeans(&points, 3, &settings);
+    let broken = kmeans(&points, 2, &settings);
+
+    assert_eq!(none, Err(SparseError::Clusters { clusters: 0, points: 2 }));
+    assert_eq!(more, Err(SparseError::Clusters { clusters: 3, points: 2 }));
+    assert_eq!(broken, Err(SparseError::NotFinite { what: "a point", entry: 1 }));
+}
+
+#[test]
+fn the_elbow_counts_planted_clusters() {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.5]];
+    let corner = |t: f64| [(t * 1.2566).cos(), (t * 1.2566).sin()];
+    let pentagon = [corner(0.0), corner(1.0), corner(2.0), corner(3.0), corner(4.0)];
+    for seed in 0..5 {
+        for spread in [0.0, 0.02, 0.1, 0.15] {
+            for planted in 2..=4 {
+                let found = clusters_found(&blobs(seed, &square[..planted], spread, 150));
+
+                assert_eq!(found, planted, "spread {spread}, seed {seed}");
+            }
+            let found = clusters_found(&blobs(seed, &pentagon, spread, 150));
+
+            assert_eq!(found, 5, "pentagon of spread {spread}, seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn the_elbow_finds_three_patterns_in_saturating_indices() {
+    for seed in 0..5 {
+        for rows in [[200, 200, 200], [100, 200, 300], [300, 200, 100]] {
+            for (sign_weight, noise) in [(0.0, 0.02), (0.1, 0.05), (0.3, 0.02), (0.3, 0.1)] {
+                let found = clusters_found(&activation(seed, rows, sign_weight, noise));
+
+                assert_eq!(found, 3, "{rows:?}, sign {sign_weight}, noise {noise}, seed {seed}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_shapeless_cloud_is_one_cluster() {
+    for seed in 0..5 {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let uniform: Vec<[f64; 2]> =
+            (0..600).map(|_| [rng.random::<f64>(), 1.5 * rng.random::<f64>()]).collect();
+        let round = blobs(seed, &[[0.0, 0.0]], 1.0, 600);
+
+        assert_eq!(clusters_found(&uniform), 1, "uniform, seed {seed}");
+        assert_eq!(clusters_found(&round), 1, "normal, seed {seed}");
+    }
+}
+
+#[test]
+fn a_curve_without_spread_has_one_cluster() {
+    assert_eq!(elbow(&[]), 0);
+    assert_eq!(elbow(&[3.0]), 1);
+    assert_eq!(elbow(&[0.0, 0.0, 0.0]), 1);
+}

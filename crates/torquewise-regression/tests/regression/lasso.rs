@@ -1,0 +1,189 @@
+//! The LASSO path against its optimality conditions, computed on the rows themselves.
+
+use crate::planted::{self, Rows};
+use faer::Mat;
+use proptest::prelude::*;
+use torquewise_regression::error::SparseError;
+use torquewise_regression::problem::Problem;
+use torquewise_regression::select::lasso::{Choice, Lasso, lasso_path};
+
+const EXACT: Lasso = Lasso {
+    path: 30,
+    ratio: 1e-3,
+    gap_tolerance: 1e-13,
+    max_sweeps: 1_000_000,
+    choice: Choice::Bic,
+    threshold: 0.0,
+    standardise: true,
+    debias: false,
+};
+
+/// Root mean square of each column.
+fn scales(features: &Mat<f64>) -> Vec<f64> {
+    let rows = features.nrows();
+    let mean = |j| features.col_as_slice(j).iter().map(|x| x * x).sum::<f64>() / rows as f64;
+    (0..features.ncols()).map(|j| f64::sqrt(mean(j))).collect()
+}
+
+fn residual(rows: &Rows, coefficients: &[f64]) -> Vec<f64> {
+    let fitted = planted::predict(&rows.features, coefficients);
+    rows.response.iter().zip(fitted).map(|(y, f)| y - f).collect()
+}
+
+/// ½/m‖y − X c‖² + λ Σ sⱼ|cⱼ|.
+fn objective(rows: &Rows, coefficients: &[f64], lambda: f64) -> f64 {
+    let square: f64 = residual(rows, coefficients).iter().map(|r| r * r).sum();
+    let sizes = scales(&rows.features);
+    let size: f64 = coefficients.iter().zip(sizes).map(|(c, s)| s * c.abs()).sum();
+    0.5 * square / rows.response.len() as f64 + lambda * size
+}
+
+fn mean_square(values: &[f64]) -> f64 {
+    values.iter().map(|y| y * y).sum::<f64>() / values.len() as f64
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn every_point_meets_the_optimality_conditions(seed in 0..u64::MAX, few in any::<bool>()) {
+        let rows = planted::rows(seed, if few { 25 } else { 150 }, 40, 5, 0.3);
+        let sizes = scales(&rows.features);
+
+        let path = lasso_path(&rows.problem(), &Lasso::default()).unwrap();
+
+        prop_assert_eq!(path.len(), 100);
+        for point in path {
+            prop_assert!(point.gap <= 1e-9 * mean_square(&rows.response), "{:?}", point);
+            let r = residual(&rows, &point.coefficients);
+            for (j, &weight) in point.coefficients.iter().enumerate() {
+                let column = rows.features.col_as_slice(j);
+                let slope: f64 = column.iter().zip(&r).map(|(x, r)| x * r).sum::<f64>()
+                    / (sizes[j] * r.len() as f64);
+                let wanted = if weight == 0.0 {
+                    slope.clamp(-point.lambda, point.lambda)
+                } else {
+                    point.lambda * weight.signum()
+                };
+                // Along one column of unit mean square, violation v, the objective can fall by
+                // v²/2, or by v sⱼ|cⱼ|/2 if the weight reaches zero first: at most the gap.
+                let gain = point.gap.max(1e-14);
+                let to_zero = sizes[j] * weight.abs();
+                let crossing = if weight == 0.0 { 0.0 } else { 2.0 * gain / to_zero };
+                let slack = crossing.max((2.0 * gain).sqrt());
+                prop_assert!((slope - wanted).abs() <= slack, "{} at {:?}", j, point.lambda);
+            }
+        }
+    }
+
+    #[test]
+    fn the_gap_bounds_the_true_suboptimality(seed in 0..u64::MAX, sweeps in 1..4_usize) {
+        let rows = planted::rows(seed, 60, 40, 5, 0.3);
+        let hasty = Lasso { gap_tolerance: 1e-2, max_sweeps: sweeps, ..EXACT };
+
+        let rough = lasso_path(&rows.problem(), &hasty).unwrap();
+        let exact = lasso_path(&rows.problem(), &EXACT).unwrap();
+
+        let rounding = 1e-12 * mean_square(&rows.response);
+        for (rough, exact) in rough.iter().zip(&exact) {
+            let optimum = objective(&rows, &exact.coefficients, exact.lambda);
+            let above = objective(&rows, &rough.coefficients, rough.lambda) - optimum;
+            prop_assert!(above >= -rounding, "the long run was not optimal: {}", above);
+            prop_assert!(above <= rough.gap + rounding, "{} above, gap {}", above, rough.gap);
+            prop_assert!(rough.sweeps <= sweeps);
+        }
+    }
+
+    #[test]
+    fn orthonormal_columns_are_soft_thresholded(
+        cross in prop::collection::vec(-5.0..5.0_f64, 1..20),
+        lambda in 0.01..6.0_f64,
+    ) {
+        let size = cross.len();
+        let energy: f64 = cross.iter().map(|b| b * b).sum();
+        let gram = Mat::from_fn(size, size, |i, j| f64::from(i == j));
+        let problem = Problem::new(gram, cross.clone(), energy, 1.0).unwrap();
+        let lasso = Lasso { choice: Choice::Lambda(lambda), ..EXACT };
+
+        let selection = lasso.select(&problem).unwrap();
+
+        for (weight, b) in selection.coefficients.iter().zip(cross) {
+            let expected = b.signum() * (b.abs() - lambda).max(0.0);
+            prop_assert!((weight - expected).abs() < 1e-14 * energy.sqrt());
+        }
+    }
+}
+
+#[test]
+fn spent_sweeps_leave_a_gap_above_the_tolerance() {
+    let rows = planted::rows(3, 60, 40, 5, 0.3);
+    let hasty = Lasso { max_sweeps: 1, gap_tolerance: 1e-12, ..EXACT };
+
+    let path = lasso_path(&rows.problem(), &hasty).unwrap();
+
+    let tolerance = 1e-12 * mean_square(&rows.response);
+    assert!(path.iter().any(|point| point.gap > tolerance));
+    assert!(path.iter().all(|point| point.sweeps <= 1));
+}
+
+#[test]
+fn nearly_equal_columns_converge_in_few_sweeps() {
+    let mut rows = planted::rows(4, 400, 40, 8, 0.1);
+    for j in 1..40 {
+        let before = rows.features.col(j - 1).to_owned();
+        let own = rows.features.col(j).to_owned();
+        rows.features.col_mut(j).copy_from(before + own * faer::Scale(0.03));
+    }
+    let patient = Lasso { max_sweeps: 100_000, ..Lasso::default() };
+
+    let path = lasso_path(&rows.problem(), &patient).unwrap();
+
+    let most = path.iter().map(|point| point.sweeps).max().unwrap();
+    assert!(most < 500, "plain coordinate descent needs tens of thousands, this took {most}");
+}
+
+#[test]
+fn a_path_ends_where_an_indefinite_gram_matrix_loses_its_meaning() {
+    let gram = faer::mat![[1.0, 0.9, 0.0], [0.9, 0.1, 0.0], [0.0, 0.0, 1.0]];
+    let problem = Problem::new(gram, vec![1.0, 1.0, 0.5], 2.0, 1.0).unwrap();
+    let small = Lasso { choice: Choice::Lambda(1e-6), ..Lasso::default() };
+
+    let path = lasso_path(&problem, &Lasso::default()).unwrap();
+    let refused = small.select(&problem);
+
+    assert!(path.len() < 100, "{} points", path.len());
+    assert_eq!(refused, Err(SparseError::Indefinite { lambda: 1e-6 }));
+}
+
+#[test]
+fn the_threshold_of_the_paper_drops_small_weights() {
+    let rows = planted::rows(6, 200, 10, 3, 0.1);
+    let lambda = Choice::Lambda(1e-6);
+    let all = Lasso { choice: lambda, ..Lasso::default() };
+    let large = Lasso { threshold: 0.1, ..all };
+
+    let everything = all.select(&rows.problem()).unwrap();
+    let selection = large.select(&rows.problem()).unwrap();
+
+    assert_eq!(everything.active.len(), 10);
+    assert_eq!(selection.active, rows.support());
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let problem = planted::rows(1, 20, 3, 1, 0.0).problem();
+    let cases = [
+        ("path", Lasso { path: 0, ..EXACT }),
+        ("ratio", Lasso { ratio: 1.0, ..EXACT }),
+        ("gap_tolerance", Lasso { gap_tolerance: f64::NAN, ..EXACT }),
+        ("threshold", Lasso { threshold: -0.1, ..EXACT }),
+        ("lambda", Lasso { choice: Choice::Lambda(0.0), ..EXACT }),
+    ];
+    for (expected, lasso) in cases {
+        let refused = lasso.select(&problem);
+
+        assert!(
+            matches!(refused, Err(SparseError::Setting { setting, .. }) if setting == expected)
+        );
+    }
+}

@@ -1,0 +1,161 @@
+//! Normal equations against sums over the rows they stand for.
+
+use crate::planted;
+use faer::Mat;
+use proptest::prelude::*;
+use torquewise_regression::error::SparseError;
+use torquewise_regression::problem::Problem;
+
+/// Σ (y − X c)².
+fn residual_energy(rows: &planted::Rows, coefficients: &[f64]) -> f64 {
+    let fitted = planted::predict(&rows.features, coefficients);
+    rows.response.iter().zip(fitted).map(|(y, f)| (y - f).powi(2)).sum()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn residual_energy_is_the_sum_over_rows(
+        seed in 0..u64::MAX,
+        coefficients in prop::collection::vec(-2.0..2.0_f64, 8),
+    ) {
+        let rows = planted::rows(seed, 50, 8, 3, 0.1);
+
+        let found = rows.problem().residual_energy(&coefficients);
+
+        // Terms of the quadratic form are some hundred times ε of their sum apart.
+        let expected = residual_energy(&rows, &coefficients);
+        prop_assert!((found - expected).abs() <= 1e-11 * expected.max(1.0));
+    }
+
+    #[test]
+    fn a_refit_leaves_a_residual_orthogonal_to_its_columns(
+        seed in 0..u64::MAX,
+        active in prop::collection::btree_set(0..12_usize, 0..12),
+    ) {
+        let rows = planted::rows(seed, 60, 12, 4, 0.2);
+        let active: Vec<usize> = active.into_iter().collect();
+
+        let refit = rows.problem().refit(&active).unwrap();
+
+        prop_assert_eq!(&refit.active, &active);
+        let fitted = planted::predict(&rows.features, &refit.coefficients);
+        for j in active {
+            let column = rows.features.col_as_slice(j);
+            let residual = rows.response.iter().zip(&fitted).map(|(y, f)| y - f);
+            let slope: f64 = column.iter().zip(residual).map(|(x, r)| x * r).sum();
+            prop_assert!(slope.abs() < 1e-11, "column {}: {}", j, slope);
+        }
+        let expected = residual_energy(&rows, &refit.coefficients);
+        prop_assert!((refit.residual_energy - expected).abs() <= 1e-11 * expected.max(1.0));
+    }
+
+    #[test]
+    fn responses_refitted_together_get_the_weights_of_each_alone(seed in 0..u64::MAX) {
+        let one = planted::rows(seed, 60, 8, 3, 0.2);
+        let mut other = planted::rows(seed, 60, 8, 3, 0.2);
+        other.response.reverse();
+        let problems = [one.problem(), other.problem()];
+        let active = [0, 2, 3, 7];
+        let cross = Mat::from_fn(8, 2, |j, response| problems[response].cross()[j]);
+
+        let found = problems[0].refit_each(&active, cross.as_ref()).unwrap();
+
+        for (response, problem) in problems.iter().enumerate() {
+            let alone = problem.refit(&active).unwrap().coefficients;
+            // The same operations on the same numbers, in another order at most.
+            for (found, alone) in found.col_as_slice(response).iter().zip(alone) {
+                prop_assert!((found - alone).abs() < 1e-13, "{} {}", found, alone);
+            }
+        }
+        prop_assert!(problems[0].refit_each(&active, cross.as_ref().subrows(0, 7)).is_err());
+    }
+
+    #[test]
+    fn a_sum_of_other_columns_is_dropped_and_the_fit_stays(seed in 0..u64::MAX) {
+        let mut rows = planted::rows(seed, 60, 8, 3, 0.2);
+        let sum = rows.features.col(1) + rows.features.col(2) * faer::Scale(3.0);
+        rows.features.col_mut(6).copy_from(&sum);
+        let with: Vec<usize> = (0..8).collect();
+        let without: Vec<usize> = (0..8).filter(|&j| j != 6).collect();
+
+        let refit = rows.problem().refit(&with).unwrap();
+        let reduced = rows.problem().refit(&without).unwrap();
+
+        prop_assert_eq!(refit.dependent.len(), 1);
+        prop_assert!([1, 2, 6].contains(&refit.dependent[0]), "{:?}", refit.dependent);
+        let difference = (refit.residual_energy - reduced.residual_energy).abs();
+        prop_assert!(difference <= 1e-10 * reduced.residual_energy);
+    }
+
+    #[test]
+    fn standardised_columns_have_unit_mean_square_and_the_same_fit(seed in 0..u64::MAX) {
+        let mut rows = planted::rows(seed, 60, 8, 3, 0.2);
+        rows.features.col_mut(4).fill(0.0);
+        let problem = rows.problem();
+        let all: Vec<usize> = (0..8).collect();
+
+        let standardised = problem.standardised();
+
+        let inner = &standardised.problem;
+        for j in 0..8 {
+            let expected = if j == 4 { 0.0 } else { problem.rows() };
+            prop_assert!((inner.gram()[(j, j)] - expected).abs() < 1e-12 * problem.rows());
+        }
+        prop_assert!(standardised.scale[4] < f64::MIN_POSITIVE);
+        let unscaled = standardised.unscaled(&inner.refit(&all).unwrap().coefficients);
+        let direct = problem.refit(&all).unwrap().coefficients;
+        for (found, expected) in unscaled.iter().zip(direct) {
+            prop_assert!((found - expected).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn only_the_lower_triangle_is_read() {
+    let rows = planted::rows(1, 40, 70, 3, 0.1);
+    let whole = rows.problem();
+    let half = Mat::from_fn(70, 70, |i, j| if i < j { f64::NAN } else { whole.gram()[(i, j)] });
+
+    let problem = Problem::new(half, whole.cross().to_vec(), whole.energy(), 40.0).unwrap();
+
+    assert_eq!(problem.gram(), whole.gram());
+}
+
+#[test]
+fn of_exact_fits_the_one_with_fewer_terms_has_the_lower_criterion() {
+    let rows = planted::rows(2, 100, 10, 3, 0.0);
+    let problem = rows.problem();
+    let all: Vec<usize> = (0..10).collect();
+
+    let few = problem.refit(&rows.support()).unwrap();
+    let many = problem.refit(&all).unwrap();
+
+    for (found, planted) in few.coefficients.iter().zip(&rows.truth) {
+        assert!((found - planted).abs() < 1e-13, "{found} planted as {planted}");
+    }
+    assert!(problem.bic(few.residual_energy, 3) < problem.bic(many.residual_energy, 10));
+}
+
+#[test]
+fn malformed_equations_are_refused() {
+    let one = || Mat::from_fn(2, 2, |i, j| f64::from(i == j));
+    let broken = Mat::from_fn(2, 2, |i, _| if i == 1 { f64::INFINITY } else { 1.0 });
+
+    let lopsided = Problem::new(Mat::zeros(2, 3), vec![0.0; 2], 1.0, 5.0);
+    let long = Problem::new(one(), vec![0.0; 3], 1.0, 5.0);
+    let infinite = Problem::new(broken, vec![0.0; 2], 1.0, 5.0);
+    let not_a_number = Problem::new(one(), vec![0.0, f64::NAN], 1.0, 5.0);
+    let negative = Problem::new(one(), vec![0.0; 2], -1.0, 5.0);
+    let rowless = Problem::new(one(), vec![0.0; 2], 1.0, 0.0);
+    let beyond = Problem::new(one(), vec![0.0; 2], 1.0, 5.0).unwrap().refit(&[0, 2]);
+
+    assert!(matches!(lopsided, Err(SparseError::Shape { found: 3, expected: 2, .. })));
+    assert!(matches!(long, Err(SparseError::Shape { found: 2, expected: 3, .. })));
+    assert!(matches!(infinite, Err(SparseError::NotFinite { entry: 2, .. })));
+    assert!(matches!(not_a_number, Err(SparseError::NotFinite { entry: 1, .. })));
+    assert!(matches!(negative, Err(SparseError::Setting { found: -1.0, .. })));
+    assert!(matches!(rowless, Err(SparseError::Setting { found: 0.0, .. })));
+    assert_eq!(beyond, Err(SparseError::Column { column: 2, columns: 2 }));
+}

@@ -1,0 +1,278 @@
+//! Moments and rows → the same normal equations, on any machine.
+
+use crate::random_design::{RandomDesign, any_design, samples};
+use faer::Mat;
+use proptest::prelude::*;
+use rayon::ThreadPoolBuilder;
+use torquewise_regression::accumulate::{
+    Accumulate, GramSum, Lanes, Prepared, Route, cheaper_route,
+};
+use torquewise_regression::error::SparseError;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::samples::{Evaluator, Samples};
+
+const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
+
+fn grams(random: &RandomDesign, route: Route, blocks: &[Samples]) -> Vec<Gram> {
+    let prepared = Prepared::new(&random.design(), route);
+    let mut sum = prepared.start(random.n_responses());
+    for block in blocks {
+        sum.add(block).expect("blocks of the shape of the design");
+    }
+    sum.grams()
+}
+
+/// Angles and variables are bounded, so an entry is a sum of m products of at most bᵢ·bⱼ: each
+/// product is rounded some ten times on its way, the sum m times.
+fn assert_same(found: &Gram, expected: &Gram, bounds: &[f64]) {
+    let rounding = f64::EPSILON * (16.0 + expected.rows as f64) * 4.0;
+    assert_eq!(found.rows, expected.rows);
+    for (i, left) in bounds.iter().enumerate() {
+        for (j, right) in bounds.iter().enumerate() {
+            let difference = found.gram[(i, j)] - expected.gram[(i, j)];
+            let tolerance = rounding * expected.rows as f64 * left * right;
+            assert!(difference.abs() <= tolerance, "gram {i} {j}: {difference:e} > {tolerance:e}");
+        }
+        for response in 0..expected.cross.ncols() {
+            let difference = found.cross[(i, response)] - expected.cross[(i, response)];
+            let tolerance = rounding * expected.rows as f64 * left;
+            assert!(difference.abs() <= tolerance, "cross {i} {response}: {difference:e}");
+        }
+    }
+    for (found, expected) in found.energy.iter().zip(&expected.energy) {
+        assert!((found - expected).abs() <= rounding * expected, "{found} {expected}");
+    }
+}
+
+fn assert_all_same(found: &[Gram], expected: &[Gram], random: &RandomDesign) {
+    assert_eq!(found.len(), expected.len());
+    for (equation, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert_same(found, expected, &random.bounds(equation));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn an_evaluator_gives_the_values_that_the_formula_gives(
+        random in any_design(),
+        seed in 0..u64::MAX,
+        rows in 0..300_usize,
+    ) {
+        let block = samples(&random, seed, rows);
+
+        let columns = Evaluator::new(random.design()).columns(&block).unwrap();
+
+        for (equation, values) in columns.iter().enumerate() {
+            let expected = random.naive(equation, &block);
+            for (j, bound) in random.bounds(equation).into_iter().enumerate() {
+                for row in 0..rows {
+                    let difference = values[(row, j)] - expected[(row, j)];
+                    // The formula rounds its argument k·θ, which is below 32, then a dozen times.
+                    prop_assert!(difference.abs() <= 64.0 * f64::EPSILON * bound);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn both_routes_give_the_sums_of_products_of_the_columns(
+        random in any_design(),
+        seed in 0..u64::MAX,
+        rows in 0..600_usize,
+    ) {
+        let block = samples(&random, seed, rows);
+
+        let by_moments = grams(&random, Route::Moments, std::slice::from_ref(&block));
+        let by_rows = grams(&random, Route::Direct, std::slice::from_ref(&block));
+
+        let columns = Evaluator::new(random.design()).columns(&block).unwrap();
+        let plain: Vec<Gram> = columns
+            .iter()
+            .enumerate()
+            .map(|(equation, y)| {
+                let responses = random.responses_of(equation, &block);
+                Gram {
+                    gram: y.transpose() * y,
+                    cross: y.transpose() * &responses,
+                    energy: responses.col_iter().map(|y| y.squared_norm_l2()).collect(),
+                    rows,
+                }
+            })
+            .collect();
+        assert_all_same(&by_moments, &plain, &random);
+        assert_all_same(&by_rows, &plain, &random);
+    }
+
+    #[test]
+    fn merging_two_halves_is_the_same_as_reading_all_rows(
+        random in any_design(),
+        seed in 0..u64::MAX,
+        rows in [0..300_usize, 0..300],
+    ) {
+        let blocks = [samples(&random, seed, rows[0]), samples(&random, !seed, rows[1])];
+        for route in ROUTES {
+            let prepared = Prepared::new(&random.design(), route);
+            let half = |block| {
+                let mut sum: GramSum<'_> = prepared.start(random.n_responses());
+                sum.add(block).unwrap();
+                sum
+            };
+
+            let mut merged = half(&blocks[0]);
+            merged.merge(half(&blocks[1])).unwrap();
+
+            assert_all_same(&merged.grams(), &grams(&random, route, &blocks), &random);
+        }
+    }
+
+    #[test]
+    fn a_subset_of_columns_has_the_matching_part_of_the_gram_matrix(
+        random in any_design(),
+        seed in 0..u64::MAX,
+        picks in prop::collection::vec(any::<prop::sample::Index>(), 0..8),
+    ) {
+        let columns: Vec<usize> = picks.iter().map(|pick| pick.index(random.n_columns())).collect();
+        let block = samples(&random, seed, 200);
+        for route in ROUTES {
+            let whole = grams(&random, route, std::slice::from_ref(&block));
+
+            let subset = random.design().subset(&columns).unwrap();
+            let prepared = Prepared::new(&subset, route);
+            let mut sum = prepared.start(random.n_responses());
+            sum.add(&block).unwrap();
+
+            for (equation, (found, whole)) in sum.grams().iter().zip(&whole).enumerate() {
+                let bounds = random.bounds(equation);
+                let bounds: Vec<f64> = columns.iter().map(|&column| bounds[column]).collect();
+                let size = columns.len();
+                let part = Gram {
+                    gram: Mat::from_fn(size, size, |i, j| whole.gram[(columns[i], columns[j])]),
+                    cross: Mat::from_fn(size, whole.cross.ncols(), |i, response| {
+                        whole.cross[(columns[i], response)]
+                    }),
+                    ..whole.clone()
+                };
+                assert_same(found, &part, &bounds);
+            }
+        }
+    }
+}
+
+#[test]
+fn sums_have_the_same_bits_at_any_number_of_threads() {
+    let random = RandomDesign::fixed();
+    let blocks: Vec<Samples> = (0..70).map(|seed| samples(&random, seed, 50)).collect();
+    for route in ROUTES {
+        let prepared = Prepared::new(&random.design(), route);
+        let sum = |threads| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let start = |_| prepared.start(random.n_responses());
+                let mut lanes = Lanes::new(prepared.size(random.n_responses()), start);
+                for block in &blocks {
+                    lanes.push(block.clone()).unwrap();
+                }
+                lanes.finish().unwrap().grams()
+            })
+        };
+
+        let alone = sum(1);
+
+        assert_eq!(alone.iter().map(|gram| gram.rows).max(), Some(3_500));
+        for threads in [2, 3] {
+            for (many, one) in sum(threads).iter().zip(&alone) {
+                assert_eq!(bits(&many.gram), bits(&one.gram), "{route:?}");
+                assert_eq!(bits(&many.cross), bits(&one.cross), "{route:?}");
+                assert_eq!(many.energy, one.energy);
+            }
+        }
+    }
+}
+
+fn bits(matrix: &Mat<f64>) -> Vec<u64> {
+    matrix.col_iter().flat_map(|column| column.iter().map(|x| x.to_bits())).collect()
+}
+
+/// A sum that counts blocks.
+struct Count(usize);
+
+impl Accumulate for Count {
+    fn add(&mut self, _: &Samples) -> Result<(), SparseError> {
+        self.0 += 1;
+        Ok(())
+    }
+
+    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
+        self.0 += other.0;
+        Ok(())
+    }
+}
+
+#[test]
+fn the_number_of_lanes_follows_from_the_size_of_a_sum_alone() {
+    let lanes = |size, threads| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut started = Vec::new();
+        pool.install(|| {
+            drop(Lanes::new(size, |lane| {
+                started.push(lane);
+                Count(0)
+            }));
+        });
+        started
+    };
+
+    for size in [0, 1, 1 << 20, 50 << 20, 1 << 30, usize::MAX] {
+        let one_thread = lanes(size, 1);
+        assert_eq!(one_thread, lanes(size, 3));
+        let count = one_thread.len();
+        assert!(count == 1 || count * size <= 128 << 20, "{count} sums of {size} bytes");
+    }
+    assert!(lanes(1 << 20, 1).len() > 4, "small sums leave work for many cores");
+    assert_eq!(lanes(1 << 30, 1).len(), 1, "large ones would not fit twice");
+}
+
+#[test]
+fn lanes_add_each_block_once() {
+    let random = RandomDesign::fixed();
+    for blocks in [0, 1, 63, 64, 65, 200] {
+        let mut lanes = Lanes::new(1, |_| Count(0));
+
+        (0..blocks).for_each(|seed| lanes.push(samples(&random, seed, 1)).unwrap());
+
+        assert_eq!(lanes.finish().unwrap().0, usize::try_from(blocks).unwrap());
+    }
+}
+
+#[test]
+fn blocks_of_another_shape_are_refused_by_both_routes() {
+    let random = RandomDesign::fixed();
+    let good = samples(&random, 1, 5);
+    let one_less = |x: &Mat<f64>| x.subcols(1, x.ncols() - 1).to_owned();
+    let bad = [
+        Samples { angles: one_less(&good.angles), ..good.clone() },
+        Samples { variables: one_less(&good.variables), ..good.clone() },
+        Samples { responses: Mat::zeros(4, random.n_responses()), ..good.clone() },
+    ];
+    for route in ROUTES {
+        let prepared = Prepared::new(&random.design(), route);
+        let mut sum = prepared.start(random.n_responses());
+        for block in &bad {
+            assert!(matches!(sum.add(block), Err(SparseError::Shape { .. })), "{route:?}");
+        }
+        assert!(sum.add(&good).is_ok());
+    }
+}
+
+#[test]
+fn the_direct_route_serves_few_rows_and_moments_serve_many() {
+    let random = RandomDesign::fixed();
+    let design = random.design();
+
+    let route = |rows| cheaper_route(&design, random.n_responses(), rows);
+
+    assert_eq!(route(1), Route::Direct);
+    assert_eq!(route(100_000), Route::Moments);
+}

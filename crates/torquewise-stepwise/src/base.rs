@@ -1,0 +1,80 @@
+//! Normal equations of all rows → plain least squares: where the refit begins (E6).
+
+use crate::factor::{Factor, Kept};
+use crate::step::{residual_energy, response_place};
+use faer::Mat;
+use torquewise_regression::SparseError;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
+
+/// Where least squares leaves less than this part of the torque, squared, normal equations cannot
+/// say how much less: they keep about 13 digits.
+const EXPLAINED: f64 = 1e-10;
+
+/// The normal equations of a group over all rows, its equations weighted and added up.
+pub(crate) struct Base {
+    /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
+    pub(crate) gram: Mat<f64>,
+    pub(crate) start: Start,
+    /// Whether the torque is explained but for rounding.
+    pub(crate) explained: bool,
+}
+
+/// The plain least-squares fit, with the columns that depend on others found out.
+pub(crate) struct Start {
+    pub(crate) coefficients: Vec<f64>,
+    pub(crate) dependent: Vec<usize>,
+}
+
+impl Base {
+    /// - `grams`: of each equation over all rows
+    /// - `parts`: of the sample, a row of which stands for `scale` rows
+    pub(crate) fn new(
+        kept: &Kept,
+        grams: &[Gram],
+        parts: &[Factor],
+        scale: f64,
+    ) -> Result<Self, SparseError> {
+        let p = kept.columns.len();
+        let mut gram = Mat::<f64>::zeros(p + 1, p + 1);
+        let mut rows = 0.0;
+        for (&(equation, response), &weight) in kept.group.equations.iter().zip(&kept.weights) {
+            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
+            for j in 0..p {
+                for i in 0..p {
+                    gram[(i, j)] += weight * part.gram[(i, j)];
+                }
+                gram[(j, p)] += weight * part.cross[(j, own)];
+                gram[(p, j)] = gram[(j, p)];
+            }
+            gram[(p, p)] += weight * part.energy[own];
+            rows += part.rows as f64;
+        }
+        let mut start = Start::solve(&gram, rows)?;
+        let mut explained = true;
+        for &(equation, response) in &kept.group.equations {
+            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
+            let left = residual_energy(part, own, &start.coefficients);
+            explained &= left <= EXPLAINED * part.energy[own];
+        }
+        if explained {
+            gram.fill(0.0);
+            for part in parts {
+                gram += faer::Scale(scale) * &part.gram;
+            }
+            start = Start::solve(&gram, rows)?;
+        }
+        Ok(Self { gram, start, explained })
+    }
+}
+
+impl Start {
+    fn solve(gram: &Mat<f64>, rows: f64) -> Result<Self, SparseError> {
+        let p = gram.ncols().saturating_sub(1);
+        let right = (0..p).map(|j| gram[(j, p)]).collect();
+        let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
+        let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1.0))?;
+        let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
+        Ok(Self { coefficients: fit.coefficients, dependent: fit.dependent })
+    }
+}

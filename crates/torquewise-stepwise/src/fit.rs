@@ -1,0 +1,46 @@
+//! Log → library fit: what the steps found, and how.
+
+use crate::form::Dropped;
+use crate::patterns::Patterns;
+use torquewise_model::Model;
+use torquewise_motion::Pattern;
+use torquewise_regression::accumulate::Route;
+use torquewise_survey::noise::NoiseFloor;
+
+/// What the steps found in the terms of a library, and how.
+#[derive(Clone, Debug)]
+pub struct LibraryFit {
+    /// The equations of motion.
+    pub model: Model,
+    /// The patterns its rows fall into.
+    pub patterns: Patterns,
+    /// The white noise in its signals, from standstill where there is one.
+    pub noise: NoiseFloor,
+    /// Candidates in all.
+    pub candidates: usize,
+    /// The steps taken.
+    pub steps: Vec<StepReport>,
+    /// Terms that did not stay though resampled logs kept them, the likeliest first.
+    pub dropped: Vec<Dropped>,
+    /// Patterns that the log does not show, whose terms were asked of the next one.
+    pub missing: Vec<Pattern>,
+    /// Candidates that no row can tell of.
+    pub unassigned: usize,
+    /// Names of the terms left out of the last fit because others say the same in this log.
+    pub dependent: Vec<String>,
+}
+
+/// One step of the reconstruction.
+#[derive(Clone, Debug)]
+pub struct StepReport {
+    /// Name of its pattern.
+    pub name: &'static str,
+    /// Its rows.
+    pub rows: usize,
+    /// Candidates offered.
+    pub candidates: usize,
+    /// Terms found so far that act on each joint, n.
+    pub active: Vec<usize>,
+    /// How its normal equations were come by.
+    pub route: Route,
+}

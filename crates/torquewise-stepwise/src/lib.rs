@@ -1,0 +1,29 @@
+//! Motion log → equations of motion, as in the paper: activation, clusters, a regression of each.
+//!
+//! Read [`reconstruct`](reconstruct::reconstruct) first; it is the method on one page.
+
+pub mod activation;
+pub mod patterns;
+pub mod plan;
+pub mod candidates;
+mod rows;
+pub mod evidence;
+mod step;
+mod settle;
+pub mod library;
+pub mod sums;
+mod factor;
+mod base;
+mod spread;
+mod refit;
+pub mod form;
+pub mod fit;
+pub mod reconstruct;
+pub mod orders;
+
+pub use fit::{LibraryFit, StepReport};
+pub use library::SummedLibrary;
+pub use patterns::{PatternPlan, Patterns, find_patterns};
+pub use plan::{LibraryKind, LibraryOptions, Regression};
+pub use reconstruct::reconstruct;
+pub use sums::LibrarySums;

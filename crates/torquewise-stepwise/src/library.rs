@@ -1,0 +1,106 @@
+//! Options, recording → summed library: which columns are summed, and these made ready.
+
+use crate::candidates::Candidates;
+use crate::plan::{LibraryKind, LibraryOptions, Regression};
+use crate::settle::choose_laws;
+use serde::{Deserialize, Serialize};
+use torquewise_model::FrictionTerm;
+use torquewise_model::model::Choice;
+use torquewise_motion::{Pattern, Recording};
+use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::row_sums::RowSums;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::friction::FrictionKind;
+use torquewise_survey::progress::Progress;
+use torquewise_survey::survey::survey;
+
+/// Which columns are summed, and over which rows together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SummedLibrary {
+    /// Candidates.
+    pub kind: LibraryKind,
+    /// One-shot or stepwise: one sum over all rows, or one for each pattern.
+    pub regression: Regression,
+    /// Laws of friction among the candidates. They follow from the speeds of all logs together, so
+    /// that summaries with friction are neither written nor merged.
+    #[serde(skip)]
+    pub friction: Vec<FrictionTerm>,
+}
+
+/// The candidates of a library, made ready to be summed.
+pub struct Basis {
+    /// The terms offered.
+    pub candidates: Candidates,
+    /// Their columns, as sums over rows want them.
+    pub prepared: Prepared,
+    /// How their normal equations are come by.
+    pub route: Route,
+    /// Number of joints n.
+    pub n_joints: usize,
+}
+
+/// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
+/// size come by different routes and do not add up.
+const USUAL_ROWS: usize = 1 << 18;
+
+impl SummedLibrary {
+    /// The library of a fit with laws of friction that suit a recording, and how these were chosen.
+    ///
+    /// # Errors
+    /// [`IdentifyError`]: the reader's message, missing torque, or a library too large.
+    pub fn of(
+        recording: &(impl Recording + ?Sized),
+        options: &LibraryOptions,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<(Self, Vec<Choice>), IdentifyError> {
+        let LibraryOptions { library: kind, regression, friction, .. } = *options;
+        let (friction, choices) = if friction == FrictionKind::None {
+            (Vec::new(), Vec::new())
+        } else {
+            progress(Progress::Survey);
+            let survey = survey(recording)?;
+            survey.sample.require_tau()?;
+            choose_laws(&survey, options)?
+        };
+        Ok((Self { kind, regression, friction }, choices))
+    }
+
+    /// Its candidates for n joints.
+    ///
+    /// # Errors
+    /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
+    pub fn basis(&self, n_joints: usize) -> Result<Basis, IdentifyError> {
+        let laws = self.friction.clone();
+        let candidates = Candidates::with_friction(n_joints, self.kind, self.regression, laws)?;
+        let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
+        let prepared = Prepared::new(&candidates.design, route);
+        Ok(Basis { candidates, prepared, route, n_joints })
+    }
+
+    /// Options with what was settled when rows were summed.
+    pub(crate) fn applied_to(&self, options: &LibraryOptions) -> LibraryOptions {
+        let (library, regression) = (self.kind, self.regression);
+        LibraryOptions { library, regression, ..options.clone() }
+    }
+
+    /// The patterns whose rows are summed apart; `None` stands for all rows.
+    pub fn parts(&self) -> Vec<Option<Pattern>> {
+        match self.regression {
+            Regression::Stepwise => Pattern::ALL.map(Some).into(),
+            Regression::OneShot => vec![None],
+        }
+    }
+}
+
+impl Basis {
+    /// The sums of no rows.
+    pub fn no_rows(&self) -> RowSums {
+        RowSums::new(&self.prepared, self.n_joints)
+    }
+
+    /// The normal equations of some candidates over rows.
+    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<Gram> {
+        rows.grams(&self.prepared, self.n_joints, columns)
+    }
+}

@@ -1,0 +1,365 @@
+//! Recording → residual against order, and the orders it asks for (Fig. 5 of the paper).
+
+use crate::candidates::{columns_of_energies, columns_of_terms};
+use crate::patterns::{PatternPlan, Patterns, find_patterns};
+use crate::rows::{Gathering, cut, samples_of};
+use faer::Mat;
+use rayon::prelude::*;
+use serde::Serialize;
+use torquewise_model::library::{Degree, energy_library, product_library};
+use torquewise_model::{Kind, Term};
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
+use torquewise_regression::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
+use torquewise_regression::design::Design;
+use torquewise_regression::gram::Gram;
+use torquewise_regression::problem::Problem;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::survey::survey;
+
+/// What is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OrderPlan {
+    /// Largest N₁.
+    pub trig_order: u8,
+    /// Largest N₁ of the whole library, which grows fastest.
+    pub whole_order: u8,
+    /// Largest interaction order of the energy library; at most one per joint.
+    pub interaction: usize,
+    /// Clustering.
+    pub patterns: PatternPlan,
+}
+
+impl Default for OrderPlan {
+    /// N₁ up to 5, and up to 4 for the whole library, interaction up to 4.
+    fn default() -> Self {
+        Self { trig_order: 5, whole_order: 4, interaction: 4, patterns: PatternPlan::default() }
+    }
+}
+
+/// The residual of one library at one order.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OrderPoint {
+    /// N₁, or the interaction order of the energy library.
+    pub order: u8,
+    /// N₂: degree in velocities and accelerations together; 0 where it is fixed.
+    pub motion_order: u8,
+    /// Candidates.
+    pub candidates: usize,
+    /// Held-out RMS residual of each joint over the standard deviation of its torque, n.
+    pub residual: Vec<f64>,
+    /// The same on the rows that were fitted, which is what Fig. 5 shows, n.
+    pub fitted: Vec<f64>,
+}
+
+/// The residual of one library against its order.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OrderCurve {
+    /// Whose: `SINDy`, a pattern's name, or `energy`.
+    pub name: String,
+    /// Rows.
+    pub rows: usize,
+    /// One point per order, from low to high.
+    pub points: Vec<OrderPoint>,
+    /// Place of the point chosen: the first that no later one improves by more than
+    /// [`WORTHWHILE`], in the product of the residuals of all joints.
+    pub chosen: usize,
+}
+
+/// Libraries larger than this are not tried: least squares on all of one would take minutes.
+pub const MOST_COLUMNS: usize = 4_000;
+/// Pieces that a log is dealt out in at least, so that both halves of a short one hold all motions.
+const PIECES: usize = 64;
+/// Largest N₁ of the parts of the library that the earlier steps have found.
+const BEFORE: u8 = 4;
+/// A higher order must take this part off the residual of one joint, without a loss elsewhere that
+/// outweighs it.
+pub const WORTHWHILE: f64 = 0.1;
+/// Residuals below this part of the torque are rounding: normal equations resolve no less.
+const RESOLUTION: f64 = 1e-6;
+
+/// Residuals of all orders from one pass over the data after the survey.
+///
+/// Rows are dealt out in turn, in pieces of the log, to two halves; each half is fitted by least
+/// squares and judged on the other. All orders are columns of the largest library, so one Gram
+/// matrix per half serves them all.
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, or a library too large.
+pub fn orders(
+    recording: &(impl Recording + ?Sized),
+    plan: &OrderPlan,
+) -> Result<Vec<OrderCurve>, IdentifyError> {
+    let survey = survey(recording)?;
+    survey.sample.require_tau()?;
+    let patterns = find_patterns(&survey, &plan.patterns)?;
+    let n = survey.joints.len();
+    let ladders = ladders(n, plan, &patterns)?;
+    let halves = accumulate(recording, &patterns, &ladders, survey.rows)?;
+    let mut curves = Vec::with_capacity(ladders.len());
+    for (ladder, halves) in ladders.iter().zip(&halves) {
+        curves.push(ladder.climb(halves, &survey.torque_std)?);
+    }
+    Ok(curves)
+}
+
+/// A library with the columns of each of its orders.
+struct Ladder {
+    name: String,
+    pattern: Option<Pattern>,
+    design: Design,
+    /// (order, motion order, columns)
+    rungs: Vec<(u8, u8, Vec<usize>)>,
+}
+
+fn ladders(n: usize, plan: &OrderPlan, patterns: &Patterns) -> Result<Vec<Ladder>, IdentifyError> {
+    let mut ladders = vec![whole_ladder(n, plan.whole_order)?];
+    for &pattern in &patterns.present {
+        ladders.push(step_ladder(n, plan.trig_order, pattern)?);
+    }
+    let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
+    ladders.push(energy_ladder(n, interaction)?);
+    Ok(ladders)
+}
+
+/// The highest order up to `largest` whose library is small enough to be fitted whole.
+fn feasible<T>(largest: u8, library: impl Fn(u8) -> Vec<T>) -> (u8, Vec<T>) {
+    let mut best = (1, library(1));
+    for order in 2..=largest {
+        let next = library(order);
+        if next.len() > MOST_COLUMNS {
+            break;
+        }
+        best = (order, next);
+    }
+    best
+}
+
+/// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
+fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+    let (largest, terms) = feasible(largest, |order| product_library(n, order, &Degree::up_to(2)));
+    let rungs = (1..=2_u8)
+        .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
+        .map(|(order, motion)| {
+            let fits = |term: &Term| trig_order(term) <= order && motion_order(term) <= motion;
+            (order, motion, places(&terms, fits))
+        })
+        .collect();
+    let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
+    Ok(Ladder { name: "SINDy".into(), pattern: None, design, rungs })
+}
+
+/// One step: its own part of the library at N₁, beside the parts of the steps before at the
+/// largest.
+fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, IdentifyError> {
+    let kinds: &[Kind] = match pattern {
+        Pattern::Standstill => &[Kind::Gravity],
+        Pattern::UniformVelocity => &[Kind::Gravity, Kind::Coriolis],
+        Pattern::VariableVelocity => &[Kind::Gravity, Kind::Coriolis, Kind::Inertia],
+    };
+    let own = kinds[kinds.len() - 1];
+    // What an order adds to the step before shows only if the step before is not short of it.
+    let degrees: Vec<Degree> = kinds.iter().map(|&kind| Degree::of(kind)).collect();
+    let (before, added) = degrees.split_at(degrees.len() - 1);
+    let (largest, terms) = feasible(largest, |order| {
+        let mut terms = product_library(n, order.min(BEFORE), before);
+        terms.extend(product_library(n, order, added));
+        terms
+    });
+    let rungs = (1..=largest)
+        .map(|order| {
+            let fits = |term: &Term| term.kind() != own || trig_order(term) <= order;
+            (order, 0, places(&terms, fits))
+        })
+        .collect();
+    let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
+    Ok(Ladder { name: pattern.name().into(), pattern: Some(pattern), design, rungs })
+}
+
+fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+    let (largest, terms) = feasible(largest, |order| energy_library(n, Some(order.into())));
+    let rungs = (1..=largest)
+        .map(|order| {
+            let fits = |&column: &usize| terms[column].function.interaction() <= usize::from(order);
+            (order, 0, (0..terms.len()).filter(fits).collect())
+        })
+        .collect();
+    let design = Design::new(n, 2 * n, &columns_of_energies(&terms, n))?;
+    Ok(Ladder { name: "energy".into(), pattern: None, design, rungs })
+}
+
+fn places(terms: &[Term], fits: impl Fn(&Term) -> bool) -> Vec<usize> {
+    (0..terms.len()).filter(|&column| fits(&terms[column])).collect()
+}
+
+fn trig_order(term: &Term) -> u8 {
+    term.factors.iter().map(|factor| factor.power).sum()
+}
+
+fn motion_order(term: &Term) -> u8 {
+    term.dq.iter().chain(&term.ddq).sum()
+}
+
+/// Sums of the even and of the odd blocks of each ladder's rows.
+type Halves = [Vec<Gram>; 2];
+
+fn accumulate(
+    recording: &(impl Recording + ?Sized),
+    patterns: &Patterns,
+    ladders: &[Ladder],
+    rows: usize,
+) -> Result<Vec<Halves>, IdentifyError> {
+    let n = recording.joints().len();
+    let prepared: Vec<Prepared> = ladders
+        .iter()
+        .map(|ladder| Prepared::new(&ladder.design, cheaper_route(&ladder.design, n, rows)))
+        .collect();
+    let mut bins: Vec<(Gathering, Lanes<GramSum<'_>>)> = prepared
+        .iter()
+        .map(|design| (Gathering::new(n, 0), Lanes::with_count(2, |_| design.start(n))))
+        .collect();
+    // Pieces of one size, or one half would get all the remainders.
+    let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
+    let mut add = |block: &Motion| -> Result<(), ReadError> {
+        let (samples, labels) = (samples_of(block, &[])?, patterns.label(block));
+        for (ladder, (gathering, lanes)) in ladders.iter().zip(&mut bins) {
+            for (row, &label) in labels.iter().enumerate() {
+                if ladder.pattern.is_none_or(|pattern| pattern == label)
+                    && let Some(full) = gathering.push(&samples, row)
+                {
+                    cut(full, piece).into_iter().try_for_each(|piece| lanes.push(piece))?;
+                }
+            }
+        }
+        Ok(())
+    };
+    recording.read(&mut |_, block| add(block)).map_err(IdentifyError::Read)?;
+    let mut sums = Vec::with_capacity(bins.len());
+    for (mut gathering, mut lanes) in bins {
+        if let Some(rest) = gathering.take() {
+            cut(rest, piece).into_iter().try_for_each(|piece| lanes.push(piece))?;
+        }
+        let mut halves = lanes.parts()?.into_iter().map(GramSum::grams);
+        sums.push(std::array::from_fn(|_| halves.next().unwrap_or_default()));
+    }
+    Ok(sums)
+}
+
+impl Ladder {
+    fn climb(&self, halves: &Halves, torque_std: &[f64]) -> Result<OrderCurve, IdentifyError> {
+        let mut points = Vec::with_capacity(self.rungs.len());
+        for (order, motion_order, columns) in &self.rungs {
+            let mut squares = [vec![0.0; torque_std.len()], vec![0.0; torque_std.len()]];
+            for [fitted, judged] in [[0, 1], [1, 0]] {
+                let weights = fit(&halves[fitted], columns, torque_std)?;
+                for (sum, half) in squares.iter_mut().zip([judged, fitted]) {
+                    let errors = errors(&halves[half], columns, &weights);
+                    sum.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
+                }
+            }
+            let rows: usize = halves.iter().map(|half| half.first().map_or(0, |g| g.rows)).sum();
+            let [residual, fitted] = squares.map(|squares| {
+                let relative = |(sum, std): (f64, &f64)| {
+                    (sum / rows.max(1) as f64).sqrt() / std.max(f64::MIN_POSITIVE)
+                };
+                squares.into_iter().zip(torque_std).map(relative).collect::<Vec<f64>>()
+            });
+            points.push(OrderPoint {
+                order: *order,
+                motion_order: *motion_order,
+                candidates: columns.len(),
+                residual,
+                fitted,
+            });
+        }
+        let rows = halves.iter().map(|half| half.first().map_or(0, |g| g.rows)).sum();
+        let chosen = choose(&points);
+        Ok(OrderCurve { name: self.name.clone(), rows, points, chosen })
+    }
+}
+
+/// Least-squares weights of the columns for each joint; one list where all joints share them.
+fn fit(
+    half: &[Gram],
+    columns: &[usize],
+    torque_std: &[f64],
+) -> Result<Vec<Vec<f64>>, IdentifyError> {
+    let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
+    if half.len() > 1 {
+        let joints = torque_std.iter().enumerate();
+        let equations = joints.map(|(joint, std)| (joint, 0, weight(std))).collect::<Vec<_>>();
+        return Ok(vec![solve(half, columns, &equations)?]);
+    }
+    // The joints share their columns, hence the factor of their normal equations.
+    let part = &half[0];
+    let gram =
+        Mat::from_fn(columns.len(), columns.len(), |i, j| part.gram[(columns[i], columns[j])]);
+    let cross =
+        Mat::from_fn(columns.len(), torque_std.len(), |i, joint| part.cross[(columns[i], joint)]);
+    let rows = f64::max(part.rows as f64, 1.0);
+    let problem = Problem::new(gram, cross.col_as_slice(0).to_vec(), part.energy[0], rows)?;
+    let weights = problem.refit_each(&all(columns), cross.as_ref())?;
+    Ok((0..torque_std.len()).map(|joint| weights.col_as_slice(joint).to_vec()).collect())
+}
+
+fn all(columns: &[usize]) -> Vec<usize> {
+    (0..columns.len()).collect()
+}
+
+/// Least squares over (equation, response, weight): columns that the joints share.
+fn solve(
+    half: &[Gram],
+    columns: &[usize],
+    equations: &[(usize, usize, f64)],
+) -> Result<Vec<f64>, IdentifyError> {
+    let p = columns.len();
+    let (mut gram, mut cross, mut energy) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
+    let mut rows = 0.0;
+    for &(equation, response, weight) in equations {
+        let part = &half[equation];
+        gram +=
+            faer::Scale(weight) * Mat::from_fn(p, p, |i, j| part.gram[(columns[i], columns[j])]);
+        for (value, &column) in cross.iter_mut().zip(columns) {
+            *value += weight * part.cross[(column, response)];
+        }
+        energy += weight * part.energy[response];
+        rows += part.rows as f64;
+    }
+    let problem = Problem::new(gram, cross, energy, f64::max(rows, 1.0))?;
+    Ok(problem.refit(&all(columns))?.coefficients)
+}
+
+/// Squared error of each joint on one half.
+fn errors(half: &[Gram], columns: &[usize], weights: &[Vec<f64>]) -> Vec<f64> {
+    match weights {
+        [shared] => half.iter().map(|part| error(part, 0, columns, shared)).collect(),
+        own => (0..own.len())
+            .into_par_iter()
+            .map(|joint| error(&half[0], joint, columns, &own[joint]))
+            .collect(),
+    }
+}
+
+/// ‖y − Y c‖² from normal equations.
+fn error(part: &Gram, response: usize, columns: &[usize], weights: &[f64]) -> f64 {
+    let mut left = part.energy[response];
+    for (&j, &weight) in columns.iter().zip(weights) {
+        let column = part.gram.col_as_slice(j);
+        let fitted: f64 = columns.iter().zip(weights).map(|(&i, c)| column[i] * c).sum();
+        left += weight * (fitted - 2.0 * part.cross[(j, response)]);
+    }
+    left.max(0.0)
+}
+
+/// The first point that no later one improves worthwhile. Ratios of all joints are multiplied, so
+/// that what one joint gains can be lost in another.
+fn choose(points: &[OrderPoint]) -> usize {
+    let improves = |from: &OrderPoint, to: &OrderPoint| {
+        let ratios = from.residual.iter().zip(&to.residual);
+        let ratio =
+            |(&before, &after): (&f64, &f64)| after.max(RESOLUTION) / before.max(RESOLUTION);
+        ratios.map(ratio).product::<f64>() < 1.0 - WORTHWHILE
+    };
+    (0..points.len())
+        .find(|&place| !points[place + 1..].iter().any(|later| improves(&points[place], later)))
+        .unwrap_or(0)
+}

@@ -1,0 +1,199 @@
+//! Activation → patterns: clusters of rows, named by the part of the torque they activate.
+
+use crate::activation::{Activation, Scaling};
+use serde::{Deserialize, Serialize};
+use torquewise_motion::{Motion, Pattern};
+use torquewise_regression::elbow::elbow;
+use torquewise_regression::kmeans::{KMeans, kmeans};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::survey::Survey;
+
+/// Clusters tried for the elbow.
+const MOST_CLUSTERS: usize = 9;
+/// An index above this means that the joints are switched on.
+const HALF: f64 = 0.5;
+/// A pattern of fewer rows of the sample than this part of it is not there.
+pub(crate) const LEAST_SHARE: f64 = 0.005;
+/// What should be zero may be this many times the noise, or this part of the joint's range.
+const OF_NOISE: f64 = 3.0;
+const OF_RANGE: f64 = 0.04;
+/// Slow motion: at most this part of the range, so that what grows with q̇² is a hundredth.
+const SLOW: f64 = 0.1;
+
+/// How rows are clustered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PatternPlan {
+    /// Constants of the activation index.
+    pub scaling: Scaling,
+    /// Number of clusters; `None` for the elbow.
+    pub clusters: Option<usize>,
+    /// Whether slow motion of constant speed passes for standstill: where there is friction, which
+    /// may be anything at rest, it tells more of gravity.
+    pub slow: bool,
+    /// Seed of k-means.
+    pub seed: u64,
+}
+
+/// Clusters of rows in the plane \[I(q̇) I(q̈)\] and the pattern each stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patterns {
+    /// The index rows are clustered by.
+    pub activation: Activation,
+    /// Cluster centres, k.
+    pub centres: Vec<[f64; 2]>,
+    /// Pattern of each cluster, k; several clusters may share one.
+    pub names: Vec<Pattern>,
+    /// Where I(q̇) and I(q̈) switch on; `None` with the printed index.
+    pub switches: Option<[f64; 2]>,
+    /// Inertia for 1, 2, … clusters: the elbow curve.
+    pub inertia: Vec<f64>,
+    /// Patterns that are there: of some rows, and truly at rest or without acceleration.
+    pub present: Vec<Pattern>,
+}
+
+/// Clusters the sample of a survey (algorithm 1 of the paper).
+///
+/// A cluster whose centre has I(q̈) above one half is variable velocity, else one with I(q̇) above
+/// one half uniform velocity, else standstill.
+///
+/// # Errors
+/// [`IdentifyError::Clusters`] if a number of clusters out of range is asked for.
+pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, IdentifyError> {
+    let activation = match plan.scaling {
+        Scaling::Scaled => Activation::scaled(&survey.sample),
+        Scaling::Paper => Activation::paper(survey.joints.len()),
+    };
+    let points = activation.over(&survey.sample);
+    if let Some(wanted) = plan.clusters.filter(|k| !(1..=MOST_CLUSTERS).contains(k)) {
+        return Err(IdentifyError::Clusters(wanted));
+    }
+    let search = KMeans { seed: plan.seed, ..KMeans::default() };
+    let most = MOST_CLUSTERS.min(points.len());
+    let clusterings =
+        (1..=most).map(|k| kmeans(&points, k, &search)).collect::<Result<Vec<_>, _>>()?;
+    let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
+    let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most.max(1));
+    let Some(clustering) = clusterings.into_iter().nth(chosen - 1) else {
+        return Err(IdentifyError::TooFewRows { rows: 0, needed: 1, joints: survey.joints.len() });
+    };
+    let names: Vec<Pattern> =
+        clustering.centres.iter().map(|centre| named(centre[0] > HALF, centre[1] > HALF)).collect();
+    let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&clustering.centres));
+    let centres = clustering.centres;
+    let present = Pattern::ALL.to_vec();
+    let mut patterns = Patterns { activation, centres, names, switches, inertia, present };
+    let labels = patterns.label(&survey.sample);
+    patterns.present = Pattern::ALL
+        .into_iter()
+        .filter(|&pattern| is_genuine(survey, &patterns, &labels, pattern, plan.slow))
+        .collect();
+    Ok(patterns)
+}
+
+fn named(moves: bool, accelerates: bool) -> Pattern {
+    match (moves, accelerates) {
+        (_, true) => Pattern::VariableVelocity,
+        (true, false) => Pattern::UniformVelocity,
+        (false, false) => Pattern::Standstill,
+    }
+}
+
+/// Whether a pattern has rows, and what should be zero in them is: the velocity at standstill, the
+/// acceleration at uniform velocity, but for noise and a small part of the range.
+///
+/// The printed index is taken at its word, to show what it does.
+fn is_genuine(
+    survey: &Survey,
+    patterns: &Patterns,
+    labels: &[Pattern],
+    pattern: Pattern,
+    slow: bool,
+) -> bool {
+    let activation = &patterns.activation;
+    let rows: Vec<usize> = (0..labels.len()).filter(|&row| labels[row] == pattern).collect();
+    if (rows.len() as f64) <= LEAST_SHARE * labels.len() as f64 {
+        return false;
+    }
+    let (rates, noise, scale) = match pattern {
+        Pattern::Standstill => (survey.sample.dq(), &survey.noise.dq, &activation.velocity.scale),
+        Pattern::UniformVelocity => {
+            (survey.sample.ddq(), &survey.noise.ddq, &activation.acceleration.scale)
+        }
+        Pattern::VariableVelocity => return true,
+    };
+    if patterns.switches.is_none() {
+        return true;
+    }
+    (0..survey.joints.len()).all(|joint| {
+        let squares: f64 = rows.iter().map(|&row| rates[(row, joint)].powi(2)).sum();
+        let range = if slow && pattern == Pattern::Standstill { SLOW } else { OF_RANGE };
+        let limit = (OF_NOISE * noise[joint]).max(range * scale[joint]);
+        (squares / rows.len() as f64).sqrt() <= limit
+    })
+}
+
+/// Place of a pattern in [`Pattern::ALL`].
+pub(crate) fn place_of(pattern: Pattern) -> usize {
+    match pattern {
+        Pattern::Standstill => 0,
+        Pattern::UniformVelocity => 1,
+        Pattern::VariableVelocity => 2,
+    }
+}
+
+impl Patterns {
+    /// Number of clusters k.
+    pub fn n_clusters(&self) -> usize {
+        self.centres.len()
+    }
+
+    /// Whether a log shows all three patterns.
+    pub fn complete(&self) -> bool {
+        self.present.len() == Pattern::ALL.len()
+    }
+
+    /// Pattern of each row of a motion, m.
+    ///
+    /// With the scaled index, each of I(q̈) and I(q̇) is a switch that is on beyond the middle
+    /// between the clusters on its two sides; with the printed one, the nearest centre names the
+    /// row. Rows of a pattern that is not genuine count as variable velocity, which assumes
+    /// nothing.
+    pub fn label(&self, motion: &Motion) -> Vec<Pattern> {
+        let name = |point: &[f64; 2]| match self.switches {
+            Some([velocity, acceleration]) => named(point[0] > velocity, point[1] > acceleration),
+            None => self.nearest(point),
+        };
+        let genuine = |name: Pattern| {
+            if self.present.contains(&name) { name } else { Pattern::VariableVelocity }
+        };
+        self.activation.over(motion).iter().map(|point| genuine(name(point))).collect()
+    }
+
+    fn nearest(&self, point: &[f64; 2]) -> Pattern {
+        let distance =
+            |centre: &[f64; 2]| (centre[0] - point[0]).powi(2) + (centre[1] - point[1]).powi(2);
+        let near = self
+            .centres
+            .iter()
+            .zip(&self.names)
+            .min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
+        near.map_or(Pattern::VariableVelocity, |(_, &name)| name)
+    }
+}
+
+/// Where each index switches: between the clusters below and above one half, or at one half where
+/// there are none on a side.
+///
+/// A row at rest that begins to accelerate lies far from the centre of the rows that move and
+/// accelerate, and nearer to standstill, though its acceleration is plain.
+fn switches(centres: &[[f64; 2]]) -> [f64; 2] {
+    std::array::from_fn(|axis| {
+        let side = |on: bool| {
+            let side = centres.iter().map(|centre| centre[axis]).filter(|&x| (x > HALF) == on);
+            side.collect::<Vec<f64>>()
+        };
+        let off = side(false).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let on = side(true).into_iter().fold(f64::INFINITY, f64::min);
+        if off.is_finite() && on.is_finite() { 0.5 * (off + on) } else { HALF }
+    })
+}

@@ -1,0 +1,241 @@
+//! Sums of a library → equations of motion: the method of the paper on one page.
+
+use crate::candidates::{Candidates, Group};
+use crate::evidence::{Evidence, Step, one_shot, plan_steps};
+use crate::factor::Kept;
+use crate::fit::{LibraryFit, StepReport};
+use crate::form::{dependent, dropped, form, friction_of};
+use crate::library::Basis;
+use crate::patterns::{Patterns, find_patterns};
+use crate::plan::{LibraryOptions, Regression};
+use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
+use crate::settle::{Settled, settle};
+use crate::step;
+use crate::sums::LibrarySums;
+use rayon::prelude::*;
+use torquewise_model::model::Choice;
+use torquewise_model::{Model, Stage};
+use torquewise_motion::Pattern;
+use torquewise_regression::select::Selector;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::progress::Progress;
+use torquewise_survey::survey::Survey;
+
+/// Reconstructs the equations of motion in the terms of a library: standstill, uniform and variable
+/// velocity in turn, each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept
+/// terms together on all rows (E6). One-shot SINDy is the same with a single step.
+///
+/// - `survey`: of all logs
+/// - `sums`: what their rows were summed up to, pattern by pattern
+///
+/// # Errors
+/// [`IdentifyError`]: a number of clusters out of range, a library too large, or a step whose
+/// regression failed.
+pub fn reconstruct(
+    survey: &Survey,
+    mut sums: LibrarySums,
+    options: &LibraryOptions,
+    seed: u64,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<LibraryFit, IdentifyError> {
+    // Activation index I(q̇), I(q̈), and clusters in their plane (6) (7).
+    let mut patterns = find_patterns(survey, &sums.patterns)?;
+
+    // Library of candidates (4) (13), and what the options leave open, chosen on held-out rows.
+    let mut basis = sums.library.basis(survey.joints.len())?;
+    let options = sums.library.applied_to(options);
+    let chosen = settle(survey, &options, (&sums.library.friction, &sums.choices))?;
+    let Settled { library, selector, choices, .. } = chosen;
+    let options = LibraryOptions { selector, ..options };
+    basis.candidates.limit_to(library);
+    if options.regression == Regression::Stepwise {
+        patterns.present = sums.settle_patterns(&basis, &patterns.present, survey.rows)?;
+    }
+
+    // Gravity at standstill (8), Coriolis at uniform velocity (9), inertia at variable one (10).
+    let candidates = &basis.candidates;
+    let (steps, unassigned) = match options.regression {
+        Regression::Stepwise => plan_steps(candidates, &patterns.present),
+        Regression::OneShot => (one_shot(candidates), Vec::new()),
+    };
+    let mut model = PartialModel::new(candidates, survey.rows, choices);
+    for (number, step) in (1..).zip(&steps) {
+        progress(Progress::Step(number));
+        model.take_step(step, &sums.evidence(&basis, step), &options.selector)?;
+    }
+
+    // All kept terms on all rows (E6), less the bias that noise leaves (E7).
+    progress(Progress::Refit);
+    let noise = sums.still.clone().unwrap_or_else(|| survey.noise.clone());
+    let bias =
+        if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
+    let refitted = model.refit(&sums, &basis, survey, &model.refit_plan(&options, seed, &bias))?;
+
+    progress(Progress::Done);
+    let missing = |pattern: &Pattern| !patterns.present.contains(pattern);
+    let missing = match options.regression {
+        Regression::Stepwise => Pattern::ALL.into_iter().filter(missing).collect(),
+        Regression::OneShot => Vec::new(),
+    };
+    let fit = model.report(survey, patterns, noise, refitted);
+    Ok(LibraryFit { missing, unassigned: unassigned.len(), ..fit })
+}
+
+/// The model as it grows.
+struct PartialModel<'a> {
+    candidates: &'a Candidates,
+    groups: Vec<Group>,
+    /// Weight of each candidate, per group.
+    weights: Vec<Vec<f64>>,
+    /// Weight of the rows of each equation, per group.
+    row_weights: Vec<Vec<f64>>,
+    stages: Vec<Stage>,
+    reports: Vec<StepReport>,
+    /// Rows of the log.
+    rows: usize,
+    choices: Vec<Choice>,
+}
+
+impl<'a> PartialModel<'a> {
+    fn new(candidates: &'a Candidates, rows: usize, choices: Vec<Choice>) -> Self {
+        let groups = candidates.groups();
+        let weights = vec![vec![0.0; candidates.len()]; groups.len()];
+        let row_weights = groups.iter().map(|group| vec![1.0; group.equations.len()]).collect();
+        let (stages, reports) = (Vec::new(), Vec::new());
+        Self { candidates, groups, weights, row_weights, stages, reports, rows, choices }
+    }
+
+    /// Regresses what is unexplained on the rows of a step, and adds what was found.
+    fn take_step(
+        &mut self,
+        step: &Step,
+        evidence: &Evidence,
+        selector: &Selector,
+    ) -> Result<(), IdentifyError> {
+        // Joints with coefficients of their own are independent regressions.
+        let found: Vec<_> = (self.groups.par_iter().zip(&self.weights))
+            .map(|(group, known)| step::select(step, evidence, group, known, selector))
+            .collect::<Result<_, _>>()
+            .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
+        for (place, found) in found.into_iter().enumerate() {
+            let known = &mut self.weights[place];
+            for &column in &step.offered {
+                known[column] = 0.0;
+            }
+            for (column, weight) in found {
+                known[column] = weight;
+            }
+            let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
+            self.row_weights[place] = step::noise_weights(evidence, &self.groups[place], &total);
+        }
+        let terms = self.terms();
+        let form = form(self.candidates, &terms);
+        let friction = friction_of(self.candidates, &terms);
+        let mut active = form.active(self.candidates.design.n_angles());
+        for (joint, count) in active.iter_mut().enumerate() {
+            *count += friction.iter().filter(|law| law.term.acts_on(joint)).count();
+        }
+        self.reports.push(StepReport {
+            name: step.name(),
+            rows: evidence.rows,
+            candidates: step.offered.len(),
+            active,
+            route: evidence.route,
+        });
+        self.stages.push(Stage {
+            name: step.name().into(),
+            rows: evidence.rows,
+            candidates: step.offered.len(),
+            form,
+            friction,
+        });
+        Ok(())
+    }
+
+    /// What is found so far, per group; errors are not known yet.
+    fn terms(&self) -> Vec<Vec<FittedTerm>> {
+        let term = |(column, &coefficient): (usize, &f64)| FittedTerm {
+            column,
+            coefficient,
+            std_error: 0.0,
+            inclusion: None,
+        };
+        let found = |weights: &Vec<f64>| -> Vec<FittedTerm> {
+            weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(term).collect()
+        };
+        self.weights.iter().map(found).collect()
+    }
+
+    /// What the last fit is asked, whose noise is taken out.
+    fn refit_plan<'n>(
+        &self,
+        options: &LibraryOptions,
+        seed: u64,
+        noise: &'n NoiseFloor,
+    ) -> RefitPlan<'n> {
+        let rows = self.rows;
+        let least_t_squared = match options.selector {
+            Selector::Criterion(criterion) => {
+                criterion.threshold(rows as f64, self.candidates.len())
+            }
+            _ => 0.0,
+        };
+        let least_size = options.threshold.unwrap_or(0.0);
+        RefitPlan { noise, seed, least_t_squared, least_size, bags: options.bags, rows }
+    }
+
+    fn refit(
+        &self,
+        sums: &LibrarySums,
+        basis: &Basis,
+        survey: &Survey,
+        plan: &RefitPlan<'_>,
+    ) -> Result<Vec<Refitted>, IdentifyError> {
+        let kept: Vec<Kept> = self
+            .terms()
+            .iter()
+            .zip(self.groups.iter().zip(&self.row_weights))
+            .map(|(found, (group, weights))| Kept {
+                group: group.clone(),
+                columns: found.iter().map(|term| term.column).collect(),
+                weights: weights.clone(),
+            })
+            .collect();
+        let all = sums.whole(basis)?;
+        let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
+        refit(&survey.sample, self.candidates, &kept, &whole, plan)
+    }
+
+    fn report(
+        self,
+        survey: &Survey,
+        patterns: Patterns,
+        noise: NoiseFloor,
+        refitted: Vec<Refitted>,
+    ) -> LibraryFit {
+        let terms: Vec<_> = refitted.iter().map(|group| group.terms.clone()).collect();
+        let dropped = dropped(self.candidates, &refitted);
+        let dependent = dependent(self.candidates, &refitted);
+        let left = refitted.into_iter().flat_map(|group| group.residual_rms).collect();
+        let training = survey.training(left);
+        let form = form(self.candidates, &terms);
+        let friction = friction_of(self.candidates, &terms);
+        let joints = survey.joints.clone();
+        let (stages, choices) = (self.stages, self.choices);
+        let model = Model { joints, form, chain: None, friction, stages, training, choices };
+        let (candidates, steps) = (self.candidates.len(), self.reports);
+        let (missing, unassigned) = (Vec::new(), 0);
+        LibraryFit {
+            model,
+            patterns,
+            noise,
+            candidates,
+            steps,
+            dropped,
+            missing,
+            unassigned,
+            dependent,
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! Kept terms, normal equations, a sample → coefficients, standard errors, inclusion (E6) (E7).
+
+use crate::base::Base;
+use crate::candidates::Candidates;
+use crate::factor::{Factor, FactorSum, Fit, Kept};
+use crate::rows::{clear_of_reversals, cut, samples_of};
+use crate::spread::ScoreSum;
+use crate::step::{residual_energy, response_place};
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use torquewise_model::FrictionTerm;
+use torquewise_motion::{Motion, Recording};
+use torquewise_regression::SparseError;
+use torquewise_regression::accumulate::{Accumulate, Lanes};
+use torquewise_regression::elimination::{Equations, Estimate};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::samples::Evaluator;
+use torquewise_regression::triangle::Triangle;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
+
+/// A term of the final fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FittedTerm {
+    /// Column of the library.
+    pub(crate) column: usize,
+    pub(crate) coefficient: f64,
+    pub(crate) std_error: f64,
+    /// Share of resampled logs in which it stayed.
+    pub(crate) inclusion: Option<f64>,
+}
+
+/// The fit of one group.
+#[derive(Clone, Debug)]
+pub(crate) struct Refitted {
+    pub(crate) terms: Vec<FittedTerm>,
+    /// (column, inclusion) of terms that did not stay, where resampled logs were asked.
+    pub(crate) dropped: Vec<(usize, f64)>,
+    /// Columns that say nothing the others do not say.
+    pub(crate) dependent: Vec<usize>,
+    /// RMS of the residual of each equation \[N·m\].
+    pub(crate) residual_rms: Vec<f64>,
+}
+
+/// How kept terms are fitted.
+#[derive(Clone, Debug)]
+pub(crate) struct RefitPlan<'a> {
+    pub(crate) noise: &'a NoiseFloor,
+    pub(crate) seed: u64,
+    /// Terms of less t² leave.
+    pub(crate) least_t_squared: f64,
+    /// Terms of at most this size leave.
+    pub(crate) least_size: f64,
+    /// Resampled logs for the inclusion of each term.
+    pub(crate) bags: usize,
+    /// Rows of the log.
+    pub(crate) rows: usize,
+}
+
+/// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
+const PRECISION: f64 = 1e-11;
+/// Memory of the sums of all parts of a log at most, unless a single one takes more.
+const SUM_BYTES: usize = 256 << 20;
+/// Parts of a log that are drawn anew.
+const PARTS: usize = 32;
+/// Fewer parts with rows are too few to draw from.
+const LEAST_PARTS: usize = 8;
+/// Above this many kept terms, only those of the final model are asked of resampled logs.
+const MOST_BAGGED: usize = 150;
+
+/// Times that noise is drawn for each row of a sample at most.
+const MOST_DRAWS: f64 = 16.0;
+
+/// Fits the kept terms of all groups: coefficients from the normal equations of all rows, what the
+/// noise did to them and how far they scatter from an even sample of rows.
+///
+/// Where the normal equations leave nothing to be explained, the sample says it all, and QR says it
+/// to full precision.
+///
+/// - `sample`: an even sample of the rows
+/// - `whole`: normal equations of all rows in the kept columns of each group
+pub(crate) fn refit(
+    sample: &Motion,
+    candidates: &Candidates,
+    kept: &[Kept],
+    whole: &[Vec<Gram>],
+    plan: &RefitPlan<'_>,
+) -> Result<Vec<Refitted>, IdentifyError> {
+    let evaluators = kept
+        .iter()
+        .map(|kept| Ok(Evaluator::new(candidates.design.subset(&kept.columns)?)))
+        .collect::<Result<Vec<_>, SparseError>>()?;
+    let fits: Vec<Fit<'_>> = kept
+        .iter()
+        .zip(&evaluators)
+        .map(|(kept, evaluator)| Fit {
+            kept,
+            evaluator,
+            friction: &candidates.friction,
+            noise: plan.noise,
+        })
+        .collect();
+    let log = (sample, &candidates.friction[..]);
+    let parts = parts(kept);
+    let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
+    let draws = draws(scale);
+    let factors: Vec<Vec<Factor>> =
+        pass(log, parts, &fits, |fit, lane| FactorSum::new(fit, draws, plan.seed, lane))?
+            .into_iter()
+            .map(|parts| parts.into_iter().map(FactorSum::finish).collect())
+            .collect();
+    let bases = (fits.iter().zip(whole).zip(&factors))
+        .map(|((fit, grams), factors)| Base::new(fit.kept, grams, factors, scale))
+        .collect::<Result<Vec<_>, _>>()?;
+    let starts: Vec<(&Fit<'_>, &[f64])> =
+        fits.iter().zip(&bases).map(|(fit, base)| (fit, &base.start.coefficients[..])).collect();
+    let scores =
+        pass(log, parts, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
+    fits.iter()
+        .zip(factors.into_iter().zip(&bases))
+        .zip(scores.into_iter().zip(whole))
+        .map(|((fit, (factors, base)), (scores, grams))| {
+            let parts = factors.into_iter().zip(scores).collect();
+            Group { fit, base, grams, parts, scale }.finish(plan)
+        })
+        .collect()
+}
+
+/// How often noise is drawn for each row of a sample that stands for `scale` rows a row.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
+fn draws(scale: f64) -> usize {
+    scale.ceil().clamp(1.0, MOST_DRAWS) as usize
+}
+
+/// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
+fn parts(kept: &[Kept]) -> usize {
+    let bytes: usize = kept.iter().map(|kept| 8 * 3 * (kept.columns.len() + 1).pow(2)).sum();
+    (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
+}
+
+/// Hands every block to a sum for each group; returns the sums of the parts of the sample.
+fn pass<'a, T, A: Accumulate>(
+    (sample, friction): (&Motion, &[FrictionTerm]),
+    parts: usize,
+    groups: &'a [T],
+    start: impl Fn(&'a T, usize) -> A,
+) -> Result<Vec<Vec<A>>, IdentifyError> {
+    let mut lanes: Vec<Lanes<A>> =
+        groups.iter().map(|group| Lanes::with_count(parts, |lane| start(group, lane))).collect();
+    let size = sample.n_rows() / (2 * parts);
+    sample
+        .read(&mut |_, block| {
+            for samples in cut(samples_of(&clear_of_reversals(block, friction), friction)?, size) {
+                lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
+            }
+            Ok(())
+        })
+        .map_err(IdentifyError::Read)?;
+    lanes.into_iter().map(|lanes| Ok(lanes.parts()?)).collect()
+}
+
+/// All that is known of one group.
+struct Group<'a> {
+    fit: &'a Fit<'a>,
+    base: &'a Base,
+    /// Normal equations of all rows, of each equation.
+    grams: &'a [Gram],
+    /// What the parts of the sample say.
+    parts: Vec<(Factor, ScoreSum<'a>)>,
+    /// Rows that a row of the sample stands for.
+    scale: f64,
+}
+
+impl Group<'_> {
+    fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
+        let p = self.fit.n_columns();
+        let mut equations = self.equations(&vec![1.0; self.parts.len()]);
+        let mut estimate = self.estimate(&equations, plan.least_t_squared)?;
+        let small = |estimate: &Estimate, place: usize| {
+            estimate.coefficients[place].abs() <= plan.least_size
+        };
+        let leaving: Vec<usize> = (0..estimate.active.len())
+            .filter(|&place| small(&estimate, place))
+            .map(|place| estimate.active[place])
+            .collect();
+        if !leaving.is_empty() {
+            let staying = |j: usize| estimate.active.contains(&j) && !leaving.contains(&j);
+            for j in (0..p).filter(|&j| !staying(j)) {
+                equations.information[(j, j)] = 0.0;
+            }
+            estimate = self.estimate(&equations, 0.0)?;
+        }
+        let inclusion = self.inclusion(plan, &estimate.active)?;
+        let exact = self.sharpen(&estimate)?;
+        let terms = (0..estimate.active.len())
+            .map(|place| FittedTerm {
+                column: self.fit.kept.columns[estimate.active[place]],
+                coefficient: exact[place],
+                std_error: estimate.std_errors[place],
+                inclusion: inclusion.as_ref().map(|shares| shares[estimate.active[place]]),
+            })
+            .collect();
+        let dropped = inclusion.iter().flatten().enumerate();
+        let dropped = dropped
+            .filter(|(j, share)| **share > 0.0 && !estimate.active.contains(j))
+            .map(|(j, &share)| (self.fit.kept.columns[j], share))
+            .collect();
+        let dependent =
+            self.base.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
+        let residual_rms = self.residual_rms(&estimate.active, &exact);
+        Ok(Refitted { terms, dropped, dependent, residual_rms })
+    }
+
+    /// Estimating equations of all rows as they would be if the parts of the sample counted as
+    /// often as `weights` says.
+    ///
+    /// What a part more or less changes in sums over m rows is what it changes in sums over the
+    /// sample times the square root of how many rows each sampled one stands for.
+    fn equations(&self, weights: &[f64]) -> Equations {
+        let p = self.fit.n_columns();
+        let mut gram = self.base.gram.clone();
+        let mut bias = Mat::zeros(p + 1, p + 1);
+        let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
+        for ((factor, score), &weight) in self.parts.iter().zip(weights) {
+            let change = self.scale.sqrt() * (weight - 1.0);
+            if change != 0.0 {
+                gram += faer::Scale(change) * &factor.gram;
+            }
+            bias += faer::Scale(self.scale + change) * &factor.bias;
+            if weight > 0.0 {
+                spread += faer::Scale(weight) * &score.spread;
+                sum.iter_mut().zip(&score.sum).for_each(|(a, b)| *a += weight * b);
+                rows += weight * score.rows as f64;
+            }
+        }
+        let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
+        let lower = |sums: &Mat<f64>, i: usize, j: usize| sums[(i.max(j), i.min(j))];
+        let information = |i, j| gram[(i, j)] - lower(&bias, i, j);
+        let spread = |i, j| self.scale * (lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0));
+        let mut equations = Equations {
+            information: Mat::from_fn(p, p, information),
+            right: (0..p).map(|j| information(j, p)).collect(),
+            spread: Mat::from_fn(p, p, spread),
+            floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
+        };
+        for &j in &self.base.start.dependent {
+            equations.information[(j, j)] = 0.0;
+        }
+        equations
+    }
+
+    /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
+    fn estimate(&self, equations: &Equations, least: f64) -> Result<Estimate, SparseError> {
+        let plain = || {
+            let active: Vec<usize> = (0..self.fit.n_columns())
+                .filter(|j| !self.base.start.dependent.contains(j))
+                .collect();
+            Estimate {
+                coefficients: active.iter().map(|&j| self.base.start.coefficients[j]).collect(),
+                std_errors: vec![0.0; active.len()],
+                active,
+            }
+        };
+        Ok(equations.eliminate(least)?.unwrap_or_else(plain))
+    }
+
+    /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
+    /// replacement, as there are, and the elimination is run again.
+    fn inclusion(
+        &self,
+        plan: &RefitPlan<'_>,
+        active: &[usize],
+    ) -> Result<Option<Vec<f64>>, SparseError> {
+        let p = self.fit.n_columns();
+        let filled: Vec<usize> =
+            (0..self.parts.len()).filter(|&part| self.parts[part].1.rows > 0).collect();
+        if plan.bags == 0 || filled.len() < LEAST_PARTS {
+            return Ok(None);
+        }
+        let rounds = (0..plan.bags)
+            .into_par_iter()
+            .map(|round| {
+                let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
+                random.set_stream(BAGS + round as u64);
+                let mut weights = vec![0.0; self.parts.len()];
+                for _ in 0..filled.len() {
+                    weights[filled[random.random_range(0..filled.len())]] += 1.0;
+                }
+                let mut equations = self.equations(&weights);
+                if p > MOST_BAGGED {
+                    for j in (0..p).filter(|j| !active.contains(j)) {
+                        equations.information[(j, j)] = 0.0;
+                    }
+                }
+                Ok(self.estimate(&equations, plan.least_t_squared)?.active)
+            })
+            .collect::<Result<Vec<Vec<usize>>, SparseError>>()?;
+        let mut counts = vec![0_usize; p];
+        for j in rounds.into_iter().flatten() {
+            counts[j] += 1;
+        }
+        Ok(Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect()))
+    }
+
+    /// RMS of what the final coefficients leave of each equation \[N·m\].
+    fn residual_rms(&self, active: &[usize], coefficients: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.fit.n_columns()];
+        active.iter().zip(coefficients).for_each(|(&j, c)| all[j] = *c);
+        let of_equation = |&(equation, response): &(usize, usize)| {
+            let (own, gram) = (response_place(self.grams.len(), response), &self.grams[equation]);
+            (residual_energy(gram, own, &all).max(0.0) / gram.rows.max(1) as f64).sqrt()
+        };
+        if !self.base.explained {
+            return self.fit.kept.group.equations.iter().map(of_equation).collect();
+        }
+        // Normal equations keep too few digits to say how little is left: the sample says it.
+        let rows: usize = self.parts.iter().map(|(_, score)| score.rows).sum();
+        (0..self.fit.kept.group.equations.len())
+            .map(|equation| {
+                let squares: f64 =
+                    self.parts.iter().map(|(_, score)| score.squares[equation]).sum();
+                (squares / rows.max(1) as f64).sqrt()
+            })
+            .collect()
+    }
+
+    /// The coefficients of an estimate to full precision where all is explained and no noise was
+    /// taken out: from R instead of RᵀR, whose condition is the square.
+    fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
+        let (p, k) = (self.fit.n_columns(), estimate.active.len());
+        if !self.base.explained || !self.fit.noise.is_none() || k == 0 {
+            return Ok(estimate.coefficients.clone());
+        }
+        let mut small = Triangle::new(k + 1);
+        for (factor, _) in &self.parts {
+            let r = &factor.r;
+            let chosen =
+                Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
+            small.add(chosen.as_ref())?;
+        }
+        let r = small.r();
+        let mut x = Mat::from_fn(k, 1, |i, _| r[(i, k)]);
+        let upper = r.submatrix(0, 0, k, k);
+        faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+            upper,
+            x.as_mut(),
+            faer::Par::Seq,
+        );
+        Ok((0..k).map(|i| x[(i, 0)]).collect())
+    }
+}
+
+/// Streams of random numbers from here on are for resampling, those before for noise.
+const BAGS: u64 = 1 << 32;

@@ -1,0 +1,325 @@
+//! Survey, plan → settings: interaction order, friction and strictness, chosen on held-out blocks.
+
+use crate::candidates::{Candidates, Group};
+use crate::evidence::{Evidence, Step};
+use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
+use crate::rows::{clear_of_reversals, samples_of};
+use crate::step;
+use rayon::prelude::*;
+use torquewise_model::FrictionTerm;
+use torquewise_model::model::Choice;
+use torquewise_regression::accumulate::{Accumulate, GramSum, Prepared, cheaper_route};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::select::Selector;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::friction::{
+    Dictionary, FrictionKind, REVERSAL, WIDTHS, WORTH, reversal_label,
+};
+use torquewise_survey::held_out::{BLOCKS, Trial, choose, choose_worth, split};
+use torquewise_survey::survey::Survey;
+
+/// What a plan leaves open, settled.
+#[derive(Clone, Debug)]
+pub(crate) struct Settled {
+    pub(crate) library: LibraryKind,
+    pub(crate) friction: Vec<FrictionTerm>,
+    pub(crate) selector: Selector,
+    pub(crate) choices: Vec<Choice>,
+}
+
+/// Times the γ of a plan that are tried, the strictest first.
+const STRICTER: [f64; 3] = [4.0, 2.0, 1.0];
+/// A block of fewer rows judges nothing.
+const LEAST_ROWS: usize = 40;
+/// Held-out errors below this are rounding of the normal equations.
+const LEAST_ERROR: f64 = 1e-6;
+
+/// Chooses the laws of friction that candidates hold, on the sample of a survey of all logs.
+///
+/// They depend on how fast the joints move, so they are chosen before rows are summed.
+pub(crate) fn choose_laws(
+    survey: &Survey,
+    options: &LibraryOptions,
+) -> Result<(Vec<FrictionTerm>, Vec<Choice>), IdentifyError> {
+    if options.friction == FrictionKind::None {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    let kind = match options.friction {
+        FrictionKind::Auto => FrictionKind::Linear,
+        asked => asked,
+    };
+    let friction = Dictionary::new(survey.dq_peak.clone()).of(kind);
+    let mut settled = Settled::start(options, friction);
+    if is_short(survey) {
+        return Ok((settled.friction, settled.choices));
+    }
+    if options.library == (LibraryKind::Energy { interaction: None }) {
+        settled.grow(survey, options)?;
+        // It is chosen, and recorded, once more when the laws are known.
+        settled.choices.clear();
+    }
+    let (school, laws) = settled.choose_reversal(survey, options)?;
+    if options.friction == FrictionKind::Auto {
+        settled.choose_friction(&school, &laws)?;
+    }
+    Ok((settled.friction, settled.choices))
+}
+
+/// Settles what a plan leaves open on the sample of a survey: fitted without a block of time and
+/// judged on it.
+///
+/// - `friction`: the laws among the candidates, and how they were chosen
+///
+/// Interaction orders grow one at a time, and no further once a higher one predicts no better. All
+/// rows of the sample are one step here: the steps tell terms apart, which does not change what
+/// the log can tell.
+pub(crate) fn settle(
+    survey: &Survey,
+    options: &LibraryOptions,
+    (friction, choices): (&[FrictionTerm], &[Choice]),
+) -> Result<Settled, IdentifyError> {
+    let mut settled = Settled::start(options, friction.to_vec());
+    settled.choices.extend_from_slice(choices);
+    if options.regression != Regression::Stepwise || is_short(survey) {
+        return Ok(settled);
+    }
+    let mut school = None;
+    if options.library == (LibraryKind::Energy { interaction: None }) {
+        school = settled.grow(survey, options)?;
+    }
+    if matches!(options.selector, Selector::Criterion(_)) {
+        let school = match school {
+            Some(school) => school,
+            None => School::new(survey, options, settled.library, settled.friction.clone())?,
+        };
+        settled.choose_strictness(&school)?;
+    }
+    Ok(settled)
+}
+
+fn is_short(survey: &Survey) -> bool {
+    survey.sample.n_rows() < BLOCKS * LEAST_ROWS
+}
+
+impl Settled {
+    fn start(options: &LibraryOptions, friction: Vec<FrictionTerm>) -> Self {
+        let (library, selector) = (options.library, options.selector.clone());
+        Self { library, friction, selector, choices: Vec::new() }
+    }
+
+    /// Adds joint angles to a term, one at a time, while held-out rows are predicted better.
+    fn grow<'a>(
+        &mut self,
+        survey: &'a Survey,
+        options: &LibraryOptions,
+    ) -> Result<Option<School<'a>>, IdentifyError> {
+        let laws = self.friction.clone();
+        let (mut trials, mut schools) = (Vec::<Trial>::new(), Vec::new());
+        for order in 1..=survey.joints.len() {
+            let library = LibraryKind::Energy { interaction: Some(order) };
+            let candidates = Candidates::with_friction(
+                survey.joints.len(),
+                library,
+                options.regression,
+                laws.clone(),
+            )?;
+            if order > 1 && candidates.len() > MOST_CANDIDATES {
+                break;
+            }
+            let school = School::of(survey, candidates)?;
+            let all: Vec<usize> = (0..school.candidates.len()).collect();
+            trials.push(school.trial(format!("{order}"), &all, &options.selector)?);
+            schools.push(school);
+            // One more look: a pair of orders may help where one alone does not.
+            let best =
+                |trials: &[Trial]| trials.iter().map(Trial::error).fold(f64::INFINITY, f64::min);
+            if order > 2 && best(&trials[order - 2..]) >= best(&trials[..order - 2]) {
+                break;
+            }
+        }
+        let Some((place, choice)) = choose("joint angles in a term", &trials) else {
+            return Ok(None);
+        };
+        self.library = LibraryKind::Energy { interaction: Some(place + 1) };
+        self.choices.push(choice);
+        Ok(Some(schools.swap_remove(place)))
+    }
+
+    /// Chooses how sharply friction reverses, with all laws of its kind.
+    fn choose_reversal<'a>(
+        &mut self,
+        survey: &'a Survey,
+        options: &LibraryOptions,
+    ) -> Result<(School<'a>, Dictionary), IdentifyError> {
+        let (mut ways, mut trials) = (Vec::new(), Vec::new());
+        for part in WIDTHS {
+            let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
+            let school = School::new(survey, options, self.library, laws.of(options.friction))?;
+            let all: Vec<usize> = (0..school.candidates.len()).collect();
+            trials.push(school.trial(reversal_label(part), &all, &self.selector)?);
+            ways.push((school, laws));
+        }
+        let chosen = choose(REVERSAL, &trials);
+        let place = chosen.map_or(0, |(place, choice)| {
+            self.choices.push(choice);
+            place
+        });
+        let (school, laws) = ways.swap_remove(place);
+        self.friction = laws.of(options.friction);
+        Ok((school, laws))
+    }
+
+    fn choose_friction(
+        &mut self,
+        school: &School<'_>,
+        laws: &Dictionary,
+    ) -> Result<(), IdentifyError> {
+        let stribeck = laws.of(FrictionKind::Stribeck);
+        let alike = stribeck.iter().filter(|law| law.direction.is_both()).cloned().collect();
+        let ways = [
+            ("none", Vec::new()),
+            ("linear", laws.of(FrictionKind::Linear)),
+            ("stribeck", alike),
+            ("stribeck, forward and backward apart", stribeck),
+        ];
+        let trials = ways
+            .iter()
+            .map(|(label, laws)| {
+                let offered = school.with_laws(laws);
+                school.trial((*label).into(), &offered, &self.selector)
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some((place, choice)) = choose_worth("friction", &trials, WORTH) {
+            self.friction.clone_from(&ways[place].1);
+            self.choices.push(choice);
+        }
+        Ok(())
+    }
+
+    fn choose_strictness(&mut self, school: &School<'_>) -> Result<(), IdentifyError> {
+        let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
+        let offered = school.with_laws(&self.friction);
+        let mut ways = Vec::new();
+        for times in STRICTER {
+            let mut stricter = criterion;
+            stricter.gamma *= times;
+            ways.push(Selector::Criterion(stricter));
+        }
+        let trials = ways
+            .iter()
+            .zip(STRICTER)
+            .map(|(way, times)| school.trial(format!("{}", times * criterion.gamma), &offered, way))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some((place, choice)) = choose("strictness of selection (gamma)", &trials) {
+            self.selector = ways[place].clone();
+            self.choices.push(choice);
+        }
+        Ok(())
+    }
+}
+
+/// Candidates with the normal equations of each block of time.
+struct School<'a> {
+    survey: &'a Survey,
+    candidates: Candidates,
+    groups: Vec<Group>,
+    /// `[block][equation]`
+    blocks: Vec<Vec<Gram>>,
+}
+
+impl<'a> School<'a> {
+    fn new(
+        survey: &'a Survey,
+        options: &LibraryOptions,
+        library: LibraryKind,
+        laws: Vec<FrictionTerm>,
+    ) -> Result<Self, IdentifyError> {
+        let n = survey.joints.len();
+        Self::of(survey, Candidates::with_friction(n, library, options.regression, laws)?)
+    }
+
+    fn of(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
+        let (m, n) = (survey.sample.n_rows(), survey.joints.len());
+        let route = cheaper_route(&candidates.design, n, m / BLOCKS);
+        let prepared = Prepared::new(&candidates.design, route);
+        let blocks = (0..BLOCKS)
+            .into_par_iter()
+            .map(|block| {
+                let rows = survey.sample.select(&split(m, block).0);
+                let rows = clear_of_reversals(&rows, &candidates.friction);
+                let mut sum = prepared.start(n);
+                sum.add(&samples_of(&rows, &candidates.friction)?)?;
+                Ok(GramSum::grams(sum))
+            })
+            .collect::<Result<_, IdentifyError>>()?;
+        let groups = candidates.groups();
+        Ok(Self { survey, candidates, groups, blocks })
+    }
+
+    /// Columns of all terms and of some laws of friction.
+    fn with_laws(&self, laws: &[FrictionTerm]) -> Vec<usize> {
+        let offered =
+            |&column: &usize| self.candidates.law(column).is_none_or(|law| laws.contains(law));
+        (0..self.candidates.len()).filter(offered).collect()
+    }
+
+    /// Selects among the offered columns with each block left out, and judges the block by it.
+    fn trial(
+        &self,
+        label: String,
+        offered: &[usize],
+        selector: &Selector,
+    ) -> Result<Trial, IdentifyError> {
+        let columns = (0..self.candidates.len()).collect();
+        let step = Step { pattern: None, offered: offered.to_vec(), columns };
+        let errors = (0..BLOCKS)
+            .map(|block| self.error(block, &step, selector))
+            .collect::<Result<_, _>>()?;
+        Ok(Trial { label, complexity: offered.len(), errors })
+    }
+
+    /// Geometric mean over the joints of RMSE on a block over the spread of the torque.
+    fn error(&self, block: usize, step: &Step, selector: &Selector) -> Result<f64, IdentifyError> {
+        let rest = self.evidence((0..BLOCKS).filter(|&other| other != block))?;
+        let judge = self.evidence(std::iter::once(block))?;
+        let errors: Vec<f64> = self
+            .groups
+            .par_iter()
+            .map(|group| {
+                let mut known = vec![0.0; self.candidates.len()];
+                for (column, weight) in step::select(step, &rest, group, &known, selector)? {
+                    known[column] = weight;
+                }
+                Ok(group
+                    .equations
+                    .iter()
+                    .filter_map(|&(equation, joint)| {
+                        let left = step::unexplained(&judge, equation, joint, &known);
+                        let spread = self.survey.torque_std[joint];
+                        let rms = (left / judge.rows.max(1) as f64).sqrt();
+                        (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
+                    })
+                    .collect::<Vec<f64>>())
+            })
+            .collect::<Result<Vec<_>, torquewise_regression::SparseError>>()?
+            .concat();
+        Ok((errors.iter().sum::<f64>() / errors.len().max(1) as f64).exp())
+    }
+
+    /// The normal equations of some blocks together.
+    fn evidence(&self, blocks: impl Iterator<Item = usize>) -> Result<Evidence, IdentifyError> {
+        let mut grams: Vec<Gram> = Vec::new();
+        for block in blocks {
+            match &mut grams[..] {
+                [] => grams.clone_from(&self.blocks[block]),
+                sums => {
+                    for (sum, more) in sums.iter_mut().zip(&self.blocks[block]) {
+                        sum.merge(more)?;
+                    }
+                }
+            }
+        }
+        let rows = grams.first().map_or(0, |gram| gram.rows);
+        Ok(Evidence { grams, route: torquewise_regression::accumulate::Route::Direct, rows })
+    }
+}

@@ -1,0 +1,139 @@
+//! Errors on held-out blocks of time → a choice: the simplest near the best.
+
+use torquewise_model::model::{Candidate, Choice};
+
+/// Blocks a log is cut into, in time: samples are never shuffled, since neighbours are alike.
+pub const BLOCKS: usize = 5;
+
+/// How choices are made, as the model file has it.
+pub const RULE: &str = "one standard error, 5 blocks in time";
+
+/// Rows of `count`, those of a block and the others.
+pub fn split(count: usize, block: usize) -> (Vec<usize>, Vec<usize>) {
+    let edge = |block: usize| block * count / BLOCKS;
+    let held: Vec<usize> = (edge(block)..edge(block + 1)).collect();
+    let rest = (0..edge(block)).chain(edge(block + 1)..count).collect();
+    (held, rest)
+}
+
+/// A way to fit, and how it does on each block it was not fitted on.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// As a choice has it on record.
+    pub label: String,
+    /// Number of coefficients.
+    pub complexity: usize,
+    /// Error on each block: geometric mean over the joints of RMSE / standard deviation of the
+    /// torque.
+    pub errors: Vec<f64>,
+}
+
+impl Trial {
+    /// Mean error over the blocks.
+    pub fn error(&self) -> f64 {
+        mean(&self.errors)
+    }
+
+    /// Standard error of the difference to another trial on the same blocks.
+    fn apart(&self, other: &Self) -> f64 {
+        let differences: Vec<f64> =
+            self.errors.iter().zip(&other.errors).map(|(a, b)| a - b).collect();
+        standard_error(&differences)
+    }
+}
+
+/// Mean of some values; zero of none.
+pub fn mean(x: &[f64]) -> f64 {
+    x.iter().sum::<f64>() / x.len().max(1) as f64
+}
+
+/// Standard error of a mean.
+pub fn standard_error(x: &[f64]) -> f64 {
+    let count = x.len() as f64;
+    if count < 2.0 {
+        return 0.0;
+    }
+    let mean = mean(x);
+    let variance = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (variance / count).sqrt()
+}
+
+/// Chooses among trials on the same blocks, simplest first.
+///
+/// The first that is within one standard error of the best is taken; since all trials see the same
+/// blocks, the standard error is that of the difference to the best.
+///
+/// Returns its place and the record of the choice; `None` without trials.
+pub fn choose(what: &str, trials: &[Trial]) -> Option<(usize, Choice)> {
+    choose_worth(what, trials, 0.0)
+}
+
+/// The same where complexity has a price of its own: a trial also passes for the best if it is
+/// worse by no more than this part.
+pub fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, Choice)> {
+    let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
+    let near =
+        |trial: &&Trial| trial.error() <= best.error() + trial.apart(best).max(part * best.error());
+    let place = trials.iter().position(|trial| near(&trial))?;
+    let from = listed(trials);
+    let chosen = trials[place].label.clone();
+    Some((place, Choice { what: what.into(), chosen, rule: RULE.into(), from }))
+}
+
+/// Trials as a choice has them on record.
+pub fn listed(trials: &[Trial]) -> Vec<Candidate> {
+    let candidate = |trial: &Trial| Candidate {
+        label: trial.label.clone(),
+        error: trial.error(),
+        std_error: standard_error(&trial.errors),
+        complexity: trial.complexity,
+    };
+    trials.iter().map(candidate).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BLOCKS, Trial, choose, choose_worth, split};
+
+    fn trial(label: &str, errors: [f64; BLOCKS]) -> Trial {
+        Trial { label: label.into(), complexity: 1, errors: errors.to_vec() }
+    }
+
+    #[test]
+    fn blocks_hold_every_row_once() {
+        let mut seen = vec![0; 23];
+        for block in 0..BLOCKS {
+            let (held, rest) = split(23, block);
+            assert_eq!(held.len() + rest.len(), 23);
+            for &row in &held {
+                seen[row] += 1;
+            }
+            assert!(held.windows(2).all(|pair| pair[1] == pair[0] + 1));
+        }
+        assert_eq!(seen, [1; 23]);
+    }
+
+    #[test]
+    fn the_simplest_near_the_best_is_taken() {
+        let simple = trial("simple", [0.11, 0.09, 0.12, 0.10, 0.08]);
+        let complex = trial("complex", [0.10, 0.10, 0.10, 0.10, 0.09]);
+        assert_eq!(choose("x", &[simple, complex]).unwrap().0, 0);
+    }
+
+    #[test]
+    fn a_gain_too_small_to_be_worth_it_is_left() {
+        let simple = trial("simple", [0.100, 0.200, 0.300, 0.400, 0.500]);
+        let complex = trial("complex", [0.099, 0.199, 0.299, 0.399, 0.499]);
+        let both = [simple, complex];
+        assert_eq!(choose("x", &both).unwrap().0, 1);
+        assert_eq!(choose_worth("x", &both, 0.02).unwrap().0, 0);
+    }
+
+    #[test]
+    fn a_gain_on_every_block_is_taken_though_blocks_differ_much() {
+        let simple = trial("simple", [0.50, 0.10, 0.30, 0.90, 0.20]);
+        let complex = trial("complex", [0.45, 0.06, 0.25, 0.85, 0.14]);
+        let (place, choice) = choose("x", &[simple, complex]).unwrap();
+        assert_eq!((place, choice.chosen.as_str()), (1, "complex"));
+    }
+}

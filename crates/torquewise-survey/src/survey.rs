@@ -1,0 +1,295 @@
+//! Recording → survey: one look at the whole log, and an even sample of it, in fixed memory.
+
+use crate::error::IdentifyError;
+use crate::even::Even;
+use crate::noise::{NoiseFloor, NoiseSum};
+use faer::Mat;
+use serde::{Deserialize, Serialize};
+use torquewise_model::Training;
+use torquewise_motion::{Motion, Recording, Signals};
+use torquewise_regression::SparseError;
+use torquewise_regression::exact::ExactSums;
+
+/// What one pass over a log tells.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// Joint names, base to tip, n.
+    pub joints: Vec<String>,
+    /// Rows m.
+    pub rows: usize,
+    /// Trajectories.
+    pub trajectories: usize,
+    /// Recorded time \[s\], the gaps between trajectories left out.
+    pub seconds: f64,
+    /// Least and greatest position of each joint \[rad\], n.
+    pub q_range: Vec<[f64; 2]>,
+    /// Largest speed of each joint \[rad/s\], n.
+    pub dq_peak: Vec<f64>,
+    /// Largest acceleration of each joint \[rad/s²\], n.
+    pub ddq_peak: Vec<f64>,
+    /// Mean torque of each joint \[N·m\], n.
+    pub torque_mean: Vec<f64>,
+    /// Standard deviation of the torque of each joint \[N·m\], n.
+    pub torque_std: Vec<f64>,
+    /// The white noise in its signals.
+    pub noise: NoiseFloor,
+    /// Every k-th row of each log, k a power of two, at most [`SAMPLE_ROWS`] of them.
+    pub sample: Motion,
+}
+
+/// Rows of a sample at most: enough for quantiles and clusters, few enough for any log.
+pub const SAMPLE_ROWS: usize = 1 << 14;
+/// q, q̇, q̈ and τ.
+const SIGNALS: usize = 4;
+/// Sign, exponent and the first 26 digits of a number.
+const HIGH_HALF: u64 = !((1 << 27) - 1);
+
+/// Looks through a recording once, as if it were one log.
+///
+/// # Errors
+/// [`IdentifyError::Read`] with the reader's message, or [`IdentifyError::Motion`] if the log has
+/// no joints.
+pub fn survey(recording: &(impl Recording + ?Sized)) -> Result<Survey, IdentifyError> {
+    let mut look = SurveySum::new(recording.joints());
+    recording
+        .read(&mut |trajectory, block| Ok(look.add(trajectory, block)?))
+        .map_err(IdentifyError::Read)?;
+    look.finish()
+}
+
+/// A survey on its way: what logs add up to, the same in any order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SurveySum {
+    joints: Vec<String>,
+    rows: usize,
+    trajectories: usize,
+    /// Least and greatest position of each joint.
+    q_range: Vec<[f64; 2]>,
+    /// Largest speeds, then largest accelerations.
+    peaks: [Vec<f64>; 2],
+    /// Time, then torques and squared torques of each joint.
+    sums: ExactSums,
+    has_torque: bool,
+    noise: NoiseSum,
+    /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row.
+    sampled: Even,
+    /// The trajectory of the last row, and its time.
+    #[serde(skip)]
+    last: Option<(usize, f64)>,
+}
+
+impl SurveySum {
+    /// Nothing yet of logs of these joints.
+    pub fn new(joints: &[String]) -> Self {
+        let n = joints.len();
+        Self {
+            joints: joints.to_vec(),
+            rows: 0,
+            trajectories: 0,
+            q_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; n],
+            peaks: [vec![0.0; n], vec![0.0; n]],
+            sums: ExactSums::zeros(1 + 2 * n),
+            has_torque: true,
+            noise: NoiseSum::new(n),
+            sampled: Even::new(1 + SIGNALS * n, SAMPLE_ROWS),
+            last: None,
+        }
+    }
+
+    /// Joint names.
+    pub fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    /// Rows seen.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Adds the next block of a log.
+    ///
+    /// # Errors
+    /// [`SparseError`] if its numbers are too large to be summed.
+    pub fn add(&mut self, trajectory: usize, block: &Motion) -> Result<(), SparseError> {
+        let (Some(&start), Some(&end)) = (block.t().first(), block.t().last()) else {
+            return Ok(());
+        };
+        let same = self.last.filter(|(last, _)| *last == trajectory);
+        self.trajectories += usize::from(same.is_none());
+        self.sums.add(0, &[end - same.map_or(start, |(_, time)| time)])?;
+        self.last = Some((trajectory, end));
+        self.noise.add(block, |_| true);
+        for joint in 0..self.joints.len() {
+            self.add_joint(block, joint)?;
+        }
+        for row in 0..block.n_rows() {
+            let place = (self.rows + row) as u64;
+            if self.sampled.wants(place) {
+                self.sampled.push(place, row_of(block, row));
+            }
+        }
+        self.rows += block.n_rows();
+        Ok(())
+    }
+
+    fn add_joint(&mut self, block: &Motion, joint: usize) -> Result<(), SparseError> {
+        for &q in block.q().col(joint).iter() {
+            let [low, high] = &mut self.q_range[joint];
+            (*low, *high) = (low.min(q), high.max(q));
+        }
+        for (peaks, rates) in self.peaks.iter_mut().zip([block.dq(), block.ddq()]) {
+            let peak = rates.col(joint).iter().fold(0.0_f64, |peak, rate| peak.max(rate.abs()));
+            peaks[joint] = peaks[joint].max(peak);
+        }
+        let Some(tau) = block.tau() else {
+            self.has_torque = false;
+            return Ok(());
+        };
+        for &tau in tau.col(joint).iter() {
+            // The square without rounding, so that no digit is lost to a large mean: of two halves
+            // of at most 27 digits, all products are exact.
+            let high = f64::from_bits(tau.to_bits() & HIGH_HALF);
+            let low = tau - high;
+            self.sums.add(1 + 2 * joint, &[tau, high * high])?;
+            self.sums.add(2 + 2 * joint, &[2.0 * high * low])?;
+            self.sums.add(2 + 2 * joint, &[low * low])?;
+        }
+        Ok(())
+    }
+
+    /// Adds other logs of the same joints.
+    ///
+    /// # Errors
+    /// As [`Self::add`].
+    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
+        self.sums.merge(&other.sums)?;
+        self.rows += other.rows;
+        self.trajectories += other.trajectories;
+        for ([low, high], [other_low, other_high]) in self.q_range.iter_mut().zip(&other.q_range) {
+            (*low, *high) = (low.min(*other_low), high.max(*other_high));
+        }
+        for (peaks, others) in self.peaks.iter_mut().zip(&other.peaks) {
+            peaks.iter_mut().zip(others).for_each(|(peak, other)| *peak = peak.max(*other));
+        }
+        self.has_torque &= other.has_torque;
+        self.noise.merge(&other.noise);
+        self.sampled.merge(&other.sampled);
+        self.last = None;
+        Ok(())
+    }
+
+    /// Puts what it holds in an order of its own, whatever was merged first.
+    pub fn sort(&mut self) {
+        self.noise.sort();
+        self.sampled.sort();
+        self.last = None;
+    }
+
+    /// Whether its parts fit each other.
+    pub fn is_sound(&self) -> bool {
+        let n = self.joints.len();
+        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
+        n > 0
+            && self.q_range.len() == n
+            && self.peaks.iter().all(|peaks| peaks.len() == n && finite(peaks))
+            && self.sums.len() == 1 + 2 * n
+            && self.noise.is_sound(n)
+            && self.sampled.is_sound(1 + SIGNALS * n, SAMPLE_ROWS)
+    }
+
+    /// What the logs told.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Motion`] if there are no joints.
+    pub fn finish(&self) -> Result<Survey, IdentifyError> {
+        let n = self.joints.len();
+        let rows: Vec<&[f64]> = self.sampled.things().collect();
+        let signal = |first: usize| {
+            Mat::from_fn(rows.len(), n, |row, joint| rows[row][1 + first * n + joint])
+        };
+        let sample = Motion::new(Signals {
+            joints: self.joints.clone(),
+            t: rows.iter().map(|row| row[0]).collect(),
+            q: signal(0),
+            dq: signal(1),
+            ddq: signal(2),
+            tau: self.has_torque.then(|| signal(3)),
+        })?;
+        let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
+        let [dq_peak, ddq_peak] = self.peaks.clone();
+        Ok(Survey {
+            joints: self.joints.clone(),
+            rows: self.rows,
+            trajectories: self.trajectories,
+            seconds: self.sums.value(0),
+            q_range: self.q_range.clone(),
+            dq_peak,
+            ddq_peak,
+            torque_mean,
+            torque_std,
+            noise: self.noise.finish(),
+            sample,
+        })
+    }
+
+    /// Mean and standard deviation of the torque of a joint.
+    fn torque(&self, joint: usize) -> (f64, f64) {
+        let m = self.rows.max(1) as f64;
+        let ([sum, sum_rest], [squares, squares_rest]) =
+            (self.sums.pair(1 + 2 * joint), self.sums.pair(2 + 2 * joint));
+        let mean = sum / m;
+        // Στ² − mean·Στ, each product and difference with its rounding.
+        let product = mean * sum;
+        let product_rest = mean.mul_add(sum, -product) + mean * sum_rest;
+        let difference = (squares - product) + (squares_rest - product_rest);
+        (mean, (difference / m).max(0.0).sqrt())
+    }
+}
+
+/// At most `count` rows, evenly spread.
+pub fn thinned(motion: &Motion, count: usize) -> Motion {
+    let m = motion.n_rows();
+    if m <= count {
+        return motion.clone();
+    }
+    motion.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
+}
+
+fn row_of(block: &Motion, row: usize) -> Vec<f64> {
+    let signals = [Some(block.q()), Some(block.dq()), Some(block.ddq()), block.tau()];
+    let values = signals
+        .into_iter()
+        .flatten()
+        .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
+    std::iter::once(block.t()[row]).chain(values).collect()
+}
+
+impl Survey {
+    /// What a model keeps of the log it was fitted on; `residual_rms`: what it leaves of the torque
+    /// of each joint \[N·m\], n.
+    pub fn training(&self, residual_rms: Vec<f64>) -> Training {
+        Training {
+            rows: self.rows,
+            residual_rms,
+            torque_std: self.torque_std.clone(),
+            q_range: self.q_range.clone(),
+            dq_peak: self.dq_peak.clone(),
+            ddq_peak: self.ddq_peak.clone(),
+            overlooked: None,
+            filter: None,
+            price_of_physics: None,
+        }
+    }
+
+    /// Rows per second within trajectories \[Hz\]; zero for a single row.
+    pub fn rate(&self) -> f64 {
+        let steps = self.rows.saturating_sub(self.trajectories);
+        if self.seconds > 0.0 { steps as f64 / self.seconds } else { 0.0 }
+    }
+
+    /// Joints whose position never changes.
+    pub fn constant_joints(&self) -> Vec<usize> {
+        let still = |joint: &usize| self.q_range[*joint][0] >= self.q_range[*joint][1];
+        (0..self.joints.len()).filter(still).collect()
+    }
+}
