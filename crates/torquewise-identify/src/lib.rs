@@ -19,6 +19,7 @@ mod prune;
 mod overlooked;
 pub mod found;
 mod framed;
+mod fitted;
 pub mod rounds;
 pub mod settings;
 pub mod summary;

@@ -3,27 +3,17 @@
 //! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may
 //! be read apart and their sums merged.
 
-use crate::basis::{Energies, joint_sums};
-use crate::beside::Beside;
-use crate::estimate::{Linearisation, Next, Passes, STRENGTH, Sizes, Solved, Structure, refine};
-use crate::found::{Progress, Reconstruction, StepReport};
+use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine};
+use crate::fitted::Fitted;
+use crate::found::Progress;
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
 use crate::overlooked::{Tried, overlooked};
 use crate::plan::{ChainOptions, FrictionKind};
-use crate::prune::prune;
-use crate::warning::{UntriedTerm, Warning};
-use faer::{ColRef, Mat};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-use rayon::prelude::*;
+use crate::warning::UntriedTerm;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, Overlooked};
-use torquewise_model::{Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Weighted};
-use torquewise_regression::accumulate::Route;
+use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
-use torquewise_rigid::recursion::PER_BODY;
-use torquewise_stepwise::patterns::Patterns;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseFloor;
 use torquewise_survey::survey::{Survey, thinned};
@@ -38,13 +28,6 @@ const MOST_PASSES: usize = 5;
 const BLOCK_ROWS: [usize; 2] = [16, 256];
 /// Blocks that a log should have.
 const BLOCKS: usize = 100;
-/// Draws of the parameters that the errors of the equations are estimated from.
-const DRAWS: usize = 40;
-/// Size of these draws in standard deviations: small, so that all is linear.
-const DRAW_SIZE: f64 = 1e-3;
-/// Terms whose coefficient is below so many standard errors cannot be told from zero.
-const LEAST_T: f64 = 2.0;
-
 /// First bytes of the file of a request.
 const REQUEST: [u8; 8] = *b"twreques";
 
@@ -66,14 +49,6 @@ pub(crate) enum Round {
     Again(Box<Request>),
     /// Nothing moves any more.
     Done(Box<Fitted>),
-}
-
-/// A chain that was fitted to every row.
-#[derive(Debug)]
-pub(crate) struct Fitted {
-    request: Request,
-    solved: Solved,
-    residual_rms: Vec<f64>,
 }
 
 impl Request {
@@ -160,7 +135,9 @@ impl Request {
             Next::Pass(passes) => Round::Again(Box::new(Self { passes, ..self })),
             Next::Settled(solved) => {
                 let residual_rms = sums.residual_rms();
-                Round::Done(Box::new(Fitted { request: self, solved, residual_rms }))
+                let Self { choices, overlooked, warning, .. } = self;
+                let fitted = Fitted { solved, residual_rms, choices, overlooked, warning };
+                Round::Done(Box::new(fitted))
             }
         })
     }
@@ -177,7 +154,7 @@ fn cut_for(at: Linearisation, rows: usize) -> Linearisation {
 /// The chain as it was learned, ready for a pass over a sample.
 fn linearised(
     learned: &Learned,
-    sample: &torquewise_motion::Motion,
+    sample: &Motion,
     survey: &Survey,
     options: &ChainOptions,
     (filtered, seed): (bool, u64),
@@ -237,160 +214,4 @@ fn complete(
         }
     }
     Ok(tried)
-}
-
-impl Fitted {
-    /// The model of the chain: its parameters, and the equations that follow from them.
-    ///
-    /// # Errors
-    /// [`IdentifyError::Model`] if its energy cannot be listed.
-    pub(crate) fn report(
-        self,
-        survey: Survey,
-        patterns: Patterns,
-        seed: u64,
-    ) -> Result<Reconstruction, IdentifyError> {
-        let Self { request, solved, residual_rms } = self;
-        let (chain, friction) = parameters(&solved.at, &solved.covariance);
-        let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
-        let mut choices = request.choices;
-        choices.extend(solved.choice.filter(|choice| choice.what == STRENGTH));
-        let mut warnings = Warning::of_survey(&survey);
-        warnings.extend(request.warning.map(Warning::Overlooked));
-        let mut training = survey.training(residual_rms);
-        training.overlooked = Some(request.overlooked);
-        training.price_of_physics = Some(solved.price);
-        let model = Model {
-            joints: survey.joints.clone(),
-            form: Form::Energy(terms),
-            chain: Some(chain),
-            friction,
-            stages: Vec::new(),
-            training,
-            choices,
-        };
-        let step = StepReport {
-            name: "all rows",
-            rows: survey.rows,
-            candidates,
-            active: model.active(),
-            route: Route::Direct,
-        };
-        let (steps, dropped, noise) = (vec![step], Vec::new(), survey.noise.clone());
-        Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
-    }
-}
-
-/// The parameters of a linearisation as a model has them, with their covariance.
-fn parameters(
-    at: &Linearisation,
-    covariance: &Mat<f64>,
-) -> (RigidChain, Vec<Weighted<FrictionTerm>>) {
-    let bodies = PER_BODY * at.n_joints();
-    let links = at.linear[..bodies].chunks_exact(PER_BODY);
-    let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
-    let (mut drives, mut friction) = (Vec::new(), Vec::new());
-    let (mut drive_at, mut friction_at) = (Vec::new(), Vec::new());
-    for (k, term) in at.structure.drive.iter().enumerate() {
-        let (index, coefficient) = (bodies + k, at.linear[bodies + k]);
-        match term {
-            Beside::Friction(term) => {
-                friction_at.push(index);
-                friction.push(Weighted {
-                    term: term.clone(),
-                    coefficient,
-                    std_error: covariance[(index, index)].max(0.0).sqrt(),
-                    inclusion: None,
-                });
-            }
-            Beside::Rotor(shaft) => {
-                drive_at.push(index);
-                drives.push(Drive::Rotor { shaft: shaft.clone(), inertia: coefficient });
-            }
-            Beside::Energy(term) => {
-                drive_at.push(index);
-                drives.push(Drive::Energy { term: term.clone(), coefficient });
-            }
-        }
-    }
-    let order: Vec<usize> = (0..bodies)
-        .chain(drive_at)
-        .chain(friction_at)
-        .chain(at.structure.free.iter().map(|&k| at.linear.len() + k))
-        .collect();
-    let covariance =
-        Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
-    let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
-    let mut chain = RigidChain { geometry, fitted, links, drives, covariance: Vec::new() };
-    chain.set_covariance(&covariance);
-    (chain, friction)
-}
-
-/// Equal energy terms joined.
-fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
-    let mut all = Energies::new();
-    for (term, coefficient) in chain.energy_terms()? {
-        *all.entry(term).or_insert(0.0) += coefficient;
-    }
-    Ok(all)
-}
-
-/// The energy terms of a chain that can be told from zero and that its torque needs, with their
-/// standard errors; and how many there were.
-fn equations(
-    chain: &RigidChain,
-    friction: &[Weighted<FrictionTerm>],
-    survey: &Survey,
-    residual_rms: &[f64],
-    seed: u64,
-) -> Result<(Vec<Weighted<EnergyTerm>>, usize), IdentifyError> {
-    let all = energies(chain)?;
-    let candidates = all.len() + friction.len();
-    let few = |all: Energies| prune(all.into_iter().collect(), &survey.sample, residual_rms, seed);
-    let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
-    // Parallel axes make sums shorter, others products.
-    let as_sums = sums.len() < products.len();
-    let kept = if as_sums { sums } else { products };
-    let in_basis = |all: Energies| if as_sums { joint_sums(&all) } else { all };
-    let draws = draws(chain, friction, seed)?;
-    let draws = draws.into_par_iter().map(|chain| Ok(in_basis(energies(&chain)?)));
-    let draws = draws.collect::<Result<Vec<Energies>, IdentifyError>>()?;
-    let terms = kept.into_iter().map(|(term, coefficient)| {
-        let change =
-            |draw: &Energies| (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE;
-        let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
-        let std_error = (square / draws.len().max(1) as f64).sqrt();
-        Weighted { term, coefficient, std_error, inclusion: None }
-    });
-    let certain = |w: &Weighted<EnergyTerm>| w.coefficient.abs() >= LEAST_T * w.std_error;
-    Ok((terms.filter(certain).collect(), candidates))
-}
-
-/// Chains whose parameters scatter as the covariance says, but less.
-fn draws(
-    chain: &RigidChain,
-    friction: &[Weighted<FrictionTerm>],
-    seed: u64,
-) -> Result<Vec<RigidChain>, IdentifyError> {
-    let covariance = chain.covariance_matrix();
-    let p = covariance.nrows();
-    let eigen = covariance
-        .self_adjoint_eigen(faer::Side::Lower)
-        .map_err(|_| torquewise_regression::SparseError::NotSolvable)?;
-    let deviations: Vec<f64> =
-        eigen.S().column_vector().iter().map(|value| value.max(0.0).sqrt()).collect();
-    let known = chain.parameters(friction);
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let mut draw = || {
-        let units: Vec<f64> = (0..p)
-            .map(|k| {
-                let unit: f64 = StandardNormal.sample(&mut random);
-                DRAW_SIZE * deviations[k] * unit
-            })
-            .collect();
-        let moved = eigen.U() * ColRef::from_slice(&units);
-        let parameters: Vec<f64> = known.iter().zip(moved.iter()).map(|(x, d)| x + d).collect();
-        chain.at(&parameters, friction.len())
-    };
-    Ok((0..DRAWS).map(|_| draw()).collect())
 }

@@ -141,6 +141,10 @@ pub struct Training {
     /// What it costs that the parameters are physical, where they are (E14).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub price_of_physics: Option<PriceOfPhysics>,
+    /// RMS of the residual torque of each joint \[N·m\] that noise in q, q̇ and q̈ does not explain,
+    /// n, where a chain was fitted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unexplained_rms: Vec<f64>,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).

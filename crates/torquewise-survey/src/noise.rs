@@ -2,9 +2,10 @@
 
 use crate::even::Even;
 use crate::quantile::quantile;
-use faer::ColRef;
+use faer::{ColRef, Mat};
 use serde::{Deserialize, Serialize};
-use torquewise_motion::Motion;
+use torquewise_model::{ModelError, Torque};
+use torquewise_motion::{Motion, ReadError, Recording};
 
 /// Standard deviation of the white noise in each signal of each joint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,54 @@ impl NoiseFloor {
     pub fn none(n_joints: usize) -> Self {
         let zeros = || vec![0.0; n_joints];
         Self { q: zeros(), dq: zeros(), ddq: zeros() }
+    }
+
+    /// The noise of a recording whose rows were not filtered: that of filtered rows is not white,
+    /// and what is left of it is next to none.
+    ///
+    /// # Errors
+    /// The reader's own.
+    pub fn of(recording: &(impl Recording + ?Sized)) -> Result<Self, ReadError> {
+        let n = recording.joints().len();
+        if recording.is_filtered() {
+            return Ok(Self::none(n));
+        }
+        let mut sum = NoiseSum::new(n);
+        recording.read(&mut |_, block| {
+            sum.add(block, |_| true);
+            Ok(())
+        })?;
+        Ok(sum.finish())
+    }
+
+    /// Variance that this noise gives the torque of a model, Σ_z (∂τ̂ᵢ/∂z)² σ_z².
+    ///
+    /// Slopes are central differences over ±σ_z, so that (∂τ̂ᵢ/∂z)σ_z is half a difference of
+    /// torques; exact for what is linear or quadratic in a signal.
+    ///
+    /// - returns: \[(N·m)²\], m×n
+    ///
+    /// # Errors
+    /// [`ModelError::JointCount`] if the motion is of another arm.
+    pub fn in_torque(&self, torque: &Torque, motion: &Motion) -> Result<Mat<f64>, ModelError> {
+        let mut variance = Mat::zeros(motion.n_rows(), motion.n_joints());
+        for (signal, sigmas) in [&self.q, &self.dq, &self.ddq].into_iter().enumerate() {
+            for (joint, &sigma) in sigmas.iter().enumerate().filter(|(_, sigma)| **sigma > 0.0) {
+                let [above, below] = [sigma, -sigma].map(|step| -> Result<Mat<f64>, ModelError> {
+                    let mut signals = motion.clone().into_signals();
+                    let shifted = match signal {
+                        0 => &mut signals.q,
+                        1 => &mut signals.dq,
+                        _ => &mut signals.ddq,
+                    };
+                    shifted.col_as_slice_mut(joint).iter_mut().for_each(|x| *x += step);
+                    torque.over(&Motion::new(signals)?)
+                });
+                faer::zip!(&mut variance, &above?, &below?)
+                    .for_each(|faer::unzip!(v, a, b)| *v += 0.25 * (*a - *b).powi(2));
+            }
+        }
+        Ok(variance)
     }
 
     /// Whether there is none.

@@ -278,6 +278,7 @@ impl Survey {
             overlooked: None,
             filter: None,
             price_of_physics: None,
+            unexplained_rms: Vec::new(),
         }
     }
 

@@ -16,6 +16,7 @@ use std::path::PathBuf;
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
 use torquewise::model::{Model, RigidChain, Torque};
 use torquewise::motion::{Motion, ReadError, Recording};
+use torquewise::survey::NoiseFloor;
 
 /// Predict the torque of a log, with or without measured torque
 #[derive(Args, Debug)]
@@ -54,7 +55,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     model.check_joints(logs.joints())?;
 
     let _shield = Shield::new();
-    let interval = arguments.interval.map(|percent| Interval::new(&model, percent)).transpose()?;
+    let interval =
+        arguments.interval.map(|percent| Interval::new(&model, &logs, percent)).transpose()?;
     let names = column_names(model.n_joints(), arguments.parts, interval.is_some());
     let columns: Vec<Column> =
         names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
@@ -120,17 +122,22 @@ fn append(
     Ok(total)
 }
 
-/// What a measured torque is expected within: the parameters are uncertain, and what the model
-/// leaves of the torque is not predicted.
+/// What a measured torque is expected within: the parameters are uncertain, noise of the log
+/// reaches the prediction, and what the model leaves of the torque is not predicted.
 struct Interval<'a> {
     model: &'a Model,
     chain: &'a RigidChain,
+    torque: Torque,
+    /// Noise of the log \[rad, rad/s, rad/s²\].
+    noise: NoiseFloor,
+    /// RMS of what else was left of the torque of each joint \[N·m\], n.
+    left: &'a [f64],
     /// Deviations of a normal number on either side.
     deviations: f64,
 }
 
 impl<'a> Interval<'a> {
-    fn new(model: &'a Model, percent: u8) -> Result<Self> {
+    fn new(model: &'a Model, logs: &impl Recording, percent: u8) -> Result<Self> {
         let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
         let chain = chain.ok_or_else(|| {
             CliError::Usage(
@@ -140,12 +147,19 @@ impl<'a> Interval<'a> {
             )
         })?;
         let deviations = normal_quantile(0.5 + f64::from(percent) / 200.0);
-        Ok(Self { model, chain, deviations })
+        let training = &model.training;
+        let left = match &training.unexplained_rms[..] {
+            [] => &training.residual_rms,
+            left => left,
+        };
+        let noise = NoiseFloor::of(logs).map_err(|error| anyhow!(error))?;
+        Ok(Self { model, chain, torque: Torque::new(model), noise, left, deviations })
     }
 
     /// Lower and upper bounds of the torque \[N·m\], m×n each.
     fn bounds(&self, block: &Motion, total: &Mat<f64>) -> Result<[Mat<f64>; 2], ReadError> {
         let (m, n) = (block.n_rows(), block.n_joints());
+        let noise = self.noise.in_torque(&self.torque, block)?;
         let mut half = Mat::zeros(m, n);
         for row in 0..m {
             let state = [block.q(), block.dq(), block.ddq()]
@@ -153,8 +167,9 @@ impl<'a> Interval<'a> {
             let state = [&state[0][..], &state[1][..], &state[2][..]];
             let errors = self.chain.std_errors(&self.model.friction, state)?;
             for (joint, error) in errors.into_iter().enumerate() {
-                let residual = self.model.training.residual_rms.get(joint).unwrap_or(&0.0);
-                half[(row, joint)] = self.deviations * error.hypot(*residual);
+                let left = self.left.get(joint).unwrap_or(&0.0);
+                let known = noise[(row, joint)].sqrt();
+                half[(row, joint)] = self.deviations * error.hypot(*left).hypot(known);
             }
         }
         Ok([total - &half, total + &half])

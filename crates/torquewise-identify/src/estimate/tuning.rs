@@ -11,7 +11,7 @@ use torquewise_survey::error::IdentifyError;
 use torquewise_survey::held_out::{Trial, listed, mean};
 
 /// The choice of the prior's strength, as the model file has it.
-pub(crate) const STRENGTH: &str = "strength of the physical prior";
+const STRENGTH: &str = "strength of the physical prior";
 /// Strengths of the prior that are tried, the strongest first, in units of what one independent
 /// row tells. A weaker one would leave to noise what the log does not tell, and no held-out row of
 /// the same log would object.

@@ -4,7 +4,7 @@ use super::first_fit::FirstFit;
 use super::refit::refit;
 use super::sorting::Indicators;
 use super::steps::take_steps;
-use super::variance::{effective_variance, inverse_weights, propagated_variance};
+use super::variance::{effective_variance, inverse_weights};
 use super::*;
 use crate::study::indicators::clusters::informative;
 use faer::Mat;
@@ -76,7 +76,7 @@ fn scenario(noise: Decibels) -> Scenario {
 fn the_propagated_variance_is_that_of_residuals_under_simulated_noise() {
     let (model, noisy) = (true_model(), copies(COPIES, 1.0, 0.0));
 
-    let expected = propagated_variance(&model, &copies(1, 0.0, 0.0), &noise()).unwrap();
+    let expected = noise().in_torque(&Torque::new(&model), &copies(1, 0.0, 0.0)).unwrap();
 
     let torque = Torque::new(&model).over(&noisy).unwrap();
     for joint in 0..N {
@@ -92,7 +92,7 @@ fn the_propagated_variance_is_that_of_residuals_under_simulated_noise() {
 fn what_the_propagated_noise_leaves_of_the_residual_is_noise_of_the_torque() {
     let (model, log) = (true_model(), copies(COPIES, 1.0, 2.0));
 
-    let propagated = propagated_variance(&model, &log, &noise()).unwrap();
+    let propagated = noise().in_torque(&Torque::new(&model), &log).unwrap();
     let effective = effective_variance(&model, &log, &noise()).unwrap();
 
     for joint in 0..N {

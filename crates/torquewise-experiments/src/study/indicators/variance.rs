@@ -10,42 +10,6 @@ use torquewise_survey::NoiseFloor;
 /// torque vanishes, its curvature, which is left out here, still lets some noise through.
 const MOST: f64 = 100.0;
 
-/// Variance that noise in q, q̇ and q̈ gives the expected torque, Σ_z (∂τ̂ᵢ/∂z)² σ_z².
-///
-/// Slopes are central differences over ±σ_z, so that (∂τ̂ᵢ/∂z)σ_z is half a difference of torques;
-/// exact for what is linear or quadratic in a signal.
-///
-/// - returns: \[(N·m)²\], m×n
-///
-/// # Errors
-/// [`ExperimentError::Model`] if the motion is of another arm.
-pub fn propagated_variance(
-    model: &Model,
-    motion: &Motion,
-    noise: &NoiseFloor,
-) -> Result<Mat<f64>, ExperimentError> {
-    let torque = Torque::new(model);
-    let mut variance = Mat::zeros(motion.n_rows(), motion.n_joints());
-    for (signal, sigmas) in [&noise.q, &noise.dq, &noise.ddq].into_iter().enumerate() {
-        for (joint, &sigma) in sigmas.iter().enumerate().filter(|(_, sigma)| **sigma > 0.0) {
-            let shifted = |step: f64| -> Result<Mat<f64>, ExperimentError> {
-                let mut signals = motion.clone().into_signals();
-                let shifted = match signal {
-                    0 => &mut signals.q,
-                    1 => &mut signals.dq,
-                    _ => &mut signals.ddq,
-                };
-                shifted.col_as_slice_mut(joint).iter_mut().for_each(|x| *x += step);
-                Ok(torque.over(&Motion::new(signals)?)?)
-            };
-            let (above, below) = (shifted(sigma)?, shifted(-sigma)?);
-            faer::zip!(&mut variance, &above, &below)
-                .for_each(|faer::unzip!(v, a, b)| *v += 0.25 * (*a - *b).powi(2));
-        }
-    }
-    Ok(variance)
-}
-
 /// Effective variance v = Σ_z (∂τ̂ᵢ/∂z)² σ_z² + σ_τᵢ² of each row \[(N·m)²\], m×n.
 ///
 /// σ_τᵢ² is what the propagated noise leaves of the mean squared residual of the model, zero at
@@ -58,7 +22,7 @@ pub fn effective_variance(
     motion: &Motion,
     noise: &NoiseFloor,
 ) -> Result<Mat<f64>, ExperimentError> {
-    let mut variance = propagated_variance(model, motion, noise)?;
+    let mut variance = noise.in_torque(&Torque::new(model), motion)?;
     let (expected, tau) = (Torque::new(model).over(motion)?, motion.require_tau()?);
     let m = motion.n_rows().max(1) as f64;
     for joint in 0..motion.n_joints() {

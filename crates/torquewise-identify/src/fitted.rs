@@ -1,0 +1,220 @@
+//! A chain that nothing moves any more → a model: its parameters, and equations that can be told
+//! from zero (E8) (E11).
+
+use crate::basis::{Energies, joint_sums};
+use crate::beside::Beside;
+use crate::estimate::{Linearisation, Solved};
+use crate::found::Reconstruction;
+use crate::prune::prune;
+use crate::warning::{UntriedTerm, Warning};
+use faer::{ColRef, Mat};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use torquewise_model::model::{Choice, Overlooked};
+use torquewise_model::{
+    Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
+};
+use torquewise_motion::Motion;
+use torquewise_regression::accumulate::Route;
+use torquewise_rigid::recursion::PER_BODY;
+use torquewise_stepwise::fit::StepReport;
+use torquewise_stepwise::patterns::Patterns;
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::noise::NoiseFloor;
+use torquewise_survey::survey::Survey;
+
+/// Draws of the parameters that the errors of the equations are estimated from.
+const DRAWS: usize = 40;
+/// Size of these draws in standard deviations: small, so that all is linear.
+const DRAW_SIZE: f64 = 1e-3;
+/// Terms whose coefficient is below so many standard errors cannot be told from zero.
+const LEAST_T: f64 = 2.0;
+
+/// A chain that was fitted to every row.
+#[derive(Debug)]
+pub(crate) struct Fitted {
+    pub(crate) solved: Solved,
+    /// RMS of the residual of each joint \[N·m\], n.
+    pub(crate) residual_rms: Vec<f64>,
+    /// What the search chose.
+    pub(crate) choices: Vec<Choice>,
+    pub(crate) overlooked: Overlooked,
+    pub(crate) warning: Option<UntriedTerm>,
+}
+
+impl Fitted {
+    /// The model of the chain: its parameters, and the equations that follow from them.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Model`] if its energy cannot be listed.
+    pub(crate) fn report(
+        self,
+        survey: Survey,
+        patterns: Patterns,
+        seed: u64,
+    ) -> Result<Reconstruction, IdentifyError> {
+        let Self { solved, residual_rms, choices, overlooked, warning } = self;
+        let (chain, friction) = parameters(&solved.at, &solved.covariance);
+        let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
+        let mut choices = choices;
+        choices.extend(solved.choice);
+        let mut warnings = Warning::of_survey(&survey);
+        warnings.extend(warning.map(Warning::Overlooked));
+        let mut training = survey.training(residual_rms);
+        training.overlooked = Some(overlooked);
+        training.price_of_physics = Some(solved.price);
+        let mut model = Model {
+            joints: survey.joints.clone(),
+            form: Form::Energy(terms),
+            chain: Some(chain),
+            friction,
+            stages: Vec::new(),
+            training,
+            choices,
+        };
+        let noise = solved.at.noise.clone();
+        model.training.unexplained_rms = unexplained(&model, &survey.sample, &noise)?;
+        let step = StepReport {
+            name: "all rows",
+            rows: survey.rows,
+            candidates,
+            active: model.active(),
+            route: Route::Direct,
+        };
+        let (steps, dropped, noise) = (vec![step], Vec::new(), survey.noise.clone());
+        Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
+    }
+}
+
+/// The parameters of a linearisation as a model has them, with their covariance.
+fn parameters(
+    at: &Linearisation,
+    covariance: &Mat<f64>,
+) -> (RigidChain, Vec<Weighted<FrictionTerm>>) {
+    let bodies = PER_BODY * at.n_joints();
+    let links = at.linear[..bodies].chunks_exact(PER_BODY);
+    let links = links.map(|p| std::array::from_fn(|k| p[k])).collect();
+    let (mut drives, mut friction) = (Vec::new(), Vec::new());
+    let (mut drive_at, mut friction_at) = (Vec::new(), Vec::new());
+    for (k, term) in at.structure.drive.iter().enumerate() {
+        let (index, coefficient) = (bodies + k, at.linear[bodies + k]);
+        match term {
+            Beside::Friction(term) => {
+                friction_at.push(index);
+                friction.push(Weighted {
+                    term: term.clone(),
+                    coefficient,
+                    std_error: covariance[(index, index)].max(0.0).sqrt(),
+                    inclusion: None,
+                });
+            }
+            Beside::Rotor(shaft) => {
+                drive_at.push(index);
+                drives.push(Drive::Rotor { shaft: shaft.clone(), inertia: coefficient });
+            }
+            Beside::Energy(term) => {
+                drive_at.push(index);
+                drives.push(Drive::Energy { term: term.clone(), coefficient });
+            }
+        }
+    }
+    let order: Vec<usize> = (0..bodies)
+        .chain(drive_at)
+        .chain(friction_at)
+        .chain(at.structure.free.iter().map(|&k| at.linear.len() + k))
+        .collect();
+    let covariance =
+        Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
+    let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
+    let mut chain = RigidChain { geometry, fitted, links, drives, covariance: Vec::new() };
+    chain.set_covariance(&covariance);
+    (chain, friction)
+}
+
+/// RMS of the residual of each joint \[N·m\] that noise does not explain, n.
+fn unexplained(
+    model: &Model,
+    sample: &Motion,
+    noise: &NoiseFloor,
+) -> Result<Vec<f64>, IdentifyError> {
+    let explained = noise.in_torque(&Torque::new(model), sample)?;
+    let rows = sample.n_rows().max(1) as f64;
+    let training = &model.training;
+    let of_joint = |(joint, rms): (usize, &f64)| {
+        let left = rms * rms - explained.col(joint).sum() / rows;
+        // A mean square over so many rows is not known better than that.
+        left.max((2.0 / training.rows.max(1) as f64).sqrt() * rms * rms).sqrt()
+    };
+    Ok(training.residual_rms.iter().enumerate().map(of_joint).collect())
+}
+
+/// Equal energy terms joined.
+fn energies(chain: &RigidChain) -> Result<Energies, IdentifyError> {
+    let mut all = Energies::new();
+    for (term, coefficient) in chain.energy_terms()? {
+        *all.entry(term).or_insert(0.0) += coefficient;
+    }
+    Ok(all)
+}
+
+/// The energy terms of a chain that can be told from zero and that its torque needs, with their
+/// standard errors; and how many there were.
+fn equations(
+    chain: &RigidChain,
+    friction: &[Weighted<FrictionTerm>],
+    survey: &Survey,
+    residual_rms: &[f64],
+    seed: u64,
+) -> Result<(Vec<Weighted<EnergyTerm>>, usize), IdentifyError> {
+    let all = energies(chain)?;
+    let candidates = all.len() + friction.len();
+    let few = |all: Energies| prune(all.into_iter().collect(), &survey.sample, residual_rms, seed);
+    let (products, sums) = (few(all.clone()), few(joint_sums(&all)));
+    // Parallel axes make sums shorter, others products.
+    let as_sums = sums.len() < products.len();
+    let kept = if as_sums { sums } else { products };
+    let in_basis = |all: Energies| if as_sums { joint_sums(&all) } else { all };
+    let draws = draws(chain, friction, seed)?;
+    let draws = draws.into_par_iter().map(|chain| Ok(in_basis(energies(&chain)?)));
+    let draws = draws.collect::<Result<Vec<Energies>, IdentifyError>>()?;
+    let terms = kept.into_iter().map(|(term, coefficient)| {
+        let change =
+            |draw: &Energies| (draw.get(&term).copied().unwrap_or(0.0) - coefficient) / DRAW_SIZE;
+        let square: f64 = draws.iter().map(|draw| change(draw).powi(2)).sum();
+        let std_error = (square / draws.len().max(1) as f64).sqrt();
+        Weighted { term, coefficient, std_error, inclusion: None }
+    });
+    let certain = |w: &Weighted<EnergyTerm>| w.coefficient.abs() >= LEAST_T * w.std_error;
+    Ok((terms.filter(certain).collect(), candidates))
+}
+
+/// Chains whose parameters scatter as the covariance says, but less.
+fn draws(
+    chain: &RigidChain,
+    friction: &[Weighted<FrictionTerm>],
+    seed: u64,
+) -> Result<Vec<RigidChain>, IdentifyError> {
+    let covariance = chain.covariance_matrix();
+    let p = covariance.nrows();
+    let eigen = covariance
+        .self_adjoint_eigen(faer::Side::Lower)
+        .map_err(|_| torquewise_regression::SparseError::NotSolvable)?;
+    let deviations: Vec<f64> =
+        eigen.S().column_vector().iter().map(|value| value.max(0.0).sqrt()).collect();
+    let known = chain.parameters(friction);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut draw = || {
+        let units: Vec<f64> = (0..p)
+            .map(|k| {
+                let unit: f64 = StandardNormal.sample(&mut random);
+                DRAW_SIZE * deviations[k] * unit
+            })
+            .collect();
+        let moved = eigen.U() * ColRef::from_slice(&units);
+        let parameters: Vec<f64> = known.iter().zip(moved.iter()).map(|(x, d)| x + d).collect();
+        chain.at(&parameters, friction.len())
+    };
+    Ok((0..DRAWS).map(|_| draw()).collect())
+}
