@@ -11,11 +11,15 @@ use torquewise_regression::normal_sums::NormalSums;
 use torquewise_survey::error::IdentifyError;
 
 /// Passes over a sample, for each set of weights, at most.
-const SAMPLE_PASSES: usize = 10;
+const SAMPLE_PASSES: usize = 20;
 /// Times that a sample is refined, each with weights by what is left before.
 const WEIGHINGS: usize = 2;
 /// Part of a step that is tried where the whole was worse.
 const SHORTER: f64 = 0.25;
+/// First and longest step of a parameter of the geometry \[rad, m\].
+const REACH: [f64; 2] = [0.2, 1.0];
+/// A step that gained this part of what it promised may be twice as long the next time.
+const AS_PROMISED: f64 = 0.5;
 
 /// Passes over rows, each from where the last one led (E11).
 ///
@@ -28,8 +32,10 @@ pub(crate) struct Passes {
     pub(crate) at: Linearisation,
     /// Chosen by the first pass, so that all are judged alike.
     tuning: Option<Tuning>,
-    /// The best parameters so far, and what they cost.
-    best: Option<(Vec<f64>, f64)>,
+    /// The best parameters so far, what they cost, and how much less the next were to cost.
+    best: Option<(Vec<f64>, f64, f64)>,
+    /// Longest step of a parameter of the geometry \[rad, m\].
+    reach: f64,
     /// Whether the next pass is the last: the geometry stays.
     is_last: bool,
     /// Passes made.
@@ -51,7 +57,8 @@ pub(crate) enum Next {
 impl Passes {
     /// Passes over all rows, `most` at most.
     pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
-        Self { at, tuning: None, best: None, is_last: false, made: 0, most, may_release: true }
+        let (tuning, best, reach) = (None, None, REACH[0]);
+        Self { at, tuning, best, reach, is_last: false, made: 0, most, may_release: true }
     }
 
     fn over_sample(at: Linearisation) -> Self {
@@ -73,15 +80,22 @@ impl Passes {
         let here = step.cost(&self.at.parameters(), &tuning);
         let linear = step.linear(&tuning)?;
         let merit = step.cost(&linear, &tuning);
-        let moved = step.step(&active, &tuning)?;
+        let gain = self.best.as_ref().map_or(f64::INFINITY, |(_, least, _)| least - merit);
+        if let Some((_, _, promised)) = &self.best {
+            let longer = if gain > AS_PROMISED * promised { 2.0 } else { 1.0 };
+            self.reach = (longer * self.reach).min(REACH[1]);
+        }
+        let moved = step.step(&active, &tuning, self.reach)?;
         let ahead = merit - step.cost(&moved, &tuning);
         if self.is_last || (here - merit <= tolerance && ahead <= tolerance) {
             return Ok(Next::Settled(step.solved(&active, tuning)?));
         }
-        let gain = self.best.as_ref().map_or(f64::INFINITY, |(_, least)| least - merit);
         let best = match self.best.take() {
-            Some(best) if gain <= 0.0 => best,
-            _ => (linear, merit),
+            Some(best) if gain <= 0.0 => {
+                self.reach *= SHORTER;
+                best
+            }
+            _ => (linear, merit, ahead),
         };
         self.is_last = gain.abs() <= tolerance || ahead <= tolerance || self.made + 1 >= self.most;
         let parameters = if self.is_last {
@@ -112,7 +126,7 @@ pub(crate) fn refine(
     let linear: Vec<usize> = (0..start.linear.len()).collect();
     let sums = add_up(recording, start)?;
     let step = Step::new(&sums, start, sizes)?;
-    let parameters = step.step(&linear, &step.tuning(&linear)?)?;
+    let parameters = step.step(&linear, &step.tuning(&linear)?, 0.0)?;
     let mut at = start.at(&parameters);
     for _ in 0..WEIGHINGS {
         at.weights = weights(&add_up(recording, &at)?, sizes);

@@ -7,12 +7,15 @@ use faer::{ColRef, Mat};
 use torquewise_model::model::{Choice, PriceOfPhysics};
 use torquewise_rigid::feasible::{Prior, curvature};
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{Trial, choose};
+use torquewise_survey::held_out::{Trial, choose_worth};
 
 /// Blocks of time that a score test needs.
 const LEAST_BLOCKS: u64 = 30;
 /// A held parameter is released where its squared score is so many times ln m above its variance.
 const STRICTNESS: f64 = 3.0;
+/// So much lower the error on held-out folds must be: where the model errs by more than noise, axes
+/// leave their right angles to make up for it.
+const WORTH: f64 = 0.02;
 
 /// What the passes over the rows came to.
 #[derive(Clone, Debug)]
@@ -45,7 +48,7 @@ impl Step<'_> {
             complexity: 0,
             errors: tuning.errors.clone(),
         });
-        let is_better = choose("geometry", &pair).is_some_and(|(place, _)| place == 1);
+        let is_better = choose_worth("geometry", &pair, WORTH).is_some_and(|(place, _)| place == 1);
         Ok(if is_better { (more, free) } else { (active, held) })
     }
 
@@ -110,7 +113,7 @@ impl Step<'_> {
         let unconstrained = self.whole(active, &equations.unconstrained()?);
         let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&gram, x));
         let residual = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
-        let held_out = self.held_out_price(active, &tuning)?;
+        let held_out = self.held_out_price(&tuning)?;
 
         let own = if self.at.structure.physical {
             (self.prior.clone(), tuning.strength)

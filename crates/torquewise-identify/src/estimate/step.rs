@@ -9,17 +9,18 @@ use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
 use torquewise_survey::error::IdentifyError;
+use torquewise_survey::held_out::mean;
 
-/// Longest step of a parameter of the geometry: rad or m.
-const LONGEST: f64 = 0.2;
 /// A residual below this part of the torque is taken for it: weights stay finite.
 const LEAST_RESIDUAL: f64 = 1e-4;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within about a tenth of their standard errors.
 const LEAST_GAIN: f64 = 0.005;
-/// What a step of the geometry costs that would be too long without, in parts of its curvature.
-const LEAST_DAMPING: f64 = 1e-6;
-const MOST_DAMPING: f64 = 1e3;
+/// Exponents of ten between which the price of a step of the geometry is looked for, in parts of
+/// its curvature.
+const DAMPING: [f64; 2] = [-12.0, 3.0];
+/// Exponents that are closer are one.
+const CLOSE: f64 = 0.1;
 
 /// What a fit is tuned by, chosen on held-out folds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,6 +48,8 @@ pub(super) struct Step<'a> {
     pub(super) all: Equations,
     /// Rows that tell as much as one independent one: neighbours err alike.
     pub(super) repeats: f64,
+    /// Noise over the spread of the torque, geometric mean over the joints.
+    pub(super) relative_noise: f64,
 }
 
 impl<'a> Step<'a> {
@@ -57,8 +60,13 @@ impl<'a> Step<'a> {
     ) -> Result<Self, IdentifyError> {
         let (prior, start) = prior(at, sizes)?;
         let all = Equations::new(&sums.gram(), &sums.bias(), at)?;
-        let repeats = repeats(sums);
-        Ok(Self { sums, at, prior, start, before: at.parameters(), all, repeats })
+        let (before, repeats) = (at.parameters(), repeats(sums));
+        let parts: Vec<f64> = (at.weights.iter().zip(&sizes.torque))
+            .filter(|(_, torque)| **torque > 0.0)
+            .map(|(weight, torque)| -(weight * torque).ln())
+            .collect();
+        let relative_noise = mean(&parts).exp();
+        Ok(Self { sums, at, prior, start, before, all, repeats, relative_noise })
     }
 
     /// Parameters as they were, those that may move as a solution has them.
@@ -86,25 +94,34 @@ impl<'a> Step<'a> {
         self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, tuning.pull)
     }
 
-    /// The best parameters where some may move; the geometry takes no step that leaves its
-    /// linearisation.
+    /// The best parameters where some may move, none of the geometry by more than `reach`
+    /// \[rad, m\].
     pub(super) fn step(
         &self,
         active: &[usize],
         tuning: &Tuning,
+        reach: f64,
     ) -> Result<Vec<f64>, IdentifyError> {
         let linear = self.at.linear.len();
-        let mut damping = 0.0;
-        loop {
+        let damped = |damping: f64| -> Result<(Vec<f64>, f64), IdentifyError> {
             let equations = self.all.of(active, self.at, (tuning.pull, damping));
             let best = self.whole(active, &self.minimum(&equations, active, tuning)?);
             let moves = best.iter().zip(&self.before).skip(linear);
             let longest = moves.fold(0.0_f64, |most, (x, b)| most.max((x - b).abs()));
-            if longest <= LONGEST || damping > MOST_DAMPING {
-                return Ok(best);
+            Ok((best, longest))
+        };
+        let (mut best, mut longest) = damped(0.0)?;
+        // Exponents of ten of a damping that is too weak, and of one that is strong enough.
+        let [mut weak, mut strong] = DAMPING;
+        while longest > reach || (longest < 0.5 * reach && strong < DAMPING[1]) {
+            let middle = 0.5 * (weak + strong);
+            if strong - weak < CLOSE {
+                return Ok(damped(10_f64.powf(strong))?.0);
             }
-            damping = (10.0 * damping).max(LEAST_DAMPING);
+            (best, longest) = damped(10_f64.powf(middle))?;
+            if longest > reach { weak = middle } else { strong = middle }
         }
+        Ok(best)
     }
 
     pub(super) fn minimum(

@@ -29,15 +29,16 @@ const MOST_PULLED: f64 = 20_000.0;
 type Judged = (usize, Vec<Vec<f64>>);
 
 impl Step<'_> {
-    /// Chooses how strong the prior is, and then how strongly the geometry is pulled, on held-out
-    /// folds.
+    /// Chooses how strong the prior is at the geometry as it is, and then how strongly the geometry is
+    /// pulled, on held-out folds.
     ///
     /// A weaker prior makes no model longer: the best is taken, not the strongest near it.
     pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
         let equations = self.sums.rows() as f64 * self.at.n_joints() as f64;
         let pull = equations.min(MOST_PULLED);
         let strengths = STRENGTHS.map(|strength| (strength * self.repeats, pull));
-        let Some((place, errors)) = self.best_of(active, &strengths)? else {
+        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
+        let Some((place, errors)) = self.best_of(&linear, &strengths)? else {
             let strength = USUAL_STRENGTH * self.repeats;
             return Ok(Tuning { strength, pull, choice: None, errors: Vec::new() });
         };
@@ -46,7 +47,7 @@ impl Step<'_> {
             .map(|(strength, errors)| Trial {
                 label: strength.to_string(),
                 complexity: active.len(),
-                errors: errors.clone(),
+                errors: errors.iter().map(|error| error * self.relative_noise).collect(),
             })
             .collect();
         let choice = Some(Choice {
@@ -115,21 +116,19 @@ impl Step<'_> {
         (self.squares(held, x) / equations.max(1.0)).sqrt()
     }
 
-    /// By what part the error on held-out folds is larger than that of the optimum without physics;
-    /// `None` if folds are few.
-    pub(super) fn held_out_price(
-        &self,
-        active: &[usize],
-        tuning: &Tuning,
-    ) -> Result<Option<f64>, IdentifyError> {
+    /// By what part the error on held-out folds is larger than that of the optimum without physics,
+    /// both at the geometry of all rows; `None` if folds are few.
+    pub(super) fn held_out_price(&self, tuning: &Tuning) -> Result<Option<f64>, IdentifyError> {
+        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
+        let pair = (tuning.strength, tuning.pull);
+        let Some((_, physical)) = self.best_of(&linear, &[pair])? else { return Ok(None) };
         let mut free = Vec::with_capacity(FOLDS);
-        let with_rows = |fold: &usize| self.sums.rows_of(*fold) > 0 && !tuning.errors.is_empty();
-        for fold in (0..FOLDS).filter(with_rows) {
-            let (held, rest, share) = self.without(fold)?;
-            let best = rest.of(active, self.at, (share * tuning.pull, 0.0)).unconstrained()?;
-            free.push(self.error(&held, fold, &self.whole(active, &best)));
+        for fold in (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0) {
+            let (held, rest, _) = self.without(fold)?;
+            let best = rest.of(&linear, self.at, (0.0, 0.0)).unconstrained()?;
+            free.push(self.error(&held, fold, &self.whole(&linear, &best)));
         }
-        let (physical, free) = (mean(&tuning.errors), mean(&free));
+        let (physical, free) = (mean(&physical[0]), mean(&free));
         Ok((free > 0.0).then(|| physical / free - 1.0))
     }
 }
