@@ -13,9 +13,12 @@ use torquewise_survey::held_out::{Trial, listed, mean};
 /// The choice of the prior's strength, as the model file has it.
 const STRENGTH: &str = "strength of the physical prior";
 /// Strengths of the prior that are tried, the strongest first, in units of what one independent
-/// row tells. A weaker one would leave to noise what the log does not tell, and no held-out row of
-/// the same log would object.
+/// row tells.
 const STRENGTHS: [f64; 9] = [1e3, 1e2, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03];
+/// Weaker ones leave to noise what the log does not tell, and no held-out row of the same log would
+/// object: each is taken only if the error is lower than before by a part that is worth it.
+const WEAKER: [f64; 3] = [0.01, 0.003, 0.001];
+const WORTH: f64 = 0.01;
 /// The strength where a log is too short to choose one.
 const USUAL_STRENGTH: f64 = 10.0;
 /// Parts of the pull on the geometry that are tried once the prior is as strong as it should be.
@@ -29,21 +32,31 @@ const MOST_PULLED: f64 = 20_000.0;
 type Judged = (usize, Vec<Vec<f64>>);
 
 impl Step<'_> {
-    /// Chooses how strong the prior is at the geometry as it is, and then how strongly the geometry is
-    /// pulled, on held-out folds.
+    /// Chooses how strong the prior is at the geometry as it is, and then how strongly the geometry
+    /// is pulled, on held-out folds.
     ///
     /// A weaker prior makes no model longer: the best is taken, not the strongest near it.
     pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
         let equations = self.sums.rows() as f64 * self.at.n_joints() as f64;
         let pull = equations.min(MOST_PULLED);
-        let strengths = STRENGTHS.map(|strength| (strength * self.repeats, pull));
+        let strengths: Vec<(f64, f64)> = (STRENGTHS.iter().chain(&WEAKER))
+            .map(|strength| (strength * self.repeats, pull))
+            .collect();
         let linear: Vec<usize> = (0..self.at.linear.len()).collect();
-        let Some((place, errors)) = self.best_of(&linear, &strengths)? else {
+        let Some((_, errors)) = self.best_of(&linear, &strengths)? else {
             let strength = USUAL_STRENGTH * self.repeats;
             return Ok(Tuning { strength, pull, choice: None, errors: Vec::new() });
         };
+        let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
+        let usual = 0..STRENGTHS.len();
+        let mut place = usual.min_by(|&a, &b| means[a].total_cmp(&means[b])).unwrap_or(0);
+        while place + 1 >= STRENGTHS.len()
+            && means.get(place + 1).is_some_and(|weaker| *weaker < (1.0 - WORTH) * means[place])
+        {
+            place += 1;
+        }
         let (strength, _) = strengths[place];
-        let trials: Vec<Trial> = (STRENGTHS.iter().zip(&errors))
+        let trials: Vec<Trial> = (STRENGTHS.iter().chain(&WEAKER).zip(&errors))
             .map(|(strength, errors)| Trial {
                 label: strength.to_string(),
                 complexity: active.len(),
