@@ -5,7 +5,6 @@ use crate::rows::rub;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::FrictionTerm;
 use torquewise_regression::SparseError;
 use torquewise_regression::accumulate::Accumulate;
@@ -91,14 +90,13 @@ impl<'a> FactorSum<'a> {
     fn probe(&mut self, samples: &Samples, rows: &[Mat<f64>]) -> Result<(), SparseError> {
         let noise = self.fit.noise;
         let share = 1.0 / self.draws.max(1) as f64;
-        let rates: Vec<f64> = noise.dq.iter().chain(&noise.ddq).copied().collect();
-        let angles = draw(&mut self.random, samples.n_rows(), &noise.q);
-        let variables = draw(&mut self.random, samples.n_rows(), &rates);
+        let drawn = noise.draw(&mut self.random, samples.n_rows());
+        let (angles, rates) = drawn.split_at_col(noise.q.len());
         for sign in [1.0, -1.0] {
             let mut shifted = samples.clone();
-            shifted.angles += faer::Scale(sign) * &angles;
-            let mut moved = shifted.variables.subcols_mut(0, rates.len());
-            moved += faer::Scale(sign) * &variables;
+            shifted.angles += faer::Scale(sign) * angles;
+            let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
+            moved += faer::Scale(sign) * rates;
             rub(&mut shifted, self.fit.friction);
             for moved in self.rows(&shifted)? {
                 add_gram(&mut self.bias, moved.as_ref(), 0.5 * share);
@@ -125,18 +123,6 @@ pub(crate) struct Factor {
     pub(crate) gram: Mat<f64>,
     /// What noise adds to it, lower triangle.
     pub(crate) bias: Mat<f64>,
-}
-
-/// Independent normal noise of the given standard deviations, rows × deviations.
-fn draw(random: &mut ChaCha8Rng, rows: usize, deviations: &[f64]) -> Mat<f64> {
-    let mut out = Mat::zeros(rows, deviations.len());
-    for (j, &sigma) in deviations.iter().enumerate() {
-        for value in out.col_as_slice_mut(j) {
-            let unit: f64 = StandardNormal.sample(random);
-            *value = sigma * unit;
-        }
-    }
-    out
 }
 
 impl Accumulate for FactorSum<'_> {

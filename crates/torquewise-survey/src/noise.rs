@@ -3,6 +3,8 @@
 use crate::even::Even;
 use crate::quantile::quantile;
 use faer::{ColRef, Mat};
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use torquewise_model::{ModelError, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
@@ -71,6 +73,20 @@ impl NoiseFloor {
             }
         }
         Ok(variance)
+    }
+
+    /// Draws noise for so many rows, q, q̇ and q̈ side by side, m×3n.
+    pub fn draw(&self, random: &mut impl Rng, rows: usize) -> Mat<f64> {
+        let deviations: Vec<f64> =
+            [&self.q, &self.dq, &self.ddq].into_iter().flatten().copied().collect();
+        let mut out = Mat::zeros(rows, deviations.len());
+        for (j, &sigma) in deviations.iter().enumerate() {
+            for value in out.col_as_slice_mut(j) {
+                let unit: f64 = StandardNormal.sample(random);
+                *value = sigma * unit;
+            }
+        }
+        out
     }
 
     /// Whether there is none.

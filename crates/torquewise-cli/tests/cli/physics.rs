@@ -100,3 +100,32 @@ fn the_check_tells_whether_friction_takes_power() {
     assert!(said.stdout.contains("friction takes power    NO   friction of the shaft of joint 2"));
     assert!(said.stderr.contains("drives it with"), "{said:?}");
 }
+
+/// Columns of a table by name.
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
+    let place = lines.next().unwrap().split(',').position(|column| column == name).unwrap();
+    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
+}
+
+#[test]
+fn bounds_hold_the_torque_of_another_motion() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o train.csv --seconds 60 --rate 100 --case 2 --seed 1");
+    terminal.done(
+        "simulate puma560-3 -o test.csv --motion sines --seconds 30 --rate 100 --case 2 --seed 2",
+    );
+    terminal.done("fit train.csv -o model.json --library chain --friction none");
+
+    terminal.done("predict model.json test.csv -o bounds.csv --interval 95");
+
+    let (log, bounds) = (terminal.read("test.csv"), terminal.read("bounds.csv"));
+    for joint in 1..=3 {
+        let of = |name: &str| column(&bounds, &format!("{name}{joint}"));
+        let (tau, low, high) =
+            (column(&log, &format!("tau{joint}")), of("tau_low"), of("tau_high"));
+        let within = (0..tau.len()).filter(|&k| low[k] <= tau[k] && tau[k] <= high[k]).count();
+        let share = within as f64 / tau.len() as f64;
+        assert!((0.90..=0.98).contains(&share), "joint {joint}: {share}");
+    }
+}

@@ -4,7 +4,6 @@ use super::linearisation::{Linearisation, shifted};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_regression::normal_sums::{BlockSums, NormalSums};
@@ -138,7 +137,11 @@ fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError>
     let mut sums = BlockSums::new(block.fold, rows.as_ref(), &weights, at.n_joints());
     let noise = match &block.noise {
         Some(noise) => Some(side_by_side(noise)),
-        None => (!at.noise.is_none()).then(|| drawn(block, at)),
+        None => (!at.noise.is_none()).then(|| {
+            let mut random = ChaCha8Rng::seed_from_u64(at.seed);
+            random.set_stream(block.stream);
+            at.noise.draw(&mut random, motion.n_rows())
+        }),
     };
     if let Some(noise) = noise {
         for sign in [1.0, -1.0] {
@@ -153,20 +156,4 @@ fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError>
 fn side_by_side(motion: &Motion) -> Mat<f64> {
     let (n, signals) = (motion.n_joints(), [motion.q(), motion.dq(), motion.ddq()]);
     Mat::from_fn(motion.n_rows(), 3 * n, |row, j| signals[j / n][(row, j % n)])
-}
-
-/// Noise as that of q, q̇ and q̈ is, m×3n.
-fn drawn(block: &Block, at: &Linearisation) -> Mat<f64> {
-    let mut random = ChaCha8Rng::seed_from_u64(at.seed);
-    random.set_stream(block.stream);
-    let noise = &at.noise;
-    let deviations: Vec<f64> = noise.q.iter().chain(&noise.dq).chain(&noise.ddq).copied().collect();
-    let mut out = Mat::zeros(block.motion.n_rows(), deviations.len());
-    for (j, &sigma) in deviations.iter().enumerate() {
-        for value in out.col_as_slice_mut(j) {
-            let unit: f64 = StandardNormal.sample(&mut random);
-            *value = sigma * unit;
-        }
-    }
-    out
 }
