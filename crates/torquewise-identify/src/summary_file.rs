@@ -4,6 +4,7 @@ use crate::framed::{damaged, framed, unframed};
 use crate::settings::Settings;
 use crate::summary::{Pass, Summary};
 use serde::{Deserialize, Serialize};
+use torquewise_regression::normal_sums::FOLDS;
 use torquewise_regression::row_sums::RowSums;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseSum;
@@ -63,7 +64,7 @@ impl Summary {
             && sums.len() == settings.parts().len();
         let is_sound = |pass: &Pass| {
             let at = pass.request.linearisation();
-            at.is_sound(n) && pass.sums.is_sound(at.n_parameters(), n)
+            at.is_sound(n) && pass.sums.is_sound(at.n_parameters(), n, FOLDS)
         };
         if !fits || !pass.as_ref().is_none_or(is_sound) {
             return Err(damaged("its parts do not fit each other"));

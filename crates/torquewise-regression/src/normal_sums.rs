@@ -6,12 +6,21 @@
 
 use crate::error::SparseError;
 use crate::exact::ExactSums;
-use crate::products::add_gram_of_equations;
+use crate::products::{add_gram, add_gram_of_equations};
 use faer::{Mat, MatRef, Side};
 use serde::{Deserialize, Serialize};
 
-/// Folds that blocks of time are dealt out to, for cross-validation.
+/// Folds that blocks of time are usually dealt out to, for cross-validation.
 pub const FOLDS: usize = 8;
+
+/// Which rows of a block err alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alike {
+    /// All of them: neighbours in time, filtered or told apart from a model that is wrong.
+    Block,
+    /// Those of one instant: an even sample of rows under white noise.
+    Instant,
+}
 
 /// Scores are squared: where the noise is next to nothing and a first fit far off, they are huge.
 /// They are counted in this unit, 2⁻²⁰.
@@ -30,7 +39,7 @@ pub struct NormalSums {
     grams: Vec<ExactSums>,
     /// What noise in the rows adds to them (E7).
     bias: ExactSums,
-    /// Σ s sᵀ over the blocks, s = Jᵀe of a block.
+    /// Σ s sᵀ, s = Jᵀe of the rows that err alike.
     scores: ExactSums,
     /// Of each equation: Σ e², Σ w² and Σ (e/w)², w what its rows were multiplied by.
     energies: ExactSums,
@@ -55,14 +64,32 @@ impl BlockSums {
     ///
     /// - `rows`: \[J e\], all instants of equation 1 first, (m·n)×(p+1)
     /// - `weights`: what each row was multiplied by, m·n
-    pub fn new(fold: usize, rows: MatRef<'_, f64>, weights: &[f64], equations: usize) -> Self {
+    pub fn new(
+        fold: usize,
+        rows: MatRef<'_, f64>,
+        weights: &[f64],
+        (equations, alike): (usize, Alike),
+    ) -> Self {
         let p = rows.ncols() - 1;
         let m = rows.nrows() / equations.max(1);
         let mut gram = Mat::zeros(p + 1, p + 1);
         add_gram_of_equations(&mut gram, rows, equations, 1.0);
-        // s = Jᵀe stands in the last row of the Gram matrix.
-        let score = |j: usize| SCORE_UNIT * gram[(p, j)];
-        let scores = Mat::from_fn(p, p, |i, j| if i < j { 0.0 } else { score(i) * score(j) });
+        let mut scores = Mat::zeros(p, p);
+        match alike {
+            Alike::Block => {
+                // s = Jᵀe stands in the last row of the Gram matrix.
+                let score = Mat::from_fn(1, p, |_, j| SCORE_UNIT * gram[(p, j)]);
+                add_gram(&mut scores, score.as_ref(), 1.0);
+            }
+            Alike::Instant => {
+                let score = |row: usize, j: usize| -> f64 {
+                    let own = (0..equations).map(|equation| equation * m + row);
+                    own.map(|k| rows[(k, j)] * rows[(k, p)]).sum()
+                };
+                let score = Mat::from_fn(m, p, |row, j| SCORE_UNIT * score(row, j));
+                add_gram(&mut scores, score.as_ref(), 1.0);
+            }
+        }
         let residual = rows.col(p);
         let energies = (0..equations)
             .flat_map(|equation| {
@@ -101,17 +128,17 @@ fn unpacked(sums: &ExactSums, size: usize) -> Mat<f64> {
 }
 
 impl NormalSums {
-    /// Sums of nothing: p parameters, n equations an instant.
-    pub fn new(parameters: usize, equations: usize) -> Self {
+    /// Sums of nothing: p parameters, n equations an instant, dealt out to so many folds.
+    pub fn new(parameters: usize, equations: usize, folds: usize) -> Self {
         let triangle = |size: usize| ExactSums::zeros(size * (size + 1) / 2);
         Self {
             parameters,
             equations,
-            grams: vec![triangle(parameters + 1); FOLDS],
+            grams: vec![triangle(parameters + 1); folds.max(1)],
             bias: triangle(parameters + 1),
             scores: triangle(parameters),
             energies: ExactSums::zeros(PER_EQUATION * equations),
-            rows: vec![0; FOLDS],
+            rows: vec![0; folds.max(1)],
             blocks: 0,
         }
     }
@@ -121,7 +148,7 @@ impl NormalSums {
     /// # Errors
     /// [`SparseError::OutOfRange`] if a sum is not finite or too large.
     pub fn add(&mut self, block: &BlockSums) -> Result<(), SparseError> {
-        let fold = block.fold % FOLDS;
+        let fold = block.fold % self.grams.len();
         self.grams[fold].add(0, &packed(&block.gram))?;
         self.bias.add(0, &packed(&block.bias))?;
         self.scores.add(0, &packed(&block.scores))?;
@@ -147,12 +174,12 @@ impl NormalSums {
         Ok(())
     }
 
-    /// Whether it holds what p parameters and n equations ask for.
-    pub fn is_sound(&self, parameters: usize, equations: usize) -> bool {
+    /// Whether it holds what p parameters, n equations and so many folds ask for.
+    pub fn is_sound(&self, parameters: usize, equations: usize, folds: usize) -> bool {
         let triangle = |size: usize| size * (size + 1) / 2;
         (self.parameters, self.equations) == (parameters, equations)
-            && self.grams.len() == FOLDS
-            && self.rows.len() == FOLDS
+            && self.grams.len() == folds
+            && self.rows.len() == folds
             && self.grams.iter().all(|sums| sums.len() == triangle(parameters + 1))
             && self.bias.len() == triangle(parameters + 1)
             && self.scores.len() == triangle(parameters)
@@ -177,7 +204,7 @@ impl NormalSums {
     /// \[J e\]ᵀ\[J e\] of all rows, (p+1)×(p+1).
     pub fn gram(&self) -> Mat<f64> {
         let size = self.parameters + 1;
-        (0..FOLDS).fold(Mat::zeros(size, size), |sum, fold| sum + self.gram_of(fold))
+        (0..self.grams.len()).fold(Mat::zeros(size, size), |sum, fold| sum + self.gram_of(fold))
     }
 
     /// The same of one fold.
@@ -190,7 +217,7 @@ impl NormalSums {
         unpacked(&self.bias, self.parameters + 1)
     }
 
-    /// Σ s sᵀ over the blocks of time, p×p: how far the scores Jᵀe scatter.
+    /// Σ s sᵀ over the rows that err alike, p×p: how far the scores Jᵀe scatter.
     pub fn scores(&self) -> Mat<f64> {
         faer::Scale(SCORE_UNIT.powi(-2)) * unpacked(&self.scores, self.parameters)
     }
@@ -283,14 +310,14 @@ mod tests {
     }
 
     fn block(m: usize, seed: f64) -> BlockSums {
-        BlockSums::new(m, rows(m, seed).as_ref(), &vec![1.0; 2 * m], 2)
+        BlockSums::new(m, rows(m, seed).as_ref(), &vec![1.0; 2 * m], (2, Alike::Block))
     }
 
     #[test]
     fn blocks_add_up_to_the_same_bits_in_any_order() {
         let blocks: Vec<BlockSums> = (0..7).map(|k| block(3 + k, k as f64)).collect();
         let sum = |order: &[usize]| {
-            let mut sums = NormalSums::new(3, 2);
+            let mut sums = NormalSums::new(3, 2, FOLDS);
             for &k in order {
                 sums.add(&blocks[k]).unwrap();
             }
@@ -306,7 +333,7 @@ mod tests {
 
     #[test]
     fn sums_are_those_of_all_rows_at_once() {
-        let mut sums = NormalSums::new(3, 2);
+        let mut sums = NormalSums::new(3, 2, FOLDS);
         let mut expected = Mat::<f64>::zeros(4, 4);
         for k in 0..3 {
             sums.add(&block(5, f64::from(k))).unwrap();
@@ -321,7 +348,7 @@ mod tests {
 
     #[test]
     fn scores_scatter_block_by_block() {
-        let mut sums = NormalSums::new(3, 2);
+        let mut sums = NormalSums::new(3, 2, FOLDS);
         let mut expected = Mat::<f64>::zeros(3, 3);
         for k in 0..4 {
             let rows = rows(6, f64::from(k));
@@ -338,7 +365,7 @@ mod tests {
         let (still, noisy) = (rows(5, 0.0), rows(5, 0.3));
         let mut block = block(5, 0.0);
         block.add_noisy(noisy.as_ref(), 0.5);
-        let mut sums = NormalSums::new(3, 2);
+        let mut sums = NormalSums::new(3, 2, FOLDS);
         sums.add(&block).unwrap();
 
         let added = noisy.transpose() * &noisy - still.transpose() * &still;

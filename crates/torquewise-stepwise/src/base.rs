@@ -1,6 +1,6 @@
 //! Normal equations of all rows → plain least squares: where the refit begins (E6).
 
-use crate::factor::{Factor, Kept};
+use crate::factor::Kept;
 use crate::step::{residual_energy, response_place};
 use faer::Mat;
 use torquewise_regression::SparseError;
@@ -15,6 +15,7 @@ const EXPLAINED: f64 = 1e-10;
 pub(crate) struct Base {
     /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
     pub(crate) gram: Mat<f64>,
+    rows: f64,
     pub(crate) start: Start,
     /// Whether the torque is explained but for rounding.
     pub(crate) explained: bool,
@@ -28,13 +29,7 @@ pub(crate) struct Start {
 
 impl Base {
     /// - `grams`: of each equation over all rows
-    /// - `parts`: of the sample, a row of which stands for `scale` rows
-    pub(crate) fn new(
-        kept: &Kept,
-        grams: &[Gram],
-        parts: &[Factor],
-        scale: f64,
-    ) -> Result<Self, SparseError> {
+    pub(crate) fn new(kept: &Kept, grams: &[Gram]) -> Result<Self, SparseError> {
         let p = kept.columns.len();
         let mut gram = Mat::<f64>::zeros(p + 1, p + 1);
         let mut rows = 0.0;
@@ -50,21 +45,19 @@ impl Base {
             gram[(p, p)] += weight * part.energy[own];
             rows += part.rows as f64;
         }
-        let mut start = Start::solve(&gram, rows)?;
-        let mut explained = true;
-        for &(equation, response) in &kept.group.equations {
+        let start = Start::solve(&gram, rows)?;
+        let explained = kept.group.equations.iter().all(|&(equation, response)| {
             let (own, part) = (response_place(grams.len(), response), &grams[equation]);
-            let left = residual_energy(part, own, &start.coefficients);
-            explained &= left <= EXPLAINED * part.energy[own];
-        }
-        if explained {
-            gram.fill(0.0);
-            for part in parts {
-                gram += faer::Scale(scale) * &part.gram;
-            }
-            start = Start::solve(&gram, rows)?;
-        }
-        Ok(Self { gram, start, explained })
+            residual_energy(part, own, &start.coefficients) <= EXPLAINED * part.energy[own]
+        });
+        Ok(Self { gram, rows, start, explained })
+    }
+
+    /// The same from R of a sample, a row of which stands for `scale` rows.
+    pub(crate) fn sharpened(self, r: &Mat<f64>, scale: f64) -> Result<Self, SparseError> {
+        let gram = faer::Scale(scale) * (r.transpose() * r);
+        let start = Start::solve(&gram, self.rows)?;
+        Ok(Self { gram, start, ..self })
     }
 }
 

@@ -1,4 +1,5 @@
-//! Kept terms, all rows → R factor, and what noise in the rows does to it (E6) (E7).
+//! Kept terms, a sample of rows → normal equations near a first fit, and what noise does to them
+//! (E6) (E7).
 
 use crate::candidates::Group;
 use crate::rows::rub;
@@ -8,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_model::FrictionTerm;
 use torquewise_regression::SparseError;
 use torquewise_regression::accumulate::Accumulate;
-use torquewise_regression::products::add_gram;
+use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_regression::samples::{Evaluator, Samples};
 use torquewise_regression::triangle::Triangle;
 use torquewise_survey::noise::NoiseFloor;
@@ -21,6 +22,19 @@ pub(crate) struct Kept {
     pub(crate) columns: Vec<usize>,
     /// Weight of the rows of each equation: one over its noise variance.
     pub(crate) weights: Vec<f64>,
+}
+
+/// The largest weight of a row, a power of two squared: rows are then well within what exact sums
+/// hold, and so is what they leave where torque is explained but for rounding.
+const LARGEST: f64 = 4_294_967_296.0;
+
+impl Kept {
+    /// The same with weights in a unit of their own, which changes no fit.
+    pub(crate) fn counted(&self) -> Self {
+        let most = self.weights.iter().fold(f64::MIN_POSITIVE, |most, weight| most.max(*weight));
+        let weights = self.weights.iter().map(|weight| weight / most * LARGEST).collect();
+        Self { weights, ..self.clone() }
+    }
 }
 
 /// A group with its columns ready to be evaluated.
@@ -38,103 +52,101 @@ impl Fit<'_> {
         self.kept.columns.len()
     }
 
-    /// (matrix of columns, response, weight) of each equation.
-    pub(crate) fn equations<'s>(
-        &'s self,
-        columns: &'s [Mat<f64>],
-        samples: &'s Samples,
-    ) -> impl Iterator<Item = (&'s Mat<f64>, &'s [f64], f64)> {
-        self.kept.group.equations.iter().zip(&self.kept.weights).map(
-            |(&(equation, response), &weight)| {
-                (&columns[equation], samples.responses.col_as_slice(response), weight)
-            },
-        )
+    /// Rows √w·\[Y τ − Yβ\] of all equations, all instants of one after those of the one before.
+    fn rows(&self, samples: &Samples, coefficients: &[f64]) -> Result<Mat<f64>, SparseError> {
+        let columns = self.evaluator.columns(samples)?;
+        let (m, p) = (samples.n_rows(), self.n_columns());
+        let equations = self.kept.group.equations.iter().zip(&self.kept.weights);
+        let mut rows = Mat::zeros(m * self.kept.weights.len(), p + 1);
+        for (place, (&(equation, response), &weight)) in equations.enumerate() {
+            let (root, y) = (weight.sqrt(), &columns[equation]);
+            let tau = samples.responses.col_as_slice(response);
+            for row in 0..m {
+                let explained: f64 = (0..p).map(|j| coefficients[j] * y[(row, j)]).sum();
+                let k = place * m + row;
+                (0..p).for_each(|j| rows[(k, j)] = root * y[(row, j)]);
+                rows[(k, p)] = root * (tau[row] - explained);
+            }
+        }
+        Ok(rows)
     }
 }
 
-/// R of \[Y τ\], and what noise in the rows adds to YᵀY and Yᵀτ.
-pub(crate) struct FactorSum<'a> {
+/// What a part of the sample says of a group near a first fit, noise and its own spread included.
+pub(crate) struct PartSum<'a> {
     fit: &'a Fit<'a>,
-    triangle: Triangle,
-    /// \[Y τ\]ᵀ\[Y τ\] as noise changes it, (p+1)×(p+1), lower triangle.
-    bias: Mat<f64>,
+    /// Where it is linearised.
+    coefficients: &'a [f64],
+    pub(crate) sums: NormalSums,
     /// Times that noise is drawn for each row.
     draws: usize,
     random: ChaCha8Rng,
 }
 
-impl<'a> FactorSum<'a> {
-    pub(crate) fn new(fit: &'a Fit<'a>, draws: usize, seed: u64, lane: usize) -> Self {
-        let size = fit.n_columns() + 1;
+impl<'a> PartSum<'a> {
+    pub(crate) fn new(
+        fit: &'a Fit<'a>,
+        coefficients: &'a [f64],
+        draws: usize,
+        (seed, lane): (u64, usize),
+    ) -> Self {
+        let sums = NormalSums::new(fit.n_columns(), fit.kept.weights.len(), 1);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         random.set_stream(lane as u64);
-        Self { fit, triangle: Triangle::new(size), bias: Mat::zeros(size, size), draws, random }
-    }
-
-    /// Rows √w·\[Y τ\] of all equations.
-    fn rows(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
-        let columns = self.fit.evaluator.columns(samples)?;
-        let p = self.fit.n_columns();
-        let rows = self.fit.equations(&columns, samples).map(|(y, tau, weight)| {
-            let root = weight.sqrt();
-            Mat::from_fn(y.nrows(), p + 1, |row, j| {
-                root * if j < p { y[(row, j)] } else { tau[row] }
-            })
-        });
-        Ok(rows.collect())
-    }
-
-    /// What the noise did to the sums, seen by doing it once more: with ε drawn as the noise is,
-    /// and −ε beside it so that odd powers cancel, E\[½(S(z+ε) + S(z−ε)) − S(z)\] = E\[S(z)\] −
-    /// S(true).
-    fn probe(&mut self, samples: &Samples, rows: &[Mat<f64>]) -> Result<(), SparseError> {
-        let noise = self.fit.noise;
-        let share = 1.0 / self.draws.max(1) as f64;
-        let drawn = noise.draw(&mut self.random, samples.n_rows());
-        let (angles, rates) = drawn.split_at_col(noise.q.len());
-        for sign in [1.0, -1.0] {
-            let mut shifted = samples.clone();
-            shifted.angles += faer::Scale(sign) * angles;
-            let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
-            moved += faer::Scale(sign) * rates;
-            rub(&mut shifted, self.fit.friction);
-            for moved in self.rows(&shifted)? {
-                add_gram(&mut self.bias, moved.as_ref(), 0.5 * share);
-            }
-        }
-        for still in rows {
-            add_gram(&mut self.bias, still.as_ref(), -share);
-        }
-        Ok(())
-    }
-
-    /// The factor with what follows from it.
-    pub(crate) fn finish(self) -> Factor {
-        let r = self.triangle.r();
-        let gram = r.transpose() * &r;
-        Factor { r, gram, bias: self.bias }
+        let draws = if fit.noise.is_none() { 0 } else { draws };
+        Self { fit, coefficients, sums, draws, random }
     }
 }
 
-/// The finished sums of a part of a log, (p+1)×(p+1) each, in \[Y τ\].
-pub(crate) struct Factor {
-    pub(crate) r: Mat<f64>,
-    /// RᵀR
-    pub(crate) gram: Mat<f64>,
-    /// What noise adds to it, lower triangle.
-    pub(crate) bias: Mat<f64>,
+impl Accumulate for PartSum<'_> {
+    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
+        let m = samples.n_rows();
+        let roots = self.fit.kept.weights.iter().map(|weight| weight.sqrt());
+        let weights: Vec<f64> = roots.flat_map(|root| std::iter::repeat_n(root, m)).collect();
+        let rows = self.fit.rows(samples, self.coefficients)?;
+        let equations = (self.fit.kept.weights.len(), Alike::Instant);
+        let mut block = BlockSums::new(0, rows.as_ref(), &weights, equations);
+        // Noise drawn once more shows what noise did (E7).
+        for _ in 0..self.draws {
+            let drawn = self.fit.noise.draw(&mut self.random, m);
+            let (angles, rates) = drawn.split_at_col(self.fit.noise.q.len());
+            for sign in [1.0, -1.0] {
+                let mut shifted = samples.clone();
+                shifted.angles += faer::Scale(sign) * angles;
+                let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
+                moved += faer::Scale(sign) * rates;
+                rub(&mut shifted, self.fit.friction);
+                let noisy = self.fit.rows(&shifted, self.coefficients)?;
+                block.add_noisy(noisy.as_ref(), 0.5 / self.draws as f64);
+            }
+        }
+        self.sums.add(&block)
+    }
+
+    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
+        self.sums.merge(&other.sums)
+    }
+}
+
+/// R of \[Y τ\], where torque is explained but for rounding.
+pub(crate) struct FactorSum<'a> {
+    fit: &'a Fit<'a>,
+    pub(crate) triangle: Triangle,
+}
+
+impl<'a> FactorSum<'a> {
+    pub(crate) fn new(fit: &'a Fit<'a>) -> Self {
+        Self { fit, triangle: Triangle::new(fit.n_columns() + 1) }
+    }
 }
 
 impl Accumulate for FactorSum<'_> {
     fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
-        let rows = self.rows(samples)?;
-        rows.iter().try_for_each(|rows| self.triangle.add(rows.as_ref()))?;
-        let draws = if self.fit.noise.is_none() { 0 } else { self.draws };
-        (0..draws).try_for_each(|_| self.probe(samples, &rows))
+        let rows = self.fit.rows(samples, &vec![0.0; self.fit.n_columns()])?;
+        self.triangle.add(rows.as_ref())
     }
 
     fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        self.bias += &other.bias;
         self.triangle.merge(&other.triangle)
     }
 }

@@ -14,7 +14,6 @@ pub mod library;
 pub mod sums;
 mod factor;
 mod base;
-mod spread;
 mod refit;
 pub mod form;
 pub mod fit;

@@ -2,9 +2,8 @@
 
 use crate::base::Base;
 use crate::candidates::Candidates;
-use crate::factor::{Factor, FactorSum, Fit, Kept};
+use crate::factor::{FactorSum, Fit, Kept, PartSum};
 use crate::rows::{clear_of_reversals, cut, samples_of};
-use crate::spread::ScoreSum;
 use crate::step::{residual_energy, response_place};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -16,6 +15,7 @@ use torquewise_regression::SparseError;
 use torquewise_regression::accumulate::{Accumulate, Lanes};
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::samples::Evaluator;
 use torquewise_regression::triangle::Triangle;
 use torquewise_survey::error::IdentifyError;
@@ -88,6 +88,7 @@ pub(crate) fn refit(
     whole: &[Vec<Gram>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
+    let kept = &kept.iter().map(Kept::counted).collect::<Vec<Kept>>()[..];
     let evaluators = kept
         .iter()
         .map(|kept| Ok(Evaluator::new(candidates.design.subset(&kept.columns)?)))
@@ -106,24 +107,40 @@ pub(crate) fn refit(
     let parts = parts(kept);
     let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
     let draws = draws(scale);
-    let factors: Vec<Vec<Factor>> =
-        pass(log, parts, &fits, |fit, lane| FactorSum::new(fit, draws, plan.seed, lane))?
-            .into_iter()
-            .map(|parts| parts.into_iter().map(FactorSum::finish).collect())
-            .collect();
-    let bases = (fits.iter().zip(whole).zip(&factors))
-        .map(|((fit, grams), factors)| Base::new(fit.kept, grams, factors, scale))
+    let bases = (fits.iter().zip(whole))
+        .map(|(fit, grams)| Base::new(fit.kept, grams))
         .collect::<Result<Vec<_>, _>>()?;
+    // Normal equations keep too few digits of what is explained but for rounding: R keeps them.
+    let sharp: Vec<&Fit<'_>> =
+        fits.iter().zip(&bases).filter(|(_, base)| base.explained).map(|(fit, _)| fit).collect();
+    let mut factors = pass(log, parts, &sharp, |fit, _| FactorSum::new(fit))?.into_iter();
+    let mut all = Vec::with_capacity(bases.len());
+    for (fit, base) in fits.iter().zip(bases) {
+        let r = match base.explained.then(|| factors.next()).flatten() {
+            Some(parts) => {
+                let mut triangle = Triangle::new(fit.n_columns() + 1);
+                parts.iter().try_for_each(|part| triangle.merge(&part.triangle))?;
+                Some(triangle.r())
+            }
+            None => None,
+        };
+        let base = match &r {
+            Some(r) => base.sharpened(r, scale)?,
+            None => base,
+        };
+        all.push((base, r));
+    }
     let starts: Vec<(&Fit<'_>, &[f64])> =
-        fits.iter().zip(&bases).map(|(fit, base)| (fit, &base.start.coefficients[..])).collect();
-    let scores =
-        pass(log, parts, &starts, |&(fit, coefficients), _| ScoreSum::new(fit, coefficients))?;
+        fits.iter().zip(&all).map(|(fit, (base, _))| (fit, &base.start.coefficients[..])).collect();
+    let sums = pass(log, parts, &starts, |&(fit, coefficients), lane| {
+        PartSum::new(fit, coefficients, draws, (plan.seed, lane))
+    })?;
     fits.iter()
-        .zip(factors.into_iter().zip(&bases))
-        .zip(scores.into_iter().zip(whole))
-        .map(|((fit, (factors, base)), (scores, grams))| {
-            let parts = factors.into_iter().zip(scores).collect();
-            Group { fit, base, grams, parts, scale }.finish(plan)
+        .zip(&all)
+        .zip(sums.into_iter().zip(whole))
+        .map(|((fit, (base, r)), (sums, grams))| {
+            let parts = sums.into_iter().map(|part| Part::new(&part.sums)).collect();
+            Group { fit, base, r: r.as_ref(), grams, parts, scale }.finish(plan)
         })
         .collect()
 }
@@ -136,7 +153,8 @@ fn draws(scale: f64) -> usize {
 
 /// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
 fn parts(kept: &[Kept]) -> usize {
-    let bytes: usize = kept.iter().map(|kept| 8 * 3 * (kept.columns.len() + 1).pow(2)).sum();
+    // Half of each of three matrices, in exact numbers, and whole in plain ones once they are summed.
+    let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
 }
 
@@ -161,14 +179,35 @@ fn pass<'a, T, A: Accumulate>(
     lanes.into_iter().map(|lanes| Ok(lanes.parts()?)).collect()
 }
 
+/// What a part of the sample says, linearised at the first fit: in \[Y e\].
+struct Part {
+    gram: Mat<f64>,
+    /// What noise adds to it.
+    bias: Mat<f64>,
+    spread: Mat<f64>,
+    rows: f64,
+    /// Mean squared residual of each equation.
+    left: Vec<f64>,
+}
+
+impl Part {
+    fn new(sums: &NormalSums) -> Self {
+        let left = sums.residual_rms().into_iter().map(|rms| rms * rms).collect();
+        let (gram, bias, spread) = (sums.gram(), sums.bias(), sums.scores());
+        Self { gram, bias, spread, rows: sums.rows() as f64, left }
+    }
+}
+
 /// All that is known of one group.
 struct Group<'a> {
     fit: &'a Fit<'a>,
     base: &'a Base,
     /// Normal equations of all rows, of each equation.
     grams: &'a [Gram],
+    /// R of the sample, where torque is explained but for rounding.
+    r: Option<&'a Mat<f64>>,
     /// What the parts of the sample say.
-    parts: Vec<(Factor, ScoreSum<'a>)>,
+    parts: Vec<Part>,
     /// Rows that a row of the sample stands for.
     scale: f64,
 }
@@ -220,25 +259,26 @@ impl Group<'_> {
     /// sample times the square root of how many rows each sampled one stands for.
     fn equations(&self, weights: &[f64]) -> Equations {
         let p = self.fit.n_columns();
-        let mut gram = self.base.gram.clone();
-        let mut bias = Mat::zeros(p + 1, p + 1);
+        let start = &self.base.start.coefficients;
+        let (mut more, mut bias) = (Mat::<f64>::zeros(p + 1, p + 1), Mat::zeros(p + 1, p + 1));
         let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
-        for ((factor, score), &weight) in self.parts.iter().zip(weights) {
+        for (part, &weight) in self.parts.iter().zip(weights) {
             let change = self.scale.sqrt() * (weight - 1.0);
             if change != 0.0 {
-                gram += faer::Scale(change) * &factor.gram;
+                more += faer::Scale(change) * &part.gram;
             }
-            bias += faer::Scale(self.scale + change) * &factor.bias;
+            bias += faer::Scale(self.scale + change) * &part.bias;
             if weight > 0.0 {
-                spread += faer::Scale(weight) * &score.spread;
-                sum.iter_mut().zip(&score.sum).for_each(|(a, b)| *a += weight * b);
-                rows += weight * score.rows as f64;
+                spread += faer::Scale(weight) * &part.spread;
+                sum.iter_mut().enumerate().for_each(|(j, sum)| *sum += weight * part.gram[(p, j)]);
+                rows += weight * part.rows;
             }
         }
+        let gram = &self.base.gram + with_response(&more, start);
+        let bias = with_response(&bias, start);
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
-        let lower = |sums: &Mat<f64>, i: usize, j: usize| sums[(i.max(j), i.min(j))];
-        let information = |i, j| gram[(i, j)] - lower(&bias, i, j);
-        let spread = |i, j| self.scale * (lower(&spread, i, j) - sum[i] * sum[j] / rows.max(1.0));
+        let information = |i, j| gram[(i, j)] - bias[(i, j)];
+        let spread = |i, j| self.scale * (spread[(i, j)] - sum[i] * sum[j] / rows.max(1.0));
         let mut equations = Equations {
             information: Mat::from_fn(p, p, information),
             right: (0..p).map(|j| information(j, p)).collect(),
@@ -275,7 +315,7 @@ impl Group<'_> {
     ) -> Result<Option<Vec<f64>>, SparseError> {
         let p = self.fit.n_columns();
         let filled: Vec<usize> =
-            (0..self.parts.len()).filter(|&part| self.parts[part].1.rows > 0).collect();
+            (0..self.parts.len()).filter(|&part| self.parts[part].rows > 0.0).collect();
         if plan.bags == 0 || filled.len() < LEAST_PARTS {
             return Ok(None);
         }
@@ -316,12 +356,11 @@ impl Group<'_> {
             return self.fit.kept.group.equations.iter().map(of_equation).collect();
         }
         // Normal equations keep too few digits to say how little is left: the sample says it.
-        let rows: usize = self.parts.iter().map(|(_, score)| score.rows).sum();
+        let rows: f64 = self.parts.iter().map(|part| part.rows).sum();
         (0..self.fit.kept.group.equations.len())
             .map(|equation| {
-                let squares: f64 =
-                    self.parts.iter().map(|(_, score)| score.squares[equation]).sum();
-                (squares / rows.max(1) as f64).sqrt()
+                let squares = self.parts.iter().map(|part| part.rows * part.left[equation]);
+                (squares.sum::<f64>() / rows.max(1.0)).sqrt()
             })
             .collect()
     }
@@ -330,16 +369,13 @@ impl Group<'_> {
     /// taken out: from R instead of RᵀR, whose condition is the square.
     fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
         let (p, k) = (self.fit.n_columns(), estimate.active.len());
-        if !self.base.explained || !self.fit.noise.is_none() || k == 0 {
+        let Some(r) = self.r.filter(|_| self.fit.noise.is_none() && k > 0) else {
             return Ok(estimate.coefficients.clone());
-        }
+        };
         let mut small = Triangle::new(k + 1);
-        for (factor, _) in &self.parts {
-            let r = &factor.r;
-            let chosen =
-                Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
-            small.add(chosen.as_ref())?;
-        }
+        let chosen =
+            Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
+        small.add(chosen.as_ref())?;
         let r = small.r();
         let mut x = Mat::from_fn(k, 1, |i, _| r[(i, k)]);
         let upper = r.submatrix(0, 0, k, k);
@@ -350,6 +386,14 @@ impl Group<'_> {
         );
         Ok((0..k).map(|i| x[(i, 0)]).collect())
     }
+}
+
+/// Sums in \[Y e\], e = τ − Yβ, as they are in \[Y τ\].
+fn with_response(sums: &Mat<f64>, coefficients: &[f64]) -> Mat<f64> {
+    let p = coefficients.len();
+    let mut change = Mat::<f64>::identity(p + 1, p + 1);
+    coefficients.iter().enumerate().for_each(|(j, c)| change[(j, p)] = *c);
+    change.transpose() * (sums * &change)
 }
 
 /// Streams of random numbers from here on are for resampling, those before for noise.

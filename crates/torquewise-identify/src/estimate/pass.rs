@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_regression::normal_sums::{BlockSums, NormalSums};
+use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
 use torquewise_survey::error::IdentifyError;
 
 /// Blocks of time that are read before they are summed, side by side.
@@ -31,7 +31,7 @@ pub fn add_up(
     recording: &(impl Recording + ?Sized),
     at: &Linearisation,
 ) -> Result<NormalSums, IdentifyError> {
-    let empty = || NormalSums::new(at.n_parameters(), at.n_joints());
+    let empty = || NormalSums::new(at.n_parameters(), at.n_joints(), FOLDS);
     let lanes = rayon::current_num_threads().max(1);
     let mut sums: Vec<NormalSums> = (0..lanes).map(|_| empty()).collect();
     for log in 0..recording.n_logs() {
@@ -134,7 +134,8 @@ fn flush(
 fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError> {
     let motion = &block.motion;
     let (rows, weights) = at.rows(motion, motion)?;
-    let mut sums = BlockSums::new(block.fold, rows.as_ref(), &weights, at.n_joints());
+    let mut sums =
+        BlockSums::new(block.fold, rows.as_ref(), &weights, (at.n_joints(), Alike::Block));
     let noise = match &block.noise {
         Some(noise) => Some(side_by_side(noise)),
         None => (!at.noise.is_none()).then(|| {
