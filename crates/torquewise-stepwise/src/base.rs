@@ -17,8 +17,8 @@ pub(crate) struct Base {
     pub(crate) gram: Mat<f64>,
     rows: f64,
     pub(crate) start: Start,
-    /// Whether the torque is explained but for rounding.
-    pub(crate) explained: bool,
+    /// R of \[Y τ\] of the sample, where the torque is explained but for rounding.
+    pub(crate) r: Option<Mat<f64>>,
 }
 
 /// The plain least-squares fit, with the columns that depend on others found out.
@@ -46,18 +46,22 @@ impl Base {
             rows += part.rows as f64;
         }
         let start = Start::solve(&gram, rows)?;
-        let explained = kept.group.equations.iter().all(|&(equation, response)| {
+        Ok(Self { gram, rows, start, r: None })
+    }
+
+    /// Whether the torque is explained but for rounding.
+    pub(crate) fn is_explained(&self, kept: &Kept, grams: &[Gram]) -> bool {
+        kept.group.equations.iter().all(|&(equation, response)| {
             let (own, part) = (response_place(grams.len(), response), &grams[equation]);
-            residual_energy(part, own, &start.coefficients) <= EXPLAINED * part.energy[own]
-        });
-        Ok(Self { gram, rows, start, explained })
+            residual_energy(part, own, &self.start.coefficients) <= EXPLAINED * part.energy[own]
+        })
     }
 
     /// The same from R of a sample, a row of which stands for `scale` rows.
-    pub(crate) fn sharpened(self, r: &Mat<f64>, scale: f64) -> Result<Self, SparseError> {
-        let gram = faer::Scale(scale) * (r.transpose() * r);
+    pub(crate) fn sharpened(self, r: Mat<f64>, scale: f64) -> Result<Self, SparseError> {
+        let gram = faer::Scale(scale) * (r.transpose() * &r);
         let start = Start::solve(&gram, self.rows)?;
-        Ok(Self { gram, start, ..self })
+        Ok(Self { gram, start, r: Some(r), ..self })
     }
 }
 

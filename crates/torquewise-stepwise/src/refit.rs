@@ -108,41 +108,40 @@ pub(crate) fn refit(
     let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
     let draws = draws(scale);
     let bases = (fits.iter().zip(whole))
-        .map(|(fit, grams)| Base::new(fit.kept, grams))
+        .map(|(fit, grams)| base(fit, grams, log, (parts, scale)))
         .collect::<Result<Vec<_>, _>>()?;
-    // Normal equations keep too few digits of what is explained but for rounding: R keeps them.
-    let sharp: Vec<&Fit<'_>> =
-        fits.iter().zip(&bases).filter(|(_, base)| base.explained).map(|(fit, _)| fit).collect();
-    let mut factors = pass(log, parts, &sharp, |fit, _| FactorSum::new(fit))?.into_iter();
-    let mut all = Vec::with_capacity(bases.len());
-    for (fit, base) in fits.iter().zip(bases) {
-        let r = match base.explained.then(|| factors.next()).flatten() {
-            Some(parts) => {
-                let mut triangle = Triangle::new(fit.n_columns() + 1);
-                parts.iter().try_for_each(|part| triangle.merge(&part.triangle))?;
-                Some(triangle.r())
-            }
-            None => None,
-        };
-        let base = match &r {
-            Some(r) => base.sharpened(r, scale)?,
-            None => base,
-        };
-        all.push((base, r));
-    }
     let starts: Vec<(&Fit<'_>, &[f64])> =
-        fits.iter().zip(&all).map(|(fit, (base, _))| (fit, &base.start.coefficients[..])).collect();
+        fits.iter().zip(&bases).map(|(fit, base)| (fit, &base.start.coefficients[..])).collect();
     let sums = pass(log, parts, &starts, |&(fit, coefficients), lane| {
         PartSum::new(fit, coefficients, draws, (plan.seed, lane))
     })?;
     fits.iter()
-        .zip(&all)
+        .zip(&bases)
         .zip(sums.into_iter().zip(whole))
-        .map(|((fit, (base, r)), (sums, grams))| {
+        .map(|((fit, base), (sums, grams))| {
             let parts = sums.into_iter().map(|part| Part::new(&part.sums)).collect();
-            Group { fit, base, r: r.as_ref(), grams, parts, scale }.finish(plan)
+            Group { fit, base, grams, parts, scale }.finish(plan)
         })
         .collect()
+}
+
+/// Where the refit of a group begins. Normal equations keep too few digits of what is explained but
+/// for rounding: R of the sample keeps them.
+fn base(
+    fit: &Fit<'_>,
+    grams: &[Gram],
+    log: (&Motion, &[FrictionTerm]),
+    (parts, scale): (usize, f64),
+) -> Result<Base, IdentifyError> {
+    let base = Base::new(fit.kept, grams)?;
+    if !base.is_explained(fit.kept, grams) {
+        return Ok(base);
+    }
+    let mut triangle = Triangle::new(fit.n_columns() + 1);
+    for factors in pass(log, parts, &[fit], |fit, _| FactorSum::new(fit))? {
+        factors.iter().try_for_each(|part| triangle.merge(&part.triangle))?;
+    }
+    Ok(base.sharpened(triangle.r(), scale)?)
 }
 
 /// How often noise is drawn for each row of a sample that stands for `scale` rows a row.
@@ -153,7 +152,7 @@ fn draws(scale: f64) -> usize {
 
 /// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
 fn parts(kept: &[Kept]) -> usize {
-    // Half of each of three matrices, in exact numbers, and whole in plain ones once they are summed.
+    // Half of each of three matrices in exact numbers, and all of it in plain ones.
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
 }
@@ -204,8 +203,6 @@ struct Group<'a> {
     base: &'a Base,
     /// Normal equations of all rows, of each equation.
     grams: &'a [Gram],
-    /// R of the sample, where torque is explained but for rounding.
-    r: Option<&'a Mat<f64>>,
     /// What the parts of the sample say.
     parts: Vec<Part>,
     /// Rows that a row of the sample stands for.
@@ -352,7 +349,7 @@ impl Group<'_> {
             let (own, gram) = (response_place(self.grams.len(), response), &self.grams[equation]);
             (residual_energy(gram, own, &all).max(0.0) / gram.rows.max(1) as f64).sqrt()
         };
-        if !self.base.explained {
+        if self.base.r.is_none() {
             return self.fit.kept.group.equations.iter().map(of_equation).collect();
         }
         // Normal equations keep too few digits to say how little is left: the sample says it.
@@ -369,7 +366,7 @@ impl Group<'_> {
     /// taken out: from R instead of RᵀR, whose condition is the square.
     fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
         let (p, k) = (self.fit.n_columns(), estimate.active.len());
-        let Some(r) = self.r.filter(|_| self.fit.noise.is_none() && k > 0) else {
+        let Some(r) = self.base.r.as_ref().filter(|_| self.fit.noise.is_none() && k > 0) else {
             return Ok(estimate.coefficients.clone());
         };
         let mut small = Triangle::new(k + 1);
