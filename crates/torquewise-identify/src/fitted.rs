@@ -55,10 +55,9 @@ impl Fitted {
         patterns: Patterns,
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, residual_rms, choices, overlooked, warning } = self;
+        let Self { solved, residual_rms, mut choices, overlooked, warning } = self;
         let (chain, friction) = parameters(&solved.at, &solved.covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
-        let mut choices = choices;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
         warnings.extend(warning.map(Warning::Overlooked));
@@ -74,8 +73,8 @@ impl Fitted {
             training,
             choices,
         };
-        let noise = solved.at.noise.clone();
-        model.training.unexplained_rms = unexplained(&model, &survey.sample, &noise)?;
+        let noise = &solved.at.noise;
+        model.training.unexplained_rms = unexplained(&model, &survey.sample, noise)?;
         let step = StepReport {
             name: "all rows",
             rows: survey.rows,

@@ -3,7 +3,7 @@
 //! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may
 //! be read apart and their sums merged.
 
-use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine};
+use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
 use crate::found::Progress;
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
@@ -70,7 +70,7 @@ impl Request {
         progress(Progress::Refit);
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
-        let start = linearised(&learned, &sample, survey, options, (filtered, seed))?;
+        let start = linearised(&learned, &sample, (survey, &sizes), options, (filtered, seed))?;
         let at = cut_for(refine(&sample, &start, &sizes)?, survey.rows);
         let passes = Passes::over_all(at, MOST_PASSES);
         let choices = learned.choices;
@@ -155,7 +155,7 @@ fn cut_for(at: Linearisation, rows: usize) -> Linearisation {
 fn linearised(
     learned: &Learned,
     sample: &Motion,
-    survey: &Survey,
+    (survey, sizes): (&Survey, &Sizes),
     options: &ChainOptions,
     (filtered, seed): (bool, u64),
 ) -> Result<Linearisation, IdentifyError> {
@@ -168,11 +168,6 @@ fn linearised(
         pull: recipe.search.pull,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
-    let weights = chain
-        .residual_rms
-        .iter()
-        .zip(&survey.torque_std)
-        .map(|(rms, torque)| 1.0 / rms.max(1e-4 * if *torque > 0.0 { *torque } else { 1.0 }));
     // The noise of filtered rows is not white: it is drawn before the filter.
     let white = if options.noise_correction && !filtered {
         survey.noise.clone()
@@ -182,7 +177,7 @@ fn linearised(
     let at = Linearisation {
         geometry: chain.geometry.parameters().to_vec(),
         linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
-        weights: weights.collect(),
+        weights: weights(&chain.residual_rms, sizes),
         scales: Vec::new(),
         structure,
         noise: white,

@@ -67,6 +67,18 @@ impl Linearisation {
         (0..linear).chain(self.structure.free.iter().map(|&k| linear + k)).collect()
     }
 
+    /// Indices of the linear parameters, all of which may move.
+    pub(crate) fn linear_indices(&self) -> Vec<usize> {
+        (0..self.linear.len()).collect()
+    }
+
+    /// The same where these parameters may move.
+    pub(crate) fn freed(self, active: &[usize]) -> Self {
+        let linear = self.linear.len();
+        let free = active.iter().filter_map(|k| k.checked_sub(linear)).collect();
+        Self { structure: Structure { free, ..self.structure }, ..self }
+    }
+
     /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let bodies = torquewise_rigid::recursion::PER_BODY * n;

@@ -76,6 +76,9 @@ impl Passes {
             Some(tuning) => (self.at.active(), tuning),
             None => step.tuned(self.may_release)?,
         };
+        if self.is_last {
+            return Ok(Next::Settled(step.solved(&active, tuning)?));
+        }
         let tolerance = step.tolerance(&active);
         let here = step.cost(&self.at.parameters(), &tuning);
         let linear = step.linear(&tuning)?;
@@ -87,7 +90,7 @@ impl Passes {
         }
         let moved = step.step(&active, &tuning, self.reach)?;
         let ahead = merit - step.cost(&moved, &tuning);
-        if self.is_last || (here - merit <= tolerance && ahead <= tolerance) {
+        if here - merit <= tolerance && ahead <= tolerance {
             return Ok(Next::Settled(step.solved(&active, tuning)?));
         }
         let best = match self.best.take() {
@@ -107,9 +110,7 @@ impl Passes {
             let from = self.at.at(&best.0);
             from.towards(&self.at, SHORTER).parameters()
         };
-        let first = self.at.linear.len();
-        let mut at = self.at.at(&parameters);
-        at.structure.free = active.iter().filter_map(|k| k.checked_sub(first)).collect();
+        let at = self.at.at(&parameters).freed(&active);
         Ok(Next::Pass(Self { at, tuning: Some(tuning), best: Some(best), ..self }))
     }
 }
@@ -123,13 +124,13 @@ pub(crate) fn refine(
     start: &Linearisation,
     sizes: &Sizes,
 ) -> Result<Linearisation, IdentifyError> {
-    let linear: Vec<usize> = (0..start.linear.len()).collect();
+    let linear = start.linear_indices();
     let sums = add_up(recording, start)?;
     let step = Step::new(&sums, start, sizes)?;
     let parameters = step.step(&linear, &step.tuning(&linear)?, 0.0)?;
     let mut at = start.at(&parameters);
     for _ in 0..WEIGHINGS {
-        at.weights = weights(&add_up(recording, &at)?, sizes);
+        at.weights = weights(&add_up(recording, &at)?.weighted_rms(), sizes);
         let mut passes = Passes::over_sample(at);
         at = loop {
             let sums = add_up(recording, &passes.at)?;

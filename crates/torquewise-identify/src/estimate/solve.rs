@@ -81,10 +81,7 @@ impl Step<'_> {
         let followed = factor.solve_matrix(&across);
         let x = self.whole(active, &solution);
         let product = &self.all.hessian * ColRef::from_slice(&x);
-        let mut slope: Vec<f64> = equations.right.iter().map(|_| 0.0).collect();
-        for (i, &k) in active.iter().enumerate() {
-            slope[i] = self.all.right[k] - product[k];
-        }
+        let slope: Vec<f64> = active.iter().map(|&k| self.all.right[k] - product[k]).collect();
         let indices: Vec<usize> = active.iter().chain(&held).copied().collect();
         let scores = self.scores(&indices);
         let least = STRICTNESS * (self.sums.rows() as f64).ln();
@@ -105,13 +102,12 @@ impl Step<'_> {
 
     /// All that the passes came to, once the parameters stay where they are.
     pub(super) fn solved(self, active: &[usize], tuning: Tuning) -> Result<Solved, IdentifyError> {
-        let (p, linear) = (self.before.len(), self.at.linear.len());
-        let gram = self.sums.gram();
+        let p = self.before.len();
         let equations = self.all.of(active, self.at, (tuning.pull, 0.0));
         let solution = self.minimum(&equations, active, &tuning)?;
         let feasible = self.whole(active, &solution);
         let unconstrained = self.whole(active, &equations.unconstrained()?);
-        let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&gram, x));
+        let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&self.gram, x));
         let residual = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
         let held_out = self.held_out_price(&tuning)?;
 
@@ -132,8 +128,7 @@ impl Step<'_> {
                 covariance[(k, l)] = 0.5 * (own[(i, j)] + own[(j, i)]);
             }
         }
-        let mut at = self.at.clone();
-        at.structure.free = active.iter().filter_map(|k| k.checked_sub(linear)).collect();
+        let at = self.at.clone().freed(active);
         let price = PriceOfPhysics { residual, held_out };
         Ok(Solved { at, covariance, choice: tuning.choice, price })
     }

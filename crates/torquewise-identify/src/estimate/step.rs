@@ -39,6 +39,9 @@ pub(crate) struct Tuning {
 pub(super) struct Step<'a> {
     pub(super) sums: &'a NormalSums,
     pub(super) at: &'a Linearisation,
+    /// Of all rows.
+    pub(super) gram: Mat<f64>,
+    pub(super) bias: Mat<f64>,
     pub(super) prior: Prior,
     /// Parameters that the prior allows.
     pub(super) start: Vec<f64>,
@@ -59,14 +62,15 @@ impl<'a> Step<'a> {
         sizes: &'a Sizes,
     ) -> Result<Self, IdentifyError> {
         let (prior, start) = prior(at, sizes)?;
-        let all = Equations::new(&sums.gram(), &sums.bias(), at)?;
-        let (before, repeats) = (at.parameters(), repeats(sums));
+        let (gram, bias) = (sums.gram(), sums.bias());
+        let all = Equations::new(&gram, &bias, at)?;
+        let (before, repeats) = (at.parameters(), repeats(sums, &gram));
         let parts: Vec<f64> = (at.weights.iter().zip(&sizes.torque))
             .filter(|(_, torque)| **torque > 0.0)
             .map(|(weight, torque)| -(weight * torque).ln())
             .collect();
         let relative_noise = mean(&parts).exp();
-        Ok(Self { sums, at, prior, start, before, all, repeats, relative_noise })
+        Ok(Self { sums, at, gram, bias, prior, start, before, all, repeats, relative_noise })
     }
 
     /// Parameters as they were, those that may move as a solution has them.
@@ -78,7 +82,7 @@ impl<'a> Step<'a> {
 
     /// The best parameters that the geometry of the linearisation allows.
     pub(super) fn linear(&self, tuning: &Tuning) -> Result<Vec<f64>, IdentifyError> {
-        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
+        let linear = self.at.linear_indices();
         let equations = self.all.of(&linear, self.at, (tuning.pull, 0.0));
         Ok(self.whole(&linear, &self.minimum(&equations, &linear, tuning)?))
     }
@@ -158,8 +162,8 @@ impl<'a> Step<'a> {
 
 /// How many rows tell as much as one independent one: by how much the scores of blocks of time
 /// scatter more than those of independent rows would, at the median over the parameters.
-fn repeats(sums: &NormalSums) -> f64 {
-    let (gram, scores) = (sums.gram(), sums.scores());
+fn repeats(sums: &NormalSums, gram: &Mat<f64>) -> f64 {
+    let scores = sums.scores();
     let p = scores.ncols();
     let equations = sums.rows() as f64 * sums.residual_rms().len() as f64;
     // Mean square of a residual in units of the noise that weights are made of.
@@ -173,8 +177,8 @@ fn repeats(sums: &NormalSums) -> f64 {
 }
 
 /// One over the residual of each joint \[1/(N·m)\], n.
-pub(super) fn weights(sums: &NormalSums, sizes: &Sizes) -> Vec<f64> {
-    let residuals = sums.weighted_rms().into_iter().zip(&sizes.torque);
+pub(crate) fn weights(residual_rms: &[f64], sizes: &Sizes) -> Vec<f64> {
+    let residuals = residual_rms.iter().zip(&sizes.torque);
     residuals
         .map(|(rms, torque)| {
             1.0 / rms.max(LEAST_RESIDUAL * if *torque > 0.0 { *torque } else { 1.0 })

@@ -42,7 +42,7 @@ impl Step<'_> {
         let strengths: Vec<(f64, f64)> = (STRENGTHS.iter().chain(&WEAKER))
             .map(|strength| (strength * self.repeats, pull))
             .collect();
-        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
+        let linear = self.at.linear_indices();
         let Some((_, errors)) = self.best_of(&linear, &strengths)? else {
             let strength = USUAL_STRENGTH * self.repeats;
             return Ok(Tuning { strength, pull, choice: None, errors: Vec::new() });
@@ -118,7 +118,7 @@ impl Step<'_> {
         let sums = self.sums;
         let held = sums.gram_of(fold);
         let share = 1.0 - sums.rows_of(fold) as f64 / sums.rows() as f64;
-        let (gram, bias) = (sums.gram() - &held, faer::Scale(share) * sums.bias());
+        let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
         let rest = Equations::new(&gram, &bias, self.at)?;
         Ok((held, rest, share))
     }
@@ -132,7 +132,7 @@ impl Step<'_> {
     /// By what part the error on held-out folds is larger than that of the optimum without physics,
     /// both at the geometry of all rows; `None` if folds are few.
     pub(super) fn held_out_price(&self, tuning: &Tuning) -> Result<Option<f64>, IdentifyError> {
-        let linear: Vec<usize> = (0..self.at.linear.len()).collect();
+        let linear = self.at.linear_indices();
         let pair = (tuning.strength, tuning.pull);
         let Some((_, physical)) = self.best_of(&linear, &[pair])? else { return Ok(None) };
         let mut free = Vec::with_capacity(FOLDS);
