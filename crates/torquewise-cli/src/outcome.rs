@@ -27,6 +27,8 @@ pub(crate) struct Outcome {
     pub(crate) json: Value,
     /// What does not stop the work but may spoil its result.
     pub(crate) warnings: Vec<String>,
+    /// What is good to know and changes nothing.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Exit codes other than 0.
@@ -39,6 +41,9 @@ pub(crate) fn report(found: Result<Outcome, Error>, as_json: bool) -> ExitCode {
     let code = match found {
         Ok(outcome) => match write_results(&outcome, as_json) {
             Ok(()) => {
+                for note in &outcome.notes {
+                    complain("note", "36", note);
+                }
                 for warning in &outcome.warnings {
                     complain("warning", "33", warning);
                 }
@@ -63,6 +68,7 @@ fn write_results(outcome: &Outcome, as_json: bool) -> io::Result<()> {
     let text = if as_json {
         let mut object = outcome.json.as_object().cloned().unwrap_or_else(Map::new);
         object.insert("warnings".into(), json!(outcome.warnings));
+        object.insert("notes".into(), json!(outcome.notes));
         Value::Object(object).to_string() + "\n"
     } else {
         outcome.text.clone()

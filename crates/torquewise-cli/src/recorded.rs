@@ -4,11 +4,11 @@ use crate::error::CliError;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::identify::cutoff::{MULTIPLES, choose_cutoff};
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
-use torquewise::model::model::{Choice, Filter as FilterUsed};
-use torquewise::motion::{Motion, ReadError, Recording};
-use torquewise::signals::{ConditionReport, Conditioning, Cutoff};
+use torquewise::model::model::Filter as FilterUsed;
+use torquewise::model::{Model, Torque};
+use torquewise::motion::{Motion, RawRecording, ReadError, Recording};
+use torquewise::signals::{ConditionReport, Conditioning, Cutoff, Trim};
 
 /// How the columns of a file become signals.
 #[derive(Args, Clone, Debug, Default)]
@@ -112,11 +112,21 @@ impl SignalArguments {
         self.cutoff(logs).is_some()
     }
 
+    /// Whether the cut-off is left to held-out rows.
+    pub(crate) fn leaves_cutoff(&self) -> bool {
+        self.filter == Filter::Auto
+    }
+
     /// Logs as they are asked for: filtered, unless they hold accelerations or it is not wanted.
     ///
     /// # Errors
     /// [`CliError::Usage`] if a delay is given and nothing is filtered.
     pub(crate) fn prepare(&self, logs: Logs) -> Result<Recorded> {
+        self.prepare_from(logs, &Conditioning::default())
+    }
+
+    /// The same where more is known of how.
+    fn prepare_from(&self, logs: Logs, settings: &Conditioning) -> Result<Recorded> {
         let Some(cutoff) = self.cutoff(&logs) else {
             return match self.delay {
                 Delay::Seconds(s) if s != 0.0 => Err(CliError::Usage(
@@ -130,50 +140,65 @@ impl SignalArguments {
             Delay::Auto => (0.0, true),
             Delay::Seconds(seconds) => (seconds, false),
         };
-        let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
+        let settings = Conditioning { cutoff, delay, ..*settings };
         Ok(Recorded::Conditioned(Box::new(ConditionedLogs::new(logs, &settings, find)?)))
     }
 }
 
 impl SignalArguments {
     /// Logs filtered as those a model was fitted on, where nothing else is asked for: so that what
-    /// is measured on them is what the fit measured.
+    /// is measured on them is what the fit measured, and they have no say in it.
     ///
     /// # Errors
     /// As [`Self::prepare`].
     pub(crate) fn prepare_as(&self, known: Option<FilterUsed>, logs: Logs) -> Result<Recorded> {
-        let Some(known) = known.filter(|_| !logs.has_ddq()) else {
-            return self.prepare(logs);
-        };
-        let filter = match self.filter {
-            Filter::Auto => Filter::Hz(known.cutoff_hz),
-            asked => asked,
-        };
-        let delay = match (self.delay, filter) {
-            (Delay::Auto, Filter::Hz(_)) => Delay::Seconds(known.delay),
-            (asked, _) => asked,
-        };
-        Self { filter, delay }.prepare(logs)
+        self.like(known, &logs).prepare(logs)
     }
 
-    /// The same for a fit: where the cut-off is not given, held-out rows have a say in it.
+    /// The same where every row is wanted: none is left out.
     ///
-    /// Returns the logs, and how the cut-off was chosen if it was.
-    pub(crate) fn prepare_to_fit(&self, logs: Logs) -> Result<(Recorded, Option<Choice>)> {
-        let recorded = self.prepare(logs)?;
-        let (Recorded::Conditioned(logs), Filter::Auto) = (&recorded, self.filter) else {
-            return Ok((recorded, None));
+    /// # Errors
+    /// As [`Self::prepare`].
+    pub(crate) fn prepare_all_as(&self, known: Option<FilterUsed>, logs: Logs) -> Result<Recorded> {
+        let all = Conditioning {
+            rate: Some(f64::MAX),
+            trim: Trim::Seconds(0.0),
+            ..Conditioning::default()
         };
-        let Some(cutoff) = logs.report().cutoff else { return Ok((recorded, None)) };
-        let candidates = logs.at_cutoffs(&MULTIPLES.map(|multiple| multiple * cutoff))?;
-        let Some((place, choice)) = choose_cutoff(&candidates) else { return Ok((recorded, None)) };
-        match recorded {
-            Recorded::Conditioned(logs) if place > 0 => {
-                let logs = logs.with_cutoff(candidates[place].0)?;
-                Ok((Recorded::Conditioned(Box::new(logs)), Some(choice)))
-            }
-            recorded => Ok((recorded, Some(choice))),
-        }
+        self.like(known, &logs).prepare_from(logs, &all)
+    }
+
+    /// What is asked for; what is not, as it was in a fit.
+    fn like(&self, known: Option<FilterUsed>, logs: &Logs) -> Self {
+        let filter = match (self.filter, known) {
+            (Filter::Auto, Some(known)) if !logs.has_ddq() => Filter::Hz(known.cutoff_hz),
+            (Filter::Auto, _) => Filter::None,
+            (asked, _) => asked,
+        };
+        let delay = match (self.delay, filter, known) {
+            (Delay::Auto, Filter::Hz(_), Some(known)) => Delay::Seconds(known.delay),
+            (Delay::Auto, _, _) => Delay::Seconds(0.0),
+            (asked, _, _) => asked,
+        };
+        Self { filter, delay }
+    }
+}
+
+/// Errors against raw torque, by joint \[N·m\].
+pub(crate) struct RawErrors {
+    /// What the model leaves.
+    pub(crate) rmse: Vec<f64>,
+    /// Standard deviation of the torque.
+    pub(crate) std: Vec<f64>,
+    /// White noise in the torque.
+    pub(crate) noise: Vec<f64>,
+}
+
+impl RawErrors {
+    /// What is left of the torque of a joint, and its noise, of its spread \[%\].
+    pub(crate) fn percent(&self, joint: usize) -> [f64; 2] {
+        let of = |rms: &[f64]| 100.0 * rms.get(joint).unwrap_or(&f64::NAN) / self.std[joint];
+        [of(&self.rmse), of(&self.noise)]
     }
 }
 
@@ -196,6 +221,29 @@ impl Recorded {
         let Self::Conditioned(logs) = self else { return None };
         let (cutoff_hz, delay) = (logs.report().cutoff?, logs.settings().delay);
         Some(FilterUsed { cutoff_hz, delay })
+    }
+
+    /// What a model leaves of the torque as it was measured, and the noise of that torque, which no
+    /// model predicts: RMS of each joint \[N·m\]; on a sample of the rows. `None` where nothing is
+    /// filtered: then the rows are the raw ones.
+    pub(crate) fn raw_errors(&self, model: &Model) -> Result<Option<RawErrors>> {
+        let Self::Conditioned(logs) = self else { return Ok(None) };
+        let Some(cutoff) = logs.report().cutoff else { return Ok(None) };
+        let raw = logs.raw()?;
+        let read = |error: ReadError| anyhow::anyhow!(error);
+        let Some(motion) = raw.sample(cutoff).map_err(read)? else { return Ok(None) };
+        let (predicted, target) = (Torque::new(model).over(&motion)?, raw.raw_torque());
+        let m = target.nrows() as f64;
+        let of = |joint: usize| -> (f64, f64) {
+            let mean = target.col(joint).sum() / m;
+            let pairs = || target.col(joint).iter().zip(predicted.col(joint).iter());
+            let square: f64 = pairs().map(|(tau, hat)| (tau - hat).powi(2)).sum();
+            let spread: f64 = pairs().map(|(tau, _)| (tau - mean).powi(2)).sum();
+            ((square / m).sqrt(), (spread / m).sqrt())
+        };
+        let (rmse, std) = (0..target.ncols()).map(of).unzip();
+        let signals = logs.report().signals.iter().filter(|signal| signal.signal == "tau");
+        Ok(Some(RawErrors { rmse, std, noise: signals.map(|s| s.noise.sigma).collect() }))
     }
 
     /// What was done to the signals, if anything was.

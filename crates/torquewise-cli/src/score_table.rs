@@ -1,17 +1,43 @@
 //! Scores → table, JSON and warnings.
 
+use crate::recorded::RawErrors;
 use crate::table::{Table, number};
 use serde_json::{Value, json};
 use torquewise::diagnose::score::JointScore;
 use torquewise::identify::Scores;
 
-/// One line per joint.
-pub(crate) fn text(scores: &Scores) -> String {
-    let mut table = Table::new(&["joint", "RMSE [N·m]", "NRMSE [%]", "R²"]);
-    for JointScore { name, rmse, nrmse_percent, r2 } in &scores.joints {
-        table.row(name, [number(*rmse), number(*nrmse_percent), format!("{r2:.6}")]);
+/// One line per joint: errors in the band of the model, and against raw torque if it was filtered.
+pub(crate) fn text(scores: &Scores, raw: Option<&RawErrors>) -> String {
+    let mut names = vec!["joint", "RMSE [N·m]", "NRMSE [%]", "R²"];
+    if raw.is_some() {
+        names.extend(["of raw torque [%]", "its noise [%]"]);
+    }
+    let mut table = Table::new(&names);
+    for (place, JointScore { name, rmse, nrmse_percent, r2 }) in scores.joints.iter().enumerate() {
+        let mut cells = vec![number(*rmse), number(*nrmse_percent), format!("{r2:.6}")];
+        if let Some(raw) = raw {
+            cells.extend(raw.percent(place).map(number));
+        }
+        table.row(name, cells);
     }
     table.text()
+}
+
+/// Joints, and number of rows, with errors against raw torque: where nothing is filtered, the rows
+/// are raw.
+pub(crate) fn json_beside_raw(scores: &Scores, raw: Option<&RawErrors>) -> Value {
+    let mut value = json(scores);
+    for (place, joint) in scores.joints.iter().enumerate() {
+        let own = &mut value["joints"][place];
+        match raw.map(|raw| raw.percent(place)) {
+            Some([error, noise]) => {
+                own["raw_nrmse_percent"] = json!(error);
+                own["noise_floor_percent"] = json!(noise);
+            }
+            None => own["raw_nrmse_percent"] = json!(joint.nrmse_percent),
+        }
+    }
+    value
 }
 
 /// Joints and number of rows.

@@ -1,11 +1,15 @@
 //! Recording, plan → reconstruction, and the seconds that each of its steps took.
 
 use crate::progress::{Watched, bar};
+use crate::recorded::Recorded;
 use indicatif::ProgressBar;
 use std::time::Instant;
 use torquewise::identify::reconstruct::Solution;
 use torquewise::identify::rounds::Request;
-use torquewise::identify::{IdentifyError, Plan, Reconstruction, Summary, reconstruct, solve};
+use torquewise::identify::{
+    IdentifyError, Method, Plan, Reconstruction, Summary, Tuned, reconstruct, reconstruct_from,
+    solve, tune,
+};
 use torquewise::motion::Recording;
 use torquewise::survey::Progress;
 
@@ -34,6 +38,40 @@ pub(crate) fn timed(
     let (found, seconds, step_seconds) =
         record(&bar, |progress| reconstruct(&watched, plan, progress))?;
     Ok(Timed { found, seconds, step_seconds })
+}
+
+/// The same at the bandwidth that held-out rows ask for, where logs are filtered; returns the logs
+/// at that bandwidth too (E12).
+///
+/// # Errors
+/// As [`reconstruct()`], and those of reading logs.
+pub(crate) fn timed_at_best(
+    recorded: Recorded,
+    plan: &Plan,
+) -> Result<(Recorded, Timed), anyhow::Error> {
+    let rows = recorded.rows_hint();
+    let Recorded::Conditioned(logs) = recorded else {
+        let timed = timed(&recorded, rows, plan)?;
+        return Ok((recorded, timed));
+    };
+    let raw = logs.raw()?;
+    let by_chain = match &plan.method {
+        Method::Chain(_) => plan.clone(),
+        Method::Library(_) => Plan { seed: plan.seed, ..Plan::chain() },
+    };
+    let ((tuned, found), seconds, step_seconds) = record(&bar("reading"), |progress| {
+        let Tuned { recording, request, choice } = tune(&raw, &by_chain, progress)?;
+        let logs = Recorded::Conditioned(Box::new(recording));
+        let watched = Watched::new(&logs, "reading").of(rows, 2);
+        let mut found = match &plan.method {
+            Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
+            Method::Library(_) => reconstruct(&watched, plan, progress)?,
+        };
+        found.model.choices.splice(0..0, choice);
+        drop(watched);
+        Ok((logs, found))
+    })?;
+    Ok((tuned, Timed { found, seconds, step_seconds }))
 }
 
 /// What solving under the eyes of the user came to.

@@ -39,11 +39,11 @@ pub enum Finding {
         /// Whether that is forward.
         forward: bool,
     },
-    /// Two joints always move together.
+    /// Joints that always move together.
     Together {
-        /// Their names.
-        joints: [String; 2],
-        /// Correlation of their speeds.
+        /// Their names, two or more.
+        joints: Vec<String>,
+        /// Least correlation of the speeds of two of them.
         correlation: f64,
     },
     /// A torque that follows from the position alone.
@@ -104,18 +104,36 @@ pub fn findings(survey: &Survey) -> Vec<Finding> {
     for &joint in &joints {
         found.extend(of_joint(survey, joint));
     }
-    for (place, &first) in joints.iter().enumerate() {
-        for &second in &joints[place + 1..] {
-            let correlation = correlation(motion, first, second);
-            if correlation.abs() > MOST_CORRELATION {
-                let joints = [first, second].map(|joint| survey.joints[joint].clone());
-                found.push(Finding::Together { joints, correlation });
-            }
-        }
-    }
+    found.extend(together(survey, &joints));
     found.extend(commanded(survey, &joints).unwrap_or_default());
     found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
     found
+}
+
+/// Groups of joints of which each moves together with another one of its group.
+fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
+    let mut groups: Vec<(Vec<usize>, f64)> = Vec::new();
+    for &joint in joints {
+        let with = |group: &(Vec<usize>, f64)| {
+            let each = group.0.iter().map(|&other| correlation(&survey.sample, other, joint));
+            each.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default()
+        };
+        match groups.iter_mut().find(|group| with(group).abs() > MOST_CORRELATION) {
+            Some(group) => {
+                let own = with(group);
+                group.1 = if own.abs() < group.1.abs() { own } else { group.1 };
+                group.0.push(joint);
+            }
+            None => groups.push((vec![joint], f64::INFINITY)),
+        }
+    }
+    let several = groups.into_iter().filter(|(joints, _)| joints.len() > 1);
+    several
+        .map(|(joints, correlation)| {
+            let joints = joints.into_iter().map(|joint| survey.joints[joint].clone()).collect();
+            Finding::Together { joints, correlation }
+        })
+        .collect()
 }
 
 fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
@@ -203,6 +221,15 @@ fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
     Some(joints.iter().filter_map(of_joint).collect())
 }
 
+/// Names as a sentence has them.
+pub fn list(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [name] => name.clone(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
+    }
+}
+
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -227,10 +254,11 @@ impl fmt::Display for Finding {
                  move it back as slowly as forth",
                 if *forward { "forward" } else { "backward" }
             ),
-            Self::Together { joints: [first, second], correlation } => write!(
+            Self::Together { joints, correlation } => write!(
                 f,
-                "{first} and {second} always move together (correlation {correlation:.3}): what \
-                 each of them causes cannot be told apart; move one while the other rests"
+                "{} always move together (correlation {correlation:.3}): what each of them causes \
+                 cannot be told apart; move one while the others rest",
+                list(joints)
             ),
             Self::Commanded { joint, residual } => write!(
                 f,

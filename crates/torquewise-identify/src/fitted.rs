@@ -1,6 +1,7 @@
 //! A chain that nothing moves any more → a model: its parameters, and equations that can be told
 //! from zero (E8) (E11).
 
+use crate::bandwidth::held_out;
 use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
 use crate::estimate::{Linearisation, Solved};
@@ -23,8 +24,10 @@ use torquewise_stepwise::fit::StepReport;
 use torquewise_stepwise::patterns::Patterns;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseFloor;
-use torquewise_survey::survey::Survey;
+use torquewise_survey::survey::{Survey, thinned};
 
+/// Rows on which the error of blocks that were held out is found, at most.
+const HELD_OUT_ROWS: usize = 4_000;
 /// Draws of the parameters that the errors of the equations are estimated from.
 const DRAWS: usize = 40;
 /// Size of these draws in standard deviations: small, so that all is linear.
@@ -64,6 +67,7 @@ impl Fitted {
         let mut training = survey.training(residual_rms);
         training.overlooked = Some(overlooked);
         training.price_of_physics = Some(solved.price);
+        training.held_out_rms = held_out_rms(&solved.at, &survey.sample)?;
         let mut model = Model {
             joints: survey.joints.clone(),
             form: Form::Energy(terms),
@@ -147,6 +151,15 @@ fn unexplained(
         left.max((2.0 / training.rows.max(1) as f64).sqrt() * rms * rms).sqrt()
     };
     Ok(training.residual_rms.iter().enumerate().map(of_joint).collect())
+}
+
+/// RMS of what is left of the torque of each joint on blocks of time that were held out \[N·m\];
+/// nothing where there are too few rows.
+fn held_out_rms(at: &Linearisation, sample: &Motion) -> Result<Vec<f64>, IdentifyError> {
+    let sample = thinned(sample, HELD_OUT_ROWS);
+    let tau = sample.require_tau()?.to_owned();
+    let errors = held_out(at, &sample, &tau)?;
+    Ok(errors.map_or_else(Vec::new, |errors| errors.rms_by_joint()))
 }
 
 /// Equal energy terms joined.

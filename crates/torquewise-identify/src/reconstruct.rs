@@ -30,7 +30,33 @@ pub fn reconstruct(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Reconstruction, IdentifyError> {
+    let summary = summarise(recording, plan, "", progress)?;
+    rounds(recording, summary, plan, progress)
+}
+
+/// The same where a chain was searched before, see [`tune`](crate::bandwidth::tune).
+///
+/// # Errors
+/// As [`reconstruct`].
+pub fn reconstruct_from(
+    recording: &(impl Recording + ?Sized),
+    request: Request,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
     let mut summary = summarise(recording, plan, "", progress)?;
+    let request = request.over(summary.rows());
+    summary.pass = Some(Pass::over(recording, request)?);
+    rounds(recording, summary, plan, progress)
+}
+
+/// Solves, and reads all rows again as long as that is asked for.
+fn rounds(
+    recording: &(impl Recording + ?Sized),
+    mut summary: Summary,
+    plan: &Plan,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Reconstruction, IdentifyError> {
     loop {
         match solve(summary.clone(), plan, progress)? {
             Solution::Model(mut found) => {

@@ -78,6 +78,12 @@ impl Request {
         Ok(Self { joints, passes, sizes, choices, overlooked: certificate, warning })
     }
 
+    /// The same for logs of so many rows.
+    pub(crate) fn over(mut self, rows: usize) -> Self {
+        self.passes.at = cut_for(self.passes.at, rows);
+        self
+    }
+
     /// What tells it from others: the pass it is for, and a checksum.
     pub fn name(&self) -> String {
         let bytes = postcard::to_stdvec(self).unwrap_or_default();
@@ -135,6 +141,13 @@ impl Request {
             Next::Pass(passes) => Round::Again(Box::new(Self { passes, ..self })),
             Next::Settled(solved) => {
                 let residual_rms = sums.residual_rms();
+                let spread = residual_rms.iter().zip(&self.sizes.torque);
+                if self.passes.at.corrects_noise() && spread.clone().any(|(rms, std)| rms > std) {
+                    // So much noise that correcting for it leaves nothing to solve.
+                    let at = self.passes.at.without_noise_correction();
+                    let passes = Passes::over_all(at, MOST_PASSES);
+                    return Ok(Round::Again(Box::new(Self { passes, ..self })));
+                }
                 let Self { choices, overlooked, warning, .. } = self;
                 let fitted = Fitted { solved, residual_rms, choices, overlooked, warning };
                 Round::Done(Box::new(fitted))

@@ -95,6 +95,11 @@ fn advice(friction: bool, refused: bool) -> &'static str {
 }
 
 impl Warning {
+    /// Whether it is good to know, but no reason to doubt the model.
+    pub fn is_remark(&self) -> bool {
+        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. } | Self::Overlooked(_))
+    }
+
     pub(crate) fn of_library(survey: &Survey, fit: &LibraryFit) -> Vec<Self> {
         let mut warnings = Self::of_survey(survey);
         warnings.extend(fit.missing.iter().copied().map(Self::PatternMissing));

@@ -1,105 +1,93 @@
 //! Logs → conditioned Recording: resampled, filtered and differentiated, in fixed memory.
 
 use crate::blocks::RawBlock;
+use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
 use crate::raw_noise::{NoiseLane, RawNoise};
 use faer::Mat;
-use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
+use torquewise_motion::{BLOCK_ROWS, Motion, RawRecording, ReadError, Recording};
 use torquewise_signals::cutoff::Decided;
 use torquewise_signals::{
-    ConditionReport, Conditioner, Conditioning, Cutoff, CutoffChoice, Plan, Raw, SignalError,
-    condition, torque_delay,
+    Bandwidths, ConditionReport, Conditioner, Conditioning, Cutoff, CutoffChoice, Plan, Raw,
+    SignalError, condition, torque_delay,
 };
 
-/// Rows that the cut-off is chosen from, and that a trajectory is planned by.
+/// Rows that a trajectory is planned by, and of a piece.
 const FIRST_ROWS: usize = 1 << 15;
+/// Rows of all pieces that the conditioning is chosen from, about.
+const MOST_ROWS: usize = 1 << 18;
 
 /// Logs whose signals are conditioned as they are read: [`torquewise_signals`] tells how.
 ///
-/// The cut-off, and the lag of the torque if it is asked for, are chosen from the first rows of the
-/// first trajectory and hold for all.
+/// The cut-off, and the lag of the torque if it is asked for, are chosen once, from all logs, and
+/// hold for all.
 #[derive(Clone, Debug)]
 pub struct ConditionedLogs {
     logs: Logs,
+    clock: ClockRepair,
     settings: Conditioning,
     report: ConditionReport,
 }
 
-/// A reading that ended early, since enough is known.
-enum Halt {
-    Enough,
-    Error(LogError),
-}
-
-impl From<LogError> for Halt {
-    fn from(error: LogError) -> Self {
-        Self::Error(error)
-    }
+/// Logs, and pieces of them at any bandwidth, from which that of all is chosen.
+#[derive(Clone, Debug)]
+pub struct RawLogs {
+    conditioned: ConditionedLogs,
+    first: Raw,
+    bandwidths: Bandwidths,
 }
 
 impl ConditionedLogs {
-    /// Looks at the first trajectory and settles how all are conditioned.
+    /// Looks at pieces of all logs and settles how all are conditioned.
+    ///
+    /// A cut-off that is not set is that of the spectra: [`raw`](Self::raw) leads to a better one.
     ///
     /// - `find_delay`: whether the lag of the torque is estimated, in place of that of `settings`
     ///
     /// # Errors
-    /// [`LogError`] if the logs cannot be read, or [`LogError::Signals`] if the first trajectory
-    /// cannot be conditioned.
+    /// [`LogError`] if the logs cannot be read, or [`LogError::Signals`] if they cannot be
+    /// conditioned.
     pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self, LogError> {
-        let raw = first_rows(&logs)?;
         let refused = |source| signals(&logs, 0, source);
-        let mut first = condition(&raw, settings).map_err(refused)?;
-        let cutoff = first.report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
+        let (clock, pieces) = repaired(&logs)?;
+        let first = pieces.first().ok_or(LogError::NoFiles)?;
+        let mut report = condition(first, settings).map_err(refused)?.report;
+        let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
         let mut settings = Conditioning { cutoff, ..*settings };
-        if find_delay
-            && raw.tau.is_some()
-            && let Some(lag) = torque_delay(&raw, &settings).map_err(refused)?
-        {
-            settings.delay += lag.seconds;
-            let choice = first.report.choice.take();
-            first = condition(&raw, &settings).map_err(refused)?;
-            first.report.choice = choice;
-        }
-        Ok(Self { logs, settings, report: first.report })
-    }
-
-    /// The first rows at each of these cut-offs \[Hz\], but for those that the rate or the length
-    /// of the log does not allow.
-    ///
-    /// # Errors
-    /// [`LogError`] if the logs cannot be read or conditioned.
-    pub fn at_cutoffs(&self, cutoffs: &[f64]) -> Result<Vec<(f64, Motion)>, LogError> {
-        let raw = first_rows(&self.logs)?;
-        let mut found = Vec::new();
-        for &cutoff in cutoffs {
-            let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), ..self.settings };
-            match condition(&raw, &settings) {
-                Ok(conditioned) => found.push((cutoff, conditioned.motion)),
-                Err(SignalError::Cutoff { .. }) => {}
-                Err(error) if error.is_too_short() => {}
-                Err(source) => return Err(signals(&self.logs, 0, source)),
+        if find_delay && logs.has_tau() {
+            let lag = lag(&pieces, &settings).map_err(refused)?;
+            if lag != 0.0 {
+                settings.delay += lag;
+                let choice = report.choice.take();
+                report = condition(first, &settings).map_err(refused)?.report;
+                report.choice = choice;
             }
         }
-        Ok(found)
+        Ok(Self { logs, clock, settings, report })
     }
 
-    /// The same logs at another cut-off \[Hz\], since it predicts held-out rows better.
+    /// The same logs at any bandwidth.
     ///
     /// # Errors
-    /// [`LogError`] if the logs cannot be read or conditioned.
-    pub fn with_cutoff(self, cutoff: f64) -> Result<Self, LogError> {
-        let raw = first_rows(&self.logs)?;
-        let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), ..self.settings };
-        let first = condition(&raw, &settings).map_err(|e| signals(&self.logs, 0, e))?;
-        let decided = Decided::HeldOut;
-        let choice = self.report.choice.map(|choice| CutoffChoice { cutoff, decided, ..choice });
-        Ok(Self { logs: self.logs, settings, report: ConditionReport { choice, ..first.report } })
+    /// [`LogError`] if the logs cannot be read, hold no torque, or cannot be conditioned.
+    pub fn raw(&self) -> Result<RawLogs, LogError> {
+        self.logs.require_tau()?;
+        let (_, pieces) = repaired(&self.logs)?;
+        let first = pieces.first().cloned().ok_or(LogError::NoFiles)?;
+        let bandwidths = Bandwidths::new(&pieces, &self.settings);
+        let bandwidths = bandwidths.map_err(|source| signals(&self.logs, 0, source))?;
+        Ok(RawLogs { conditioned: self.clone(), first, bandwidths })
     }
 
     /// The logs as they were recorded; their trajectories have the same numbers as the conditioned.
     pub fn logs(&self) -> &Logs {
         &self.logs
+    }
+
+    /// What was wrong with the clock, and was mended.
+    pub fn clock(&self) -> ClockRepair {
+        self.clock
     }
 
     /// How every trajectory is conditioned, the choices made.
@@ -121,16 +109,23 @@ impl ConditionedLogs {
         visit: Visit<'_>,
     ) -> Result<bool, ReadError> {
         let mut out = Cutter { trajectory: 0, is_empty: true, noise, visit };
-        let mut own: Option<(usize, Stretch)> = None;
-        let mut take = |trajectory: usize, block: &RawBlock| -> Result<(), ReadError> {
-            if own.as_ref().is_none_or(|(current, _)| *current != trajectory) {
-                if let Some((ended, stretch)) = own.take() {
-                    self.end(ended, stretch, &mut out)?;
-                }
-                own = Some((trajectory, Stretch::Waiting(Vec::new())));
+        let mut own: Option<(usize, ClockLane, Stretch)> = None;
+        let end = |own: Option<(usize, ClockLane, Stretch)>, out: &mut Cutter<'_>| {
+            let Some((ended, lane, mut stretch)) = own else { return Ok(()) };
+            if let Some(rest) = lane.finish() {
+                self.push(ended, &mut stretch, &rest, out)?;
             }
-            match &mut own {
-                Some((_, stretch)) => self.push(trajectory, stretch, block, &mut out),
+            self.end(ended, stretch, out)
+        };
+        let mut take = |trajectory: usize, block: &RawBlock| -> Result<(), ReadError> {
+            if own.as_ref().is_none_or(|(current, _, _)| *current != trajectory) {
+                end(own.take(), &mut out)?;
+                let lane = ClockLane::new(self.clock);
+                own = Some((trajectory, lane, Stretch::Waiting(Vec::new())));
+            }
+            let Some((_, lane, stretch)) = &mut own else { return Ok(()) };
+            match lane.push(block) {
+                Some(block) => self.push(trajectory, stretch, &block, &mut out),
                 None => Ok(()),
             }
         };
@@ -138,9 +133,7 @@ impl ConditionedLogs {
             None => self.logs.read_raw(&mut take)?,
             Some(file) => self.logs.read_raw_of(file, &mut take)?,
         }
-        if let Some((ended, stretch)) = own {
-            self.end(ended, stretch, &mut out)?;
-        }
+        end(own, &mut out)?;
         Ok(!out.is_empty)
     }
 
@@ -158,7 +151,7 @@ impl ConditionedLogs {
                 blocks.push(block.clone());
                 let rows: usize = blocks.iter().map(|block| block.t.len()).sum();
                 if rows >= FIRST_ROWS {
-                    let raw = joined(self.logs.joints(), blocks);
+                    let raw = whole(self.logs.joints(), blocks);
                     let plan = Plan::new(&raw, &self.settings).map_err(failed)?;
                     let mut lane = out.noise.map(|noise| noise.lane(plan.clone()));
                     let mut conditioner = Box::new(Conditioner::new(plan));
@@ -169,7 +162,7 @@ impl ConditionedLogs {
                 Ok(())
             }
             Stretch::Running(conditioner, lane) => {
-                let raw = joined(self.logs.joints(), std::slice::from_ref(block));
+                let raw = whole(self.logs.joints(), std::slice::from_ref(block));
                 let motions = conditioner.push(&raw).map_err(failed)?;
                 out.hand_out(motions, pushed(lane.as_deref_mut(), &raw).map_err(failed)?)
             }
@@ -189,7 +182,7 @@ impl ConditionedLogs {
                 )
             }
             Stretch::Waiting(blocks) => {
-                let raw = joined(self.logs.joints(), &blocks);
+                let raw = whole(self.logs.joints(), &blocks);
                 let motions = match condition(&raw, &self.settings) {
                     Ok(conditioned) => vec![conditioned.motion],
                     Err(error) if error.is_too_short() => return Ok(()),
@@ -205,6 +198,36 @@ impl ConditionedLogs {
             }
         };
         out.hand_out(motions, noise)
+    }
+}
+
+impl RawRecording for RawLogs {
+    type Filtered = ConditionedLogs;
+
+    fn first_cutoff(&self) -> f64 {
+        self.conditioned.report.cutoff.unwrap_or_default()
+    }
+
+    fn cutoffs(&self) -> Vec<f64> {
+        self.bandwidths.cutoffs()
+    }
+
+    fn sample(&self, cutoff: f64) -> Result<Option<Motion>, ReadError> {
+        Ok(self.bandwidths.motion(cutoff)?)
+    }
+
+    fn raw_torque(&self) -> &Mat<f64> {
+        self.bandwidths.target()
+    }
+
+    fn filtered(&self, cutoff: f64) -> Result<ConditionedLogs, ReadError> {
+        let ConditionedLogs { logs, clock, settings, report } = &self.conditioned;
+        let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), ..*settings };
+        let found = condition(&self.first, &settings).map_err(|e| signals(logs, 0, e))?.report;
+        let decided = Decided::HeldOut;
+        let choice = report.choice.clone().map(|was| CutoffChoice { cutoff, decided, ..was });
+        let report = ConditionReport { choice, ..found };
+        Ok(ConditionedLogs { logs: logs.clone(), clock: *clock, settings, report })
     }
 }
 
@@ -303,45 +326,68 @@ fn signals(logs: &Logs, trajectory: usize, source: SignalError) -> LogError {
     LogError::Signals { file, trajectory: trajectory + 1, source }
 }
 
-/// The first rows of the first trajectory.
-fn first_rows(logs: &Logs) -> Result<Raw, LogError> {
-    let mut blocks: Vec<RawBlock> = Vec::new();
-    let mut rows = 0;
-    let read = logs.read_raw(&mut |trajectory, block| -> Result<(), Halt> {
-        if trajectory > 0 || rows >= FIRST_ROWS {
-            return Err(Halt::Enough);
+/// What the clock of logs asks for, and pieces of all trajectories with their clock mended.
+fn repaired(logs: &Logs) -> Result<(ClockRepair, Vec<Raw>), LogError> {
+    let raw = pieces(logs)?;
+    let clock = ClockRepair::of(&raw);
+    let mend = |piece: &RawBlock| {
+        let mut lane = ClockLane::new(clock);
+        let blocks: Vec<RawBlock> = lane.push(piece).into_iter().chain(lane.finish()).collect();
+        whole(logs.joints(), &blocks)
+    };
+    Ok((clock, raw.iter().map(mend).collect()))
+}
+
+/// Pieces of all trajectories, evenly spread over them: all rows of short logs, and no more than
+/// some of long ones.
+fn pieces(logs: &Logs) -> Result<Vec<RawBlock>, LogError> {
+    let (mut kept, mut every, mut count) = (Vec::<RawBlock>::new(), 1, 0);
+    let mut open: (usize, Vec<RawBlock>) = (0, Vec::new());
+    let mut take = |blocks: &mut Vec<RawBlock>| {
+        if !blocks.is_empty() && count % every == 0 {
+            kept.push(joined(blocks));
         }
-        rows += block.t.len();
-        blocks.push(block.clone());
+        count += usize::from(!blocks.is_empty());
+        blocks.clear();
+        let rows: usize = kept.iter().map(|piece| piece.t.len()).sum();
+        if rows > MOST_ROWS && kept.len() > 1 {
+            every *= 2;
+            let mut place = 0;
+            kept.retain(|_| {
+                place += 1;
+                place % 2 == 1
+            });
+        }
+    };
+    logs.read_raw(&mut |trajectory, block| -> Result<(), LogError> {
+        let rows: usize = open.1.iter().map(|block| block.t.len()).sum();
+        if trajectory != open.0 || rows >= FIRST_ROWS {
+            take(&mut open.1);
+        }
+        open.0 = trajectory;
+        open.1.push(block.clone());
         Ok(())
-    });
-    match read {
-        Err(Halt::Error(error)) => Err(error),
-        Ok(()) | Err(Halt::Enough) => Ok(joined(logs.joints(), &blocks)),
+    })?;
+    take(&mut open.1);
+    Ok(kept)
+}
+
+/// The middle one of the lags that pieces show \[s\]; none where fewer than half of them do.
+fn lag(pieces: &[Raw], settings: &Conditioning) -> Result<f64, SignalError> {
+    let mut lags = Vec::new();
+    for piece in pieces {
+        match torque_delay(piece, settings) {
+            Ok(lag) => lags.push(lag.map_or(0.0, |lag| lag.seconds)),
+            Err(error) if error.is_too_short() => {}
+            Err(error) => return Err(error),
+        }
     }
+    lags.sort_by(f64::total_cmp);
+    Ok(lags.get(lags.len() / 2).copied().unwrap_or_default())
 }
 
 /// Blocks of one trajectory, one after the other.
-fn joined(joints: &[String], blocks: &[RawBlock]) -> Raw {
-    let n = joints.len();
-    let t: Vec<f64> = blocks.iter().flat_map(|block| &block.t).copied().collect();
-    let place = {
-        let mut places = Vec::with_capacity(t.len());
-        for (index, block) in blocks.iter().enumerate() {
-            places.extend((0..block.t.len()).map(|row| (index, row)));
-        }
-        places
-    };
-    let signal = |of: &dyn Fn(&RawBlock) -> Option<&Mat<f64>>| -> Option<Mat<f64>> {
-        let parts: Vec<&Mat<f64>> = blocks.iter().map(of).collect::<Option<_>>()?;
-        Some(Mat::from_fn(t.len(), n, |row, joint| {
-            let (index, row) = place[row];
-            parts[index][(row, joint)]
-        }))
-    };
-    let q = signal(&|block| Some(&block.q)).unwrap_or_else(|| Mat::zeros(t.len(), n));
-    let dq = signal(&|block| block.dq.as_ref());
-    let ddq = signal(&|block| block.ddq.as_ref());
-    let tau = signal(&|block| block.tau.as_ref());
+fn whole(joints: &[String], blocks: &[RawBlock]) -> Raw {
+    let RawBlock { t, q, dq, ddq, tau } = joined(blocks);
     Raw { joints: joints.to_vec(), q, dq, ddq, tau, t }
 }

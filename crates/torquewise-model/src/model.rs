@@ -145,6 +145,10 @@ pub struct Training {
     /// n, where a chain was fitted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unexplained_rms: Vec<f64>,
+    /// RMS of what is left of the torque of each joint \[N·m\] on blocks of time that were held
+    /// out, n, where a chain was fitted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held_out_rms: Vec<f64>,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).

@@ -31,4 +31,4 @@ pub use differentiate::{LocalPolynomial, derivative};
 pub use error::MotionError;
 pub use motion::{Motion, Signals};
 pub use pattern::Pattern;
-pub use recording::{BLOCK_ROWS, ReadError, Recording};
+pub use recording::{BLOCK_ROWS, RawRecording, ReadError, Recording};

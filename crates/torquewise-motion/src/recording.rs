@@ -1,6 +1,7 @@
 //! Recording → Motion blocks: one or several trajectories, read in order and in fixed memory.
 
 use crate::motion::Motion;
+use faer::Mat;
 
 /// Rows of a block at most. Every reader cuts each trajectory at multiples of it, so that sums over
 /// blocks are taken in the same order, and have the same bits, however a log is stored.
@@ -66,6 +67,34 @@ pub trait Recording {
         let _ = (log, seed, visit);
         Ok(false)
     }
+}
+
+/// Logs before their filter: what they become at any bandwidth.
+pub trait RawRecording: Sync {
+    /// The logs at one bandwidth.
+    type Filtered: Recording;
+
+    /// Where a search for the bandwidth may begin: a cut-off \[Hz\].
+    fn first_cutoff(&self) -> f64;
+
+    /// Cut-offs worth trying \[Hz\], ascending.
+    fn cutoffs(&self) -> Vec<f64>;
+
+    /// A sample of motion and torque filtered at a cut-off, in the order of time; at the same
+    /// instants for each. `None` where the logs are too short for it.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    fn sample(&self, cutoff: f64) -> Result<Option<Motion>, ReadError>;
+
+    /// The torque at these instants as it was measured, but for spikes \[N·m\], m×n.
+    fn raw_torque(&self) -> &Mat<f64>;
+
+    /// All rows, filtered at a cut-off.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    fn filtered(&self, cutoff: f64) -> Result<Self::Filtered, ReadError>;
 }
 
 impl Recording for Motion {

@@ -41,7 +41,9 @@ pub mod report;
 pub mod condition;
 pub mod blocks;
 mod torque_delay;
+mod bandwidth;
 
+pub use bandwidth::Bandwidths;
 pub use blocks::Conditioner;
 pub use clean::Outliers;
 pub use condition::{Conditioned, condition, condition_by};

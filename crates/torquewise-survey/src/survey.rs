@@ -279,6 +279,7 @@ impl Survey {
             filter: None,
             price_of_physics: None,
             unexplained_rms: Vec::new(),
+            held_out_rms: Vec::new(),
         }
     }
 

@@ -27,5 +27,5 @@ pub(crate) fn run(_: &Arguments) -> Outcome {
         json!({ "name": name, "joints": joints, "description": description })
     });
     let json = json!({ "arms": objects.collect::<Vec<_>>() });
-    Outcome { text, json, warnings: Vec::new() }
+    Outcome { notes: Vec::new(), text, json, warnings: Vec::new() }
 }

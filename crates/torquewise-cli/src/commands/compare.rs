@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let json: serde_json::Map<String, Value> =
         contenders.iter().map(|contender| (contender.name.to_owned(), contender.json())).collect();
     let text = text(&contenders, train.joints());
-    Ok(Outcome { text, warnings: warnings.collect(), json: Value::Object(json) })
+    Ok(Outcome { notes: Vec::new(), text, warnings: warnings.collect(), json: Value::Object(json) })
 }
 
 impl Contender {

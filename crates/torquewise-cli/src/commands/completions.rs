@@ -22,5 +22,5 @@ pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Outcom
     let text = String::from_utf8(script)
         .map_err(|error| CliError::Stdout { source: std::io::Error::other(error) })?;
     let json = json!({ "shell": arguments.shell.to_string(), "script": text });
-    Ok(Outcome { text, json, warnings: Vec::new() })
+    Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
 }

@@ -84,7 +84,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
     let warnings = found[0].timed.found.warnings.iter().map(ToString::to_string).collect();
     let text = text(arguments, &log, &purities, &found);
-    Ok(Outcome { text, json: json(arguments, &log, &purities, &found), warnings })
+    Ok(Outcome {
+        notes: Vec::new(),
+        text,
+        json: json(arguments, &log, &purities, &found),
+        warnings,
+    })
 }
 
 fn purities(found: &Found, log: &Motion, truth: &[Pattern]) -> Vec<Purity> {

@@ -33,9 +33,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = arguments.signals.prepare_as(model.training.filter, logs)?;
     let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
 
+    let raw = logs.raw_errors(&model)?;
     Ok(Outcome {
-        text: format!("{}{}\n{} rows\n", logs.text(), score_table::text(&scores), scores.rows),
-        json: score_table::json(&scores),
+        text: format!(
+            "{}{}\n{} rows\n",
+            logs.text(),
+            score_table::text(&scores, raw.as_ref()),
+            scores.rows
+        ),
+        json: score_table::json_beside_raw(&scores, raw.as_ref()),
         warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
+        notes: Vec::new(),
     })
 }

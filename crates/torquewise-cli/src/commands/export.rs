@@ -241,5 +241,5 @@ fn outcome(
         "output": arguments.output,
         "test_vectors": vectors,
     });
-    Outcome { text, json, warnings: Vec::new() }
+    Outcome { notes: Vec::new(), text, json, warnings: Vec::new() }
 }

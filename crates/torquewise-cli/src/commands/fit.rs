@@ -10,16 +10,15 @@ use crate::progress::Watched;
 use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
 use crate::score_table;
 use crate::table::{Table, counts, number};
-use crate::timed::{Timed, timed};
+use crate::timed::{Timed, timed, timed_at_best};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use torquewise::diagnose::disagreement::disagreements;
 use torquewise::identify::plan::Regression;
-use torquewise::identify::{Plan, Reconstruction, Warning, diagnose, score};
+use torquewise::identify::{Grade, Plan, Reconstruction, Verdict, Warning, diagnose, score};
 use torquewise::logs::Logs;
-use torquewise::model::model::Choice;
 use torquewise::model::{Model, to_json};
 use torquewise::motion::Recording;
 use torquewise::regression::accumulate::Route;
@@ -76,9 +75,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
     // Wrong usage is told before the log is read.
     arguments.plan.plan(arguments.method.regression(), Known::default())?;
-    let Opened { logs, test, cutoff, plan } = open(arguments)?;
-    let mut timed = timed(&logs, logs.rows_hint(), &plan)?;
-    timed.found.model.choices.splice(0..0, cutoff);
+    let Opened { logs, test, plan } = open(arguments)?;
+    let (logs, mut timed) = if arguments.signals.leaves_cutoff() {
+        timed_at_best(logs, &plan)?
+    } else {
+        let timed = timed(&logs, logs.rows_hint(), &plan)?;
+        (logs, timed)
+    };
     timed.found.model.training.filter = logs.filter();
     compare_logs(&mut timed.found, &logs)?;
     let model = &timed.found.model;
@@ -87,13 +90,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mass = MassMatrix::of(model)?;
     let mut text = vec![mass.headline(), logs.text(), text(&arguments.output, &timed)];
     let mut json = json(&arguments.output, &timed, &mass);
-    let found = timed.found.warnings.iter().map(ToString::to_string);
+    let (notes, found): (Vec<&Warning>, Vec<&Warning>) =
+        timed.found.warnings.iter().partition(|warning| warning.is_remark());
+    let notes = notes.into_iter().map(ToString::to_string).collect();
+    let found = found.into_iter().map(ToString::to_string);
     let mut warnings: Vec<String> =
         mass.warning().into_iter().chain(found).chain(logs.warnings()).collect();
     if let Some(test) = &test {
         let scores = score(model, &Watched::new(test, "predicting").of(test.rows_hint(), 1))?;
-        text.push(format!("\nOn the test log:\n\n{}", score_table::text(&scores)));
-        json["test"] = score_table::json(&scores);
+        let raw = test.raw_errors(model)?;
+        let table = score_table::text(&scores, raw.as_ref());
+        text.push(format!("\nOn the test log:\n\n{table}"));
+        json["test"] = score_table::json_beside_raw(&scores, raw.as_ref());
         warnings.extend(score_table::warnings(&scores));
     }
     if let Some(file) = &arguments.report {
@@ -103,7 +111,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         json["costs"] = costs.json();
         json["report"] = json!(file.display().to_string());
     }
-    Ok(Outcome { text: text.concat(), json, warnings })
+    if let Some(verdict) = Verdict::of(&timed.found) {
+        text.push(format!("\nverdict: {verdict}\n"));
+        json["verdict"] = json!(verdict.grade.to_string());
+        if verdict.grade == Grade::Unusable {
+            warnings.push(format!("the model is {verdict}"));
+        }
+        json["because"] = json!(verdict.because);
+    }
+    Ok(Outcome { text: text.concat(), json, warnings, notes })
 }
 
 fn check_outputs(arguments: &Arguments) -> Result<()> {
@@ -125,8 +141,6 @@ struct Opened {
     logs: Recorded,
     /// To judge by.
     test: Option<Recorded>,
-    /// How the cut-off of the filter was chosen.
-    cutoff: Option<Choice>,
     /// What is fitted.
     plan: Plan,
 }
@@ -140,7 +154,7 @@ fn open(arguments: &Arguments) -> Result<Opened> {
     let logs = open(&arguments.logs)?;
     let known = Known::of(&logs, &arguments.signals);
     let plan = arguments.plan.plan(arguments.method.regression(), known)?;
-    let (logs, cutoff) = arguments.signals.prepare_to_fit(logs)?;
+    let logs = arguments.signals.prepare(logs)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
     let test =
         test.map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?)).transpose()?;
@@ -148,7 +162,7 @@ fn open(arguments: &Arguments) -> Result<Opened> {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
     }
-    Ok(Opened { logs, test, cutoff, plan })
+    Ok(Opened { logs, test, plan })
 }
 
 /// Warns of logs that one model cannot fit, such as those of different payloads.
@@ -199,12 +213,16 @@ pub(crate) fn text(output: &Path, timed: &Timed) -> String {
         steps.row(step.name, [rows, candidates, counts(&step.active), format!("{seconds:.3}")]);
     }
     let model = &found.model;
-    let mut joints = Table::new(&["joint", "active", "residual [N·m]", "of std(tau) [%]"]);
+    let percent = |part: &str| format!("{part} [% of std]");
+    let (own, held_out) = (percent("residual"), percent("held out"));
+    let mut joints = Table::new(&["joint", "active", "residual [N·m]", &own, &held_out]);
     let training = model.training.residual_rms.iter().zip(&model.training.torque_std);
     let active = model.active();
+    let mut unseen = held_out_percent(model).into_iter();
     for ((name, active), (&residual, &std)) in model.joints.iter().zip(active).zip(training) {
-        let cells = [active.to_string(), number(residual), number(100.0 * residual / std)];
-        joints.row(name, cells);
+        let own = [active.to_string(), number(residual), number(100.0 * residual / std)];
+        let unseen = unseen.next().map_or_else(String::new, number);
+        joints.row(name, own.into_iter().chain([unseen]));
     }
     format!(
         "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\n{}{}model: {}\n",
@@ -221,6 +239,12 @@ pub(crate) fn text(output: &Path, timed: &Timed) -> String {
         line(model.training.price_of_physics.as_ref()),
         output.display(),
     )
+}
+
+/// What is left of the torque of each joint on held-out blocks of time, of its spread \[%\].
+fn held_out_percent(model: &Model) -> Vec<f64> {
+    let pairs = model.training.held_out_rms.iter().zip(&model.training.torque_std);
+    pairs.map(|(rms, std)| 100.0 * rms / std).collect()
 }
 
 /// A line of its own, if there is something to say.
@@ -275,6 +299,8 @@ pub(crate) fn json(output: &Path, timed: &Timed, mass: &MassMatrix) -> Value {
         "price_of_physics": model.training.price_of_physics,
         "residual_percent": model.training.residual_rms.iter().zip(&model.training.torque_std)
             .map(|(rms, std)| 100.0 * rms / std).collect::<Vec<_>>(),
+        "held_out_percent": held_out_percent(model),
+        "cutoff_hz": model.training.filter.map(|filter| filter.cutoff_hz),
         "seconds": timed.seconds,
         "route": overall_route(found),
         "noise": {

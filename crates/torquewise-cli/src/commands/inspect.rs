@@ -66,6 +66,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (counts, units) = (table.finish()?, units.into_values().collect());
     let inspection = Inspection { logs: recorded.logs().clone(), survey, patterns, counts, units };
     Ok(Outcome {
+        notes: Vec::new(),
         text: inspection.text() + &signals_text(&recorded),
         json: inspection.json(),
         warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
@@ -83,6 +84,7 @@ fn suggested(logs: &[PathBuf], known: &ProfileArguments) -> Option<Outcome> {
     let reasons: Vec<String> =
         suggestion.reasons.iter().map(|reason| format!("- {reason}\n")).collect();
     Some(Outcome {
+        notes: Vec::new(),
         text: format!(
             "The columns of this log need a profile. A suggestion, to be saved as profile.toml \
              and used with --profile profile.toml:\n\n{}\n{}",

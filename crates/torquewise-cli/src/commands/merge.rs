@@ -28,6 +28,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let bytes = write_moments(&arguments.output, &all)?;
     Ok(Outcome {
+        notes: Vec::new(),
         text: text(&all, &arguments.output, bytes),
         json: json(&all, &arguments.output, bytes),
         warnings: Vec::new(),

@@ -77,6 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let bytes = write_moments(&arguments.output, &summary)?;
     Ok(Outcome {
+        notes: Vec::new(),
         text: logs.text() + &text(&summary, &arguments.output, bytes),
         json: json(&summary, &arguments.output, bytes),
         warnings: logs.warnings(),

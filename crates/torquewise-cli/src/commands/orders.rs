@@ -79,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     });
     let warnings =
         Warning::of_orders(&curves, logs.joints()).iter().map(ToString::to_string).collect();
-    Ok(Outcome { text: text.concat(), json, warnings })
+    Ok(Outcome { notes: Vec::new(), text: text.concat(), json, warnings })
 }
 
 fn curve_json(curve: &OrderCurve) -> Value {

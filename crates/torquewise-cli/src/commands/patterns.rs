@@ -73,5 +73,5 @@ fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome
         "patterns": counts_json(counts),
         "file": file,
     });
-    Outcome { text, json, warnings: missing(&found.present) }
+    Outcome { notes: Vec::new(), text, json, warnings: missing(&found.present) }
 }

@@ -5,7 +5,7 @@ use crate::files::{check_output, read_model};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::ProfileArguments;
+use crate::recorded::{ProfileArguments, SignalArguments};
 use crate::table::{Table, number};
 use crate::training_range::AskedRange;
 use anyhow::{Result, anyhow};
@@ -40,6 +40,8 @@ pub(crate) struct Arguments {
     interval: Option<u8>,
     #[command(flatten)]
     profile: ProfileArguments,
+    #[command(flatten)]
+    signals: SignalArguments,
 }
 
 /// Predicts row by row.
@@ -53,6 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let logs = arguments.profile.open(std::slice::from_ref(&arguments.log))?;
     model.check_joints(logs.joints())?;
+    let logs = arguments.signals.prepare_all_as(model.training.filter, logs)?;
 
     let _shield = Shield::new();
     let interval =
@@ -208,5 +211,5 @@ fn outcome(
         "file": file,
     });
     let text = format!("{}\ntorque: {file} ({rows} rows)\n", table.text());
-    Outcome { text, json, warnings: asked.warnings(model) }
+    Outcome { notes: Vec::new(), text, json, warnings: asked.warnings(model) }
 }

@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "figures": files,
         "seconds": seconds,
     });
-    Ok(Outcome { text, json, warnings: Vec::new() })
+    Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
 }
 
 fn claims_text(results: &Results) -> String {

@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         text.extend(costs.as_ref().map(CallCosts::text));
     }
     let warnings = physics.iter().filter_map(Physics::warning).collect();
-    Ok(Outcome { text, json, warnings })
+    Ok(Outcome { notes: Vec::new(), text, json, warnings })
 }
 
 fn states(text: &str) -> Result<usize, String> {

@@ -147,5 +147,5 @@ fn outcome(arguments: &Arguments, joints: &[String], rows: usize, counts: [u64; 
     let truth = arguments.truth.iter().map(|truth| format!("truth: {}\n", truth.display()));
     let text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len())
         + &truth.collect::<String>();
-    Outcome { text, json, warnings: Vec::new() }
+    Outcome { notes: Vec::new(), text, json, warnings: Vec::new() }
 }

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
                 next.pass()
             );
             let json = json!({ "request": file.to_string(), "pass": next.pass() });
-            Ok(Outcome { text, json, warnings: Vec::new() })
+            Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
         }
     }
 }
@@ -69,6 +69,7 @@ fn solved(arguments: &Arguments, timed: &Timed) -> Result<Outcome> {
     let mass = MassMatrix::of(&timed.found.model)?;
     let found = timed.found.warnings.iter().map(ToString::to_string);
     Ok(Outcome {
+        notes: Vec::new(),
         text: mass.headline() + &fit::text(&arguments.output, timed),
         json: fit::json(&arguments.output, timed, &mass),
         warnings: mass.warning().into_iter().chain(found).collect(),

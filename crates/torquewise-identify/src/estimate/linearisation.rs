@@ -79,6 +79,17 @@ impl Linearisation {
         Self { structure: Structure { free, ..self.structure }, ..self }
     }
 
+    /// Whether the bias of noise in the rows is corrected for (E7).
+    pub(crate) fn corrects_noise(&self) -> bool {
+        self.raw_noise || !self.noise.is_none()
+    }
+
+    /// The same with rows taken as they are.
+    pub(crate) fn without_noise_correction(&self) -> Self {
+        let noise = NoiseFloor::none(self.n_joints());
+        Self { noise, raw_noise: false, ..self.clone() }
+    }
+
     /// Whether its parts fit n joints.
     pub(crate) fn is_sound(&self, n: usize) -> bool {
         let bodies = torquewise_rigid::recursion::PER_BODY * n;
@@ -159,18 +170,7 @@ impl Linearisation {
         block: &Motion,
         seen: &Motion,
     ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
-        let drive = columns(&self.structure.drive, block);
-        let tau = block.require_tau()?;
-        let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
-        let rows = Rows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;
-        let rows = if rests {
-            rows.with_shares(|row, joint| {
-                let moves = seen.dq()[(row, joint)].abs() >= self.structure.rest[joint];
-                if moves { 1.0 } else { WEIGHT_AT_REST }
-            })
-        } else {
-            rows
-        };
+        let rows = self.weighed(block, seen)?;
         let tangent = self.chain()?.tangent(&rows, &self.weights)?;
         let mut out = tangent.columns;
         for (j, scale) in self.scales.iter().enumerate() {
@@ -186,6 +186,35 @@ impl Linearisation {
                 },
             );
         Ok((whole, tangent.weights))
+    }
+}
+
+impl Linearisation {
+    /// The rows of a block, those of joints at rest with little weight.
+    fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
+        let drive = columns(&self.structure.drive, block);
+        let tau = block.require_tau()?;
+        let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
+        let rows = Rows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;
+        Ok(if rests {
+            rows.with_shares(|row, joint| {
+                let moves = seen.dq()[(row, joint)].abs() >= self.structure.rest[joint];
+                if moves { 1.0 } else { WEIGHT_AT_REST }
+            })
+        } else {
+            rows
+        })
+    }
+
+    /// Columns of the linear parameters and of steps of the geometry that may move, in units of the
+    /// noise, (m·n)×p, joint by joint, and what each row was multiplied by, m·n.
+    pub(crate) fn columns_of(
+        &self,
+        motion: &Motion,
+    ) -> Result<(Mat<f64>, Vec<f64>), IdentifyError> {
+        let rows = self.weighed(motion, motion)?;
+        let tangent = self.chain()?.tangent_of(&rows, &self.weights, &self.structure.free)?;
+        Ok((tangent.columns, tangent.weights))
     }
 }
 

@@ -23,7 +23,12 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
             let _ = writeln!(text, "{kind}: {}", file.display());
         }
     }
-    Outcome { text, json: json(arguments, compared), warnings: warnings(compared) }
+    Outcome {
+        notes: Vec::new(),
+        text,
+        json: json(arguments, compared),
+        warnings: warnings(compared),
+    }
 }
 
 fn table(compared: &Compared) -> Table {

@@ -22,6 +22,7 @@ pub(super) fn outcome(
     files: &Files,
 ) -> Outcome {
     Outcome {
+        notes: Vec::new(),
         text: text(arguments, limits, planned, files),
         json: json(arguments, limits, planned, files),
         warnings: warnings(planned),

@@ -1,0 +1,137 @@
+//! Reconstruction → verdict: may the model be used, and why.
+
+use crate::found::Reconstruction;
+use crate::warning::Warning;
+use std::fmt;
+use torquewise_diagnose::excitation::{Finding, list};
+
+/// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
+/// joints; and up to which that of each joint may be.
+const GOOD: (f64, f64) = (0.1, 0.3);
+/// From here a prediction is no better than the mean.
+const USELESS: f64 = 1.0;
+
+/// May a model be used?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grade {
+    /// As it is.
+    Good,
+    /// With the reasons in mind.
+    Usable,
+    /// Not without a better log.
+    Unusable,
+}
+
+/// A grade, and what it rests on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verdict {
+    /// The grade.
+    pub grade: Grade,
+    /// Why, the gravest first; one sentence part each.
+    pub because: Vec<String>,
+}
+
+impl Verdict {
+    /// From blocks of time that were held out, and what the motion leaves open; `None` of a model
+    /// whose held-out error was not found.
+    pub fn of(found: &Reconstruction) -> Option<Self> {
+        let training = &found.model.training;
+        if training.held_out_rms.is_empty() {
+            return None;
+        }
+        let left = training.held_out_rms.iter().zip(&training.residual_rms);
+        let errors: Vec<f64> = (left.zip(&training.torque_std))
+            .map(|((unseen, own), std)| if *std > 0.0 { unseen.max(*own) / std } else { 0.0 })
+            .collect();
+        let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {
+            let named = found.model.joints.iter().zip(&errors);
+            named.filter(|(_, error)| is(**error)).map(|(name, _)| name.clone()).collect()
+        };
+        let useless = joints(&|error| error.is_nan() || error >= USELESS);
+        let poor = joints(&|error| (GOOD.1..USELESS).contains(&error));
+        let grave = grave(&found.warnings);
+        let logs = errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum::<f64>();
+        let mean = (logs / errors.len() as f64).exp();
+        let mut because = Vec::new();
+        if !useless.is_empty() {
+            because.push(format!(
+                "held-out torque of {} is predicted no better than by its mean",
+                list(&useless)
+            ));
+        }
+        because.extend(grave);
+        let grade = if !because.is_empty() {
+            Grade::Unusable
+        } else if mean <= GOOD.0 && poor.is_empty() {
+            Grade::Good
+        } else {
+            Grade::Usable
+        };
+        because.extend(one_way(&found.warnings));
+        if !poor.is_empty() {
+            because.push(format!(
+                "held-out torque of {} is missed by more than {:.0} % of its spread",
+                list(&poor),
+                100.0 * GOOD.1
+            ));
+        }
+        let (least, most) = errors
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(least, most), e| (least.min(*e), most.max(*e)));
+        because.push(format!(
+            "held-out error {:.2} to {:.2} % of the spread of the torque",
+            100.0 * least,
+            100.0 * most
+        ));
+        Some(Self { grade, because })
+    }
+}
+
+/// What makes a model useless whatever the error on its own log.
+fn grave(warnings: &[Warning]) -> Vec<String> {
+    let of = |warning: &Warning| match warning {
+        Warning::Excitation(Finding::Together { joints, .. }) => {
+            Some(format!("{} always move together", list(joints)))
+        }
+        Warning::Excitation(Finding::Backward { joint }) => {
+            Some(format!("the torque of {joint} has the wrong sign"))
+        }
+        Warning::Excitation(Finding::Unrelated { joint, .. }) => {
+            Some(format!("the torque of {joint} does not follow its motion"))
+        }
+        Warning::Excitation(Finding::Commanded { joint, .. }) => {
+            Some(format!("the torque of {joint} is a command, no measurement"))
+        }
+        Warning::Disagreement(_) => Some("logs disagree in what gravity does".to_owned()),
+        Warning::Units { joint, .. } => Some(format!("{joint} may be in degrees")),
+        _ => None,
+    };
+    warnings.iter().filter_map(of).collect()
+}
+
+/// Joints of which only one direction was seen.
+fn one_way(warnings: &[Warning]) -> Option<String> {
+    let of = |warning: &Warning| match warning {
+        Warning::Excitation(Finding::OneWay { joint, .. }) => Some(joint.clone()),
+        _ => None,
+    };
+    let joints: Vec<String> = warnings.iter().filter_map(of).collect();
+    (!joints.is_empty()).then(|| format!("{}: seen in one direction only", list(&joints)))
+}
+
+impl fmt::Display for Grade {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Good => "good",
+            Self::Usable => "usable",
+            Self::Unusable => "unusable",
+        })
+    }
+}
+
+impl fmt::Display for Verdict {
+    /// One line, without a line break.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", self.grade, self.because.join("; "))
+    }
+}

@@ -1,0 +1,238 @@
+//! Raw rows → the same rows at the times they were sampled: held rows out, late stamps mended.
+
+use crate::blocks::RawBlock;
+use faer::Mat;
+
+/// Repeats of position and torque that a logger faster than its device makes; a longer run is an
+/// arm at rest.
+const MOST_HELD: usize = 3;
+/// Held rows that a log has at least if its logger is faster than its device.
+const LEAST_HELD: f64 = 0.02;
+/// Rows to each side that the clock of a device is found from.
+const WINDOW: usize = 32;
+/// A step over so many usual ones is a gap, over which no clock is found.
+const GAP: f64 = 3.5;
+/// Fewer rows between gaps tell nothing of a clock.
+const LEAST_ROWS: usize = 8;
+/// Stamps are mended if positions follow their neighbours so much better afterwards: the root of
+/// the mean square of what they are off falls to this part.
+const BETTER: f64 = 0.9;
+
+/// How the clock of logs is mended, decided once for all of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ClockRepair {
+    /// Rows that repeat position and torque of the one before are left out: the device was slower than
+    /// the logger.
+    pub held: bool,
+    /// Stamps are those of late receipt: the device sampled evenly.
+    pub late: bool,
+}
+
+impl ClockRepair {
+    /// What pieces of logs ask for.
+    pub(crate) fn of(pieces: &[RawBlock]) -> Self {
+        let (mut rows, mut repeats) = (0, 0);
+        for piece in pieces {
+            rows += piece.t.len();
+            repeats += held(piece, &mut Held::default()).iter().filter(|held| **held).count();
+        }
+        let held = repeats as f64 > LEAST_HELD * rows as f64;
+        let mut off = [0.0, 0.0];
+        for piece in pieces {
+            let piece =
+                if held { without_held(piece, &mut Held::default()) } else { piece.clone() };
+            let mended = mended(&piece.t);
+            off[0] += roughness(&piece.t, &piece.q);
+            off[1] += roughness(&mended, &piece.q);
+        }
+        Self { held, late: off[1] < BETTER * BETTER * off[0] }
+    }
+}
+
+/// The last row of a trajectory that was read, and how often it was repeated.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Held {
+    last: Vec<f64>,
+    run: usize,
+}
+
+/// Which rows repeat the one before.
+fn held(block: &RawBlock, state: &mut Held) -> Vec<bool> {
+    // Velocities may have been derived after the device, so that they never repeat.
+    let signals = [Some(&block.q), block.tau.as_ref()];
+    let mut found = Vec::with_capacity(block.t.len());
+    for row in 0..block.t.len() {
+        let values: Vec<f64> = signals
+            .into_iter()
+            .flatten()
+            .flat_map(|signal| (0..signal.ncols()).map(move |joint| signal[(row, joint)]))
+            .collect();
+        state.run = if values == state.last { state.run + 1 } else { 0 };
+        state.last = values;
+        found.push((1..=MOST_HELD).contains(&state.run));
+    }
+    found
+}
+
+fn without_held(block: &RawBlock, state: &mut Held) -> RawBlock {
+    let held = held(block, state);
+    select(block, &(0..block.t.len()).filter(|row| !held[*row]).collect::<Vec<_>>())
+}
+
+fn select(block: &RawBlock, rows: &[usize]) -> RawBlock {
+    let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |row, j| x[(rows[row], j)]);
+    RawBlock {
+        t: rows.iter().map(|&row| block.t[row]).collect(),
+        q: pick(&block.q),
+        dq: block.dq.as_ref().map(pick),
+        ddq: block.ddq.as_ref().map(pick),
+        tau: block.tau.as_ref().map(pick),
+    }
+}
+
+/// Stamps on the line of least squares through those around them, between gaps.
+fn mended(t: &[f64]) -> Vec<f64> {
+    let usual = median(t.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let mut out = t.to_vec();
+    let mut begin = 0;
+    for end in 1..=t.len() {
+        if end < t.len() && t[end] - t[end - 1] <= GAP * usual {
+            continue;
+        }
+        if end - begin >= LEAST_ROWS {
+            for row in begin..end {
+                let first = row.saturating_sub(WINDOW).max(begin);
+                out[row] = on_line(&t[first..(row + WINDOW + 1).min(end)], row - first);
+            }
+        }
+        begin = end;
+    }
+    if out.windows(2).all(|pair| pair[0] < pair[1]) { out } else { t.to_vec() }
+}
+
+/// The value at a row of the line of least squares through stamps over their rows.
+fn on_line(t: &[f64], row: usize) -> f64 {
+    let count = t.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let mean = t.iter().map(|x| x - t[0]).sum::<f64>() / count;
+    let (mut products, mut squares) = (0.0, 0.0);
+    for (k, x) in t.iter().enumerate() {
+        let off = k as f64 - middle;
+        products += off * (x - t[0] - mean);
+        squares += off * off;
+    }
+    t[0] + mean + products / squares * (row as f64 - middle)
+}
+
+/// Square of what positions are off the cubic through the two rows on each side, over that of their
+/// steps, each at the median over the rows; the sum of the joints.
+fn roughness(t: &[f64], q: &Mat<f64>) -> f64 {
+    let mut sum = 0.0;
+    for joint in 0..q.ncols() {
+        let x = q.col_as_slice(joint);
+        let off = |k: usize| {
+            let at = [k - 2, k - 1, k + 1, k + 2];
+            let weight = |i: usize| {
+                let others = (0..4).filter(|j| *j != i);
+                others.map(|j| (t[k] - t[at[j]]) / (t[at[i]] - t[at[j]])).product::<f64>()
+            };
+            let between: f64 = (0..4).map(|i| weight(i) * (x[at[i]] - x[k])).sum();
+            between * between
+        };
+        let steps = median(x.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).collect());
+        if steps > 0.0 {
+            sum += median((2..x.len().saturating_sub(2)).map(off).collect()) / steps;
+        }
+    }
+    sum
+}
+
+/// The middle one of some values; zero of none.
+fn median(mut x: Vec<f64>) -> f64 {
+    let middle = x.len() / 2;
+    if x.is_empty() { 0.0 } else { *x.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// Mends the clock of one trajectory, block by block: what comes out depends on the rows alone, not
+/// on how they are cut.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ClockLane {
+    repair: ClockRepair,
+    held: Held,
+    /// Rows that wait for those after them, or are needed by those.
+    waiting: Option<RawBlock>,
+    /// Of these, rows that were handed out.
+    done: usize,
+}
+
+impl ClockLane {
+    pub(crate) fn new(repair: ClockRepair) -> Self {
+        Self { repair, ..Self::default() }
+    }
+
+    /// Takes a block, and hands out what is known by then.
+    pub(crate) fn push(&mut self, block: &RawBlock) -> Option<RawBlock> {
+        let block =
+            if self.repair.held { without_held(block, &mut self.held) } else { block.clone() };
+        if !self.repair.late {
+            return Some(block).filter(|block| !block.t.is_empty());
+        }
+        let waiting = match self.waiting.take() {
+            None => block,
+            Some(before) => joined(&[before, block]),
+        };
+        let known = waiting.t.len().saturating_sub(WINDOW);
+        let out = self.hand_out(&waiting, known);
+        // A gap before the window, and the usual step, are found from rows long done.
+        let forgotten = self.done.saturating_sub(MEMORY);
+        self.done -= forgotten;
+        let rows: Vec<usize> = (forgotten..waiting.t.len()).collect();
+        self.waiting = Some(select(&waiting, &rows));
+        out
+    }
+
+    /// Hands out the rest.
+    pub(crate) fn finish(mut self) -> Option<RawBlock> {
+        let waiting = self.waiting.take()?;
+        let rows = waiting.t.len();
+        self.hand_out(&waiting, rows)
+    }
+
+    fn hand_out(&mut self, waiting: &RawBlock, known: usize) -> Option<RawBlock> {
+        if known <= self.done {
+            return None;
+        }
+        let t = mended(&waiting.t);
+        let rows: Vec<usize> = (self.done..known).collect();
+        let mut out = select(waiting, &rows);
+        out.t = rows.iter().map(|&row| t[row]).collect();
+        self.done = known;
+        Some(out)
+    }
+}
+
+/// Rows that are remembered once they are done.
+const MEMORY: usize = 4 * WINDOW;
+
+/// Blocks of one trajectory, one after the other.
+pub(crate) fn joined(blocks: &[RawBlock]) -> RawBlock {
+    let t: Vec<f64> = blocks.iter().flat_map(|block| &block.t).copied().collect();
+    let place: Vec<(usize, usize)> = (blocks.iter().enumerate())
+        .flat_map(|(index, block)| (0..block.t.len()).map(move |row| (index, row)))
+        .collect();
+    let signal = |of: &dyn Fn(&RawBlock) -> Option<&Mat<f64>>| -> Option<Mat<f64>> {
+        let parts: Vec<&Mat<f64>> = blocks.iter().map(of).collect::<Option<_>>()?;
+        let n = parts.first()?.ncols();
+        Some(Mat::from_fn(t.len(), n, |row, joint| {
+            let (index, row) = place[row];
+            parts[index][(row, joint)]
+        }))
+    };
+    RawBlock {
+        q: signal(&|block| Some(&block.q)).unwrap_or_else(|| Mat::zeros(t.len(), 0)),
+        dq: signal(&|block| block.dq.as_ref()),
+        ddq: signal(&|block| block.ddq.as_ref()),
+        tau: signal(&|block| block.tau.as_ref()),
+        t,
+    }
+}
