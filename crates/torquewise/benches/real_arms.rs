@@ -12,27 +12,34 @@ mod sets;
 mod delan;
 #[path = "real_arms/page.rs"]
 mod page;
+#[path = "real_arms/split.rs"]
+mod split;
 
 use peer::Peer;
-use sets::{Set, Split};
+use sets::Set;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use torquewise::identify::cutoff::{MULTIPLES, choose_cutoff};
+use torquewise::dynamics::Arm;
 use torquewise::identify::plan::ChainOptions;
-use torquewise::identify::{reconstruct, score};
-use torquewise::logs::{Clock, ConditionedLogs, LogError, Logs, Options, Profile};
+use torquewise::identify::{Plan, Tuned, reconstruct_from, score, tune};
+use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::Model;
-use torquewise::model::model::Choice;
-use torquewise::motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
+use torquewise::motion::{Motion, Recording, Signals};
 use torquewise::signals::{ConditionReport, Conditioning};
 
 /// What is put down of one set.
 struct Outcome {
     set: Set,
+    joints: Vec<String>,
+    /// One for each way to cut the log.
+    runs: Vec<Run>,
+}
+
+/// One training part and its test.
+struct Run {
     report: ConditionReport,
     rows: [usize; 2],
-    joints: Vec<String>,
     model: Model,
     seconds: f64,
     ours: Errors,
@@ -84,104 +91,51 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let profile = Profile::read(&project().join("profiles").join(set.profile))?;
     let options = Options { profile: Some(profile), topic: None, clock: Clock::Repair };
     let logs = Logs::open_with(&[data.join(set.log)], &options)?;
-    let (conditioned, cutoff) = conditioned(logs)?;
-    let motion = whole(&conditioned)?;
-    let noise = noise_of(&conditioned, &motion)?;
-    let (train, test) = split(&motion, set.split);
-    let (train, noise, test) = (motion.select(&train), noise.select(&train), motion.select(&test));
-
-    let start = Instant::now();
-    let options = ChainOptions {
+    let plan: Plan = ChainOptions {
         counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
         ..ChainOptions::default()
-    };
-    let recording = Filtered { motion: &train, noise: &noise };
-    let mut found = reconstruct(&recording, &options.into(), &mut |_| {})?;
-    found.model.choices.splice(0..0, cutoff);
+    }
+    .into();
+    let arm = set.arm(data)?;
+    let folder = std::env::temp_dir().join(format!("torquewise-real-arms-{}", std::process::id()));
+    let mut runs = Vec::new();
+    for way in 0..split::WAYS {
+        let [train, test] = split::written(&logs, (set.split, way), &folder)?;
+        runs.push(one(&set, &arm, (&train, &test), &plan)?);
+        std::fs::remove_dir_all(&folder)?;
+    }
+    Ok(Outcome { joints: logs.joints().to_vec(), runs, set })
+}
+
+/// Fits one training part, as `fit` does, and judges it on the other.
+fn one(
+    set: &Set,
+    arm: &Arm,
+    (train, test): (&[PathBuf], &[PathBuf]),
+    plan: &Plan,
+) -> Result<Run, Box<dyn Error + Send + Sync>> {
+    let start = Instant::now();
+    let raw = ConditionedLogs::new(Logs::open(train)?, &Conditioning::default(), true)?.raw()?;
+    let Tuned { recording, request, choice } = tune(&raw, plan, &mut |_| {})?;
+    let mut found = reconstruct_from(&recording, request, plan, &mut |_| {})?;
     let seconds = start.elapsed().as_secs_f64();
+    found.model.choices.splice(0..0, choice);
+    let test = ConditionedLogs::new(Logs::open(test)?, recording.settings(), false)?;
     let scores = score(&found.model, &test)?;
     let ours = Errors {
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
         nrmse: scores.joints.iter().map(|joint| joint.nrmse_percent / 100.0).collect(),
     };
-    let peer =
-        Peer::fit(&set.arm(data)?, set.shafts, set.counterbalanced, &train)?.errors(&test)?;
-    Ok(Outcome {
-        report: conditioned.report().clone(),
+    let (train, test) = (whole(&recording)?, whole(&test)?);
+    let peer = Peer::fit(arm, set.shafts, set.counterbalanced, &train)?.errors(&test)?;
+    Ok(Run {
+        report: recording.report().clone(),
         rows: [train.n_rows(), test.n_rows()],
-        joints: motion.joints().to_vec(),
         model: found.model,
         seconds,
         ours,
         peer,
-        set,
     })
-}
-
-/// Logs filtered at the cut-off that `fit` would choose, and the record of the choice.
-fn conditioned(logs: Logs) -> Result<(ConditionedLogs, Option<Choice>), LogError> {
-    let logs = ConditionedLogs::new(logs, &Conditioning::default(), true)?;
-    let suggested = logs.report().cutoff.unwrap_or_default();
-    let candidates = logs.at_cutoffs(&MULTIPLES.map(|multiple| multiple * suggested))?;
-    Ok(match choose_cutoff(&candidates) {
-        Some((place, choice)) if place > 0 => {
-            (logs.with_cutoff(candidates[place].0)?, Some(choice))
-        }
-        found => (logs, found.map(|(_, choice)| choice)),
-    })
-}
-
-/// Seed of the noise.
-const SEED: u64 = 1;
-
-/// What noise of the raw samples becomes in the rows of a recording.
-fn noise_of(
-    recording: &ConditionedLogs,
-    motion: &Motion,
-) -> Result<Motion, Box<dyn Error + Send + Sync>> {
-    let mut noise: Vec<Motion> = Vec::new();
-    for log in 0..recording.n_logs() {
-        recording.read_log_with_noise(log, SEED, &mut |_, _, own| {
-            noise.push(own.clone());
-            Ok(())
-        })?;
-    }
-    joined(motion.joints(), &noise)
-}
-
-/// Rows that went through a filter, and what became of their noise there.
-struct Filtered<'a> {
-    motion: &'a Motion,
-    noise: &'a Motion,
-}
-
-impl Recording for Filtered<'_> {
-    fn joints(&self) -> &[String] {
-        self.motion.joints()
-    }
-
-    fn is_filtered(&self) -> bool {
-        true
-    }
-
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.motion.read(visit)
-    }
-
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        _: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
-        let rows: Vec<usize> = (0..self.motion.n_rows()).filter(|_| log == 0).collect();
-        let mut blocks = rows.chunks(BLOCK_ROWS);
-        blocks.try_for_each(|b| visit(0, &self.motion.select(b), &self.noise.select(b)))?;
-        Ok(true)
-    }
 }
 
 /// All rows of a recording of one trajectory.
@@ -214,15 +168,4 @@ fn joined(joints: &[String], blocks: &[Motion]) -> Result<Motion, Box<dyn Error 
         ddq: signal(&|block, row, joint| block.ddq()[(row, joint)]),
         tau: Some(signal(&|block, row, joint| block.tau().map_or(0.0, |tau| tau[(row, joint)]))),
     })?)
-}
-
-/// Rows to train on and to test on.
-fn split(motion: &Motion, split: Split) -> (Vec<usize>, Vec<usize>) {
-    let t = motion.t();
-    let (begin, end) = (t[0], t[t.len() - 1]);
-    let is_test = |row: usize| match split {
-        Split::Time => t[row] > begin + 0.7 * (end - begin),
-        Split::Blocks(seconds) => ((t[row] - begin) / seconds) % 3.0 >= 2.0,
-    };
-    (0..t.len()).partition(|&row| !is_test(row))
 }
