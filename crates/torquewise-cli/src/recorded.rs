@@ -1,6 +1,7 @@
 //! Words of the command line → recording: which files, by which profile, filtered how.
 
 use crate::error::CliError;
+use crate::score_table::RawErrors;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
@@ -181,24 +182,6 @@ impl SignalArguments {
             (asked, _, _) => asked,
         };
         Self { filter, delay }
-    }
-}
-
-/// Errors against raw torque, by joint \[N·m\].
-pub(crate) struct RawErrors {
-    /// What the model leaves.
-    pub(crate) rmse: Vec<f64>,
-    /// Standard deviation of the torque.
-    pub(crate) std: Vec<f64>,
-    /// White noise in the torque.
-    pub(crate) noise: Vec<f64>,
-}
-
-impl RawErrors {
-    /// What is left of the torque of a joint, and its noise, of its spread \[%\].
-    pub(crate) fn percent(&self, joint: usize) -> [f64; 2] {
-        let of = |rms: &[f64]| 100.0 * rms.get(joint).unwrap_or(&f64::NAN) / self.std[joint];
-        [of(&self.rmse), of(&self.noise)]
     }
 }
 

@@ -1,10 +1,27 @@
 //! Scores → table, JSON and warnings.
 
-use crate::recorded::RawErrors;
 use crate::table::{Table, number};
 use serde_json::{Value, json};
 use torquewise::diagnose::score::JointScore;
 use torquewise::identify::Scores;
+
+/// Errors against raw torque, by joint \[N·m\].
+pub(crate) struct RawErrors {
+    /// What the model leaves.
+    pub(crate) rmse: Vec<f64>,
+    /// Standard deviation of the torque.
+    pub(crate) std: Vec<f64>,
+    /// White noise in the torque.
+    pub(crate) noise: Vec<f64>,
+}
+
+impl RawErrors {
+    /// What is left of the torque of a joint, and its noise, of its spread \[%\].
+    pub(crate) fn percent(&self, joint: usize) -> [f64; 2] {
+        let of = |rms: &[f64]| 100.0 * rms.get(joint).unwrap_or(&f64::NAN) / self.std[joint];
+        [of(&self.rmse), of(&self.noise)]
+    }
+}
 
 /// One line per joint: errors in the band of the model, and against raw torque if it was filtered.
 pub(crate) fn text(scores: &Scores, raw: Option<&RawErrors>) -> String {

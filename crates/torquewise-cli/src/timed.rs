@@ -4,11 +4,12 @@ use crate::progress::{Watched, bar};
 use crate::recorded::Recorded;
 use indicatif::ProgressBar;
 use std::time::Instant;
+use torquewise::identify::bandwidth::{Tuned, tune};
 use torquewise::identify::reconstruct::Solution;
+use torquewise::identify::reconstruct::reconstruct_from;
 use torquewise::identify::rounds::Request;
 use torquewise::identify::{
-    IdentifyError, Method, Plan, Reconstruction, Summary, Tuned, reconstruct, reconstruct_from,
-    solve, tune,
+    IdentifyError, Method, Plan, Reconstruction, Summary, reconstruct, solve,
 };
 use torquewise::motion::Recording;
 use torquewise::survey::Progress;

@@ -1,12 +1,12 @@
 //! A chain that nothing moves any more → a model: its parameters, and equations that can be told
 //! from zero (E8) (E11).
 
-use crate::bandwidth::held_out;
 use crate::basis::{Energies, joint_sums};
 use crate::beside::Beside;
 use crate::estimate::{Linearisation, Solved};
 use crate::found::Reconstruction;
 use crate::prune::prune;
+use crate::unseen::held_out;
 use crate::warning::{UntriedTerm, Warning};
 use faer::{ColRef, Mat};
 use rand::SeedableRng;

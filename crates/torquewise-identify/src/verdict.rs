@@ -49,7 +49,8 @@ impl Verdict {
         };
         let useless = joints(&|error| error.is_nan() || error >= USELESS);
         let poor = joints(&|error| (GOOD.1..USELESS).contains(&error));
-        let grave = grave(&found.warnings);
+        let is_poor = |joint: &str| useless.iter().chain(&poor).any(|name| name == joint);
+        let grave = grave(&found.warnings, &is_poor);
         let logs = errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum::<f64>();
         let mean = (logs / errors.len() as f64).exp();
         let mut because = Vec::new();
@@ -88,12 +89,15 @@ impl Verdict {
 }
 
 /// What makes a model useless whatever the error on its own log.
-fn grave(warnings: &[Warning]) -> Vec<String> {
+///
+/// - `is_poor`: whether the torque of a joint is predicted poorly
+fn grave(warnings: &[Warning], is_poor: &dyn Fn(&str) -> bool) -> Vec<String> {
     let of = |warning: &Warning| match warning {
         Warning::Excitation(Finding::Together { joints, .. }) => {
             Some(format!("{} always move together", list(joints)))
         }
-        Warning::Excitation(Finding::Backward { joint }) => {
+        // A rough look errs where a light joint is driven along; no physical arm fits a wrong sign.
+        Warning::Excitation(Finding::Backward { joint }) if is_poor(joint) => {
             Some(format!("the torque of {joint} has the wrong sign"))
         }
         Warning::Excitation(Finding::Unrelated { joint, .. }) => {

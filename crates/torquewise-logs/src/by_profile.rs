@@ -21,7 +21,8 @@ pub(crate) struct Offer<'a> {
 
 /// The mapping that a profile describes for a file.
 pub(crate) fn by_profile(profile: &Profile, offer: Offer<'_>) -> Result<Mapping, LogError> {
-    let mut build = Build { offer, chosen: Vec::new() };
+    let is_plain = profile.q.as_ref().is_none_or(|q| q.columns.is_none());
+    let mut build = Build { offer, is_plain, chosen: Vec::new() };
     let time = build.time(profile)?;
     let joints = build.joints(profile);
     profile.check_counts(Some(joints.len()), "profile")?;
@@ -47,6 +48,9 @@ pub(crate) fn by_profile(profile: &Profile, offer: Offer<'_>) -> Result<Mapping,
 /// A mapping in the making.
 struct Build<'a> {
     offer: Offer<'a>,
+    /// Whether the profile names no columns of positions: then those of any signal go by their
+    /// plain names.
+    is_plain: bool,
     chosen: Vec<usize>,
 }
 
@@ -75,7 +79,8 @@ impl Build<'_> {
         let n = match profile.q.as_ref().and_then(|q| q.columns.as_ref()) {
             Some(Columns::Names(names)) => names.len(),
             Some(Columns::Prefix(prefix)) => self.count(prefix),
-            None => 0,
+            None if self.offer.is_bag => 0,
+            None => self.count(Signal::Q.name()),
         };
         match self.offer.joints {
             Some(names) if self.offer.is_bag || names.len() == n => names.to_vec(),
@@ -108,6 +113,9 @@ impl Build<'_> {
                     return Ok(None);
                 }
                 names
+            }
+            None if self.is_plain && self.has(&format!("{}1", signal.name())) => {
+                self.numbered(signal.name(), joints.len())
             }
             None if parts.is_none() && signal != Signal::Q => return Ok(None),
             None => return Err(self.missing(&key, "one column per joint")),

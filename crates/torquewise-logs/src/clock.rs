@@ -21,8 +21,8 @@ const BETTER: f64 = 0.9;
 /// How the clock of logs is mended, decided once for all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClockRepair {
-    /// Rows that repeat position and torque of the one before are left out: the device was slower than
-    /// the logger.
+    /// Rows that repeat position and torque of the one before are left out: the device was slower
+    /// than the logger.
     pub held: bool,
     /// Stamps are those of late receipt: the device sampled evenly.
     pub late: bool,
@@ -236,3 +236,6 @@ pub(crate) fn joined(blocks: &[RawBlock]) -> RawBlock {
         t,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,10 +7,11 @@ use crate::logs::Logs;
 use crate::raw_noise::{NoiseLane, RawNoise};
 use faer::Mat;
 use torquewise_motion::{BLOCK_ROWS, Motion, RawRecording, ReadError, Recording};
+use torquewise_signals::bandwidth::Bandwidths;
 use torquewise_signals::cutoff::Decided;
 use torquewise_signals::{
-    Bandwidths, ConditionReport, Conditioner, Conditioning, Cutoff, CutoffChoice, Plan, Raw,
-    SignalError, condition, torque_delay,
+    ConditionReport, Conditioner, Conditioning, Cutoff, CutoffChoice, Plan, Raw, SignalError,
+    condition, torque_delay,
 };
 
 /// Rows that a trajectory is planned by, and of a piece.

@@ -110,6 +110,17 @@ pub enum LogError {
          or put each trajectory in a file of its own"
     )]
     TimeOrder { place: Place, t: f64, before: f64 },
+    #[error(
+        "{place}: {repeated} rows repeat the time stamp before them, {rows} do not: stamps are \
+         rounded too far; record finer ones, or say how many rows there are in a second by a \
+         profile with the line `rate = HZ`"
+    )]
+    CoarseClock { place: Place, repeated: u64, rows: u64 },
+    #[error(
+        "{} is a folder without .db3 or .mcap files: give the folder of a ROS 2 bag, or log files",
+        file.display()
+    )]
+    EmptyFolder { file: PathBuf },
 
     #[error("{} is not a whole Parquet file: copy or convert it again", file.display())]
     Parquet { file: PathBuf, source: ParquetError },

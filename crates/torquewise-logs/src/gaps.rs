@@ -3,8 +3,10 @@
 /// Steps that the first estimate of the usual step is the median of.
 pub(crate) const FIRST_STEPS: usize = 32;
 
-/// A longer step than this many usual ones is a gap.
+/// A longer step than this many usual ones is a gap, …
 const GAP_STEPS: f64 = 5.0;
+/// … if it is also longer than this \[s\]: a motion of a few hertz bridges shorter ones.
+const LEAST_GAP: f64 = 0.06;
 
 /// How far one step moves the usual step.
 const GAIN: f64 = 1.01;
@@ -28,7 +30,7 @@ impl UsualStep {
 
     /// Whether `step` is a gap; if not, it is learned from.
     pub(crate) fn is_gap(&mut self, step: f64) -> bool {
-        if step > GAP_STEPS * self.0 {
+        if step > (GAP_STEPS * self.0).max(LEAST_GAP) {
             return true;
         }
         if step > self.0 {
@@ -59,12 +61,20 @@ mod tests {
     }
 
     #[test]
-    fn six_steps_are_a_gap_and_four_are_not() {
+    fn a_long_step_is_a_gap_and_four_usual_ones_are_not() {
         let mut steps = vec![0.001; 200];
         steps[50] = 0.004;
-        steps[120] = 0.006;
+        steps[120] = 0.061;
 
         assert_eq!(gaps(&stamps(steps)), [121]);
+    }
+
+    #[test]
+    fn a_short_pause_is_bridged() {
+        let mut steps = vec![0.001; 200];
+        steps[50] = 0.05;
+
+        assert_eq!(gaps(&stamps(steps)), [0; 0]);
     }
 
     #[test]

@@ -16,8 +16,9 @@ use torquewise_motion::{LocalPolynomial, Motion, MotionError, ReadError, Recordi
 /// Log files of one arm.
 ///
 /// Each file is a trajectory of its own, and a file is split where a step of t is over five times
-/// the usual one. The usual step begins as the median of a trajectory's first 32 steps, and each
-/// later step raises or lowers it by 1 %.
+/// the usual one and over 60 ms. The usual step begins as the median of a trajectory's first 32
+/// steps, and each later step raises or lowers it by 1 %. A folder stands for the files of a ROS 2
+/// bag in it.
 ///
 /// Every reading goes through the files again and holds no more than some thousand rows. Missing
 /// dq and ddq are derived from q (ddq from dq where that is recorded), by trajectory.
@@ -54,12 +55,14 @@ impl Logs {
     /// # Errors
     /// As [`open`](Self::open), and if a file does not have what the profile says.
     pub fn open_with(paths: &[PathBuf], options: &Options) -> Result<Self, LogError> {
+        let paths = paths.iter().map(|path| files_of(path)).collect::<Result<Vec<_>, _>>()?;
+        let paths = paths.concat();
         let open = |path: &PathBuf| Source::open(path, options);
         let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let joints = agreed_joints(&sources)?;
         let polynomial = LocalPolynomial::default();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
-        Ok(Self { sources, paths: paths.to_vec(), joints, polynomial, readings })
+        Ok(Self { sources, paths, joints, polynomial, readings })
     }
 
     /// The same logs, with missing dq and ddq found by `polynomial`.
@@ -245,6 +248,31 @@ impl Recording for Logs {
     ) -> Result<(), ReadError> {
         self.each(self.only(log), Some(self.polynomial), Blocks::next, visit)
     }
+}
+
+/// The files of a bag, if its folder is given: in the order of the numbers at their ends.
+fn files_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let entries = std::fs::read_dir(path).map_err(LogError::read(path))?;
+    let mut files: Vec<PathBuf> = entries
+        .map(|entry| entry.map(|entry| entry.path()).map_err(LogError::read(path)))
+        .collect::<Result<_, _>>()?;
+    files.retain(|file| {
+        let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        matches!(ending.as_deref(), Some("db3" | "mcap"))
+    });
+    let number = |file: &PathBuf| -> u64 {
+        let stem = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let digits = stem.rsplit(|c: char| !c.is_ascii_digit()).next();
+        digits.and_then(|digits| digits.parse().ok()).unwrap_or_default()
+    };
+    files.sort_by(|a, b| (number(a), a).cmp(&(number(b), b)));
+    if files.is_empty() {
+        return Err(LogError::EmptyFolder { file: path.into() });
+    }
+    Ok(files)
 }
 
 /// The joint names of all files: those of the first file that has any.

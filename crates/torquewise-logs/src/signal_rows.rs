@@ -9,7 +9,13 @@ use crate::rows::{Irregular, Rows};
 /// row, for seconds since 1970 cannot tell microseconds in 64 bits.
 const LONGEST_RUN: f64 = 1e6;
 
-/// What becomes of rows that are not finite or whose time stamp does not advance.
+/// Rows that repeat a time stamp: so many may be chance; beyond, no more than one for so many
+/// others.
+const FEW_REPEATED: u64 = 10;
+const MOST_REPEATED: u64 = 2;
+
+/// What becomes of rows that are not finite or whose time stamp goes back. Those that repeat a
+/// stamp are dropped and counted in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clock {
     /// They are errors.
@@ -127,7 +133,7 @@ impl SignalRows {
                 self.report.not_finite += 1;
                 continue;
             }
-            if self.clock == Clock::Repair && self.drops(t) {
+            if self.drops(t)? {
                 continue;
             }
             self.last_t = Some(t);
@@ -136,16 +142,24 @@ impl SignalRows {
         }
     }
 
-    /// Whether a row of this time does not follow the last; it is counted.
-    fn drops(&mut self, t: f64) -> bool {
-        let Some(last) = self.last_t.filter(|last| t <= *last) else { return false };
+    /// Whether a row of this time does not follow the last; it is counted. A few rows may repeat a
+    /// stamp in any log; where many do, the stamps are too coarse.
+    fn drops(&mut self, t: f64) -> Result<bool, LogError> {
+        let Some(last) = self.last_t.filter(|last| t <= *last) else { return Ok(false) };
         if t < last {
+            if self.clock == Clock::Strict {
+                return Ok(false);
+            }
             self.report.went_back += 1;
             self.report.first_back.get_or_insert(self.number);
-        } else {
-            self.report.repeated += 1;
+            return Ok(true);
         }
-        true
+        self.report.repeated += 1;
+        let ReadReport { repeated, rows, .. } = self.report;
+        if repeated > FEW_REPEATED && repeated * MOST_REPEATED > rows {
+            return Err(LogError::CoarseClock { place: self.place(), repeated, rows });
+        }
+        Ok(true)
     }
 
     /// Time of the row \[s\], and since the first row of the file.

@@ -11,6 +11,8 @@ use crate::smooth::{Smooth, filter, smooth};
 use faer::Mat;
 use torquewise_motion::{Motion, Signals};
 
+/// Cut-offs at most: that half an octave above each other reach from 0.5 Hz to 500 kHz.
+const MOST_CUTOFFS: i32 = 40;
 /// Rows that are compared, about.
 const ROWS: usize = 4_000;
 /// Part of a piece that is left out at each end, and seconds at most: no filter has settled there.
@@ -78,8 +80,8 @@ impl Bandwidths {
     /// Cut-offs worth trying: from 0.5 Hz to what the rate allows, half an octave apart.
     pub fn cutoffs(&self) -> Vec<f64> {
         let rate = self.pieces.iter().map(|piece| piece.plan.rate).fold(f64::INFINITY, f64::min);
-        (0..)
-            .map(|half: i32| LOWEST * std::f64::consts::SQRT_2.powi(half))
+        (0..MOST_CUTOFFS)
+            .map(|half| LOWEST * std::f64::consts::SQRT_2.powi(half))
             .take_while(|cutoff| *cutoff <= HIGHEST * rate)
             .collect()
     }

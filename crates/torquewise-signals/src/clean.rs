@@ -49,7 +49,8 @@ impl Base {
     /// Rows to each side on which a cleaned row depends, to rounding.
     pub(crate) fn reach(&self) -> usize {
         // The influence of a row on a spline falls by 0.27 a row: 1e-17 after 30 even ones.
-        let spline = if self.timing.is_even() { 0 } else { 80 };
+        // A bridge reaches as far as its gap is long.
+        let spline = if self.timing.is_even() { 0 } else { 80 + self.timing.rows_of_gap() };
         spline + self.hampel.map_or(0, |hampel| hampel.half_window + 8)
     }
 }

@@ -41,9 +41,8 @@ pub mod report;
 pub mod condition;
 pub mod blocks;
 mod torque_delay;
-mod bandwidth;
+pub mod bandwidth;
 
-pub use bandwidth::Bandwidths;
 pub use blocks::Conditioner;
 pub use clean::Outliers;
 pub use condition::{Conditioned, condition, condition_by};

@@ -1,7 +1,10 @@
 //! Signal → spikes, and the signal without them: a Hampel filter that follows the motion.
 
 use crate::error::SignalError;
-use crate::noise::{median, white_noise};
+use crate::noise::{median, quantisation};
+
+/// Looks for spikes at most.
+const ROUNDS: usize = 3;
 
 /// What counts as a spike.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,9 +25,14 @@ impl Default for Hampel {
 }
 
 /// Smallest deviation that counts as one, so that a signal that hardly moves, or moves in steps,
-/// is not full of spikes: the white noise of all of `x`, in its unit.
+/// is not full of spikes: the middle one of the third differences of `x`, as a standard deviation,
+/// which few spikes do not change; at least the step of its quantisation.
 pub fn spike_scale(x: &[f64]) -> f64 {
-    white_noise(x, &vec![false; x.len()]).sigma
+    let third = |w: &[f64]| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs();
+    let mut differences: Vec<f64> = x.windows(4).map(third).collect();
+    let step = quantisation(x).map_or(0.0, |quantisation| quantisation.step);
+    // Weights 1, 3, 3 and 1 add up to a variance of 20.
+    (1.4826 * median(&mut differences) / 20.0_f64.sqrt()).max(step)
 }
 
 /// Replaces spikes in place and returns their rows.
@@ -39,7 +47,7 @@ pub fn spike_scale(x: &[f64]) -> f64 {
 /// - `scale`: see [`spike_scale`]
 ///
 /// Spikes are replaced by the cubic through the two nearest good rows on each side. Rows within
-/// three of an end are not judged.
+/// three of an end are judged by the one side they have.
 ///
 /// Source: R. Pearson et al., EURASIP J. Adv. Signal Process. 2016:87, with a line for the median.
 ///
@@ -63,18 +71,33 @@ pub fn replace_outliers(
     if t.len() != x.len() {
         return Err(SignalError::TooFewRows { rows: t.len().min(x.len()), needed: x.len() });
     }
-    let spikes = find(x, scale, hampel);
     let mut is_spike = vec![false; x.len()];
-    for &row in &spikes {
-        is_spike[row] = true;
+    let mut spikes = Vec::new();
+    // What stands beside a spike is judged once that is gone.
+    for _ in 0..ROUNDS {
+        let found = find(x, scale, hampel);
+        if found.is_empty() {
+            break;
+        }
+        for &row in &found {
+            is_spike[row] = true;
+        }
+        replace(t, x, &found, &is_spike);
+        spikes.extend(found);
     }
-    for &row in &spikes {
+    spikes.sort_unstable();
+    spikes.dedup();
+    Ok(spikes)
+}
+
+/// Puts values in the place of spikes.
+fn replace(t: &[f64], x: &mut [f64], spikes: &[usize], is_spike: &[bool]) {
+    for &row in spikes {
         let good = |row: &usize| !is_spike[*row];
         let mut near: Vec<usize> = (0..row).rev().filter(good).take(2).collect();
         near.extend((row + 1..x.len()).filter(good).take(2));
         x[row] = lagrange(t, x, &near, t[row]);
     }
-    Ok(spikes)
 }
 
 /// Rows of all spikes no longer than they may be.
@@ -83,6 +106,7 @@ fn find(x: &[f64], scale: f64, hampel: Hampel) -> Vec<usize> {
     let mut spikes = Vec::new();
     let mut run: Vec<usize> = Vec::new();
     let mut margin = f64::INFINITY;
+    spikes.extend(at_the_ends(x, scale, hampel.threshold));
     for row in 0..x.len() {
         if let Some(distance) = distance(x, row, scale, hampel, &mut space) {
             run.push(row);
@@ -98,12 +122,52 @@ fn find(x: &[f64], scale: f64, hampel: Hampel) -> Vec<usize> {
     spikes
 }
 
-/// Whether the run is short and stands off its neighbours on both sides, to the same side.
+/// Rows at an end that are not judged by both their sides, and of each of the groups whose medians
+/// say where the signal comes from.
+const END: usize = 3;
+const GROUP: usize = 7;
+
+/// Spikes in the first and last rows: off the line that the medians of the rows next to them lie
+/// on, by more than these bend.
+fn at_the_ends(x: &[f64], scale: f64, threshold: f64) -> Vec<usize> {
+    if x.len() < 2 * (END + 3 * GROUP) {
+        return Vec::new();
+    }
+    let last = x.len() - 1;
+    let mut found = Vec::new();
+    for from_end in [false, true] {
+        let at = |k: usize| if from_end { x[last - k] } else { x[k] };
+        let group = |g: usize| -> f64 {
+            let begin = END + g * GROUP;
+            median(&mut (begin..begin + GROUP).map(at).collect::<Vec<f64>>())
+        };
+        let [near, middle, far] = [0, 1, 2].map(group);
+        let slope = (middle - near) / GROUP as f64;
+        let line = |k: usize| near + slope * (k as f64 - (END + GROUP / 2) as f64);
+        let mut rest: Vec<f64> = (END..END + 2 * GROUP).map(|k| (at(k) - line(k)).abs()).collect();
+        let deviation = (1.4826 * median(&mut rest)).max(scale);
+        let allowed = threshold * deviation + 2.0 * (far - 2.0 * middle + near).abs();
+        let spikes = (0..END).filter(|&k| (at(k) - line(k)).abs() > allowed);
+        found.extend(spikes.map(|k| if from_end { last - k } else { k }));
+    }
+    found
+}
+
+/// Whether the run is short and each of its rows stands off the neighbours on both sides.
 fn is_spike(x: &[f64], run: &[usize], margin: f64, longest: usize) -> bool {
     let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
-    let neighbours = [x[first - 1], x[last + 1]];
-    let inside = || x[first..=last].iter().flat_map(|x| neighbours.map(|y| x - y));
-    run.len() <= longest && (inside().all(|d| d > margin) || inside().all(|d| d < -margin))
+    if run.len() > longest {
+        return false;
+    }
+    let (before, after) = (x[first - 1], x[last + 1]);
+    let slope = (after - before) / (run.len() + 1) as f64;
+    let off = |from: f64, steps: usize, row: usize| (x[row] - from - slope * steps as f64).abs();
+    // A signal that moves on between the two is no step unless it goes all the way.
+    let is_step = (first..=last).any(|row| {
+        (x[row] - before).abs().min((x[row] - after).abs()) < 0.5 * (after - before).abs()
+            && (after - before).abs() > margin
+    });
+    !is_step && (first..=last).all(|row| off(before, row + 1 - first, row) > margin)
 }
 
 /// How far `row` is off the line through the medians of both sides, if that is too far.

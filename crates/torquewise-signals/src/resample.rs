@@ -2,7 +2,8 @@
 
 use crate::error::SignalError;
 use crate::spline::{check_increasing, interpolate};
-use faer::{Mat, MatRef};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, MatRef, Side};
 
 /// Jitter below which stamps count as even and are kept as they are.
 pub const EVEN: f64 = 1e-6;
@@ -30,6 +31,14 @@ impl Timing {
     /// Whether the stamps need no resampling.
     pub fn is_even(&self) -> bool {
         self.jitter < EVEN
+    }
+
+    /// Rows that the longest gap lacks, a hundred thousand at most.
+    pub(crate) fn rows_of_gap(&self) -> usize {
+        let rows = (self.longest_step * self.rate).ceil().clamp(0.0, 1e5);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
+        let rows = rows as usize;
+        rows
     }
 
     /// `line_deviation` over what steps of this jitter give if each stamp errs by itself.
@@ -113,16 +122,35 @@ const LONGEST: f64 = 2.0;
 /// Interpolation from uneven stamps to given times, made once for all signals of a log.
 ///
 /// A polynomial of degree 7 through the eight nearest rows, where they are about evenly spaced: a
-/// tone at a tenth of the rate is right to 1e-4. Elsewhere, at ends and over gaps, the cubic
-/// spline, which keeps to the neighbours. Nothing is delayed.
+/// tone at a tenth of the rate is right to 1e-4. Over gaps, the cubic of least squares through as
+/// much on both sides. Elsewhere the cubic spline, which keeps to the neighbours. Nothing is
+/// delayed.
 #[derive(Clone, Debug)]
 pub struct Resampler {
     /// Rows that are used, and their stamps.
     rows: Vec<usize>,
     t: Vec<f64>,
     at: Vec<f64>,
-    /// First of the eight rows and their weights, for each time.
-    local: Vec<Option<(usize, [f64; WIDTH])>>,
+    /// First of the rows and their weights, for each time.
+    local: Vec<Option<(usize, Weights)>>,
+}
+
+/// Weights of rows that a value is interpolated from.
+#[derive(Clone, Debug)]
+enum Weights {
+    /// Of the eight nearest.
+    Near([f64; WIDTH]),
+    /// Of those on both sides of a gap.
+    Bridge(Vec<f64>),
+}
+
+impl Weights {
+    fn as_slice(&self) -> &[f64] {
+        match self {
+            Self::Near(weights) => weights,
+            Self::Bridge(weights) => weights,
+        }
+    }
 }
 
 impl Resampler {
@@ -142,9 +170,13 @@ impl Resampler {
             steps.fold(0.0, f64::max) * rate <= LONGEST
         };
         let local = at.iter().map(|&at| {
-            let begin = t.partition_point(|t| *t <= at).checked_sub(WIDTH / 2)?;
+            let after = t.partition_point(|t| *t <= at);
+            if after > 0 && after < t.len() && (t[after] - t[after - 1]) * rate > LONGEST {
+                return bridge(&t, after, at, rate);
+            }
+            let begin = after.checked_sub(WIDTH / 2)?;
             let inside = begin + WIDTH <= t.len() && regular(begin);
-            inside.then(|| (begin, lagrange(&t[begin..begin + WIDTH], at)))
+            inside.then(|| (begin, Weights::Near(lagrange(&t[begin..begin + WIDTH], at))))
         });
         let local = local.collect();
         Self { rows, t, at: at.to_vec(), local }
@@ -165,11 +197,42 @@ impl Resampler {
         let mut values = interpolate(&self.t, &x, &self.at)?;
         for (value, local) in values.iter_mut().zip(&self.local) {
             if let Some((begin, weights)) = local {
-                *value = weights.iter().zip(&x[*begin..]).map(|(w, x)| w * x).sum();
+                *value = weights.as_slice().iter().zip(&x[*begin..]).map(|(w, x)| w * x).sum();
             }
         }
         Ok(values)
     }
+}
+
+/// Coefficients of the polynomial that bridges a gap.
+const BRIDGE: usize = 4;
+
+/// The cubic of least squares through the rows that are no farther from a gap than it is long, at
+/// one time within it: a spline would take the noise of two rows for a slope.
+///
+/// - `after`: the row at which the gap ends
+fn bridge(t: &[f64], after: usize, at: f64, rate: f64) -> Option<(usize, Weights)> {
+    let (left, right) = (t[after - 1], t[after]);
+    let reach = (right - left).max(WIDTH as f64 / rate);
+    let begin = t[..after].partition_point(|t| *t < left - reach);
+    let end = after + t[after..].partition_point(|t| *t <= right + reach);
+    let powers = |t: f64| {
+        let u = (t - at) / (right - left + reach);
+        std::array::from_fn::<f64, BRIDGE, _>(|k| (0..k).fold(1.0, |power, _| power * u))
+    };
+    let mut gram = Mat::<f64>::zeros(BRIDGE, BRIDGE);
+    for own in t[begin..end].iter().map(|t| powers(*t)) {
+        for i in 0..BRIDGE {
+            for j in 0..BRIDGE {
+                gram[(i, j)] += own[i] * own[j];
+            }
+        }
+    }
+    // At the time itself all powers but the first are zero.
+    let unit = Mat::from_fn(BRIDGE, 1, |k, _| f64::from(u8::from(k == 0)));
+    let solved = gram.llt(Side::Lower).ok()?.solve(unit);
+    let weight = |t: &f64| powers(*t).iter().enumerate().map(|(k, x)| x * solved[(k, 0)]).sum();
+    Some((begin, Weights::Bridge(t[begin..end].iter().map(weight).collect())))
 }
 
 /// Weights of the polynomial through values at `t`, at one time.

@@ -9,6 +9,7 @@ mod overlooked;
 mod recovery;
 mod rounds;
 mod six_joints;
+mod spoilt;
 mod summary;
 mod truth;
 mod work;

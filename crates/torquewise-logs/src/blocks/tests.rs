@@ -116,16 +116,27 @@ fn no_window_reaches_across_a_gap() {
 }
 
 #[test]
-fn time_that_stands_still_or_runs_back_is_refused_with_its_place() {
-    for (second, row) in [("0.1", 3), ("0.05", 3)] {
-        let refused = blocks(&format!("t,q1,dq1,ddq1\n0,0,0,0\n0.1,0,0,0\n{second},0,0,0\n"));
-        match refused {
-            Err(LogError::TimeOrder { place, before, .. }) => {
-                assert_eq!((place.row, place.line, before), (row, Some(4), 0.1));
-            }
-            other => panic!("{other:?}"),
+fn time_that_runs_back_is_refused_with_its_place() {
+    let refused = blocks("t,q1,dq1,ddq1\n0,0,0,0\n0.1,0,0,0\n0.05,0,0,0\n");
+    match refused {
+        Err(LogError::TimeOrder { place, before, .. }) => {
+            assert_eq!((place.row, place.line, before), (3, Some(4), 0.1));
         }
+        other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn a_row_that_repeats_a_stamp_is_left_out_but_rounded_stamps_are_refused() {
+    let one = blocks("t,q1,dq1,ddq1\n0,1,0,0\n0.1,2,0,0\n0.1,3,0,0\n0.2,4,0,0\n").unwrap();
+    assert_eq!(one[0].1.t(), [0.0, 0.1, 0.2]);
+
+    let mut text = String::from("t,q1,dq1,ddq1\n");
+    for row in 0..100 {
+        writeln!(text, "{},0,0,0", row / 50).unwrap();
+    }
+    let refused = blocks(&text);
+    assert!(matches!(refused, Err(LogError::CoarseClock { repeated: 11, rows: 1, .. })));
 }
 
 #[test]
@@ -134,7 +145,7 @@ fn time_is_compared_across_blocks_too() {
     for t in even(1_024) {
         writeln!(text, "{t:?},0,0,0").unwrap();
     }
-    text.push_str("10.23,0,0,0\n");
+    text.push_str("10.22,0,0,0\n");
 
     let refused = blocks(&text);
 

@@ -273,3 +273,21 @@ fn a_profile_file_that_is_wrong_is_named() {
     assert!(refused.contains("arm.toml, line 4: unknown field `column`"), "{refused}");
     assert!(matches!(Profile::read(&file.join("no")), Err(LogError::Read { .. })));
 }
+
+#[test]
+fn a_profile_may_say_the_rate_and_nothing_else() {
+    let files = Files::new();
+    let log = files.add("a.csv", "q1,q2,tau1,tau2\n0,1,2,3\n1,2,3,4\n");
+    let profile = Some(Profile::from_toml("rate = 250.0").unwrap());
+
+    let logs = Logs::open_with(&[log], &Options { profile, ..Options::default() }).unwrap();
+
+    assert!(logs.has_tau() && !logs.has_dq());
+    let mut stamps = Vec::new();
+    logs.read_raw(&mut |_, block| -> Result<(), LogError> {
+        stamps.extend_from_slice(&block.t);
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(stamps, [0.0, 0.004]);
+}

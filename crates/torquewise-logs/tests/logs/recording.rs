@@ -136,7 +136,25 @@ fn files_that_cannot_be_opened_are_refused() {
     assert!(matches!(Logs::open(&[bag]), Err(LogError::Empty { .. })));
     let folder = files.0.path().join("folder.csv");
     std::fs::create_dir(&folder).unwrap();
-    assert!(matches!(Logs::open(&[folder]), Err(LogError::Read { .. })));
+    assert!(matches!(Logs::open(&[folder]), Err(LogError::EmptyFolder { .. })));
+}
+
+#[test]
+fn a_folder_stands_for_the_files_of_its_bag_in_the_order_of_their_numbers() {
+    let files = Files::new();
+    let folder = files.0.path().join("run");
+    std::fs::create_dir(&folder).unwrap();
+    for name in ["run_10.mcap", "run_2.mcap", "metadata.yaml", "run_0.mcap"] {
+        std::fs::write(folder.join(name), "").unwrap();
+    }
+
+    let first = Logs::open(&[folder]);
+
+    // Empty files are refused, the first of the bag first.
+    match first {
+        Err(LogError::Empty { file }) => assert!(file.ends_with("run_0.mcap"), "{file:?}"),
+        other => panic!("{other:?}"),
+    }
 }
 
 #[test]

@@ -1,0 +1,209 @@
+//! One log spoilt in the ways that logs are: the fit on it predicts as well as that on the clean
+//! one (E12).
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::fmt::Write;
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
+use torquewise_identify::bandwidth::{Tuned, tune};
+use torquewise_identify::plan::ChainOptions;
+use torquewise_identify::reconstruct::reconstruct_from;
+use torquewise_identify::{Plan, score};
+use torquewise_logs::{ConditionedLogs, Logs};
+use torquewise_model::Model;
+use torquewise_motion::{Motion, Signals};
+use torquewise_signals::Conditioning;
+
+/// Seconds of the log, and rows per second that it is cut from and has itself.
+const SECONDS: f64 = 20.0;
+const FINE: usize = 2_000;
+const RATE: usize = 250;
+/// Noise of a position \[rad\], and of a torque in parts of its deviation.
+const NOISE: (f64, f64) = (2e-5, 0.01);
+/// Rows at rest that are put at both ends.
+const REST: usize = 30 * RATE;
+
+/// Rows of a log: stamps, and the fine rows that they show.
+struct Rows {
+    t: Vec<f64>,
+    shown: Vec<usize>,
+    /// Rows by which the torque lags.
+    lag: usize,
+    /// Step of the positions \[rad\]; zero for none.
+    step: f64,
+    /// Part of the values that are spikes.
+    spikes: f64,
+}
+
+fn plain(rate: usize) -> Rows {
+    let shown: Vec<usize> = (0..fine_rows()).step_by(FINE / rate).collect();
+    let t = shown.iter().map(|&row| row as f64 / FINE as f64).collect();
+    Rows { t, shown, lag: 0, step: 0.0, spikes: 0.0 }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+fn fine_rows() -> usize {
+    (SECONDS * FINE as f64) as usize
+}
+
+impl Rows {
+    /// The same without some rows.
+    fn without(mut self, gone: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.t.len()).filter(|row| !gone(*row)).collect();
+        self.t = kept.iter().map(|&row| self.t[row]).collect();
+        self.shown = kept.iter().map(|&row| self.shown[row]).collect();
+        self
+    }
+}
+
+/// The ways to spoil it.
+fn spoilt() -> Vec<(&'static str, Rows)> {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let step = 1.0 / RATE as f64;
+    let rows = plain(RATE).t.len();
+    let late: Vec<f64> =
+        plain(RATE).t.iter().map(|t| t + step * random.random_range(-0.35..0.35)).collect();
+    let drops: Vec<bool> = (0..rows).map(|_| random.random_range(0.0..1.0) < 0.1).collect();
+    let mut pause = vec![false; rows];
+    for _ in 0..20 {
+        let (begin, length) = (random.random_range(0..rows - 20), random.random_range(2..13));
+        pause[begin..begin + length].fill(true);
+    }
+    let mut repeated = plain(RATE);
+    for place in 1..=10 {
+        repeated.t[place * 200 + 1] = repeated.t[place * 200];
+    }
+    let sampled: Vec<usize> = plain(RATE)
+        .shown
+        .iter()
+        .map(|row| (row + random.random_range(0..6)).min(fine_rows() - 1))
+        .collect();
+    let of_fine = |rows: &[usize]| rows.iter().map(|&row| row as f64 / FINE as f64).collect();
+    let jittery = Rows { t: of_fine(&sampled), shown: sampled, ..plain(RATE) };
+    let held = plain(RATE).shown.iter().map(|row| row - row % (2 * FINE / RATE)).collect();
+    let before = std::iter::repeat_n(0, REST);
+    let shown: Vec<usize> = before.chain(plain(RATE).shown).collect();
+    let t = (0..shown.len()).map(|row| row as f64 * step).collect();
+    vec![
+        ("late stamps", Rows { t: late, ..plain(RATE) }),
+        ("jittery sampling", jittery),
+        ("dropped rows", plain(RATE).without(|row| drops[row])),
+        ("pauses", plain(RATE).without(|row| pause[row])),
+        ("repeated stamps", repeated),
+        ("held values", Rows { shown: held, ..plain(RATE) }),
+        ("12 bits", Rows { step: std::f64::consts::TAU / 4_096.0, ..plain(RATE) }),
+        ("spikes", Rows { spikes: 0.03, ..plain(RATE) }),
+        ("a delay", Rows { lag: 30, ..plain(RATE) }),
+        ("rest", Rows { t, shown, ..plain(RATE) }),
+        ("50 Hz", plain(50)),
+        ("2000 Hz", plain(FINE)),
+    ]
+}
+
+fn motion(seed: u64, rate: usize) -> Motion {
+    let arm = Arm::builtin("generic-6").unwrap();
+    let kind = MotionKind::Moves;
+    let plan = MotionPlan { kind, seconds: SECONDS, rate: rate as f64, seed };
+    simulate(&arm, &plan).unwrap().motion
+}
+
+fn deviation(tau: &Mat<f64>, joint: usize) -> f64 {
+    let m = tau.nrows() as f64;
+    let mean = tau.col(joint).sum() / m;
+    (tau.col(joint).iter().map(|x| (x - mean).powi(2)).sum::<f64>() / m).sqrt()
+}
+
+/// The text of a log with q and tau.
+fn text(fine: &Motion, rows: &Rows) -> String {
+    let n = fine.n_joints();
+    let (q, tau) = (fine.q().to_owned(), fine.require_tau().unwrap().to_owned());
+    let mut random = ChaCha8Rng::seed_from_u64(7);
+    let mut text = String::from("t");
+    for signal in ["q", "tau"] {
+        (1..=n).for_each(|joint| write!(text, ",{signal}{joint}").unwrap());
+    }
+    text.push('\n');
+    let size: Vec<f64> = (0..n).map(|joint| NOISE.1 * deviation(&tau, joint)).collect();
+    let spread = |x: &Mat<f64>, joint| 5.0 * deviation(x, joint);
+    let mut draws: Vec<Vec<f64>> = Vec::new();
+    for (place, (t, &shown)) in rows.t.iter().zip(&rows.shown).enumerate() {
+        let is_held = place > 0 && rows.shown[place - 1] == shown && rows.t.len() < 8_000;
+        if !is_held || draws.is_empty() {
+            draws = (0..2)
+                .map(|_| (0..n).map(|_| StandardNormal.sample(&mut random)).collect())
+                .collect();
+        }
+        write!(text, "{t:?}").unwrap();
+        let mut spike = |size: f64| -> f64 {
+            let is_one = random.random_range(0.0..1.0) < rows.spikes;
+            if is_one { size * random.random_range(-1.0..1.0) } else { 0.0 }
+        };
+        for joint in 0..n {
+            let value = q[(shown, joint)] + NOISE.0 * draws[0][joint] + spike(spread(&q, joint));
+            let rounded = (value / rows.step).round() * rows.step;
+            write!(text, ",{:?}", if rows.step > 0.0 { rounded } else { value }).unwrap();
+        }
+        let row = shown.saturating_sub(rows.lag);
+        for joint in 0..n {
+            let value = tau[(row, joint)] + size[joint] * draws[1][joint];
+            write!(text, ",{:?}", value + spike(spread(&tau, joint))).unwrap();
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn fit(fine: &Motion, rows: &Rows) -> Model {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("log.csv");
+    std::fs::write(&file, text(fine, rows)).unwrap();
+    let logs = Logs::open(&[file]).unwrap();
+    let raw = ConditionedLogs::new(logs, &Conditioning::default(), true).unwrap().raw().unwrap();
+    let plan: Plan = ChainOptions::default().into();
+    let Tuned { recording, request, .. } = tune(&raw, &plan, &mut |_| {}).unwrap();
+    reconstruct_from(&recording, request, &plan, &mut |_| {}).unwrap().model
+}
+
+/// Error on another motion with torque as noisy as that of the log, percent, geometric mean.
+fn error(model: &Model, test: &Motion) -> f64 {
+    let scores = score(model, test).unwrap();
+    let logs = scores.joints.iter().map(|joint| joint.nrmse_percent.ln());
+    (logs.sum::<f64>() / scores.joints.len() as f64).exp()
+}
+
+fn noisy(motion: Motion) -> Motion {
+    let mut random = ChaCha8Rng::seed_from_u64(9);
+    let mut signals: Signals = motion.into_signals();
+    signals.joints = (1..=signals.joints.len()).map(|joint| format!("joint{joint}")).collect();
+    let tau = signals.tau.as_mut().unwrap();
+    for joint in 0..tau.ncols() {
+        let size = NOISE.1 * deviation(tau, joint);
+        for row in 0..tau.nrows() {
+            let unit: f64 = StandardNormal.sample(&mut random);
+            tau[(row, joint)] += size * unit;
+        }
+    }
+    Motion::new(signals).unwrap()
+}
+
+#[test]
+fn a_spoilt_log_teaches_as_much_as_a_clean_one() {
+    let fine = motion(1, FINE);
+    let test = noisy(motion(99, 100));
+    let clean = error(&fit(&fine, &plain(RATE)), &test);
+    assert!(clean < 2.0, "{clean}");
+
+    let mut failed = Vec::new();
+    for (name, rows) in spoilt() {
+        let found = error(&fit(&fine, &rows), &test);
+        println!("{name}: {found:.3} % ({:.2} of {clean:.3} %)", found / clean);
+        if found > 1.3 * clean {
+            failed.push(format!("{name}: {found:.2} of {clean:.2} %"));
+        }
+    }
+    assert!(failed.is_empty(), "{failed:?}");
+}

@@ -1,0 +1,92 @@
+//! Clocks with known faults: each is found and mended, and a sound clock is left alone.
+
+use super::{ClockLane, ClockRepair, RawBlock};
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const STEP: f64 = 0.01;
+
+fn position(t: f64) -> f64 {
+    (3.0 * t).sin() + 0.4 * (7.1 * t).cos()
+}
+
+/// Rows stamped at `t`, sampled at `sampled`.
+fn block(t: Vec<f64>, sampled: &[f64]) -> RawBlock {
+    let q = Mat::from_fn(t.len(), 1, |row, _| position(sampled[row]));
+    let tau = Mat::from_fn(t.len(), 1, |row, _| 2.0 * position(sampled[row]));
+    RawBlock { t, q, dq: None, ddq: None, tau: Some(tau) }
+}
+
+fn even(rows: u32) -> Vec<f64> {
+    (0..rows).map(|row| STEP * f64::from(row)).collect()
+}
+
+/// Even times, each off by up to 0.4 steps.
+fn jittery(rows: u32) -> Vec<f64> {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    even(rows).into_iter().map(|t| t + STEP * random.random_range(-0.4..0.4)).collect()
+}
+
+fn mended(block: &RawBlock, cuts: &[usize]) -> RawBlock {
+    let mut lane = ClockLane::new(ClockRepair::of(std::slice::from_ref(block)));
+    let mut parts = Vec::new();
+    let ends = cuts.iter().copied().chain([block.t.len()]);
+    let mut begin = 0;
+    for end in ends {
+        let rows: Vec<usize> = (begin..end).collect();
+        parts.extend(lane.push(&super::select(block, &rows)));
+        begin = end;
+    }
+    parts.extend(lane.finish());
+    super::joined(&parts)
+}
+
+#[test]
+fn a_sound_clock_is_left_alone() {
+    let t = jittery(3_000);
+    let sound = block(t.clone(), &t);
+
+    assert_eq!(ClockRepair::of(std::slice::from_ref(&sound)), ClockRepair::default());
+    assert_eq!(mended(&sound, &[700, 1_900]).t, t);
+}
+
+#[test]
+fn stamps_of_late_receipt_are_put_on_the_clock_of_the_device() {
+    let late = block(jittery(3_000), &even(3_000));
+
+    let mended = mended(&late, &[]);
+
+    let off = |t: &[f64]| {
+        let squares: f64 = t.iter().zip(even(3_000)).map(|(t, even)| (t - even).powi(2)).sum();
+        (squares / 3_000.0).sqrt()
+    };
+    assert!(off(&mended.t) < 0.2 * off(&late.t), "{} {}", off(&mended.t), off(&late.t));
+}
+
+#[test]
+fn rows_that_a_fast_logger_repeats_are_left_out() {
+    // The device samples every second time that the logger writes.
+    let held: Vec<f64> = (0..3_000).map(|row: u32| STEP * f64::from(row - row % 2)).collect();
+    let log = block(even(3_000), &held);
+
+    let mended = mended(&log, &[]);
+
+    assert_eq!(mended.t.len(), 1_500);
+    assert!((mended.t[1] - mended.t[0] - 2.0 * STEP).abs() < 1e-12);
+}
+
+#[test]
+fn an_arm_at_rest_is_no_fault_of_the_clock() {
+    let still: Vec<f64> = even(3_000).into_iter().map(|t| t.clamp(10.0, 20.0)).collect();
+    let log = block(even(3_000), &still);
+
+    assert_eq!(mended(&log, &[]).t, log.t);
+}
+
+#[test]
+fn where_blocks_are_cut_does_not_matter() {
+    let late = block(jittery(5_000), &even(5_000));
+
+    assert_eq!(mended(&late, &[1_024, 2_048, 3_072, 4_096]).t, mended(&late, &[4_096]).t);
+}
