@@ -1,6 +1,7 @@
 //! Words of the command line → recording: which files, by which profile, filtered how.
 
 use crate::error::CliError;
+use crate::files::read_model;
 use crate::score_table::RawErrors;
 use anyhow::Result;
 use clap::Args;
@@ -97,6 +98,58 @@ pub(crate) enum Recorded {
     Conditioned(Box<ConditionedLogs>),
 }
 
+/// How signals are conditioned where no model is at hand, or one that says how.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct FilterArguments {
+    /// Filter the logs as those of this model were
+    #[arg(long, value_name = "MODEL.json")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    signals: SignalArguments,
+}
+
+impl FilterArguments {
+    /// Logs filtered as asked for, or as those of the model.
+    ///
+    /// # Errors
+    /// As [`SignalArguments::prepare`], and if the model cannot be read.
+    pub(crate) fn prepare(&self, logs: Logs) -> Result<Recorded> {
+        match self.known()? {
+            Some(known) => self.signals.prepare_as(known, logs),
+            None => self.signals.prepare(logs),
+        }
+    }
+
+    /// The same where every row is wanted.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
+    pub(crate) fn prepare_all(&self, logs: Logs) -> Result<Recorded> {
+        match self.known()? {
+            Some(known) => self.signals.prepare_all_as(known, logs),
+            None => self.signals.prepare_from(logs, &all_rows()),
+        }
+    }
+
+    /// Logs to test on, filtered as those that were trained on.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
+    pub(crate) fn prepare_like(&self, train: &Recorded, test: Logs) -> Result<Recorded> {
+        self.signals.prepare_as(train.filter(), test)
+    }
+
+    fn known(&self) -> Result<Option<Option<FilterUsed>>> {
+        let model = self.model.as_ref().map(|file| read_model(file)).transpose()?;
+        Ok(model.map(|model| model.training.filter))
+    }
+}
+
+/// Conditioning that leaves no row out.
+fn all_rows() -> Conditioning {
+    Conditioning { rate: Some(f64::MAX), trim: Trim::Seconds(0.0), ..Conditioning::default() }
+}
+
 impl SignalArguments {
     /// The filter that logs go through, if any.
     fn cutoff(&self, logs: &Logs) -> Option<Cutoff> {
@@ -144,9 +197,7 @@ impl SignalArguments {
         let settings = Conditioning { cutoff, delay, ..*settings };
         Ok(Recorded::Conditioned(Box::new(ConditionedLogs::new(logs, &settings, find)?)))
     }
-}
 
-impl SignalArguments {
     /// Logs filtered as those a model was fitted on, where nothing else is asked for: so that what
     /// is measured on them is what the fit measured, and they have no say in it.
     ///
@@ -161,12 +212,7 @@ impl SignalArguments {
     /// # Errors
     /// As [`Self::prepare`].
     pub(crate) fn prepare_all_as(&self, known: Option<FilterUsed>, logs: Logs) -> Result<Recorded> {
-        let all = Conditioning {
-            rate: Some(f64::MAX),
-            trim: Trim::Seconds(0.0),
-            ..Conditioning::default()
-        };
-        self.like(known, &logs).prepare_from(logs, &all)
+        self.like(known, &logs).prepare_from(logs, &all_rows())
     }
 
     /// What is asked for; what is not, as it was in a fit.

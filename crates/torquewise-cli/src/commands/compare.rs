@@ -2,6 +2,7 @@
 
 use crate::arguments::PlanArguments;
 use crate::outcome::Outcome;
+use crate::recorded::{FilterArguments, ProfileArguments};
 use crate::table::{Table, number};
 use crate::timed::{Timed, timed};
 use anyhow::Result;
@@ -10,6 +11,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::{Plan, Scores, score};
 use torquewise::logs::Logs;
+use torquewise::motion::Recording;
 
 /// Compare stepwise reconstruction with one-shot SINDy
 #[derive(Args, Debug)]
@@ -22,6 +24,10 @@ pub(crate) struct Arguments {
     test: Vec<PathBuf>,
     #[command(flatten)]
     plan: PlanArguments,
+    #[command(flatten)]
+    profile: ProfileArguments,
+    #[command(flatten)]
+    filter: FilterArguments,
 }
 
 /// A method with what it found and how good that is.
@@ -34,9 +40,13 @@ struct Contender {
 /// Fits with both methods and scores both.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (stepwise, sindy) = arguments.plan.both_plans()?;
-    let (train, test) = (Logs::open(&arguments.logs)?, Logs::open(&arguments.test)?);
-    train.require_tau()?;
-    test.require_tau()?;
+    let open = |paths: &[PathBuf]| -> Result<Logs> {
+        let logs = arguments.profile.open(paths)?;
+        logs.require_tau()?;
+        Ok(logs)
+    };
+    let train = arguments.filter.prepare(open(&arguments.logs)?)?;
+    let test = arguments.filter.prepare_like(&train, open(&arguments.test)?)?;
     let contend = |name, plan: &Plan| -> Result<Contender> {
         let timed = timed(&train, None, plan)?;
         let scores = score(&timed.found.model, &test)?;

@@ -4,13 +4,14 @@ use crate::arguments::PatternArguments;
 use crate::files::{check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::ProfileArguments;
+use crate::recorded::{FilterArguments, ProfileArguments};
 use crate::table::{Table, number};
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::Warning;
+use torquewise::motion::Recording;
 use torquewise::report::{chart_figure, order_charts};
 use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
 
@@ -47,6 +48,8 @@ pub(crate) struct Arguments {
     patterns: PatternArguments,
     #[command(flatten)]
     profile: ProfileArguments,
+    #[command(flatten)]
+    filter: FilterArguments,
 }
 
 /// Tries all orders.
@@ -57,6 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let logs = arguments.profile.open(&arguments.logs)?;
     logs.require_tau()?;
+    let logs = arguments.filter.prepare(logs)?;
     let plan = OrderPlan {
         trig_order: arguments.trig_order,
         whole_order: arguments.whole_order,

@@ -6,14 +6,13 @@ use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
-use crate::recorded::ProfileArguments;
+use crate::recorded::{FilterArguments, ProfileArguments, Recorded};
 use crate::table::number;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::identify::{Patterns, find_patterns, survey};
-use torquewise::logs::Logs;
 use torquewise::motion::Recording;
 
 /// Tell standstill, uniform and variable velocity apart
@@ -29,6 +28,8 @@ pub(crate) struct Arguments {
     patterns: PatternArguments,
     #[command(flatten)]
     profile: ProfileArguments,
+    #[command(flatten)]
+    filter: FilterArguments,
 }
 
 /// Clusters the logs and labels their rows, counted from 1 through all logs.
@@ -36,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = &arguments.output {
         check_output(file, &arguments.logs)?;
     }
-    let logs = arguments.profile.open(&arguments.logs)?;
+    let logs = arguments.filter.prepare_all(arguments.profile.open(&arguments.logs)?)?;
     let found = {
         let watched = Watched::new(&logs, "looking through the log").of(logs.rows_hint(), 1);
         find_patterns(&survey(&watched)?, &arguments.patterns.plan())?
@@ -46,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 /// Labels all rows, beyond the sample that was clustered.
-fn label_rows(logs: &Logs, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
+fn label_rows(logs: &Recorded, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
     let _shield = Shield::new();
     let mut table = PatternTable::create(file)?;
     Watched::new(logs, "labelling rows")

@@ -230,7 +230,7 @@ fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
     table.rows.extend(restarted);
     terminal.write("log.csv", &table.text());
 
-    terminal.refused("inspect log.csv", &["row 502", "does not follow"]);
+    terminal.refused("inspect log.csv", &["row 2002", "does not follow"]);
     let said = terminal.run("inspect log.csv --repair");
 
     assert_warns(
