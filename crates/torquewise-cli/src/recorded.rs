@@ -115,7 +115,7 @@ impl FilterArguments {
     /// As [`SignalArguments::prepare`], and if the model cannot be read.
     pub(crate) fn prepare(&self, logs: Logs) -> Result<Recorded> {
         match self.known()? {
-            Some(known) => self.signals.prepare_as(known, logs),
+            Some(model) => self.signals.prepare_as(model.training.filter, logs),
             None => self.signals.prepare(logs),
         }
     }
@@ -126,7 +126,7 @@ impl FilterArguments {
     /// As [`Self::prepare`].
     pub(crate) fn prepare_all(&self, logs: Logs) -> Result<Recorded> {
         match self.known()? {
-            Some(known) => self.signals.prepare_all_as(known, logs),
+            Some(model) => self.signals.prepare_all_as(model.training.filter, logs),
             None => self.signals.prepare_from(logs, &all_rows()),
         }
     }
@@ -139,9 +139,8 @@ impl FilterArguments {
         self.signals.prepare_as(train.filter(), test)
     }
 
-    fn known(&self) -> Result<Option<Option<FilterUsed>>> {
-        let model = self.model.as_ref().map(|file| read_model(file)).transpose()?;
-        Ok(model.map(|model| model.training.filter))
+    fn known(&self) -> Result<Option<Model>> {
+        self.model.as_ref().map(|file| read_model(file)).transpose()
     }
 }
 
