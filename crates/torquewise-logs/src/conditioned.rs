@@ -52,7 +52,7 @@ impl ConditionedLogs {
     pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self, LogError> {
         let refused = |source| signals(&logs, 0, source);
         let (clock, pieces) = repaired(&logs)?;
-        let first = pieces.first().ok_or(LogError::NoFiles)?;
+        let first = longest(&pieces).ok_or(LogError::NoFiles)?;
         let mut report = condition(first, settings).map_err(refused)?.report;
         let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
         let mut settings = Conditioning { cutoff, ..*settings };
@@ -75,7 +75,7 @@ impl ConditionedLogs {
     pub fn raw(&self) -> Result<RawLogs, LogError> {
         self.logs.require_tau()?;
         let (_, pieces) = repaired(&self.logs)?;
-        let first = pieces.first().cloned().ok_or(LogError::NoFiles)?;
+        let first = longest(&pieces).cloned().ok_or(LogError::NoFiles)?;
         let bandwidths = Bandwidths::new(&pieces, &self.settings);
         let bandwidths = bandwidths.map_err(|source| signals(&self.logs, 0, source))?;
         Ok(RawLogs { conditioned: self.clone(), first, bandwidths })
@@ -325,6 +325,11 @@ impl Cutter<'_> {
 fn signals(logs: &Logs, trajectory: usize, source: SignalError) -> LogError {
     let file = logs.paths().first().cloned().unwrap_or_default();
     LogError::Signals { file, trajectory: trajectory + 1, source }
+}
+
+/// The piece of most rows, the first of several.
+fn longest(pieces: &[Raw]) -> Option<&Raw> {
+    pieces.iter().rev().max_by_key(|piece| piece.t.len())
 }
 
 /// What the clock of logs asks for, and pieces of all trajectories with their clock mended.

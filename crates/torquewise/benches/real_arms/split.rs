@@ -45,7 +45,8 @@ pub(crate) fn written(
     for (place, stretch) in rows.chunk_by(|a, b| a.is_test == b.is_test).enumerate() {
         let path = folder.join(format!("{place:03}.csv"));
         let lines: Vec<&str> = stretch.iter().map(|row| row.line.as_str()).collect();
-        fs::write(&path, format!("{header}\n{}\n", lines.join("\n")))?;
+        let joints = logs.joints().join(",");
+        fs::write(&path, format!("# joints: {joints}\n{header}\n{}\n", lines.join("\n")))?;
         files[usize::from(stretch[0].is_test)].push(path);
     }
     Ok(files)
