@@ -5,8 +5,7 @@ use crate::recorded::Recorded;
 use indicatif::ProgressBar;
 use std::time::Instant;
 use torquewise::identify::bandwidth::{Tuned, tune};
-use torquewise::identify::reconstruct::Solution;
-use torquewise::identify::reconstruct::reconstruct_from;
+use torquewise::identify::reconstruct::{Solution, reconstruct_from};
 use torquewise::identify::rounds::Request;
 use torquewise::identify::{
     IdentifyError, Method, Plan, Reconstruction, Summary, reconstruct, solve,
@@ -69,7 +68,6 @@ pub(crate) fn timed_at_best(
             Method::Library(_) => reconstruct(&watched, plan, progress)?,
         };
         found.model.choices.splice(0..0, choice);
-        drop(watched);
         Ok((logs, found))
     })?;
     Ok((tuned, Timed { found, seconds, step_seconds }))

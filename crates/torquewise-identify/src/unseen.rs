@@ -13,6 +13,8 @@ pub(crate) const BLOCKS: usize = 24;
 const LEAST_ROWS: usize = 4;
 /// Ridges, relative to the square of a column: the best one counts.
 const RIDGES: [f64; 4] = [1e-8, 1e-6, 1e-4, 1e-2];
+/// A column whose square is a smaller part of the largest is held as if it were of this size.
+const LEAST_SQUARE: f64 = 1e-9;
 
 /// What a chain leaves of a torque on blocks of time that it was not fitted on.
 #[derive(Clone, Debug)]
@@ -48,7 +50,8 @@ impl Errors {
     }
 }
 
-fn geometric_mean(x: &[f64]) -> f64 {
+/// The geometric mean of positive numbers.
+pub(crate) fn geometric_mean(x: &[f64]) -> f64 {
     let logs: f64 = x.iter().map(|x| x.max(f64::MIN_POSITIVE).ln()).sum();
     (logs / x.len().max(1) as f64).exp()
 }
@@ -96,8 +99,9 @@ pub(crate) fn held_out(
         |block: usize| range(block.saturating_sub(1)).start..range((block + 1).min(BLOCKS - 1)).end;
     let blocks: Vec<(Mat<f64>, Mat<f64>)> = (0..BLOCKS).map(|block| sums(around(block))).collect();
     let spread: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
+    let largest = (0..p).fold(0.0_f64, |most, k| gram[(k, k)].max(most));
     let parts = |ridge: f64| -> Option<Vec<Vec<f64>>> {
-        let own = |k: usize| ridge * gram[(k, k)].max(LEAST_SQUARE * largest(&gram));
+        let own = |k: usize| ridge * gram[(k, k)].max(LEAST_SQUARE * largest);
         let of_block = |(block, (own_gram, own_right)): (usize, &(Mat<f64>, Mat<f64>))| {
             let mut rest = &gram - own_gram;
             (0..p).for_each(|k| rest[(k, k)] += own(k));
@@ -117,13 +121,6 @@ pub(crate) fn held_out(
     let of = |ridge: &f64| Some(Errors { parts: parts(*ridge)?, spread: roots.clone() });
     let found = RIDGES.iter().filter_map(of);
     Ok(found.min_by(|a, b| a.all().total_cmp(&b.all())))
-}
-
-/// A column smaller than this part of the largest is held as if it were of this size.
-const LEAST_SQUARE: f64 = 1e-9;
-
-fn largest(gram: &Mat<f64>) -> f64 {
-    (0..gram.ncols()).fold(0.0, |most, k| gram[(k, k)].max(most))
 }
 
 fn variance(x: &Mat<f64>, column: usize) -> f64 {

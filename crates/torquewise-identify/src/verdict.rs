@@ -1,6 +1,7 @@
 //! Reconstruction → verdict: may the model be used, and why.
 
 use crate::found::Reconstruction;
+use crate::unseen::geometric_mean;
 use crate::warning::Warning;
 use std::fmt;
 use torquewise_diagnose::excitation::{Finding, list};
@@ -51,8 +52,6 @@ impl Verdict {
         let poor = joints(&|error| (GOOD.1..USELESS).contains(&error));
         let is_poor = |joint: &str| useless.iter().chain(&poor).any(|name| name == joint);
         let grave = grave(&found.warnings, &is_poor);
-        let logs = errors.iter().map(|error| error.max(f64::MIN_POSITIVE).ln()).sum::<f64>();
-        let mean = (logs / errors.len() as f64).exp();
         let mut because = Vec::new();
         if !useless.is_empty() {
             because.push(format!(
@@ -63,7 +62,7 @@ impl Verdict {
         because.extend(grave);
         let grade = if !because.is_empty() {
             Grade::Unusable
-        } else if mean <= GOOD.0 && poor.is_empty() {
+        } else if geometric_mean(&errors) <= GOOD.0 && poor.is_empty() {
             Grade::Good
         } else {
             Grade::Usable

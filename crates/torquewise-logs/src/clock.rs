@@ -2,6 +2,7 @@
 
 use crate::blocks::RawBlock;
 use faer::Mat;
+use torquewise_signals::noise::median;
 
 /// Repeats of position and torque that a logger faster than its device makes; a longer run is an
 /// arm at rest.
@@ -20,12 +21,12 @@ const BETTER: f64 = 0.9;
 
 /// How the clock of logs is mended, decided once for all of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ClockRepair {
+pub(crate) struct ClockRepair {
     /// Rows that repeat position and torque of the one before are left out: the device was slower
     /// than the logger.
-    pub held: bool,
+    pub(crate) held: bool,
     /// Stamps are those of late receipt: the device sampled evenly.
-    pub late: bool,
+    pub(crate) late: bool,
 }
 
 impl ClockRepair {
@@ -92,7 +93,7 @@ fn select(block: &RawBlock, rows: &[usize]) -> RawBlock {
 
 /// Stamps on the line of least squares through those around them, between gaps.
 fn mended(t: &[f64]) -> Vec<f64> {
-    let usual = median(t.windows(2).map(|pair| pair[1] - pair[0]).collect());
+    let usual = median(&mut t.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>());
     let mut out = t.to_vec();
     let mut begin = 0;
     for end in 1..=t.len() {
@@ -139,18 +140,14 @@ fn roughness(t: &[f64], q: &Mat<f64>) -> f64 {
             let between: f64 = (0..4).map(|i| weight(i) * (x[at[i]] - x[k])).sum();
             between * between
         };
-        let steps = median(x.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).collect());
+        let mut steps: Vec<f64> = x.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).collect();
+        let steps = median(&mut steps);
         if steps > 0.0 {
-            sum += median((2..x.len().saturating_sub(2)).map(off).collect()) / steps;
+            let mut off: Vec<f64> = (2..x.len().saturating_sub(2)).map(off).collect();
+            sum += median(&mut off) / steps;
         }
     }
     sum
-}
-
-/// The middle one of some values; zero of none.
-fn median(mut x: Vec<f64>) -> f64 {
-    let middle = x.len() / 2;
-    if x.is_empty() { 0.0 } else { *x.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
 /// Mends the clock of one trajectory, block by block: what comes out depends on the rows alone, not

@@ -86,11 +86,6 @@ impl ConditionedLogs {
         &self.logs
     }
 
-    /// What was wrong with the clock, and was mended.
-    pub fn clock(&self) -> ClockRepair {
-        self.clock
-    }
-
     /// How every trajectory is conditioned, the choices made.
     pub fn settings(&self) -> &Conditioning {
         &self.settings

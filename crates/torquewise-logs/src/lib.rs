@@ -45,7 +45,7 @@ mod gaps;
 pub mod blocks;
 pub mod logs;
 mod raw_noise;
-pub mod clock;
+mod clock;
 pub mod conditioned;
 pub mod suggest;
 pub mod units;

@@ -60,7 +60,7 @@ fn deviation(values: Vec<f64>) -> f64 {
 }
 
 /// Median, the upper of the middle two; sorts as far as needed. Zero of nothing.
-pub(crate) fn median(values: &mut [f64]) -> f64 {
+pub fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return 0.0;
     }
