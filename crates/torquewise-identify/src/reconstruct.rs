@@ -4,6 +4,7 @@ use crate::found::{Progress, Reconstruction};
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::rounds::{Request, Round};
 use crate::summary::{Pass, Summary, summarise};
+use crate::warning::Warning;
 use torquewise_diagnose::score::score;
 use torquewise_motion::Recording;
 use torquewise_stepwise::patterns::find_patterns;
@@ -119,7 +120,8 @@ fn by_chain(
         Round::Again(request) => Ok(Solution::Request(request)),
         Round::Done(fitted) => {
             let patterns = find_patterns(&survey, &settings.patterns)?;
-            let found = fitted.report(survey, patterns, seed)?;
+            let mut found = fitted.report(survey, patterns, seed)?;
+            Warning::retain_founded(&mut found.warnings, &found.model, options.physical);
             progress(Progress::Done);
             Ok(Solution::Model(Box::new(found)))
         }

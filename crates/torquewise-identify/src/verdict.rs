@@ -2,13 +2,13 @@
 
 use crate::found::Reconstruction;
 use crate::unseen::geometric_mean;
-use crate::warning::Warning;
+use crate::warning::{POOR, Warning};
 use std::fmt;
 use torquewise_diagnose::excitation::{Finding, list};
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
-/// joints; and up to which that of each joint may be.
-const GOOD: (f64, f64) = (0.1, 0.3);
+/// joints.
+const GOOD: f64 = 0.1;
 /// From here a prediction is no better than the mean.
 const USELESS: f64 = 1.0;
 
@@ -36,22 +36,14 @@ impl Verdict {
     /// From blocks of time that were held out, and what the motion leaves open; `None` of a model
     /// whose held-out error was not found.
     pub fn of(found: &Reconstruction) -> Option<Self> {
-        let training = &found.model.training;
-        if training.held_out_rms.is_empty() {
-            return None;
-        }
-        let left = training.held_out_rms.iter().zip(&training.residual_rms);
-        let errors: Vec<f64> = (left.zip(&training.torque_std))
-            .map(|((unseen, own), std)| if *std > 0.0 { unseen.max(*own) / std } else { 0.0 })
-            .collect();
+        let errors = found.model.training.held_out_errors()?;
         let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {
             let named = found.model.joints.iter().zip(&errors);
             named.filter(|(_, error)| is(**error)).map(|(name, _)| name.clone()).collect()
         };
         let useless = joints(&|error| error.is_nan() || error >= USELESS);
-        let poor = joints(&|error| (GOOD.1..USELESS).contains(&error));
-        let is_poor = |joint: &str| useless.iter().chain(&poor).any(|name| name == joint);
-        let grave = grave(&found.warnings, &is_poor);
+        let poor = joints(&|error| (POOR..USELESS).contains(&error));
+        let grave = grave(&found.warnings);
         let mut because = Vec::new();
         if !useless.is_empty() {
             because.push(format!(
@@ -62,7 +54,7 @@ impl Verdict {
         because.extend(grave);
         let grade = if !because.is_empty() {
             Grade::Unusable
-        } else if geometric_mean(&errors) <= GOOD.0 && poor.is_empty() {
+        } else if geometric_mean(&errors) <= GOOD && poor.is_empty() {
             Grade::Good
         } else {
             Grade::Usable
@@ -72,7 +64,7 @@ impl Verdict {
             because.push(format!(
                 "held-out torque of {} is missed by more than {:.0} % of its spread",
                 list(&poor),
-                100.0 * GOOD.1
+                100.0 * POOR
             ));
         }
         let (least, most) = errors
@@ -88,15 +80,12 @@ impl Verdict {
 }
 
 /// What makes a model useless whatever the error on its own log.
-///
-/// - `is_poor`: whether the torque of a joint is predicted poorly
-fn grave(warnings: &[Warning], is_poor: &dyn Fn(&str) -> bool) -> Vec<String> {
+fn grave(warnings: &[Warning]) -> Vec<String> {
     let of = |warning: &Warning| match warning {
         Warning::Excitation(Finding::Together { joints, .. }) => {
             Some(format!("{} always move together", list(joints)))
         }
-        // A rough look errs where a light joint is driven along; no physical arm fits a wrong sign.
-        Warning::Excitation(Finding::Backward { joint }) if is_poor(joint) => {
+        Warning::Excitation(Finding::Backward { joint }) => {
             Some(format!("the torque of {joint} has the wrong sign"))
         }
         Warning::Excitation(Finding::Unrelated { joint, .. }) => {

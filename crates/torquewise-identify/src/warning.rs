@@ -4,10 +4,14 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use torquewise_diagnose::disagreement::Disagreement;
 use torquewise_diagnose::excitation::{Finding, findings};
+use torquewise_model::Model;
 use torquewise_motion::Pattern;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
 use torquewise_survey::survey::Survey;
+
+/// Held-out error over the spread of the torque from which a joint is predicted poorly.
+pub(crate) const POOR: f64 = 0.3;
 
 /// Something that does not stop the work but may spoil its result.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,6 +116,22 @@ impl Warning {
         warnings
     }
 
+    /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
+    /// its held-out rows well: a rough look knows neither the other joints nor the noise.
+    ///
+    /// - `physical`: whether the model is such as a physical arm has, which fits no wrong sign
+    pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model, physical: bool) {
+        let Some(errors) = model.training.held_out_errors() else { return };
+        let is_predicted = |joint: &str| {
+            model.joints.iter().zip(&errors).any(|(name, error)| name == joint && *error < POOR)
+        };
+        warnings.retain(|warning| match warning {
+            Self::Excitation(Finding::Unrelated { joint, .. }) => !is_predicted(joint),
+            Self::Excitation(Finding::Backward { joint }) => !(physical && is_predicted(joint)),
+            _ => true,
+        });
+    }
+
     /// What to know before trusting the orders chosen.
     ///
     /// - `joints`: their names, n
@@ -204,5 +224,58 @@ impl fmt::Display for Warning {
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"
             ),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use torquewise_model::Form;
+    use torquewise_model::model::Training;
+
+    /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
+    fn model() -> Model {
+        let training = Training {
+            rows: 100,
+            residual_rms: vec![0.1, 0.1],
+            torque_std: vec![1.0, 1.0],
+            q_range: vec![[-1.0, 1.0]; 2],
+            dq_peak: vec![1.0; 2],
+            ddq_peak: vec![1.0; 2],
+            overlooked: None,
+            filter: None,
+            price_of_physics: None,
+            unexplained_rms: Vec::new(),
+            held_out_rms: vec![0.1, 0.9],
+        };
+        Model {
+            joints: vec!["joint1".into(), "joint2".into()],
+            form: Form::Energy(Vec::new()),
+            chain: None,
+            friction: Vec::new(),
+            stages: Vec::new(),
+            training,
+            choices: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn doubts_about_a_joint_that_is_predicted_well_are_dropped() {
+        let unrelated = |joint: &str| {
+            Warning::Excitation(Finding::Unrelated { joint: joint.into(), residual: 0.9 })
+        };
+        let backward = |joint: &str| Warning::Excitation(Finding::Backward { joint: joint.into() });
+        let doubts = || {
+            ["joint1", "joint2"].into_iter().flat_map(|joint| [unrelated(joint), backward(joint)])
+        };
+        let left = |physical: bool| {
+            let mut warnings: Vec<Warning> = doubts().collect();
+            Warning::retain_founded(&mut warnings, &model(), physical);
+            warnings
+        };
+
+        assert_eq!(left(true), [unrelated("joint2"), backward("joint2")]);
+        // Without physics a wrong sign is fitted as well as a right one.
+        assert_eq!(left(false), [backward("joint1"), unrelated("joint2"), backward("joint2")]);
     }
 }

@@ -175,6 +175,21 @@ pub struct Model {
     pub choices: Vec<Choice>,
 }
 
+impl Training {
+    /// Error of each joint on blocks of time that were held out, or its residual where that is
+    /// larger, over the standard deviation of its torque, n; `None` where no block was held out.
+    pub fn held_out_errors(&self) -> Option<Vec<f64>> {
+        if self.held_out_rms.is_empty() {
+            return None;
+        }
+        let left = self.held_out_rms.iter().zip(&self.residual_rms);
+        let part = |((unseen, own), std): ((&f64, &f64), &f64)| {
+            if *std > 0.0 { unseen.max(*own) / std } else { 0.0 }
+        };
+        Some(left.zip(&self.torque_std).map(part).collect())
+    }
+}
+
 impl Unused {
     /// By what part the RMS of the residual would fall, all joints counted by their noise.
     pub fn of_residual(&self) -> f64 {
