@@ -5,7 +5,7 @@ use crate::plan::Plan;
 use crate::reconstruct::{Solution, solve};
 use crate::rounds::Request;
 use crate::summary::summarise;
-use crate::unseen::{BLOCKS, Errors, held_out};
+use crate::unseen::{BLOCKS, Errors, even_blocks, held_out};
 use rayon::prelude::*;
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_motion::RawRecording;
@@ -65,20 +65,64 @@ pub fn tune<L: RawRecording>(
             return Err(IdentifyError::NoLibrary);
         };
         searches += 1;
-        let tried = tried(logs, &request)?;
-        let all = || tried.iter().map(|tried| tried.errors.all());
-        let Some(least) = all().reduce(f64::min) else {
+        let Some(judged) = judge(logs, &request)? else {
             return Ok(Tuned { recording, request: *request, choice: None });
         };
-        let lowest = tried.iter().find(|tried| tried.errors.all() <= (1.0 + ALIKE) * least);
-        let best = lowest.map_or(cutoff, |tried| tried.cutoff);
-        let here = tried.iter().rfind(|tried| tried.cutoff <= cutoff);
-        let is_near = here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * least);
-        if is_near || searches == SEARCHES {
-            let recording = logs.filtered(best).map_err(IdentifyError::Read)?;
-            return Ok(Tuned { recording, request: *request, choice: Some(choice(&tried, best)) });
+        if judged.is_near(cutoff) || searches == SEARCHES {
+            return judged.tuned(logs, *request);
         }
-        cutoff = (cutoff * best).sqrt();
+        cutoff = (cutoff * judged.best).sqrt();
+    }
+}
+
+/// Chooses the bandwidth alone, for a chain that was searched on other logs of the arm (E12).
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, or an arm of other joints.
+pub fn tune_from<L: RawRecording>(
+    logs: &L,
+    request: Request,
+) -> Result<Tuned<L::Filtered>, IdentifyError> {
+    if let Some(judged) = judge(logs, &request)? {
+        return judged.tuned(logs, request);
+    }
+    let recording = logs.filtered(logs.first_cutoff()).map_err(IdentifyError::Read)?;
+    Ok(Tuned { recording, request, choice: None })
+}
+
+/// Candidates that were tried, at least one.
+struct Judged {
+    tried: Vec<Tried>,
+    /// Error of the best.
+    least: f64,
+    /// The lowest cut-off near it.
+    best: f64,
+}
+
+fn judge(logs: &impl RawRecording, request: &Request) -> Result<Option<Judged>, IdentifyError> {
+    let tried = tried(logs, request)?;
+    let Some(least) = tried.iter().map(|tried| tried.errors.all()).reduce(f64::min) else {
+        return Ok(None);
+    };
+    let lowest = tried.iter().find(|tried| tried.errors.all() <= (1.0 + ALIKE) * least);
+    Ok(lowest.map(|tried| tried.cutoff).map(|best| Judged { tried, least, best }))
+}
+
+impl Judged {
+    /// Whether a cut-off does about as well as the best.
+    fn is_near(&self, cutoff: f64) -> bool {
+        let here = self.tried.iter().rfind(|tried| tried.cutoff <= cutoff);
+        here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * self.least)
+    }
+
+    /// Logs at the best cut-off.
+    fn tuned<L: RawRecording>(
+        &self,
+        logs: &L,
+        request: Request,
+    ) -> Result<Tuned<L::Filtered>, IdentifyError> {
+        let recording = logs.filtered(self.best).map_err(IdentifyError::Read)?;
+        Ok(Tuned { recording, request, choice: Some(choice(&self.tried, self.best)) })
     }
 }
 
@@ -87,7 +131,8 @@ fn tried(logs: &impl RawRecording, request: &Request) -> Result<Vec<Tried>, Iden
     let one = |cutoff: f64| -> Result<Option<Tried>, IdentifyError> {
         let motion = logs.sample(cutoff).map_err(IdentifyError::Read)?;
         let Some(motion) = motion else { return Ok(None) };
-        let errors = held_out(request.linearisation(), &motion, logs.raw_torque())?;
+        let errors =
+            held_out(request.linearisation(), &motion, logs.raw_torque(), &even_blocks(&motion))?;
         Ok(errors.map(|errors| Tried { cutoff, errors }))
     };
     let all = |cutoffs: Vec<f64>| -> Result<Vec<Tried>, IdentifyError> {

@@ -6,7 +6,7 @@ use crate::beside::Beside;
 use crate::estimate::{Linearisation, Solved};
 use crate::found::Reconstruction;
 use crate::prune::prune;
-use crate::unseen::held_out;
+use crate::unseen::{held_out, whole_logs};
 use crate::warning::{UntriedTerm, Warning};
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -153,12 +153,12 @@ fn unexplained(
     Ok(training.residual_rms.iter().enumerate().map(of_joint).collect())
 }
 
-/// RMS of what is left of the torque of each joint on blocks of time that were held out \[N·m\];
-/// nothing where there are too few rows.
+/// RMS of what is left of the torque of each joint on whole logs, or on blocks of time of a single
+/// one, that were held out \[N·m\]; nothing where there are too few rows.
 fn held_out_rms(at: &Linearisation, sample: &Motion) -> Result<Vec<f64>, IdentifyError> {
     let sample = thinned(sample, HELD_OUT_ROWS);
     let tau = sample.require_tau()?.to_owned();
-    let errors = held_out(at, &sample, &tau)?;
+    let errors = held_out(at, &sample, &tau, &whole_logs(&sample))?;
     Ok(errors.map_or_else(Vec::new, |errors| errors.rms_by_joint()))
 }
 

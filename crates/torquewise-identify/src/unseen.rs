@@ -29,8 +29,9 @@ impl Errors {
     /// RMSE over standard deviation of each joint, n.
     fn by_joint(&self) -> Vec<f64> {
         let joints = self.parts.first().map_or(0, Vec::len);
-        let mean =
-            |joint: usize| self.parts.iter().map(|block| block[joint]).sum::<f64>() / BLOCKS as f64;
+        let mean = |joint: usize| {
+            self.parts.iter().map(|block| block[joint]).sum::<f64>() / self.parts.len() as f64
+        };
         (0..joints).map(|joint| mean(joint).sqrt()).collect()
     }
 
@@ -56,8 +57,39 @@ pub(crate) fn geometric_mean(x: &[f64]) -> f64 {
     (logs / x.len().max(1) as f64).exp()
 }
 
-/// What the parameters of a chain, fitted to the torque of a motion but for one block of time and
-/// its neighbours, leave of a target in that block. The geometry takes one step.
+/// Rows that are held out together, and those around them that are not fitted on.
+pub(crate) struct HeldOut {
+    rows: Range<usize>,
+    around: Range<usize>,
+}
+
+/// Blocks of time of a motion with their neighbours: the filter carries torque there.
+pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
+    let edge = |block: usize| block * motion.n_rows() / BLOCKS;
+    let around = |block: usize| edge(block.saturating_sub(1))..edge((block + 2).min(BLOCKS));
+    (0..BLOCKS).map(|k| HeldOut { rows: edge(k)..edge(k + 1), around: around(k) }).collect()
+}
+
+/// Whole logs where there are several, of very many some together; blocks of time of one log.
+///
+/// A log begins where time does not go on.
+pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
+    let t = motion.t();
+    let begins: Vec<usize> = (1..t.len()).filter(|&row| t[row] <= t[row - 1]).collect();
+    if begins.is_empty() {
+        return even_blocks(motion);
+    }
+    let edges: Vec<usize> =
+        std::iter::once(0).chain(begins).chain(std::iter::once(t.len())).collect();
+    let logs = edges.len() - 1;
+    let groups = logs.min(BLOCKS);
+    let edge = |group: usize| edges[group * logs / groups];
+    let rows = (0..groups).map(|group| edge(group)..edge(group + 1));
+    rows.map(|rows| HeldOut { around: rows.clone(), rows }).collect()
+}
+
+/// What the parameters of a chain, fitted to the torque of a motion but for a block of rows and
+/// those around it, leave of a target in that block. The geometry takes one step.
 ///
 /// - `target`: \[N·m\], m×n
 /// - returns: `None` where there are too few rows, or nothing can be solved
@@ -68,6 +100,7 @@ pub(crate) fn held_out(
     at: &Linearisation,
     motion: &Motion,
     target: &Mat<f64>,
+    blocks: &[HeldOut],
 ) -> Result<Option<Errors>, IdentifyError> {
     let (m, n) = (motion.n_rows(), motion.n_joints());
     if m < BLOCKS * LEAST_ROWS {
@@ -76,7 +109,6 @@ pub(crate) fn held_out(
     let (columns, weights) = at.columns_of(motion)?;
     let tau = motion.require_tau()?;
     let p = columns.ncols();
-    let range = |block: usize| block * m / BLOCKS..(block + 1) * m / BLOCKS;
     let rows = |block: Range<usize>, joint: usize| {
         columns.submatrix(joint * m + block.start, 0, block.len(), p)
     };
@@ -94,28 +126,26 @@ pub(crate) fn held_out(
         (gram, right)
     };
     let (gram, right) = sums(0..m);
-    // The filter carries the torque of a block to its neighbours.
-    let around =
-        |block: usize| range(block.saturating_sub(1)).start..range((block + 1).min(BLOCKS - 1)).end;
-    let blocks: Vec<(Mat<f64>, Mat<f64>)> = (0..BLOCKS).map(|block| sums(around(block))).collect();
+    let around: Vec<(Mat<f64>, Mat<f64>)> =
+        blocks.iter().map(|block| sums(block.around.clone())).collect();
     let spread: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
     let largest = (0..p).fold(0.0_f64, |most, k| gram[(k, k)].max(most));
     let parts = |ridge: f64| -> Option<Vec<Vec<f64>>> {
         let own = |k: usize| ridge * gram[(k, k)].max(LEAST_SQUARE * largest);
-        let of_block = |(block, (own_gram, own_right)): (usize, &(Mat<f64>, Mat<f64>))| {
+        let of_block = |(block, (own_gram, own_right)): (&HeldOut, &(Mat<f64>, Mat<f64>))| {
             let mut rest = &gram - own_gram;
             (0..p).for_each(|k| rest[(k, k)] += own(k));
             let solved = rest.llt(Side::Lower).ok()?.solve(&right - own_right);
             let left = |joint: usize| {
-                let fitted = rows(range(block), joint) * &solved;
-                let squares = range(block).enumerate().map(|(k, row)| {
+                let fitted = rows(block.rows.clone(), joint) * &solved;
+                let squares = block.rows.clone().enumerate().map(|(k, row)| {
                     (target[(row, joint)] - fitted[(k, 0)] / weights[joint * m + row]).powi(2)
                 });
-                squares.sum::<f64>() / range(block).len() as f64 / spread[joint]
+                squares.sum::<f64>() / block.rows.len() as f64 / spread[joint]
             };
             Some((0..n).map(left).collect())
         };
-        blocks.iter().enumerate().map(of_block).collect()
+        blocks.iter().zip(&around).map(of_block).collect()
     };
     let roots: Vec<f64> = spread.iter().map(|variance| variance.sqrt()).collect();
     let of = |ridge: &f64| Some(Errors { parts: parts(*ridge)?, spread: roots.clone() });
@@ -128,4 +158,51 @@ fn variance(x: &Mat<f64>, column: usize) -> f64 {
     let mean = x.col(column).sum() / m;
     let squares: f64 = x.col(column).iter().map(|x| (x - mean).powi(2)).sum();
     (squares / m).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use torquewise_motion::Signals;
+
+    fn motion(t: &[f64]) -> Motion {
+        let zeros = || Mat::<f64>::zeros(t.len(), 1);
+        Motion::new(Signals {
+            joints: vec!["joint1".into()],
+            t: t.to_vec(),
+            q: zeros(),
+            dq: zeros(),
+            ddq: zeros(),
+            tau: None,
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn several_logs_are_held_out_whole_and_one_in_blocks_of_time() {
+        let three = motion(&[0.0, 0.1, 0.2, 0.0, 0.1, 0.0, 0.1, 0.2, 0.3]);
+        let one = motion(&(0..240).map(f64::from).collect::<Vec<_>>());
+
+        let logs: Vec<_> = whole_logs(&three).into_iter().map(|b| (b.rows, b.around)).collect();
+        let blocks: Vec<_> = whole_logs(&one).into_iter().map(|b| (b.rows, b.around)).collect();
+
+        assert_eq!(logs, [(0..3, 0..3), (3..5, 3..5), (5..9, 5..9)]);
+        assert_eq!(blocks.len(), BLOCKS);
+        assert_eq!(blocks[0], (0..10, 0..20));
+        assert_eq!(blocks[5], (50..60, 40..70));
+        assert_eq!(blocks[BLOCKS - 1], (230..240, 220..240));
+    }
+
+    #[test]
+    fn very_many_logs_are_held_out_some_together() {
+        let many = motion(&[0.0, 1.0].repeat(2 * BLOCKS + 1));
+
+        let groups = whole_logs(&many);
+
+        assert_eq!(groups.len(), BLOCKS);
+        assert_eq!(groups[0].rows.start, 0);
+        assert!(groups.windows(2).all(|pair| pair[0].rows.end == pair[1].rows.start));
+        assert!(groups.iter().all(|group| group.rows.start % 2 == 0));
+        assert_eq!(groups[BLOCKS - 1].rows.end, many.n_rows());
+    }
 }

@@ -5,10 +5,12 @@ use crate::outcome::Outcome;
 use crate::progress::Watched;
 use crate::recorded::{ProfileArguments, SignalArguments};
 use crate::score_table;
+use crate::training_range::AskedRange;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::identify::score;
+use torquewise::motion::Recording;
 
 /// Compare the torque a model predicts with the torque measured
 #[derive(Args, Debug)]
@@ -33,6 +35,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = arguments.signals.prepare_as(model.training.filter, logs)?;
     let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
 
+    let mut asked = AskedRange::new(model.n_joints());
+    logs.read(&mut |_, block| {
+        asked.add(block);
+        Ok(())
+    })
+    .map_err(|error| anyhow::anyhow!(error))?;
     let raw = logs.raw_errors(&model)?;
     Ok(Outcome {
         text: format!(
@@ -43,6 +51,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         ),
         json: score_table::json_beside_raw(&scores, raw.as_ref()),
         warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
-        notes: Vec::new(),
+        notes: asked.warnings(&model),
     })
 }

@@ -36,6 +36,26 @@ fn a_model_of_a_clean_log_predicts_a_motion_it_has_not_seen() {
 }
 
 #[test]
+fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
+    let terminal = Terminal::with_model();
+    let log = terminal.read("log.csv");
+    let (header, rows) = log.split_once('\n').unwrap();
+    let turned = rows.lines().map(|line| {
+        let [t, q1, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else { panic!("{line}") };
+        format!("{t},{},{rest}\n", q1.parse::<f64>().unwrap() + 3.0)
+    });
+    terminal.write("turned.csv", &format!("{header}\n{}", turned.collect::<String>()));
+
+    let (inside, outside) = (
+        terminal.run("evaluate model.json log.csv"),
+        terminal.run("evaluate model.json turned.csv"),
+    );
+
+    assert_eq!(inside.stderr, "");
+    assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
+}
+
+#[test]
 fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
     let terminal = Terminal::new();
     terminal.done("simulate planar-2 -o log.csv --seconds 60 --rate 50 --seed 3 --case 3");
