@@ -1,5 +1,8 @@
 //! One log spoilt in the ways that logs are: the fit on it predicts as well as that on the clean
 //! one (E12).
+//!
+//! A search takes most of the time: but for the worst cases the chain is that of the clean log, and
+//! conditioning, bandwidth and all passes are made anew.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -9,9 +12,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::fmt::Write;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
-use torquewise_identify::bandwidth::{Tuned, tune};
+use torquewise_identify::bandwidth::{Tuned, tune, tune_from};
 use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
+use torquewise_identify::rounds::Request;
 use torquewise_identify::{Plan, score};
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::Model;
@@ -157,15 +161,24 @@ fn text(fine: &Motion, rows: &Rows) -> String {
     text
 }
 
-fn fit(fine: &Motion, rows: &Rows) -> Model {
+/// Cases that would mislead the search of a chain most: it is made anew in these.
+const SEARCHED: [&str; 3] = ["dropped rows", "12 bits", "spikes"];
+
+/// Fits a log; with a chain that was searched before, from there.
+fn fit(fine: &Motion, rows: &Rows, searched: Option<Request>) -> (Model, Request) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("log.csv");
     std::fs::write(&file, text(fine, rows)).unwrap();
     let logs = Logs::open(&[file]).unwrap();
     let raw = ConditionedLogs::new(logs, &Conditioning::default(), true).unwrap().raw().unwrap();
     let plan: Plan = ChainOptions::default().into();
-    let Tuned { recording, request, .. } = tune(&raw, &plan, &mut |_| {}).unwrap();
-    reconstruct_from(&recording, request, &plan, &mut |_| {}).unwrap().model
+    let tuned = match searched {
+        Some(request) => tune_from(&raw, request),
+        None => tune(&raw, &plan, &mut |_| {}),
+    };
+    let Tuned { recording, request, .. } = tuned.unwrap();
+    let found = reconstruct_from(&recording, request.clone(), &plan, &mut |_| {}).unwrap();
+    (found.model, request)
 }
 
 /// Error on another motion with torque as noisy as that of the log, percent, geometric mean.
@@ -194,12 +207,14 @@ fn noisy(motion: Motion) -> Motion {
 fn a_spoilt_log_teaches_as_much_as_a_clean_one() {
     let fine = motion(1, FINE);
     let test = noisy(motion(99, 100));
-    let clean = error(&fit(&fine, &plain(RATE)), &test);
+    let (model, searched) = fit(&fine, &plain(RATE), None);
+    let clean = error(&model, &test);
     assert!(clean < 2.0, "{clean}");
 
     let mut failed = Vec::new();
     for (name, rows) in spoilt() {
-        let found = error(&fit(&fine, &rows), &test);
+        let before = (!SEARCHED.contains(&name)).then(|| searched.clone());
+        let found = error(&fit(&fine, &rows, before).0, &test);
         println!("{name}: {found:.3} % ({:.2} of {clean:.3} %)", found / clean);
         if found > 1.3 * clean {
             failed.push(format!("{name}: {found:.2} of {clean:.2} %"));
