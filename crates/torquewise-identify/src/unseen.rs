@@ -9,6 +9,9 @@ use torquewise_survey::error::IdentifyError;
 
 /// Blocks of time, each held out once: many, since few agree by chance.
 pub(crate) const BLOCKS: usize = 24;
+/// So many logs tell, whole ones held out, what others like them would: of two that show different
+/// joints each is needed.
+const LEAST_LOGS: usize = 4;
 /// Rows that a block needs.
 const LEAST_ROWS: usize = 4;
 /// Ridges, relative to the square of a column: the best one counts.
@@ -21,6 +24,8 @@ const LEAST_SQUARE: f64 = 1e-9;
 pub(crate) struct Errors {
     /// Mean squares over the variance of the torque, blocks by joints.
     parts: Vec<Vec<f64>>,
+    /// Share of each block in the rows.
+    shares: Vec<f64>,
     /// Standard deviation of the torque of each joint \[N·m\], n.
     spread: Vec<f64>,
 }
@@ -29,8 +34,8 @@ impl Errors {
     /// RMSE over standard deviation of each joint, n.
     fn by_joint(&self) -> Vec<f64> {
         let joints = self.parts.first().map_or(0, Vec::len);
-        let mean = |joint: usize| {
-            self.parts.iter().map(|block| block[joint]).sum::<f64>() / self.parts.len() as f64
+        let mean = |joint: usize| -> f64 {
+            self.parts.iter().zip(&self.shares).map(|(block, share)| share * block[joint]).sum()
         };
         (0..joints).map(|joint| mean(joint).sqrt()).collect()
     }
@@ -70,13 +75,13 @@ pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
     (0..BLOCKS).map(|k| HeldOut { rows: edge(k)..edge(k + 1), around: around(k) }).collect()
 }
 
-/// Whole logs where there are several, of very many some together; blocks of time of one log.
+/// Whole logs where there are four or more, of very many some together; blocks of time of fewer.
 ///
 /// A log begins where time does not go on.
 pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
     let t = motion.t();
     let begins: Vec<usize> = (1..t.len()).filter(|&row| t[row] <= t[row - 1]).collect();
-    if begins.is_empty() {
+    if begins.len() + 1 < LEAST_LOGS {
         return even_blocks(motion);
     }
     let edges: Vec<usize> =
@@ -148,7 +153,10 @@ pub(crate) fn held_out(
         blocks.iter().zip(&around).map(of_block).collect()
     };
     let roots: Vec<f64> = spread.iter().map(|variance| variance.sqrt()).collect();
-    let of = |ridge: &f64| Some(Errors { parts: parts(*ridge)?, spread: roots.clone() });
+    let shares: Vec<f64> = blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
+    let of = |ridge: &f64| {
+        Some(Errors { parts: parts(*ridge)?, shares: shares.clone(), spread: roots.clone() })
+    };
     let found = RIDGES.iter().filter_map(of);
     Ok(found.min_by(|a, b| a.all().total_cmp(&b.all())))
 }
@@ -180,13 +188,13 @@ mod tests {
 
     #[test]
     fn several_logs_are_held_out_whole_and_one_in_blocks_of_time() {
-        let three = motion(&[0.0, 0.1, 0.2, 0.0, 0.1, 0.0, 0.1, 0.2, 0.3]);
+        let four = motion(&[0.0, 0.1, 0.2, 0.0, 0.1, 0.0, 0.1, 0.2, 0.3, 0.0]);
         let one = motion(&(0..240).map(f64::from).collect::<Vec<_>>());
 
-        let logs: Vec<_> = whole_logs(&three).into_iter().map(|b| (b.rows, b.around)).collect();
+        let logs: Vec<_> = whole_logs(&four).into_iter().map(|b| (b.rows, b.around)).collect();
         let blocks: Vec<_> = whole_logs(&one).into_iter().map(|b| (b.rows, b.around)).collect();
 
-        assert_eq!(logs, [(0..3, 0..3), (3..5, 3..5), (5..9, 5..9)]);
+        assert_eq!(logs, [(0..3, 0..3), (3..5, 3..5), (5..9, 5..9), (9..10, 9..10)]);
         assert_eq!(blocks.len(), BLOCKS);
         assert_eq!(blocks[0], (0..10, 0..20));
         assert_eq!(blocks[5], (50..60, 40..70));
