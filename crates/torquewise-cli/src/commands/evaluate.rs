@@ -1,10 +1,11 @@
 //! Model, logs → scores: RMSE, NRMSE and R² of each joint.
 
+use crate::conditioning;
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::{ProfileArguments, SignalArguments};
 use crate::score_table;
+use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
@@ -30,10 +31,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = arguments.profile.open(&arguments.logs)?;
     model.check_joints(logs.joints())?;
     logs.require_tau()?;
-    let logs = arguments.signals.prepare_as(model.training.filter, logs)?;
+    let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::WithRaw)?;
     let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
 
-    let raw = logs.raw_errors(&model)?;
+    let raw = logs.raw_scores(&model)?;
     Ok(Outcome {
         text: format!(
             "{}{}\n{} rows\n",
@@ -43,6 +44,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         ),
         json: score_table::json_beside_raw(&scores, raw.as_ref()),
         warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
-        notes: Vec::new(),
+        notes: conditioning::notes(&logs.repairs()),
     })
 }

@@ -4,6 +4,7 @@ use super::{ClockLane, ClockRepair, RawBlock};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::borrow::Cow;
 
 const STEP: f64 = 0.01;
 
@@ -35,7 +36,7 @@ fn mended(block: &RawBlock, cuts: &[usize]) -> RawBlock {
     let mut begin = 0;
     for end in ends {
         let rows: Vec<usize> = (begin..end).collect();
-        parts.extend(lane.push(&super::select(block, &rows)));
+        parts.extend(lane.push(Cow::Owned(super::select(block, &rows))).map(Cow::into_owned));
         begin = end;
     }
     parts.extend(lane.finish());
