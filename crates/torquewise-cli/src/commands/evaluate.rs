@@ -33,17 +33,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     logs.require_tau()?;
     let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::WithRaw)?;
     let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
-
     let raw = logs.raw_scores(&model)?;
+    let repairs = logs.repairs();
+    let mut json = score_table::json_beside_raw(&scores, raw.as_ref());
+    json["conditioning"] = conditioning::json(&repairs);
     Ok(Outcome {
         text: format!(
-            "{}{}\n{} rows\n",
+            "{}{}\n{} rows\n{}",
             logs.text(),
             score_table::text(&scores, raw.as_ref()),
-            scores.rows
+            scores.rows,
+            conditioning::text(&repairs)
         ),
-        json: score_table::json_beside_raw(&scores, raw.as_ref()),
+        json,
         warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
-        notes: conditioning::notes(&logs.repairs()),
+        notes: Vec::new(),
     })
 }

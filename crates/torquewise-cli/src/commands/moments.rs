@@ -79,8 +79,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let bytes = write_moments(&arguments.output, &summary)?;
     Ok(Outcome {
-        notes: conditioning::notes(&logs.repairs()),
-        text: logs.text() + &text(&summary, &arguments.output, bytes),
+        notes: Vec::new(),
+        text: logs.text()
+            + &text(&summary, &arguments.output, bytes)
+            + &conditioning::text(&logs.repairs()),
         json: json(&summary, &arguments.output, bytes),
         warnings: logs.warnings(),
     })

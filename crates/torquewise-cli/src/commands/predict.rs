@@ -87,8 +87,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         })
         .map_err(|error| anyhow!(error))?;
     writer.finish()?;
-    let repaired = conditioning::notes(&logs.repairs());
-    Ok(Outcome { notes: repaired, ..outcome(arguments, &model, rows, &largest, &names, &asked) })
+    let mut outcome = outcome(arguments, &model, rows, &largest, &names, &asked);
+    let repairs = logs.repairs();
+    outcome.text.push_str(&conditioning::text(&repairs));
+    outcome.json["conditioning"] = conditioning::json(&repairs);
+    Ok(outcome)
 }
 
 /// What is written of each row.
