@@ -262,8 +262,8 @@ fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
     terminal.write("log.csv", &needs_repair().text());
     terminal.write("sound.csv", &Table::recorded().text());
     let note = "left out: 1 rows with the time stamp of the row before; repaired: 3 spikes \
-                replaced (q 2, tau 1), 1 gaps bridged (the longest 40.0 ms), 1 longer gaps at which a \
-                log was split";
+                replaced (q 2, tau 1), 1 gaps bridged (the longest 40.0 ms), 1 longer gaps at \
+                which a log was split";
 
     let fit = "fit sound.csv log.csv -o m.json --filter 6 --delay 0 --library energy";
     let said = terminal.run(&format!("{fit} --report r.html"));
