@@ -42,9 +42,10 @@ impl ClockRepair {
         let held = repeats as f64 > LEAST_HELD * rows as f64;
         let mut off = [0.0, 0.0];
         for piece in pieces {
-            let piece = match held {
-                true => Cow::Owned(without_held(piece, &mut Held::default())),
-                false => Cow::Borrowed(piece),
+            let piece = if held {
+                Cow::Owned(without_held(piece, &mut Held::default()))
+            } else {
+                Cow::Borrowed(piece)
             };
             let mended = mended(&piece.t);
             off[0] += roughness(&piece.t, &piece.q);
