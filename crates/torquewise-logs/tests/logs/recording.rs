@@ -76,7 +76,7 @@ fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
 fn repairs_are_those_of_each_log_in_any_order_and_one_reading_of_one_log_is_enough() {
     let files = Files::new();
     let spoilt = noisy_swing(4_000).lines().fold(String::new(), |text, line| {
-        let spike = line.starts_with("20.0,").then(|| "20.0,0.0,500.0");
+        let spike = line.starts_with("20.0,").then_some("20.0,0.0,500.0");
         text + spike.unwrap_or(line) + "\n" + if spike.is_some() { "20.0,0.0,1.0\n" } else { "" }
     });
     let sound = files.add("sound.csv", &noisy_swing(4_000));
