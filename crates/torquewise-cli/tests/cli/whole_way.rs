@@ -102,7 +102,8 @@ fn measured_torque_and_residual_stand_beside_the_prediction() {
         let column = |name: &str| &torque[&format!("{name}{joint}")];
         assert_eq!(column("tau_measured"), &log[&format!("tau{joint}")]);
         for (row, residual) in column("residual").iter().enumerate() {
-            assert_eq!(*residual, column("tau_measured")[row] - column("tau_hat")[row]);
+            let expected = column("tau_measured")[row] - column("tau_hat")[row];
+            assert_eq!(residual.to_bits(), expected.to_bits(), "row {row}");
         }
     }
 }
