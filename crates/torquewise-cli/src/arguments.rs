@@ -2,8 +2,8 @@
 
 use crate::error::CliError;
 use crate::flags::{Fitted, Flag, refuse_unused};
-use crate::recorded::SignalArguments;
 use crate::selection::{Friction, SelectionArguments};
+use crate::signal_arguments::SignalArguments;
 use clap::{Args, ValueEnum};
 use torquewise::dynamics::Noise;
 use torquewise::identify::plan::Regression;

@@ -10,6 +10,8 @@ mod compiler;
 mod moments_file;
 mod progress;
 mod recorded;
+mod signal_arguments;
+mod conditioning;
 mod timed;
 mod flags;
 mod selection;

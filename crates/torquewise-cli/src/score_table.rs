@@ -5,32 +5,32 @@ use serde_json::{Value, json};
 use torquewise::diagnose::score::JointScore;
 use torquewise::identify::Scores;
 
-/// Errors against raw torque, by joint \[N·m\].
-pub(crate) struct RawErrors {
-    /// What the model leaves.
-    pub(crate) rmse: Vec<f64>,
-    /// Standard deviation of the torque.
-    pub(crate) std: Vec<f64>,
-    /// White noise in the torque.
+/// Scores against raw torque.
+pub(crate) struct RawScores {
+    /// Of the model.
+    pub(crate) scores: Scores,
+    /// White noise in the torque of each joint \[N·m\], n.
     pub(crate) noise: Vec<f64>,
 }
 
-impl RawErrors {
+impl RawScores {
     /// What is left of the torque of a joint, and its noise, of its spread \[%\].
     pub(crate) fn percent(&self, joint: usize) -> [f64; 2] {
-        let of = |rms: &[f64]| 100.0 * rms.get(joint).unwrap_or(&f64::NAN) / self.std[joint];
-        [of(&self.rmse), of(&self.noise)]
+        let JointScore { nrmse_percent, std, .. } = self.scores.joints[joint];
+        [nrmse_percent, 100.0 * self.noise.get(joint).unwrap_or(&f64::NAN) / std]
     }
 }
 
 /// One line per joint: errors in the band of the model, and against raw torque if it was filtered.
-pub(crate) fn text(scores: &Scores, raw: Option<&RawErrors>) -> String {
+pub(crate) fn text(scores: &Scores, raw: Option<&RawScores>) -> String {
     let mut names = vec!["joint", "RMSE [N·m]", "NRMSE [%]", "R²"];
     if raw.is_some() {
         names.extend(["of raw torque [%]", "its noise [%]"]);
     }
     let mut table = Table::new(&names);
-    for (place, JointScore { name, rmse, nrmse_percent, r2 }) in scores.joints.iter().enumerate() {
+    for (place, JointScore { name, rmse, nrmse_percent, r2, .. }) in
+        scores.joints.iter().enumerate()
+    {
         let mut cells = vec![number(*rmse), number(*nrmse_percent), format!("{r2:.6}")];
         if let Some(raw) = raw {
             cells.extend(raw.percent(place).map(number));
@@ -42,7 +42,7 @@ pub(crate) fn text(scores: &Scores, raw: Option<&RawErrors>) -> String {
 
 /// Joints, and number of rows, with errors against raw torque: where nothing is filtered, the rows
 /// are raw.
-pub(crate) fn json_beside_raw(scores: &Scores, raw: Option<&RawErrors>) -> Value {
+pub(crate) fn json_beside_raw(scores: &Scores, raw: Option<&RawScores>) -> Value {
     let mut value = json(scores);
     for (place, joint) in scores.joints.iter().enumerate() {
         let own = &mut value["joints"][place];
@@ -60,7 +60,7 @@ pub(crate) fn json_beside_raw(scores: &Scores, raw: Option<&RawErrors>) -> Value
 /// Joints and number of rows.
 pub(crate) fn json(scores: &Scores) -> Value {
     let joint = |joint: &JointScore| -> Value {
-        let JointScore { name, rmse, nrmse_percent, r2 } = joint;
+        let JointScore { name, rmse, nrmse_percent, r2, .. } = joint;
         json!({ "name": name, "rmse": rmse, "nrmse_percent": nrmse_percent, "r2": r2 })
     };
     json!({ "joints": scores.joints.iter().map(joint).collect::<Vec<_>>(), "rows": scores.rows })

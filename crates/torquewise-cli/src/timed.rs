@@ -50,17 +50,16 @@ pub(crate) fn timed_at_best(
     plan: &Plan,
 ) -> Result<(Recorded, Timed), anyhow::Error> {
     let rows = recorded.rows_hint();
-    let Recorded::Conditioned(logs) = recorded else {
+    let Recorded::Raw(raw) = recorded else {
         let timed = timed(&recorded, rows, plan)?;
         return Ok((recorded, timed));
     };
-    let raw = logs.raw()?;
     let by_chain = match &plan.method {
         Method::Chain(_) => plan.clone(),
         Method::Library(_) => Plan { seed: plan.seed, ..Plan::chain() },
     };
     let ((tuned, found), seconds, step_seconds) = record(&bar("reading"), |progress| {
-        let Tuned { recording, request, choice } = tune(&raw, &by_chain, progress)?;
+        let Tuned { recording, request, choice } = tune(raw.as_ref(), &by_chain, progress)?;
         let logs = Recorded::Conditioned(Box::new(recording));
         let watched = Watched::new(&logs, "reading").of(rows, 2);
         let mut found = match &plan.method {

@@ -11,6 +11,8 @@ pub struct JointScore {
     pub name: String,
     /// RMSE(τ − τ̂) \[N·m\].
     pub rmse: f64,
+    /// Standard deviation of τ \[N·m\].
+    pub std: f64,
     /// RMSE / std(τ) \[%\]; infinite if the torque never changes.
     pub nrmse_percent: f64,
     /// 1 − RMSE²/var(τ).
@@ -65,6 +67,7 @@ pub fn score(
         JointScore {
             name: name.clone(),
             rmse,
+            std: variance.sqrt(),
             nrmse_percent: 100.0 * rmse / variance.sqrt(),
             r2: 1.0 - rmse * rmse / variance,
         }

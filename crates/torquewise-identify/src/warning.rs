@@ -236,17 +236,10 @@ mod tests {
     /// Two joints, of which the torque of the second is predicted poorly on held-out rows.
     fn model() -> Model {
         let training = Training {
-            rows: 100,
             residual_rms: vec![0.1, 0.1],
             torque_std: vec![1.0, 1.0],
-            q_range: vec![[-1.0, 1.0]; 2],
-            dq_peak: vec![1.0; 2],
-            ddq_peak: vec![1.0; 2],
-            overlooked: None,
-            filter: None,
-            price_of_physics: None,
-            unexplained_rms: Vec::new(),
             held_out_rms: vec![0.1, 0.9],
+            ..Training::default()
         };
         Model {
             joints: vec!["joint1".into(), "joint2".into()],

@@ -45,6 +45,8 @@ pub(crate) struct Blocks {
     at_end_of_file: bool,
     usual_step: Option<UsualStep>,
     trajectory: usize,
+    /// Gaps at which a trajectory ended.
+    gaps: u64,
     /// Where the rows of `columns` come from.
     origins: Vec<Origin>,
 }
@@ -69,6 +71,7 @@ impl Blocks {
             at_end_of_file: false,
             usual_step: None,
             trajectory: 0,
+            gaps: 0,
             origins: Vec::new(),
         }
     }
@@ -92,6 +95,11 @@ impl Blocks {
     /// What was read so far.
     pub(crate) fn report(&self) -> ReadReport {
         self.rows.report()
+    }
+
+    /// Gaps at which a trajectory ended so far.
+    pub(crate) fn gaps(&self) -> u64 {
+        self.gaps
     }
 
     /// How many rows the next block has; `None` at the end.
@@ -136,7 +144,9 @@ impl Blocks {
         let usual = self.usual_step.get_or_insert_with(|| UsualStep::new(t));
         while self.known < t.len() && !self.ended {
             let another = self.origins[self.known].part != self.origins[self.known - 1].part;
-            self.ended = another || usual.is_gap(t[self.known] - t[self.known - 1]);
+            let gap = !another && usual.is_gap(t[self.known] - t[self.known - 1]);
+            self.gaps += u64::from(gap);
+            self.ended = another || gap;
             self.known += usize::from(!self.ended);
         }
         Ok(())

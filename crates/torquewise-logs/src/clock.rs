@@ -2,6 +2,8 @@
 
 use crate::blocks::RawBlock;
 use faer::Mat;
+use std::borrow::Cow;
+use torquewise_motion::Repairs;
 use torquewise_signals::noise::median;
 
 /// Repeats of position and torque that a logger faster than its device makes; a longer run is an
@@ -40,8 +42,11 @@ impl ClockRepair {
         let held = repeats as f64 > LEAST_HELD * rows as f64;
         let mut off = [0.0, 0.0];
         for piece in pieces {
-            let piece =
-                if held { without_held(piece, &mut Held::default()) } else { piece.clone() };
+            let piece = if held {
+                Cow::Owned(without_held(piece, &mut Held::default()))
+            } else {
+                Cow::Borrowed(piece)
+            };
             let mended = mended(&piece.t);
             off[0] += roughness(&piece.t, &piece.q);
             off[1] += roughness(&mended, &piece.q);
@@ -160,6 +165,7 @@ pub(crate) struct ClockLane {
     waiting: Option<RawBlock>,
     /// Of these, rows that were handed out.
     done: usize,
+    repairs: Repairs,
 }
 
 impl ClockLane {
@@ -168,15 +174,20 @@ impl ClockLane {
     }
 
     /// Takes a block, and hands out what is known by then.
-    pub(crate) fn push(&mut self, block: &RawBlock) -> Option<RawBlock> {
-        let block =
-            if self.repair.held { without_held(block, &mut self.held) } else { block.clone() };
+    pub(crate) fn push<'b>(&mut self, block: Cow<'b, RawBlock>) -> Option<Cow<'b, RawBlock>> {
+        let block = if self.repair.held {
+            let kept = without_held(&block, &mut self.held);
+            self.repairs.held_rows += (block.t.len() - kept.t.len()) as u64;
+            Cow::Owned(kept)
+        } else {
+            block
+        };
         if !self.repair.late {
             return Some(block).filter(|block| !block.t.is_empty());
         }
         let waiting = match self.waiting.take() {
-            None => block,
-            Some(before) => joined(&[before, block]),
+            None => block.into_owned(),
+            Some(before) => joined(&[before, block.into_owned()]),
         };
         let known = waiting.t.len().saturating_sub(WINDOW);
         let out = self.hand_out(&waiting, known);
@@ -185,14 +196,19 @@ impl ClockLane {
         self.done -= forgotten;
         let rows: Vec<usize> = (forgotten..waiting.t.len()).collect();
         self.waiting = Some(select(&waiting, &rows));
-        out
+        out.map(Cow::Owned)
     }
 
     /// Hands out the rest.
-    pub(crate) fn finish(mut self) -> Option<RawBlock> {
+    pub(crate) fn finish(&mut self) -> Option<RawBlock> {
         let waiting = self.waiting.take()?;
         let rows = waiting.t.len();
         self.hand_out(&waiting, rows)
+    }
+
+    /// Rows left out and stamps moved so far.
+    pub(crate) fn repairs(&self) -> &Repairs {
+        &self.repairs
     }
 
     fn hand_out(&mut self, waiting: &RawBlock, known: usize) -> Option<RawBlock> {
@@ -203,6 +219,8 @@ impl ClockLane {
         let rows: Vec<usize> = (self.done..known).collect();
         let mut out = select(waiting, &rows);
         out.t = rows.iter().map(|&row| t[row]).collect();
+        let moved = rows.iter().filter(|&&row| t[row].to_bits() != waiting.t[row].to_bits());
+        self.repairs.late_stamps += moved.count() as u64;
         self.done = known;
         Some(out)
     }
@@ -213,6 +231,9 @@ const MEMORY: usize = 4 * WINDOW;
 
 /// Blocks of one trajectory, one after the other.
 pub(crate) fn joined(blocks: &[RawBlock]) -> RawBlock {
+    if let [block] = blocks {
+        return block.clone();
+    }
     let t: Vec<f64> = blocks.iter().flat_map(|block| &block.t).copied().collect();
     let place: Vec<(usize, usize)> = (blocks.iter().enumerate())
         .flat_map(|(index, block)| (0..block.t.len()).map(move |row| (index, row)))

@@ -46,6 +46,8 @@ pub mod blocks;
 pub mod logs;
 mod raw_noise;
 mod clock;
+mod pieces;
+mod trajectory;
 pub mod conditioned;
 pub mod suggest;
 pub mod units;

@@ -7,11 +7,13 @@ use crate::layout::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
 use faer::Mat;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::{LocalPolynomial, Motion, MotionError, ReadError, Recording, Signals};
+use torquewise_motion::{
+    LocalPolynomial, Motion, MotionError, ReadError, Recording, Repairs, Signals,
+};
 
 /// Log files of one arm.
 ///
@@ -37,6 +39,8 @@ pub struct Logs {
 struct Reading {
     report: ReadReport,
     trajectories: usize,
+    /// Gaps at which it was split.
+    gaps: u64,
 }
 
 impl Logs {
@@ -177,6 +181,25 @@ impl Logs {
         readings.iter().fold(ReadReport::default(), |all, reading| all.and(reading.report))
     }
 
+    /// What the last complete reading of each file left out and where it was split, by name of the
+    /// log; those that are sound are not listed.
+    pub fn repairs(&self) -> BTreeMap<String, Repairs> {
+        let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
+        self.by_name(readings.iter().map(Reading::repairs))
+    }
+
+    /// Repairs of each file, in their order, by the name of the log: that of its file, its ending
+    /// left out. Logs of one name add up.
+    pub(crate) fn by_name(&self, all: impl Iterator<Item = Repairs>) -> BTreeMap<String, Repairs> {
+        let mut by_name: BTreeMap<String, Repairs> = BTreeMap::new();
+        for (path, repairs) in self.paths.iter().zip(all).filter(|(_, repairs)| !repairs.is_none())
+        {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            by_name.entry(name).or_default().add(&repairs);
+        }
+        by_name
+    }
+
     /// The file that a trajectory was in at the last complete reading; none before that.
     pub fn file_of(&self, trajectory: usize) -> Option<&Path> {
         let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
@@ -214,7 +237,8 @@ impl Logs {
                 last = first + trajectory;
                 visit(last, &block)?;
             }
-            let reading = Reading { report: blocks.report(), trajectories: last + 1 - first };
+            let (report, gaps) = (blocks.report(), blocks.gaps());
+            let reading = Reading { report, trajectories: last + 1 - first, gaps };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
                 *old = reading;
@@ -222,6 +246,19 @@ impl Logs {
             first = last + 1;
         }
         Ok(())
+    }
+}
+
+impl Reading {
+    fn repairs(&self) -> Repairs {
+        let ReadReport { repeated, went_back, not_finite, .. } = self.report;
+        Repairs {
+            repeated_stamps: repeated,
+            earlier_stamps: went_back,
+            not_finite,
+            splits: self.gaps,
+            ..Repairs::default()
+        }
     }
 }
 

@@ -79,7 +79,7 @@ impl NoiseLane {
     }
 
     /// The rest.
-    pub(crate) fn finish(self) -> Result<Vec<Motion>, SignalError> {
+    pub(crate) fn finish(mut self) -> Result<Vec<Motion>, SignalError> {
         self.conditioner.finish()
     }
 }

@@ -86,6 +86,9 @@ fn check(model: &Model) -> Result<(), ModelError> {
     if let Some(chain) = &model.chain {
         chain.check(n, model.friction.len())?;
     }
+    for (log, repairs) in &model.training.conditioning {
+        finite("the longest gap of a log", repairs.longest_gap, || log.clone())?;
+    }
     model.training.overlooked.as_ref().map_or(Ok(()), check_overlooked)
 }
 

@@ -7,7 +7,9 @@ use crate::rigid_chain::RigidChain;
 use crate::term::{Sum, Term, collect};
 pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::fmt;
+use torquewise_motion::Repairs;
 
 /// The two shapes a model comes in.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -138,6 +140,9 @@ pub struct Training {
     /// How the signals were filtered, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter: Option<Filter>,
+    /// What was repaired in each log, by its name; logs that are sound are not listed (E12).
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub conditioning: BTreeMap<String, Repairs>,
     /// What it costs that the parameters are physical, where they are (E14).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub price_of_physics: Option<PriceOfPhysics>,

@@ -24,6 +24,7 @@
 pub mod error;
 pub mod motion;
 pub mod pattern;
+pub mod repairs;
 pub mod recording;
 pub mod differentiate;
 
@@ -32,3 +33,4 @@ pub use error::MotionError;
 pub use motion::{Motion, Signals};
 pub use pattern::Pattern;
 pub use recording::{BLOCK_ROWS, RawRecording, ReadError, Recording};
+pub use repairs::Repairs;

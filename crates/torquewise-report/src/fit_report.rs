@@ -18,6 +18,7 @@ mod residuals;
 mod importance;
 mod physics;
 mod ranges;
+mod conditioning;
 
 /// All that the sections of a report tell about.
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +40,8 @@ pub struct Findings<'a> {
 /// - `title`: what stands above the report, such as the name of the log
 ///
 /// The text holds the summary and all warnings first; then torques, equations, patterns, steps,
-/// cost in a controller, residuals, importance of terms, physical checks and ranges of the log,
-/// with charts that can be zoomed into.
+/// cost in a controller, residuals, importance of terms, physical checks, ranges of the log and
+/// what was repaired in it, with charts that can be zoomed into.
 ///
 /// # Errors
 /// [`ReportError::Shape`] if found model and diagnosis are of different arms, or there are costs of
@@ -69,6 +70,7 @@ impl Findings<'_> {
         sections.extend([residuals::section(self), importance::section(self)]);
         sections.extend(self.checks.map(physics::section));
         sections.push(ranges::section(self));
+        sections.extend(conditioning::section(self));
         Ok(sections)
     }
 

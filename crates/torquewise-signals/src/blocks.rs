@@ -1,11 +1,12 @@
 //! Raw blocks → Motion blocks: a trajectory of any length, in fixed memory.
 
-use crate::clean::{Even, clean};
+use crate::clean::{Even, Outliers, clean};
 use crate::error::SignalError;
 use crate::plan::Plan;
 use crate::raw::{Columns, Raw};
+use crate::resample::count_gaps;
 use crate::smooth::{filter, smooth};
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Repairs};
 
 /// Rows that are conditioned at once, besides the overlap.
 pub const PART_ROWS: usize = 1 << 15;
@@ -29,7 +30,7 @@ pub struct Conditioner {
     rows_before: usize,
     /// Grid index of the next row to hand out.
     next: usize,
-    n_outliers: usize,
+    repairs: Repairs,
     counted_to: usize,
 }
 
@@ -47,7 +48,7 @@ impl Conditioner {
             origin: None,
             rows_before: 0,
             next,
-            n_outliers: 0,
+            repairs: Repairs::default(),
             counted_to: 0,
         }
     }
@@ -73,7 +74,7 @@ impl Conditioner {
     ///
     /// # Errors
     /// Those of [`Conditioner::push`].
-    pub fn finish(mut self) -> Result<Vec<Motion>, SignalError> {
+    pub fn finish(&mut self) -> Result<Vec<Motion>, SignalError> {
         if self.waiting.t.is_empty() {
             return Ok(Vec::new());
         }
@@ -81,9 +82,9 @@ impl Conditioner {
         Ok(self.work_off(rows, true)?.into_iter().collect())
     }
 
-    /// Spikes replaced so far.
-    pub fn n_outliers(&self) -> usize {
-        self.n_outliers
+    /// Spikes that were replaced and gaps that were bridged so far.
+    pub fn repairs(&self) -> &Repairs {
+        &self.repairs
     }
 
     /// Appends the rows of a block to those that wait.
@@ -92,6 +93,7 @@ impl Conditioner {
         if self.origin.is_none() {
             self.origin = Some(first);
             self.waiting = block.clone();
+            count_gaps(&block.t, self.plan.rate, &mut self.repairs);
             return Ok(());
         }
         if self.waiting.t.last().is_some_and(|last| first <= *last) {
@@ -101,7 +103,9 @@ impl Conditioner {
         if pairs().any(|(waiting, new)| waiting.is_some() != new.is_some()) {
             return Err(SignalError::Block);
         }
+        let new = self.waiting.t.len().saturating_sub(1);
         self.waiting.t.extend_from_slice(&block.t);
+        count_gaps(&self.waiting.t[new..], self.plan.rate, &mut self.repairs);
         for (waiting, new) in self.waiting.signals.iter_mut().zip(&block.signals) {
             let (Some(waiting), Some(new)) = (waiting, new) else { continue };
             waiting.iter_mut().zip(new).for_each(|(column, new)| column.extend_from_slice(new));
@@ -139,8 +143,10 @@ impl Conditioner {
     fn count_outliers(&mut self, even: &Even, rows: usize, last: bool) {
         let end = self.rows_before + if last { rows } else { rows - self.overlap };
         let begin = self.counted_to;
-        let new = even.outliers.iter().flat_map(|outliers| &outliers.rows);
-        self.n_outliers += new.filter(|row| (begin..end).contains(*row)).count();
+        for Outliers { signal, rows, .. } in &even.outliers {
+            let new = rows.iter().filter(|row| (begin..end).contains(*row)).count();
+            self.repairs.add_spikes(signal, new as u64);
+        }
         self.counted_to = end;
     }
 }

@@ -1,6 +1,6 @@
 //! Raw → Motion: one trajectory, cleaned, made even, filtered and derived.
 
-use crate::clean::{Even, clean};
+use crate::clean::{Even, Outliers, clean};
 use crate::delay::{Shift, lag};
 use crate::derivative::even_derivative;
 use crate::error::SignalError;
@@ -8,10 +8,11 @@ use crate::noise::{quantisation, standstill, white_noise};
 use crate::plan::Plan;
 use crate::raw::{Columns, DQ, NAMES, Q, Raw, matrix};
 use crate::report::{ConditionReport, SignalReport};
+use crate::resample::{count_gaps, timing};
 use crate::settings::Conditioning;
 use crate::smooth::{filter, smooth};
 use faer::Mat;
-use torquewise_motion::Motion;
+use torquewise_motion::{Motion, Repairs};
 
 /// Longest lag of the measured velocity that is looked for \[s\].
 const LONGEST_LAG: f64 = 0.25;
@@ -25,6 +26,8 @@ pub struct Conditioned {
     pub motion: Motion,
     /// What was found and done.
     pub report: ConditionReport,
+    /// Spikes that were replaced and gaps that were bridged.
+    pub repairs: Repairs,
 }
 
 /// Conditions one trajectory: spikes out, even stamps, one zero-phase low-pass filter for all
@@ -63,7 +66,7 @@ fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, Si
     let report = ConditionReport {
         rows_in: columns.t.len(),
         rows_out: motion.n_rows(),
-        timing: crate::resample::timing(&columns.t)?,
+        timing: timing(&columns.t)?,
         resampled: !plan.base.timing.is_even(),
         rate_out: plan.rate_out(),
         cutoff: plan.cutoff,
@@ -76,7 +79,12 @@ fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, Si
         delay: plan.settings.delay,
         trimmed: plan.trimmed(),
     };
-    Ok(Conditioned { motion, report })
+    let mut repairs = Repairs::default();
+    count_gaps(&columns.t, plan.rate, &mut repairs);
+    for Outliers { signal, rows, .. } in &report.outliers {
+        repairs.add_spikes(signal, rows.len() as u64);
+    }
+    Ok(Conditioned { motion, report, repairs })
 }
 
 fn signal_reports(

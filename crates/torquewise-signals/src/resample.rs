@@ -4,6 +4,7 @@ use crate::error::SignalError;
 use crate::spline::{check_increasing, interpolate};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, Side};
+use torquewise_motion::Repairs;
 
 /// Jitter below which stamps count as even and are kept as they are.
 pub const EVEN: f64 = 1e-6;
@@ -118,6 +119,12 @@ const WIDTH: usize = 8;
 /// the first is used: the slope between them would be noise.
 const SHORTEST: f64 = 0.25;
 const LONGEST: f64 = 2.0;
+
+/// Counts the steps of `t` \[s\] that are bridged where `rate` is usual \[Hz\].
+pub(crate) fn count_gaps(t: &[f64], rate: f64, repairs: &mut Repairs) {
+    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.filter(|step| step * rate > LONGEST).for_each(|step| repairs.add_gap(step));
+}
 
 /// Interpolation from uneven stamps to given times, made once for all signals of a log.
 ///

@@ -5,6 +5,7 @@ use crate::even::Even;
 use crate::noise::{NoiseFloor, NoiseSum};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use torquewise_model::Training;
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
@@ -277,6 +278,7 @@ impl Survey {
             ddq_peak: self.ddq_peak.clone(),
             overlooked: None,
             filter: None,
+            conditioning: BTreeMap::new(),
             price_of_physics: None,
             unexplained_rms: Vec::new(),
             held_out_rms: Vec::new(),

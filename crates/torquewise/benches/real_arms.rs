@@ -25,6 +25,7 @@ use torquewise::identify::bandwidth::{Tuned, tune};
 use torquewise::identify::plan::ChainOptions;
 use torquewise::identify::reconstruct::reconstruct_from;
 use torquewise::identify::{Plan, score};
+use torquewise::logs::conditioned::RawLogs;
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::Model;
 use torquewise::motion::{Motion, Recording, Signals};
@@ -117,7 +118,7 @@ fn one(
     plan: &Plan,
 ) -> Result<Run, Box<dyn Error + Send + Sync>> {
     let start = Instant::now();
-    let raw = ConditionedLogs::new(Logs::open(train)?, &Conditioning::default(), true)?.raw()?;
+    let raw = RawLogs::new(Logs::open(train)?, &Conditioning::default(), true)?;
     let Tuned { recording, request, choice } = tune(&raw, plan, &mut |_| {})?;
     let mut found = reconstruct_from(&recording, request, plan, &mut |_| {})?;
     let seconds = start.elapsed().as_secs_f64();

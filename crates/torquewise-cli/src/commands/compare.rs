@@ -2,7 +2,7 @@
 
 use crate::arguments::PlanArguments;
 use crate::outcome::Outcome;
-use crate::recorded::{FilterArguments, ProfileArguments};
+use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
 use crate::table::{Table, number};
 use crate::timed::{Timed, timed};
 use anyhow::Result;
@@ -45,7 +45,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         logs.require_tau()?;
         Ok(logs)
     };
-    let train = arguments.filter.prepare(open(&arguments.logs)?)?;
+    let train = arguments.filter.prepare(open(&arguments.logs)?, Wanted::Filtered)?;
     let test = arguments.filter.prepare_like(&train, open(&arguments.test)?)?;
     let contend = |name, plan: &Plan| -> Result<Contender> {
         let timed = timed(&train, None, plan)?;

@@ -1,10 +1,11 @@
 //! Model, logs → scores: RMSE, NRMSE and R² of each joint.
 
+use crate::conditioning;
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::{ProfileArguments, SignalArguments};
 use crate::score_table;
+use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
 use crate::training_range::AskedRange;
 use anyhow::Result;
 use clap::Args;
@@ -32,24 +33,27 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let logs = arguments.profile.open(&arguments.logs)?;
     model.check_joints(logs.joints())?;
     logs.require_tau()?;
-    let logs = arguments.signals.prepare_as(model.training.filter, logs)?;
+    let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::WithRaw)?;
     let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
-
     let mut asked = AskedRange::new(model.n_joints());
     logs.read(&mut |_, block| {
         asked.add(block);
         Ok(())
     })
     .map_err(|error| anyhow::anyhow!(error))?;
-    let raw = logs.raw_errors(&model)?;
+    let raw = logs.raw_scores(&model)?;
+    let repairs = logs.repairs();
+    let mut json = score_table::json_beside_raw(&scores, raw.as_ref());
+    json["conditioning"] = conditioning::json(&repairs);
     Ok(Outcome {
         text: format!(
-            "{}{}\n{} rows\n",
+            "{}{}\n{} rows\n{}",
             logs.text(),
             score_table::text(&scores, raw.as_ref()),
-            scores.rows
+            scores.rows,
+            conditioning::text(&repairs)
         ),
-        json: score_table::json_beside_raw(&scores, raw.as_ref()),
+        json,
         warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
         notes: asked.warnings(&model),
     })

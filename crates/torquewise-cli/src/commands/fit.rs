@@ -2,15 +2,17 @@
 
 use crate::arguments::{Known, PlanArguments};
 use crate::call_costs::CallCosts;
+use crate::conditioning;
 use crate::error::CliError;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::physics::{MassMatrix, Physics, STATES};
 use crate::progress::Watched;
-use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
+use crate::recorded::Recorded;
 use crate::score_table;
+use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
 use crate::table::{Table, counts, number};
-use crate::timed::{Timed, timed, timed_at_best};
+use crate::timed::{Timed, timed_at_best};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -77,14 +79,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     // Wrong usage is told before the log is read.
     arguments.plan.plan(arguments.method.regression(), Known::default())?;
     let Opened { logs, test, plan } = open(arguments)?;
-    let (logs, mut timed) = if arguments.signals.leaves_cutoff() {
-        timed_at_best(logs, &plan)?
-    } else {
-        let timed = timed(&logs, logs.rows_hint(), &plan)?;
-        (logs, timed)
-    };
+    let (logs, mut timed) = timed_at_best(logs, &plan)?;
     timed.found.model.training.filter = logs.filter();
     compare_logs(&mut timed.found, &logs)?;
+    timed.found.model.training.conditioning = logs.repairs();
     let model = &timed.found.model;
     write_whole(&arguments.output, to_json(model)?)?;
 
@@ -93,13 +91,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut json = json(&arguments.output, &timed, &mass);
     let (notes, found): (Vec<&Warning>, Vec<&Warning>) =
         timed.found.warnings.iter().partition(|warning| warning.is_remark());
-    let notes = notes.into_iter().map(ToString::to_string).collect();
+    let repaired = conditioning::notes(&model.training.conditioning);
+    let notes = repaired.into_iter().chain(notes.into_iter().map(ToString::to_string)).collect();
     let found = found.into_iter().map(ToString::to_string);
     let mut warnings: Vec<String> =
         mass.warning().into_iter().chain(found).chain(logs.warnings()).collect();
     if let Some(test) = &test {
         let scores = score(model, &Watched::new(test, "predicting").of(test.rows_hint(), 1))?;
-        let raw = test.raw_errors(model)?;
+        let raw = test.raw_scores(model)?;
         let table = score_table::text(&scores, raw.as_ref());
         text.push(format!("\nOn the test log:\n\n{table}"));
         json["test"] = score_table::json_beside_raw(&scores, raw.as_ref());
@@ -155,10 +154,13 @@ fn open(arguments: &Arguments) -> Result<Opened> {
     let logs = open(&arguments.logs)?;
     let known = Known::of(&logs, &arguments.signals);
     let plan = arguments.plan.plan(arguments.method.regression(), known)?;
-    let logs = arguments.signals.prepare(logs)?;
+    let leaves_cutoff = arguments.signals.leaves_cutoff();
+    let wanted = if leaves_cutoff { Wanted::WithRaw } else { Wanted::Filtered };
+    let logs = arguments.signals.prepare(logs, wanted)?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
-    let test =
-        test.map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?)).transpose()?;
+    let test = test
+        .map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?, Wanted::WithRaw))
+        .transpose()?;
     if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
         let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
         return Err(CliError::TestOfAnotherArm { found, expected }.into());
@@ -302,6 +304,7 @@ pub(crate) fn json(output: &Path, timed: &Timed, mass: &MassMatrix) -> Value {
             .map(|(rms, std)| 100.0 * rms / std).collect::<Vec<_>>(),
         "held_out_percent": held_out_percent(model),
         "cutoff_hz": model.training.filter.map(|filter| filter.cutoff_hz),
+        "conditioning": conditioning::json(&model.training.conditioning),
         "seconds": timed.seconds,
         "route": overall_route(found),
         "noise": {

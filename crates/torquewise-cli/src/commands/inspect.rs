@@ -1,9 +1,11 @@
 //! Logs → what they hold, and what they lack.
 
+use crate::conditioning;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
-use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
+use crate::recorded::Recorded;
+use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
 use crate::table::{Table, number};
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -25,7 +27,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     profile: ProfileArguments,
     #[command(flatten)]
-    signals: SignalArguments,
+    filter: FilterArguments,
 }
 
 /// All that is known about the logs.
@@ -47,7 +49,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         }
         Err(error) => return Err(error),
     };
-    let recorded = arguments.signals.prepare(logs)?;
+    let recorded = arguments.filter.prepare(logs, Wanted::Filtered)?;
     let watched = Watched::new(&recorded, "looking through the log");
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;
@@ -65,10 +67,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     drop(watched);
     let (counts, units) = (table.finish()?, units.into_values().collect());
     let inspection = Inspection { logs: recorded.logs().clone(), survey, patterns, counts, units };
+    let repairs = recorded.repairs();
+    let mut json = inspection.json();
+    json["conditioning"] = conditioning::json(&repairs);
     Ok(Outcome {
-        notes: Vec::new(),
-        text: inspection.text() + &signals_text(&recorded),
-        json: inspection.json(),
+        notes: conditioning::notes(&repairs),
+        text: inspection.text() + &signals_text(&recorded) + &conditioning::text(&repairs),
+        json,
         warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
     })
 }

@@ -3,12 +3,14 @@
 use crate::arguments::Known;
 use crate::arguments::PlanArguments;
 use crate::commands::fit::MethodName;
+use crate::conditioning;
 use crate::error::CliError;
 use crate::files::check_output;
 use crate::moments_file::{json, read_request, text, write_moments};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::{ProfileArguments, Recorded, SignalArguments};
+use crate::recorded::Recorded;
+use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
 use crate::timed::doing;
 use anyhow::Result;
 use clap::Args;
@@ -66,7 +68,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     {
         return Err(CliError::Usage(FRICTION.into()).into());
     }
-    let logs = arguments.signals.prepare(logs)?;
+    let logs = arguments.signals.prepare(logs, Wanted::Filtered)?;
 
     let watched = Watched::new(&logs, "summing").of(logs.rows_hint(), 2);
     let bar = watched.bar();
@@ -78,7 +80,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let bytes = write_moments(&arguments.output, &summary)?;
     Ok(Outcome {
         notes: Vec::new(),
-        text: logs.text() + &text(&summary, &arguments.output, bytes),
+        text: logs.text()
+            + &text(&summary, &arguments.output, bytes)
+            + &conditioning::text(&logs.repairs()),
         json: json(&summary, &arguments.output, bytes),
         warnings: logs.warnings(),
     })
@@ -86,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// How the signals were filtered: parts that were filtered otherwise do not add up.
 fn how(logs: &Recorded) -> String {
-    let Recorded::Conditioned(logs) = logs else { return "as recorded".to_owned() };
+    let Some(logs) = logs.conditioned() else { return "as recorded".to_owned() };
     let settings = logs.settings();
     format!("{:?}, torque {:?} s late", settings.cutoff, settings.delay)
 }

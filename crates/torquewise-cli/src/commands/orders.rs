@@ -4,7 +4,7 @@ use crate::arguments::PatternArguments;
 use crate::files::{check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::{FilterArguments, ProfileArguments};
+use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
 use crate::table::{Table, number};
 use anyhow::Result;
 use clap::Args;
@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let logs = arguments.profile.open(&arguments.logs)?;
     logs.require_tau()?;
-    let logs = arguments.filter.prepare(logs)?;
+    let logs = arguments.filter.prepare(logs, Wanted::Filtered)?;
     let plan = OrderPlan {
         trig_order: arguments.trig_order,
         whole_order: arguments.whole_order,

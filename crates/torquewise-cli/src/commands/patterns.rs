@@ -6,7 +6,8 @@ use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
 use crate::progress::Watched;
-use crate::recorded::{FilterArguments, ProfileArguments, Recorded};
+use crate::recorded::Recorded;
+use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
 use crate::table::number;
 use anyhow::{Result, anyhow};
 use clap::Args;
@@ -37,7 +38,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = &arguments.output {
         check_output(file, &arguments.logs)?;
     }
-    let logs = arguments.filter.prepare_all(arguments.profile.open(&arguments.logs)?)?;
+    let logs = arguments.profile.open(&arguments.logs)?;
+    let logs = arguments.filter.prepare(logs, Wanted::EveryRow)?;
     let found = {
         let watched = Watched::new(&logs, "looking through the log").of(logs.rows_hint(), 1);
         find_patterns(&survey(&watched)?, &arguments.patterns.plan())?

@@ -1,11 +1,12 @@
 //! Model, log → torque, whole and in parts.
 
+use crate::conditioning;
 use crate::error::CliError;
 use crate::files::{check_output, read_model};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::progress::Watched;
-use crate::recorded::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
 use crate::table::{Table, number};
 use crate::training_range::AskedRange;
 use anyhow::{Result, anyhow};
@@ -19,6 +20,9 @@ use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::survey::NoiseFloor;
 
 /// Predict the torque of a log, with or without measured torque
+///
+/// Columns are t and tau_hat of each joint; where the log has torque, tau_measured, filtered as the
+/// motion, and residual = tau_measured − tau_hat too.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model file
@@ -55,16 +59,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let logs = arguments.profile.open(std::slice::from_ref(&arguments.log))?;
     model.check_joints(logs.joints())?;
-    let logs = arguments.signals.prepare_all_as(model.training.filter, logs)?;
+    let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::EveryRow)?;
 
     let _shield = Shield::new();
     let interval =
         arguments.interval.map(|percent| Interval::new(&model, &logs, percent)).transpose()?;
-    let names = column_names(model.n_joints(), arguments.parts, interval.is_some());
+    let measured = logs.logs().has_tau();
+    let written =
+        Written { torque: Torque::new(&model), parts: arguments.parts, interval, measured };
+    let names = written.column_names(model.n_joints());
     let columns: Vec<Column> =
         names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
     let mut writer = TableWriter::create(&arguments.output, &columns)?;
-    let torque = Torque::new(&model);
     let mut asked = AskedRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
@@ -73,7 +79,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         .read(&mut |_, block| {
             rows += block.n_rows();
             asked.add(block);
-            let tau_hat = append(&mut writer, &torque, block, arguments.parts, interval.as_ref())?;
+            let tau_hat = written.append(&mut writer, block)?;
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
             }
@@ -81,48 +87,66 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         })
         .map_err(|error| anyhow!(error))?;
     writer.finish()?;
-    Ok(outcome(arguments, &model, rows, &largest, &names, &asked))
+    let mut outcome = outcome(arguments, &model, rows, &largest, &names, &asked);
+    let repairs = logs.repairs();
+    outcome.text.push_str(&conditioning::text(&repairs));
+    outcome.json["conditioning"] = conditioning::json(&repairs);
+    Ok(outcome)
 }
 
-fn column_names(n_joints: usize, parts: bool, interval: bool) -> Vec<String> {
-    let mut signals = vec!["tau_hat"];
-    if parts {
-        signals.extend(["inertia", "coriolis", "gravity", "friction"]);
-    }
-    if interval {
-        signals.extend(["tau_low", "tau_high"]);
-    }
-    let numbered = |signal: &&str| {
-        let signal = (*signal).to_owned();
-        (1..=n_joints).map(move |joint| format!("{signal}{joint}"))
-    };
-    std::iter::once("t".to_owned()).chain(signals.iter().flat_map(numbered)).collect()
+/// What is written of each row.
+struct Written<'a> {
+    torque: Torque,
+    /// Whether parts of the torque are.
+    parts: bool,
+    /// Bounds of the torque, if they are.
+    interval: Option<Interval<'a>>,
+    /// Whether measured torque and residual are.
+    measured: bool,
 }
 
-/// Writes the torque of a block, and returns it.
-fn append(
-    writer: &mut TableWriter,
-    torque: &Torque,
-    block: &Motion,
-    with_parts: bool,
-    interval: Option<&Interval<'_>>,
-) -> Result<Mat<f64>, ReadError> {
-    let parts = torque.parts(block)?;
-    let total = parts.total();
-    let mut signals = vec![&total];
-    if with_parts {
-        signals.extend([&parts.inertia, &parts.coriolis, &parts.gravity, &parts.friction]);
+impl Written<'_> {
+    fn column_names(&self, n_joints: usize) -> Vec<String> {
+        let mut signals = vec!["tau_hat"];
+        if self.parts {
+            signals.extend(["inertia", "coriolis", "gravity", "friction"]);
+        }
+        if self.interval.is_some() {
+            signals.extend(["tau_low", "tau_high"]);
+        }
+        if self.measured {
+            signals.extend(["tau_measured", "residual"]);
+        }
+        let numbered = |signal: &&str| {
+            let signal = (*signal).to_owned();
+            (1..=n_joints).map(move |joint| format!("{signal}{joint}"))
+        };
+        std::iter::once("t".to_owned()).chain(signals.iter().flat_map(numbered)).collect()
     }
-    let bounds = interval.map(|interval| interval.bounds(block, &total)).transpose()?;
-    signals.extend(bounds.iter().flatten());
-    let joints = 0..block.n_joints();
-    let columns = signals
-        .iter()
-        .flat_map(|signal| joints.clone().map(|joint| Values::Numbers(signal.col_as_slice(joint))));
-    let values: Vec<Values<'_>> =
-        std::iter::once(Values::Numbers(block.t())).chain(columns).collect();
-    writer.append(&values)?;
-    Ok(total)
+
+    /// Writes the torque of a block, and returns it.
+    fn append(&self, writer: &mut TableWriter, block: &Motion) -> Result<Mat<f64>, ReadError> {
+        let parts = self.torque.parts(block)?;
+        let total = parts.total();
+        let mut signals = vec![&total];
+        if self.parts {
+            signals.extend([&parts.inertia, &parts.coriolis, &parts.gravity, &parts.friction]);
+        }
+        let bounds = self.interval.as_ref().map(|interval| interval.bounds(block, &total));
+        let bounds = bounds.transpose()?;
+        signals.extend(bounds.iter().flatten());
+        let measured = self.measured.then(|| block.require_tau()).transpose()?;
+        let measured = measured.map(|tau| [tau.to_owned(), tau - &total]);
+        signals.extend(measured.iter().flatten());
+        let joints = 0..block.n_joints();
+        let columns = signals.iter().flat_map(|signal| {
+            joints.clone().map(|joint| Values::Numbers(signal.col_as_slice(joint)))
+        });
+        let values: Vec<Values<'_>> =
+            std::iter::once(Values::Numbers(block.t())).chain(columns).collect();
+        writer.append(&values)?;
+        Ok(total)
+    }
 }
 
 /// What a measured torque is expected within: the parameters are uncertain, noise of the log

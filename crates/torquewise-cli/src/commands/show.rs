@@ -1,6 +1,7 @@
 //! Model → equations to read, and whether they are physics.
 
 use crate::call_costs::CallCosts;
+use crate::conditioning;
 use crate::files::read_model;
 use crate::outcome::Outcome;
 use crate::physics::{Physics, STATES};
@@ -63,6 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.format == Format::Text {
         text.extend(model.choices.iter().map(choice_text));
         text.extend(model.training.overlooked.as_ref().map(|found| format!("\n{found}\n")));
+        text.push_str(&conditioning::text(&model.training.conditioning));
         text.extend(physics.as_ref().map(Physics::text));
         text.extend(costs.as_ref().map(CallCosts::text));
     }
@@ -120,6 +122,7 @@ fn json(model: &Model, physics: Option<&Physics>) -> Value {
         "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
         "overlooked": model.training.overlooked,
+        "conditioning": conditioning::json(&model.training.conditioning),
         "checks": physics.map(Physics::json),
     })
 }

@@ -236,11 +236,62 @@ fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
     assert_warns(
         &said,
         &[
-            "left out: 1 rows with the time stamp of the row before",
-            "300 rows earlier than a row before them, the first is row 2002",
+            "note: left out: 1 rows with the time stamp of the row before",
+            "left out: 300 rows earlier than a row before them, the first is row 2002",
             "put what follows in a file of its own",
         ],
     );
+}
+
+/// A spike, a repeated stamp, a pause that is bridged and one that is not.
+fn needs_repair() -> Table {
+    let mut table = Table::recorded().with("tau1", |row, tau, _| match row {
+        400 => tau + 300.0,
+        _ => tau,
+    });
+    let again = table.rows[500].clone();
+    table.rows.splice(1_700..1_730, []);
+    table.rows.splice(900..903, []);
+    table.rows.insert(501, again);
+    table
+}
+
+#[test]
+fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &needs_repair().text());
+    terminal.write("sound.csv", &Table::recorded().text());
+    let note = "left out: 1 rows with the time stamp of the row before; repaired: 3 spikes \
+                replaced (q 2, tau 1), 1 gaps bridged (the longest 40.0 ms), 1 longer gaps at \
+                which a log was split";
+
+    let fit = "fit sound.csv log.csv -o m.json --filter 6 --delay 0 --library energy";
+    let said = terminal.run(&format!("{fit} --report r.html"));
+    let inspected = terminal.run("inspect log.csv");
+    let shown = terminal.json("show m.json");
+
+    assert!(said.stderr.contains(&format!("note: {note}\n")), "{said:?}");
+    assert!(!said.stderr.contains("warning: left out"), "{said:?}");
+    assert!(inspected.stderr.contains(note), "{inspected:?}");
+    assert!(inspected.stdout.contains(&format!("log: {note}")), "{inspected:?}");
+    assert!(terminal.run("show m.json").stdout.contains(note));
+    assert!(terminal.read("r.html").contains(note));
+    assert_eq!(shown["conditioning"]["logs"].as_object().unwrap().len(), 1, "{shown}");
+    assert_eq!(shown["conditioning"]["logs"]["log"], shown["conditioning"]["total"]);
+    assert_eq!(terminal.json(fit)["conditioning"], shown["conditioning"]);
+    let evaluated = terminal.json("evaluate m.json log.csv");
+    assert_eq!(evaluated["conditioning"], shown["conditioning"]);
+}
+
+#[test]
+fn a_sound_log_needs_no_repair() {
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &Table::recorded().text());
+
+    let said = terminal.run("inspect log.csv");
+
+    assert!(!said.stdout.contains("conditioning"), "{said:?}");
+    assert!(!said.stderr.contains("note:"), "{said:?}");
 }
 
 // Units, gears, signs.

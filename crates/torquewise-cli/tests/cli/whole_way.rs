@@ -105,7 +105,27 @@ fn a_log_without_torque_can_be_predicted() {
     terminal.done("predict model.json bare.csv -o without.csv");
 
     assert!(without[0].ends_with("ddq1,ddq2"), "{}", without[0]);
-    assert_eq!(terminal.read("with.csv"), terminal.read("without.csv"));
+    let (with, without) = (terminal.read("with.csv"), terminal.read("without.csv"));
+    assert!(without.starts_with("t,tau_hat1,tau_hat2\n"), "{without}");
+    let (with, without) = (columns(&with), columns(&without));
+    assert!(without.iter().all(|(name, column)| with[name] == *column));
+}
+
+#[test]
+fn measured_torque_and_residual_stand_beside_the_prediction() {
+    let terminal = Terminal::with_model();
+
+    terminal.done("predict model.json log.csv -o torque.csv");
+
+    let (log, torque) = (columns(&terminal.read("log.csv")), columns(&terminal.read("torque.csv")));
+    for joint in [1, 2] {
+        let column = |name: &str| &torque[&format!("{name}{joint}")];
+        assert_eq!(column("tau_measured"), &log[&format!("tau{joint}")]);
+        for (row, residual) in column("residual").iter().enumerate() {
+            let expected = column("tau_measured")[row] - column("tau_hat")[row];
+            assert_eq!(residual.to_bits(), expected.to_bits(), "row {row}");
+        }
+    }
 }
 
 #[test]

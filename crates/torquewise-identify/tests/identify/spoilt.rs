@@ -17,7 +17,8 @@ use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::rounds::Request;
 use torquewise_identify::{Plan, score};
-use torquewise_logs::{ConditionedLogs, Logs};
+use torquewise_logs::Logs;
+use torquewise_logs::conditioned::RawLogs;
 use torquewise_model::Model;
 use torquewise_motion::{Motion, Signals};
 use torquewise_signals::Conditioning;
@@ -170,7 +171,7 @@ fn fit(fine: &Motion, rows: &Rows, searched: Option<Request>) -> (Model, Request
     let file = folder.path().join("log.csv");
     std::fs::write(&file, text(fine, rows)).unwrap();
     let logs = Logs::open(&[file]).unwrap();
-    let raw = ConditionedLogs::new(logs, &Conditioning::default(), true).unwrap().raw().unwrap();
+    let raw = RawLogs::new(logs, &Conditioning::default(), true).unwrap();
     let plan: Plan = ChainOptions::default().into();
     let tuned = match searched {
         Some(request) => tune_from(&raw, request),

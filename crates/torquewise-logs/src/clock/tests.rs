@@ -4,6 +4,8 @@ use super::{ClockLane, ClockRepair, RawBlock};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::borrow::Cow;
+use torquewise_motion::Repairs;
 
 const STEP: f64 = 0.01;
 
@@ -35,11 +37,39 @@ fn mended(block: &RawBlock, cuts: &[usize]) -> RawBlock {
     let mut begin = 0;
     for end in ends {
         let rows: Vec<usize> = (begin..end).collect();
-        parts.extend(lane.push(&super::select(block, &rows)));
+        parts.extend(lane.push(Cow::Owned(super::select(block, &rows))).map(Cow::into_owned));
         begin = end;
     }
     parts.extend(lane.finish());
     super::joined(&parts)
+}
+
+/// What mending a block repairs.
+fn repairs(block: &RawBlock) -> Repairs {
+    let mut lane = ClockLane::new(ClockRepair::of(std::slice::from_ref(block)));
+    lane.push(Cow::Borrowed(block));
+    lane.finish();
+    lane.repairs().clone()
+}
+
+#[test]
+fn rows_left_out_and_stamps_moved_are_counted() {
+    let t = jittery(3_000);
+    let held: Vec<f64> = (0..3_000).map(|row: u32| STEP * f64::from(row - row % 2)).collect();
+
+    assert!(repairs(&block(t.clone(), &t)).is_none());
+    assert_eq!(repairs(&block(even(3_000), &held)).held_rows, 1_500);
+    let late = repairs(&block(t, &even(3_000)));
+    assert_eq!((late.held_rows, late.late_stamps), (0, 3_000));
+}
+
+#[test]
+fn a_sound_clock_hands_on_the_rows_it_was_given() {
+    let t = jittery(3_000);
+    let sound = block(t.clone(), &t);
+    let mut lane = ClockLane::new(ClockRepair::default());
+
+    assert!(matches!(lane.push(Cow::Borrowed(&sound)), Some(Cow::Borrowed(_))));
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use tempfile::TempDir;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
-use torquewise_motion::{LocalPolynomial, Recording};
+use torquewise_motion::{LocalPolynomial, Recording, Repairs};
 use torquewise_signals::{Conditioning, Cutoff};
 
 /// A folder with text files.
@@ -67,7 +67,33 @@ fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
 
     numbers.dedup();
     assert_eq!(numbers, [0, 2]);
+    let a = Repairs { too_short: 10, splits: 1, ..Repairs::default() };
+    assert_eq!(conditioned.repairs(), [("a".to_owned(), a)].into());
     assert_eq!(conditioned.logs().file_of(2), Some(b.as_path()));
+}
+
+#[test]
+fn repairs_are_those_of_each_log_in_any_order_and_one_reading_of_one_log_is_enough() {
+    let files = Files::new();
+    let spoilt = noisy_swing(4_000).lines().fold(String::new(), |text, line| {
+        let spike = line.starts_with("20.0,").then_some("20.0,0.0,500.0");
+        text + spike.unwrap_or(line) + "\n" + if spike.is_some() { "20.0,0.0,1.0\n" } else { "" }
+    });
+    let sound = files.add("sound.csv", &noisy_swing(4_000));
+    let spoilt = files.add("spoilt.csv", &spoilt);
+    let open = |paths: [&PathBuf; 2]| {
+        let logs = Logs::open(&paths.map(Clone::clone)).unwrap();
+        ConditionedLogs::new(logs, &Conditioning::default(), false).unwrap()
+    };
+    let (logs, other) = (open([&sound, &spoilt]), open([&spoilt, &sound]));
+
+    logs.read(&mut |_, _| Ok(())).unwrap();
+    other.read_log(0, &mut |_, _| Ok(())).unwrap();
+
+    let repairs = &logs.repairs()["spoilt"];
+    assert_eq!((repairs.repeated_stamps, repairs.spikes["tau"]), (1, 1));
+    assert_eq!(logs.repairs().len(), 1);
+    assert_eq!(logs.repairs(), other.repairs());
 }
 
 #[test]

@@ -8,6 +8,7 @@ use torquewise_model::{
     EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Training, Trig,
     Weighted, check, from_json, to_json,
 };
+use torquewise_motion::Repairs;
 
 fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
     Weighted { term, coefficient, std_error: 0.01, inclusion: Some(1.0) }
@@ -119,6 +120,22 @@ fn a_saved_model_is_read_back_bit_for_bit() {
     let read = from_json(&to_json(&model).unwrap()).unwrap();
 
     assert_eq!(read, model);
+}
+
+#[test]
+fn repairs_of_logs_are_kept_and_a_file_without_them_is_read() {
+    let (_, sound) = two_link();
+    let mut repairs = Repairs { held_rows: 3, longest_gap: 0.1 + 0.2, ..Repairs::default() };
+    repairs.add_spikes("tau", 2);
+    let mut repaired = sound.clone();
+    repaired.training.conditioning.insert("log".into(), repairs.clone());
+    let mut broken = repaired.clone();
+    broken.training.conditioning.insert("log".into(), Repairs { longest_gap: f64::NAN, ..repairs });
+
+    assert!(!to_json(&sound).unwrap().contains("conditioning"));
+    assert_eq!(from_json(&to_json(&sound).unwrap()).unwrap(), sound);
+    assert_eq!(from_json(&to_json(&repaired).unwrap()).unwrap(), repaired);
+    assert!(matches!(to_json(&broken), Err(ModelError::NotFinite { .. })));
 }
 
 #[test]

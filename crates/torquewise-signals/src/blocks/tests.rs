@@ -53,9 +53,10 @@ fn blocks_give_what_the_whole_gives() {
         for begin in (0..90_000).step_by(7001) {
             parts.extend(conditioner.push(&rows(&raw, begin, begin + 7001)).unwrap());
         }
-        parts.extend(conditioner.clone().finish().unwrap());
+        parts.extend(conditioner.finish().unwrap());
 
         assert!(parts.len() >= 3);
+        assert_eq!(conditioner.repairs(), &whole.repairs);
         let whole = whole.motion.into_signals();
         let mut row = 0;
         for part in &parts {
@@ -85,6 +86,22 @@ fn blocks_give_what_the_whole_gives() {
 }
 
 #[test]
+fn gaps_are_counted_wherever_blocks_are_cut() {
+    let raw = log(3_000, 0.3);
+    let [before, middle, after] =
+        [(0, 1_000), (1_002, 2_000), (2_005, 3_000)].map(|(begin, end)| rows(&raw, begin, end));
+    let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
+    let mut conditioner = Conditioner::new(Plan::new(&before, &settings).unwrap());
+
+    for block in [&before, &middle, &after] {
+        conditioner.push(block).unwrap();
+    }
+
+    assert_eq!(conditioner.repairs().gaps, 2);
+    assert_eq!(conditioner.repairs().longest_gap, after.t[0] - middle.t[997]);
+}
+
+#[test]
 fn outliers_are_counted_once() {
     let raw = log(90_000, 0.0);
     let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
@@ -94,7 +111,8 @@ fn outliers_are_counted_once() {
     conditioner.push(&raw).unwrap();
 
     // Rows 50, 10023, 20023 … as far as the parts that were full reach.
-    assert!((12..=18).contains(&conditioner.n_outliers()), "{}", conditioner.n_outliers());
+    let spikes: u64 = conditioner.repairs().spikes.values().sum();
+    assert!((12..=18).contains(&spikes), "{spikes}");
     assert!(conditioner.waiting.t.len() < conditioner.part);
 }
 

@@ -82,7 +82,7 @@ fn a_bad_log_becomes_the_motion_it_was() {
     }
     let settings = Conditioning { delay: BAD.torque_lag, ..Conditioning::default() };
 
-    let Conditioned { motion: found, report } = condition(&raw, &settings).unwrap();
+    let Conditioned { motion: found, report, .. } = condition(&raw, &settings).unwrap();
 
     let t = found.t();
     assert!(off(&column(found.q()), t, |t| motion(t)[0]) < 1e-4);
@@ -135,7 +135,7 @@ fn rate_and_trim_are_as_told() {
     };
     let raw = measure(&Measured { jitter: 0.0, ..BAD });
 
-    let Conditioned { motion, report } = condition(&raw, &settings).unwrap();
+    let Conditioned { motion, report, .. } = condition(&raw, &settings).unwrap();
 
     let t = motion.t();
     assert_abs_diff_eq!(t[0], 2.0, epsilon = 0.04);

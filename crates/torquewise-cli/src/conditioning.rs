@@ -1,0 +1,31 @@
+//! What was repaired in logs → note, text and JSON.
+
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use torquewise::motion::Repairs;
+
+/// What was repaired in each log, by its name; logs that are sound are not listed.
+type ByLog = BTreeMap<String, Repairs>;
+
+/// All logs in a note, if anything was repaired.
+pub(crate) fn notes(by_log: &ByLog) -> Vec<String> {
+    if by_log.is_empty() { Vec::new() } else { vec![total(by_log).to_string()] }
+}
+
+/// One line per log.
+pub(crate) fn text(by_log: &ByLog) -> String {
+    if by_log.is_empty() {
+        return String::new();
+    }
+    let line = |(log, repairs): (&String, &Repairs)| format!("{log}: {repairs}\n");
+    format!("\nconditioning\n{}", by_log.iter().map(line).collect::<String>())
+}
+
+/// All logs together, and each.
+pub(crate) fn json(by_log: &ByLog) -> Value {
+    json!({ "total": total(by_log), "logs": by_log })
+}
+
+fn total(by_log: &ByLog) -> Repairs {
+    by_log.values().sum()
+}

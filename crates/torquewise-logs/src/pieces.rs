@@ -1,0 +1,104 @@
+//! Logs → pieces of all trajectories: what the conditioning of all of them is chosen from.
+
+use crate::blocks::RawBlock;
+use crate::clock::{ClockLane, ClockRepair, joined};
+use crate::error::LogError;
+use crate::logs::Logs;
+use std::borrow::Cow;
+use torquewise_signals::{Conditioning, Raw, SignalError, torque_delay};
+
+/// Rows that a trajectory is planned by, and of a piece.
+pub(crate) const FIRST_ROWS: usize = 1 << 15;
+/// Rows of all pieces, about.
+const MOST_ROWS: usize = 1 << 18;
+
+/// Pieces with their clock mended, evenly spread: all rows of short logs, some of long ones.
+pub(crate) struct Pieces {
+    /// What the clock of all logs asks for.
+    pub(crate) clock: ClockRepair,
+    /// In the order of the logs.
+    pub(crate) all: Vec<Raw>,
+}
+
+impl Pieces {
+    /// Reads all logs once.
+    ///
+    /// # Errors
+    /// [`LogError`] if the logs cannot be read.
+    pub(crate) fn read(logs: &Logs) -> Result<Self, LogError> {
+        let recorded = recorded(logs)?;
+        let clock = ClockRepair::of(&recorded);
+        let mend = |piece: RawBlock| {
+            let mut lane = ClockLane::new(clock);
+            let mended = lane.push(Cow::Owned(piece)).map(Cow::into_owned);
+            let mut blocks: Vec<RawBlock> = mended.into_iter().chain(lane.finish()).collect();
+            let only = if blocks.len() == 1 { blocks.pop() } else { None };
+            raw(logs.joints(), only.unwrap_or_else(|| joined(&blocks)))
+        };
+        Ok(Self { clock, all: recorded.into_iter().map(mend).collect() })
+    }
+
+    /// The piece of most rows, the first of several.
+    ///
+    /// # Errors
+    /// [`LogError::NoFiles`] if there is none.
+    pub(crate) fn longest(&self) -> Result<&Raw, LogError> {
+        self.all.iter().rev().max_by_key(|piece| piece.t.len()).ok_or(LogError::NoFiles)
+    }
+
+    /// The middle one of the lags that pieces show \[s\]; none where fewer than half of them do.
+    ///
+    /// # Errors
+    /// Those of [`torque_delay()`].
+    pub(crate) fn lag(&self, settings: &Conditioning) -> Result<f64, SignalError> {
+        let mut lags = Vec::new();
+        for piece in &self.all {
+            match torque_delay(piece, settings) {
+                Ok(lag) => lags.push(lag.map_or(0.0, |lag| lag.seconds)),
+                Err(error) if error.is_too_short() => {}
+                Err(error) => return Err(error),
+            }
+        }
+        lags.sort_by(f64::total_cmp);
+        Ok(lags.get(lags.len() / 2).copied().unwrap_or_default())
+    }
+}
+
+/// The pieces as they were recorded.
+fn recorded(logs: &Logs) -> Result<Vec<RawBlock>, LogError> {
+    let (mut kept, mut every, mut count) = (Vec::<RawBlock>::new(), 1, 0);
+    let mut open: (usize, Vec<RawBlock>) = (0, Vec::new());
+    let mut take = |blocks: &mut Vec<RawBlock>| {
+        if !blocks.is_empty() && count % every == 0 {
+            kept.push(joined(blocks));
+        }
+        count += usize::from(!blocks.is_empty());
+        blocks.clear();
+        let rows: usize = kept.iter().map(|piece| piece.t.len()).sum();
+        if rows > MOST_ROWS && kept.len() > 1 {
+            every *= 2;
+            let mut place = 0;
+            kept.retain(|_| {
+                place += 1;
+                place % 2 == 1
+            });
+        }
+    };
+    logs.read_raw(&mut |trajectory, block| -> Result<(), LogError> {
+        let rows: usize = open.1.iter().map(|block| block.t.len()).sum();
+        if trajectory != open.0 || rows >= FIRST_ROWS {
+            take(&mut open.1);
+        }
+        open.0 = trajectory;
+        open.1.push(block.clone());
+        Ok(())
+    })?;
+    take(&mut open.1);
+    Ok(kept)
+}
+
+/// Rows of one trajectory, under the names of its joints.
+pub(crate) fn raw(joints: &[String], block: RawBlock) -> Raw {
+    let RawBlock { t, q, dq, ddq, tau } = block;
+    Raw { joints: joints.to_vec(), q, dq, ddq, tau, t }
+}
