@@ -28,6 +28,8 @@ pub(crate) struct BaseChain {
 /// A link and the joint before it: a shift, a turn about x, and a turn about z by q and an offset.
 #[derive(Clone, Debug)]
 pub(crate) struct BaseLink {
+    /// Integer multiples of the coordinates that turn the joint, n.
+    pub(crate) turns: Vec<i8>,
     /// Origin of its frame \[m\], in the frame before.
     pub(crate) origin: Vector,
     /// Sine and cosine of the turn about x.
@@ -93,14 +95,15 @@ impl BaseChain {
             let moved = bodies[j].unturned(&about_x(joints[j].twist), &joints[j].origin);
             bodies[j - 1] = bodies[j - 1].plus(&moved);
         }
-        let link = |((joint, body), turn): ((&Joint, &Body), &f64)| BaseLink {
+        let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| BaseLink {
+            turns: chain.coupling.row(k, n),
             origin: joint.origin,
             twist: sine_cosine(joint.twist),
             offset: sine_cosine(joint.after + turn),
             first: [body.first[0], body.first[1]],
             moments: body.base_moments(),
         };
-        let links = joints.iter().zip(&bodies).zip(&turns).map(link).collect();
+        let links = joints.iter().zip(&bodies).zip(&turns).enumerate().map(link).collect();
         let gravity = axes.gravity();
         let size = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         let gravity = gravity.map(|g| if g.abs() < ROUNDING * size { 0.0 } else { g });

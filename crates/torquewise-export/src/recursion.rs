@@ -54,11 +54,9 @@ struct Composite {
 impl<'a> Recursion<'a> {
     /// Prepares the angles.
     pub(crate) fn new(graph: &'a mut Graph, chain: &'a BaseChain) -> Self {
-        let n = chain.links.len();
-        let mut angles = Vec::with_capacity(n);
-        for (joint, link) in chain.links.iter().enumerate() {
-            let mut multiples = vec![0; n];
-            multiples[joint] = 1;
+        let mut angles = Vec::with_capacity(chain.links.len());
+        for link in &chain.links {
+            let multiples: Vec<i32> = link.turns.iter().map(|&k| k.into()).collect();
             let own = [graph.sin(&multiples), graph.cos(&multiples)];
             angles.push(turned(graph, link.offset, own));
         }
@@ -80,6 +78,7 @@ impl<'a> Recursion<'a> {
             wrench = self.carried(joint, &wrench);
         }
         torque.reverse();
+        self.load(&mut torque);
         torque
     }
 
@@ -101,7 +100,25 @@ impl<'a> Recursion<'a> {
             }
             beyond = self.shifted(j, &all);
         }
+        // ΓᵀMΓ: rows, then columns.
+        matrix.chunks_exact_mut(n).for_each(|row| self.load(row));
+        for j in 0..n {
+            let mut column: Vec<Id> = (0..n).map(|i| matrix[i * n + j]).collect();
+            self.load(&mut column);
+            column.into_iter().enumerate().for_each(|(i, entry)| matrix[i * n + j] = entry);
+        }
         matrix
+    }
+
+    /// Torques of the joints of the chain → those of the coordinates that turn them: Γᵀτ (E18).
+    fn load(&mut self, torque: &mut [Id]) {
+        for (joint, link) in self.chain.links.iter().enumerate() {
+            for driver in (0..joint).filter(|&driver| link.turns[driver] != 0) {
+                let ratio = self.graph.constant(link.turns[driver].into());
+                let load = self.graph.mul(ratio, torque[joint]);
+                torque[driver] = self.graph.add(torque[driver], load);
+            }
+        }
     }
 
     /// The motion of all links.
@@ -138,13 +155,25 @@ impl<'a> Recursion<'a> {
     /// q̇ and q̈ of a joint, zero where it is held.
     fn inputs(&mut self, joint: usize, motion: Motion) -> (Id, Id) {
         let zero = self.graph.constant(0.0);
-        let (speed, rate) =
-            (self.graph.input(Input::Dq(joint)), self.graph.input(Input::Ddq(joint)));
+        let (speed, rate) = (self.driven(joint, Input::Dq), self.driven(joint, Input::Ddq));
         match motion {
             Motion::Rest => (zero, zero),
             Motion::Steady => (speed, zero),
             Motion::Whole => (speed, rate),
         }
+    }
+
+    /// What turns a joint of the chain: multiples of a signal of the coordinates.
+    fn driven(&mut self, joint: usize, signal: fn(usize) -> Input) -> Id {
+        let mut sum = self.graph.input(signal(joint));
+        let turns = &self.chain.links[joint].turns;
+        for driver in (0..joint).filter(|&driver| turns[driver] != 0) {
+            let ratio = self.graph.constant(turns[driver].into());
+            let input = self.graph.input(signal(driver));
+            let part = self.graph.mul(ratio, input);
+            sum = self.graph.add(sum, part);
+        }
+        sum
     }
 
     fn spread(&mut self, omega: &Vector, alpha: &Vector) -> [Vector; 3] {

@@ -131,7 +131,9 @@ fn parameters(
     let covariance =
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
     let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
-    let mut chain = RigidChain { geometry, fitted, links, drives, covariance: Vec::new() };
+    let coupling = at.structure.coupling.clone();
+    let mut chain =
+        RigidChain { geometry, fitted, links, drives, coupling, covariance: Vec::new() };
     chain.set_covariance(&covariance);
     (chain, friction)
 }

@@ -3,6 +3,7 @@
 use crate::beside::{Beside, columns};
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::trial::{Recipe, record, record_best, trial};
+use couplings::Searched;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
@@ -13,6 +14,7 @@ use torquewise_survey::friction::Dictionary;
 use torquewise_survey::held_out::Trial;
 use torquewise_survey::survey::thinned;
 
+mod couplings;
 mod further;
 mod loads;
 
@@ -136,10 +138,11 @@ fn attempt<'a>(
         beside.extend(Beside::friction(school.laws.linear()));
     }
     let search = Search { seed, ..Search::default() };
-    let mut recipe = Recipe { beside, search, free: all_parameters(n) };
+    let recipe = Recipe { beside, search, free: all_parameters(n) };
     let mut choices = Vec::new();
 
-    let (mut chain, mut starts) = school.geometry(&mut recipe, None, &mut choices)?;
+    let Searched { mut recipe, mut chain, mut starts } =
+        school.coupled_geometry(&recipe, &mut choices)?;
     if rubs && school.shafts(&mut recipe, &chain, &mut choices)? {
         choices.retain(|choice: &Choice| choice.what != PULL);
         (chain, starts) = school.geometry(&mut recipe, Some(chain), &mut choices)?;

@@ -176,6 +176,7 @@ fn linearised(
     let rest = if recipe.rubs() { AT_REST } else { 0.0 };
     let structure = Structure {
         drive: recipe.beside.clone(),
+        coupling: chain.geometry.coupling().clone(),
         free: recipe.free.clone(),
         physical: options.physical,
         pull: recipe.search.pull,

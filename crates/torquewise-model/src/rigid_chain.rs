@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, Kinematics, Moved, State, inertia};
 
+pub use torquewise_rigid::coupling::{Coupled, Coupling};
+
 /// A chain of n rigid bodies with what turns on its shafts.
 ///
 /// Axis 1 is z of the base; axis i + 1 is fixed in the frame of link i, see
@@ -25,8 +27,11 @@ pub struct RigidChain {
     /// Of each link: mass \[kg\], first moment \[kg·m\] (3), moments about the origin of its frame
     /// \[kg·m²\] xx, yy, zz, xy, xz, yz.
     pub links: Vec<[f64; PER_BODY]>,
-    /// Rotors and springs.
+    /// Rotors and springs, on shafts that turn with the logged coordinates.
     pub drives: Vec<Drive>,
+    /// How the logged coordinates turn the joints of the chain \[E18\].
+    #[serde(default, skip_serializing_if = "Coupling::is_none")]
+    pub coupling: Coupling,
     /// Covariance of all parameters, its lower triangle row by row: inertial parameters, drives,
     /// friction of the model, fitted geometry. Empty where it is not known.
     #[serde(with = "rows", default)]
@@ -107,6 +112,7 @@ impl RigidChain {
     /// [`ModelError::Chain`] if these are no parameters of a geometry.
     pub fn axes(&self) -> Result<Geometry, ModelError> {
         Geometry::new(&self.geometry)
+            .map(|geometry| geometry.coupled(self.coupling.clone()))
             .map_err(|error| ModelError::Chain { reason: error.to_string() })
     }
 
@@ -257,6 +263,9 @@ impl RigidChain {
         let fail = |reason: &str| Err(ModelError::Chain { reason: reason.to_owned() });
         if self.links.len() != n || self.axes()?.n_joints() != n {
             return fail("its links are not as many as the joints");
+        }
+        if !self.coupling.is_sound(n) {
+            return fail("its coupling is not one of its joints, each to one before it");
         }
         let numbers = self.geometry.iter().chain(self.links.iter().flatten());
         if !numbers.chain(self.covariance.iter().flatten()).all(|x| x.is_finite()) {

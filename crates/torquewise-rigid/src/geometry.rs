@@ -1,5 +1,6 @@
 //! Parameters → geometry: where the joint axes of a chain lie, as far as torque can tell.
 
+use crate::coupling::Coupling;
 use crate::error::ChainError;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -22,6 +23,8 @@ pub struct Geometry {
     /// Turns of gravity from −z of the base about x and y \[rad\], then w₁, w₂ \[rad\], p₁, p₂
     /// \[m\] of joints 2…n.
     parameters: Vec<f64>,
+    /// How logged coordinates turn the joints.
+    coupling: Coupling,
 }
 
 /// A frame that is fixed in the frame before it.
@@ -61,7 +64,8 @@ const HALF_TURN: usize = 5;
 impl Geometry {
     /// All axes along z, through one point.
     pub fn straight(n_joints: usize) -> Self {
-        Self { parameters: vec![0.0; PER_BASE + PER_JOINT * n_joints.saturating_sub(1)] }
+        let parameters = vec![0.0; PER_BASE + PER_JOINT * n_joints.saturating_sub(1)];
+        Self { parameters, coupling: Coupling::default() }
     }
 
     /// A chain whose axes lie as `parameters` say: two of gravity, then four of each joint from the
@@ -76,7 +80,18 @@ impl Geometry {
         if found != expected {
             return Err(ChainError::Shape { what: "geometry", found, expected });
         }
-        Ok(Self { parameters: parameters.to_vec() })
+        Ok(Self { parameters: parameters.to_vec(), coupling: Coupling::default() })
+    }
+
+    /// The same axes, turned by logged coordinates as a coupling says \[E18\].
+    #[must_use]
+    pub fn coupled(self, coupling: Coupling) -> Self {
+        Self { coupling, ..self }
+    }
+
+    /// How logged coordinates turn the joints.
+    pub fn coupling(&self) -> &Coupling {
+        &self.coupling
     }
 
     /// Number of joints n.

@@ -6,6 +6,7 @@
 //! and torque alone, and lists the energy terms that follow.
 
 pub mod error;
+pub mod coupling;
 pub mod geometry;
 pub mod recursion;
 pub mod inertia;
@@ -16,6 +17,7 @@ mod levenberg_marquardt;
 pub mod search;
 pub mod tangent;
 
+pub use coupling::Coupling;
 pub use error::ChainError;
 pub use geometry::Geometry;
 pub use recursion::{Kinematics, Moved, State};

@@ -7,6 +7,7 @@ mod derivative;
 mod mass;
 mod torque;
 
+use crate::coupling::Coupling;
 use crate::geometry::{Geometry, Placement};
 use nalgebra::{Matrix3, SimdRealField, Vector3};
 use simba::simd::WideF64x4;
@@ -31,6 +32,8 @@ pub struct Kinematics {
     placements: Vec<Placement>,
     /// \[m/s²\], in the base.
     gravity: Vector3<f64>,
+    /// How the coordinates turn the joints.
+    coupling: Coupling,
 }
 
 /// q \[rad\], q̇ \[rad/s\] and q̈ \[rad/s²\] of one instant, n each.
@@ -80,6 +83,7 @@ pub struct Moved<T> {
     bodies: Vec<Body<T>>,
     base: Body<T>,
     wrenches: Vec<Wrench<T>>,
+    coupling: Coupling,
 }
 
 fn splat<T: Scalar>(v: &Vector3<f64>) -> Vector3<T> {
@@ -97,14 +101,15 @@ fn along_z<T: Scalar>(z: T) -> Vector3<T> {
 impl Kinematics {
     /// The frames of a geometry.
     pub fn new(geometry: &Geometry) -> Self {
-        Self { placements: geometry.placements(), gravity: geometry.gravity().into() }
+        let coupling = geometry.coupling().clone();
+        Self { placements: geometry.placements(), gravity: geometry.gravity().into(), coupling }
     }
 
     /// Frames given one by one; joint i turns about z of frame i.
     ///
     /// - `gravity`: \[m/s²\], in the base
     pub fn of_frames(placements: Vec<Placement>, gravity: [f64; 3]) -> Self {
-        Self { placements, gravity: gravity.into() }
+        Self { placements, gravity: gravity.into(), coupling: Coupling::default() }
     }
 
     /// The same chain where nothing weighs.
@@ -131,11 +136,13 @@ impl Kinematics {
     /// - `state`: q, q̇ and q̈ of a joint
     fn move_bodies<T: Scalar>(&self, state: impl Fn(usize) -> [T; 3], moved: &mut Moved<T>) {
         moved.base = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
+        moved.coupling.clone_from(&self.coupling);
         moved.bodies.clear();
         moved.bodies.reserve(self.n_joints());
         let mut before = moved.base;
         for (joint, placement) in self.placements.iter().enumerate() {
-            let [q, dq, ddq] = state(joint);
+            let [q, dq, ddq] =
+                [0, 1, 2].map(|signal| self.coupling.drive(joint, |joint| state(joint)[signal]));
             before = before.next(placement, q, dq, ddq);
             moved.bodies.push(before);
         }
@@ -159,7 +166,7 @@ impl Kinematics {
         let mut origin = Vector3::zeros();
         let mut sum = Vector3::zeros();
         for (joint, placement) in self.placements.iter().enumerate() {
-            let (sin, cos) = q[joint].sin_cos();
+            let (sin, cos) = self.coupling.drive(joint, |joint| q[joint]).sin_cos();
             origin += turned * placement.origin;
             turned *= turned_about_z(&placement.rotation, sin, cos);
             let body = &inertial[PER_BODY * joint..];
@@ -177,7 +184,8 @@ fn turned_about_z<T: Scalar>(rotation: &Matrix3<T>, sin: T, cos: T) -> Matrix3<T
 
 impl<T: Scalar> Default for Moved<T> {
     fn default() -> Self {
-        Self { bodies: Vec::new(), base: Body::at_rest(), wrenches: Vec::new() }
+        let coupling = Coupling::default();
+        Self { bodies: Vec::new(), base: Body::at_rest(), wrenches: Vec::new(), coupling }
     }
 }
 
@@ -196,12 +204,27 @@ impl<T: Scalar> Moved<T> {
             wrench = wrench.before(body);
         }
         self.wrenches.reverse();
+        self.coupling.load(torque);
     }
 
     /// The regressor: torque of each joint per unit of each inertial parameter. Calls `put(joint,
     /// parameter, value)` for all parameters of the bodies from the joint outward; those before it
     /// do not load it.
     pub fn regressor(&self, mut put: impl FnMut(usize, usize, T)) {
+        if self.coupling.is_none() {
+            return self.regressor_of_chain(put);
+        }
+        let n = self.bodies.len();
+        let mut columns = vec![vec![T::zero(); n]; PER_BODY * n];
+        self.regressor_of_chain(|joint, parameter, value| columns[parameter][joint] = value);
+        for (parameter, column) in columns.iter_mut().enumerate() {
+            self.coupling.load(column);
+            (0..=parameter / PER_BODY).for_each(|joint| put(joint, parameter, column[joint]));
+        }
+    }
+
+    /// The regressor of the torques of the joints of the chain.
+    fn regressor_of_chain(&self, mut put: impl FnMut(usize, usize, T)) {
         for joint in 0..self.bodies.len() {
             // The axis of the joint, and the arm from it to the body, in the frame of the body.
             let (mut axis, mut arm) = (along_z(T::one()), Vector3::zeros());

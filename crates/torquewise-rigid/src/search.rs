@@ -1,5 +1,6 @@
 //! Rows → chain: many starts with axes at right angles, the best of them refined.
 
+use crate::coupling::Coupling;
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
 use crate::levenberg_marquardt::{Fitted, Pull, Target};
@@ -34,6 +35,8 @@ pub struct Search {
     pub pull: f64,
     /// Seed of the starts.
     pub seed: u64,
+    /// How logged coordinates turn the joints of the starts.
+    pub coupling: Coupling,
 }
 
 impl Default for Search {
@@ -49,6 +52,7 @@ impl Default for Search {
             ridge: 1e-4,
             pull: 3e-2,
             seed: 0,
+            coupling: Coupling::default(),
         }
     }
 }
@@ -147,15 +151,11 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
     }
     let weights = first_weights(rows);
     let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
-    let target = |rows, pull| Target { rows, weights: &weights, ridge: search.ridge, pull };
     let free = all_parameters(n);
     let mut found: Vec<(usize, Chain)> = (0..search.starts)
         .into_par_iter()
         .filter_map(|place| {
-            let mut random = ChaCha8Rng::seed_from_u64(search.seed);
-            random.set_stream(place as u64);
-            let straight = Pull::new(0.0, &Geometry::straight(n));
-            let fitted = right_angles(&target(&glance, straight), &mut random)?;
+            let fitted = right_angles(&glance, &weights, search, place)?;
             // A joint whose torque is mostly noise must not lead the way of the others.
             let first = Chain::new(&fitted, &glance, &weights);
             let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
@@ -172,6 +172,19 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
         .collect();
     chains.sort_by(|a, b| score(a, &finals).total_cmp(&score(b, &finals)));
     if chains.is_empty() { Err(ChainError::Singular) } else { Ok(chains) }
+}
+
+/// What the best of the starts leaves of few rows, before any is refined: a first look at a
+/// coupling. Geometric mean over the joints of the residual's part of the torque; infinite where no
+/// start can be fitted.
+pub fn glance(rows: &Rows, search: &Search) -> f64 {
+    let (weights, glance) = (first_weights(rows), rows.thinned(search.glance_rows));
+    let left = (0..search.starts).into_par_iter().filter_map(|place| {
+        let fitted = right_angles(&glance, &weights, search, place)?;
+        Some(score(&Chain::new(&fitted, &glance, &weights), rows))
+    });
+    let least = left.reduce_with(f64::min).unwrap_or(f64::INFINITY);
+    FIRST_NOISE * (least / rows.n_joints() as f64).exp()
 }
 
 /// Sum over joints of the logarithm of the residual's part of the torque: what chains of different
@@ -235,17 +248,22 @@ pub(crate) fn weights_of(residual_rms: &[f64], first: &[f64]) -> Vec<f64> {
     first.iter().enumerate().map(weight).collect()
 }
 
-/// A start: each axis in turn takes the right angle that explains most, until none changes.
-fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Fitted> {
-    let n = target.rows.n_joints();
-    let mut geometry = Geometry::straight(n);
+/// The start of a place: each axis in turn takes the right angle that explains most, until none
+/// changes.
+fn right_angles(rows: &Rows, weights: &[f64], search: &Search, place: usize) -> Option<Fitted> {
+    let n = rows.n_joints();
+    let mut random = ChaCha8Rng::seed_from_u64(search.seed);
+    random.set_stream(place as u64);
+    let mut geometry = Geometry::straight(n).coupled(search.coupling.clone());
+    let pull = Pull::new(0.0, &geometry);
+    let target = Target { rows, weights, ridge: search.ridge, pull };
     for joint in 1..n {
         geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];
         geometry.set_place(joint, place);
     }
     let mut best = target.fit(&geometry).ok()?;
-    let mut least = logarithm(&best, target);
+    let mut least = logarithm(&best, &target);
     for _ in 0..SWEEPS {
         let mut changed = false;
         let mut order: Vec<usize> = (0..n).collect();
@@ -261,9 +279,9 @@ fn right_angles(target: &Target<'_>, random: &mut ChaCha8Rng) -> Option<Fitted> 
                     other.set_direction(joint, direction);
                 }
                 if let Ok(found) = target.fit(&other)
-                    && logarithm(&found, target) < least
+                    && logarithm(&found, &target) < least
                 {
-                    (least, best, changed) = (logarithm(&found, target), found, true);
+                    (least, best, changed) = (logarithm(&found, &target), found, true);
                 }
             }
         }

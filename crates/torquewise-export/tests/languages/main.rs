@@ -8,7 +8,7 @@ mod witness;
 mod run;
 mod ros;
 
-use models::{chain, energies, parallel, products, states};
+use models::{chain, coupled, energies, parallel, products, states};
 use std::io::Read;
 use torquewise_export::{
     ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, test_vectors, to_c,
@@ -24,7 +24,8 @@ const AGREES: f64 = 1e-12;
 fn arms() -> Vec<Model> {
     let of_three = [energies(3, 25, 1), products(3, 20, 2)];
     let of_more = [energies(6, 200, 3), parallel(6, 60, 5), energies(7, 300, 4)];
-    of_three.into_iter().chain(of_more).chain(chains()).collect()
+    let coupled = [coupled(3, true, 8), coupled(4, false, 9), coupled(6, false, 10)];
+    of_three.into_iter().chain(of_more).chain(chains()).chain(coupled).collect()
 }
 
 /// Arms that are rigid chains, of axes at right angles and skew ones.

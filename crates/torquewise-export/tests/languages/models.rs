@@ -4,6 +4,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Stage, Term, Training, Trig,
     Weighted,
@@ -144,9 +145,22 @@ pub(crate) fn chain(n: usize, skew: bool, seed: u64) -> Model {
     let function = Term::one(n).times(Trig::Cos, 1, 1, 1);
     let term = EnergyTerm { place: Place::Potential, function };
     let drives = rotors.chain([Drive::Energy { term: term.clone(), coefficient: -4.0 }]).collect();
-    let chain = RigidChain { geometry, fitted: Vec::new(), links, drives, covariance: Vec::new() };
+    let (coupling, covariance) = (Coupling::default(), Vec::new());
+    let chain = RigidChain { geometry, fitted: Vec::new(), links, drives, coupling, covariance };
     let form = Form::Energy(vec![weighted(term, 1.0)]);
     Model { chain: Some(chain), ..model(n, form, friction(n), Vec::new()) }
+}
+
+/// The same behind a parallelogram: the third joint turns with q₃ − q₂, the last with twice the one
+/// before it as well.
+pub(crate) fn coupled(n: usize, skew: bool, seed: u64) -> Model {
+    let mut model = chain(n, skew, seed);
+    if let Some(chain) = &mut model.chain {
+        chain.coupling = Coupling::default()
+            .with(Coupled { joint: n - 1, driver: n - 2, ratio: 2 })
+            .with(Coupled { joint: 2, driver: 1, ratio: -1 });
+    }
+    model
 }
 
 /// Every law, exact and smooth, in both directions and one, on joints and on a coupled shaft.

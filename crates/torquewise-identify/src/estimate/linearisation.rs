@@ -4,7 +4,7 @@ use crate::beside::{Beside, columns};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Signals};
-use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_rigid::{Chain, Coupling, Geometry, Rows};
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseFloor;
 
@@ -13,6 +13,8 @@ use torquewise_survey::noise::NoiseFloor;
 pub(crate) struct Structure {
     /// Rotors, friction, springs: columns of their own.
     pub(crate) drive: Vec<Beside>,
+    /// How logged coordinates turn the joints.
+    pub(crate) coupling: Coupling,
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
     /// together ask for their release.
     pub(crate) free: Vec<usize>,
@@ -99,6 +101,7 @@ impl Linearisation {
         geometry.is_ok_and(|geometry| geometry.n_joints() == n)
             && self.linear.len() == bodies + self.structure.drive.len()
             && self.structure.drive.iter().all(|term| term.n_joints() == n)
+            && self.structure.coupling.is_sound(n)
             && self.structure.free.iter().all(|&k| k < self.geometry.len())
             && self.structure.rest.len() == n
             && self.weights.len() == n
@@ -152,7 +155,7 @@ impl Linearisation {
         let bodies = torquewise_rigid::recursion::PER_BODY * self.n_joints();
         let (inertial, drive) = self.linear.split_at(bodies);
         Ok(Chain {
-            geometry: Geometry::new(&self.geometry)?,
+            geometry: Geometry::new(&self.geometry)?.coupled(self.structure.coupling.clone()),
             inertial: inertial.to_vec(),
             beside: drive.to_vec(),
             residual_rms: self.weights.iter().map(|weight| 1.0 / weight).collect(),

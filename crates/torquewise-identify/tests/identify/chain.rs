@@ -12,7 +12,7 @@ use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{IdentifyError, Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
-use torquewise_model::{FrictionTerm, Torque, check, from_json, to_json};
+use torquewise_model::{FrictionTerm, Model, Torque, check, from_json, to_json};
 use torquewise_motion::{Motion, Signals};
 
 /// White noise in the torque, as a part of its spread.
@@ -115,6 +115,7 @@ fn linear_friction_is_chosen_and_recovered_where_there_is_no_more() {
 
     assert_eq!(chosen(found, "friction"), Some("linear"));
     assert_eq!(chosen(found, "shared shaft"), None);
+    assert_eq!(chosen(found, "coupling"), None);
     assert_eq!(found.model.friction.len(), 9);
     for (term, truth) in reference_friction() {
         let found = coefficient(found, &term);
@@ -238,6 +239,40 @@ fn the_shaft_of_a_coupled_wrist_is_found() {
     for (term, truth) in friction.into_iter().filter(|(_, truth)| *truth > 0.0) {
         let found = coefficient(&found, &term);
         assert!((found - truth).abs() < 0.02 * truth, "{}: {found}, not {truth}", term.name());
+    }
+}
+
+/// The same motion logged by coordinates of which the third alone does not turn the third joint:
+/// the second does so as well, `ratio` times.
+fn coupled(motion: &Motion, ratio: f64) -> Motion {
+    let mut signals = motion.clone().into_signals();
+    for row in 0..motion.n_rows() {
+        for x in [&mut signals.q, &mut signals.dq, &mut signals.ddq] {
+            x[(row, 2)] -= ratio * x[(row, 1)];
+        }
+        let tau = signals.tau.as_mut().unwrap();
+        tau[(row, 1)] += ratio * tau[(row, 2)];
+    }
+    Motion::new(signals).unwrap()
+}
+
+#[test]
+fn a_joint_behind_a_parallelogram_is_found() {
+    for (ratio, label) in [(-1.0, "q3 - q2"), (1.0, "q3 + q2")] {
+        let log = |seconds, seed| coupled(&sines(&reference_arm(), seconds, seed), ratio);
+        let friction = linear(&log(40.0, 1), &[[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]]);
+
+        let found = fit(&rubbing(&log(40.0, 1), &friction, NOISE), FrictionKind::Linear);
+
+        assert_eq!(chosen(&found, "coupling"), Some(label));
+        assert!(check(&found.model, &states(&reference_arm())).unwrap().passed());
+        let test = rubbing(&log(10.0, 2), &friction, 0.0);
+        let terms_alone = Model { chain: None, ..found.model.clone() };
+        for model in [&from_json(&to_json(&found.model).unwrap()).unwrap(), &terms_alone] {
+            for joint in score(model, &test).unwrap().joints {
+                assert!(joint.nrmse_percent < 2.0, "{label}: {joint:?}");
+            }
+        }
     }
 }
 

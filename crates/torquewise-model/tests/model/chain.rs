@@ -3,8 +3,10 @@
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use faer::Mat;
+use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
     Drive, EnergyTerm, Form, Model, Place, RigidChain, Term, Torque, Training, Trig, Weighted,
+    check, from_json, to_json,
 };
 use torquewise_motion::{Motion, Signals};
 
@@ -19,7 +21,8 @@ fn model() -> Model {
         Drive::Energy { term: spring, coefficient: -4.0 },
     ];
     let links = [3.0, 2.0, 1.0].map(link).to_vec();
-    let chain = RigidChain { geometry, fitted: vec![], links, drives, covariance: vec![] };
+    let (coupling, covariance) = (Coupling::default(), vec![]);
+    let chain = RigidChain { geometry, fitted: vec![], links, drives, coupling, covariance };
     Model {
         joints: ["a", "b", "c"].map(String::from).to_vec(),
         form: Form::Energy(vec![]),
@@ -29,6 +32,17 @@ fn model() -> Model {
         training: Training::default(),
         choices: vec![],
     }
+}
+
+/// The same whose second joint turns with the first coordinate as well, and the third with minus
+/// the second.
+fn coupled() -> Model {
+    let mut model = model();
+    let chain = model.chain.as_mut().unwrap();
+    chain.coupling = Coupling::default()
+        .with(Coupled { joint: 1, driver: 0, ratio: 1 })
+        .with(Coupled { joint: 2, driver: 1, ratio: -1 });
+    model
 }
 
 /// The same as all of its energy terms.
@@ -57,8 +71,14 @@ fn largest(difference: &Mat<f64>) -> f64 {
 
 #[test]
 fn a_chain_moves_as_its_energies_say() {
-    let (model, motion) = (model(), motion());
-    let (chain, terms) = (Torque::new(&model), Torque::new(&expanded(&model)));
+    for model in [model(), coupled()] {
+        moves_as_its_energies_say(&model);
+    }
+}
+
+fn moves_as_its_energies_say(model: &Model) {
+    let motion = motion();
+    let (chain, terms) = (Torque::new(model), Torque::new(&expanded(model)));
 
     let (own, expected) = (chain.parts(&motion).unwrap(), terms.parts(&motion).unwrap());
 
@@ -67,6 +87,25 @@ fn a_chain_moves_as_its_energies_say() {
     assert!(largest(&(&own.coriolis - &expected.coriolis)) < 1e-11);
     assert!(largest(&(&own.gravity - &expected.gravity)) < 1e-11);
     assert!(largest(&(&own.total() - &chain.over(&motion).unwrap())) < 1e-12);
+    let q = [0.3, -1.2, 2.1];
+    let (own, expected) = (chain.mass_matrix(&q).unwrap(), terms.mass_matrix(&q).unwrap());
+    assert!(largest(&(&own - &expected)) < 1e-12);
+}
+
+#[test]
+fn a_coupled_chain_is_physics_and_its_file_keeps_it() {
+    let model = coupled();
+    let states = [(vec![0.3, -1.2, 2.1], vec![1.0, -0.4, 0.7])];
+    assert!(check(&model, &states).unwrap().passed());
+
+    let file = to_json(&model).unwrap();
+
+    assert_eq!(from_json(&file).unwrap(), model);
+    assert!(!to_json(&self::model()).unwrap().contains("coupling"));
+    let odd = file.replace("\"driver\": 0", "\"driver\": 1");
+    assert_ne!(odd, file);
+    let error = from_json(&odd).unwrap_err().to_string();
+    assert!(error.contains("coupling"), "{error}");
 }
 
 #[test]

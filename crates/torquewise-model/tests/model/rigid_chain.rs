@@ -4,6 +4,7 @@
 
 use faer::Mat;
 use torquewise_model::friction::FrictionLaw;
+use torquewise_model::rigid_chain::Coupling;
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Training, Trig,
     Weighted, from_json, to_json,
@@ -31,6 +32,7 @@ fn chain() -> RigidChain {
             Drive::Rotor { shaft: vec![1.0, -0.5], inertia: 0.3 },
             Drive::Energy { term: spring(), coefficient: 1.5 },
         ],
+        coupling: Coupling::default(),
         covariance: vec![],
     }
 }

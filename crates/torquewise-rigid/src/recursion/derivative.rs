@@ -50,6 +50,7 @@ impl<T: Scalar> Moved<T> {
                     + body.origin.cross(&force);
             }
         }
+        self.coupling.load(&mut change[..self.bodies.len()]);
     }
 }
 

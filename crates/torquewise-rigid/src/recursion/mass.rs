@@ -32,6 +32,25 @@ impl<T: Scalar> Moved<T> {
     ///
     /// Source: M. Walker, D. Orin, J. Dyn. Sys. Meas. Control 104 (1982).
     pub fn mass_matrix(&self, inertial: &[f64], mut put: impl FnMut(usize, usize, T)) {
+        if self.coupling.is_none() {
+            return self.mass_matrix_of_chain(inertial, put);
+        }
+        let n = self.bodies.len();
+        let mut columns = vec![vec![T::zero(); n]; n];
+        self.mass_matrix_of_chain(inertial, |i, j, value| {
+            (columns[i][j], columns[j][i]) = (value, value);
+        });
+        // ΓᵀM, column by column, then the same of its rows.
+        columns.iter_mut().for_each(|column| self.coupling.load(column));
+        for i in 0..n {
+            let mut row: Vec<T> = columns.iter().map(|column| column[i]).collect();
+            self.coupling.load(&mut row);
+            (i..n).for_each(|j| put(i, j, row[j]));
+        }
+    }
+
+    /// M of the joints of the chain.
+    fn mass_matrix_of_chain(&self, inertial: &[f64], mut put: impl FnMut(usize, usize, T)) {
         let mut composite = Inertia::none();
         for (j, body) in self.bodies.iter().enumerate().rev() {
             composite = composite.plus(&Inertia::of(&inertial[PER_BODY * j..]));

@@ -1,6 +1,7 @@
 //! Torque, regressor and derivatives agree with each other and balance the books.
 
 use super::{Kinematics, Lanes, MOST_JOINTS, Moved, PER_BODY, State};
+use crate::coupling::{Coupled, Coupling};
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT};
 use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
@@ -11,9 +12,21 @@ fn numbers(random: &mut ChaCha8Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| random.random_range(-2.0..2.0)).collect()
 }
 
-/// A random chain, the inertial parameters of its bodies, and a state of it.
+/// Joints of which one turns with two coordinates before it, another with one.
+fn coupling() -> Coupling {
+    [(1, 0, 1), (2, 0, -2), (2, 1, -1)]
+        .into_iter()
+        .fold(Coupling::default(), |all, (joint, driver, ratio)| {
+            all.with(Coupled { joint, driver, ratio })
+        })
+}
+
+/// A random chain, the inertial parameters of its bodies, and a state of it; one with an odd number
+/// of joints is coupled.
 fn drawn(n: usize, random: &mut ChaCha8Rng) -> (Geometry, Vec<f64>, [Vec<f64>; 3]) {
     let geometry = Geometry::new(&numbers(random, PER_BASE + PER_JOINT * (n - 1))).unwrap();
+    let coupled = n > 2 && n % 2 == 1;
+    let geometry = if coupled { geometry.coupled(coupling()) } else { geometry };
     let state = std::array::from_fn(|_| numbers(random, n));
     (geometry, numbers(random, PER_BODY * n), state)
 }
@@ -49,6 +62,26 @@ fn regressor_times_parameters_is_the_torque() {
 }
 
 #[test]
+fn a_coupled_chain_is_the_chain_at_other_angles_and_loads_all_that_turn_it() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let (geometry, inertial, state) = drawn(3, &mut random);
+    assert!(geometry.coupling().is_sound(3) && !geometry.coupling().is_sound(2));
+    // Γq and Γᵀτ, written out.
+    let angles = state.clone().map(|x| vec![x[0], x[1] + x[0], x[2] - 2.0 * x[0] - x[1]]);
+    let alone = torque_of(&geometry.clone().coupled(Coupling::default()), &inertial, &angles);
+    let loads = [alone[0] + alone[1] - 2.0 * alone[2], alone[1] - alone[2], alone[2]];
+
+    let [q, dq, ddq] = &state;
+    let mut at_once = [0.0; 3];
+    Kinematics::new(&geometry).torque(State { q, dq, ddq }, &inertial, &mut at_once);
+
+    for (joint, torque) in torque_of(&geometry, &inertial, &state).into_iter().enumerate() {
+        assert_relative_eq!(torque, loads[joint], max_relative = 1e-12, epsilon = 1e-11);
+        assert_relative_eq!(at_once[joint], loads[joint], max_relative = 1e-12, epsilon = 1e-11);
+    }
+}
+
+#[test]
 fn derivatives_by_the_geometry_are_those_of_central_differences() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     for n in 1..=6 {
@@ -64,7 +97,8 @@ fn derivatives_by_the_geometry_are_those_of_central_differences() {
             let at = |step: f64| {
                 let mut parameters = geometry.parameters().to_vec();
                 parameters[parameter] += step;
-                torque_of(&Geometry::new(&parameters).unwrap(), &inertial, &state)
+                let moved = Geometry::new(&parameters).unwrap();
+                torque_of(&moved.coupled(geometry.coupling().clone()), &inertial, &state)
             };
             let (ahead, behind) = (at(1e-5), at(-1e-5));
             let size = ahead.iter().fold(1.0_f64, |most, tau| most.max(tau.abs()));

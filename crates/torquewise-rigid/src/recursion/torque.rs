@@ -32,7 +32,9 @@ impl Kinematics {
         let mut bodies = [Body::at_rest(); MOST];
         let mut before = Body { acceleration: -splat(&self.gravity), ..Body::at_rest() };
         for (joint, placement) in self.placements.iter().enumerate() {
-            before = before.next(placement, state.q[joint], state.dq[joint], state.ddq[joint]);
+            let [q, dq, ddq] = [state.q, state.dq, state.ddq]
+                .map(|signal| self.coupling.drive(joint, |joint| signal[joint]));
+            before = before.next(placement, q, dq, ddq);
             bodies[joint] = before;
         }
         let mut wrench = Wrench::none();
@@ -41,6 +43,7 @@ impl Kinematics {
             torque[joint] = wrench.moment.z;
             wrench = wrench.before(body);
         }
+        self.coupling.load(&mut torque[..self.n_joints()]);
     }
 
     /// Torques \[N·m\] over many states, four at once: calls `put(row, joint, torque)`, row by row

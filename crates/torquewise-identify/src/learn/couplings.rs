@@ -1,0 +1,100 @@
+//! Chain, rows → chain whose joints are turned by several logged coordinates, where the log has it.
+
+use super::{ROUNDS, School, TRIAL_ROWS};
+use crate::trial::{Recipe, record, trial};
+use rayon::prelude::*;
+use torquewise_model::model::Choice;
+use torquewise_rigid::coupling::Coupled;
+use torquewise_rigid::search::glance;
+use torquewise_rigid::{Chain, Search};
+use torquewise_survey::error::IdentifyError;
+
+/// Coupled joints at most.
+const MOST_COUPLED: usize = 2;
+/// Starts of a first look at a coupling, and its rows.
+const GLANCE: (usize, usize) = (2, 80);
+/// A coupling is searched with if it lowers what the first look leaves to this part.
+const PROMISING: f64 = 0.7;
+/// A coupling must lower the error on held-out rows to this part: arms seldom have one.
+const COUPLING_GAIN: f64 = 0.7;
+
+/// What a search of the geometry came to.
+pub(super) struct Searched {
+    pub(super) recipe: Recipe,
+    pub(super) chain: Chain,
+    /// All it may start from.
+    pub(super) starts: Vec<Chain>,
+}
+
+impl School<'_> {
+    /// Searches the geometry, then looks for joints that the coordinate of the joint before turns
+    /// as well, as behind a parallelogram \[E18\].
+    pub(super) fn coupled_geometry(
+        &self,
+        recipe: &Recipe,
+        choices: &mut Vec<Choice>,
+    ) -> Result<Searched, IdentifyError> {
+        let mut own = Vec::new();
+        let mut best = self.searched(recipe.clone(), &mut own)?;
+        for _ in 0..MOST_COUPLED {
+            let coupling = best.recipe.search.coupling.clone();
+            let search = Search { coupling, ..recipe.search.clone() };
+            let known = Recipe { search, ..recipe.clone() };
+            let Some((label, search)) = self.promising(&known)? else { break };
+            let mut made = Vec::new();
+            let found = self.searched(Recipe { search, ..known }, &mut made)?;
+            let rows = self.rows(recipe, TRIAL_ROWS)?;
+            let judged = |label: String, found: &Searched| {
+                trial(label, &found.recipe, &rows, &found.chain, ROUNDS)
+            };
+            let trials = [judged("none".to_owned(), &best)?, judged(label, &found)?];
+            if trials[1].error() > COUPLING_GAIN * trials[0].error()
+                || record("coupling", &trials, choices) == 0
+            {
+                break;
+            }
+            (best, own) = (found, made);
+        }
+        choices.extend(own);
+        Ok(best)
+    }
+
+    fn searched(
+        &self,
+        mut recipe: Recipe,
+        choices: &mut Vec<Choice>,
+    ) -> Result<Searched, IdentifyError> {
+        let (chain, starts) = self.geometry(&mut recipe, None, choices)?;
+        Ok(Searched { recipe, chain, starts })
+    }
+
+    /// The search with one more coupled joint that a first look at few rows is best with, if it is
+    /// much better than without.
+    fn promising(&self, recipe: &Recipe) -> Result<Option<(String, Search)>, IdentifyError> {
+        let (starts, count) = GLANCE;
+        let rows = self.rows(recipe, count)?;
+        let known = &recipe.search.coupling;
+        let look = Search { starts, ..recipe.search.clone() };
+        let pairs = (1..self.motion.n_joints())
+            .flat_map(|joint| [-1, 1].map(|ratio| Coupled { joint, driver: joint - 1, ratio }));
+        let is_new = |own: &Coupled| {
+            known.coupled().iter().all(|k| (k.joint, k.driver) != (own.joint, own.driver))
+        };
+        let candidates: Vec<Coupled> = pairs.filter(is_new).collect();
+        let left: Vec<f64> = candidates
+            .par_iter()
+            .map(|&own| glance(&rows, &Search { coupling: known.with(own), ..look.clone() }))
+            .collect();
+        let without = glance(&rows, &look);
+        let best = candidates.into_iter().zip(left).min_by(|a, b| a.1.total_cmp(&b.1));
+        Ok(best.filter(|(_, left)| *left <= PROMISING * without).map(|(own, _)| {
+            (label(own), Search { coupling: known.with(own), ..recipe.search.clone() })
+        }))
+    }
+}
+
+/// `q3 - q2`: what turns a coupled joint.
+fn label(Coupled { joint, driver, ratio }: Coupled) -> String {
+    let sign = if ratio < 0 { '-' } else { '+' };
+    format!("q{} {sign} q{}", joint + 1, driver + 1)
+}
