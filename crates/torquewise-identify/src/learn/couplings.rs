@@ -1,6 +1,6 @@
 //! Chain, rows → chain whose joints are turned by several logged coordinates, where the log has it.
 
-use super::{ROUNDS, School, TRIAL_ROWS};
+use super::{ROUNDS, SHORT, School, TRIAL_ROWS};
 use crate::trial::{Recipe, record, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -71,7 +71,9 @@ impl School<'_> {
     /// The search with one more coupled joint that a first look at few rows is best with, if it is
     /// much better than without.
     fn promising(&self, recipe: &Recipe) -> Result<Option<(String, Search)>, IdentifyError> {
-        let (starts, count) = GLANCE;
+        let (most, count) = GLANCE;
+        // A short log is searched from several seeds: each looks from one start.
+        let starts = if self.motion.n_rows() < SHORT { 1 } else { most };
         let rows = self.rows(recipe, count)?;
         let known = &recipe.search.coupling;
         let look = Search { starts, ..recipe.search.clone() };
