@@ -101,7 +101,9 @@ impl<'a> Recursion<'a> {
             beyond = self.shifted(j, &all);
         }
         // ΓᵀMΓ: rows, then columns.
-        matrix.chunks_exact_mut(n).for_each(|row| self.load(row));
+        for row in matrix.chunks_exact_mut(n) {
+            self.load(row);
+        }
         for j in 0..n {
             let mut column: Vec<Id> = (0..n).map(|i| matrix[i * n + j]).collect();
             self.load(&mut column);

@@ -41,7 +41,9 @@ impl<T: Scalar> Moved<T> {
             (columns[i][j], columns[j][i]) = (value, value);
         });
         // ΓᵀM, column by column, then the same of its rows.
-        columns.iter_mut().for_each(|column| self.coupling.load(column));
+        for column in &mut columns {
+            self.coupling.load(column);
+        }
         for i in 0..n {
             let mut row: Vec<T> = columns.iter().map(|column| column[i]).collect();
             self.coupling.load(&mut row);
