@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
 use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
+use torquewise_motion::path::Path;
 use torquewise_motion::{Motion, Pattern, Recording};
 use torquewise_stepwise::patterns::Patterns;
 use torquewise_survey::error::IdentifyError;
@@ -76,12 +77,15 @@ pub fn diagnose(
 ) -> Result<Diagnosis, IdentifyError> {
     let scores = score(model, recording)?;
     let mut look = Look::new(model, &scores);
-    recording.read(&mut |_, block| look.add(block, patterns)).map_err(IdentifyError::Read)?;
+    recording
+        .read(&mut |trajectory, block| look.add(trajectory, block, patterns))
+        .map_err(IdentifyError::Read)?;
     look.finish(model, scores)
 }
 
 struct Look {
     torque: Torque,
+    path: Path,
     stride: usize,
     rows: usize,
     sampled: Vec<(Vec<f64>, Pattern)>,
@@ -97,9 +101,10 @@ impl Look {
             let reach = if rmse > 0.0 { REACH * rmse } else { f64::MIN_POSITIVE };
             Histogram { start: -reach, width: 2.0 * reach / BINS as f64, counts: vec![0; BINS] }
         };
-        let n = model.n_joints();
+        let (n, torque) = (model.n_joints(), Torque::new(model));
         Self {
-            torque: Torque::new(model),
+            path: torque.path(),
+            torque,
             stride: scores.rows.div_ceil(TRACE_ROWS).max(1),
             rows: 0,
             sampled: Vec::new(),
@@ -111,10 +116,12 @@ impl Look {
 
     fn add(
         &mut self,
+        trajectory: usize,
         block: &Motion,
         patterns: &Patterns,
     ) -> Result<(), torquewise_motion::ReadError> {
-        let (tau, tau_hat) = (block.require_tau()?, self.torque.over(block)?);
+        let tau_hat = self.torque.over(&self.path.follow(trajectory, block))?;
+        let tau = block.require_tau()?;
         let labels = patterns.label(block);
         for row in 0..block.n_rows() {
             for joint in 0..block.n_joints() {

@@ -70,10 +70,11 @@ pub fn disagreements(
 ) -> Result<Vec<Disagreement>, IdentifyError> {
     model.check_joints(recording.joints())?;
     let mut logs = Logs { torque: Torque::new(model), slow: slow(model), each: Vec::new() };
+    let mut path = logs.torque.path();
     recording
         .read(&mut |trajectory, block| {
             match logs.place(log_of(trajectory)) {
-                Some(place) => logs.add(place, block)?,
+                Some(place) => logs.add(place, &path.follow(trajectory, block))?,
                 None => return Ok(()),
             }
             Ok(())

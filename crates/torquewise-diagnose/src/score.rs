@@ -42,9 +42,11 @@ pub fn score(
     // First torque, sums of differences to it and their squares, squared errors.
     let mut sums = vec![[0.0_f64; 4]; n];
     let mut rows = 0_usize;
+    let mut path = torque.path();
     recording
-        .read(&mut |_, block| {
-            let (tau, tau_hat) = (block.require_tau()?, torque.over(block)?);
+        .read(&mut |trajectory, block| {
+            let tau_hat = torque.over(&path.follow(trajectory, block))?;
+            let tau = block.require_tau()?;
             for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {
                 for row in 0..block.n_rows() {
                     if rows == 0 && row == 0 {

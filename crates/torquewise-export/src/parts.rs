@@ -217,6 +217,7 @@ fn curve(graph: &mut Graph, term: &FrictionTerm) -> Id {
             let sign = sign(graph, speed, width);
             graph.mul(fading, sign)
         }
+        FrictionLaw::Dahl { .. } => sign(graph, speed, 0.0),
     };
     match term.direction {
         Direction::Both => value,

@@ -66,6 +66,19 @@ impl Beside {
         matches!(self, Self::Friction(term) if !term.direction.is_both())
     }
 
+    /// Whether it is friction of the shaft of one joint alone.
+    pub(crate) fn is_friction_of(&self, joint: usize) -> bool {
+        let alone = |shaft: &[f64]| {
+            shaft.iter().enumerate().all(|(k, turn)| (k == joint) == (*turn != 0.0))
+        };
+        matches!(self, Self::Friction(term) if alone(&term.shaft))
+    }
+
+    /// Whether it is friction that remembers the path.
+    pub(crate) fn remembers(&self) -> bool {
+        matches!(self, Self::Friction(term) if term.element().is_some())
+    }
+
     /// What it loads the joints with, per unit of its coefficient, states×n.
     pub(crate) fn loads(&self, states: &States) -> Mat<f64> {
         let of_shaft = |shaft: &[f64], values: &[f64]| {
@@ -75,7 +88,7 @@ impl Beside {
         match self {
             Self::Energy(term) => states.loads(term, 1.0),
             Self::Friction(term) => {
-                let values: Vec<f64> = all.map(|k| term.value(&states.speeds(k))).collect();
+                let values: Vec<f64> = all.map(|k| states.friction(k, term)).collect();
                 of_shaft(&term.shaft, &values)
             }
             Self::Rotor(shaft) => {

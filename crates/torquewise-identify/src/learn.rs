@@ -17,6 +17,7 @@ use torquewise_survey::survey::thinned;
 mod couplings;
 mod further;
 mod loads;
+mod memory;
 
 /// A chain with what stands beside it, and how both were chosen.
 #[derive(Clone, Debug)]
@@ -152,6 +153,9 @@ fn attempt<'a>(
         school.reversal(&mut recipe, &chain, friction, &mut choices)?;
     }
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
+    if friction == FrictionKind::Auto {
+        school.memory(&mut recipe, &chain, &mut choices)?;
+    }
     school.ridge(&mut recipe, &chain, &mut choices)?;
     chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
     Ok(Attempt { school, recipe, chain, choices })
@@ -204,10 +208,13 @@ impl<'a> School<'a> {
         if !recipe.rubs() {
             return Ok(rows);
         }
-        Ok(rows.with_shares(|row, joint| {
-            let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
-            if moves { 1.0 } else { SHARE_AT_REST }
-        }))
+        Ok(rows.with_shares(|row, joint| self.share(&motion, row, joint)))
+    }
+
+    /// What the square of a row counts in a fit of the torque of a joint.
+    fn share(&self, motion: &Motion, row: usize, joint: usize) -> f64 {
+        let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
+        if moves { 1.0 } else { SHARE_AT_REST }
     }
 
     /// Searches the geometry, then chooses how strongly it is pulled to right angles.

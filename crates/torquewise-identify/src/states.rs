@@ -4,8 +4,9 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, Place, Trig};
+use torquewise_model::{EnergyTerm, FrictionTerm, Place, Trig};
 use torquewise_motion::Motion;
+use torquewise_motion::memory::Memory;
 
 /// States of an arm, each sine and cosine of them once.
 pub(crate) struct States {
@@ -15,6 +16,8 @@ pub(crate) struct States {
     dq: Vec<Vec<f64>>,
     /// `[joint]` → q̈ of each state.
     ddq: Vec<Vec<f64>>,
+    /// What friction remembers at each state.
+    memory: Option<Memory>,
 }
 
 impl States {
@@ -55,6 +58,9 @@ impl States {
             waves: joints.clone().map(waves).collect(),
             dq: joints.clone().map(|joint| taken(motion.dq(), joint, 1)).collect(),
             ddq: joints.map(|joint| taken(motion.ddq(), joint, 2)).collect(),
+            memory: motion.memory().map(|memory| {
+                memory.select(&rows.iter().map(|row| row[1]).collect::<Vec<usize>>())
+            }),
         }
     }
 
@@ -76,6 +82,13 @@ impl States {
     /// Joint speeds \[rad/s\] of a state, n.
     pub(crate) fn speeds(&self, state: usize) -> Vec<f64> {
         self.dq.iter().map(|dq| dq[state]).collect()
+    }
+
+    /// What a law of friction comes to at a state, per unit of its coefficient.
+    pub(crate) fn friction(&self, state: usize, law: &FrictionTerm) -> f64 {
+        let remembered = |(joint, travel)| self.memory.as_ref()?.state(state, joint, travel);
+        let known = law.element().and_then(remembered);
+        known.unwrap_or_else(|| law.value(&self.speeds(state)))
     }
 
     /// Joint accelerations \[rad/s²\] of a state, n.

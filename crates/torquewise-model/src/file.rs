@@ -155,6 +155,15 @@ fn check_friction(weighted: &Weighted<FrictionTerm>, n: usize) -> Result<(), Mod
     if term.law == FrictionLaw::Offset && term.direction != Direction::Both {
         return refuse("the direction", &"one of two", "both, as an offset has none");
     }
+    if let FrictionLaw::Dahl { travel } = term.law {
+        if !(travel.is_finite() && travel > 0.0) {
+            return refuse("the travel", &travel, "a finite one above 0");
+        }
+        let own = term.shaft.iter().filter(|shaft| **shaft != 0.0);
+        if !own.eq([&1.0]) || term.direction != Direction::Both {
+            return refuse("the shaft", &"not one joint", "one joint, in both directions");
+        }
+    }
     finite("a coefficient", weighted.coefficient, || term.name())?;
     finite("a standard error", weighted.std_error, || term.name())
 }

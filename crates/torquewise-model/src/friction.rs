@@ -52,6 +52,12 @@ pub enum FrictionLaw {
         /// Half width of the dead zone \[rad/s\]; 0 for the exact sign.
         width: f64,
     },
+    /// The state x of a Dahl element, dx = dq/δ − |dq|/δ·x: dry friction that turns over along the
+    /// way and that a joint keeps at rest (E13). Where the way is not known, its end: the sign of v.
+    Dahl {
+        /// The travel δ \[rad\] of the element, above 0.
+        travel: f64,
+    },
 }
 
 /// Directions of the shaft in which a law acts; it is zero in the other.
@@ -86,7 +92,7 @@ impl FrictionLaw {
     /// The same law with another half width of the dead zone \[rad/s\], if it has one.
     pub fn with_width(self, width: f64) -> Self {
         match self {
-            Self::Offset | Self::Viscous => self,
+            Self::Offset | Self::Viscous | Self::Dahl { .. } => self,
             Self::Coulomb { .. } => Self::Coulomb { width },
             Self::Stribeck { speed, .. } => Self::Stribeck { speed, width },
         }
@@ -103,6 +109,7 @@ impl FrictionLaw {
             Self::Stribeck { speed: stribeck, width } => {
                 (-(speed / stribeck).powi(2)).exp() * sign(speed, width)
             }
+            Self::Dahl { .. } => sign(speed, 0.0),
         }
     }
 }
@@ -123,6 +130,13 @@ impl FrictionTerm {
     pub fn of_joint(n_joints: usize, joint: usize, law: FrictionLaw) -> Self {
         let shaft = (0..n_joints).map(|j| f64::from(u8::from(j == joint))).collect();
         Self { shaft, law, direction: Direction::Both }
+    }
+
+    /// The travel \[rad\] of the element that it follows, and the joint, if it remembers the path.
+    pub fn element(&self) -> Option<(usize, f64)> {
+        let FrictionLaw::Dahl { travel } = self.law else { return None };
+        let joint = self.shaft.iter().position(|shaft| *shaft != 0.0)?;
+        Some((joint, travel))
     }
 
     /// Speed of the shaft \[rad/s\] at joint speeds dq \[rad/s\], n.
@@ -175,6 +189,7 @@ impl FrictionTerm {
             FrictionLaw::Stribeck { speed: stribeck, width } => {
                 format!("exp(-({whole}/{stribeck})^2)*{}", sign(width))
             }
+            FrictionLaw::Dahl { travel } => format!("dahl({}, {travel})", self.sum("q", "*")),
         };
         law + &self.condition(|relation| format!(" [{speed} {relation} 0]"))
     }
@@ -197,6 +212,9 @@ impl FrictionTerm {
             FrictionLaw::Coulomb { width } => sign(width),
             FrictionLaw::Stribeck { speed: stribeck, width } => {
                 format!(r"e^{{-({whole}/{stribeck})^{{2}}}}\,{}", sign(width))
+            }
+            FrictionLaw::Dahl { travel } => {
+                format!(r"x_{{{travel}}}({})", self.sum("q_", r"\,"))
             }
         };
         law + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))

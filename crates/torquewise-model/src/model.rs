@@ -289,6 +289,16 @@ impl Model {
         self.form.n_coefficients() + self.friction.len()
     }
 
+    /// Travels \[rad\] of the elements by which its friction remembers the path, each once,
+    /// ascending; none where it depends on the velocity alone.
+    pub fn travels(&self) -> Vec<f64> {
+        let elements = self.friction.iter().filter_map(|weighted| weighted.term.element());
+        let mut travels: Vec<f64> = elements.map(|(_, travel)| travel).collect();
+        travels.sort_by(f64::total_cmp);
+        travels.dedup();
+        travels
+    }
+
     /// Number of coefficients that act on each joint, those of friction included, n.
     pub fn active(&self) -> Vec<usize> {
         let mut active = self.form.active(self.n_joints());

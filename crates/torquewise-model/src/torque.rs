@@ -7,8 +7,10 @@ use crate::model::{Form, Model, Weighted};
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::term::{Factor, Kind, Sum};
 use faer::Mat;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use torquewise_motion::Motion;
+use torquewise_motion::path::Path;
 use torquewise_rigid::State;
 
 /// The parts of the torque (1) and (17).
@@ -62,9 +64,14 @@ pub struct Torque {
     joints: Vec<Vec<Product>>,
     mass: Mass,
     friction: Vec<Weighted<FrictionTerm>>,
+    /// Travels of the elements by which friction remembers the path \[rad\].
+    travels: Vec<f64>,
     /// The links, where a chain was learned; the terms are then those of its drives.
     links: Option<Links>,
 }
+
+/// State of the element of a joint with a travel, where it is known.
+type Remembered<'a> = &'a dyn Fn(usize, f64) -> Option<f64>;
 
 /// M(q) on its own: the functions it needs, and what each term adds to an entry.
 #[derive(Clone, Debug)]
@@ -102,20 +109,50 @@ impl Torque {
         let (factors, joints) = numbered(&equations);
         let mass = Mass::of(equations, model.n_joints());
         let friction = model.friction.clone();
-        Self { n_joints: model.n_joints(), factors, joints, mass, friction, links }
+        let (n_joints, travels) = (model.n_joints(), model.travels());
+        Self { n_joints, factors, joints, mass, friction, travels, links }
     }
 
-    /// τ̂ \[N·m\] at one state: q \[rad\], dq \[rad/s\], ddq \[rad/s²\], n each.
+    /// Elements by which friction remembers the path, before the first sample. Feed them every
+    /// sample of a trajectory, then ask [`Self::after`].
+    pub fn path(&self) -> Path {
+        Path::new(self.n_joints, &self.travels)
+    }
+
+    /// τ̂ \[N·m\] at one state: q \[rad\], dq \[rad/s\], ddq \[rad/s²\], n each. Friction that
+    /// remembers the path is as after a long way in the direction of dq.
     ///
     /// # Errors
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn at(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        self.whole(State { q, dq, ddq }, &|_, _| None)
+    }
+
+    /// The same at the end of a path, whose last sample is q.
+    ///
+    /// # Errors
+    /// As [`Self::at`].
+    pub fn after(&self, path: &Path, dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        self.whole(State { q: path.q(), dq, ddq }, &|joint, travel| path.state(joint, travel))
+    }
+
+    fn whole(&self, state: State<'_, f64>, memory: Remembered<'_>) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
-        self.visit_terms(q, dq, ddq, |joint, _, value| tau[joint] += value)?;
+        self.visit_terms(state, memory, |joint, _, value| tau[joint] += value)?;
         if let Some(links) = &self.links {
-            links.add_torque(State { q, dq, ddq }, &mut tau);
+            links.add_torque(state, &mut tau);
         }
         Ok(tau)
+    }
+
+    /// The motion with what friction remembers, followed from its first row where it was not.
+    fn remembering<'m>(&self, motion: &'m Motion) -> Cow<'m, Motion> {
+        let is_known = motion.memory().is_some_and(|memory| memory.holds(&self.travels));
+        if self.travels.is_empty() || is_known {
+            Cow::Borrowed(motion)
+        } else {
+            self.path().follow(0, motion)
+        }
     }
 
     /// τ̂ = M̂q̈ + Ĉq̇ + Ĝ + F̂ \[N·m\] over a motion, in parts, m×n each.
@@ -169,6 +206,7 @@ impl Torque {
         mut add: impl FnMut(usize, usize, Kind, f64),
     ) -> Result<(), ModelError> {
         let n = self.n_joints;
+        let motion = self.remembering(motion);
         let signals = [motion.q(), motion.dq(), motion.ddq()];
         let mut state = vec![0.0; 3 * n];
         for row in 0..motion.n_rows() {
@@ -177,7 +215,9 @@ impl Torque {
             }
             let (q, rates) = state.split_at(n);
             let (dq, ddq) = rates.split_at(n);
-            self.visit_terms(q, dq, ddq, |joint, kind, value| add(row, joint, kind, value))?;
+            let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
+            let add = |joint, kind, value| add(row, joint, kind, value);
+            self.visit_terms(State { q, dq, ddq }, &memory, add)?;
         }
         Ok(())
     }
@@ -228,7 +268,7 @@ impl Torque {
     pub fn friction(&self, dq: &[f64]) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
         self.check_length("dq", dq)?;
-        self.visit_friction(dq, |joint, _, value| tau[joint] += value);
+        self.visit_friction(dq, &|_, _| None, |joint, _, value| tau[joint] += value);
         Ok(tau)
     }
 
@@ -236,7 +276,7 @@ impl Torque {
     fn part(&self, wanted: Kind, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
         let ddq = &vec![0.0; self.n_joints];
-        self.visit_terms(q, dq, ddq, |joint, kind, value| {
+        self.visit_terms(State { q, dq, ddq }, &|_, _| None, |joint, kind, value| {
             if kind == wanted {
                 tau[joint] += value;
             }
@@ -252,9 +292,16 @@ impl Torque {
         if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
     }
 
-    fn visit_friction(&self, dq: &[f64], mut add: impl FnMut(usize, Kind, f64)) {
+    fn visit_friction(
+        &self,
+        dq: &[f64],
+        memory: Remembered<'_>,
+        mut add: impl FnMut(usize, Kind, f64),
+    ) {
         for weighted in &self.friction {
-            let load = weighted.coefficient * weighted.term.value(dq);
+            let term = &weighted.term;
+            let state = term.element().and_then(|(joint, travel)| memory(joint, travel));
+            let load = weighted.coefficient * state.unwrap_or_else(|| term.value(dq));
             for (joint, &shaft) in weighted.term.shaft.iter().enumerate().take(self.n_joints) {
                 if shaft != 0.0 {
                     add(joint, Kind::Friction, shaft * load);
@@ -265,9 +312,8 @@ impl Torque {
 
     fn visit_terms(
         &self,
-        q: &[f64],
-        dq: &[f64],
-        ddq: &[f64],
+        State { q, dq, ddq }: State<'_, f64>,
+        memory: Remembered<'_>,
         mut add: impl FnMut(usize, Kind, f64),
     ) -> Result<(), ModelError> {
         let n = self.n_joints;
@@ -283,7 +329,7 @@ impl Torque {
                 add(joint, product.kind, product.coefficient * angles * rates);
             }
         }
-        self.visit_friction(dq, add);
+        self.visit_friction(dq, memory, add);
         Ok(())
     }
 }

@@ -22,7 +22,9 @@
 //! ```
 
 pub mod error;
+pub mod memory;
 pub mod motion;
+pub mod path;
 pub mod pattern;
 pub mod repairs;
 pub mod recording;

@@ -1,6 +1,7 @@
 //! Signals → Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
 use crate::error::MotionError;
+use crate::memory::Memory;
 use faer::{Mat, MatRef};
 
 /// The parts a [`Motion`] is made of, before they are checked.
@@ -26,6 +27,8 @@ pub struct Signals {
 #[derive(Clone, Debug)]
 pub struct Motion {
     signals: Signals,
+    /// What friction remembers of the path, where that was followed.
+    memory: Option<Memory>,
 }
 
 impl Motion {
@@ -64,7 +67,7 @@ impl Motion {
         if let Some(row) = signals.t.iter().position(|t| !t.is_finite()) {
             return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
         }
-        Ok(Self { signals })
+        Ok(Self { signals, memory: None })
     }
 
     /// Number of instants m.
@@ -115,6 +118,16 @@ impl Motion {
         self.tau().ok_or(MotionError::Missing("tau"))
     }
 
+    /// What friction remembers of the path at each row, where that was followed.
+    pub fn memory(&self) -> Option<&Memory> {
+        self.memory.as_ref()
+    }
+
+    /// The same rows with what friction remembers of the path to each.
+    pub fn with_memory(self, memory: Option<Memory>) -> Self {
+        Self { memory, ..self }
+    }
+
     /// The parts, given back.
     pub fn into_signals(self) -> Signals {
         self.signals
@@ -133,6 +146,7 @@ impl Motion {
                 ddq: pick(&s.ddq),
                 tau: s.tau.as_ref().map(pick),
             },
+            memory: self.memory.as_ref().map(|memory| memory.select(rows)),
         }
     }
 }

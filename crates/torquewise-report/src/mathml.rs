@@ -217,6 +217,11 @@ pub fn friction(term: &FrictionTerm) -> Markup {
                 sign(width)
             )
         }
+        FrictionLaw::Dahl { travel } => {
+            let joint = term.element().map_or(0, |(joint, _)| joint + 1);
+            let angle = format!("<msub><mi>q</mi><mn>{joint}</mn></msub>");
+            format!("<msub><mi>x</mi><mn>{travel}</mn></msub>{}", brackets(&angle))
+        }
     };
     let relation = match term.direction {
         Direction::Both if law.is_empty() => return Markup::trusted(String::new()),

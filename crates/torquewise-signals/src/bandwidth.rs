@@ -9,6 +9,8 @@ use crate::raw::{Raw, TAU};
 use crate::settings::{Conditioning, Cutoff};
 use crate::smooth::{Smooth, filter, smooth};
 use faer::Mat;
+use torquewise_motion::memory::Memory;
+use torquewise_motion::path::{Path, TRAVELS};
 use torquewise_motion::{Motion, Signals};
 
 /// Cut-offs at most: that half an octave above each other reach from 0.5 Hz to 500 kHz.
@@ -108,14 +110,37 @@ impl Bandwidths {
             seen.push(smooth(&filtered, piece.even.first, &plan)?);
         }
         let pick = |of: fn(&Smooth) -> &Mat<f64>| self.picked(&seen, of);
-        Ok(Some(Motion::new(Signals {
+        let states = self.states(&seen);
+        let motion = Motion::new(Signals {
             joints: self.joints.clone(),
             t: self.stamps(),
             q: pick(|smooth| &smooth.q),
             dq: pick(|smooth| &smooth.dq),
             ddq: pick(|smooth| &smooth.ddq),
             tau: Some(pick(|smooth| smooth.tau.as_ref().unwrap_or(&smooth.q))),
-        })?))
+        })?;
+        Ok(Some(motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)))))
+    }
+
+    /// What friction remembers of the path at the rows that are compared, which are few of those it
+    /// is followed along.
+    fn states(&self, seen: &[Smooth]) -> Mat<f64> {
+        let n = self.joints.len();
+        let mut states = Mat::zeros(self.target.nrows(), n * TRAVELS.len());
+        let mut out = 0;
+        for (smooth, piece) in seen.iter().zip(&self.pieces) {
+            let mut path = Path::new(n, &TRAVELS);
+            let mut wanted = piece.rows.iter().peekable();
+            for row in 0..smooth.q.nrows() {
+                path.step(&smooth.q.row(row).iter().copied().collect::<Vec<f64>>());
+                if wanted.next_if_eq(&&row).is_some() {
+                    let own = path.states().iter().enumerate();
+                    own.for_each(|(k, state)| states[(out, k)] = *state);
+                    out += 1;
+                }
+            }
+        }
+        states
     }
 
     fn stamps(&self) -> Vec<f64> {

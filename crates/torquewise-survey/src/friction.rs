@@ -2,6 +2,7 @@
 
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::{Direction, FrictionLaw};
+use torquewise_motion::path::TRAVELS;
 
 /// Which friction is looked for (17).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -114,6 +115,11 @@ impl Dictionary {
                 bumps.into_iter().map(move |law| self.term(joint, law)).chain(backward)
             })
             .collect()
+    }
+
+    /// Dahl elements of a joint (E13).
+    pub fn dahl(&self, joint: usize) -> Vec<FrictionTerm> {
+        TRAVELS.map(|travel| self.term(joint, FrictionLaw::Dahl { travel })).to_vec()
     }
 
     fn exponentials(&self, joint: usize) -> Vec<FrictionLaw> {

@@ -66,7 +66,7 @@ impl NoiseFloor {
                         _ => &mut signals.ddq,
                     };
                     shifted.col_as_slice_mut(joint).iter_mut().for_each(|x| *x += step);
-                    torque.over(&Motion::new(signals)?)
+                    torque.over(&Motion::new(signals)?.with_memory(motion.memory().cloned()))
                 });
                 faer::zip!(&mut variance, &above?, &below?)
                     .for_each(|faer::unzip!(v, a, b)| *v += 0.25 * (*a - *b).powi(2));

@@ -3,10 +3,12 @@
 use crate::error::IdentifyError;
 use crate::even::Even;
 use crate::noise::{NoiseFloor, NoiseSum};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use torquewise_model::Training;
+use torquewise_motion::memory::Memory;
+use torquewise_motion::path::{Path, TRAVELS};
 use torquewise_motion::{Motion, Recording, Signals};
 use torquewise_regression::SparseError;
 use torquewise_regression::exact::ExactSums;
@@ -72,8 +74,11 @@ pub struct SurveySum {
     sums: ExactSums,
     has_torque: bool,
     noise: NoiseSum,
-    /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row.
+    /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row, then what friction remembers there.
     sampled: Even,
+    /// What friction remembers of the path.
+    #[serde(skip)]
+    path: Option<Path>,
     /// The trajectory of the last row, and its time.
     #[serde(skip)]
     last: Option<(usize, f64)>,
@@ -92,7 +97,8 @@ impl SurveySum {
             sums: ExactSums::zeros(1 + 2 * n),
             has_torque: true,
             noise: NoiseSum::new(n),
-            sampled: Even::new(1 + SIGNALS * n, SAMPLE_ROWS),
+            sampled: Even::new(width(n), SAMPLE_ROWS),
+            path: None,
             last: None,
         }
     }
@@ -123,10 +129,13 @@ impl SurveySum {
         for joint in 0..self.joints.len() {
             self.add_joint(block, joint)?;
         }
+        let n = self.joints.len();
+        let path = self.path.get_or_insert_with(|| Path::new(n, &TRAVELS));
+        let block = path.follow(trajectory, block);
         for row in 0..block.n_rows() {
             let place = (self.rows + row) as u64;
             if self.sampled.wants(place) {
-                self.sampled.push(place, row_of(block, row));
+                self.sampled.push(place, row_of(&block, row));
             }
         }
         self.rows += block.n_rows();
@@ -175,7 +184,7 @@ impl SurveySum {
         self.has_torque &= other.has_torque;
         self.noise.merge(&other.noise);
         self.sampled.merge(&other.sampled);
-        self.last = None;
+        (self.last, self.path) = (None, None);
         Ok(())
     }
 
@@ -183,7 +192,7 @@ impl SurveySum {
     pub fn sort(&mut self) {
         self.noise.sort();
         self.sampled.sort();
-        self.last = None;
+        (self.last, self.path) = (None, None);
     }
 
     /// Whether its parts fit each other.
@@ -195,7 +204,7 @@ impl SurveySum {
             && self.peaks.iter().all(|peaks| peaks.len() == n && finite(peaks))
             && self.sums.len() == 1 + 2 * n
             && self.noise.is_sound(n)
-            && self.sampled.is_sound(1 + SIGNALS * n, SAMPLE_ROWS)
+            && self.sampled.is_sound(width(n), SAMPLE_ROWS)
     }
 
     /// What the logs told.
@@ -205,9 +214,12 @@ impl SurveySum {
     pub fn finish(&self) -> Result<Survey, IdentifyError> {
         let n = self.joints.len();
         let rows: Vec<&[f64]> = self.sampled.things().collect();
-        let signal = |first: usize| {
-            Mat::from_fn(rows.len(), n, |row, joint| rows[row][1 + first * n + joint])
+        let columns = |first: usize, count: usize| {
+            Mat::from_fn(rows.len(), count, |row, k| rows[row][first + k])
         };
+        let signal = |first: usize| columns(1 + first * n, n);
+        let states = columns(1 + SIGNALS * n, TRAVELS.len() * n);
+        let memory = Memory::new(TRAVELS.to_vec(), states);
         let sample = Motion::new(Signals {
             joints: self.joints.clone(),
             t: rows.iter().map(|row| row[0]).collect(),
@@ -215,7 +227,8 @@ impl SurveySum {
             dq: signal(1),
             ddq: signal(2),
             tau: self.has_torque.then(|| signal(3)),
-        })?;
+        })?
+        .with_memory(Some(memory));
         let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
         let [dq_peak, ddq_peak] = self.peaks.clone();
         Ok(Survey {
@@ -256,13 +269,18 @@ pub fn thinned(motion: &Motion, count: usize) -> Motion {
     motion.select(&(0..count).map(|k| k * m / count).collect::<Vec<_>>())
 }
 
+/// Numbers of a sampled row.
+fn width(n: usize) -> usize {
+    1 + (SIGNALS + TRAVELS.len()) * n
+}
+
 fn row_of(block: &Motion, row: usize) -> Vec<f64> {
     let signals = [Some(block.q()), Some(block.dq()), Some(block.ddq()), block.tau()];
-    let values = signals
-        .into_iter()
-        .flatten()
-        .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
-    std::iter::once(block.t()[row]).chain(values).collect()
+    let value = |signal: Option<MatRef<'_, f64>>, joint| signal.map_or(0.0, |x| x[(row, joint)]);
+    let joints = 0..block.n_joints();
+    let values = signals.into_iter().flat_map(|x| joints.clone().map(move |joint| value(x, joint)));
+    let memory = block.memory().into_iter().flat_map(|memory| memory.row(row));
+    std::iter::once(block.t()[row]).chain(values).chain(memory).collect()
 }
 
 impl Survey {

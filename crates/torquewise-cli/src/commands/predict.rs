@@ -74,12 +74,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut asked = AskedRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
+    let mut path = written.torque.path();
     Watched::new(&logs, "predicting")
         .of(logs.rows_hint(), 1)
-        .read(&mut |_, block| {
+        .read(&mut |trajectory, block| {
             rows += block.n_rows();
             asked.add(block);
-            let tau_hat = written.append(&mut writer, block)?;
+            let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
             }

@@ -3,6 +3,7 @@
 use crate::beside::{Beside, columns};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
+use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::{Chain, Coupling, Geometry, Rows};
 use torquewise_survey::error::IdentifyError;
@@ -110,6 +111,12 @@ impl Linearisation {
             && [&self.geometry, &self.linear, &self.weights, &self.scales].iter().all(|x| finite(x))
             && self.block_rows > 0
             && self.fold_rows > 0
+    }
+
+    /// Travels \[rad\] of the elements by which friction remembers the path.
+    pub(crate) fn travels(&self) -> Vec<f64> {
+        let remembers = self.structure.drive.iter().any(Beside::remembers);
+        if remembers { TRAVELS.to_vec() } else { Vec::new() }
     }
 
     /// Number of joints n.
@@ -236,5 +243,6 @@ pub(crate) fn shifted(motion: &Motion, by: &Mat<f64>, sign: f64) -> Result<Motio
         dq: signal(motion.dq(), n),
         ddq: signal(motion.ddq(), 2 * n),
         tau: motion.tau().map(|tau| tau.to_owned()),
-    })?)
+    })?
+    .with_memory(motion.memory().cloned()))
 }

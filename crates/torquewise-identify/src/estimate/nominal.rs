@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
+use torquewise_motion::path::TRAVELS;
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
@@ -91,11 +92,17 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
             Beside::Friction(term) => {
                 let usual = usual_friction(term, sizes);
                 prior.small.push((index, deviation(term, sizes)));
+                let of_element = usual / TRAVELS.len() as f64;
+                if term.element().is_some() {
+                    let (terms, nominal) = (vec![(index, 1.0)], of_element);
+                    prior.positive.push(Positive { least: 0.0, terms, nominal, weight: 1.0 });
+                }
                 start[index] = match term.law {
                     FrictionLaw::Coulomb { .. } if term.direction.is_both() => usual,
                     FrictionLaw::Viscous if term.direction.is_both() => {
                         usual / speed_of(term, sizes)
                     }
+                    FrictionLaw::Dahl { .. } => of_element,
                     _ => 0.0,
                 };
             }

@@ -5,6 +5,7 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use torquewise_motion::path::Path;
 use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
 use torquewise_survey::error::IdentifyError;
@@ -37,8 +38,9 @@ pub fn add_up(
     for log in 0..recording.n_logs() {
         let mut waiting: Vec<Block> = Vec::new();
         let mut place = LogPlace::default();
-        let mut take = |motion: &Motion, noise: Option<&Motion>| -> Result<(), ReadError> {
-            place.cut((motion, noise), at, &mut waiting);
+        let mut path = Path::new(at.n_joints(), &at.travels());
+        let mut take = |trajectory, motion: &Motion, noise: Option<&Motion>| {
+            place.cut((&path.follow(trajectory, motion), noise), at, &mut waiting);
             if waiting.len() >= AT_ONCE {
                 flush(&mut waiting, &mut sums, at)?;
             }
@@ -53,7 +55,7 @@ pub fn add_up(
 }
 
 /// Who is shown rows, and the noise in them if it is asked for and known.
-type Take<'t> = &'t mut dyn FnMut(&Motion, Option<&Motion>) -> Result<(), ReadError>;
+type Take<'t> = &'t mut dyn FnMut(usize, &Motion, Option<&Motion>) -> Result<(), ReadError>;
 
 /// Reads a log, beside its noise where that is corrected for.
 fn read(
@@ -62,11 +64,12 @@ fn read(
     at: &Linearisation,
     take: Take<'_>,
 ) -> Result<(), ReadError> {
-    let mut with_noise = |_: usize, motion: &Motion, noise: &Motion| take(motion, Some(noise));
+    let mut with_noise =
+        |trajectory, motion: &Motion, noise: &Motion| take(trajectory, motion, Some(noise));
     if at.raw_noise && recording.read_log_with_noise(log, at.seed, &mut with_noise)? {
         return Ok(());
     }
-    recording.read_log(log, &mut |_, motion| take(motion, None))
+    recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
 }
 
 /// How far a log was read.
