@@ -30,6 +30,21 @@ impl Stribeck {
     }
 }
 
+/// Bristles of the model of LuGre: dry friction that bends before it slips, so that it turns over
+/// along a way and stays at rest.
+///
+/// dz = v − σ₀|v|/g(v)·z, f = σ₀ z + σ₁ dz + f_v v, where g is the curve of dry friction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bristles {
+    /// σ₀ \[N·m/rad\], above 0.
+    pub stiffness: f64,
+    /// σ₁ \[N·m·s/rad\], 0 or more.
+    pub damping: f64,
+}
+
+/// Steps of a bristle between two samples.
+const STEPS: u32 = 10;
+
 /// Friction of every joint of an arm.
 ///
 /// The sign is smooth, tanh(v/`width`), so that the motion has one solution and an integrator with
@@ -38,7 +53,16 @@ impl Stribeck {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Friction {
     joints: Vec<[Stribeck; 2]>,
+    bristles: Vec<Option<Bristles>>,
     width: f64,
+}
+
+/// How far the bristles of each joint are bent \[rad\], and how fast the joints last moved
+/// \[rad/s\].
+#[derive(Clone, Debug, Default)]
+pub struct Bent {
+    deflection: Vec<f64>,
+    dq: Vec<f64>,
 }
 
 /// Half width of the reversal \[rad/s\] where none is given.
@@ -65,10 +89,17 @@ struct Row {
     speed: Option<f64>,
     #[serde(default)]
     viscous: f64,
+    stiffness: Option<f64>,
+    #[serde(default)]
+    damping: f64,
     backward: Option<Stribeck>,
 }
 
 impl Row {
+    fn bristles(&self) -> Option<Bristles> {
+        self.stiffness.map(|stiffness| Bristles { stiffness, damping: self.damping })
+    }
+
     fn directions(self) -> [Stribeck; 2] {
         let Self { coulomb, viscous, .. } = self;
         let stiction = self.stiction.unwrap_or(coulomb);
@@ -81,7 +112,8 @@ impl Row {
 impl Friction {
     /// None on n joints.
     pub fn none(n_joints: usize) -> Self {
-        Self { joints: vec![[Stribeck::NONE; 2]; n_joints], width: WIDTH }
+        let (joints, bristles) = (vec![[Stribeck::NONE; 2]; n_joints], vec![None; n_joints]);
+        Self { joints, bristles, width: WIDTH }
     }
 
     /// The same curve in both directions, one per joint.
@@ -89,13 +121,25 @@ impl Friction {
     /// # Errors
     /// [`DynamicsError::Friction`] for a number out of bounds.
     pub fn new(joints: &[Stribeck]) -> Result<Self, DynamicsError> {
-        Self::checked(joints.iter().map(|&both| [both; 2]).collect(), WIDTH)
+        let bristles = vec![None; joints.len()];
+        Self::checked(joints.iter().map(|&both| [both; 2]).collect(), bristles, WIDTH)
+    }
+
+    /// The same where the dry friction of every joint bends bristles before it slips.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Friction`] for a number out of bounds.
+    pub fn with_bristles(self, bristles: Bristles) -> Result<Self, DynamicsError> {
+        let all = vec![Some(bristles); self.joints.len()];
+        Self::checked(self.joints, all, self.width)
     }
 
     /// Reads friction from TOML: a table for each joint that rubs, under its name.
     ///
     /// Each holds `coulomb` \[N·m\], and optionally `stiction` \[N·m\], `speed` \[rad/s\],
     /// `viscous` \[N·m·s/rad\] and `backward`, a whole curve of its own for the other direction.
+    /// `stiffness` \[N·m/rad\] and `damping` \[N·m·s/rad\] make dry friction that of LuGre, which
+    /// turns over along a way.
     /// Above the tables, `width` \[rad/s\] may say how sharply friction reverses.
     ///
     /// ```
@@ -115,19 +159,26 @@ impl Friction {
     pub fn from_toml(text: &str, joints: &[String]) -> Result<Self, DynamicsError> {
         let mut table: Table = toml::from_str(text)
             .map_err(|source| DynamicsError::FrictionTable { source: Box::new(source) })?;
-        let curves = joints
-            .iter()
-            .map(|name| table.joints.remove(name).map_or([Stribeck::NONE; 2], Row::directions))
-            .collect();
+        let rows = joints.iter().map(|name| table.joints.remove(name));
+        let (curves, bristles) = rows
+            .map(|row| {
+                let bristles = row.as_ref().and_then(Row::bristles);
+                (row.map_or([Stribeck::NONE; 2], Row::directions), bristles)
+            })
+            .unzip();
         match table.joints.pop_first() {
             Some((joint, _)) => {
                 Err(DynamicsError::FrictionJoint { joint, known: joints.join(", ") })
             }
-            None => Self::checked(curves, table.width),
+            None => Self::checked(curves, bristles, table.width),
         }
     }
 
-    fn checked(joints: Vec<[Stribeck; 2]>, width: f64) -> Result<Self, DynamicsError> {
+    fn checked(
+        joints: Vec<[Stribeck; 2]>,
+        bristles: Vec<Option<Bristles>>,
+        width: f64,
+    ) -> Result<Self, DynamicsError> {
         let above = |what, joint: usize, found: f64, least: f64, expected| {
             if found.is_finite() && found >= least {
                 Ok(())
@@ -141,8 +192,13 @@ impl Friction {
             above("speed", joint, curve.speed, f64::MIN_POSITIVE, "above 0 rad/s")?;
             above("viscous", joint, curve.viscous, 0.0, "0 N·m·s/rad or more")?;
         }
+        for (joint, own) in bristles.iter().enumerate() {
+            let Some(Bristles { stiffness, damping }) = *own else { continue };
+            above("stiffness", joint, stiffness, f64::MIN_POSITIVE, "above 0 N·m/rad")?;
+            above("damping", joint, damping, 0.0, "0 N·m·s/rad or more")?;
+        }
         above("width", 0, width, 1e-5, "1e-5 rad/s or more")?;
-        Ok(Self { joints, width })
+        Ok(Self { joints, bristles, width })
     }
 
     /// Number of joints n.
@@ -155,15 +211,55 @@ impl Friction {
         self.width
     }
 
-    /// Friction of a joint, counted from 0, at v \[rad/s\]: what the drive has to add \[N·m\].
+    /// Friction of a joint, counted from 0, at v \[rad/s\]: what the drive has to add \[N·m\], once
+    /// bristles slip.
     ///
     /// # Panics
     /// If there is no such joint.
     pub fn torque(&self, joint: usize, v: f64) -> f64 {
-        let [forward, backward] = &self.joints[joint];
-        let curve = if v < 0.0 { backward } else { forward };
-        let viscous = curve.viscous * v;
-        (curve.at(v.abs()) - viscous.abs()) * (v / self.width).tanh() + viscous
+        self.dry(joint, v) * (v / self.width).tanh() + self.viscous(joint, v)
+    }
+
+    /// Friction of a joint at the next sample of a motion, `seconds` after the one before, at v
+    /// \[rad/s\]; that of [`Friction::torque`] where the joint has no bristles.
+    ///
+    /// - `bent`: what the samples before have left; of a motion that begins, the default
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn next(&self, joint: usize, v: f64, seconds: f64, bent: &mut Bent) -> f64 {
+        let Some(Bristles { stiffness, damping }) = self.bristles[joint] else {
+            return self.torque(joint, v);
+        };
+        let n = self.n_joints();
+        bent.deflection.resize(n, 0.0);
+        bent.dq.resize(n, f64::NAN);
+        let before = if bent.dq[joint].is_nan() { v } else { bent.dq[joint] };
+        let z = &mut bent.deflection[joint];
+        let mut slope = 0.0;
+        for step in 1..=STEPS {
+            let part = (f64::from(step) - 0.5) / f64::from(STEPS);
+            let speed = before + part * (v - before);
+            let way = speed * seconds / f64::from(STEPS);
+            let dry = self.dry(joint, speed).max(f64::MIN_POSITIVE);
+            // The way is short: exact for one speed.
+            let end = dry / stiffness * way.signum();
+            let bend = (end - *z) * -(-way.abs() * stiffness / dry).exp_m1();
+            *z += if way == 0.0 { 0.0 } else { bend };
+            slope = speed - stiffness * speed.abs() / dry * *z;
+        }
+        bent.dq[joint] = v;
+        stiffness * *z + damping * slope + self.viscous(joint, v)
+    }
+
+    /// Dry friction of fast or slow sliding \[N·m\], 0 or more.
+    fn dry(&self, joint: usize, v: f64) -> f64 {
+        let curve = &self.joints[joint][usize::from(v < 0.0)];
+        curve.at(v.abs()) - curve.viscous * v.abs()
+    }
+
+    fn viscous(&self, joint: usize, v: f64) -> f64 {
+        self.joints[joint][usize::from(v < 0.0)].viscous * v
     }
 
     /// [`Friction::torque`] of all joints at dq \[rad/s\], n.
@@ -217,12 +313,30 @@ mod tests {
             "[b]\ncoulomb = nan",
             "[b]\ncoulomb = 1.0\nviscous = inf",
             "width = 0.0\n[b]\ncoulomb = 1.0",
+            "[b]\ncoulomb = 1.0\nstiffness = 0.0",
+            "[b]\ncoulomb = 1.0\nstiffness = 10.0\ndamping = -1.0",
         ];
 
         for text in texts {
             let error = Friction::from_toml(text, &joints()).unwrap_err();
             assert!(matches!(error, DynamicsError::Friction { .. }), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn bristles_turn_over_along_a_way_and_stay_bent_at_rest() {
+        let curve = Stribeck { coulomb: 4.0, stiction: 4.0, speed: 1.0, viscous: 0.0 };
+        let bristles = Bristles { stiffness: 400.0, damping: 0.0 };
+        let friction = Friction::new(&[curve]).unwrap().with_bristles(bristles).unwrap();
+        let mut bent = Bent::default();
+        let mut moved =
+            |v: f64, rows: usize| (0..rows).fold(0.0, |_, _| friction.next(0, v, 0.001, &mut bent));
+
+        // 0.01 rad = g/σ₀ from rest: 1 − 1/e of it.
+        assert!((moved(0.1, 100) - 4.0 * (1.0 - (-1.0_f64).exp())).abs() < 1e-9);
+        assert!((moved(0.1, 2_000) - 4.0).abs() < 1e-6);
+        assert!((moved(0.0, 500) - 4.0).abs() < 0.02, "at rest");
+        assert!((moved(-0.1, 2_000) + 4.0).abs() < 1e-6);
     }
 
     #[test]

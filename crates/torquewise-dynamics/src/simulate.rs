@@ -2,7 +2,7 @@
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;
-use crate::friction::Friction;
+use crate::friction::{Bent, Friction};
 use crate::plan::MotionPlan;
 use crate::trajectory::{State, Trajectory};
 use faer::Mat;
@@ -67,7 +67,7 @@ impl SimulatedLog {
     /// # Errors
     /// [`DynamicsError::Motion`] if a torque overflows.
     pub fn whole(&self) -> Result<Simulation, DynamicsError> {
-        self.record(0..self.n_rows())
+        self.record(0..self.n_rows(), &mut Bent::default())
     }
 
     /// Number of rows m.
@@ -85,17 +85,19 @@ impl Recording for SimulatedLog {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        let m = self.n_rows();
+        let (m, mut bent) = (self.n_rows(), Bent::default());
         (0..m).step_by(BLOCK_ROWS).try_for_each(|first| {
             let rows = first..m.min(first + BLOCK_ROWS);
-            visit(0, &self.record(rows)?.motion)
+            visit(0, &self.record(rows, &mut bent)?.motion)
         })
     }
 }
 
 impl SimulatedLog {
     /// The named rows of the trajectory, with the torque they take.
-    fn record(&self, rows: Range<usize>) -> Result<Simulation, DynamicsError> {
+    ///
+    /// - `bent`: what the rows before have left of the bristles
+    fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation, DynamicsError> {
         let Self { arm, trajectory, friction } = self;
         let (m, n) = (rows.len(), arm.n_joints());
         let [mut q, mut dq, mut ddq, mut tau] = std::array::from_fn(|_| Mat::zeros(m, n));
@@ -111,7 +113,7 @@ impl SimulatedLog {
                 q[(k, i)] = state.q[i];
                 dq[(k, i)] = state.dq[i];
                 ddq[(k, i)] = state.ddq[i];
-                tau[(k, i)] = torque[i] + friction.torque(i, state.dq[i]);
+                tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);
             }
         }
         let joints = arm.joints().to_vec();

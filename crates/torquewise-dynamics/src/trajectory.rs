@@ -67,6 +67,11 @@ impl Trajectory {
         self.n_rows
     }
 
+    /// Time from row to row \[s\].
+    pub(crate) fn step(&self) -> f64 {
+        1.0 / self.rate
+    }
+
     /// Writes the state at a row; returns its time \[s\].
     pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
         let t = row as f64 / self.rate;

@@ -53,7 +53,7 @@ pub enum FrictionLaw {
         width: f64,
     },
     /// The state x of a Dahl element, dx = dq/δ − |dq|/δ·x: dry friction that turns over along the
-    /// way and that a joint keeps at rest (E13). Where the way is not known, its end: the sign of v.
+    /// way and that a joint keeps at rest (E13). Where the way is not known: the sign of v.
     Dahl {
         /// The travel δ \[rad\] of the element, above 0.
         travel: f64,

@@ -102,3 +102,83 @@ impl Path {
         Cow::Owned(block.clone().with_memory(Some(memory)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Signals;
+    use crate::recording::Recording;
+
+    /// One joint that swings, a row each 10 ms.
+    fn swing(rows: usize) -> Motion {
+        let signal = |f: fn(f64) -> f64| Mat::from_fn(rows, 1, |row, _| f(0.01 * row as f64));
+        Motion::new(Signals {
+            joints: vec!["joint1".into()],
+            t: (0..rows).map(|row| 0.01 * row as f64).collect(),
+            q: signal(|t| 0.1 * (3.0 * t).sin()),
+            dq: signal(|t| 0.3 * (3.0 * t).cos()),
+            ddq: signal(|t| -0.9 * (3.0 * t).sin()),
+            tau: None,
+        })
+        .unwrap()
+    }
+
+    fn states(motion: &Motion) -> Vec<f64> {
+        let memory = motion.memory().unwrap();
+        (0..motion.n_rows()).flat_map(|row| memory.row(row).collect::<Vec<f64>>()).collect()
+    }
+
+    #[test]
+    fn states_are_the_same_in_any_blocks() {
+        let motion = swing(3_000);
+        let whole = states(&Path::new(1, &TRAVELS).follow(0, &motion));
+        let (mut path, mut parts) = (Path::new(1, &TRAVELS), Vec::new());
+        motion
+            .read(&mut |trajectory, block| {
+                parts.extend(states(&path.follow(trajectory, block)));
+                Ok(())
+            })
+            .unwrap();
+
+        assert_eq!(whole, parts);
+    }
+
+    #[test]
+    fn another_trajectory_begins_anew() {
+        let motion = swing(500);
+        let mut path = Path::new(1, &TRAVELS);
+
+        let first = states(&path.follow(0, &motion));
+        let second = states(&path.follow(1, &motion));
+        let goes_on = states(&path.follow(1, &motion));
+
+        assert_eq!(first, second);
+        assert_ne!(first, goes_on);
+    }
+
+    #[test]
+    fn a_state_solves_its_differential_equation() {
+        // dx = dq/δ − |dq|/δ·x by small Euler steps.
+        let (travel, mut x, mut path) = (0.05, 0.0, Path::new(1, &[0.05]));
+        let q = |k: i32| 0.1 * (1e-4 * f64::from(k)).sin();
+        path.step(&[q(0)]);
+        for k in 1..100_000 {
+            let step = q(k) - q(k - 1);
+            x += (step - step.abs() * x) / travel;
+            path.step(&[q(k)]);
+        }
+
+        assert!((path.state(0, travel).unwrap() - x).abs() < 1e-4, "{x}");
+    }
+
+    #[test]
+    fn rows_that_were_picked_keep_what_was_remembered() {
+        let motion = Path::new(1, &TRAVELS).follow(0, &swing(500)).into_owned();
+        let picked = motion.select(&[400, 10]);
+        let memory = |motion: &Motion, row| motion.memory().unwrap().state(row, 0, 0.05);
+
+        assert_eq!(memory(&picked, 0), memory(&motion, 400));
+        // What is known is not followed again.
+        assert_eq!(states(&Path::new(1, &TRAVELS).follow(0, &picked)), states(&picked));
+    }
+}

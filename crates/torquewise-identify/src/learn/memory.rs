@@ -1,4 +1,4 @@
-//! Chain, rows → which joints rub with memory: Dahl elements beside dry friction or in its place (E13).
+//! Chain, rows → joints whose friction remembers the path: Dahl elements beside dry friction (E13).
 
 use super::{LAST_ROWS, School, TRIAL_ROWS};
 use crate::beside::{Beside, columns};

@@ -1,5 +1,6 @@
 //! Reconstruction, summaries and memory, as a user of the crate sees them.
 
+mod bristles;
 mod chain;
 mod disagreement;
 mod friction;

@@ -1,0 +1,59 @@
+//! Friction of LuGre, which no law of the learner is → a model that knows it at rest and reversal.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use torquewise_dynamics::friction::{Bristles, Friction, Stribeck};
+use torquewise_dynamics::{Arm, MotionKind, MotionPlan, SimulatedLog};
+use torquewise_identify::plan::{ChainOptions, FrictionKind};
+use torquewise_identify::{Plan, Reconstruction, reconstruct};
+use torquewise_model::Torque;
+use torquewise_motion::Motion;
+
+/// Slower than this \[rad/s\] a joint is at rest or turns round.
+const SLOW: f64 = 0.05;
+
+fn log(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let curve = |coulomb: f64| Stribeck {
+        coulomb,
+        stiction: 1.3 * coulomb,
+        speed: 0.05,
+        viscous: 0.2 * coulomb,
+    };
+    // They slip after 10 mrad.
+    let friction = Friction::new(&[curve(12.0), curve(15.0), curve(6.0)])
+        .unwrap()
+        .with_bristles(Bristles { stiffness: 1_200.0, damping: 0.0 })
+        .unwrap();
+    let plan = MotionPlan { kind, seconds, rate: 250.0, seed };
+    SimulatedLog::new(&arm, &plan).unwrap().with_friction(friction).unwrap().whole().unwrap().motion
+}
+
+fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
+    let plan = Plan::from(ChainOptions { friction, ..ChainOptions::default() });
+    reconstruct(motion, &plan, &mut |_| {}).unwrap()
+}
+
+/// RMS error of each joint at the rows at which it is slow \[N·m\].
+fn slow_errors(found: &Reconstruction, test: &Motion) -> Vec<f64> {
+    let (tau, predicted) = (test.tau().unwrap(), Torque::new(&found.model).over(test).unwrap());
+    (0..test.n_joints())
+        .map(|joint| {
+            let slow = (0..test.n_rows()).filter(|&row| test.dq()[(row, joint)].abs() < SLOW);
+            let squares: Vec<f64> =
+                slow.map(|row| (tau[(row, joint)] - predicted[(row, joint)]).powi(2)).collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        })
+        .collect()
+}
+
+#[test]
+fn friction_at_rest_and_reversal_is_remembered() {
+    let (train, test) = (log(MotionKind::Moves, 60.0, 1), log(MotionKind::Moves, 20.0, 7));
+
+    let with = slow_errors(&fit(&train, FrictionKind::Auto), &test);
+    let without = slow_errors(&fit(&train, FrictionKind::Stribeck), &test);
+
+    let halved = with.iter().zip(&without).all(|(with, without)| *with <= 0.5 * without);
+    assert!(halved, "{with:?} with memory, {without:?} without");
+}
