@@ -22,6 +22,9 @@ pub(crate) enum Friction {
     Stribeck,
     /// Whichever predicts held-out rows best
     Auto,
+    /// The same and memory of the path at rest and reversal, of joints that are predicted better
+    /// with it; for a chain, and not for export
+    Dahl,
 }
 
 impl From<Friction> for FrictionKind {
@@ -31,6 +34,7 @@ impl From<Friction> for FrictionKind {
             Friction::Linear => Self::Linear,
             Friction::Stribeck => Self::Stribeck,
             Friction::Auto => Self::Auto,
+            Friction::Dahl => Self::Dahl,
         }
     }
 }

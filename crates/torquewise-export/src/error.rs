@@ -21,6 +21,11 @@ pub enum ExportError {
     NotSingle { constant: f64 },
     #[error("{name:?} names no function: begin with a letter, then letters, digits and _")]
     Name { name: String },
+    #[error(
+        "friction of this model remembers the path (Dahl elements), which exported code does not: \
+         fit with --friction auto or stribeck to export"
+    )]
+    Memory,
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),
     #[error("the archive cannot be filled")]

@@ -94,8 +94,14 @@ impl Program {
     ///
     /// # Errors
     /// [`ExportError::Model`] if the parts of the model do not fit together,
-    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
+    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied,
+    /// [`ExportError::Memory`] if its friction remembers the path.
     pub fn of(model: &Model) -> Result<Self, ExportError> {
+        if model.travels().is_empty() { Self::sliding(model) } else { Err(ExportError::Memory) }
+    }
+
+    /// The same where friction that remembers the path is as after a long way in one direction.
+    pub(crate) fn sliding(model: &Model) -> Result<Self, ExportError> {
         let text = to_json(model)?;
         let mut graph = Graph::default();
         let n = model.n_joints();

@@ -153,7 +153,7 @@ fn attempt<'a>(
         school.reversal(&mut recipe, &chain, friction, &mut choices)?;
     }
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
-    if friction == FrictionKind::Auto {
+    if friction == FrictionKind::Dahl {
         school.memory(&mut recipe, &chain, &mut choices)?;
     }
     school.ridge(&mut recipe, &chain, &mut choices)?;

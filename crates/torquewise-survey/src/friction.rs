@@ -16,6 +16,9 @@ pub enum FrictionKind {
     Stribeck,
     /// None, linear or Stribeck, whichever predicts held-out rows best.
     Auto,
+    /// As `Auto`, and Dahl elements of joints whose held-out rows are predicted better with them
+    /// (E13); for a chain.
+    Dahl,
 }
 
 impl FrictionKind {
@@ -26,6 +29,7 @@ impl FrictionKind {
             Self::Linear => "linear",
             Self::Stribeck => "stribeck",
             Self::Auto => "auto",
+            Self::Dahl => "dahl",
         }
     }
 }
@@ -83,7 +87,7 @@ impl Dictionary {
         match kind {
             FrictionKind::None => Vec::new(),
             FrictionKind::Linear => self.linear(),
-            FrictionKind::Stribeck | FrictionKind::Auto => {
+            FrictionKind::Stribeck | FrictionKind::Auto | FrictionKind::Dahl => {
                 let mut all = self.linear();
                 all.extend(self.stribeck());
                 all
