@@ -1,8 +1,9 @@
 //! Public logs of real arms → docs/real-arms.md: torque models without kinematics beside a full
 //! rigid-body regressor that is given them.
 //!
-//! `cargo bench -p torquewise --bench real_arms` writes the page; arguments name sets to run.
-//! The data are other people's and stay beside the project: `TORQUEWISE_SHARED` says where.
+//! `cargo bench -p torquewise --bench real_arms` writes the page; arguments name sets to run;
+//! `further` writes the section of the arms without kinematics alone. The data are other people's
+//! and stay beside the project: `TORQUEWISE_SHARED` and `TORQUEWISE_ARMS` name their folders.
 
 #[path = "real_arms/peer.rs"]
 mod peer;
@@ -10,8 +11,12 @@ mod peer;
 mod sets;
 #[path = "real_arms/delan.rs"]
 mod delan;
+#[path = "real_arms/further.rs"]
+mod further;
 #[path = "real_arms/page.rs"]
 mod page;
+#[path = "real_arms/published.rs"]
+mod published;
 #[path = "real_arms/split.rs"]
 mod split;
 
@@ -24,7 +29,7 @@ use torquewise::dynamics::Arm;
 use torquewise::identify::bandwidth::{Tuned, tune};
 use torquewise::identify::plan::ChainOptions;
 use torquewise::identify::reconstruct::reconstruct_from;
-use torquewise::identify::{Plan, score};
+use torquewise::identify::{Plan, Reconstruction, score};
 use torquewise::logs::conditioned::RawLogs;
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::model::Model;
@@ -56,11 +61,33 @@ struct Errors {
 }
 
 fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    let file = project().join("docs/real-arms.md");
+    let old = std::fs::read_to_string(&file)?;
+    let (mut sets, mut arms) = published::parted(&old);
+    let only_further = wanted == ["further"];
+    if !only_further {
+        sets = run_sets(&wanted)?.unwrap_or(sets);
+    }
+    if only_further || wanted.is_empty() {
+        match further::run()? {
+            Some(outcomes) => {
+                arms = published::section(&outcomes)?;
+                print!("{arms}");
+            }
+            None => println!("skipped: further arms; set TORQUEWISE_ARMS to their folder"),
+        }
+        std::fs::write(file, sets + &arms)?;
+    }
+    Ok(())
+}
+
+/// The page of all sets, if their data are there.
+fn run_sets(wanted: &[String]) -> Result<Option<String>, Box<dyn Error + Send + Sync>> {
     let Some(shared) = shared() else {
         println!("skipped: the data are not there; set TORQUEWISE_SHARED to their folder");
-        return Ok(());
+        return Ok(None);
     };
-    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let mut outcomes = Vec::new();
     for set in sets::all() {
         if !wanted.is_empty() && !wanted.iter().any(|name| set.name.contains(name.as_str())) {
@@ -72,11 +99,7 @@ fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     }
     let parts = delan::run(&project())?;
     print!("{}", page::parts(parts.as_ref()));
-    if wanted.is_empty() {
-        let page = page::page(&outcomes, parts.as_ref());
-        std::fs::write(project().join("docs/real-arms.md"), page)?;
-    }
-    Ok(())
+    Ok(Some(page::page(&outcomes, parts.as_ref())))
 }
 
 fn project() -> PathBuf {
@@ -110,19 +133,31 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     Ok(Outcome { joints: logs.joints().to_vec(), runs, set })
 }
 
-/// Fits one training part, as `fit` does, and judges it on the other.
+/// A model, and the logs it was fitted to, filtered.
+struct Fitted {
+    logs: ConditionedLogs,
+    found: Reconstruction,
+    seconds: f64,
+}
+
+/// Fits logs as `fit` does.
+fn fitted(logs: &[PathBuf], plan: &Plan) -> Result<Fitted, Box<dyn Error + Send + Sync>> {
+    let start = Instant::now();
+    let raw = RawLogs::new(Logs::open(logs)?, &Conditioning::default(), true)?;
+    let Tuned { recording: logs, request, choice } = tune(&raw, plan, &mut |_| {})?;
+    let mut found = reconstruct_from(&logs, request, plan, &mut |_| {})?;
+    found.model.choices.splice(0..0, choice);
+    Ok(Fitted { logs, found, seconds: start.elapsed().as_secs_f64() })
+}
+
+/// Fits one training part, and judges it on the other.
 fn one(
     set: &Set,
     arm: &Arm,
     (train, test): (&[PathBuf], &[PathBuf]),
     plan: &Plan,
 ) -> Result<Run, Box<dyn Error + Send + Sync>> {
-    let start = Instant::now();
-    let raw = RawLogs::new(Logs::open(train)?, &Conditioning::default(), true)?;
-    let Tuned { recording, request, choice } = tune(&raw, plan, &mut |_| {})?;
-    let mut found = reconstruct_from(&recording, request, plan, &mut |_| {})?;
-    let seconds = start.elapsed().as_secs_f64();
-    found.model.choices.splice(0..0, choice);
+    let Fitted { logs: recording, found, seconds } = fitted(train, plan)?;
     let test = ConditionedLogs::new(Logs::open(test)?, recording.settings(), false)?;
     let scores = score(&found.model, &test)?;
     let ours = Errors {

@@ -13,12 +13,13 @@ What both are told beside, if anything, stands under the choices, as given. Each
 training and test **before** anything is conditioned; the training part alone chooses the filter, as
 `fit` does, and both models see the same filtered rows. One command runs it all:
 
-    TORQUEWISE_SHARED=FOLDER cargo bench -p torquewise --bench real_arms
+    TORQUEWISE_SHARED=FOLDER TORQUEWISE_ARMS=FOLDER cargo bench -p torquewise --bench real_arms
 
-The data are public (sources in `profiles/`) and not part of the project. NRMSE is RMSE over the
-standard deviation of the torque on the test rows, in the band of the filter; the mean of three ways
-to cut the log, ± their standard deviation. *ratio* is ours over the regressor's; below 1 the model
-that was told nothing predicts better than the one that knows the kinematics.
+The data are public (sources in `profiles/`, and in the last section) and not part of the project.
+NRMSE is RMSE over the standard deviation of the torque on the test rows, in the band of the filter;
+the mean of three ways to cut the log, ± their standard deviation. *ratio* is ours over the
+regressor's; below 1 the model that was told nothing predicts better than the one that knows the
+kinematics.
 ";
 
 /// The whole page.
@@ -83,7 +84,10 @@ fn summary(outcomes: &[Outcome]) -> String {
 
 /// Mean and standard deviation over the runs.
 fn over_runs(outcome: &Outcome, of: impl Fn(&Run) -> f64) -> (f64, f64) {
-    let values: Vec<f64> = outcome.runs.iter().map(of).collect();
+    mean_and_deviation(&outcome.runs.iter().map(of).collect::<Vec<f64>>())
+}
+
+pub(crate) fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
