@@ -34,9 +34,10 @@ impl Language for C {
 ///
 /// # Errors
 /// [`ExportError::Name`] if the name is none, [`ExportError::NotSingle`] if a constant is too large
-/// for the precision.
+/// for the precision, [`ExportError::Memory`] if friction remembers the path.
 pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<String, ExportError> {
     check_name(name)?;
+    program.check_memoryless("C")?;
     program.check_precision(precision)?;
     let (upper, real) = (name.to_uppercase(), real(precision));
     let mut text = format!("/* {}\n{} */\n", program.version(), introduction(program, name));

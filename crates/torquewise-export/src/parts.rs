@@ -196,6 +196,17 @@ pub(crate) fn friction(graph: &mut Graph, terms: &[Weighted<FrictionTerm>], n: u
     loads.iter().map(|parts| graph.sum(parts)).collect()
 }
 
+/// Joint, from 0, and travel \[rad\] of the Dahl elements that terms follow, once each.
+pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
+    let mut elements = Vec::new();
+    for element in terms.iter().filter_map(|weighted| weighted.term.element()) {
+        if !elements.contains(&element) {
+            elements.push(element);
+        }
+    }
+    elements
+}
+
 /// f(v) of one law, zero in the direction in which it does not act.
 fn curve(graph: &mut Graph, term: &FrictionTerm) -> Id {
     let mut parts = Vec::new();

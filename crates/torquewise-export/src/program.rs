@@ -4,7 +4,7 @@ use crate::cost::Cost;
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
-use crate::parts::friction;
+use crate::parts::{elements, friction};
 use crate::ways::{frictionless, gravity_of};
 use torquewise_model::{Form, Model, to_json};
 
@@ -86,6 +86,8 @@ pub struct Program {
     pub(crate) functions: Vec<(Quantity, Vec<Id>)>,
     pub(crate) steps: usize,
     symmetric: bool,
+    /// Joint and travel \[rad\] of each Dahl element that friction follows, once each.
+    pub(crate) elements: Vec<(usize, f64)>,
     pub(crate) fingerprint: u64,
 }
 
@@ -94,14 +96,8 @@ impl Program {
     ///
     /// # Errors
     /// [`ExportError::Model`] if the parts of the model do not fit together,
-    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied,
-    /// [`ExportError::Memory`] if its friction remembers the path.
+    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
     pub fn of(model: &Model) -> Result<Self, ExportError> {
-        if model.travels().is_empty() { Self::sliding(model) } else { Err(ExportError::Memory) }
-    }
-
-    /// The same where friction that remembers the path is as after a long way in one direction.
-    pub(crate) fn sliding(model: &Model) -> Result<Self, ExportError> {
         let text = to_json(model)?;
         let mut graph = Graph::default();
         let n = model.n_joints();
@@ -139,6 +135,7 @@ impl Program {
             functions,
             steps: model.stages.len(),
             symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
+            elements: elements(&model.friction),
             fingerprint: fingerprint(&text),
         })
     }
@@ -191,6 +188,14 @@ impl Program {
     pub(crate) fn calls(&self, function: Function) -> bool {
         let calls = |id| matches!(self.graph.node(id), Node::Call(f, _) if *f == function);
         (0..self.graph.len()).any(calls)
+    }
+
+    /// Whether code without a state computes the torque; if not, the target refuses the model.
+    pub(crate) fn check_memoryless(&self, target: &'static str) -> Result<(), ExportError> {
+        match self.elements.first() {
+            Some((joint, _)) => Err(ExportError::Memory { target, joint: joint + 1 }),
+            None => Ok(()),
+        }
     }
 
     /// Whether all constants can be written in a precision.

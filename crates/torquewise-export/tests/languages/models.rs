@@ -194,3 +194,13 @@ fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Ve
     let (training, choices, chain) = (Training::default(), Vec::new(), None);
     Model { joints, form, friction, stages, training, choices, chain }
 }
+
+/// The same with two Dahl elements on the second joint and one on the last.
+pub(crate) fn remembers(mut model: Model) -> Model {
+    let n = model.n_joints();
+    for (joint, travel, coefficient) in [(1, 0.01, 2.5), (1, 0.2, -0.7), (n - 1, 0.002, 1.3)] {
+        let law = FrictionLaw::Dahl { travel };
+        model.friction.push(weighted(FrictionTerm::of_joint(n, joint, law), coefficient));
+    }
+    model
+}
