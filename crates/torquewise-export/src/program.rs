@@ -88,6 +88,8 @@ pub struct Program {
     symmetric: bool,
     /// Joint and travel \[rad\] of each Dahl element that friction follows, once each.
     pub(crate) elements: Vec<(usize, f64)>,
+    /// Torque at the states of these elements, n; nothing where there are none.
+    pub(crate) after: Vec<Id>,
     pub(crate) fingerprint: u64,
 }
 
@@ -107,9 +109,13 @@ impl Program {
             (0, None) => gravity_of(&mut graph, &model.form, n),
             _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
         };
-        let friction = friction(&mut graph, &model.friction, n);
+        let friction = friction(&mut graph, &model.friction, n, &[]);
+        let elements = elements(&model.friction);
+        let after = friction_after(&mut graph, model, &elements);
         let torque =
             parts.torque.iter().zip(&friction).map(|(&tau, &own)| graph.add(tau, own)).collect();
+        let after = parts.torque.iter().zip(&after).map(|(&tau, &own)| graph.add(tau, own));
+        let after: Vec<Id> = after.collect();
         let functions = vec![
             (Quantity::Torque, torque),
             (Quantity::Gravity, parts.gravity),
@@ -118,7 +124,8 @@ impl Program {
             (Quantity::Friction, friction),
             (Quantity::Step1, first),
         ];
-        let roots: Vec<Id> = functions.iter().flat_map(|(_, roots)| roots.clone()).collect();
+        let roots: Vec<Id> =
+            functions.iter().flat_map(|(_, roots)| roots).chain(&after).copied().collect();
         let (graph, roots) = lowered(&graph, &roots);
         let mut roots = roots.into_iter();
         let functions: Vec<(Quantity, Vec<Id>)> = functions
@@ -135,7 +142,8 @@ impl Program {
             functions,
             steps: model.stages.len(),
             symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
-            elements: elements(&model.friction),
+            elements,
+            after: roots.collect(),
             fingerprint: fingerprint(&text),
         })
     }
@@ -208,6 +216,14 @@ impl Program {
             _ => Ok(()),
         }
     }
+}
+
+/// Friction at the states of its elements; nothing where it has none.
+fn friction_after(graph: &mut Graph, model: &Model, elements: &[(usize, f64)]) -> Vec<Id> {
+    if elements.is_empty() {
+        return Vec::new();
+    }
+    friction(graph, &model.friction, model.n_joints(), elements)
 }
 
 /// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.

@@ -221,11 +221,32 @@ fn a_latex_document_closes_what_it_opens() {
 }
 
 #[test]
+fn exported_c_remembers_the_path() {
+    if !run::has("cc") {
+        return;
+    }
+    for model in [remembers(energies(3, 25, 1)), remembers(chain(6, false, 5))] {
+        let (torque, folder) = (Torque::new(&model), tempfile::tempdir().unwrap());
+        let way = models::way(model.n_joints());
+        let mut path = torque.path();
+        let expected = way.iter().map(|[q, dq, ddq]| {
+            path.step(q);
+            torque.after(&path, dq, ddq).unwrap()
+        });
+        let expected: Vec<Vec<f64>> = expected.collect();
+
+        let code = to_c(&Program::of(&model).unwrap(), "arm", Precision::Double).unwrap();
+        let found = run::c_along(folder.path(), &code, &way);
+
+        assert!(worst(&found, &expected) < AGREES);
+    }
+}
+
+#[test]
 fn friction_that_remembers_the_path_is_refused_where_code_has_no_state() {
     let model = remembers(energies(3, 25, 1));
     let program = Program::of(&model).unwrap();
     let refused = [
-        to_c(&program, "arm", Precision::Double).err(),
         to_rust(&program, Precision::Double).err(),
         to_python(&program).err(),
         fmu_sources(&program, "arm").err(),

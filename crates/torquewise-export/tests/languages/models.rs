@@ -204,3 +204,15 @@ pub(crate) fn remembers(mut model: Model) -> Model {
     }
     model
 }
+
+/// A path with reversals, on which each joint rests in every third of its samples.
+pub(crate) fn way(n: usize) -> Vec<State> {
+    let mut way = states(n, 600, 11);
+    for (row, [q, ..]) in way.iter_mut().enumerate() {
+        for (joint, q) in q.iter_mut().enumerate() {
+            let time = (row + joint) / 3 * 2 + (row + joint) % 3 / 2;
+            *q = 0.1 * (0.05 * time as f64 * (1.0 + joint as f64)).sin();
+        }
+    }
+    way
+}
