@@ -75,8 +75,8 @@ fn memory_declarations(program: &Program, name: &str, real: &str) -> String {
         return String::new();
     }
     format!(
-        "\n/* What friction remembers: call {name}_reset once and {name}_step at every sample of q.\n   \
-         {name}_torque_after is the torque at the last sample; {name}_torque has no memory and\n   \
+        "\n/* What friction remembers: call {name}_reset once and {name}_step at every sample of \
+         q.\n   {name}_torque_after is the torque at the last sample; {name}_torque has no memory and\n   \
          takes friction as after a long way in the direction of dq. */\n\
          typedef struct {{\n    {real} q[{n}];\n    {real} x[{count}];\n    int started;\n}} \
          {name}_state;\n\

@@ -34,8 +34,8 @@ const DERIVED: &str = "\\begin{equation*}\n\
     \\frac{\\partial V}{\\partial q} + F(\\dot q)\n\\end{equation*}\n";
 
 /// How the state of a Dahl element follows its joint.
-const DAHL: &str = "\\noindent $x_\\delta(q)$ is the state of a Dahl element with travel $\\delta$, \
-    zero at the start:\n\\begin{equation*}\n\
+const DAHL: &str = "\\noindent $x_\\delta(q)$ is the state of a Dahl element with travel \
+    $\\delta$, zero at the start:\n\\begin{equation*}\n\
     \\mathrm{d}x_\\delta = \\frac{\\mathrm{d}q}{\\delta} - \
     \\frac{|\\mathrm{d}q|}{\\delta}\\,x_\\delta\n\\end{equation*}\n";
 
