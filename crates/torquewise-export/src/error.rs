@@ -23,7 +23,7 @@ pub enum ExportError {
     Name { name: String },
     #[error(
         "{target} code cannot hold the state of friction that remembers the path, as that of joint \
-         {joint} does: export C, or fit with `--friction stribeck`"
+         {joint} does: export C, or fit with `--friction auto` or `stribeck`"
     )]
     Memory { target: &'static str, joint: usize },
     #[error("the archive cannot be made")]
