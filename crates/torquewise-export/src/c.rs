@@ -76,8 +76,8 @@ fn memory_declarations(program: &Program, name: &str, real: &str) -> String {
     }
     format!(
         "\n/* What friction remembers: call {name}_reset once and {name}_step at every sample of \
-         q.\n   {name}_torque_after is the torque at the last sample; {name}_torque has no memory and\n   \
-         takes friction as after a long way in the direction of dq. */\n\
+         q.\n   {name}_torque_after is the torque at the last sample; {name}_torque has no \
+         memory and\n   takes friction as after a long way in the direction of dq. */\n\
          typedef struct {{\n    {real} q[{n}];\n    {real} x[{count}];\n    int started;\n}} \
          {name}_state;\n\
          void {name}_reset({name}_state *state);\n\
