@@ -55,6 +55,7 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     for quantity in Quantity::ALL {
         put(&format!("{};", signature(program, name, quantity, real)));
     }
+    put_memory(&mut put, &memory_declarations(program, name, real));
     put("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
     put(&format!("#ifndef {upper}_DECLARATIONS_ONLY\n\n#include <math.h>\n"));
     put(&identity(program, name));
@@ -62,8 +63,82 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     for (quantity, roots) in &program.functions {
         put(&function(program, name, (*quantity, roots), precision));
     }
+    put_memory(&mut put, &memory(program, name, precision));
     put("#endif");
     Ok(text)
+}
+
+/// The state of Dahl elements and its functions; nothing where there are none.
+fn memory_declarations(program: &Program, name: &str, real: &str) -> String {
+    let (n, count) = (program.n_joints(), program.elements.len());
+    if count == 0 {
+        return String::new();
+    }
+    format!(
+        "\n/* What friction remembers: call {name}_reset once and {name}_step at every sample of \
+         q.\n   {name}_torque_after is the torque at the last sample; {name}_torque has no \
+         memory and\n   takes friction as after a long way in the direction of dq. */\n\
+         typedef struct {{\n    {real} q[{n}];\n    {real} x[{count}];\n    int started;\n}} \
+         {name}_state;\n\
+         void {name}_reset({name}_state *state);\n\
+         void {name}_step({name}_state *state, const {real} q[{n}]);\n{};",
+        after_signature(program, name, real)
+    )
+}
+
+fn after_signature(program: &Program, name: &str, real: &str) -> String {
+    let n = program.n_joints();
+    format!(
+        "void {name}_torque_after(const {name}_state *state, const {real} dq[{n}], \
+         const {real} ddq[{n}], {real} tau[{n}])"
+    )
+}
+
+/// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, and the torque at these states.
+fn memory(program: &Program, name: &str, precision: Precision) -> String {
+    if program.elements.is_empty() {
+        return String::new();
+    }
+    let (real, language) = (real(precision), C(precision));
+    let (n, count) = (program.n_joints(), program.elements.len());
+    let [zero, one] = [0.0, 1.0].map(|value| language.constant(value));
+    let joints: Vec<String> = program.elements.iter().map(|(j, _)| j.to_string()).collect();
+    let travels: Vec<String> =
+        program.elements.iter().map(|(_, travel)| language.constant(*travel)).collect();
+    let exp = language.call(Function::Exp, "-(way*end)/travels[k]");
+    let mut text = format!(
+        "void {name}_reset({name}_state *state)\n{{\n    \
+         for (int j = 0; j < {n}; j++) state->q[j] = {zero};\n    \
+         for (int k = 0; k < {count}; k++) state->x[k] = {zero};\n    state->started = 0;\n}}\n\n\
+         void {name}_step({name}_state *state, const {real} q[{n}])\n{{\n    \
+         static const int joints[{count}] = {{{}}};\n    \
+         static const {real} travels[{count}] = {{{}}};\n    \
+         for (int k = 0; state->started && k < {count}; k++) {{\n        \
+         const {real} way = q[joints[k]] - state->q[joints[k]];\n        \
+         const {real} end = way < {zero} ? -{one} : {one};\n        \
+         if (way != {zero}) state->x[k] = end + (state->x[k] - end)*{exp};\n    }}\n    \
+         for (int j = 0; j < {n}; j++) state->q[j] = q[j];\n    state->started = 1;\n}}\n\n",
+        joints.join(", "),
+        travels.join(", ")
+    );
+    let body = Body::of(&program.graph, &program.after, &language);
+    let mut lines = vec![after_signature(program, name, real), "{".into()];
+    lines.extend(readings(&body, precision, "state->"));
+    for (place, expression) in body.results.iter().enumerate() {
+        lines.push(format!("    tau[{place}] = {expression};"));
+    }
+    for signal in ["dq", "ddq"].iter().filter(|signal| !body.reads(signal)) {
+        lines.push(format!("    (void){signal};"));
+    }
+    lines.push("}\n".into());
+    text += &lines.join("\n");
+    text
+}
+
+fn put_memory(put: &mut impl FnMut(&str), text: &str) {
+    if !text.is_empty() {
+        put(text);
+    }
 }
 
 /// Whether it can begin the name of a function in C.
@@ -158,11 +233,27 @@ fn function(
     precision: Precision,
 ) -> String {
     let (real, body) = (real(precision), Body::of(&program.graph, roots, &C(precision)));
-    let suffix = if precision == Precision::Single { "f" } else { "" };
     let mut lines = vec![signature(program, name, quantity, real), "{".into()];
+    lines.extend(readings(&body, precision, ""));
+    let result = if quantity == Quantity::Inertia { "m" } else { "tau" };
+    for (place, expression) in body.results.iter().enumerate() {
+        lines.push(format!("    {result}[{place}] = {expression};"));
+    }
+    for signal in quantity.signals().iter().filter(|signal| !body.reads(signal)) {
+        lines.push(format!("    (void){signal};"));
+    }
+    lines.push("}\n".into());
+    lines.join("\n")
+}
+
+/// The lines before the results; positions and elements are read from a state, if there is one.
+fn readings(body: &Body, precision: Precision, state: &str) -> Vec<String> {
+    let (real, mut lines) = (real(precision), Vec::new());
+    let suffix = if precision == Precision::Single { "f" } else { "" };
     for &input in &body.inputs {
         let (signal, joint) = signal_of(input);
-        lines.push(format!("    const {real} {signal}{} = {signal}[{joint}];", joint + 1));
+        let from = if matches!(signal, "q" | "x") { state } else { "" };
+        lines.push(format!("    const {real} {signal}{} = {from}{signal}[{joint}];", joint + 1));
     }
     for angle in &body.angles {
         let j = angle.joint + 1;
@@ -175,15 +266,7 @@ fn function(
     for (step, expression) in &body.steps {
         lines.push(format!("    const {real} {step} = {expression};"));
     }
-    let result = if quantity == Quantity::Inertia { "m" } else { "tau" };
-    for (place, expression) in body.results.iter().enumerate() {
-        lines.push(format!("    {result}[{place}] = {expression};"));
-    }
-    for signal in quantity.signals().iter().filter(|signal| !body.reads(signal)) {
-        lines.push(format!("    (void){signal};"));
-    }
-    lines.push("}\n".into());
-    lines.join("\n")
+    lines
 }
 
 /// A string literal: bytes beyond ASCII by their octal codes, and no trigraphs.

@@ -22,10 +22,10 @@ pub enum ExportError {
     #[error("{name:?} names no function: begin with a letter, then letters, digits and _")]
     Name { name: String },
     #[error(
-        "friction of this model remembers the path (Dahl elements), which exported code does not: \
-         fit with --friction auto or stribeck to export"
+        "{target} code cannot hold the state of friction that remembers the path, as that of joint \
+         {joint} does: export C, or fit with `--friction auto` or `stribeck`"
     )]
-    Memory,
+    Memory { target: &'static str, joint: usize },
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),
     #[error("the archive cannot be filled")]

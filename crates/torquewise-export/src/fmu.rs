@@ -17,9 +17,11 @@ const WRAPPER: &str = include_str!("assets/fmu.c");
 /// `sources/NAME.c`, compiled together as C99, make the binary.
 ///
 /// # Errors
-/// [`ExportError::Name`] if the name is no C identifier.
+/// [`ExportError::Name`] if the name is no C identifier, [`ExportError::Memory`] if friction
+/// remembers the path.
 pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)>, ExportError> {
     check_name(name)?;
+    program.check_memoryless("FMU")?;
     let code = to_c(program, name, Precision::Double)?;
     let wrapper = format!(
         "/* {} */\n\n#define {}_DECLARATIONS_ONLY\n#include \"{name}.c\"\n\n\

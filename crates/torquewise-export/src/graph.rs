@@ -18,6 +18,8 @@ pub(crate) enum Input {
     Dq(usize),
     /// Its acceleration \[rad/s²\].
     Ddq(usize),
+    /// State of a Dahl element, counted from 0.
+    Element(usize),
 }
 
 /// A function of one value.

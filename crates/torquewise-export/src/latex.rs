@@ -1,5 +1,6 @@
 //! Model → a LaTeX document of its equations.
 
+use crate::parts::elements;
 use torquewise_model::{Form, Model, print};
 
 /// A document that compiles by itself: energies and what follows from them, or the torque of each
@@ -15,11 +16,12 @@ pub fn to_latex(model: &Model, version: &str) -> String {
         Form::Energy(_) => (print::latex_energies(model), DERIVED),
         Form::Torque(_) => (print::latex(model), ""),
     };
+    let memory = if elements(&model.friction).is_empty() { "" } else { DAHL };
     format!(
         "\\documentclass[a4paper]{{article}}\n\\usepackage[margin=2cm]{{geometry}}\n\
          \\usepackage[utf8]{{inputenc}}\n\\usepackage[T1]{{fontenc}}\n\
          \\usepackage{{amsmath}}\n\\allowdisplaybreaks\n\\begin{{document}}\n\
-         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}\\end{{document}}\n",
+         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}{memory}\\end{{document}}\n",
         escaped(version),
         names.join(", ")
     )
@@ -30,6 +32,12 @@ const DERIVED: &str = "\\begin{equation*}\n\
     \\tau = M(q)\\,\\ddot q + \\dot M(q)\\,\\dot q - \
     \\tfrac{1}{2}\\frac{\\partial}{\\partial q}\\bigl(\\dot q^{\\top} M(q)\\,\\dot q\\bigr) + \
     \\frac{\\partial V}{\\partial q} + F(\\dot q)\n\\end{equation*}\n";
+
+/// How the state of a Dahl element follows its joint.
+const DAHL: &str = "\\noindent $x_\\delta(q)$ is the state of a Dahl element with travel \
+    $\\delta$, zero at the start:\n\\begin{equation*}\n\
+    \\mathrm{d}x_\\delta = \\frac{\\mathrm{d}q}{\\delta} - \
+    \\frac{|\\mathrm{d}q|}{\\delta}\\,x_\\delta\n\\end{equation*}\n";
 
 /// Text in which LaTeX finds no commands.
 fn escaped(text: &str) -> String {

@@ -11,10 +11,10 @@ use torquewise_model::Model;
 /// to follow it is not counted.
 ///
 /// # Errors
-/// Those of [`Program::of`], but for such friction.
+/// Those of [`Program::of`].
 pub fn torque_costs(model: &Model) -> Result<Vec<Cost>, ExportError> {
     let whole = Model { stages: Vec::new(), ..model.clone() };
-    let cost = |model: &Model| Ok(Program::sliding(model)?.cost(Quantity::Torque));
+    let cost = |model: &Model| Ok(Program::of(model)?.cost(Quantity::Torque));
     let steps = (1..=model.stages.len()).map(|step| cost(&model.after_step(step)?));
     steps.chain(std::iter::once_with(|| cost(&whole))).collect()
 }

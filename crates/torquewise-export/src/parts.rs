@@ -174,12 +174,22 @@ fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id
 }
 
 /// F(q̇), n: each shaft loads the joints that turn it (17).
-pub(crate) fn friction(graph: &mut Graph, terms: &[Weighted<FrictionTerm>], n: usize) -> Vec<Id> {
+///
+/// - `elements`: whose states are known, in the order of their states
+pub(crate) fn friction(
+    graph: &mut Graph,
+    terms: &[Weighted<FrictionTerm>],
+    n: usize,
+    elements: &[(usize, f64)],
+) -> Vec<Id> {
     let mut loads = vec![Vec::new(); n];
     let mut shafts: Vec<(&[f64], Vec<Id>)> = Vec::new();
     for Weighted { term, coefficient, .. } in terms {
         let coefficient = graph.constant(*coefficient);
-        let curve = curve(graph, term);
+        let curve = match elements.iter().position(|known| term.element() == Some(*known)) {
+            Some(element) => graph.input(Input::Element(element)),
+            None => curve(graph, term),
+        };
         let load = graph.mul(coefficient, curve);
         match shafts.iter_mut().find(|(shaft, _)| *shaft == term.shaft) {
             Some((_, parts)) => parts.push(load),
@@ -194,6 +204,17 @@ pub(crate) fn friction(graph: &mut Graph, terms: &[Weighted<FrictionTerm>], n: u
         }
     }
     loads.iter().map(|parts| graph.sum(parts)).collect()
+}
+
+/// Joint, from 0, and travel \[rad\] of the Dahl elements that terms follow, once each.
+pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
+    let mut elements = Vec::new();
+    for element in terms.iter().filter_map(|weighted| weighted.term.element()) {
+        if !elements.contains(&element) {
+            elements.push(element);
+        }
+    }
+    elements
 }
 
 /// f(v) of one law, zero in the direction in which it does not act.

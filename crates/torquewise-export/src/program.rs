@@ -4,7 +4,7 @@ use crate::cost::Cost;
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
-use crate::parts::friction;
+use crate::parts::{elements, friction};
 use crate::ways::{frictionless, gravity_of};
 use torquewise_model::{Form, Model, to_json};
 
@@ -86,6 +86,10 @@ pub struct Program {
     pub(crate) functions: Vec<(Quantity, Vec<Id>)>,
     pub(crate) steps: usize,
     symmetric: bool,
+    /// Joint and travel \[rad\] of each Dahl element that friction follows, once each.
+    pub(crate) elements: Vec<(usize, f64)>,
+    /// Torque at the states of these elements, n; nothing where there are none.
+    pub(crate) after: Vec<Id>,
     pub(crate) fingerprint: u64,
 }
 
@@ -94,14 +98,8 @@ impl Program {
     ///
     /// # Errors
     /// [`ExportError::Model`] if the parts of the model do not fit together,
-    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied,
-    /// [`ExportError::Memory`] if its friction remembers the path.
+    /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
     pub fn of(model: &Model) -> Result<Self, ExportError> {
-        if model.travels().is_empty() { Self::sliding(model) } else { Err(ExportError::Memory) }
-    }
-
-    /// The same where friction that remembers the path is as after a long way in one direction.
-    pub(crate) fn sliding(model: &Model) -> Result<Self, ExportError> {
         let text = to_json(model)?;
         let mut graph = Graph::default();
         let n = model.n_joints();
@@ -111,9 +109,13 @@ impl Program {
             (0, None) => gravity_of(&mut graph, &model.form, n),
             _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
         };
-        let friction = friction(&mut graph, &model.friction, n);
+        let friction = friction(&mut graph, &model.friction, n, &[]);
+        let elements = elements(&model.friction);
+        let after = friction_after(&mut graph, model, &elements);
         let torque =
             parts.torque.iter().zip(&friction).map(|(&tau, &own)| graph.add(tau, own)).collect();
+        let after = parts.torque.iter().zip(&after).map(|(&tau, &own)| graph.add(tau, own));
+        let after: Vec<Id> = after.collect();
         let functions = vec![
             (Quantity::Torque, torque),
             (Quantity::Gravity, parts.gravity),
@@ -122,7 +124,8 @@ impl Program {
             (Quantity::Friction, friction),
             (Quantity::Step1, first),
         ];
-        let roots: Vec<Id> = functions.iter().flat_map(|(_, roots)| roots.clone()).collect();
+        let roots: Vec<Id> =
+            functions.iter().flat_map(|(_, roots)| roots).chain(&after).copied().collect();
         let (graph, roots) = lowered(&graph, &roots);
         let mut roots = roots.into_iter();
         let functions: Vec<(Quantity, Vec<Id>)> = functions
@@ -139,6 +142,8 @@ impl Program {
             functions,
             steps: model.stages.len(),
             symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
+            elements,
+            after: roots.collect(),
             fingerprint: fingerprint(&text),
         })
     }
@@ -193,6 +198,14 @@ impl Program {
         (0..self.graph.len()).any(calls)
     }
 
+    /// Whether code without a state computes the torque; if not, the target refuses the model.
+    pub(crate) fn check_memoryless(&self, target: &'static str) -> Result<(), ExportError> {
+        match self.elements.first() {
+            Some((joint, _)) => Err(ExportError::Memory { target, joint: joint + 1 }),
+            None => Ok(()),
+        }
+    }
+
     /// Whether all constants can be written in a precision.
     pub(crate) fn check_precision(&self, precision: Precision) -> Result<(), ExportError> {
         let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
@@ -203,6 +216,14 @@ impl Program {
             _ => Ok(()),
         }
     }
+}
+
+/// Friction at the states of its elements; nothing where it has none.
+fn friction_after(graph: &mut Graph, model: &Model, elements: &[(usize, f64)]) -> Vec<Id> {
+    if elements.is_empty() {
+        return Vec::new();
+    }
+    friction(graph, &model.friction, model.n_joints(), elements)
 }
 
 /// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.

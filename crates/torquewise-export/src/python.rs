@@ -1,5 +1,6 @@
 //! Program → one file of Python that needs the standard library alone.
 
+use crate::error::ExportError;
 use crate::graph::{Function, Id};
 use crate::program::{Program, Quantity};
 use crate::text::{Body, Language};
@@ -23,7 +24,11 @@ impl Language for Python {
 }
 
 /// A Python module with the functions `torque`, `gravity` and so on; see `docs/export.md`.
-pub fn to_python(program: &Program) -> String {
+///
+/// # Errors
+/// [`ExportError::Memory`] if friction remembers the path.
+pub fn to_python(program: &Program) -> Result<String, ExportError> {
+    program.check_memoryless("Python")?;
     let mut text = format!(
         "\"\"\"{}\n\nq [rad], dq [rad/s], ddq [rad/s^2] are sequences with one number per joint; \
          results are lists,\ntau [N m], and a list of rows for inertia [kg m^2].\n{}\n\"\"\"\n\n\
@@ -55,7 +60,7 @@ pub fn to_python(program: &Program) -> String {
     let functions = program.functions.iter();
     let functions = functions.map(|(quantity, roots)| function(program, *quantity, roots));
     text += &functions.collect::<Vec<_>>().join("\n\n");
-    text
+    Ok(text)
 }
 
 fn function(program: &Program, quantity: Quantity, roots: &[Id]) -> String {

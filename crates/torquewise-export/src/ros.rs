@@ -13,9 +13,11 @@ const NODE: &str = include_str!("assets/feed_forward.cpp");
 /// `effort_controller/commands`, where `effort_controllers/JointGroupEffortController` listens.
 ///
 /// # Errors
-/// [`ExportError::Name`] if the name is no C identifier.
+/// [`ExportError::Name`] if the name is no C identifier, [`ExportError::Memory`] if friction
+/// remembers the path.
 pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)>, ExportError> {
     check_name(name)?;
+    program.check_memoryless("ROS 2")?;
     // What ROS allows: lower case, and no two underscores in a row.
     let package = format!("{}_feed_forward", name.to_lowercase().trim_end_matches('_'));
     let package = package.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_");

@@ -30,8 +30,10 @@ impl Language for Rust {
 /// A file of Rust that needs `core` alone, a crate or a module; see `docs/export.md`.
 ///
 /// # Errors
-/// [`ExportError::NotSingle`] if a constant is too large for the precision.
+/// [`ExportError::NotSingle`] if a constant is too large for the precision,
+/// [`ExportError::Memory`] if friction remembers the path.
 pub fn to_rust(program: &Program, precision: Precision) -> Result<String, ExportError> {
+    program.check_memoryless("Rust")?;
     program.check_precision(precision)?;
     let real = match precision {
         Precision::Double => "f64",

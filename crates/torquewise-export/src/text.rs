@@ -152,12 +152,13 @@ impl Text {
     }
 }
 
-/// `q`, `dq` or `ddq`, and the joint.
+/// `q`, `dq` or `ddq` and the joint, or `x` and the Dahl element.
 pub(crate) fn signal_of(input: Input) -> (&'static str, usize) {
     match input {
         Input::Q(joint) => ("q", joint),
         Input::Dq(joint) => ("dq", joint),
         Input::Ddq(joint) => ("ddq", joint),
+        Input::Element(element) => ("x", element),
     }
 }
 

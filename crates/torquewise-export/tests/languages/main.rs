@@ -8,11 +8,11 @@ mod witness;
 mod run;
 mod ros;
 
-use models::{chain, coupled, energies, parallel, products, states};
+use models::{chain, coupled, energies, parallel, products, remembers, states};
 use std::io::Read;
 use torquewise_export::{
-    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, test_vectors, to_c,
-    to_latex, to_python, to_rust, torque_costs,
+    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, ros_package, test_vectors,
+    to_c, to_latex, to_python, to_rust, torque_costs,
 };
 use torquewise_model::{Model, Torque};
 use witness::{expected, worst};
@@ -106,7 +106,9 @@ fn exported_python_computes_what_the_model_predicts() {
     }
     for model in arms() {
         let folder = tempfile::tempdir().unwrap();
-        check(&model, |program, states| run::python(folder.path(), &to_python(program), states));
+        check(&model, |program, states| {
+            run::python(folder.path(), &to_python(program).unwrap(), states)
+        });
     }
 }
 
@@ -118,7 +120,7 @@ fn the_cost_is_what_a_call_carries_out() {
     for model in arms() {
         let (program, folder) = (Program::of(&model).unwrap(), tempfile::tempdir().unwrap());
 
-        let done = run::counted(folder.path(), &to_python(&program));
+        let done = run::counted(folder.path(), &to_python(&program).unwrap());
 
         for (quantity, done) in Quantity::ALL.into_iter().zip(done) {
             let cost = program.cost(quantity);
@@ -208,7 +210,7 @@ fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
 
 #[test]
 fn a_latex_document_closes_what_it_opens() {
-    for model in [energies(3, 25, 1), products(3, 20, 2)] {
+    for model in [energies(3, 25, 1), products(3, 20, 2), remembers(energies(3, 25, 1))] {
         let text = to_latex(&model, "version_1");
 
         assert_eq!(text.matches("\\begin{").count(), text.matches("\\end{").count());
@@ -216,6 +218,45 @@ fn a_latex_document_closes_what_it_opens() {
         assert_eq!(plain.matches('{').count(), plain.matches('}').count());
         assert!(text.contains("version\\_1") && text.trim_end().ends_with("\\end{document}"));
     }
+}
+
+#[test]
+fn exported_c_remembers_the_path() {
+    if !run::has("cc") {
+        return;
+    }
+    for model in [remembers(energies(3, 25, 1)), remembers(chain(6, false, 5))] {
+        let (torque, folder) = (Torque::new(&model), tempfile::tempdir().unwrap());
+        let way = models::way(model.n_joints());
+        let mut path = torque.path();
+        let expected = way.iter().map(|[q, dq, ddq]| {
+            path.step(q);
+            torque.after(&path, dq, ddq).unwrap()
+        });
+        let expected: Vec<Vec<f64>> = expected.collect();
+
+        let code = to_c(&Program::of(&model).unwrap(), "arm", Precision::Double).unwrap();
+        let found = run::c_along(folder.path(), &code, &way);
+
+        assert!(worst(&found, &expected) < AGREES);
+    }
+}
+
+#[test]
+fn friction_that_remembers_the_path_is_refused_where_code_has_no_state() {
+    let model = remembers(energies(3, 25, 1));
+    let program = Program::of(&model).unwrap();
+    let refused = [
+        to_rust(&program, Precision::Double).err(),
+        to_python(&program).err(),
+        fmu_sources(&program, "arm").err(),
+        ros_package(&program, "arm").err(),
+    ];
+
+    for error in refused {
+        assert!(matches!(error, Some(ExportError::Memory { joint: 2, .. })), "{error:?}");
+    }
+    assert!(to_latex(&model, "version_1").contains("\\mathrm{d}x_\\delta"));
 }
 
 #[test]

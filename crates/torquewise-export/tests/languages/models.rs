@@ -194,3 +194,25 @@ fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Ve
     let (training, choices, chain) = (Training::default(), Vec::new(), None);
     Model { joints, form, friction, stages, training, choices, chain }
 }
+
+/// The same with two Dahl elements on the second joint and one on the last.
+pub(crate) fn remembers(mut model: Model) -> Model {
+    let n = model.n_joints();
+    for (joint, travel, coefficient) in [(1, 0.01, 2.5), (1, 0.2, -0.7), (n - 1, 0.002, 1.3)] {
+        let law = FrictionLaw::Dahl { travel };
+        model.friction.push(weighted(FrictionTerm::of_joint(n, joint, law), coefficient));
+    }
+    model
+}
+
+/// A path with reversals, on which each joint rests in every third of its samples.
+pub(crate) fn way(n: usize) -> Vec<State> {
+    let mut way = states(n, 600, 11);
+    for (row, [q, ..]) in way.iter_mut().enumerate() {
+        for (joint, q) in q.iter_mut().enumerate() {
+            let time = (row + joint) / 3 * 2 + (row + joint) % 3 / 2;
+            *q = 0.1 * (0.05 * time as f64 * (1.0 + joint as f64)).sin();
+        }
+    }
+    way
+}

@@ -68,6 +68,25 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
     parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
 }
 
+/// Torques of a C file along a path that friction remembers.
+pub(crate) fn c_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
+    let n = way[0][0].len();
+    let main = format!(
+        "#define ARM_DECLARATIONS_ONLY\n#include \"arm.c\"\n#include <stdio.h>\n\
+         int main(void) {{\n    arm_state state;\n    double x[3 * {n}], y[{n}];\n    \
+         arm_reset(&state);\n    for (;;) {{\n        \
+         for (int k = 0; k < 3 * {n}; k++) if (scanf(\"%lf\", x + k) != 1) return 0;\n        \
+         arm_step(&state, x);\n        arm_torque_after(&state, x + {n}, x + 2 * {n}, y);\n        \
+         for (int k = 0; k < {n}; k++) printf(\"%.17g \", y[k]);\n        puts(\"\");\n    }}\n}}\n"
+    );
+    fs::write(folder.join("arm.c"), code).unwrap();
+    fs::write(folder.join("main.c"), main).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1"]);
+    output(compiler.current_dir(folder).args(["main.c", "arm.c", "-o", "run", "-lm"]), "");
+    parsed(&output(&mut Command::new(folder.join("run")), &lines(way)))
+}
+
 /// Torques by the functions of FMI, called as an importer does.
 pub(crate) fn unit(
     folder: &Path,
