@@ -23,7 +23,7 @@ pub(crate) enum Friction {
     /// Whichever predicts held-out rows best
     Auto,
     /// The same and memory of the path at rest and reversal, of joints that are predicted better
-    /// with it; for a chain, and not for export
+    /// with it; for a chain, and of exports for C and LaTeX
     Dahl,
 }
 
