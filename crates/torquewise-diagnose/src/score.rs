@@ -1,7 +1,7 @@
 //! Model, recording → scores: RMSE, NRMSE and R² of each joint.
 
 use torquewise_model::{Model, Torque};
-use torquewise_motion::Recording;
+use torquewise_motion::{Motion, Recording};
 use torquewise_survey::error::IdentifyError;
 
 /// How well a model predicts the torque of one joint.
@@ -36,6 +36,18 @@ pub fn score(
     model: &Model,
     recording: &(impl Recording + ?Sized),
 ) -> Result<Scores, IdentifyError> {
+    score_along(model, recording, &mut |_| {})
+}
+
+/// The same where something else is to see each block in that one pass.
+///
+/// # Errors
+/// As [`score`].
+pub fn score_along(
+    model: &Model,
+    recording: &(impl Recording + ?Sized),
+    see: &mut dyn FnMut(&Motion),
+) -> Result<Scores, IdentifyError> {
     model.check_joints(recording.joints())?;
     let torque = Torque::new(model);
     let n = model.n_joints();
@@ -45,6 +57,7 @@ pub fn score(
     let mut path = torque.path();
     recording
         .read(&mut |trajectory, block| {
+            see(block);
             let tau_hat = torque.over(&path.follow(trajectory, block))?;
             let tau = block.require_tau()?;
             for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {

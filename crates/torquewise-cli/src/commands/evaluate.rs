@@ -10,8 +10,7 @@ use crate::training_range::AskedRange;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::identify::score;
-use torquewise::motion::Recording;
+use torquewise::diagnose::score::score_along;
 
 /// Compare the torque a model predicts with the torque measured
 #[derive(Args, Debug)]
@@ -34,13 +33,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     model.check_joints(logs.joints())?;
     logs.require_tau()?;
     let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::WithRaw)?;
-    let scores = score(&model, &Watched::new(&logs, "predicting").of(logs.rows_hint(), 1))?;
     let mut asked = AskedRange::new(model.n_joints());
-    logs.read(&mut |_, block| {
-        asked.add(block);
-        Ok(())
-    })
-    .map_err(|error| anyhow::anyhow!(error))?;
+    let watched = Watched::new(&logs, "predicting").of(logs.rows_hint(), 1);
+    let scores = score_along(&model, &watched, &mut |block| asked.add(block))?;
     let raw = logs.raw_scores(&model)?;
     let repairs = logs.repairs();
     let mut json = score_table::json_beside_raw(&scores, raw.as_ref());
