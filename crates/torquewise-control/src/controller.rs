@@ -175,7 +175,7 @@ impl<'a> Controller<'a> {
                 wanted.ddq[i] + w * feedback
             });
             let rigid = self.known.rigid(q, dq, &asked.collect::<Vec<_>>())?;
-            return Ok(sum(rigid, 1.0, &self.known.friction(&wanted.dq)?));
+            return Ok(sum(rigid, 1.0, &self.known.friction(&wanted.q, &wanted.dq)?));
         }
         let Gains { proportional, integral, derivative, .. } = &self.gains;
         let feedback = (0..error.len()).map(|i| {
@@ -184,7 +184,9 @@ impl<'a> Controller<'a> {
         let Target { q, dq, ddq } = wanted;
         let forward = match self.law {
             Law::Controller1 => self.known.slow(q, dq)?,
-            Law::Controller2 => sum(self.known.rigid(q, dq, ddq)?, 1.0, &self.known.friction(dq)?),
+            Law::Controller2 => {
+                sum(self.known.rigid(q, dq, ddq)?, 1.0, &self.known.friction(q, dq)?)
+            }
             _ => vec![0.0; error.len()],
         };
         Ok(sum(feedback.collect(), 1.0, &forward))

@@ -15,11 +15,11 @@ pub trait Knowledge: Sync {
     /// [`ControlError`] for slices of another length.
     fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError>;
 
-    /// F̂(q̇) \[N·m\], n; zeros where no friction is known.
+    /// F̂(q, q̇) \[N·m\], n; zeros where no friction is known.
     ///
     /// # Errors
-    /// [`ControlError`] for a slice of another length.
-    fn friction(&self, dq: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// [`ControlError`] for slices of another length.
+    fn friction(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError>;
 
     /// Ĝ(q) and the friction of slow motion at q̇ \[N·m\], n: what is known after step 1.
     ///
@@ -74,15 +74,15 @@ impl Knowledge for Learned {
 
     fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError> {
         let whole = self.whole.at(q, dq, ddq)?;
-        Ok(sum(whole, -1.0, &self.whole.friction(dq)?))
+        Ok(sum(whole, -1.0, &self.whole.friction(q, dq)?))
     }
 
-    fn friction(&self, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
-        Ok(self.whole.friction(dq)?)
+    fn friction(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        Ok(self.whole.friction(q, dq)?)
     }
 
     fn slow(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
-        Ok(sum(self.first_step.gravity(q)?, 1.0, &self.first_step.friction(dq)?))
+        Ok(sum(self.first_step.gravity(q)?, 1.0, &self.first_step.friction(q, dq)?))
     }
 
     fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {
@@ -101,7 +101,7 @@ impl Knowledge for Plant {
         Ok(self.arm.inverse_dynamics(q, dq, ddq))
     }
 
-    fn friction(&self, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn friction(&self, _q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
         Ok(self.friction.torques(dq))
     }
 

@@ -6,6 +6,7 @@ use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
 use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
+use torquewise_motion::memory::Memory;
 use torquewise_motion::path::Path;
 use torquewise_motion::{Motion, Pattern, Recording};
 use torquewise_stepwise::patterns::Patterns;
@@ -120,7 +121,8 @@ impl Look {
         block: &Motion,
         patterns: &Patterns,
     ) -> Result<(), torquewise_motion::ReadError> {
-        let tau_hat = self.torque.over(&self.path.follow(trajectory, block))?;
+        let block = &*self.path.follow(trajectory, block);
+        let tau_hat = self.torque.over(block)?;
         let tau = block.require_tau()?;
         let labels = patterns.label(block);
         for row in 0..block.n_rows() {
@@ -132,8 +134,9 @@ impl Look {
                 let values = signals
                     .into_iter()
                     .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
-                let values = std::iter::once(block.t()[row]).chain(values).collect();
-                self.sampled.push((values, labels[row]));
+                let remembered = block.memory().into_iter().flat_map(|memory| memory.row(row));
+                let values = std::iter::once(block.t()[row]).chain(values).chain(remembered);
+                self.sampled.push((values.collect(), labels[row]));
             }
             self.rows += 1;
         }
@@ -158,9 +161,13 @@ impl Look {
 
     fn finish(self, model: &Model, scores: Scores) -> Result<Diagnosis, IdentifyError> {
         let n = model.n_joints();
-        let signal = |first: usize| {
-            Mat::from_fn(self.sampled.len(), n, |row, j| self.sampled[row].0[1 + first * n + j])
+        let columns = |first: usize, count: usize| {
+            Mat::from_fn(self.sampled.len(), count, |row, j| self.sampled[row].0[first + j])
         };
+        let signal = |place: usize| columns(1 + place * n, n);
+        let travels = model.travels();
+        let memory = (!travels.is_empty())
+            .then(|| Memory::new(travels.clone(), columns(1 + 5 * n, travels.len() * n)));
         let motion = Motion::new(torquewise_motion::Signals {
             joints: model.joints.clone(),
             t: self.sampled.iter().map(|(values, _)| values[0]).collect(),
@@ -168,12 +175,13 @@ impl Look {
             dq: signal(1),
             ddq: signal(2),
             tau: Some(signal(3)),
-        })?;
+        })?
+        .with_memory(memory);
         let normalised = |products: Vec<f64>| -> Vec<f64> {
             let own = products[0].max(f64::MIN_POSITIVE);
             products.into_iter().map(|product| product / own).collect()
         };
-        let importance = importance(model, &motion);
+        let importance = importance(model, &motion)?;
         let patterns = self.sampled.iter().map(|(_, pattern)| *pattern).collect();
         Ok(Diagnosis {
             scores,
@@ -186,7 +194,7 @@ impl Look {
 }
 
 /// RMS of each term of each joint, friction too, over the rows of a motion.
-fn importance(model: &Model, motion: &Motion) -> Vec<Vec<Importance>> {
+fn importance(model: &Model, motion: &Motion) -> Result<Vec<Vec<Importance>>, IdentifyError> {
     let n = model.n_joints();
     let states: Vec<[Vec<f64>; 3]> = (0..motion.n_rows())
         .map(|row| {
@@ -205,18 +213,22 @@ fn importance(model: &Model, motion: &Motion) -> Vec<Vec<Importance>> {
         };
         equation.iter().map(term).collect()
     };
-    let of_friction = |w: Weighted<FrictionTerm>| Importance {
-        name: w.term.name(),
-        rms: rms(w.coefficient, &|[_, dq, _]| w.term.value(dq)),
+    let laws = Torque::new(model).laws(motion)?;
+    let of_friction = |w: Weighted<FrictionTerm>| {
+        let place = model.friction.iter().position(|own| own.term == w.term);
+        let squares = place.map_or(0.0, |place| laws.col(place).squared_norm_l2());
+        let rms = w.coefficient.abs() * (squares / states.len().max(1) as f64).sqrt();
+        Importance { name: w.term.name(), rms }
     };
-    (model.equations().into_iter().zip(weighted_friction(model)))
+    let all = (model.equations().into_iter().zip(weighted_friction(model)))
         .map(|(equation, friction)| {
             let mut terms = of_equation(equation);
             terms.extend(friction.into_iter().map(of_friction));
             terms.sort_by(|a, b| b.rms.total_cmp(&a.rms));
             terms
         })
-        .collect()
+        .collect();
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -263,7 +275,7 @@ mod tests {
         })
         .unwrap();
 
-        let found = importance(&model, &motion);
+        let found = importance(&model, &motion).unwrap();
 
         let names = |joint: usize| -> Vec<String> {
             found[joint].iter().map(|found| found.name.clone()).collect()

@@ -35,7 +35,7 @@ pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String, Exp
         row.extend(whole.gravity(&q)?);
         row.extend(whole.coriolis(&q, &dq)?);
         row.extend(inertia);
-        row.extend(whole.friction(&dq)?);
+        row.extend(whole.friction(&q, &dq)?);
         row.extend(first.gravity(&q)?);
         let row: Vec<String> = row.iter().map(|x| format!("{x:?}")).collect();
         // Writing to a String cannot fail.

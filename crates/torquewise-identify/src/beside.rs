@@ -34,7 +34,7 @@ impl Beside {
     pub(crate) fn shared_shaft(shaft: &[f64], width: f64) -> Vec<Self> {
         let friction = |law| {
             let direction = Direction::Both;
-            Self::Friction(FrictionTerm { shaft: shaft.to_vec(), law, direction })
+            Self::Friction(FrictionTerm { shaft: shaft.to_vec(), law, direction, load: false })
         };
         vec![
             friction(FrictionLaw::Viscous),
@@ -134,14 +134,14 @@ mod whole {
     use torquewise_model::FrictionTerm;
 
     pub(super) fn serialize<S: Serializer>(term: &FrictionTerm, to: S) -> Result<S::Ok, S::Error> {
-        (&term.shaft, term.law, term.direction).serialize(to)
+        (&term.shaft, term.law, term.direction, term.load).serialize(to)
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(
         from: D,
     ) -> Result<FrictionTerm, D::Error> {
-        let (shaft, law, direction) = Deserialize::deserialize(from)?;
-        Ok(FrictionTerm { shaft, law, direction })
+        let (shaft, law, direction, load) = Deserialize::deserialize(from)?;
+        Ok(FrictionTerm { shaft, law, direction, load })
     }
 }
 

@@ -103,13 +103,15 @@ const SPEEDS: u32 = 2_000;
 const USUAL_PEAK: f64 = 1.0;
 
 /// The friction that drives its shaft hardest, if any does: Σ f(v)·v < 0 over the laws of a shaft,
-/// at a speed up to what the joints reached in training, in either direction.
+/// at a speed up to what the joints reached in training, in either direction; without load, and
+/// what a load of 1 N·m adds.
 ///
 /// Constant offsets are left aside: they are of the sensor or of a load, and drive one way.
 pub fn driving_friction(model: &Model) -> Option<DrivingFriction> {
+    let alike = |a: &FrictionTerm, b: &FrictionTerm| (&a.shaft, a.load) == (&b.shaft, b.load);
     let mut shafts: Vec<Vec<&Weighted<FrictionTerm>>> = Vec::new();
     for law in model.friction.iter().filter(|law| law.term.law != FrictionLaw::Offset) {
-        match shafts.iter_mut().find(|laws| laws[0].term.shaft == law.term.shaft) {
+        match shafts.iter_mut().find(|laws| alike(&laws[0].term, &law.term)) {
             Some(laws) => laws.push(law),
             None => shafts.push(vec![law]),
         }

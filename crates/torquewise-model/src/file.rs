@@ -164,6 +164,9 @@ fn check_friction(weighted: &Weighted<FrictionTerm>, n: usize) -> Result<(), Mod
             return refuse("the shaft", &"not one joint", "one joint, in both directions");
         }
     }
+    if term.load && term.shaft.iter().filter(|shaft| **shaft != 0.0).count() != 1 {
+        return refuse("the shaft", &"of several joints", "of one joint, whose load it feels");
+    }
     finite("a coefficient", weighted.coefficient, || term.name())?;
     finite("a standard error", weighted.std_error, || term.name())
 }

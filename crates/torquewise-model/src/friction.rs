@@ -26,6 +26,10 @@ pub struct FrictionTerm {
     /// Where it acts; [`FrictionLaw::Offset`] acts in both directions.
     #[serde(default, skip_serializing_if = "Direction::is_both")]
     pub direction: Direction,
+    /// Whether gears press harder under load: f(v) is multiplied by |Gⱼ(q)|, what gravity and
+    /// springs load the one joint of the shaft with, and the coefficient is a number (E13).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub load: bool,
 }
 
 /// f(v) of one part of the curve, per unit of its coefficient.
@@ -129,14 +133,31 @@ impl FrictionTerm {
     /// A law on the shaft of one of n joints, counted from 0, in both directions.
     pub fn of_joint(n_joints: usize, joint: usize, law: FrictionLaw) -> Self {
         let shaft = (0..n_joints).map(|j| f64::from(u8::from(j == joint))).collect();
-        Self { shaft, law, direction: Direction::Both }
+        Self { shaft, law, direction: Direction::Both, load: false }
+    }
+
+    /// The same law in proportion to the load of the gear.
+    pub fn under_load(self) -> Self {
+        Self { load: true, ..self }
+    }
+
+    /// The first joint that its shaft turns, counted from 0.
+    pub fn joint(&self) -> Option<usize> {
+        self.shaft.iter().position(|shaft| *shaft != 0.0)
+    }
+
+    /// |Gⱼ| \[N·m\] that it is multiplied by, 1 where load does not matter.
+    ///
+    /// - `gravity`: G(q) \[N·m\], n
+    pub fn pressed(&self, gravity: &[f64]) -> f64 {
+        let joint = if self.load { self.joint() } else { None };
+        joint.and_then(|joint| gravity.get(joint)).map_or(1.0, |load| load.abs())
     }
 
     /// The travel \[rad\] of the element that it follows, and the joint, if it remembers the path.
     pub fn element(&self) -> Option<(usize, f64)> {
         let FrictionLaw::Dahl { travel } = self.law else { return None };
-        let joint = self.shaft.iter().position(|shaft| *shaft != 0.0)?;
-        Some((joint, travel))
+        Some((self.joint()?, travel))
     }
 
     /// Speed of the shaft \[rad/s\] at joint speeds dq \[rad/s\], n.
@@ -144,7 +165,7 @@ impl FrictionTerm {
         self.shaft.iter().zip(dq).map(|(shaft, dq)| shaft * dq).sum()
     }
 
-    /// f(v) at joint speeds dq \[rad/s\], n.
+    /// f(v) at joint speeds dq \[rad/s\], n, under a load of 1.
     pub fn value(&self, dq: &[f64]) -> f64 {
         self.at_speed(self.speed(dq))
     }
@@ -154,8 +175,8 @@ impl FrictionTerm {
         if self.direction.holds(speed) { self.law.value(speed) } else { 0.0 }
     }
 
-    /// What it adds to the torque of a joint, counted from 0, per unit of its coefficient; dq
-    /// \[rad/s\], n.
+    /// What it adds to the torque of a joint, counted from 0, per unit of its coefficient and under
+    /// a load of 1; dq \[rad/s\], n.
     pub fn torque(&self, joint: usize, dq: &[f64]) -> f64 {
         if self.acts_on(joint) { self.shaft[joint] * self.value(dq) } else { 0.0 }
     }
@@ -166,7 +187,7 @@ impl FrictionTerm {
     }
 
     /// Readable name, joints counted from 1: `sign(dq2)`, `dq5 + dq6 [dq5 + dq6 > 0]`,
-    /// `exp(-(dq2/0.05)^2)*sign(dq2)`; an offset names its joint, `1 [joint2]`.
+    /// `exp(-(dq2/0.05)^2)*sign(dq2)`, `sign(dq2)*|G2|`; an offset names its joint, `1 [joint2]`.
     pub fn name(&self) -> String {
         match self.law {
             FrictionLaw::Offset => format!("1 [{}]", self.sum("joint", "*")),
@@ -191,7 +212,8 @@ impl FrictionTerm {
             }
             FrictionLaw::Dahl { travel } => format!("dahl({}, {travel})", self.sum("q", "*")),
         };
-        law + &self.condition(|relation| format!(" [{speed} {relation} 0]"))
+        let load = self.load_text(|joint| format!("*|G{joint}|"));
+        law + &load + &self.condition(|relation| format!(" [{speed} {relation} 0]"))
     }
 
     /// The same in LaTeX; nothing for an offset.
@@ -217,7 +239,14 @@ impl FrictionTerm {
                 format!(r"x_{{{travel}}}({})", self.sum("q_", r"\,"))
             }
         };
-        law + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))
+        let load = self.load_text(|joint| format!(r"\,|G_{{{joint}}}|"));
+        law + &load + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))
+    }
+
+    /// The load as a factor, its joint counted from 1; nothing where it does not matter.
+    fn load_text(&self, factor: impl Fn(usize) -> String) -> String {
+        let joint = if self.load { self.joint() } else { None };
+        joint.map_or_else(String::new, |joint| factor(joint + 1))
     }
 
     /// Iverson's bracket of the direction.

@@ -22,7 +22,7 @@ pub struct Parts {
     pub coriolis: Mat<f64>,
     /// G(q) \[N·m\], m×n.
     pub gravity: Mat<f64>,
-    /// F(q̇) \[N·m\], m×n.
+    /// F(q, q̇) \[N·m\], m×n.
     pub friction: Mat<f64>,
 }
 
@@ -66,6 +66,8 @@ pub struct Torque {
     friction: Vec<Weighted<FrictionTerm>>,
     /// Travels of the elements by which friction remembers the path \[rad\].
     travels: Vec<f64>,
+    /// Whether friction depends on the load of a gear.
+    feels_load: bool,
     /// The links, where a chain was learned; the terms are then those of its drives.
     links: Option<Links>,
 }
@@ -110,7 +112,8 @@ impl Torque {
         let mass = Mass::of(equations, model.n_joints());
         let friction = model.friction.clone();
         let (n_joints, travels) = (model.n_joints(), model.travels());
-        Self { n_joints, factors, joints, mass, friction, travels, links }
+        let feels_load = friction.iter().any(|weighted| weighted.term.load);
+        Self { n_joints, factors, joints, mass, friction, travels, feels_load, links }
     }
 
     /// Elements by which friction remembers the path, before the first sample. Feed them every
@@ -261,15 +264,13 @@ impl Torque {
         self.part(Kind::Gravity, q, &vec![0.0; self.n_joints])
     }
 
-    /// F(q̇) \[N·m\], n: dq \[rad/s\], n.
+    /// F(q, q̇) \[N·m\], n: q \[rad\], which matters to friction under load alone, and dq
+    /// \[rad/s\], n each.
     ///
     /// # Errors
-    /// [`ModelError::Shape`] if `dq` has another length than the model has joints.
-    pub fn friction(&self, dq: &[f64]) -> Result<Vec<f64>, ModelError> {
-        let mut tau = vec![0.0; self.n_joints];
-        self.check_length("dq", dq)?;
-        self.visit_friction(dq, &|_, _| None, |joint, _, value| tau[joint] += value);
-        Ok(tau)
+    /// [`ModelError::Shape`] if one has another length than the model has joints.
+    pub fn friction(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        self.part(Kind::Friction, q, dq)
     }
 
     /// One part of the torque of an arm that does not accelerate.
@@ -292,21 +293,37 @@ impl Torque {
         if found == expected { Ok(()) } else { Err(ModelError::Shape { what, found, expected }) }
     }
 
-    fn visit_friction(
+    /// What each law of friction comes to at the rows of a motion, per unit of its coefficient, on
+    /// its shaft, m×k in the order of [`Model::friction`].
+    ///
+    /// # Errors
+    /// [`ModelError::JointCount`] if the motion is of another arm.
+    pub fn laws(&self, motion: &Motion) -> Result<Mat<f64>, ModelError> {
+        self.check_joints(motion)?;
+        let motion = self.remembering(motion);
+        let signals = [motion.q(), motion.dq()];
+        let mut laws = Mat::zeros(motion.n_rows(), self.friction.len());
+        for row in 0..motion.n_rows() {
+            let [q, dq] = signals.map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
+            let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
+            let gravity = if self.feels_load { self.gravity(&q)? } else { Vec::new() };
+            self.visit_laws((&gravity, &dq), &memory, |k, value| laws[(row, k)] = value);
+        }
+        Ok(laws)
+    }
+
+    /// Hands over each law: its place, and what it comes to per unit of its coefficient.
+    ///
+    /// - `gravity`: G(q) \[N·m\], n
+    fn visit_laws(
         &self,
-        dq: &[f64],
+        (gravity, dq): (&[f64], &[f64]),
         memory: Remembered<'_>,
-        mut add: impl FnMut(usize, Kind, f64),
+        mut put: impl FnMut(usize, f64),
     ) {
-        for weighted in &self.friction {
-            let term = &weighted.term;
+        for (k, Weighted { term, .. }) in self.friction.iter().enumerate() {
             let state = term.element().and_then(|(joint, travel)| memory(joint, travel));
-            let load = weighted.coefficient * state.unwrap_or_else(|| term.value(dq));
-            for (joint, &shaft) in weighted.term.shaft.iter().enumerate().take(self.n_joints) {
-                if shaft != 0.0 {
-                    add(joint, Kind::Friction, shaft * load);
-                }
-            }
+            put(k, state.unwrap_or_else(|| term.value(dq)) * term.pressed(gravity));
         }
     }
 
@@ -322,14 +339,27 @@ impl Torque {
         }
         let factors: Vec<f64> = self.factors.iter().map(|factor| factor.value(q)).collect();
         let rate = |place: usize| if place < n { dq[place] } else { ddq[place - n] };
+        let mut gravity = vec![0.0; n];
         for (joint, products) in self.joints.iter().enumerate() {
             for product in products {
                 let angles: f64 = product.factors.iter().map(|&place| factors[place]).product();
                 let rates: f64 = product.rates.iter().map(|&place| rate(place)).product();
-                add(joint, product.kind, product.coefficient * angles * rates);
+                let value = product.coefficient * angles * rates;
+                add(joint, product.kind, value);
+                if product.kind == Kind::Gravity {
+                    gravity[joint] += value;
+                }
             }
         }
-        self.visit_friction(dq, memory, add);
+        if let (true, Some(links)) = (self.feels_load, &self.links) {
+            links.add_part(Kind::Gravity, State { q, dq, ddq }, &mut gravity);
+        }
+        self.visit_laws((&gravity, dq), memory, |k, value| {
+            let Weighted { term, coefficient, .. } = &self.friction[k];
+            for (joint, &shaft) in term.shaft.iter().enumerate().filter(|(_, s)| **s != 0.0) {
+                add(joint, Kind::Friction, shaft * coefficient * value);
+            }
+        });
         Ok(())
     }
 }

@@ -223,6 +223,14 @@ pub fn friction(term: &FrictionTerm) -> Markup {
             format!("<msub><mi>x</mi><mn>{travel}</mn></msub>{}", brackets(&angle))
         }
     };
+    let load = match term.joint() {
+        Some(joint) if term.load => format!(
+            "<mspace width=\"0.2em\"/><mo>|</mo><msub><mi>G</mi><mn>{}</mn></msub><mo>|</mo>",
+            joint + 1
+        ),
+        _ => String::new(),
+    };
+    let law = law + &load;
     let relation = match term.direction {
         Direction::Both if law.is_empty() => return Markup::trusted(String::new()),
         Direction::Both => return math(&law),
@@ -237,7 +245,12 @@ pub fn friction(term: &FrictionTerm) -> Markup {
 
 /// Its unit, as that of a coefficient.
 fn friction_unit(term: &FrictionTerm) -> &'static str {
-    if term.law == FrictionLaw::Viscous { "N·m·s" } else { "N·m" }
+    match (term.law, term.load) {
+        (FrictionLaw::Viscous, false) => "N·m·s",
+        (FrictionLaw::Viscous, true) => "s",
+        (_, false) => "N·m",
+        (_, true) => "",
+    }
 }
 
 /// The speed of a shaft: q̇₂, q̇₅ + q̇₆.
@@ -379,7 +392,7 @@ mod tests {
     }
 
     fn rubbing(shaft: [f64; 2], law: FrictionLaw, direction: Direction) -> FrictionTerm {
-        FrictionTerm { shaft: shaft.to_vec(), law, direction }
+        FrictionTerm { shaft: shaft.to_vec(), law, direction, load: false }
     }
 
     #[test]

@@ -171,7 +171,8 @@ fn a_learned_sign_is_smooth() {
     use torquewise_control::Knowledge;
     let known = Learned::new(&dry(2)).unwrap();
 
-    let [slow, fast] = [2e-5, 1.0].map(|speed| known.friction(&[speed, 0.0]).unwrap()[0]);
+    let [slow, fast] =
+        [2e-5, 1.0].map(|speed| known.friction(&[0.0; 2], &[speed, 0.0]).unwrap()[0]);
 
     assert!(slow > 0.0 && slow < 0.05 && (fast - 2.0).abs() < 1e-12);
     assert_eq!(known.slow(&[0.0; 2], &[1.0, 0.0]).unwrap(), [2.0, 0.0]);

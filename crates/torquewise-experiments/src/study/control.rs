@@ -127,7 +127,7 @@ fn friction(plant: &Plant, known: &Learned) -> Result<Vec<FrictionCurve>, Experi
             let at = |&v: &f64| {
                 let mut dq = vec![0.0; n];
                 dq[joint] = v;
-                Ok(known.friction(&dq)?[joint])
+                Ok(known.friction(&vec![0.0; dq.len()], &dq)?[joint])
             };
             let learned = speed.iter().map(at).collect::<Result<Vec<f64>, ExperimentError>>()?;
             let off = truth.iter().zip(&learned).map(|(truth, f)| ((f - truth) / truth).abs());

@@ -183,7 +183,7 @@ fn friction(n: usize) -> Vec<Weighted<FrictionTerm>> {
     let mut shaft = vec![0.0; n];
     (shaft[n - 2], shaft[n - 1]) = (1.0, -0.5);
     let (law, direction) = (FrictionLaw::Coulomb { width: 0.0 }, Direction::Both);
-    terms.push(weighted(FrictionTerm { shaft, law, direction }, 0.7));
+    terms.push(weighted(FrictionTerm { shaft, law, direction, load: false }, 0.7));
     terms
 }
 

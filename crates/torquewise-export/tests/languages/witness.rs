@@ -16,7 +16,7 @@ pub(crate) fn expected(model: &Model, states: &[State]) -> Vec<Vec<f64>> {
         row.extend(whole.gravity(q).unwrap());
         row.extend(whole.coriolis(q, dq).unwrap());
         row.extend((0..n * n).map(|place| matrix[(place / n, place % n)]));
-        row.extend(whole.friction(dq).unwrap());
+        row.extend(whole.friction(q, dq).unwrap());
         row.extend(first.gravity(q).unwrap());
         row
     };

@@ -294,7 +294,9 @@ fn stribeck_friction_is_chosen_where_there_is_some() {
     let torque = Torque::new(&found.model);
     for speed in [-1.2, -0.5, -0.2, -0.1, 0.05, 0.1, 0.2, 0.5, 1.2] {
         let dq = [speed, 0.4 * speed, -speed];
-        for (joint, rubs) in torque.friction(&dq).unwrap().into_iter().enumerate() {
+        for (joint, rubs) in
+            torque.friction(&vec![0.0; dq.len()], &dq).unwrap().into_iter().enumerate()
+        {
             let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
             // 2 % of the greatest friction, more where the dictionary bends most.
             let most = if speed.abs() < 0.1 { 0.3 } else { 0.1 };
@@ -320,7 +322,7 @@ fn friction_that_reverses_sharply_is_learned_so() {
         // 1 % of the peak speed, where a wide reversal has three quarters of dry friction.
         let mut dq = [0.0; 3];
         dq[joint] = width(&motion, joint);
-        let rubs = torque.friction(&dq).unwrap()[joint];
+        let rubs = torque.friction(&vec![0.0; dq.len()], &dq).unwrap()[joint];
         let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
         assert!((rubs - truth).abs() < 0.05 * truth, "joint {joint}: {rubs}, not {truth}");
     }

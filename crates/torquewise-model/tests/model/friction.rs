@@ -4,6 +4,7 @@
 
 use faer::Mat;
 use proptest::prelude::*;
+use torquewise_model::checks::driving_friction;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_model::print::{latex, text};
@@ -46,7 +47,8 @@ fn directed(law: FrictionLaw, direction: Direction) -> FrictionTerm {
 
 /// One of each law, the offset on a coupled shaft.
 fn all_laws() -> Vec<Weighted<FrictionTerm>> {
-    let coupled = |law| FrictionTerm { shaft: vec![1.0, -0.5], law, direction: Direction::Both };
+    let coupled =
+        |law| FrictionTerm { shaft: vec![1.0, -0.5], law, direction: Direction::Both, load: false };
     vec![
         weighted(coupled(FrictionLaw::Offset), 0.3),
         weighted(coupled(FrictionLaw::Viscous), 1.2),
@@ -69,12 +71,12 @@ fn three_terms_are_the_stribeck_curve() {
         // (17) as the paper prints it, forward; it is odd.
         let forward = f_c + (f_s - f_c) * (-v * v / (v_s * v_s)).exp() + f_v * v;
         for (dq, expected) in [(v, forward), (-v, -forward)] {
-            let found = torque.friction(&[9.0, dq]).unwrap();
+            let found = torque.friction(&[0.0; 2], &[9.0, dq]).unwrap();
             assert_eq!(found[0], 0.0);
             assert!((found[1] - expected).abs() < 1e-12 * expected.abs(), "{v}: {found:?}");
         }
     }
-    assert_eq!(torque.friction(&[1.0, 0.0]).unwrap(), [0.0, 0.0], "sign(0) is 0");
+    assert_eq!(torque.friction(&[0.0; 2], &[1.0, 0.0]).unwrap(), [0.0, 0.0], "sign(0) is 0");
 }
 
 #[test]
@@ -112,11 +114,12 @@ fn a_directed_law_acts_in_its_direction_only() {
 fn a_coupled_shaft_does_the_work_of_its_friction() {
     let shaft = vec![1.0, -0.5];
     for law in [EXACT, FrictionLaw::Viscous, FrictionLaw::Stribeck { speed: 0.4, width: 0.02 }] {
-        let term = FrictionTerm { shaft: shaft.clone(), law, direction: Direction::Both };
+        let term =
+            FrictionTerm { shaft: shaft.clone(), law, direction: Direction::Both, load: false };
         let torque = Torque::new(&model(vec![weighted(term, 1.7)]));
         for dq in [[0.3, 0.1], [-0.2, 0.9], [0.05, 0.1]] {
             let v = dq[0] - 0.5 * dq[1];
-            let tau = torque.friction(&dq).unwrap();
+            let tau = torque.friction(&[0.0; 2], &dq).unwrap();
             let power: f64 = tau.iter().zip(dq).map(|(tau, dq)| tau * dq).sum();
             assert!((power - 1.7 * law.value(v) * v).abs() < 1e-15, "{law:?} {dq:?}");
             assert!(power >= 0.0, "friction takes energy");
@@ -137,19 +140,20 @@ fn friction_is_a_part_of_its_own() {
     let states = [(q.to_vec(), dq.to_vec())];
     assert_eq!(check(&rubbing, &states).unwrap(), check(&bare, &states).unwrap());
     let (whole, rest) = (with.at(&q, &dq, &ddq).unwrap(), without.at(&q, &dq, &ddq).unwrap());
-    let friction = with.friction(&dq).unwrap();
+    let friction = with.friction(&q, &dq).unwrap();
     for joint in 0..2 {
         assert!((whole[joint] - rest[joint] - friction[joint]).abs() < 1e-14);
     }
     assert!(friction.iter().all(|tau| tau.abs() > 0.1), "{friction:?}");
-    assert!(matches!(with.friction(&[1.0]), Err(ModelError::Shape { what: "dq", .. })));
+    assert!(matches!(with.friction(&q, &[1.0]), Err(ModelError::Shape { what: "dq", .. })));
     assert_eq!(rubbing.n_coefficients(), bare.n_coefficients() + 5);
     assert_eq!([rubbing.active(), bare.active()], [vec![5, 6], vec![3, 1]]);
 }
 
 #[test]
 fn terms_read_as_their_formulas() {
-    let wrist = |law| FrictionTerm { shaft: vec![1.0, 1.0], law, direction: Direction::Both };
+    let wrist =
+        |law| FrictionTerm { shaft: vec![1.0, 1.0], law, direction: Direction::Both, load: false };
     let stribeck = FrictionLaw::Stribeck { speed: 0.05, width: 0.0 };
     let names = [
         (directed(EXACT, Direction::Both), "sign(dq2)"),
@@ -329,7 +333,7 @@ fn friction_term() -> impl Strategy<Value = FrictionTerm> {
     let direction =
         prop_oneof![Just(Direction::Both), Just(Direction::Forward), Just(Direction::Backward)];
     (proptest::collection::vec(-2.0..2.0, 2), law, direction)
-        .prop_map(|(shaft, law, direction)| FrictionTerm { shaft, law, direction })
+        .prop_map(|(shaft, law, direction)| FrictionTerm { shaft, law, direction, load: false })
 }
 
 fn signal(rows: usize) -> impl Strategy<Value = Mat<f64>> {
@@ -355,7 +359,7 @@ proptest! {
         for row in 0..4 {
             let [q, dq, ddq] = [motion.q(), motion.dq(), motion.ddq()]
                 .map(|x| vec![x[(row, 0)], x[(row, 1)]]);
-            let (whole, rub) = (torque.at(&q, &dq, &ddq).unwrap(), torque.friction(&dq).unwrap());
+            let (whole, rub) = (torque.at(&q, &dq, &ddq).unwrap(), torque.friction(&[0.0; 2], &dq).unwrap());
             for joint in 0..2 {
                 prop_assert!((total[(row, joint)] - whole[joint]).abs() < 1e-12);
                 prop_assert_eq!(parts.friction[(row, joint)], rub[joint]);
@@ -384,10 +388,49 @@ fn another_reversal_changes_friction_at_reversal_alone() {
 
     let sharp = smooth.with_reversal(1e-4);
 
-    let at = |model: &Model, speed: f64| Torque::new(model).friction(&[speed, speed]).unwrap();
+    let at = |model: &Model, speed: f64| {
+        Torque::new(model).friction(&[0.0; 2], &[speed, speed]).unwrap()
+    };
     assert_eq!(at(&sharp, 0.4), at(&smooth, 0.4));
     // tanh(0.5) of the directed law becomes tanh(50), which is 1.
     let grown = at(&sharp, 0.005)[1] - at(&smooth, 0.005)[1];
     assert!((grown - 0.7 * (1.0 - 0.5_f64.tanh())).abs() < 1e-12, "{grown}");
     assert_eq!(at(&sharp.after_step(1).unwrap(), 0.005), at(&sharp, 0.005));
+}
+
+#[test]
+fn friction_under_load_follows_the_gravity_of_its_joint() {
+    let loaded = directed(EXACT, Direction::Both).under_load();
+    assert_eq!(
+        [loaded.name(), loaded.latex()].concat(),
+        "sign(dq2)*|G2|\
+        \\operatorname{sign}(\\dot q_{2})\\,|G_{2}|"
+    );
+    let knee = Weighted {
+        term: Term::one(2).times(Trig::Sin, 1, 1, 1),
+        coefficient: -4.0,
+        std_error: 0.0,
+        inclusion: None,
+    };
+    let mut rubbing = model(vec![weighted(loaded, 0.1)]);
+    let Form::Torque(equations) = &mut rubbing.form else { unreachable!() };
+    equations[1].push(knee);
+    let torque = Torque::new(&rubbing);
+    let (q, dq, ddq) = ([0.3, 0.5], [1.0, -0.2], [0.0, 3.0]);
+
+    let friction = torque.friction(&q, &dq).unwrap();
+
+    assert_eq!(friction[0], 0.0);
+    assert!((friction[1] + 0.1 * 4.0 * 0.5_f64.sin()).abs() < 1e-15, "{friction:?}");
+    let bare = Torque::new(&Model { friction: vec![], ..rubbing.clone() });
+    let whole = torque.at(&q, &dq, &ddq).unwrap()[1] - bare.at(&q, &dq, &ddq).unwrap()[1];
+    assert!((whole - friction[1]).abs() < 1e-14);
+    assert!(driving_friction(&rubbing).is_none());
+    rubbing.friction[0].coefficient = -0.1;
+    assert!(driving_friction(&rubbing).is_some());
+
+    let shared = FrictionTerm { shaft: vec![1.0, 1.0], ..rubbing.friction[0].term.clone() };
+    rubbing.friction[0].term = shared;
+    let refused = to_json(&rubbing).unwrap_err();
+    assert!(refused.to_string().contains("of one joint"), "{refused}");
 }

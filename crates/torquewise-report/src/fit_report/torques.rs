@@ -5,7 +5,7 @@ use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
 use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series};
 use torquewise_identify::Diagnosis;
-use torquewise_model::Model;
+use torquewise_model::{Model, Torque};
 
 /// Charts of time with this word share their zoom.
 pub(crate) const LINK: &str = "time";
@@ -33,14 +33,12 @@ pub(crate) fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str)
 
 /// Friction \[N·m\] of each joint at the rows of a diagnosis; empty for a joint without.
 fn friction(model: &Model, diagnosis: &Diagnosis) -> Vec<Vec<f64>> {
-    let dq = diagnosis.trace.motion.dq();
-    let of_joint = |joint: usize| {
-        let terms = || model.friction.iter().filter(move |w| w.term.acts_on(joint));
-        let torque = |row: usize| -> f64 {
-            let dq: Vec<f64> = dq.row(row).iter().copied().collect();
-            terms().map(|w| w.coefficient * w.term.torque(joint, &dq)).sum()
-        };
-        if terms().next().is_none() { Vec::new() } else { (0..dq.nrows()).map(torque).collect() }
+    let parts = Torque::new(model).parts(&diagnosis.trace.motion);
+    let of_joint = |joint: usize| match &parts {
+        Ok(parts) if model.friction.iter().any(|w| w.term.acts_on(joint)) => {
+            parts.friction.col_as_slice(joint).to_vec()
+        }
+        _ => Vec::new(),
     };
     (0..model.n_joints()).map(of_joint).collect()
 }

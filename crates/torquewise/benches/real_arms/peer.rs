@@ -50,7 +50,7 @@ impl<'a> Peer<'a> {
             let width = WIDTH * slowest.map(|(joint, _)| peak(joint)).fold(f64::INFINITY, f64::min);
             for law in [FrictionLaw::Offset, FrictionLaw::Viscous, FrictionLaw::Coulomb { width }] {
                 let (shaft, direction) = (shaft.clone(), Direction::Both);
-                friction.push(FrictionTerm { shaft, law, direction });
+                friction.push(FrictionTerm { shaft, law, direction, load: false });
             }
         }
         let place = |name: &&str| motion.joints().iter().position(|joint| joint == name);
