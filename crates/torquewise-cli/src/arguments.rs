@@ -193,7 +193,6 @@ impl PlanArguments {
     fn given(&self) -> Vec<Flag> {
         let own = [
             (Flag::Friction, self.rubs()),
-            (Flag::Dahl, self.friction == Some(Friction::Dahl)),
             (Flag::Interaction, self.interaction.is_some()),
             (Flag::TrigOrder, self.trig_order.is_some()),
             (Flag::GravityOrder, self.gravity_order.is_some()),

@@ -18,7 +18,6 @@ pub(crate) enum Fitted {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Flag {
     Friction,
-    Dahl,
     Interaction,
     TrigOrder,
     GravityOrder,
@@ -47,7 +46,6 @@ impl Flag {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Friction => "--friction",
-            Self::Dahl => "--friction dahl",
             Self::Interaction => "--interaction",
             Self::TrigOrder => "--trig-order",
             Self::GravityOrder => "--gravity-order",
@@ -66,7 +64,7 @@ impl Flag {
             Self::Interaction => matches!(fitted, Fitted::Energy(_)),
             Self::TrigOrder => matches!(fitted, Fitted::Product(_)),
             Self::GravityOrder => fitted == Fitted::Product(Regression::Stepwise),
-            Self::Dahl | Self::Counterbalance | Self::Unconstrained => fitted == Fitted::Chain,
+            Self::Counterbalance | Self::Unconstrained => fitted == Fitted::Chain,
             Self::Select | Self::Threshold | Self::Bags => fitted != Fitted::Chain,
             Self::NoNoiseCorrection => true,
         }
@@ -79,7 +77,7 @@ impl Flag {
             Self::Interaction => "--library energy",
             Self::TrigOrder => "--library product",
             Self::GravityOrder => "--library product with --method stepwise",
-            Self::Dahl | Self::Counterbalance | Self::Unconstrained => "--library chain",
+            Self::Counterbalance | Self::Unconstrained => "--library chain",
             Self::Select | Self::Threshold | Self::Bags | Self::NoNoiseCorrection => {
                 "--library energy|product (energy needs --interaction K beyond four joints)"
             }
@@ -125,16 +123,6 @@ mod tests {
              the log is filtered: leave it out or choose --library energy|product (energy needs \
              --interaction K beyond four joints)"
         );
-    }
-
-    #[test]
-    fn memory_of_the_path_is_for_a_chain() {
-        let energy = Fitted::Energy(Regression::Stepwise);
-
-        let refused = refuse_unused(&[Flag::Dahl], energy, "the log is clean", "choose");
-
-        assert!(refused.unwrap_err().to_string().starts_with("--friction dahl is not used by the"));
-        assert!(refuse_unused(&[Flag::Dahl], Fitted::Chain, "", "").is_ok());
     }
 
     #[test]

@@ -20,11 +20,9 @@ pub(crate) enum Friction {
     Linear,
     /// The same and the Stribeck curve, forward and backward apart
     Stribeck,
-    /// Whichever predicts held-out rows best
+    /// Whichever predicts held-out rows best; of a chain joint by joint, with memory of the path at
+    /// rest and reversal, and with load, where they pay
     Auto,
-    /// The same and memory of the path at rest and reversal, of joints that are predicted better
-    /// with it; for a chain, and of exports for C and LaTeX
-    Dahl,
 }
 
 impl From<Friction> for FrictionKind {
@@ -34,7 +32,6 @@ impl From<Friction> for FrictionKind {
             Friction::Linear => Self::Linear,
             Friction::Stribeck => Self::Stribeck,
             Friction::Auto => Self::Auto,
-            Friction::Dahl => Self::Dahl,
         }
     }
 }

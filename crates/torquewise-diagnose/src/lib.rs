@@ -3,10 +3,12 @@
 pub mod rough;
 pub mod excitation;
 pub mod disagreement;
+pub mod drift;
 pub mod score;
 pub mod diagnose;
 
 pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};
+pub use drift::{Drift, drifts};
 pub use excitation::findings;
 pub use score::{Scores, score};

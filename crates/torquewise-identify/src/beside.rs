@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_motion::Motion;
+use torquewise_rigid::{Chain, Kinematics};
 use torquewise_survey::friction::Dictionary;
 
 /// Something that loads joints in proportion to one coefficient.
@@ -74,6 +75,19 @@ impl Beside {
         matches!(self, Self::Friction(term) if alone(&term.shaft))
     }
 
+    /// The law, if it is friction.
+    pub(crate) fn law(&self) -> Option<&FrictionTerm> {
+        match self {
+            Self::Friction(term) => Some(term),
+            Self::Rotor(_) | Self::Energy(_) => None,
+        }
+    }
+
+    /// Whether it is friction that depends on the load of a gear.
+    pub(crate) fn feels_load(&self) -> bool {
+        self.law().is_some_and(|term| term.load)
+    }
+
     /// Whether it is friction that remembers the path.
     pub(crate) fn remembers(&self) -> bool {
         matches!(self, Self::Friction(term) if term.element().is_some())
@@ -114,9 +128,58 @@ fn unit(n: usize, joint: usize) -> Vec<f64> {
     (0..n).map(|j| f64::from(u8::from(j == joint))).collect()
 }
 
+/// What gravity and springs load the joints with, as far as it is known: gears press harder under
+/// it.
+#[derive(Clone, Debug)]
+pub(crate) struct Gravity {
+    kinematics: Kinematics,
+    inertial: Vec<f64>,
+    springs: Vec<(EnergyTerm, f64)>,
+}
+
+impl Gravity {
+    /// That of a chain.
+    ///
+    /// - `beside`: what stands beside its links, in the order of their coefficients
+    pub(crate) fn of(chain: &Chain, beside: &[Beside]) -> Self {
+        let springs = beside.iter().zip(&chain.beside).filter_map(|(beside, coefficient)| {
+            let Beside::Energy(term) = beside else { return None };
+            (term.place == Place::Potential).then(|| (term.clone(), *coefficient))
+        });
+        Self {
+            kinematics: Kinematics::new(&chain.geometry),
+            inertial: chain.inertial.clone(),
+            springs: springs.collect(),
+        }
+    }
+
+    /// G(q) \[N·m\] at the rows of a motion, m×n.
+    fn over(&self, motion: &Motion, states: &States) -> Mat<f64> {
+        let mut gravity = Mat::zeros(motion.n_rows(), motion.n_joints());
+        let rest = [Some(motion.q()), None, None];
+        self.kinematics.torques(rest, &self.inertial, |row, joint, torque| {
+            gravity[(row, joint)] = torque;
+        });
+        for (spring, coefficient) in &self.springs {
+            gravity += states.loads(spring, *coefficient);
+        }
+        gravity
+    }
+}
+
 /// Columns of what is beside the links over a motion: one m×e matrix for each joint.
-pub(crate) fn columns(beside: &[Beside], motion: &Motion) -> Vec<Mat<f64>> {
-    let states = States::of(motion);
+///
+/// - `gravity`: what friction under load is in proportion to
+pub(crate) fn columns(
+    beside: &[Beside],
+    motion: &Motion,
+    gravity: Option<&Gravity>,
+) -> Vec<Mat<f64>> {
+    let mut states = States::of(motion);
+    if let (true, Some(gravity)) = (beside.iter().any(Beside::feels_load), gravity) {
+        let gravity = gravity.over(motion, &states);
+        states = states.under(gravity);
+    }
     let mut columns = vec![Mat::zeros(motion.n_rows(), beside.len()); motion.n_joints()];
     for (k, beside) in beside.iter().enumerate() {
         let loads = beside.loads(&states);

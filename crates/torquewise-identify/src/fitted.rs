@@ -13,6 +13,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
+use torquewise_diagnose::drifts;
 use torquewise_model::model::{Choice, Overlooked};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
@@ -78,6 +79,7 @@ impl Fitted {
             choices,
         };
         let noise = &solved.at.noise;
+        warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey.sample, noise)?;
         let step = StepReport {
             name: "all rows",

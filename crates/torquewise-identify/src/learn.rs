@@ -16,8 +16,10 @@ use torquewise_survey::survey::thinned;
 
 mod couplings;
 mod further;
+mod joint_friction;
+mod left_over;
 mod loads;
-mod memory;
+mod ripple;
 
 /// A chain with what stands beside it, and how both were chosen.
 #[derive(Clone, Debug)]
@@ -139,7 +141,7 @@ fn attempt<'a>(
         beside.extend(Beside::friction(school.laws.linear()));
     }
     let search = Search { seed, ..Search::default() };
-    let recipe = Recipe { beside, search, free: all_parameters(n) };
+    let recipe = Recipe { beside, search, free: all_parameters(n), gravity: None };
     let mut choices = Vec::new();
 
     let Searched { mut recipe, mut chain, mut starts } =
@@ -153,8 +155,9 @@ fn attempt<'a>(
         school.reversal(&mut recipe, &chain, friction, &mut choices)?;
     }
     school.friction(&mut recipe, &chain, friction, &mut choices)?;
-    if friction == FrictionKind::Dahl {
-        school.memory(&mut recipe, &chain, &mut choices)?;
+    if friction == FrictionKind::Auto && recipe.rubs() {
+        school.joint_friction(&mut recipe, &chain, &mut choices)?;
+        school.ripple(&mut recipe, &chain, &mut choices)?;
     }
     school.ridge(&mut recipe, &chain, &mut choices)?;
     chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
@@ -202,7 +205,7 @@ impl<'a> School<'a> {
 
     fn rows(&self, recipe: &Recipe, count: usize) -> Result<Rows, IdentifyError> {
         let motion = thinned(self.motion, count);
-        let beside = columns(&recipe.beside, &motion);
+        let beside = columns(&recipe.beside, &motion, recipe.gravity.as_ref());
         let tau = motion.require_tau()?;
         let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &beside)?;
         if !recipe.rubs() {

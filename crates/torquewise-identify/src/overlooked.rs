@@ -138,7 +138,7 @@ fn candidates(learned: &Learned, friction: FrictionKind) -> Vec<Candidate> {
     // Where it may choose, the learner has judged all laws of friction itself.
     let laws = match friction {
         FrictionKind::None | FrictionKind::Linear => learned.laws.of(FrictionKind::Stribeck),
-        FrictionKind::Stribeck | FrictionKind::Auto | FrictionKind::Dahl => Vec::new(),
+        FrictionKind::Stribeck | FrictionKind::Auto => Vec::new(),
     };
     let energies = library.chain(springs(n)).map(Candidate::Energy);
     energies.chain(laws.into_iter().map(Candidate::Friction)).collect()

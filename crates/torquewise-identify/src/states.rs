@@ -18,6 +18,8 @@ pub(crate) struct States {
     ddq: Vec<Vec<f64>>,
     /// What friction remembers at each state.
     memory: Option<Memory>,
+    /// G(q) of each state, states×n, where it is known.
+    gravity: Option<Mat<f64>>,
 }
 
 impl States {
@@ -61,7 +63,15 @@ impl States {
             memory: motion.memory().map(|memory| {
                 memory.select(&rows.iter().map(|row| row[1]).collect::<Vec<usize>>())
             }),
+            gravity: None,
         }
+    }
+
+    /// The same where gravity loads the joints.
+    ///
+    /// - `gravity`: G(q) \[N·m\], states×n
+    pub(crate) fn under(self, gravity: Mat<f64>) -> Self {
+        Self { gravity: Some(gravity), ..self }
     }
 
     /// Number of states.
@@ -88,7 +98,13 @@ impl States {
     pub(crate) fn friction(&self, state: usize, law: &FrictionTerm) -> f64 {
         let remembered = |(joint, travel)| self.memory.as_ref()?.state(state, joint, travel);
         let known = law.element().and_then(remembered);
-        known.unwrap_or_else(|| law.value(&self.speeds(state)))
+        let value = known.unwrap_or_else(|| law.value(&self.speeds(state)));
+        match &self.gravity {
+            Some(gravity) if law.load => {
+                value * law.pressed(&gravity.row(state).iter().copied().collect::<Vec<f64>>())
+            }
+            _ => value,
+        }
     }
 
     /// Joint accelerations \[rad/s²\] of a state, n.

@@ -1,6 +1,6 @@
 //! Recipe, rows → trial: a chain fitted with each block of time left out, and judged there.
 
-use crate::beside::Beside;
+use crate::beside::{Beside, Gravity};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::{Chain, Rows, Search, fit, refine};
@@ -14,9 +14,16 @@ pub(crate) struct Recipe {
     pub(crate) search: Search,
     /// Parameters of the geometry that move.
     pub(crate) free: Vec<usize>,
+    /// What friction under load is in proportion to: that of the chain so far.
+    pub(crate) gravity: Option<Gravity>,
 }
 
 impl Recipe {
+    /// Lets gears bear the weight that a chain has, which was fitted to this recipe.
+    pub(crate) fn bear(&mut self, chain: &Chain) {
+        self.gravity = Some(Gravity::of(chain, &self.beside));
+    }
+
     /// Whether friction is fitted.
     pub(crate) fn rubs(&self) -> bool {
         self.beside.iter().any(|beside| matches!(beside, Beside::Friction(_)))

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use torquewise_diagnose::disagreement::Disagreement;
+use torquewise_diagnose::drift::Drift;
 use torquewise_diagnose::excitation::{Finding, findings};
 use torquewise_model::Model;
 use torquewise_motion::Pattern;
@@ -54,6 +55,8 @@ pub enum Warning {
     Excitation(Finding),
     /// Logs that were fitted together differ in what gravity does.
     Disagreement(Disagreement),
+    /// Friction changes along long logs.
+    Drift(Drift),
     /// A term that was not offered explains what no chain of rigid bodies does.
     Overlooked(UntriedTerm),
     /// Positions larger than any joint turns.
@@ -213,6 +216,7 @@ impl fmt::Display for Warning {
             ),
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
+            Self::Drift(drift) => write!(f, "{drift}"),
             Self::Overlooked(UntriedTerm { term, joint, part, friction, refused }) => write!(
                 f,
                 "{term} would lower the residual of {joint} by {:.0} % on held-out rows: {}",

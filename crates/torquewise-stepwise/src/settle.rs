@@ -45,7 +45,7 @@ pub(crate) fn choose_laws(
         return Ok((Vec::new(), Vec::new()));
     }
     let kind = match options.friction {
-        FrictionKind::Auto | FrictionKind::Dahl => FrictionKind::Linear,
+        FrictionKind::Auto => FrictionKind::Linear,
         asked => asked,
     };
     let friction = Dictionary::new(survey.dq_peak.clone()).of(kind);
@@ -59,7 +59,7 @@ pub(crate) fn choose_laws(
         settled.choices.clear();
     }
     let (school, laws) = settled.choose_reversal(survey, options)?;
-    if matches!(options.friction, FrictionKind::Auto | FrictionKind::Dahl) {
+    if options.friction == FrictionKind::Auto {
         settled.choose_friction(&school, &laws)?;
     }
     Ok((settled.friction, settled.choices))

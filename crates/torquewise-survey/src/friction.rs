@@ -14,11 +14,9 @@ pub enum FrictionKind {
     Linear,
     /// The same and the Stribeck curve, from a dictionary of speeds; forward and backward apart.
     Stribeck,
-    /// None, linear or Stribeck, whichever predicts held-out rows best.
+    /// None, linear or Stribeck, whichever predicts held-out rows best; the friction of a chain
+    /// joint by joint, which may remember the path and depend on the load as well (E13).
     Auto,
-    /// As `Auto`, and Dahl elements of joints whose held-out rows are predicted better with them
-    /// (E13); for a chain.
-    Dahl,
 }
 
 impl FrictionKind {
@@ -29,7 +27,6 @@ impl FrictionKind {
             Self::Linear => "linear",
             Self::Stribeck => "stribeck",
             Self::Auto => "auto",
-            Self::Dahl => "dahl",
         }
     }
 }
@@ -87,7 +84,7 @@ impl Dictionary {
         match kind {
             FrictionKind::None => Vec::new(),
             FrictionKind::Linear => self.linear(),
-            FrictionKind::Stribeck | FrictionKind::Auto | FrictionKind::Dahl => {
+            FrictionKind::Stribeck | FrictionKind::Auto => {
                 let mut all = self.linear();
                 all.extend(self.stribeck());
                 all

@@ -44,7 +44,7 @@ fn a_rotor_loads_joints_as_its_energy_says() {
         let terms = drive.energy_terms().into_iter().map(weighted).collect();
         let expected = Torque::new(&model(terms)).over(&motion).unwrap();
 
-        let columns = columns(&[rotor], &motion);
+        let columns = columns(&[rotor], &motion, None);
 
         for row in 0..motion.n_rows() {
             for (joint, column) in columns.iter().enumerate() {
@@ -62,7 +62,7 @@ fn a_rotor_loads_joints_as_its_energy_says() {
 fn each_joint_has_its_own_rotor() {
     let motion = states();
 
-    let columns = columns(&Beside::rotors(N), &motion);
+    let columns = columns(&Beside::rotors(N), &motion, None);
 
     for (joint, column) in columns.iter().enumerate() {
         for rotor in 0..N {
@@ -76,7 +76,7 @@ fn each_joint_has_its_own_rotor() {
 fn a_counterbalance_loads_its_joint_with_the_slope_of_its_energy() {
     let motion = states();
 
-    let columns = columns(&Beside::counterbalance(N, 1), &motion);
+    let columns = columns(&Beside::counterbalance(N, 1), &motion, None);
 
     for row in 0..motion.n_rows() {
         let q = motion.q()[(row, 1)];
@@ -100,7 +100,7 @@ fn a_term_of_the_inertia_loads_joints_as_a_model_predicts() {
             Weighted { term: term.clone(), coefficient: 1.0, std_error: 0.0, inclusion: None };
         let expected = Torque::new(&model(vec![weighted])).over(&motion).unwrap();
 
-        let columns = columns(&[Beside::Energy(term)], &motion);
+        let columns = columns(&[Beside::Energy(term)], &motion, None);
 
         for row in 0..motion.n_rows() {
             for (joint, column) in columns.iter().enumerate() {
@@ -127,7 +127,7 @@ fn a_shared_shaft_does_the_work_of_its_friction_and_its_rotor() {
     let motion = states();
     let (shaft, width) = ([0.0, 1.0, -1.0], 0.1);
 
-    let columns = columns(&Beside::shared_shaft(&shaft, width), &motion);
+    let columns = columns(&Beside::shared_shaft(&shaft, width), &motion, None);
 
     for row in 0..motion.n_rows() {
         let (v, a) = (dot(&shaft, motion.dq(), row), dot(&shaft, motion.ddq(), row));
@@ -151,6 +151,7 @@ fn linear_friction_is_offset_viscous_and_dry() {
     let columns = columns(
         &friction(Dictionary { width: width.to_vec(), peak: vec![1.0; N] }.linear()),
         &motion,
+        None,
     );
 
     for (joint, column) in columns.iter().enumerate() {
@@ -169,7 +170,7 @@ fn the_stribeck_dictionary_tells_directions_apart() {
     let all = friction(Dictionary { width: vec![width; N], peak: vec![2.0; N] }.stribeck());
     let motion = states();
 
-    let columns = columns(&all, &motion);
+    let columns = columns(&all, &motion, None);
 
     let one_way: Vec<usize> = (0..all.len()).filter(|&k| all[k].is_one_way()).collect();
     assert_eq!((all.len(), one_way.len()), (14 * N, 8 * N));
@@ -190,7 +191,7 @@ fn the_stribeck_dictionary_tells_directions_apart() {
 fn a_joint_that_never_moves_has_columns_all_the_same() {
     let beside = friction(Dictionary::new(vec![0.0; N]).stribeck());
 
-    let columns = columns(&beside, &states());
+    let columns = columns(&beside, &states(), None);
 
     assert!(columns.iter().all(Mat::is_all_finite));
 }

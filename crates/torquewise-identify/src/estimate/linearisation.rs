@@ -1,6 +1,6 @@
 //! A structure and its parameters → rows [J e] of a block of motion.
 
-use crate::beside::{Beside, columns};
+use crate::beside::{Beside, Gravity, columns};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::path::TRAVELS;
@@ -202,7 +202,12 @@ impl Linearisation {
 impl Linearisation {
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
-        let drive = columns(&self.structure.drive, block);
+        let drive = &self.structure.drive;
+        let gravity = match drive.iter().any(Beside::feels_load) {
+            true => Some(Gravity::of(&self.chain()?, drive)),
+            false => None,
+        };
+        let drive = columns(drive, block, gravity.as_ref());
         let tau = block.require_tau()?;
         let rests = self.structure.rest.iter().any(|speed| *speed > 0.0);
         let rows = Rows::new([block.q(), block.dq(), block.ddq(), tau], &drive)?;

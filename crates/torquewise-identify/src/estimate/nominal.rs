@@ -93,7 +93,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
                 let usual = usual_friction(term, sizes);
                 prior.small.push((index, deviation(term, sizes)));
                 let of_element = usual / TRAVELS.len() as f64;
-                if term.element().is_some() {
+                if term.element().is_some() || term.load {
                     let (terms, nominal) = (vec![(index, 1.0)], of_element);
                     prior.positive.push(Positive { least: 0.0, terms, nominal, weight: 1.0 });
                 }
@@ -126,16 +126,16 @@ fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
             _ => None,
         })
         .collect();
-    let mut shafts: Vec<&[f64]> = Vec::new();
+    let mut shafts: Vec<(&[f64], bool)> = Vec::new();
     for (_, term) in &laws {
-        if !shafts.contains(&&term.shaft[..]) {
-            shafts.push(&term.shaft);
+        if !shafts.contains(&(&term.shaft[..], term.load)) {
+            shafts.push((&term.shaft, term.load));
         }
     }
     let mut all = Vec::new();
-    for shaft in shafts {
+    for (shaft, load) in shafts {
         let own: Vec<&(usize, &FrictionTerm)> =
-            laws.iter().filter(|(_, term)| term.shaft == shaft).collect();
+            laws.iter().filter(|(_, term)| term.shaft == shaft && term.load == load).collect();
         let Some((_, any)) = own.first() else { continue };
         let (peak, usual) = (speed_of(any, sizes), usual_friction(any, sizes));
         let even = (1..=EVEN_SPEEDS).map(|k| f64::from(k) / f64::from(EVEN_SPEEDS));
@@ -170,7 +170,11 @@ fn speed_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
     or_one(parts.sum::<f64>().max(0.5 * fastest))
 }
 
+/// Torque \[N·m\] of a joint of the shaft of a term; under load, 1: coefficients are parts of it.
 fn torque_of(term: &FrictionTerm, sizes: &Sizes) -> f64 {
+    if term.load {
+        return 1.0;
+    }
     let turning = term.shaft.iter().zip(&sizes.torque).filter(|(shaft, _)| **shaft != 0.0);
     or_one(turning.fold(0.0_f64, |most, (_, torque)| most.max(*torque)))
 }

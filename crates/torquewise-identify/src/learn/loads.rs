@@ -149,7 +149,7 @@ impl School<'_> {
         match kind {
             FrictionKind::None | FrictionKind::Linear => {}
             FrictionKind::Stribeck => *recipe = stribeck,
-            FrictionKind::Auto | FrictionKind::Dahl => {
+            FrictionKind::Auto => {
                 let mut none = recipe.clone();
                 none.beside.retain(|beside| !matches!(beside, Beside::Friction(_)));
                 let mut alike = stribeck.clone();

@@ -105,7 +105,7 @@ fn learned(survey: &Survey) -> Learned {
     let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap();
     let laws = Dictionary::new(vec![2.0; N]);
     let (search, free) = (Search::default(), all_parameters(N));
-    let recipe = Recipe { beside: vec![], search, free };
+    let recipe = Recipe { beside: vec![], search, free, gravity: None };
     Learned { chain: chain(), recipe, choices: vec![], rows, laws }
 }
 

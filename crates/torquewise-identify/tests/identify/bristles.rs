@@ -51,7 +51,7 @@ fn slow_errors(found: &Reconstruction, test: &Motion) -> Vec<f64> {
 fn friction_at_rest_and_reversal_is_remembered() {
     let (train, test) = (log(MotionKind::Moves, 60.0, 1), log(MotionKind::Moves, 20.0, 7));
 
-    let with = slow_errors(&fit(&train, FrictionKind::Dahl), &test);
+    let with = slow_errors(&fit(&train, FrictionKind::Auto), &test);
     let without = slow_errors(&fit(&train, FrictionKind::Stribeck), &test);
 
     let halved = with.iter().zip(&without).all(|(with, without)| *with <= 0.5 * without);

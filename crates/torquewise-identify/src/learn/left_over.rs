@@ -1,0 +1,138 @@
+//! Chain, rows → what the rest of a chain leaves to the friction of each joint.
+
+use super::{LAST_ROWS, School, TRIAL_ROWS};
+use crate::beside::columns;
+use crate::trial::Recipe;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use torquewise_motion::Motion;
+use torquewise_rigid::{Chain, fit};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::held_out::{BLOCKS, Trial, mean, split};
+use torquewise_survey::survey::thinned;
+
+/// What stands beside the links must lower the error of its joint on held-out rows by this part,
+/// and the error of the whole by its share of it.
+pub(super) const WORTH: f64 = 0.02;
+/// Ridges of a joint, relative to the square of a column: the best one counts.
+const RIDGES: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
+
+/// The torque of each joint without its friction, which any law may be fitted to.
+pub(super) struct LeftOver {
+    chain: Chain,
+    pub(super) motion: Motion,
+    /// Torque \[N·m\] of each joint, n×m.
+    torque: Vec<Vec<f64>>,
+    /// What the square of a row counts, n×m.
+    shares: Vec<Vec<f64>>,
+}
+
+impl LeftOver {
+    /// What a fit of a recipe leaves.
+    pub(super) fn of(
+        school: &School<'_>,
+        recipe: &mut Recipe,
+        chain: &Chain,
+    ) -> Result<Self, IdentifyError> {
+        let chain = fit(&school.rows(recipe, TRIAL_ROWS)?, chain, &recipe.search)?;
+        recipe.bear(&chain);
+        let rows = school.rows(recipe, LAST_ROWS)?;
+        let (m, predicted) = (rows.len(), chain.torque(&rows));
+        let motion = thinned(school.motion, LAST_ROWS);
+        let own = columns(&recipe.beside, &motion, recipe.gravity.as_ref());
+        let left = |joint: usize, row: usize| -> f64 {
+            let rubs = (chain.beside.iter().zip(&recipe.beside).enumerate())
+                .filter(|(_, (_, beside))| beside.is_friction_of(joint))
+                .map(|(k, (coefficient, _))| coefficient * own[joint][(row, k)]);
+            rows.torque_of(joint)[row] - predicted[joint * m + row] + rubs.sum::<f64>()
+        };
+        let over = |value: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+            (0..rows.n_joints())
+                .map(|joint| (0..m).map(|row| value(joint, row)).collect())
+                .collect()
+        };
+        let torque = over(&left);
+        let shares = over(&|joint, row| school.share(&motion, row, joint));
+        Ok(Self { chain, motion, torque, shares })
+    }
+
+    /// A way to explain what is left of a joint, tried on held-out blocks; `None` if nothing can be
+    /// solved.
+    pub(super) fn trial(&self, joint: usize, label: String, columns: &Mat<f64>) -> Option<Trial> {
+        let errors = RIDGES.iter().filter_map(|ridge| self.errors(joint, columns, *ridge));
+        let errors = errors.min_by(|a, b| mean(a).total_cmp(&mean(b)))?;
+        Some(Trial { label, complexity: columns.ncols(), errors })
+    }
+
+    /// What columns leave of each row of a joint once all are fitted, and what it counts.
+    pub(super) fn residual(&self, joint: usize, columns: &Mat<f64>) -> Option<Vec<(f64, f64)>> {
+        let all: Vec<usize> = (0..self.motion.n_rows()).collect();
+        let solved = self.solved(joint, columns, RIDGES[0], &all)?;
+        let left =
+            |&row: &usize| (self.left(joint, columns, &solved, row), self.shares[joint][row]);
+        Some(all.iter().map(left).collect())
+    }
+
+    /// What columns leave on each block of time that they were not fitted on, RMS.
+    fn errors(&self, joint: usize, columns: &Mat<f64>, ridge: f64) -> Option<Vec<f64>> {
+        let of_block = |block: usize| {
+            let (held, rest) = split(self.motion.n_rows(), block);
+            let solved = self.solved(joint, columns, ridge, &rest)?;
+            let shares = &self.shares[joint];
+            let count: f64 = held.iter().map(|&row| shares[row]).sum();
+            let square = |&row: &usize| self.left(joint, columns, &solved, row).powi(2);
+            let squares: f64 = held.iter().map(|row| shares[*row] * square(row)).sum();
+            Some((squares / count.max(f64::MIN_POSITIVE)).sqrt())
+        };
+        (0..BLOCKS).map(of_block).collect()
+    }
+
+    fn left(&self, joint: usize, columns: &Mat<f64>, solved: &Mat<f64>, row: usize) -> f64 {
+        let explained = (0..columns.ncols()).map(|k| columns[(row, k)] * solved[(k, 0)]);
+        self.torque[joint][row] - explained.sum::<f64>()
+    }
+
+    /// Coefficients of columns, fitted to some rows.
+    fn solved(
+        &self,
+        joint: usize,
+        columns: &Mat<f64>,
+        ridge: f64,
+        rows: &[usize],
+    ) -> Option<Mat<f64>> {
+        let p = columns.ncols();
+        let root = |row: usize| self.shares[joint][rows[row]].sqrt();
+        let own = Mat::from_fn(rows.len(), p, |row, k| root(row) * columns[(rows[row], k)]);
+        let right = Mat::from_fn(rows.len(), 1, |row, _| root(row) * self.torque[joint][rows[row]]);
+        let mut gram = own.transpose() * &own;
+        (0..p).for_each(|k| gram[(k, k)] += (ridge * gram[(k, k)]).max(f64::MIN_POSITIVE));
+        Some(gram.llt(Side::Lower).ok()?.solve(own.transpose() * right))
+    }
+}
+
+impl School<'_> {
+    /// Takes another recipe for one joint where the whole chain agrees on held-out rows: a longer
+    /// one must be better by the share of the joint, a shorter one may be so much worse.
+    ///
+    /// - `now`: error of the recipe as it is
+    pub(super) fn agree(
+        &self,
+        (recipe, now): (&mut Recipe, &mut f64),
+        with: Recipe,
+        left: &LeftOver,
+    ) -> Result<(), IdentifyError> {
+        let is_longer = with.beside.len() > recipe.beside.len();
+        let part = WORTH / self.motion.n_joints() as f64;
+        let allowed = if is_longer { 1.0 - part } else { 1.0 + part };
+        let error = self.error(&with, left)?;
+        if error <= allowed * *now {
+            (*recipe, *now) = (with, error);
+        }
+        Ok(())
+    }
+
+    /// Error of a recipe on held-out rows.
+    pub(super) fn error(&self, recipe: &Recipe, left: &LeftOver) -> Result<f64, IdentifyError> {
+        Ok(self.trials(&[(String::new(), recipe.clone())], &left.chain, 0)?[0].error())
+    }
+}
