@@ -247,8 +247,9 @@ impl NormalSums {
 /// A corrected Gram matrix keeps at least this part of each of its directions: where noise
 /// outweighs a column, a difference of two large numbers would be no information.
 const LEAST_KEPT: f64 = 0.1;
-/// Ridge, relative to the diagonal, below which columns count as dependent.
-const DEPENDENT: f64 = 1e-10;
+/// Ridges, relative to the diagonal, below which columns count as dependent: the first that makes
+/// up for the rounding of the sums.
+const DEPENDENT: [f64; 3] = [1e-10, 1e-8, 1e-6];
 /// A column whose squares are below this part of the largest is lost in the last place of the sums.
 const LEAST_COLUMN: f64 = 1e-18;
 
@@ -266,11 +267,14 @@ pub fn corrected(gram: &Mat<f64>, bias: &Mat<f64>) -> Result<Mat<f64>, SparseErr
     let least = LEAST_COLUMN * (0..p).fold(f64::MIN_POSITIVE, |most, j| most.max(gram[(j, j)]));
     let scale: Vec<f64> = (0..p).map(|j| gram[(j, j)].max(least).sqrt()).collect();
     let scaled = |x: &Mat<f64>, i: usize, j: usize| x[(i, j)] / (scale[i] * scale[j]);
-    let ridge = |i, j| if i == j { DEPENDENT } else { 0.0 };
-    let whole = Mat::from_fn(p, p, |i, j| scaled(gram, i, j) + ridge(i, j));
+    let ridged = |ridge: f64| {
+        let whole =
+            Mat::from_fn(p, p, |i, j| scaled(gram, i, j) + if i == j { ridge } else { 0.0 });
+        whole.llt(Side::Lower).ok()
+    };
     let noise = Mat::from_fn(p, p, |i, j| scaled(bias, i, j));
     let failed = || SparseError::NotSolvable;
-    let factor = whole.llt(Side::Lower).map_err(|_| failed())?;
+    let factor = DEPENDENT.into_iter().find_map(ridged).ok_or_else(failed)?;
     // L⁻¹ B L⁻ᵀ: by what part noise makes each direction larger.
     let lower = factor.L().to_owned();
     let half = solve_lower(&lower, &noise);
@@ -370,6 +374,17 @@ mod tests {
 
         let added = noisy.transpose() * &noisy - still.transpose() * &still;
         assert!((sums.bias() - faer::Scale(0.5) * added).norm_max() < 1e-13);
+    }
+
+    #[test]
+    fn sums_that_rounding_left_indefinite_are_corrected() {
+        // Two columns that are one, but for an eigenvalue of −1e-9.
+        let gram = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { 1.0 + 1e-9 });
+        let bias = Mat::from_fn(2, 2, |i, j| if i == j { 0.1 } else { 0.0 });
+
+        let found = corrected(&gram, &bias).unwrap();
+
+        assert!((0..2).all(|j| found[(j, j)] > 0.5 && found[(j, j)] <= 1.0), "{found:?}");
     }
 
     #[test]

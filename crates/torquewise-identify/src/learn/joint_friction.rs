@@ -13,6 +13,9 @@ use torquewise_rigid::Chain;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::held_out::Trial;
 
+/// Terms of linear friction: offset, viscous, Coulomb.
+const LINEAR: usize = 3;
+
 /// Laws of one joint with a name.
 type Way = (String, Vec<FrictionTerm>);
 
@@ -46,7 +49,9 @@ impl School<'_> {
             let mut with = recipe.clone();
             with.beside.retain(|beside| !beside.is_friction_of(joint));
             with.beside.extend(ways.swap_remove(place).0);
-            self.agree((recipe, &mut now), with, &left)?;
+            let rough =
+                rough(recipe.beside.iter().filter(|beside| beside.is_friction_of(joint)).count());
+            self.agree((recipe, &mut now), with, &left, (choices.last_mut(), rough))?;
         }
         Ok(())
     }
@@ -61,7 +66,7 @@ impl School<'_> {
         let (dry, smooth): (Vec<_>, Vec<_>) = linear.iter().cloned().partition(is_dry);
         let dahl = self.laws.dahl(joint);
         let elements = [smooth.clone(), dahl.clone()].concat();
-        let rough = if now.len() > linear.len() { "Stribeck" } else { "Coulomb" };
+        let rough = rough(now.len());
         let both = [now.clone(), dahl.clone()].concat();
         let mut ways = vec![("none".into(), smooth[..1].to_vec()), ("viscous".into(), smooth)];
         // What remembers the path does so under load as well, where nothing else is dry.
@@ -80,4 +85,9 @@ impl School<'_> {
         ways.dedup_by(|a, b| a.0 == b.0);
         ways
     }
+}
+
+/// The law of so many terms that depend on the velocity alone.
+fn rough(terms: usize) -> &'static str {
+    if terms > LINEAR { "Stribeck" } else { "Coulomb" }
 }

@@ -5,6 +5,7 @@ use crate::beside::columns;
 use crate::trial::Recipe;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
+use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, fit};
 use torquewise_survey::error::IdentifyError;
@@ -115,11 +116,13 @@ impl School<'_> {
     /// one must be better by the share of the joint, a shorter one may be so much worse.
     ///
     /// - `now`: error of the recipe as it is
+    /// - `choice`: what was chosen for the joint, and what it has already
     pub(super) fn agree(
         &self,
         (recipe, now): (&mut Recipe, &mut f64),
         with: Recipe,
         left: &LeftOver,
+        (choice, has): (Option<&mut Choice>, &str),
     ) -> Result<(), IdentifyError> {
         let is_longer = with.beside.len() > recipe.beside.len();
         let part = WORTH / self.motion.n_joints() as f64;
@@ -127,6 +130,9 @@ impl School<'_> {
         let error = self.error(&with, left)?;
         if error <= allowed * *now {
             (*recipe, *now) = (with, error);
+        } else if let Some(choice) = choice {
+            choice.rule = format!("{}; the whole is no better with {}", choice.rule, choice.chosen);
+            has.clone_into(&mut choice.chosen);
         }
         Ok(())
     }
