@@ -4,6 +4,7 @@ mod bristles;
 mod chain;
 mod disagreement;
 mod friction;
+mod gears;
 mod memory;
 mod oracle;
 mod overlooked;
