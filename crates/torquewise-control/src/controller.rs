@@ -6,6 +6,7 @@ use crate::knowledge::{Knowledge, sum};
 use crate::moving::Slopes;
 use crate::rows::{Target, period};
 use torquewise_motion::Motion;
+use torquewise_motion::path::Path;
 
 /// How a command comes about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -49,6 +50,8 @@ pub struct Controller<'a> {
     limit: Vec<f64>,
     cutoff: f64,
     period: f64,
+    /// The way of the desired motion.
+    path: Path,
     integral: Vec<f64>,
     /// Of the error and of the measured position, from the first tick on.
     slopes: Option<[Slopes; 2]>,
@@ -77,6 +80,7 @@ impl<'a> Controller<'a> {
             limit: vec![f64::INFINITY; n],
             cutoff: f64::INFINITY,
             period: period(wanted)?,
+            path: known.path(),
             integral: vec![0.0; n],
             slopes: None,
         })
@@ -138,6 +142,7 @@ impl<'a> Controller<'a> {
             let still = vec![0.0; measured.len()];
             return Ok(self.within(self.known.rigid(measured, &still, &still)?));
         }
+        self.path.step(&wanted.q);
         let error: Vec<f64> = sum(wanted.q.clone(), -1.0, measured);
         let [of_error, of_position] = self.slopes.get_or_insert_with(|| {
             let still = vec![0.0; measured.len()];
@@ -175,7 +180,7 @@ impl<'a> Controller<'a> {
                 wanted.ddq[i] + w * feedback
             });
             let rigid = self.known.rigid(q, dq, &asked.collect::<Vec<_>>())?;
-            return Ok(sum(rigid, 1.0, &self.known.friction(&wanted.q, &wanted.dq)?));
+            return Ok(sum(rigid, 1.0, &self.known.friction(&self.path, &wanted.dq)?));
         }
         let Gains { proportional, integral, derivative, .. } = &self.gains;
         let feedback = (0..error.len()).map(|i| {
@@ -183,9 +188,9 @@ impl<'a> Controller<'a> {
         });
         let Target { q, dq, ddq } = wanted;
         let forward = match self.law {
-            Law::Controller1 => self.known.slow(q, dq)?,
+            Law::Controller1 => self.known.slow(&self.path, dq)?,
             Law::Controller2 => {
-                sum(self.known.rigid(q, dq, ddq)?, 1.0, &self.known.friction(q, dq)?)
+                sum(self.known.rigid(q, dq, ddq)?, 1.0, &self.known.friction(&self.path, dq)?)
             }
             _ => vec![0.0; error.len()],
         };

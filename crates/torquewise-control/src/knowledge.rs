@@ -3,6 +3,7 @@
 use crate::error::ControlError;
 use crate::plant::Plant;
 use torquewise_model::{Model, Torque};
+use torquewise_motion::path::Path;
 
 /// What a controller may ask about the arm before it; slices hold n numbers in SI units.
 pub trait Knowledge: Sync {
@@ -15,17 +16,21 @@ pub trait Knowledge: Sync {
     /// [`ControlError`] for slices of another length.
     fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError>;
 
-    /// F̂(q, q̇) \[N·m\], n; zeros where no friction is known.
-    ///
-    /// # Errors
-    /// [`ControlError`] for slices of another length.
-    fn friction(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// The way of a motion before its first sample, with all that friction remembers of it.
+    fn path(&self) -> Path;
 
-    /// Ĝ(q) and the friction of slow motion at q̇ \[N·m\], n: what is known after step 1.
+    /// F̂ \[N·m\], n, at the end of a way and at q̇; zeros where no friction is known.
     ///
     /// # Errors
-    /// [`ControlError`] for slices of another length.
-    fn slow(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// [`ControlError`] for a slice of another length.
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError>;
+
+    /// Ĝ(q) and the friction of slow motion at the end of a way and at q̇ \[N·m\], n: what is known
+    /// after step 1.
+    ///
+    /// # Errors
+    /// [`ControlError`] for a slice of another length.
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError>;
 
     /// M̂ᵢᵢ(q) \[kg·m²\], n.
     ///
@@ -77,12 +82,17 @@ impl Knowledge for Learned {
         Ok(sum(whole, -1.0, &self.whole.friction(q, dq)?))
     }
 
-    fn friction(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
-        Ok(self.whole.friction(q, dq)?)
+    fn path(&self) -> Path {
+        self.whole.path()
     }
 
-    fn slow(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
-        Ok(sum(self.first_step.gravity(q)?, 1.0, &self.first_step.friction(q, dq)?))
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        Ok(self.whole.friction_after(path, dq)?)
+    }
+
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        let gravity = self.first_step.gravity(path.q())?;
+        Ok(sum(gravity, 1.0, &self.first_step.friction_after(path, dq)?))
     }
 
     fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {
@@ -91,7 +101,7 @@ impl Knowledge for Learned {
     }
 }
 
-/// The truth, to compare with.
+/// The truth, to compare with; bristles are taken as slipping.
 impl Knowledge for Plant {
     fn n_joints(&self) -> usize {
         self.arm.n_joints()
@@ -101,12 +111,16 @@ impl Knowledge for Plant {
         Ok(self.arm.inverse_dynamics(q, dq, ddq))
     }
 
-    fn friction(&self, _q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn path(&self) -> Path {
+        Path::new(self.arm.n_joints(), &[])
+    }
+
+    fn friction(&self, _path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
         Ok(self.friction.torques(dq))
     }
 
-    fn slow(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ControlError> {
-        Ok(sum(self.arm.gravity_torque(q), 1.0, &self.friction.torques(dq)))
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        Ok(sum(self.arm.gravity_torque(path.q()), 1.0, &self.friction.torques(dq)))
     }
 
     fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {

@@ -17,7 +17,7 @@ const FASTEST: f64 = 300.0;
 pub(crate) struct Moving<'a> {
     plant: &'a Plant,
     t: f64,
-    /// q, then dq.
+    /// q, then dq, then how far bristles are bent.
     state: Vec<f64>,
     integrator: Integrator,
     /// Commands that have not come to an end, the oldest first.
@@ -29,7 +29,7 @@ impl<'a> Moving<'a> {
     /// A plant at q \[rad\] and dq \[rad/s\], n each.
     pub(crate) fn new(plant: &'a Plant, q: &[f64], dq: &[f64]) -> Result<Self, ControlError> {
         plant.check()?;
-        let state = [q, dq].concat();
+        let state = plant.state(q, dq);
         Ok(Self {
             plant,
             t: 0.0,
@@ -42,19 +42,19 @@ impl<'a> Moving<'a> {
 
     /// Positions \[rad\], n.
     pub(crate) fn q(&self) -> &[f64] {
-        &self.state[..self.state.len() / 2]
+        &self.state[..self.plant.arm.n_joints()]
     }
 
     /// Velocities \[rad/s\], n.
     pub(crate) fn dq(&self) -> &[f64] {
-        &self.state[self.state.len() / 2..]
+        let n = self.plant.arm.n_joints();
+        &self.state[n..2 * n]
     }
 
     /// Positions as the encoders have them \[rad\], n.
     pub(crate) fn measured(&mut self) -> Vec<f64> {
         let sensors = self.plant.sensors;
-        let half = self.state.len() / 2;
-        let mut measured = self.state[..half].to_vec();
+        let mut measured = self.q().to_vec();
         for q in &mut measured {
             *q += noise(&mut self.random, sensors.noise);
             if sensors.step > 0.0 {

@@ -130,7 +130,7 @@ impl Plant {
     }
 
     /// Lets a steady torque act for some seconds: q \[rad\] and dq \[rad/s\], n each, become what
-    /// they are then. Limits, delay and sensors have no part in it.
+    /// they are then. Limits, delay and sensors have no part in it; bristles are not bent at first.
     ///
     /// # Errors
     /// [`ControlError::JointCount`]; [`ControlError::Dynamics`] as [`Plant::acceleration`];
@@ -147,15 +147,21 @@ impl Plant {
             check_joints(what, found, n)?;
         }
         check_between("the time [s]", seconds, [0.0, 1e9], "from 0 to 1e9")?;
-        let mut state = [&*q, &*dq].concat();
-        let mut integrator = Integrator::new(2 * n, self.tolerance);
+        let mut state = self.state(q, dq);
+        let mut integrator = Integrator::new(state.len(), self.tolerance);
         self.follow(&mut integrator, &mut state, [0.0, seconds], tau)?;
         q.copy_from_slice(&state[..n]);
-        dq.copy_from_slice(&state[n..]);
+        dq.copy_from_slice(&state[n..2 * n]);
         Ok(())
     }
 
-    /// The same from a time \[s\] for some seconds, of q and dq in one, by an integrator that
+    /// q, dq and, where friction has bristles, how far they are bent at first, in one.
+    pub(crate) fn state(&self, q: &[f64], dq: &[f64]) -> Vec<f64> {
+        let bristles = if self.friction.has_bristles() { q.len() } else { 0 };
+        [q, dq, &vec![0.0; bristles]].concat()
+    }
+
+    /// The same from a time \[s\] for some seconds, of a whole state, by an integrator that
     /// remembers its step.
     pub(crate) fn follow(
         &self,
@@ -170,9 +176,20 @@ impl Plant {
                 dx.fill(f64::NAN);
                 return Ok(());
             }
-            let (q, dq) = x.split_at(tau.len());
-            dx[..tau.len()].copy_from_slice(dq);
-            dx[tau.len()..].copy_from_slice(&self.acceleration(q, dq, tau)?);
+            let n = tau.len();
+            let (q, rest) = x.split_at(n);
+            let (dq, bent) = rest.split_at(n);
+            dx[..n].copy_from_slice(dq);
+            let mut left = tau.to_vec();
+            for joint in 0..n {
+                let z = bent.get(joint).copied().unwrap_or_default();
+                let [rubs, bends] = self.friction.bent(joint, dq[joint], z);
+                left[joint] -= rubs;
+                if let Some(slope) = dx.get_mut(2 * n + joint) {
+                    *slope = bends;
+                }
+            }
+            dx[n..2 * n].copy_from_slice(&self.arm.forward_dynamics(q, dq, &left)?);
             Ok(())
         })
     }

@@ -228,7 +228,7 @@ impl Friction {
     /// # Panics
     /// If there is no such joint.
     pub fn next(&self, joint: usize, v: f64, seconds: f64, bent: &mut Bent) -> f64 {
-        let Some(Bristles { stiffness, damping }) = self.bristles[joint] else {
+        let Some(Bristles { stiffness, .. }) = self.bristles[joint] else {
             return self.torque(joint, v);
         };
         let n = self.n_joints();
@@ -236,7 +236,6 @@ impl Friction {
         bent.dq.resize(n, f64::NAN);
         let before = if bent.dq[joint].is_nan() { v } else { bent.dq[joint] };
         let z = &mut bent.deflection[joint];
-        let mut slope = 0.0;
         for step in 1..=STEPS {
             let part = (f64::from(step) - 0.5) / f64::from(STEPS);
             let speed = before + part * (v - before);
@@ -246,10 +245,28 @@ impl Friction {
             let end = dry / stiffness * way.signum();
             let bend = (end - *z) * -(-way.abs() * stiffness / dry).exp_m1();
             *z += if way == 0.0 { 0.0 } else { bend };
-            slope = speed - stiffness * speed.abs() / dry * *z;
         }
         bent.dq[joint] = v;
-        stiffness * *z + damping * slope + self.viscous(joint, v)
+        let [torque, _] = self.bent(joint, v, *z);
+        torque
+    }
+
+    /// Whether any joint has bristles.
+    pub fn has_bristles(&self) -> bool {
+        self.bristles.iter().any(Option::is_some)
+    }
+
+    /// Friction of a joint at v \[rad/s\] whose bristles are bent by z \[rad\], and how fast they
+    /// bend \[rad/s\]; that of [`Friction::torque`] and 0 where the joint has none.
+    ///
+    /// # Panics
+    /// If there is no such joint.
+    pub fn bent(&self, joint: usize, v: f64, z: f64) -> [f64; 2] {
+        let Some(Bristles { stiffness, damping }) = self.bristles[joint] else {
+            return [self.torque(joint, v), 0.0];
+        };
+        let slope = v - stiffness * v.abs() / self.dry(joint, v).max(f64::MIN_POSITIVE) * z;
+        [stiffness * z + damping * slope + self.viscous(joint, v), slope]
     }
 
     /// Dry friction of fast or slow sliding \[N·m\], 0 or more.

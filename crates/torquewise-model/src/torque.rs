@@ -273,11 +273,29 @@ impl Torque {
         self.part(Kind::Friction, q, dq)
     }
 
+    /// The same at the end of a path, whose last sample is q.
+    ///
+    /// # Errors
+    /// As [`Self::friction`].
+    pub fn friction_after(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        let memory = |joint, travel| path.state(joint, travel);
+        self.part_after(Kind::Friction, (path.q(), dq), &memory)
+    }
+
     /// One part of the torque of an arm that does not accelerate.
     fn part(&self, wanted: Kind, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
+        self.part_after(wanted, (q, dq), &|_, _| None)
+    }
+
+    fn part_after(
+        &self,
+        wanted: Kind,
+        (q, dq): (&[f64], &[f64]),
+        memory: Remembered<'_>,
+    ) -> Result<Vec<f64>, ModelError> {
         let mut tau = vec![0.0; self.n_joints];
         let ddq = &vec![0.0; self.n_joints];
-        self.visit_terms(State { q, dq, ddq }, &|_, _| None, |joint, kind, value| {
+        self.visit_terms(State { q, dq, ddq }, memory, |joint, kind, value| {
             if kind == wanted {
                 tau[joint] += value;
             }

@@ -1,4 +1,5 @@
 //! Plants and controllers beside identities.
 
+mod bristles;
 mod plant;
 mod tracking;

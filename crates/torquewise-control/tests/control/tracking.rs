@@ -4,8 +4,8 @@
 use faer::Mat;
 use std::f64::consts::FRAC_PI_2;
 use torquewise_control::{
-    ControlError, Controller, Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, lead,
-    mean_inertia, periodic, track,
+    ControlError, Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking,
+    lead, mean_inertia, periodic, track,
 };
 use torquewise_dynamics::{Arm, Friction, Stribeck};
 use torquewise_model::friction::FrictionLaw;
@@ -168,14 +168,14 @@ fn dry(n: usize) -> Model {
 
 #[test]
 fn a_learned_sign_is_smooth() {
-    use torquewise_control::Knowledge;
     let known = Learned::new(&dry(2)).unwrap();
+    let mut path = known.path();
+    path.step(&[0.0; 2]);
 
-    let [slow, fast] =
-        [2e-5, 1.0].map(|speed| known.friction(&[0.0; 2], &[speed, 0.0]).unwrap()[0]);
+    let [slow, fast] = [2e-5, 1.0].map(|speed| known.friction(&path, &[speed, 0.0]).unwrap()[0]);
 
     assert!(slow > 0.0 && slow < 0.05 && (fast - 2.0).abs() < 1e-12);
-    assert_eq!(known.slow(&[0.0; 2], &[1.0, 0.0]).unwrap(), [2.0, 0.0]);
+    assert_eq!(known.slow(&path, &[1.0, 0.0]).unwrap(), [2.0, 0.0]);
 }
 
 #[test]

@@ -92,7 +92,7 @@ pub fn study_control(settings: &Settings) -> Result<ControlResults, ExperimentEr
     Ok(ControlResults {
         rows: recordings.iter().map(Motion::n_rows).collect(),
         bandwidth: BANDWIDTH,
-        friction: friction(&plant, &Learned::new(&model)?)?,
+        friction: friction(&plant, &Torque::new(&sharp(&model)))?,
         t: shown.t().to_vec(),
         steps: steps(&model, &shown, &needed)?,
         needed,
@@ -114,8 +114,8 @@ fn needed(plant: &Plant, motion: &Motion) -> Vec<Vec<f64>> {
 }
 
 /// f(v) of each joint at speeds from the dead zone on, both ways.
-fn friction(plant: &Plant, known: &Learned) -> Result<Vec<FrictionCurve>, ExperimentError> {
-    let n = known.n_joints();
+fn friction(plant: &Plant, known: &Torque) -> Result<Vec<FrictionCurve>, ExperimentError> {
+    let n = plant.arm.n_joints();
     let mut speed: Vec<f64> = (0..SPEEDS)
         .map(|k| DEAD_ZONE * (FASTEST / DEAD_ZONE).powf(k as f64 / (SPEEDS - 1) as f64))
         .flat_map(|speed| [-speed, speed])
@@ -127,7 +127,7 @@ fn friction(plant: &Plant, known: &Learned) -> Result<Vec<FrictionCurve>, Experi
             let at = |&v: &f64| {
                 let mut dq = vec![0.0; n];
                 dq[joint] = v;
-                Ok(known.friction(&vec![0.0; dq.len()], &dq)?[joint])
+                Ok(known.friction(&vec![0.0; n], &dq)?[joint])
             };
             let learned = speed.iter().map(at).collect::<Result<Vec<f64>, ExperimentError>>()?;
             let off = truth.iter().zip(&learned).map(|(truth, f)| ((f - truth) / truth).abs());
