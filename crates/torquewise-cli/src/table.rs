@@ -9,7 +9,12 @@ pub(crate) struct Table {
 impl Table {
     /// A table with these headings.
     pub(crate) fn new(headings: &[&str]) -> Self {
-        Self { rows: vec![headings.iter().map(|&heading| heading.to_owned()).collect()] }
+        Self::of(vec![headings.iter().map(|&heading| heading.to_owned()).collect()])
+    }
+
+    /// A table of these rows, the headings first.
+    pub(crate) fn of(rows: Vec<Vec<String>>) -> Self {
+        Self { rows }
     }
 
     /// Adds a row, its name first.

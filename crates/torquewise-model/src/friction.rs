@@ -83,7 +83,8 @@ impl Direction {
         *self == Self::Both
     }
 
-    fn holds(self, speed: f64) -> bool {
+    /// Whether a law acts at this speed of the shaft.
+    pub(crate) fn holds(self, speed: f64) -> bool {
         match self {
             Self::Both => true,
             Self::Forward => speed > 0.0,
@@ -197,7 +198,7 @@ impl FrictionTerm {
 
     /// f(v) as it stands in the torque equation of a joint: the name, but `1` for an offset.
     pub fn formula(&self) -> String {
-        let speed = self.sum("dq", "*");
+        let speed = self.turning();
         let several = self.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
         let whole = if several { format!("({speed})") } else { speed.clone() };
         let sign = |width: f64| {
@@ -241,6 +242,16 @@ impl FrictionTerm {
         };
         let load = self.load_text(|joint| format!(r"\,|G_{{{joint}}}|"));
         law + &load + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))
+    }
+
+    /// Angle of the shaft, joints counted from 1: `q2`, `q5 + q6`.
+    pub(crate) fn angle(&self) -> String {
+        self.sum("q", "*")
+    }
+
+    /// Speed of the shaft as text: `dq2`, `dq5 + dq6`.
+    pub(crate) fn turning(&self) -> String {
+        self.sum("dq", "*")
     }
 
     /// The load as a factor, its joint counted from 1; nothing where it does not matter.

@@ -14,6 +14,7 @@ pub mod expansion;
 mod weighted;
 pub mod rigid_chain;
 pub mod model;
+pub mod shaft_friction;
 mod links;
 pub mod torque;
 pub mod checks;

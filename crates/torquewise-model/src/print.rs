@@ -3,6 +3,7 @@
 use crate::energy::{EnergyTerm, Place};
 use crate::friction::FrictionTerm;
 use crate::model::{Form, Model, Weighted};
+use crate::shaft_friction::{Estimated, ShaftFriction};
 use crate::term::Term;
 use std::collections::BTreeMap;
 
@@ -40,7 +41,8 @@ fn digits_before(x: f64) -> i32 {
 }
 
 /// The equations as text: energies first where the model has them, then the torque of each joint,
-/// its friction last.
+/// its friction last. A shaft of more than linear friction is named, such as `F2(dq2)`: what it is
+/// say [`friction_tables`].
 ///
 /// Behind a term stands the share of resampled logs in which it stays, where that was asked for.
 pub fn text(model: &Model) -> String {
@@ -65,6 +67,7 @@ pub fn text(model: &Model) -> String {
         lines.push("Torques".into());
         lines.push(units.into());
     }
+    let shafts = ShaftFriction::all(model);
     let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
     for (joint, (equation, friction)) in equations.enumerate() {
         lines.push(String::new());
@@ -76,9 +79,75 @@ pub fn text(model: &Model) -> String {
         if !friction.is_empty() {
             lines.push("  friction:".into());
         }
-        lines.extend(friction.iter().map(|w| line(w, &w.term.formula())));
+        lines.extend(shafts.iter().flat_map(|shaft| friction_lines(shaft, joint, &friction)));
     }
     lines.join("\n") + "\n"
+}
+
+/// What a shaft adds to the torque of a joint: its laws where they are linear, else its name.
+fn friction_lines(
+    shaft: &ShaftFriction<'_>,
+    joint: usize,
+    friction: &[Weighted<FrictionTerm>],
+) -> Vec<String> {
+    let own = friction.iter().filter(|w| w.term.shaft == shaft.shaft());
+    let part = shaft.shaft()[joint];
+    match shaft.symbol() {
+        None => own.map(|w| line(w, &w.term.formula())).collect(),
+        Some(_) if part == 0.0 => Vec::new(),
+        Some(symbol) => {
+            let sign = if part < 0.0 { '-' } else { '+' };
+            let is_one = (part.abs() - 1.0).abs() < f64::EPSILON;
+            let factor = if is_one { String::new() } else { format!("{} * ", part.abs()) };
+            vec![format!("  {sign} {factor}{symbol}")]
+        }
+    }
+}
+
+/// Friction as engineers read it, as rows of cells under headings: how each shaft slides, then what
+/// else there is to say; none for a model without. What no shaft has is left out, a dash stands for
+/// what is not resolved.
+pub fn friction_tables(model: &Model) -> Vec<Vec<Vec<String>>> {
+    let row = |words: &[&str], numbers: [Option<Estimated>; 4]| {
+        let cell = |number: Option<Estimated>| {
+            number.map_or_else(|| DASH.to_owned(), |own| with_error(own.value, own.std_error))
+        };
+        words.iter().map(ToString::to_string).chain(numbers.map(cell)).collect::<Vec<String>>()
+    };
+    let headings = |headings: &[&str]| headings.iter().map(ToString::to_string).collect();
+    let sliding = ["F_c [N·m]", "F_s [N·m]", "v_s [rad/s]", "F_v [N·m·s/rad]"];
+    let other = ["offset [N·m]", "stiffness [N·m/rad]", "travel [rad]", "load factor [1]"];
+    let mut tables: [Vec<Vec<String>>; 2] = [
+        vec![headings(&[&["joint", "direction"], &sliding[..]].concat())],
+        vec![headings(&[&["joint"], &other[..]].concat())],
+    ];
+    for shaft in ShaftFriction::all(model) {
+        let (name, own) = (shaft.name(), shaft.parameters());
+        let ways = if own.forward == own.backward {
+            vec![("both", own.forward)]
+        } else {
+            vec![("forward", own.forward), ("backward", own.backward)]
+        };
+        for (way, own) in ways {
+            let numbers = [own.coulomb, own.stiction, own.stribeck_speed, own.viscous];
+            tables[0].push(row(&[&name, way], numbers));
+        }
+        let numbers = [own.offset, own.stiffness, own.travel, own.load_factor];
+        tables[1].push(row(&[&name], numbers));
+    }
+    let words = [2, 1];
+    let kept = tables.into_iter().zip(words).map(|(table, words)| (without_dashes(table), words));
+    kept.filter(|(table, words)| table[0].len() > *words).map(|(table, _)| table).collect()
+}
+
+/// For what is not resolved.
+const DASH: &str = "–";
+
+/// The columns that have more than a heading and dashes.
+fn without_dashes(table: Vec<Vec<String>>) -> Vec<Vec<String>> {
+    let is_kept = |column: usize| table.iter().skip(1).any(|row| row[column] != DASH);
+    let kept: Vec<usize> = (0..table[0].len()).filter(|&column| is_kept(column)).collect();
+    table.iter().map(|row| kept.iter().map(|&column| row[column].clone()).collect()).collect()
 }
 
 fn has_inclusion(model: &Model) -> bool {

@@ -11,6 +11,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::model::model::Choice;
+use torquewise::model::shaft_friction::ShaftFriction;
 use torquewise::model::{Form, FrictionTerm, Kind, Model, Weighted, print};
 
 /// Print the equations of a model
@@ -57,7 +58,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut json = json(&model, physics.as_ref());
     json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
     let mut text = match arguments.format {
-        Format::Text => print::text(&model),
+        Format::Text => friction_text(&model) + &print::text(&model),
         Format::Latex => print::latex(&model),
         Format::Json => json.to_string() + "\n",
     };
@@ -70,6 +71,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let warnings = physics.iter().filter_map(Physics::warning).collect();
     Ok(Outcome { notes: Vec::new(), text, json, warnings })
+}
+
+/// How the friction is to be read.
+const FRICTION: &str = "Friction, ± standard error, – where it is not resolved\n\
+    F_c Coulomb, F_s static, v_s Stribeck speed, F_v viscous; stiffness and travel of a reversal\n\n";
+
+/// The friction that engineers look for; nothing for a model without.
+fn friction_text(model: &Model) -> String {
+    let tables = print::friction_tables(model);
+    if tables.is_empty() {
+        return String::new();
+    }
+    let tables = tables.into_iter().map(|table| Table::of(table).text() + "\n");
+    FRICTION.to_owned() + &tables.collect::<String>()
 }
 
 fn states(text: &str) -> Result<usize, String> {
@@ -119,6 +134,7 @@ fn json(model: &Model, physics: Option<&Physics>) -> Value {
     json!({
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
+        "friction_parameters": ShaftFriction::all(model).iter().map(shaft_json).collect::<Vec<_>>(),
         "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
         "overlooked": model.training.overlooked,
@@ -137,7 +153,15 @@ fn term_json<T>(weighted: &Weighted<T>, name: &str, kind: Kind) -> Value {
     })
 }
 
-/// Friction of a shaft, before its joints share it.
+/// Friction of a shaft as engineers read it.
+fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
+    let mut json = json!(shaft.parameters());
+    json["name"] = json!(shaft.name());
+    json["shaft"] = json!(shaft.shaft());
+    json
+}
+
+/// A law of friction of a shaft, before its joints share it.
 fn friction_json(weighted: &Weighted<FrictionTerm>) -> Value {
     json!({
         "term": weighted.term.name(),

@@ -7,10 +7,17 @@ use torquewise_dynamics::{Arm, MotionKind, MotionPlan, SimulatedLog};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, reconstruct};
 use torquewise_model::Torque;
+use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_motion::Motion;
 
 /// Slower than this \[rad/s\] a joint is at rest or turns round.
 const SLOW: f64 = 0.05;
+
+/// Coulomb friction of the joints \[N·m\], and how much viscous friction \[s/rad\] goes with it.
+const COULOMB: [f64; 3] = [12.0, 15.0, 6.0];
+const VISCOUS: f64 = 0.2;
+/// \[N·m/rad\]: the bristles slip after 5 to 13 mrad, those of the first joint after 10.
+const STIFFNESS: f64 = 1_200.0;
 
 fn log(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
     let arm = Arm::builtin("puma560-3").unwrap();
@@ -18,12 +25,11 @@ fn log(kind: MotionKind, seconds: f64, seed: u64) -> Motion {
         coulomb,
         stiction: 1.3 * coulomb,
         speed: 0.05,
-        viscous: 0.2 * coulomb,
+        viscous: VISCOUS * coulomb,
     };
-    // They slip after 10 mrad.
-    let friction = Friction::new(&[curve(12.0), curve(15.0), curve(6.0)])
+    let friction = Friction::new(&COULOMB.map(curve))
         .unwrap()
-        .with_bristles(Bristles { stiffness: 1_200.0, damping: 0.0 })
+        .with_bristles(Bristles { stiffness: STIFFNESS, damping: 0.0 })
         .unwrap();
     let plan = MotionPlan { kind, seconds, rate: 250.0, seed };
     SimulatedLog::new(&arm, &plan).unwrap().with_friction(friction).unwrap().whole().unwrap().motion
@@ -56,4 +62,22 @@ fn friction_at_rest_and_reversal_is_remembered() {
 
     let halved = with.iter().zip(&without).all(|(with, without)| *with <= 0.5 * without);
     assert!(halved, "{with:?} with memory, {without:?} without");
+}
+
+#[test]
+fn friction_reads_as_it_was_planted() {
+    let model = fit(&log(MotionKind::Moves, 60.0, 1), FrictionKind::Dahl).model;
+    let joints = ShaftFriction::all(&model);
+    let is_near = |found: Option<Estimated>, planted: f64| {
+        found.is_some_and(|found| (found.value / planted - 1.0).abs() < 0.1)
+    };
+
+    for (joint, coulomb) in joints.iter().zip(COULOMB) {
+        let found = joint.parameters();
+        assert!(is_near(found.forward.coulomb, coulomb), "{found:?}");
+        assert!(is_near(found.forward.viscous, VISCOUS * coulomb), "{found:?}");
+    }
+    // Only its travel of 10 mrad is one of the elements; between them a stiffness is too large.
+    let first = joints[0].parameters();
+    assert!(is_near(first.stiffness, STIFFNESS), "{first:?}");
 }

@@ -5,3 +5,4 @@ mod friction;
 mod model;
 mod physics;
 mod rigid_chain;
+mod shaft_friction;

@@ -1,0 +1,263 @@
+//! Laws of friction on a shaft → the parameters that engineers know: Coulomb, static, Stribeck.
+
+use crate::friction::{FrictionLaw, FrictionTerm};
+use crate::model::Model;
+use serde::Serialize;
+
+/// A number with its standard error, both in one unit; the error is 0 where it is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Estimated {
+    /// The number.
+    pub value: f64,
+    /// Its standard error.
+    pub std_error: f64,
+}
+
+/// Friction of a shaft that slides one way, without load; `None` where it is not resolved.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Sliding {
+    /// F_c \[N·m\]: dry friction of fast motion, where the exponentials of Stribeck are gone.
+    pub coulomb: Option<Estimated>,
+    /// F_s \[N·m\]: dry friction of motion that is about to stop, v → 0; only where it is resolved
+    /// that it is above F_c.
+    pub stiction: Option<Estimated>,
+    /// v_s \[rad/s\]: where the excess of dry friction over F_c has fallen to 1/e of F_s − F_c.
+    pub stribeck_speed: Option<Estimated>,
+    /// F_v \[N·m·s/rad\].
+    pub viscous: Option<Estimated>,
+}
+
+/// Friction of a shaft as engineers read it; `None` where it is not resolved.
+///
+/// A number is resolved where it is more than two standard errors from zero, and above zero but
+/// for the offset. Where the model keeps a covariance of its parameters, errors are of the whole
+/// of it (delta method); else the coefficients are taken as independent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FrictionParameters {
+    /// Constant torque of the drive \[N·m\].
+    pub offset: Option<Estimated>,
+    /// v > 0.
+    pub forward: Sliding,
+    /// v < 0; torques are counted against the motion.
+    pub backward: Sliding,
+    /// Σ cₖ/δₖ \[N·m/rad\] of Dahl elements without load: dF/dq from the middle of the loop, as σ₀
+    /// of LuGre; after a full turn it begins at twice that.
+    pub stiffness: Option<Estimated>,
+    /// Way \[rad\] after a reversal at which 90 % of the turn of the Dahl elements is done, from
+    /// −Σ cₖ to Σ cₖ: Σ cₖ e^(−way/δₖ) = 0.1 Σ cₖ.
+    pub travel: Option<Estimated>,
+    /// Dry friction per N·m that gravity loads the gear with \[1\], mean of both directions.
+    pub load_factor: Option<Estimated>,
+}
+
+/// The friction of one shaft of a model: of a joint, or of several that turn it.
+#[derive(Clone, Copy, Debug)]
+pub struct ShaftFriction<'m> {
+    model: &'m Model,
+    shaft: &'m [f64],
+}
+
+/// A number is told from zero from so many standard errors on.
+const RESOLVED: f64 = 2.0;
+/// What is left of the turn of a reversal after its travel.
+const LEFT: f64 = 0.1;
+/// Even steps in which a decay is looked for, and halvings of the step that it is in.
+const STEPS: u32 = 1_000;
+const HALVINGS: u32 = 50;
+
+impl<'m> ShaftFriction<'m> {
+    /// All shafts with friction: those of single joints in their order, then shared ones.
+    pub fn all(model: &'m Model) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        for shaft in model.friction.iter().map(|weighted| &weighted.term.shaft) {
+            if all.iter().all(|own| own.shaft != shaft) {
+                all.push(Self { model, shaft });
+            }
+        }
+        all.sort_by_key(|own| own.joint().unwrap_or(usize::MAX));
+        all
+    }
+
+    /// Its speed per speed of each joint, n.
+    pub fn shaft(&self) -> &'m [f64] {
+        self.shaft
+    }
+
+    /// Its laws with their places in [`Model::friction`].
+    pub fn laws(&self) -> impl Iterator<Item = (usize, &'m FrictionTerm)> + '_ {
+        let laws = self.model.friction.iter().map(|weighted| &weighted.term).enumerate();
+        laws.filter(|(_, term)| term.shaft == self.shaft)
+    }
+
+    /// The joint that it is the own shaft of, counted from 0.
+    pub fn joint(&self) -> Option<usize> {
+        let mut turning = self.shaft.iter().enumerate().filter(|(_, part)| **part != 0.0);
+        let (joint, part) = turning.next()?;
+        (turning.next().is_none() && part.to_bits() == 1.0_f64.to_bits()).then_some(joint)
+    }
+
+    /// Name of the joint, or the angle of a shared shaft: `q5 + q6`, joints counted from 1.
+    pub fn name(&self) -> String {
+        let joint = self.joint().and_then(|joint| self.model.joints.get(joint));
+        let angle = || self.laws().next().map_or_else(String::new, |(_, term)| term.angle());
+        joint.cloned().unwrap_or_else(angle)
+    }
+
+    /// What equations call it: `F2(dq2)`, `F2(q2, dq2)` where it remembers the path, `F2(q, dq2)`
+    /// where it feels the load; none where its laws are linear and alike in both directions.
+    pub fn symbol(&self) -> Option<String> {
+        let laws = || self.laws().map(|(_, term)| term);
+        let bends = |law| matches!(law, FrictionLaw::Stribeck { .. } | FrictionLaw::Dahl { .. });
+        let first = laws().find(|t| bends(t.law) || t.load || !t.direction.is_both())?;
+        let remembers = laws().any(|term| term.element().is_some());
+        let place = match (laws().any(|term| term.load), remembers) {
+            (true, _) => "q, ".to_owned(),
+            (false, true) => first.angle() + ", ",
+            (false, false) => String::new(),
+        };
+        let turning = (1..).zip(self.shaft).filter(|(_, part)| **part != 0.0);
+        let joints: String = turning.map(|(joint, _)| joint.to_string()).collect();
+        Some(format!("F{joints}({place}{})", first.turning()))
+    }
+
+    /// What engineers know it by.
+    pub fn parameters(&self) -> FrictionParameters {
+        let plain = |term: &FrictionTerm| !term.load;
+        let offset = self.sum(|term| one(plain(term) && term.law == FrictionLaw::Offset));
+        let element = |term: &FrictionTerm| match term.law {
+            FrictionLaw::Dahl { travel } if plain(term) => Some(travel),
+            _ => None,
+        };
+        let load_factor = self.sum(|term| {
+            let ways = [1.0, -1.0].map(|way| one(term.direction.holds(way)));
+            one(term.load && is_coulomb(term)) * 0.5 * (ways[0] + ways[1])
+        });
+        let turned = self.sum(|term| one(element(term).is_some())).positive();
+        FrictionParameters {
+            offset: offset.resolved(),
+            forward: self.sliding(1.0),
+            backward: self.sliding(-1.0),
+            stiffness: self.sum(|term| element(term).map_or(0.0, f64::recip)).positive(),
+            travel: turned.and_then(|_| self.decay(element, LEFT, 1)),
+            load_factor: load_factor.positive(),
+        }
+    }
+
+    fn sliding(&self, way: f64) -> Sliding {
+        let acts = |term: &FrictionTerm| !term.load && term.direction.holds(way);
+        let exponential = |term: &FrictionTerm| match term.law {
+            FrictionLaw::Stribeck { speed, .. } if acts(term) => Some(speed),
+            _ => None,
+        };
+        let is_dry = |term: &FrictionTerm| is_coulomb(term) || exponential(term).is_some();
+        let excess = self.sum(|term| one(exponential(term).is_some())).positive();
+        let stiction = self.sum(|term| one(acts(term) && is_dry(term)));
+        let viscous = self.sum(|term| one(acts(term) && term.law == FrictionLaw::Viscous));
+        Sliding {
+            coulomb: self.sum(|term| one(acts(term) && is_coulomb(term))).positive(),
+            stiction: excess.and_then(|_| stiction.positive()),
+            stribeck_speed: excess.and_then(|_| self.decay(exponential, (-1.0_f64).exp(), 2)),
+            viscous: viscous.positive(),
+        }
+    }
+
+    /// F(v) \[N·m\] without load at a speed v \[rad/s\] of the shaft, elements as after a long way.
+    pub fn at_speed(&self, speed: f64) -> Estimated {
+        self.sum(|term| if term.load { 0.0 } else { term.at_speed(speed) })
+    }
+
+    /// F \[N·m\] without load of slow motion to and fro between ∓`reach` \[rad\], at a place `q`
+    /// \[rad\] between them on the way forward (1) or backward (−1).
+    ///
+    /// The state of an element on a closed loop: x = 1 − (1 + tanh(reach/δ)) e^(−(q + reach)/δ) on
+    /// the way forward, and what is symmetric to it on the way backward.
+    pub fn on_loop(&self, q: f64, reach: f64, way: f64) -> Estimated {
+        self.sum(|term| match term.law {
+            _ if term.load => 0.0,
+            FrictionLaw::Offset => 1.0,
+            FrictionLaw::Viscous => 0.0,
+            FrictionLaw::Coulomb { .. } | FrictionLaw::Stribeck { .. } => {
+                way * one(term.direction.holds(way))
+            }
+            FrictionLaw::Dahl { travel } => {
+                let start = 1.0 + (reach / travel).tanh();
+                way * (1.0 - start * (-(way * q + reach) / travel).exp())
+            }
+        })
+    }
+
+    /// Σ weight · coefficient over its laws.
+    fn sum(&self, weight: impl Fn(&FrictionTerm) -> f64) -> Estimated {
+        let coefficient = |k: usize| self.model.friction[k].coefficient;
+        let value = self.laws().map(|(k, term)| weight(term) * coefficient(k)).sum();
+        Estimated { value, std_error: self.std_error(weight) }
+    }
+
+    /// Standard error of Σ weight · coefficient.
+    fn std_error(&self, weight: impl Fn(&FrictionTerm) -> f64) -> f64 {
+        let weights = self.laws().map(|(k, term)| (k, weight(term)));
+        let chain = self.model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
+        let Some(chain) = chain else {
+            let own = |(k, weight): (usize, f64)| weight * self.model.friction[k].std_error;
+            return weights.map(|weight| own(weight).powi(2)).sum::<f64>().sqrt();
+        };
+        let friction = self.model.friction.len();
+        let mut all = vec![0.0; chain.n_parameters(friction)];
+        let first = all.len() - chain.fitted.len() - friction;
+        weights.for_each(|(k, weight)| all[first + k] = weight);
+        chain.variance_of(&all).sqrt()
+    }
+
+    /// The first x above 0 at which Σ c e^(−(x/scale)^power) has fallen to a `share` of Σ c, over
+    /// the laws that have a scale.
+    ///
+    /// From 0 = g(x) = Σ c (e^(−(x/scale)^power) − share) follows dx/dc = −(∂g/∂c)/(∂g/∂x).
+    fn decay(
+        &self,
+        scale: impl Fn(&FrictionTerm) -> Option<f64>,
+        share: f64,
+        power: i32,
+    ) -> Option<Estimated> {
+        let over = |term: &FrictionTerm, value: &dyn Fn(f64) -> f64| scale(term).map_or(0.0, value);
+        let left = |scale: f64, x: f64| (-(x / scale).powi(power)).exp();
+        let excess = |x: f64| self.sum(|term| over(term, &|s| left(s, x) - share)).value;
+        let is_above = |x: f64| excess(x) * excess(0.0) > 0.0;
+
+        // Coefficients of one sign end before the longest scale does.
+        let longest = self.laws().filter_map(|(_, term)| scale(term)).fold(0.0, f64::max);
+        let end = 2.0 * longest * (-share.ln()).powf(1.0 / f64::from(power));
+        let step = end / f64::from(STEPS);
+        let past = (1..=STEPS).map(|k| f64::from(k) * step).find(|&x| !is_above(x))?;
+        let (mut low, mut high) = (past - step, past);
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(low, high);
+            if is_above(middle) { low = middle } else { high = middle }
+        }
+
+        let slope_of = |s: f64| -f64::from(power) / s * (high / s).powi(power - 1) * left(s, high);
+        let slope = self.sum(|term| over(term, &slope_of)).value;
+        let std_error = self.std_error(|term| over(term, &|s| (share - left(s, high)) / slope));
+        Estimated { value: high, std_error }.positive()
+    }
+}
+
+impl Estimated {
+    fn resolved(self) -> Option<Self> {
+        let is_known = self.value.is_finite() && self.std_error.is_finite();
+        (is_known && self.value.abs() > RESOLVED * self.std_error).then_some(self)
+    }
+
+    fn positive(self) -> Option<Self> {
+        self.resolved().filter(|own| own.value > 0.0)
+    }
+}
+
+/// Dry friction that does not fade with speed.
+fn is_coulomb(term: &FrictionTerm) -> bool {
+    matches!(term.law, FrictionLaw::Coulomb { .. } | FrictionLaw::Dahl { .. })
+}
+
+/// The weight of a law that counts, or does not.
+fn one(counts: bool) -> f64 {
+    f64::from(u8::from(counts))
+}
