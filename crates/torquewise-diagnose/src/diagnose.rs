@@ -1,9 +1,11 @@
 //! Model, recording → diagnosis: what the residuals look like, and which terms carry the torque.
 
 use crate::score::{Scores, score};
+use crate::turning::Turning;
 use faer::Mat;
 use std::collections::VecDeque;
 use torquewise_model::print::weighted_friction;
+use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::term::Sum;
 use torquewise_model::{FrictionTerm, Model, Term, Torque, Weighted};
 use torquewise_motion::memory::Memory;
@@ -23,6 +25,9 @@ pub struct Trace {
     pub tau_hat: Mat<f64>,
     /// Pattern of each row.
     pub patterns: Vec<Pattern>,
+    /// Way of each joint since its last reversal \[rad\], rows × n, above zero forward; NaN where its
+    /// friction has no travel, and after reversals before friction had turned.
+    pub since_reversal: Mat<f64>,
 }
 
 /// Counts of residuals between equally spaced edges.
@@ -67,6 +72,9 @@ const BINS: usize = 61;
 const REACH: f64 = 4.0;
 const LAGS: usize = 50;
 
+/// Friction counts as turned after so many travels, 99 % of one element.
+const TURNED: f64 = 2.0;
+
 /// Looks at the residuals of a model over a recording, in two passes and fixed memory.
 ///
 /// # Errors
@@ -81,12 +89,16 @@ pub fn diagnose(
     recording
         .read(&mut |trajectory, block| look.add(trajectory, block, patterns))
         .map_err(IdentifyError::Read)?;
-    look.finish(model, scores)
+    look.finish(scores)
 }
 
-struct Look {
+struct Look<'m> {
+    model: &'m Model,
     torque: Torque,
     path: Path,
+    /// Of each joint whose friction has a travel, at its place.
+    turning: Vec<Option<Turning>>,
+    trajectory: usize,
     stride: usize,
     rows: usize,
     sampled: Vec<(Vec<f64>, Pattern)>,
@@ -96,15 +108,18 @@ struct Look {
     products: Vec<Vec<f64>>,
 }
 
-impl Look {
-    fn new(model: &Model, scores: &Scores) -> Self {
+impl<'m> Look<'m> {
+    fn new(model: &'m Model, scores: &Scores) -> Self {
         let histogram = |rmse: f64| {
             let reach = if rmse > 0.0 { REACH * rmse } else { f64::MIN_POSITIVE };
             Histogram { start: -reach, width: 2.0 * reach / BINS as f64, counts: vec![0; BINS] }
         };
         let (n, torque) = (model.n_joints(), Torque::new(model));
         Self {
+            model,
             path: torque.path(),
+            turning: turning(model),
+            trajectory: 0,
             torque,
             stride: scores.rows.div_ceil(TRACE_ROWS).max(1),
             rows: 0,
@@ -125,7 +140,15 @@ impl Look {
         let tau_hat = self.torque.over(block)?;
         let tau = block.require_tau()?;
         let labels = patterns.label(block);
+        if self.trajectory != trajectory {
+            (self.trajectory, self.turning) = (trajectory, turning(self.model));
+        }
         for row in 0..block.n_rows() {
+            let since: Vec<f64> = (self.turning.iter_mut().enumerate())
+                .map(|(joint, own)| {
+                    own.as_mut().map_or(f64::NAN, |t| t.step(block.q()[(row, joint)]))
+                })
+                .collect();
             for joint in 0..block.n_joints() {
                 self.add_residual(joint, tau[(row, joint)] - tau_hat[(row, joint)]);
             }
@@ -135,7 +158,8 @@ impl Look {
                     .into_iter()
                     .flat_map(|x| (0..x.ncols()).map(move |joint| x[(row, joint)]));
                 let remembered = block.memory().into_iter().flat_map(|memory| memory.row(row));
-                let values = std::iter::once(block.t()[row]).chain(values).chain(remembered);
+                let values = std::iter::once(block.t()[row]).chain(values);
+                let values = values.chain(since).chain(remembered);
                 self.sampled.push((values.collect(), labels[row]));
             }
             self.rows += 1;
@@ -159,7 +183,8 @@ impl Look {
         }
     }
 
-    fn finish(self, model: &Model, scores: Scores) -> Result<Diagnosis, IdentifyError> {
+    fn finish(self, scores: Scores) -> Result<Diagnosis, IdentifyError> {
+        let model = self.model;
         let n = model.n_joints();
         let columns = |first: usize, count: usize| {
             Mat::from_fn(self.sampled.len(), count, |row, j| self.sampled[row].0[first + j])
@@ -167,7 +192,7 @@ impl Look {
         let signal = |place: usize| columns(1 + place * n, n);
         let travels = model.travels();
         let memory = (!travels.is_empty())
-            .then(|| Memory::new(travels.clone(), columns(1 + 5 * n, travels.len() * n)));
+            .then(|| Memory::new(travels.clone(), columns(1 + 6 * n, travels.len() * n)));
         let motion = Motion::new(torquewise_motion::Signals {
             joints: model.joints.clone(),
             t: self.sampled.iter().map(|(values, _)| values[0]).collect(),
@@ -185,12 +210,29 @@ impl Look {
         let patterns = self.sampled.iter().map(|(_, pattern)| *pattern).collect();
         Ok(Diagnosis {
             scores,
-            trace: Trace { stride: self.stride, tau_hat: signal(4), motion, patterns },
+            trace: Trace {
+                stride: self.stride,
+                tau_hat: signal(4),
+                motion,
+                patterns,
+                since_reversal: signal(5),
+            },
             histograms: self.histograms,
             autocorrelation: self.products.into_iter().map(normalised).collect(),
             importance,
         })
     }
+}
+
+/// What tells the reversals of each joint whose friction has a travel.
+fn turning(model: &Model) -> Vec<Option<Turning>> {
+    let mut all = vec![None; model.n_joints()];
+    for shaft in ShaftFriction::all(model) {
+        if let (Some(joint), Some(travel)) = (shaft.joint(), shaft.parameters().travel) {
+            all[joint] = Some(Turning::new(TURNED * travel.value));
+        }
+    }
+    all
 }
 
 /// RMS of each term of each joint, friction too, over the rows of a motion.

@@ -5,6 +5,7 @@ pub mod excitation;
 pub mod disagreement;
 pub mod drift;
 pub mod score;
+mod turning;
 pub mod diagnose;
 
 pub use diagnose::{Diagnosis, diagnose};

@@ -244,6 +244,12 @@ impl FrictionTerm {
         law + &load + &self.condition(|relation| format!(r"\,[{speed} {relation} 0]"))
     }
 
+    /// Whether it knows the direction of the shaft at most, neither its speed nor a load.
+    pub fn is_speedless(&self) -> bool {
+        let has_speed = matches!(self.law, FrictionLaw::Viscous | FrictionLaw::Stribeck { .. });
+        !has_speed && !self.load
+    }
+
     /// Angle of the shaft, joints counted from 1: `q2`, `q5 + q6`.
     pub(crate) fn angle(&self) -> String {
         self.sum("q", "*")

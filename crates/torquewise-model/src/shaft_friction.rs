@@ -166,23 +166,20 @@ impl<'m> ShaftFriction<'m> {
         self.sum(|term| if term.load { 0.0 } else { term.at_speed(speed) })
     }
 
-    /// F \[N·m\] without load of slow motion to and fro between ∓`reach` \[rad\], at a place `q`
-    /// \[rad\] between them on the way forward (1) or backward (−1).
+    /// What does not depend on speed of F \[N·m\] without load, to and fro between ∓`reach`
+    /// \[rad\], at a place `q` \[rad\] between them on the way forward (1) or backward (−1).
     ///
     /// The state of an element on a closed loop: x = 1 − (1 + tanh(reach/δ)) e^(−(q + reach)/δ) on
     /// the way forward, and what is symmetric to it on the way backward.
     pub fn on_loop(&self, q: f64, reach: f64, way: f64) -> Estimated {
         self.sum(|term| match term.law {
-            _ if term.load => 0.0,
-            FrictionLaw::Offset => 1.0,
-            FrictionLaw::Viscous => 0.0,
-            FrictionLaw::Coulomb { .. } | FrictionLaw::Stribeck { .. } => {
-                way * one(term.direction.holds(way))
-            }
+            _ if !term.is_speedless() => 0.0,
             FrictionLaw::Dahl { travel } => {
                 let start = 1.0 + (reach / travel).tanh();
                 way * (1.0 - start * (-(way * q + reach) / travel).exp())
             }
+            FrictionLaw::Offset => 1.0,
+            _ => way * one(term.direction.holds(way)),
         })
     }
 

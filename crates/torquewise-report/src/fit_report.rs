@@ -10,6 +10,7 @@ mod clock;
 mod summary;
 mod torques;
 mod other_motion;
+mod friction;
 mod equations;
 mod activation;
 mod steps;
@@ -39,7 +40,7 @@ pub struct Findings<'a> {
 ///
 /// - `title`: what stands above the report, such as the name of the log
 ///
-/// The text holds the summary and all warnings first; then torques, equations, patterns, steps,
+/// The text holds the summary and all warnings first; then torques, friction, equations, patterns, steps,
 /// cost in a controller, residuals, importance of terms, physical checks, ranges of the log and
 /// what was repaired in it, with charts that can be zoomed into.
 ///
@@ -59,6 +60,7 @@ impl Findings<'_> {
     fn sections(&self) -> Result<Vec<Section>, ReportError> {
         let mut sections = vec![summary::section(self), torques::section(self)];
         sections.extend(self.test.map(|test| other_motion::section(self, test)));
+        sections.extend(friction::section(self));
         sections.extend([
             equations::section(self),
             activation::section(self),
