@@ -25,8 +25,8 @@ pub struct Trace {
     pub tau_hat: Mat<f64>,
     /// Pattern of each row.
     pub patterns: Vec<Pattern>,
-    /// Way of each joint since its last reversal \[rad\], rows × n, above zero forward; NaN where its
-    /// friction has no travel, and after reversals before friction had turned.
+    /// Way of each joint since its last reversal \[rad\], rows × n, above zero forward; NaN where
+    /// its friction has no travel, and after reversals before friction had turned.
     pub since_reversal: Mat<f64>,
 }
 

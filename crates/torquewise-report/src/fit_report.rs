@@ -40,9 +40,9 @@ pub struct Findings<'a> {
 ///
 /// - `title`: what stands above the report, such as the name of the log
 ///
-/// The text holds the summary and all warnings first; then torques, friction, equations, patterns, steps,
-/// cost in a controller, residuals, importance of terms, physical checks, ranges of the log and
-/// what was repaired in it, with charts that can be zoomed into.
+/// The text holds the summary and all warnings first; then torques, friction, equations, patterns,
+/// steps, cost in a controller, residuals, importance of terms, physical checks, ranges of the log
+/// and what was repaired in it, with charts that can be zoomed into.
 ///
 /// # Errors
 /// [`ReportError::Shape`] if found model and diagnosis are of different arms, or there are costs of

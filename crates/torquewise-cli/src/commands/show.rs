@@ -75,7 +75,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// How the friction is to be read.
 const FRICTION: &str = "Friction, ± standard error, – where it is not resolved\n\
-    F_c Coulomb, F_s static, v_s Stribeck speed, F_v viscous; stiffness and travel of a reversal\n\n";
+    F_c Coulomb, F_s static, v_s Stribeck speed, F_v viscous; stiffness, travel: of reversals\n\
+    \n";
 
 /// The friction that engineers look for; nothing for a model without.
 fn friction_text(model: &Model) -> String {

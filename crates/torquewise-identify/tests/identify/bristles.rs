@@ -66,7 +66,7 @@ fn friction_at_rest_and_reversal_is_remembered() {
 
 #[test]
 fn friction_reads_as_it_was_planted() {
-    let model = fit(&log(MotionKind::Moves, 60.0, 1), FrictionKind::Dahl).model;
+    let model = fit(&log(MotionKind::Moves, 60.0, 1), FrictionKind::Auto).model;
     let joints = ShaftFriction::all(&model);
     let is_near = |found: Option<Estimated>, planted: f64| {
         found.is_some_and(|found| (found.value / planted - 1.0).abs() < 0.1)

@@ -27,10 +27,10 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     }
     let trace = &findings.diagnosis.trace;
     let laws = Torque::new(model).laws(&trace.motion).ok()?;
-    let words = "F_c: Coulomb friction, away from rest. F_s: static friction, at the end of motion, \
-                 where it is seen to be larger; v_s: Stribeck speed, where 1/e of the difference is \
-                 left. F_v: viscous friction. Stiffness: torque over position from the middle of \
-                 its loop; travel: the way after a reversal at which friction has turned to 90 %. \
+    let words = "F_c: Coulomb friction, away from rest. F_s: static friction, as motion ends, \
+                 where it is seen to be larger; v_s: Stribeck speed, where 1/e of the difference \
+                 is left. F_v: viscous friction. Stiffness: torque over position in the middle \
+                 of a loop; travel: the way after a reversal at which friction has turned to 90 %. \
                  Numbers are without load, ± standard error; a dash stands for what this log does \
                  not tell from zero.";
     let mut items = vec![Item::Text(words.into())];
@@ -66,8 +66,8 @@ struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    /// What is left of the measured torque \[N·m\] for some laws of the shaft, at a row of the trace:
-    /// of the first joint that it turns.
+    /// What is left of the measured torque \[N·m\] for some laws of the shaft, at a row of the
+    /// trace: of the first joint that it turns.
     fn measured(&self, row: usize, counts: impl Fn(&FrictionTerm) -> bool) -> f64 {
         let coefficient = |k: usize| self.findings.found.model.friction[k].coefficient;
         let laws = self.shaft.laws().filter(|(_, term)| counts(term));
