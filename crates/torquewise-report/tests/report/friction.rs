@@ -1,4 +1,4 @@
-//! A report of a model with friction shows it as a part of its own.
+//! A report of a model with friction shows it as a part of its own, and loops where it remembers.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -8,6 +8,7 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Weighted};
 use torquewise_report::{Findings, fit_report};
 
+/// The report of a fit with this friction put in its place.
 fn report(friction: &[Weighted<FrictionTerm>]) -> String {
     let arm = Arm::builtin("planar-2").unwrap();
     let plan = MotionPlan { seconds: 10.0, rate: 50.0, ..MotionPlan::default() };
@@ -34,7 +35,26 @@ fn friction_is_drawn_written_and_weighed() {
     assert!(!without.contains("<div class=\"part\">friction</div>"));
     assert_eq!(with.matches("<div class=\"part\">friction</div>").count(), 1);
     assert!(with.contains("One term is friction.") && with.contains("∂q + friction"));
+    // The section: its numbers, and a curve of the joint that rubs.
+    assert!(with.contains("0.700 ± 0.010") && with.contains("F_c [N·m]"));
+    let curves = |html: &str| html.matches("\"label\":\"− 2 errors\"").count();
+    assert_eq!([curves(&without), curves(&with)], [0, 1]);
     // Beside the energies, in the torque that follows and among the shares of the torque.
     assert_eq!(with.matches("<mi>sign</mi>").count(), 3);
     assert!(with.contains("friction of joint2 [N·m]") && !with.contains("friction of joint1"));
+}
+
+#[test]
+fn friction_that_remembers_is_drawn_as_a_loop_beside_the_log() {
+    let law = FrictionLaw::Dahl { travel: 0.01 };
+    let term = FrictionTerm::of_joint(2, 1, law);
+    let element = Weighted { term, coefficient: 0.7, std_error: 0.01, inclusion: None };
+
+    let html = report(&[element]);
+
+    let of_loop = html.split("\"position [rad]\"").find(|chart| chart.contains("model, backward"));
+    let measured = of_loop.unwrap().split("\"mark\":\"rings\"").nth(1).unwrap();
+    let heights = measured.split("\"y\":[").nth(1).unwrap().split(']').next().unwrap();
+    assert!(heights.split(',').count() > 4, "{heights}");
+    assert!(html.contains("0.02302585093"), "the travel, ln 10 of that of the element");
 }
