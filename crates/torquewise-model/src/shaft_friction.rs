@@ -18,10 +18,10 @@ pub struct Estimated {
 pub struct Sliding {
     /// F_c \[N·m\]: dry friction of fast motion, where the exponentials of Stribeck are gone.
     pub coulomb: Option<Estimated>,
-    /// F_s \[N·m\]: dry friction of motion that is about to stop, v → 0; only where it is resolved
-    /// that it is above F_c.
+    /// F_s \[N·m\]: dry friction of motion that is about to stop, v → 0; only where it is told from
+    /// F_c. It is below F_c where friction rises steeply from rest, as of some lubricated gears.
     pub stiction: Option<Estimated>,
-    /// v_s \[rad/s\]: where the excess of dry friction over F_c has fallen to 1/e of F_s − F_c.
+    /// v_s \[rad/s\]: where what dry friction differs from F_c by has fallen to 1/e of F_s − F_c.
     pub stribeck_speed: Option<Estimated>,
     /// F_v \[N·m·s/rad\].
     pub viscous: Option<Estimated>,
@@ -150,7 +150,7 @@ impl<'m> ShaftFriction<'m> {
             _ => None,
         };
         let is_dry = |term: &FrictionTerm| is_coulomb(term) || exponential(term).is_some();
-        let excess = self.sum(|term| one(exponential(term).is_some())).positive();
+        let excess = self.sum(|term| one(exponential(term).is_some())).resolved();
         let stiction = self.sum(|term| one(acts(term) && is_dry(term)));
         let viscous = self.sum(|term| one(acts(term) && term.law == FrictionLaw::Viscous));
         Sliding {

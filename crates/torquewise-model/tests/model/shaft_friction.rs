@@ -96,12 +96,17 @@ fn elements_are_dry_friction_with_a_stiffness_and_a_travel() {
 }
 
 #[test]
-fn what_is_not_resolved_has_no_number() {
-    // Dry friction that falls off towards rest is no Stribeck curve.
-    let falling = only(&model(vec![both(DRY, 3.0), both(stribeck(0.05), -1.0)])).forward;
-    assert_near(falling.coulomb, 3.0, 0.01);
-    assert_eq!([falling.stiction, falling.stribeck_speed], [None; 2]);
+fn friction_that_rises_from_rest_has_less_of_it_there() {
+    let rising = only(&model(vec![both(DRY, 3.0), both(stribeck(0.05), -1.0)])).forward;
 
+    assert_near(rising.coulomb, 3.0, 0.01);
+    assert_near(rising.stiction, 2.0, 0.01 * 2.0_f64.sqrt());
+    let speed = rising.stribeck_speed.unwrap();
+    assert!((speed.value - 0.05).abs() < 1e-12, "{speed:?}");
+}
+
+#[test]
+fn what_is_not_resolved_has_no_number() {
     let weak = only(&model(vec![
         both(DRY, 0.019),
         both(stribeck(0.05), 0.019),

@@ -27,12 +27,12 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     }
     let trace = &findings.diagnosis.trace;
     let laws = Torque::new(model).laws(&trace.motion).ok()?;
-    let words = "F_c: Coulomb friction, away from rest. F_s: static friction, as motion ends, \
-                 where it is seen to be larger; v_s: Stribeck speed, where 1/e of the difference \
-                 is left. F_v: viscous friction. Stiffness: torque over position in the middle \
-                 of a loop; travel: the way after a reversal at which friction has turned to 90 %. \
-                 Numbers are without load, ± standard error; a dash stands for what this log does \
-                 not tell from zero.";
+    let words = "F_c: Coulomb friction, away from rest. F_s: static friction, as motion ends; \
+                 below F_c where friction rises steeply from rest. v_s: Stribeck speed, at which \
+                 1/e of the difference is left. F_v: viscous friction. Stiffness: torque over \
+                 position in the middle of a loop; travel: the way after a reversal at which \
+                 friction has turned to 90 %. Numbers are without load, ± standard error; a dash \
+                 stands for what this log does not tell from zero.";
     let mut items = vec![Item::Text(words.into())];
     items.extend(friction_tables(model).into_iter().map(|rows| Item::Table(table(rows))));
     let seen = shafts.iter().map(|&shaft| Seen { shaft, trace, findings, laws: &laws });
@@ -51,9 +51,13 @@ fn table(rows: Vec<Vec<String>>) -> Table {
     let column = |heading: String| {
         if is_word(&heading) { Column::words(heading) } else { Column::numbers(heading) }
     };
-    let columns = rows.next().unwrap_or_default().into_iter().map(column).collect();
-    let cells = |row: Vec<String>| row.into_iter().map(Label::from).collect();
-    Table { caption: String::new(), columns, rows: rows.map(cells).collect() }
+    let columns: Vec<Column> = rows.next().unwrap_or_default().into_iter().map(column).collect();
+    let cell = |(column, text): (&Column, String)| -> Label {
+        if column.numeric { text.replace('-', "−").into() } else { text.into() }
+    };
+    let cells = |row: Vec<String>| columns.iter().zip(row).map(cell).collect();
+    let rows = rows.map(cells).collect();
+    Table { caption: String::new(), columns, rows }
 }
 
 /// One shaft, as model and log have it.
@@ -161,8 +165,9 @@ fn grouped(directions: [Vec<[f64; 2]>; 2]) -> Series {
         Series::new("measured: median, quartiles", Mark::Rings, Colour::Measured, vec![]);
     for mut rows in directions {
         rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        let size = rows.len().div_ceil(GROUPS).max(LEAST_ROWS);
-        for group in rows.chunks(size).filter(|group| group.len() >= LEAST_ROWS) {
+        let groups = (rows.len() / LEAST_ROWS).min(GROUPS);
+        for k in 0..groups {
+            let group = &rows[k * rows.len() / groups..(k + 1) * rows.len() / groups];
             let quantile = |axis: usize, part: usize| {
                 let mut values: Vec<f64> = group.iter().map(|point| point[axis]).collect();
                 values.sort_by(f64::total_cmp);
