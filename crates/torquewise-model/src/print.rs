@@ -135,16 +135,16 @@ pub fn friction_tables(model: &Model) -> Vec<Vec<Vec<String>>> {
         let numbers = [own.offset, own.stiffness, own.travel, own.load_factor];
         tables[1].push(row(&[&name], numbers));
     }
-    let words = [2, 1];
-    let kept = tables.into_iter().zip(words).map(|(table, words)| (without_dashes(table), words));
-    kept.filter(|(table, words)| table[0].len() > *words).map(|(table, _)| table).collect()
+    let has_number =
+        |table: &Vec<Vec<String>>| table[0].iter().any(|heading| heading.contains('['));
+    tables.iter().map(|table| without_dashes(table)).filter(has_number).collect()
 }
 
 /// For what is not resolved.
 const DASH: &str = "–";
 
 /// The columns that have more than a heading and dashes.
-fn without_dashes(table: Vec<Vec<String>>) -> Vec<Vec<String>> {
+fn without_dashes(table: &[Vec<String>]) -> Vec<Vec<String>> {
     let is_kept = |column: usize| table.iter().skip(1).any(|row| row[column] != DASH);
     let kept: Vec<usize> = (0..table[0].len()).filter(|&column| is_kept(column)).collect();
     table.iter().map(|row| kept.iter().map(|&column| row[column].clone()).collect()).collect()

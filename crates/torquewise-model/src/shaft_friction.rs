@@ -185,9 +185,12 @@ impl<'m> ShaftFriction<'m> {
 
     /// Σ weight · coefficient over its laws.
     fn sum(&self, weight: impl Fn(&FrictionTerm) -> f64) -> Estimated {
+        Estimated { value: self.value(&weight), std_error: self.std_error(&weight) }
+    }
+
+    fn value(&self, weight: impl Fn(&FrictionTerm) -> f64) -> f64 {
         let coefficient = |k: usize| self.model.friction[k].coefficient;
-        let value = self.laws().map(|(k, term)| weight(term) * coefficient(k)).sum();
-        Estimated { value, std_error: self.std_error(weight) }
+        self.laws().map(|(k, term)| weight(term) * coefficient(k)).sum()
     }
 
     /// Standard error of Σ weight · coefficient.
@@ -217,8 +220,9 @@ impl<'m> ShaftFriction<'m> {
     ) -> Option<Estimated> {
         let over = |term: &FrictionTerm, value: &dyn Fn(f64) -> f64| scale(term).map_or(0.0, value);
         let left = |scale: f64, x: f64| (-(x / scale).powi(power)).exp();
-        let excess = |x: f64| self.sum(|term| over(term, &|s| left(s, x) - share)).value;
-        let is_above = |x: f64| excess(x) * excess(0.0) > 0.0;
+        let excess = |x: f64| self.value(|term| over(term, &|s| left(s, x) - share));
+        let start = excess(0.0);
+        let is_above = |x: f64| start * excess(x) > 0.0;
 
         // Coefficients of one sign end before the longest scale does.
         let longest = self.laws().filter_map(|(_, term)| scale(term)).fold(0.0, f64::max);
@@ -232,7 +236,7 @@ impl<'m> ShaftFriction<'m> {
         }
 
         let slope_of = |s: f64| -f64::from(power) / s * (high / s).powi(power - 1) * left(s, high);
-        let slope = self.sum(|term| over(term, &slope_of)).value;
+        let slope = self.value(|term| over(term, &slope_of));
         let std_error = self.std_error(|term| over(term, &|s| (share - left(s, high)) / slope));
         Estimated { value: high, std_error }.positive()
     }
