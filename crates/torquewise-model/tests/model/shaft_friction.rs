@@ -25,8 +25,8 @@ fn both(own: FrictionLaw, coefficient: f64) -> Weighted<FrictionTerm> {
     law(own, Direction::Both, coefficient)
 }
 
-fn under_load(weighted: Weighted<FrictionTerm>) -> Weighted<FrictionTerm> {
-    Weighted { term: weighted.term.clone().under_load(), ..weighted }
+fn under_load(weighted: &Weighted<FrictionTerm>) -> Weighted<FrictionTerm> {
+    Weighted { term: weighted.term.clone().under_load(), ..weighted.clone() }
 }
 
 fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
@@ -63,8 +63,8 @@ fn a_planted_law_has_its_planted_parameters() {
         both(stribeck(0.05), 1.2),
         law(FrictionLaw::Viscous, Direction::Backward, 0.1),
         law(DRY, Direction::Backward, 0.5),
-        under_load(both(DRY, 0.1)),
-        under_load(law(DRY, Direction::Backward, 0.04)),
+        under_load(&both(DRY, 0.1)),
+        under_load(&law(DRY, Direction::Backward, 0.04)),
     ]);
 
     let found = only(&planted);
@@ -250,5 +250,5 @@ fn a_symbol_says_what_friction_depends_on() {
 
     assert_eq!(symbol(vec![both(DRY, 1.0), both(FrictionLaw::Viscous, 1.0)]), None);
     assert_eq!(symbol(vec![element.clone()]).unwrap(), "F2(q2, dq2)");
-    assert_eq!(symbol(vec![under_load(element)]).unwrap(), "F2(q, dq2)");
+    assert_eq!(symbol(vec![under_load(&element)]).unwrap(), "F2(q, dq2)");
 }
