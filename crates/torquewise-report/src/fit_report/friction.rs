@@ -1,7 +1,7 @@
 //! Findings → friction: its parameters, and its curves beside what was measured.
 
 use crate::fit_report::Findings;
-use crate::html::{Axis, Chart, Colour, Column, Guide, Item, Label, Mark, Section, Series, Table};
+use crate::html::{Axis, Chart, Colour, Column, Item, Label, Mark, Section, Series, Table};
 use faer::Mat;
 use torquewise_diagnose::diagnose::Trace;
 use torquewise_model::print::friction_tables;
@@ -117,7 +117,6 @@ impl Seen<'_> {
                 Series::new("+ 2 errors", Mark::DashedLine, Colour::Faded, curve(2.0)),
                 Series::new("− 2 errors", Mark::DashedLine, Colour::Faded, curve(-2.0)),
             ],
-            guides: vec![Guide::at_y(0.0, "")],
             ..Chart::default()
         }
     }
