@@ -15,9 +15,9 @@ use torquewise_survey::held_out::Trial;
 use torquewise_survey::survey::thinned;
 
 mod couplings;
+mod left_over;
 mod further;
 mod joint_friction;
-mod left_over;
 mod loads;
 mod ripple;
 

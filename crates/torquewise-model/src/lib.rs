@@ -16,6 +16,7 @@ pub mod rigid_chain;
 pub mod model;
 pub mod shaft_friction;
 mod links;
+mod products;
 pub mod torque;
 pub mod checks;
 pub mod file;

@@ -40,8 +40,9 @@ pub struct FrictionParameters {
     pub forward: Sliding,
     /// v < 0; torques are counted against the motion.
     pub backward: Sliding,
-    /// Σ cₖ/δₖ \[N·m/rad\] of Dahl elements without load: dF/dq from the middle of the loop, as σ₀
-    /// of LuGre; after a full turn it begins at twice that.
+    /// Σ cₖ over δ \[N·m/rad\] of Dahl elements without load, where Σ cₖ e^(−δ/δₖ) = Σ cₖ/e: dF/dq
+    /// from the middle of the loop, as σ₀ of LuGre; after a full turn it begins at twice that. Two
+    /// elements that stand for one between them give nearly its δ, but are steeper at first.
     pub stiffness: Option<Estimated>,
     /// Way \[rad\] after a reversal at which 90 % of the turn of the Dahl elements is done, from
     /// −Σ cₖ to Σ cₖ: Σ cₖ e^(−way/δₖ) = 0.1 Σ cₖ.
@@ -137,7 +138,7 @@ impl<'m> ShaftFriction<'m> {
             offset: offset.resolved(),
             forward: self.sliding(1.0),
             backward: self.sliding(-1.0),
-            stiffness: self.sum(|term| element(term).map_or(0.0, f64::recip)).positive(),
+            stiffness: turned.and_then(|turned| self.stiffness(element, turned.value)),
             travel: turned.and_then(|_| self.decay(element, LEFT, 1)),
             load_factor: load_factor.positive(),
         }
@@ -208,18 +209,42 @@ impl<'m> ShaftFriction<'m> {
         chain.variance_of(&all).sqrt()
     }
 
-    /// The first x above 0 at which Σ c e^(−(x/scale)^power) has fallen to a `share` of Σ c, over
-    /// the laws that have a scale.
-    ///
-    /// From 0 = g(x) = Σ c (e^(−(x/scale)^power) − share) follows dx/dc = −(∂g/∂c)/(∂g/∂x).
+    /// Where Σ c e^(−(x/scale)^power) has fallen to a `share` of Σ c, over the laws that have a
+    /// scale.
     fn decay(
         &self,
         scale: impl Fn(&FrictionTerm) -> Option<f64>,
         share: f64,
         power: i32,
     ) -> Option<Estimated> {
+        let (value, change) = self.decayed(&scale, share, power)?;
+        Estimated { value, std_error: self.std_error(change) }.positive()
+    }
+
+    /// A sum of c over the x at which Σ c e^(−x/scale) has fallen to 1/e.
+    fn stiffness(
+        &self,
+        scale: impl Fn(&FrictionTerm) -> Option<f64>,
+        sum: f64,
+    ) -> Option<Estimated> {
+        let (x, change) = self.decayed(&scale, (-1.0_f64).exp(), 1)?;
+        let weight =
+            |term: &FrictionTerm| (one(scale(term).is_some()) - sum / x * change(term)) / x;
+        Estimated { value: sum / x, std_error: self.std_error(weight) }.positive()
+    }
+
+    /// The first x above 0 at which Σ c e^(−(x/scale)^power) has fallen to a `share` of Σ c, over
+    /// the laws that have a scale, and dx/dc.
+    ///
+    /// From 0 = g(x) = Σ c (e^(−(x/scale)^power) − share) follows dx/dc = −(∂g/∂c)/(∂g/∂x).
+    fn decayed<'f, S: Fn(&FrictionTerm) -> Option<f64>>(
+        &self,
+        scale: &'f S,
+        share: f64,
+        power: i32,
+    ) -> Option<(f64, impl Fn(&FrictionTerm) -> f64 + use<'f, S>)> {
         let over = |term: &FrictionTerm, value: &dyn Fn(f64) -> f64| scale(term).map_or(0.0, value);
-        let left = |scale: f64, x: f64| (-(x / scale).powi(power)).exp();
+        let left = move |scale: f64, x: f64| (-(x / scale).powi(power)).exp();
         let excess = |x: f64| self.value(|term| over(term, &|s| left(s, x) - share));
         let start = excess(0.0);
         let is_above = |x: f64| start * excess(x) > 0.0;
@@ -237,8 +262,9 @@ impl<'m> ShaftFriction<'m> {
 
         let slope_of = |s: f64| -f64::from(power) / s * (high / s).powi(power - 1) * left(s, high);
         let slope = self.value(|term| over(term, &slope_of));
-        let std_error = self.std_error(|term| over(term, &|s| (share - left(s, high)) / slope));
-        Estimated { value: high, std_error }.positive()
+        let change =
+            move |term: &FrictionTerm| scale(term).map_or(0.0, |s| (share - left(s, high)) / slope);
+        Some((high, change))
     }
 }
 

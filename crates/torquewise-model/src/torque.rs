@@ -4,11 +4,11 @@ use crate::error::ModelError;
 use crate::friction::FrictionTerm;
 use crate::links::Links;
 use crate::model::{Form, Model, Weighted};
+use crate::products::{Entry, Mass, Product, numbered};
 use crate::rigid_chain::{Drive, RigidChain};
-use crate::term::{Factor, Kind, Sum};
+use crate::term::{Factor, Kind};
 use faer::Mat;
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
 use torquewise_rigid::State;
@@ -74,31 +74,6 @@ pub struct Torque {
 
 /// State of the element of a joint with a travel, where it is known.
 type Remembered<'a> = &'a dyn Fn(usize, f64) -> Option<f64>;
-
-/// M(q) on its own: the functions it needs, and what each term adds to an entry.
-#[derive(Clone, Debug)]
-struct Mass {
-    factors: Vec<Factor>,
-    entries: Vec<Entry>,
-}
-
-/// A term of M(q): `coefficient` times its functions, at (row, column).
-#[derive(Clone, Debug)]
-struct Entry {
-    place: (usize, usize),
-    coefficient: f64,
-    factors: Vec<usize>,
-}
-
-/// One term with its functions looked up by place.
-#[derive(Clone, Debug)]
-struct Product {
-    coefficient: f64,
-    kind: Kind,
-    factors: Vec<usize>,
-    /// Places in \[q̇ q̈\], each as often as its power.
-    rates: Vec<usize>,
-}
 
 impl Torque {
     /// Makes a model ready.
@@ -387,53 +362,4 @@ fn drives(chain: &RigidChain) -> Form {
     let weighted =
         |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
     Form::Energy(chain.drives.iter().flat_map(Drive::energy_terms).map(weighted).collect())
-}
-
-impl Mass {
-    /// The terms of torque equations that a unit acceleration of one joint leaves at rest.
-    fn of(mut equations: Vec<Sum>, n_joints: usize) -> Self {
-        for equation in &mut equations {
-            equation.retain(|(_, term)| term.kind() == Kind::Inertia);
-        }
-        let (factors, joints) = numbered(&equations);
-        let mut entries = Vec::new();
-        for (row, products) in joints.into_iter().enumerate() {
-            for Product { coefficient, factors, rates, .. } in products {
-                let alone = rates.windows(2).all(|pair| pair[0] == pair[1]);
-                let column = rates.first().and_then(|place| place.checked_sub(n_joints));
-                if let (true, Some(column)) = (alone, column) {
-                    entries.push(Entry { place: (row, column), coefficient, factors });
-                }
-            }
-        }
-        Self { factors, entries }
-    }
-}
-
-/// The functions of all terms, each once, and the terms of each joint that look them up.
-fn numbered(equations: &[Sum]) -> (Vec<Factor>, Vec<Vec<Product>>) {
-    let mut places: BTreeMap<Factor, usize> = BTreeMap::new();
-    let mut joints = Vec::with_capacity(equations.len());
-    for equation in equations {
-        let mut products = Vec::with_capacity(equation.len());
-        for (coefficient, term) in equation {
-            let mut factors = Vec::with_capacity(term.factors.len());
-            for factor in &term.factors {
-                let next = places.len();
-                factors.push(*places.entry(factor.clone()).or_insert(next));
-            }
-            let powers = term.dq.iter().chain(&term.ddq);
-            let rates = powers
-                .enumerate()
-                .flat_map(|(place, &power)| std::iter::repeat_n(place, power.into()))
-                .collect();
-            let kind = term.kind();
-            products.push(Product { coefficient: *coefficient, kind, factors, rates });
-        }
-        joints.push(products);
-    }
-    let mut by_place: Vec<(Factor, usize)> = places.into_iter().collect();
-    by_place.sort_by_key(|(_, place)| *place);
-    let factors = by_place.into_iter().map(|(factor, _)| factor).collect();
-    (factors, joints)
 }

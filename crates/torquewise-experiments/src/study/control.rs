@@ -5,9 +5,7 @@ use crate::settings::Settings;
 use crate::study::recorded::{RATE, learn, plant, recordings};
 use serde::Serialize;
 use torquewise_control::knowledge::sharp;
-use torquewise_control::{
-    Gains, Knowledge, Law, Learned, Periodic, Plant, compare, mean_inertia, periodic,
-};
+use torquewise_control::{Gains, Law, Learned, Periodic, Plant, compare, mean_inertia, periodic};
 use torquewise_model::{Model, Parts, Torque};
 use torquewise_motion::Motion;
 

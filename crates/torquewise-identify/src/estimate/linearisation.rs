@@ -203,9 +203,10 @@ impl Linearisation {
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
         let drive = &self.structure.drive;
-        let gravity = match drive.iter().any(Beside::feels_load) {
-            true => Some(Gravity::of(&self.chain()?, drive)),
-            false => None,
+        let gravity = if drive.iter().any(Beside::feels_load) {
+            Some(Gravity::of(&self.chain()?, drive))
+        } else {
+            None
         };
         let drive = columns(drive, block, gravity.as_ref());
         let tau = block.require_tau()?;

@@ -77,7 +77,5 @@ fn friction_reads_as_it_was_planted() {
         assert!(is_near(found.forward.coulomb, coulomb), "{found:?}");
         assert!(is_near(found.forward.viscous, VISCOUS * coulomb), "{found:?}");
     }
-    // Only its travel of 10 mrad is one of the elements; between them a stiffness is too large.
-    let first = joints[0].parameters();
-    assert!(is_near(first.stiffness, STIFFNESS), "{first:?}");
+    assert!(joints.iter().all(|joint| is_near(joint.parameters().stiffness, STIFFNESS)));
 }

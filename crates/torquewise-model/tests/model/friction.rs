@@ -359,7 +359,8 @@ proptest! {
         for row in 0..4 {
             let [q, dq, ddq] = [motion.q(), motion.dq(), motion.ddq()]
                 .map(|x| vec![x[(row, 0)], x[(row, 1)]]);
-            let (whole, rub) = (torque.at(&q, &dq, &ddq).unwrap(), torque.friction(&[0.0; 2], &dq).unwrap());
+            let whole = torque.at(&q, &dq, &ddq).unwrap();
+            let rub = torque.friction(&q, &dq).unwrap();
             for joint in 0..2 {
                 prop_assert!((total[(row, joint)] - whole[joint]).abs() < 1e-12);
                 prop_assert_eq!(parts.friction[(row, joint)], rub[joint]);
