@@ -42,6 +42,8 @@ pub struct Bristles {
     pub damping: f64,
 }
 
+/// Bristles that slip before they are bent so far \[rad\] are none.
+const LEAST_BEND: f64 = 1e-5;
 /// Steps of a bristle between two samples.
 const STEPS: u32 = 10;
 
@@ -195,6 +197,10 @@ impl Friction {
         for (joint, own) in bristles.iter().enumerate() {
             let Some(Bristles { stiffness, damping }) = *own else { continue };
             above("stiffness", joint, stiffness, f64::MIN_POSITIVE, "above 0 N·m/rad")?;
+            for curve in joints[joint] {
+                let least = LEAST_BEND * stiffness;
+                above("coulomb", joint, curve.coulomb, least, "1e-5 of the stiffness or more")?;
+            }
             above("damping", joint, damping, 0.0, "0 N·m·s/rad or more")?;
         }
         above("width", 0, width, 1e-5, "1e-5 rad/s or more")?;
@@ -331,6 +337,7 @@ mod tests {
             "[b]\ncoulomb = 1.0\nviscous = inf",
             "width = 0.0\n[b]\ncoulomb = 1.0",
             "[b]\ncoulomb = 1.0\nstiffness = 0.0",
+            "[b]\ncoulomb = 0.0\nstiffness = 400.0",
             "[b]\ncoulomb = 1.0\nstiffness = 10.0\ndamping = -1.0",
         ];
 
