@@ -74,7 +74,9 @@ pub fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, C
     let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
     let near =
         |trial: &&Trial| trial.error() <= best.error() + trial.apart(best).max(part * best.error());
-    let place = trials.iter().position(|trial| near(&trial))?;
+    let last = trials.iter().position(|trial| near(&trial))?;
+    // Of two, one that is simpler and better may have the smaller error of its difference.
+    let place = (0..=last).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()))?;
     let from = listed(trials);
     let chosen = trials[place].label.clone();
     Some((place, Choice { what: what.into(), chosen, rule: RULE.into(), from }))

@@ -29,7 +29,11 @@ impl Equations {
     ) -> Result<Self, IdentifyError> {
         let p = at.n_parameters();
         let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
-        let corrected = corrected(&part(gram), &part(bias))?;
+        // Sums that a correction cannot be told from rounding in are taken as they are.
+        let (corrected, bias) = match corrected(&part(gram), &part(bias)) {
+            Ok(corrected) => (corrected, bias.clone()),
+            Err(_) => (part(gram), Mat::zeros(p + 1, p + 1)),
+        };
         // Where torque tells nothing, the difference of two rounded matrices may be negative, and
         // nothing would hold the parameters: a step has this small price of its own.
         let own = |i: usize, j: usize| if i == j { ROUNDING * gram[(j, j)] } else { 0.0 };

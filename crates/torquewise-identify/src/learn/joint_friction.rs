@@ -2,7 +2,7 @@
 //! or without load (17) (E13).
 
 use super::School;
-use super::left_over::{LeftOver, WORTH};
+use super::left_over::{LeftOver, WORTH, refuse};
 use crate::beside::{Beside, columns};
 use crate::trial::{Recipe, record_worth};
 use rayon::prelude::*;
@@ -13,8 +13,9 @@ use torquewise_rigid::Chain;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::held_out::Trial;
 
-/// Terms of linear friction: offset, viscous, Coulomb.
-const LINEAR: usize = 3;
+const COULOMB: &str = "Coulomb";
+const STRIBECK: &str = "Stribeck";
+const APART: &str = "Stribeck, forward and backward apart";
 
 /// Laws of one joint with a name.
 type Way = (String, Vec<FrictionTerm>);
@@ -30,64 +31,93 @@ impl School<'_> {
         let left = LeftOver::of(self, recipe, chain)?;
         let gravity = recipe.gravity.as_ref();
         let judged = |joint: usize| -> Vec<(Vec<Beside>, Trial)> {
-            let own = recipe.beside.iter().filter(|beside| beside.is_friction_of(joint));
-            let own = own.filter_map(Beside::law).cloned().collect();
+            let now = laws_of(recipe, joint);
             let judge = |(label, laws): Way| {
                 let laws: Vec<Beside> = Beside::friction(laws).collect();
                 let columns = &columns(&laws, &left.motion, gravity)[joint];
                 Some((laws, left.trial(joint, label, columns)?))
             };
-            self.ways(joint, own).into_iter().filter_map(judge).collect()
+            self.ways(joint, now).into_iter().filter_map(judge).collect()
         };
         let n = self.motion.n_joints();
         let joints: Vec<_> = (0..n).into_par_iter().map(judged).collect();
         let mut now = self.error(recipe, &left)?;
-        for (joint, mut ways) in joints.into_iter().enumerate() {
+        for (joint, ways) in joints.into_iter().enumerate() {
             let trials: Vec<Trial> = ways.iter().map(|(_, trial)| trial.clone()).collect();
             let what = format!("friction of {}", self.motion.joints()[joint]);
             let place = record_worth(&what, &trials, WORTH, choices);
-            let mut with = recipe.clone();
-            with.beside.retain(|beside| !beside.is_friction_of(joint));
-            with.beside.extend(ways.swap_remove(place).0);
-            let rough =
-                rough(recipe.beside.iter().filter(|beside| beside.is_friction_of(joint)).count());
-            self.agree((recipe, &mut now), with, &left, (choices.last_mut(), rough))?;
+            let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
+            let best = (0..trials.len()).min_by(better);
+            let has = label(&laws_of(recipe, joint));
+            // What is simple may be too little for the whole: then the best is offered.
+            let tried: Vec<usize> =
+                std::iter::once(place).chain(best.filter(|best| *best != place)).collect();
+            for (k, &place) in tried.iter().enumerate() {
+                let mut with = recipe.clone();
+                with.beside.retain(|beside| !beside.is_friction_of(joint));
+                with.beside.extend(ways[place].0.iter().cloned());
+                if self.agree((recipe, &mut now), with, &left)? {
+                    break;
+                }
+                refuse(choices, tried.get(k + 1).map_or(has, |&next| &trials[next].label));
+            }
         }
         Ok(())
     }
 
     /// Friction that a joint may have, the simplest first.
     ///
-    /// - `now`: its richest law of the velocity alone
+    /// - `now`: what it has
     fn ways(&self, joint: usize, now: Vec<FrictionTerm>) -> Vec<Way> {
         let own = |term: &FrictionTerm| term.joint() == Some(joint);
         let is_dry = |term: &FrictionTerm| matches!(term.law, FrictionLaw::Coulomb { .. });
         let linear: Vec<FrictionTerm> = self.laws.linear().into_iter().filter(own).collect();
         let (dry, smooth): (Vec<_>, Vec<_>) = linear.iter().cloned().partition(is_dry);
+        let bends = self.laws.stribeck().into_iter().filter(own);
+        let bends: Vec<FrictionTerm> = bends.filter(|term| term.direction.is_both()).collect();
         let dahl = self.laws.dahl(joint);
-        let elements = [smooth.clone(), dahl.clone()].concat();
-        let rough = rough(now.len());
-        let both = [now.clone(), dahl.clone()].concat();
-        let mut ways = vec![("none".into(), smooth[..1].to_vec()), ("viscous".into(), smooth)];
+        let of = |parts: &[&[FrictionTerm]]| parts.concat();
+        let mut ways =
+            vec![("none".into(), smooth[..1].to_vec()), ("viscous".into(), smooth.clone())];
         // What remembers the path does so under load as well, where nothing else is dry.
-        let dry_ways = [
-            ("Coulomb".into(), linear, &dry),
-            ("Dahl".into(), elements, &dahl),
-            (rough.into(), now, &dry),
-            (format!("{rough} and Dahl"), both, &dry),
+        let mut rough = vec![
+            (COULOMB, linear.clone(), &dry),
+            ("Dahl", of(&[&smooth, &dahl]), &dahl),
+            ("Coulomb and Dahl", of(&[&linear, &dahl]), &dry),
+            (STRIBECK, of(&[&linear, &bends]), &dry),
+            ("Stribeck and Dahl", of(&[&linear, &bends, &dahl]), &dry),
         ];
-        for (label, laws, pressed) in dry_ways {
+        if label(&now) == APART {
+            rough.push((APART, now.clone(), &dry));
+            rough.push((
+                "Stribeck, forward and backward apart, and Dahl",
+                of(&[&now, &dahl]),
+                &dry,
+            ));
+        }
+        for (label, laws, pressed) in rough {
             let loads = pressed.iter().cloned().map(FrictionTerm::under_load);
             let loaded = laws.iter().cloned().chain(loads).collect();
-            ways.extend([(format!("{label} under load"), loaded), (label, laws)]);
+            ways.extend([(format!("{label} under load"), loaded), (label.to_owned(), laws)]);
         }
         ways.sort_by_key(|(_, laws)| laws.len());
-        ways.dedup_by(|a, b| a.0 == b.0);
         ways
     }
 }
 
-/// The law of so many terms that depend on the velocity alone.
-fn rough(terms: usize) -> &'static str {
-    if terms > LINEAR { "Stribeck" } else { "Coulomb" }
+/// The friction of a joint in a recipe.
+fn laws_of(recipe: &Recipe, joint: usize) -> Vec<FrictionTerm> {
+    let own = recipe.beside.iter().filter(|beside| beside.is_friction_of(joint));
+    own.filter_map(Beside::law).cloned().collect()
+}
+
+/// What friction of the velocity alone is called.
+fn label(laws: &[FrictionTerm]) -> &'static str {
+    if laws.iter().any(|term| !term.direction.is_both()) {
+        APART
+    } else if laws.iter().any(|term| matches!(term.law, FrictionLaw::Stribeck { .. })) {
+        STRIBECK
+    } else {
+        COULOMB
+    }
 }

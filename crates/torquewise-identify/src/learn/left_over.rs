@@ -116,29 +116,34 @@ impl School<'_> {
     /// one must be better by the share of the joint, a shorter one may be so much worse.
     ///
     /// - `now`: error of the recipe as it is
-    /// - `choice`: what was chosen for the joint, and what it has already
+    /// Returns whether it was taken.
     pub(super) fn agree(
         &self,
         (recipe, now): (&mut Recipe, &mut f64),
         with: Recipe,
         left: &LeftOver,
-        (choice, has): (Option<&mut Choice>, &str),
-    ) -> Result<(), IdentifyError> {
+    ) -> Result<bool, IdentifyError> {
         let is_longer = with.beside.len() > recipe.beside.len();
         let part = WORTH / self.motion.n_joints() as f64;
         let allowed = if is_longer { 1.0 - part } else { 1.0 + part };
         let error = self.error(&with, left)?;
-        if error <= allowed * *now {
+        let agrees = error <= allowed * *now;
+        if agrees {
             (*recipe, *now) = (with, error);
-        } else if let Some(choice) = choice {
-            choice.rule = format!("{}; the whole is no better with {}", choice.rule, choice.chosen);
-            has.clone_into(&mut choice.chosen);
         }
-        Ok(())
+        Ok(agrees)
     }
 
     /// Error of a recipe on held-out rows.
     pub(super) fn error(&self, recipe: &Recipe, left: &LeftOver) -> Result<f64, IdentifyError> {
         Ok(self.trials(&[(String::new(), recipe.clone())], &left.chain, 0)?[0].error())
+    }
+}
+
+/// Writes down that the whole chain was no better with what was chosen, and what is taken instead.
+pub(super) fn refuse(choices: &mut [Choice], instead: &str) {
+    if let Some(choice) = choices.last_mut() {
+        choice.rule = format!("{}; the whole is no better with {}", choice.rule, choice.chosen);
+        instead.clone_into(&mut choice.chosen);
     }
 }

@@ -2,7 +2,7 @@
 //! its motor.
 
 use super::School;
-use super::left_over::LeftOver;
+use super::left_over::{LeftOver, refuse};
 use crate::beside::{Beside, columns};
 use crate::trial::{Recipe, record};
 use std::f64::consts::TAU;
@@ -62,8 +62,9 @@ impl School<'_> {
                 let place = record(&what, &trials, choices);
                 let mut with = recipe.clone();
                 with.beside.extend(laws.drain(friction..friction + 2 * place));
-                let choice = (choices.last_mut(), "0 harmonics");
-                self.agree((recipe, &mut now), with, &left, choice)?;
+                if !self.agree((recipe, &mut now), with, &left)? {
+                    refuse(choices, "0 harmonics");
+                }
             }
         }
         Ok(())
