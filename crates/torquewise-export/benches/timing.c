@@ -68,7 +68,7 @@ int main(void)
     TIME("gravity", arm_gravity(q[i], y));
     TIME("coriolis", arm_coriolis(q[i], dq[i], y));
     TIME("inertia", arm_inertia(q[i], y));
-    TIME("friction", arm_friction(dq[i], y));
+    TIME("friction", arm_friction(q[i], dq[i], y));
     TIME("step1", arm_step1(q[i], y));
     return sum != sum;
 }

@@ -24,6 +24,7 @@ impl Language for C {
             Function::Exp => format!("exp{suffix}({argument})"),
             Function::Sign => format!("sign({argument})"),
             Function::Positive => format!("positive({argument})"),
+            Function::Abs => format!("fabs{suffix}({argument})"),
         }
     }
 }

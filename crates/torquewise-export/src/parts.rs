@@ -1,4 +1,4 @@
-//! Model → nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q̇).
+//! Model → nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
 
 use crate::derivative::{rates, slopes};
 use crate::graph::{Function, Graph, Id, Input};
@@ -173,37 +173,57 @@ fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id
     polynomial(graph, parts, order)
 }
 
-/// F(q̇), n: each shaft loads the joints that turn it (17).
+/// F(q, q̇), n: each shaft loads the joints that turn it (17), under load by |Gⱼ| of its joint (E13).
 ///
+/// - `gravity`: G(q), n
 /// - `elements`: whose states are known, in the order of their states
 pub(crate) fn friction(
     graph: &mut Graph,
     terms: &[Weighted<FrictionTerm>],
-    n: usize,
+    gravity: &[Id],
     elements: &[(usize, f64)],
 ) -> Vec<Id> {
-    let mut loads = vec![Vec::new(); n];
-    let mut shafts: Vec<(&[f64], Vec<Id>)> = Vec::new();
+    let mut shafts: Vec<(&FrictionTerm, BTreeMap<Id, f64>)> = Vec::new();
     for Weighted { term, coefficient, .. } in terms {
-        let coefficient = graph.constant(*coefficient);
         let curve = match elements.iter().position(|known| term.element() == Some(*known)) {
             Some(element) => graph.input(Input::Element(element)),
             None => curve(graph, term),
         };
-        let load = graph.mul(coefficient, curve);
-        match shafts.iter_mut().find(|(shaft, _)| *shaft == term.shaft) {
-            Some((_, parts)) => parts.push(load),
-            None => shafts.push((&term.shaft, vec![load])),
-        }
+        let alike = |(other, _): &(&FrictionTerm, _)| {
+            (&other.shaft, other.load) == (&term.shaft, term.load)
+        };
+        let place = shafts.iter().position(alike).unwrap_or_else(|| {
+            shafts.push((term, BTreeMap::new()));
+            shafts.len() - 1
+        });
+        *shafts[place].1.entry(curve).or_insert(0.0) += coefficient;
     }
-    for (shaft, parts) in shafts {
-        let load = graph.sum(&parts);
-        for (joint, &share) in shaft.iter().enumerate().take(n) {
+    let mut torques = vec![Vec::new(); gravity.len()];
+    for (term, curves) in shafts {
+        let torque = weighted_sum(graph, curves);
+        let torque = match term.joint().and_then(|joint| gravity.get(joint)) {
+            Some(&load) if term.load => {
+                let load = graph.abs(load);
+                graph.mul(load, torque)
+            }
+            _ => torque,
+        };
+        for (torques, &share) in torques.iter_mut().zip(&term.shaft) {
             let share = graph.constant(share);
-            loads[joint].push(graph.mul(share, load));
+            torques.push(graph.mul(share, torque));
         }
     }
-    loads.iter().map(|parts| graph.sum(parts)).collect()
+    torques.iter().map(|parts| graph.sum(parts)).collect()
+}
+
+/// Σ weight·node.
+fn weighted_sum(graph: &mut Graph, weights: BTreeMap<Id, f64>) -> Id {
+    let mut parts = Vec::new();
+    for (node, weight) in weights {
+        let weight = graph.constant(weight);
+        parts.push(graph.mul(weight, node));
+    }
+    graph.sum(&parts)
 }
 
 /// Joint, from 0, and travel \[rad\] of the Dahl elements that terms follow, once each.

@@ -19,7 +19,7 @@ pub enum Quantity {
     Coriolis,
     /// M(q) \[kg·m²\], n×n: torque of joint i per unit acceleration of joint j at rest.
     Inertia,
-    /// F(q̇) \[N·m\], n.
+    /// F(q, q̇) \[N·m\], n; q matters to friction under load alone.
     Friction,
     /// G(q) \[N·m\] as the first step of the reconstruction found it, n; G(q) of the whole model
     /// where that was not found stepwise.
@@ -47,9 +47,8 @@ impl Quantity {
     pub fn signals(self) -> &'static [&'static str] {
         match self {
             Self::Torque => &["q", "dq", "ddq"],
-            Self::Coriolis => &["q", "dq"],
+            Self::Coriolis | Self::Friction => &["q", "dq"],
             Self::Gravity | Self::Inertia | Self::Step1 => &["q"],
-            Self::Friction => &["dq"],
         }
     }
 }
@@ -62,7 +61,7 @@ impl Quantity {
             Self::Gravity => "G(q)",
             Self::Coriolis => "C(q, dq) dq",
             Self::Inertia => "M(q), row by row",
-            Self::Friction => "F(dq)",
+            Self::Friction => "F(q, dq)",
             Self::Step1 => "G(q) of step 1",
         }
     }
@@ -109,9 +108,9 @@ impl Program {
             (0, None) => gravity_of(&mut graph, &model.form, n),
             _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
         };
-        let friction = friction(&mut graph, &model.friction, n, &[]);
+        let friction = friction(&mut graph, &model.friction, &parts.gravity, &[]);
         let elements = elements(&model.friction);
-        let after = friction_after(&mut graph, model, &elements);
+        let after = friction_after(&mut graph, model, &parts.gravity, &elements);
         let torque =
             parts.torque.iter().zip(&friction).map(|(&tau, &own)| graph.add(tau, own)).collect();
         let after = parts.torque.iter().zip(&after).map(|(&tau, &own)| graph.add(tau, own));
@@ -219,11 +218,16 @@ impl Program {
 }
 
 /// Friction at the states of its elements; nothing where it has none.
-fn friction_after(graph: &mut Graph, model: &Model, elements: &[(usize, f64)]) -> Vec<Id> {
+fn friction_after(
+    graph: &mut Graph,
+    model: &Model,
+    gravity: &[Id],
+    elements: &[(usize, f64)],
+) -> Vec<Id> {
     if elements.is_empty() {
         return Vec::new();
     }
-    friction(graph, &model.friction, model.n_joints(), elements)
+    friction(graph, &model.friction, gravity, elements)
 }
 
 /// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.

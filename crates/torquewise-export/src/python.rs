@@ -19,6 +19,7 @@ impl Language for Python {
             Function::Exp => format!("exp({argument})"),
             Function::Sign => format!("_sign({argument})"),
             Function::Positive => format!("_positive({argument})"),
+            Function::Abs => format!("abs({argument})"),
         }
     }
 }

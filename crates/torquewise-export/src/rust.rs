@@ -23,6 +23,7 @@ impl Language for Rust {
             Function::Exp => format!("F::exp({argument})"),
             Function::Sign => format!("sign({argument})"),
             Function::Positive => format!("positive({argument})"),
+            Function::Abs => format!("abs({argument})"),
         }
     }
 }
@@ -71,6 +72,12 @@ pub fn to_rust(program: &Program, precision: Precision) -> Result<String, Export
         let _ = writeln!(
             text,
             "fn positive(x: {real}) -> {real} {{\n    if x > 0.0 {{ 1.0 }} else {{ 0.0 }}\n}}\n"
+        );
+    }
+    if program.calls(Function::Abs) {
+        let _ = writeln!(
+            text,
+            "fn abs(x: {real}) -> {real} {{\n    if x < 0.0 {{ -x }} else {{ x }}\n}}\n"
         );
     }
     let functions = program.functions.iter();

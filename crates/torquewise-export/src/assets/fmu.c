@@ -91,7 +91,7 @@ static double value(struct instance *model, fmi2ValueReference place)
         if (!model->inertia) MODEL(inertia)(x + Q, x + INERTIA);
         model->inertia = 1;
     } else if (place < STEP1) {
-        if (!model->friction) MODEL(friction)(x + DQ, x + FRICTION);
+        if (!model->friction) MODEL(friction)(x + Q, x + DQ, x + FRICTION);
         model->friction = 1;
     } else {
         if (!model->step1) MODEL(step1)(x + Q, x + STEP1);

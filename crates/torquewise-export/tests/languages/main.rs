@@ -8,7 +8,7 @@ mod witness;
 mod run;
 mod ros;
 
-use models::{chain, coupled, energies, parallel, products, remembers, states};
+use models::{chain, coupled, energies, loaded, parallel, products, remembers, states};
 use std::io::Read;
 use torquewise_export::{
     ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, ros_package, test_vectors,
@@ -25,7 +25,8 @@ fn arms() -> Vec<Model> {
     let of_three = [energies(3, 25, 1), products(3, 20, 2)];
     let of_more = [energies(6, 200, 3), parallel(6, 60, 5), energies(7, 300, 4)];
     let coupled = [coupled(3, true, 8), coupled(4, false, 9), coupled(6, false, 10)];
-    of_three.into_iter().chain(of_more).chain(chains()).chain(coupled).collect()
+    let loaded = [loaded(chain(6, false, 5)), loaded(products(3, 20, 2))];
+    of_three.into_iter().chain(of_more).chain(chains()).chain(coupled).chain(loaded).collect()
 }
 
 /// Arms that are rigid chains, of axes at right angles and skew ones.
@@ -210,7 +211,8 @@ fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
 
 #[test]
 fn a_latex_document_closes_what_it_opens() {
-    for model in [energies(3, 25, 1), products(3, 20, 2), remembers(energies(3, 25, 1))] {
+    let arm = energies(3, 25, 1);
+    for model in [loaded(arm.clone()), products(3, 20, 2), remembers(arm)] {
         let text = to_latex(&model, "version_1");
 
         assert_eq!(text.matches("\\begin{").count(), text.matches("\\end{").count());
