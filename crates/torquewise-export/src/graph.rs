@@ -18,6 +18,8 @@ pub(crate) enum Input {
     Dq(usize),
     /// Its acceleration \[rad/s²\].
     Ddq(usize),
+    /// Its position one sample before \[rad\].
+    Last(usize),
     /// State of a Dahl element, counted from 0.
     Element(usize),
 }

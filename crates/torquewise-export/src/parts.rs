@@ -237,6 +237,25 @@ pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
     elements
 }
 
+/// The states of Dahl elements after a step from the last positions to q, one each:
+/// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, which leaves x as it is at rest (E13).
+pub(crate) fn next_states(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+    let mut states = Vec::new();
+    for (element, &(joint, travel)) in elements.iter().enumerate() {
+        let (now, last) = (graph.input(Input::Q(joint)), graph.input(Input::Last(joint)));
+        let way = graph.sub(now, last);
+        let (end, length) = (graph.call(Function::Sign, way), graph.abs(way));
+        let inverse = graph.constant(-1.0 / travel);
+        let exponent = graph.mul(inverse, length);
+        let fading = graph.call(Function::Exp, exponent);
+        let state = graph.input(Input::Element(element));
+        let off = graph.sub(state, end);
+        let left = graph.mul(off, fading);
+        states.push(graph.add(end, left));
+    }
+    states
+}
+
 /// f(v) of one law, zero in the direction in which it does not act.
 fn curve(graph: &mut Graph, term: &FrictionTerm) -> Id {
     let mut parts = Vec::new();
