@@ -81,11 +81,13 @@ fn memory_declarations(program: &Program, memory: &Memory, name: &str, real: &st
          q.\n   Functions that end in _after are at the last sample; {name}_torque and \
          {name}_friction have no\n   memory and are as after a long way in the direction of \
          dq.\n\n   step                            {}\n   torque_after                    {} */\n\
+         #define {}_ELEMENTS {count}\n\
          typedef struct {{\n    {real} q[{n}];\n    {real} x[{count}];\n    int started;\n}} \
          {name}_state;\n\
          void {name}_reset({name}_state *state);\n{};",
         program.cost_of(&memory.states),
         program.cost_of(&memory.after[0].1),
+        name.to_uppercase(),
         step_signature(program, name, real)
     );
     for (quantity, _) in &memory.after {

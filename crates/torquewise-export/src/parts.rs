@@ -240,20 +240,59 @@ pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
 /// The states of Dahl elements after a step from the last positions to q, one each:
 /// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, which leaves x as it is at rest (E13).
 pub(crate) fn next_states(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+    let fadings = fadings(graph, elements);
     let mut states = Vec::new();
-    for (element, &(joint, travel)) in elements.iter().enumerate() {
-        let (now, last) = (graph.input(Input::Q(joint)), graph.input(Input::Last(joint)));
-        let way = graph.sub(now, last);
-        let (end, length) = (graph.call(Function::Sign, way), graph.abs(way));
-        let inverse = graph.constant(-1.0 / travel);
-        let exponent = graph.mul(inverse, length);
-        let fading = graph.call(Function::Exp, exponent);
+    for (element, (&(joint, _), fading)) in elements.iter().zip(fadings).enumerate() {
+        let way = way(graph, joint);
+        let end = graph.call(Function::Sign, way);
         let state = graph.input(Input::Element(element));
         let off = graph.sub(state, end);
         let left = graph.mul(off, fading);
         states.push(graph.add(end, left));
     }
     states
+}
+
+/// Δq of a joint since the sample before.
+fn way(graph: &mut Graph, joint: usize) -> Id {
+    let (now, last) = (graph.input(Input::Q(joint)), graph.input(Input::Last(joint)));
+    graph.sub(now, last)
+}
+
+/// Power up to which one exponential serves several elements: rounding grows with it.
+const MOST_POWER: u32 = 512;
+
+/// e^(−|Δq|/δ) of each element: where the next longer travel of the joint is a whole multiple of δ,
+/// that power of its own, which costs less than an exponential.
+fn fadings(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+    let mut order: Vec<usize> = (0..elements.len()).collect();
+    order.sort_by(|&a, &b| {
+        let ((a, long), (b, short)) = (elements[a], elements[b]);
+        a.cmp(&b).then(short.total_cmp(&long))
+    });
+    let mut fadings = vec![graph.constant(0.0); elements.len()];
+    // The element before in this order, its fading, and which power of an exponential that is.
+    let mut longer: Option<((usize, f64), Id, u32)> = None;
+    for place in order {
+        let (joint, travel) = elements[place];
+        let power = longer.filter(|((other, _), ..)| *other == joint).and_then(
+            |((_, long), fading, power)| {
+                let is_long =
+                    |k: &u32| (f64::from(*k) * travel - long).abs() < 4.0 * f64::EPSILON * long;
+                let multiple = (1..=MOST_POWER / power).find(is_long)?;
+                Some((graph.power(fading, multiple), power * multiple))
+            },
+        );
+        let (fading, power) = power.unwrap_or_else(|| {
+            let way = way(graph, joint);
+            let (length, rate) = (graph.abs(way), graph.constant(-1.0 / travel));
+            let exponent = graph.mul(rate, length);
+            (graph.call(Function::Exp, exponent), 1)
+        });
+        fadings[place] = fading;
+        longer = Some((elements[place], fading, power));
+    }
+    fadings
 }
 
 /// f(v) of one law, zero in the direction in which it does not act.

@@ -8,7 +8,9 @@ mod witness;
 mod run;
 mod ros;
 
-use models::{chain, coupled, energies, loaded, parallel, products, remembers, states};
+use models::{
+    chain, coupled, energies, loaded, parallel, products, remembers, remembers_all, states,
+};
 use std::io::Read;
 use std::path::Path;
 use torquewise_export::{
@@ -149,6 +151,17 @@ fn a_chain_costs_its_recursion_and_not_its_terms() {
 }
 
 #[test]
+fn memory_and_load_leave_the_torque_cheap() {
+    let arm = chain(6, false, 5);
+    let seconds = |model: &Model| Program::of(model).unwrap().cost(Quantity::Torque).seconds();
+
+    let more = seconds(&remembers_all(loaded(arm.clone()))) / seconds(&arm);
+
+    println!("{more:.3}");
+    assert!(more < 1.3, "{more:.3}");
+}
+
+#[test]
 fn test_vectors_of_a_chain_are_of_the_chain() {
     let model = chain(3, true, 4);
 
@@ -218,7 +231,7 @@ fn a_latex_document_closes_what_it_opens() {
 }
 
 fn check_path(run: impl Fn(&Path, &Program, &[models::State]) -> Vec<Vec<f64>>) {
-    for model in [remembers(energies(3, 25, 1)), remembers(loaded(chain(6, false, 5)))] {
+    for model in [remembers(energies(3, 25, 1)), remembers_all(loaded(chain(6, false, 5)))] {
         let (way, folder) = (models::way(model.n_joints()), tempfile::tempdir().unwrap());
 
         let found = run(folder.path(), &Program::of(&model).unwrap(), &way);

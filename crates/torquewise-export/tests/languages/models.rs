@@ -209,6 +209,16 @@ pub(crate) fn remembers(mut model: Model) -> Model {
     model
 }
 
+/// The same with elements of five travels on each joint, each with load and without.
+pub(crate) fn remembers_all(mut model: Model) -> Model {
+    let n = model.n_joints();
+    for (joint, travel) in (0..n).flat_map(|j| [0.0005, 0.002, 0.01, 0.05, 0.2].map(|d| (j, d))) {
+        let term = FrictionTerm::of_joint(n, joint, FrictionLaw::Dahl { travel });
+        model.friction.extend([weighted(term.clone(), 0.3), weighted(term.under_load(), 0.03)]);
+    }
+    model
+}
+
 /// The same with laws in proportion to the load of a gear, one of them backward alone.
 pub(crate) fn loaded(mut model: Model) -> Model {
     let n = model.n_joints();
