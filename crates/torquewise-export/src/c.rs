@@ -139,8 +139,8 @@ fn memory_functions(
     lines.join("\n")
 }
 
-/// What a file begins with that calls the functions of a C file as MODEL(name), before its own text;
-/// REMEMBERS is defined where friction does.
+/// The first lines of a file that calls the functions of a C file as MODEL(name); they define
+/// REMEMBERS where friction does.
 pub(crate) fn inclusion(program: &Program, name: &str) -> String {
     let remembers = if program.memory.is_some() { "#define REMEMBERS\n" } else { "" };
     format!(

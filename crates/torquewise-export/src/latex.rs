@@ -23,7 +23,8 @@ pub fn to_latex(model: &Model, version: &str) -> String {
         "\\documentclass[a4paper]{{article}}\n\\usepackage[margin=2cm]{{geometry}}\n\
          \\usepackage[utf8]{{inputenc}}\n\\usepackage[T1]{{fontenc}}\n\
          \\usepackage{{amsmath}}\n\\allowdisplaybreaks\n\\begin{{document}}\n\
-         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}{load}{memory}\\end{{document}}\n",
+         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}{load}{memory}\
+         \\end{{document}}\n",
         escaped(version),
         names.join(", ")
     )

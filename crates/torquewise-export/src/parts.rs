@@ -173,7 +173,8 @@ fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id
     polynomial(graph, parts, order)
 }
 
-/// F(q, q̇), n: each shaft loads the joints that turn it (17), under load by |Gⱼ| of its joint (E13).
+/// F(q, q̇), n: each shaft loads the joints that turn it (17), where gears press harder under load
+/// in proportion to |Gⱼ| of its joint (E13).
 ///
 /// - `gravity`: G(q), n
 /// - `elements`: whose states are known, in the order of their states

@@ -71,7 +71,7 @@ fn single_precision_c_is_as_good_as_single_precision() {
     if !run::has("cc") {
         return;
     }
-    let (model, folder) = (energies(6, 200, 3), tempfile::tempdir().unwrap());
+    let (model, folder) = (remembers(energies(6, 200, 3)), tempfile::tempdir().unwrap());
     let program = Program::of(&model).unwrap();
     #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
     let single = |x: &f64| f64::from(*x as f32);

@@ -138,7 +138,8 @@ pub(crate) fn rust_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f6
     let before = "    let mut state = arm::State::default();\n";
     let calls = format!(
         "        if _row % {RESET} == 0 {{ state.reset(); }}\n        \
-         state.step::<Std>(&q);\n        row.extend(state.torque_after::<Std>(&dq, &ddq));\n        \
+         state.step::<Std>(&q);\n        \
+         row.extend(state.torque_after::<Std>(&dq, &ddq));\n        \
          row.extend(state.friction_after::<Std>(&dq));\n"
     );
     run_rust(folder, code, (before, &calls), way)
