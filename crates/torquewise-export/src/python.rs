@@ -120,8 +120,9 @@ fn state(program: &Program, memory: &Memory) -> String {
         methods.push(method(&format!("{}_after", quantity.name()), &signals, &doc, &lines));
     }
     format!(
-        "\n\nclass State:\n    \"\"\"What friction remembers: give `step` every sample of q.\n\n\
-         \x20   What ends in `_after` is at the last sample; `torque` and `friction` have no memory \
+        "\n\nclass State:\n    \
+         \"\"\"What friction remembers: give `step` every sample of q.\n\n    \
+         What ends in `_after` is at the last sample; `torque` and `friction` have no memory \
          and are as\n    after a long way in the direction of dq.\n    \"\"\"\n\n{}",
         methods.join("\n")
     )
