@@ -230,7 +230,7 @@ def main():
         gains = 3 * inertia * w**2, inertia * w**3, 3 * inertia * w
         laws = {
             "pid": lambda q, dq, ddq: np.zeros(arm.n),
-            "controller1": lambda q, dq, ddq: model("gravity", q) + model("friction", dq),
+            "controller1": lambda q, dq, ddq: model("gravity", q) + model("friction", q, dq),
             "controller2": lambda q, dq, ddq: model("torque", q, dq, ddq),
         }
         found = {name: track(arm, states, gains, law).tolist() for name, law in laws.items()}

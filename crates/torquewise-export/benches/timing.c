@@ -68,7 +68,14 @@ int main(void)
     TIME("gravity", arm_gravity(q[i], y));
     TIME("coriolis", arm_coriolis(q[i], dq[i], y));
     TIME("inertia", arm_inertia(q[i], y));
-    TIME("friction", arm_friction(dq[i], y));
+    TIME("friction", arm_friction(q[i], dq[i], y));
     TIME("step1", arm_step1(q[i], y));
+#ifdef ARM_ELEMENTS
+    /* Along a path, as a controller does at every sample. */
+    arm_state state;
+    arm_reset(&state);
+    TIME("step", arm_step(&state, q[i]));
+    TIME("torque_after", arm_torque_after(&state, dq[i], ddq[i], y));
+#endif
     return sum != sum;
 }

@@ -2,7 +2,7 @@
 
 use crate::error::ExportError;
 use crate::graph::{Function, Id};
-use crate::program::{Precision, Program, Quantity};
+use crate::program::{Memory, Precision, Program, Quantity};
 use crate::text::{Body, Language, signal_of};
 use std::fmt::Write;
 
@@ -24,6 +24,7 @@ impl Language for C {
             Function::Exp => format!("exp{suffix}({argument})"),
             Function::Sign => format!("sign({argument})"),
             Function::Positive => format!("positive({argument})"),
+            Function::Abs => format!("fabs{suffix}({argument})"),
         }
     }
 }
@@ -55,7 +56,9 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     for quantity in Quantity::ALL {
         put(&format!("{};", signature(program, name, quantity, real)));
     }
-    put_memory(&mut put, &memory_declarations(program, name, real));
+    if let Some(memory) = &program.memory {
+        put(&memory_declarations(program, memory, name, real));
+    }
     put("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
     put(&format!("#ifndef {upper}_DECLARATIONS_ONLY\n\n#include <math.h>\n"));
     put(&identity(program, name));
@@ -63,82 +66,88 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     for (quantity, roots) in &program.functions {
         put(&function(program, name, (*quantity, roots), precision));
     }
-    put_memory(&mut put, &memory(program, name, precision));
+    if let Some(memory) = &program.memory {
+        put(&memory_functions(program, memory, name, precision));
+    }
     put("#endif");
     Ok(text)
 }
 
-/// The state of Dahl elements and its functions; nothing where there are none.
-fn memory_declarations(program: &Program, name: &str, real: &str) -> String {
-    let (n, count) = (program.n_joints(), program.elements.len());
-    if count == 0 {
-        return String::new();
-    }
-    format!(
+/// The state of Dahl elements and the declarations of its functions.
+fn memory_declarations(program: &Program, memory: &Memory, name: &str, real: &str) -> String {
+    let (n, count) = (program.n_joints(), memory.states.len());
+    let mut text = format!(
         "\n/* What friction remembers: call {name}_reset once and {name}_step at every sample of \
-         q.\n   {name}_torque_after is the torque at the last sample; {name}_torque has no \
-         memory and\n   takes friction as after a long way in the direction of dq. */\n\
+         q.\n   Functions that end in _after are at the last sample; {name}_torque and \
+         {name}_friction have no\n   memory and are as after a long way in the direction of \
+         dq.\n\n   step                            {}\n   torque_after                    {} */\n\
+         #define {}_ELEMENTS {count}\n\
          typedef struct {{\n    {real} q[{n}];\n    {real} x[{count}];\n    int started;\n}} \
          {name}_state;\n\
-         void {name}_reset({name}_state *state);\n\
-         void {name}_step({name}_state *state, const {real} q[{n}]);\n{};",
-        after_signature(program, name, real)
-    )
-}
-
-fn after_signature(program: &Program, name: &str, real: &str) -> String {
-    let n = program.n_joints();
-    format!(
-        "void {name}_torque_after(const {name}_state *state, const {real} dq[{n}], \
-         const {real} ddq[{n}], {real} tau[{n}])"
-    )
-}
-
-/// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, and the torque at these states.
-fn memory(program: &Program, name: &str, precision: Precision) -> String {
-    if program.elements.is_empty() {
-        return String::new();
-    }
-    let (real, language) = (real(precision), C(precision));
-    let (n, count) = (program.n_joints(), program.elements.len());
-    let [zero, one] = [0.0, 1.0].map(|value| language.constant(value));
-    let joints: Vec<String> = program.elements.iter().map(|(j, _)| j.to_string()).collect();
-    let travels: Vec<String> =
-        program.elements.iter().map(|(_, travel)| language.constant(*travel)).collect();
-    let exp = language.call(Function::Exp, "-(way*end)/travels[k]");
-    let mut text = format!(
-        "void {name}_reset({name}_state *state)\n{{\n    \
-         for (int j = 0; j < {n}; j++) state->q[j] = {zero};\n    \
-         for (int k = 0; k < {count}; k++) state->x[k] = {zero};\n    state->started = 0;\n}}\n\n\
-         void {name}_step({name}_state *state, const {real} q[{n}])\n{{\n    \
-         static const int joints[{count}] = {{{}}};\n    \
-         static const {real} travels[{count}] = {{{}}};\n    \
-         for (int k = 0; state->started && k < {count}; k++) {{\n        \
-         const {real} way = q[joints[k]] - state->q[joints[k]];\n        \
-         const {real} end = way < {zero} ? -{one} : {one};\n        \
-         if (way != {zero}) state->x[k] = end + (state->x[k] - end)*{exp};\n    }}\n    \
-         for (int j = 0; j < {n}; j++) state->q[j] = q[j];\n    state->started = 1;\n}}\n\n",
-        joints.join(", "),
-        travels.join(", ")
+         void {name}_reset({name}_state *state);\n{};",
+        program.cost_of(&memory.states),
+        program.cost_of(&memory.after[0].1),
+        name.to_uppercase(),
+        step_signature(program, name, real)
     );
-    let body = Body::of(&program.graph, &program.after, &language);
-    let mut lines = vec![after_signature(program, name, real), "{".into()];
-    lines.extend(readings(&body, precision, "state->"));
-    for (place, expression) in body.results.iter().enumerate() {
-        lines.push(format!("    tau[{place}] = {expression};"));
+    for (quantity, _) in &memory.after {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n{};", after_signature(program, name, *quantity, real));
     }
-    for signal in ["dq", "ddq"].iter().filter(|signal| !body.reads(signal)) {
-        lines.push(format!("    (void){signal};"));
-    }
-    lines.push("}\n".into());
-    text += &lines.join("\n");
     text
 }
 
-fn put_memory(put: &mut impl FnMut(&str), text: &str) {
-    if !text.is_empty() {
-        put(text);
+fn step_signature(program: &Program, name: &str, real: &str) -> String {
+    format!("void {name}_step({name}_state *state, const {real} q[{}])", program.n_joints())
+}
+
+fn after_signature(program: &Program, name: &str, quantity: Quantity, real: &str) -> String {
+    let n = program.n_joints();
+    let signals = Memory::signals(quantity).map(|signal| format!("const {real} {signal}[{n}], "));
+    let (quantity, signals) = (quantity.name(), signals.collect::<String>());
+    format!("void {name}_{quantity}_after(const {name}_state *state, {signals}{real} tau[{n}])")
+}
+
+fn memory_functions(
+    program: &Program,
+    memory: &Memory,
+    name: &str,
+    precision: Precision,
+) -> String {
+    let (real, language) = (real(precision), C(precision));
+    let (n, count, zero) = (program.n_joints(), memory.states.len(), language.constant(0.0));
+    let mut lines = vec![
+        format!("void {name}_reset({name}_state *state)\n{{"),
+        format!("    for (int j = 0; j < {n}; j++) state->q[j] = {zero};"),
+        format!("    for (int k = 0; k < {count}; k++) state->x[k] = {zero};"),
+        "    state->started = 0;\n}\n".into(),
+        format!("{}\n{{", step_signature(program, name, real)),
+        format!("    for (int j = 0; j < {n} && !state->started; j++) state->q[j] = q[j];"),
+    ];
+    let body = Body::of(&program.graph, &memory.states, &language);
+    lines.extend(statements(&body, precision, &["q"], "state->x"));
+    lines.push(format!("    for (int j = 0; j < {n}; j++) state->q[j] = q[j];"));
+    lines.push("    state->started = 1;\n}\n".into());
+    for (quantity, roots) in &memory.after {
+        let body = Body::of(&program.graph, roots, &language);
+        let arguments: Vec<&str> =
+            ["state"].into_iter().chain(Memory::signals(*quantity)).collect();
+        lines.push(format!("{}\n{{", after_signature(program, name, *quantity, real)));
+        lines.extend(statements(&body, precision, &arguments, "tau"));
+        lines.push("}\n".into());
     }
+    lines.join("\n")
+}
+
+/// The first lines of a file that calls the functions of a C file as MODEL(name); they define
+/// REMEMBERS where friction does.
+pub(crate) fn inclusion(program: &Program, name: &str) -> String {
+    let remembers = if program.memory.is_some() { "#define REMEMBERS\n" } else { "" };
+    format!(
+        "#define {}_DECLARATIONS_ONLY\n#include \"{name}.c\"\n\n\
+         #define MODEL(function) {name}_##function\n{remembers}",
+        name.to_uppercase()
+    )
 }
 
 /// Whether it can begin the name of a function in C.
@@ -232,28 +241,28 @@ fn function(
     (quantity, roots): (Quantity, &[Id]),
     precision: Precision,
 ) -> String {
-    let (real, body) = (real(precision), Body::of(&program.graph, roots, &C(precision)));
-    let mut lines = vec![signature(program, name, quantity, real), "{".into()];
-    lines.extend(readings(&body, precision, ""));
+    let body = Body::of(&program.graph, roots, &C(precision));
     let result = if quantity == Quantity::Inertia { "m" } else { "tau" };
-    for (place, expression) in body.results.iter().enumerate() {
-        lines.push(format!("    {result}[{place}] = {expression};"));
-    }
-    for signal in quantity.signals().iter().filter(|signal| !body.reads(signal)) {
-        lines.push(format!("    (void){signal};"));
-    }
+    let mut lines = vec![signature(program, name, quantity, real(precision)), "{".into()];
+    lines.extend(statements(&body, precision, quantity.signals(), result));
     lines.push("}\n".into());
     lines.join("\n")
 }
 
-/// The lines before the results; positions and elements are read from a state, if there is one.
-fn readings(body: &Body, precision: Precision, state: &str) -> Vec<String> {
+/// The statements of a function; what is no argument is read from its state.
+///
+/// - `result`: where results are written, one after the other
+fn statements(body: &Body, precision: Precision, arguments: &[&str], result: &str) -> Vec<String> {
     let (real, mut lines) = (real(precision), Vec::new());
     let suffix = if precision == Precision::Single { "f" } else { "" };
     for &input in &body.inputs {
         let (signal, joint) = signal_of(input);
-        let from = if matches!(signal, "q" | "x") { state } else { "" };
-        lines.push(format!("    const {real} {signal}{} = {from}{signal}[{joint}];", joint + 1));
+        let from = match signal {
+            _ if arguments.contains(&signal) => signal,
+            "x" => "state->x",
+            _ => "state->q",
+        };
+        lines.push(format!("    const {real} {signal}{} = {from}[{joint}];", joint + 1));
     }
     for angle in &body.angles {
         let j = angle.joint + 1;
@@ -265,6 +274,14 @@ fn readings(body: &Body, precision: Precision, state: &str) -> Vec<String> {
     }
     for (step, expression) in &body.steps {
         lines.push(format!("    const {real} {step} = {expression};"));
+    }
+    for (place, expression) in body.results.iter().enumerate() {
+        lines.push(format!("    {result}[{place}] = {expression};"));
+    }
+    let state_is_read = body.inputs.iter().any(|&input| !arguments.contains(&signal_of(input).0));
+    let is_read = |argument: &str| body.reads(argument) || argument == "state" && state_is_read;
+    for argument in arguments.iter().filter(|argument| !is_read(argument)) {
+        lines.push(format!("    (void){argument};"));
     }
     lines
 }

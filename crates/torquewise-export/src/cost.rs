@@ -1,6 +1,6 @@
 //! Graph → what a call costs: counted operations, and about how long they take.
 
-use crate::graph::{Graph, Id, Node};
+use crate::graph::{Function, Graph, Id, Node};
 use std::fmt;
 
 /// Time of an addition or multiplication of compiled code on the reference processor \[s\].
@@ -14,7 +14,7 @@ const PER_FUNCTION: f64 = 5e-9;
 /// How much a function computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Additions, subtractions and multiplications.
+    /// Additions, subtractions, multiplications and absolute values.
     pub operations: usize,
     /// Sines, cosines, exponentials and hyperbolic tangents.
     pub functions: usize,
@@ -27,10 +27,11 @@ impl Cost {
         for id in graph.reachable(roots) {
             match graph.node(id) {
                 Node::Constant(_) | Node::Input(_) => {}
-                Node::Sin(_) | Node::Cos(_) | Node::Call(..) => cost.functions += 1,
                 Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Neg(_) => {
                     cost.operations += 1;
                 }
+                Node::Call(Function::Abs, _) => cost.operations += 1,
+                Node::Sin(_) | Node::Cos(_) | Node::Call(..) => cost.functions += 1,
             }
         }
         cost

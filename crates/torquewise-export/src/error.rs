@@ -21,11 +21,6 @@ pub enum ExportError {
     NotSingle { constant: f64 },
     #[error("{name:?} names no function: begin with a letter, then letters, digits and _")]
     Name { name: String },
-    #[error(
-        "{target} code cannot hold the state of friction that remembers the path, as that of joint \
-         {joint} does: export C, or fit with `--friction auto` or `stribeck`"
-    )]
-    Memory { target: &'static str, joint: usize },
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),
     #[error("the archive cannot be filled")]

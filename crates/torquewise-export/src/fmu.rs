@@ -1,6 +1,6 @@
 //! Program → FMU: an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
 
-use crate::c::{check_name, quoted, to_c};
+use crate::c::{check_name, inclusion, quoted, to_c};
 use crate::error::ExportError;
 use crate::program::{Precision, Program, Quantity};
 use std::fmt::Write as _;
@@ -17,17 +17,14 @@ const WRAPPER: &str = include_str!("assets/fmu.c");
 /// `sources/NAME.c`, compiled together as C99, make the binary.
 ///
 /// # Errors
-/// [`ExportError::Name`] if the name is no C identifier, [`ExportError::Memory`] if friction
-/// remembers the path.
+/// [`ExportError::Name`] if the name is no C identifier.
 pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)>, ExportError> {
     check_name(name)?;
-    program.check_memoryless("FMU")?;
     let code = to_c(program, name, Precision::Double)?;
     let wrapper = format!(
-        "/* {} */\n\n#define {}_DECLARATIONS_ONLY\n#include \"{name}.c\"\n\n\
-         #define MODEL(function) {name}_##function\n#define N {}\n#define GUID {}\n\n{WRAPPER}",
+        "/* {} */\n\n{}#define N {}\n#define GUID {}\n\n{WRAPPER}",
         program.version(),
-        name.to_uppercase(),
+        inclusion(program, name),
         program.n_joints(),
         quoted(&guid(program)),
     );

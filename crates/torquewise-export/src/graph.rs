@@ -18,6 +18,8 @@ pub(crate) enum Input {
     Dq(usize),
     /// Its acceleration \[rad/s²\].
     Ddq(usize),
+    /// Its position one sample before \[rad\].
+    Last(usize),
     /// State of a Dahl element, counted from 0.
     Element(usize),
 }
@@ -33,6 +35,8 @@ pub(crate) enum Function {
     Sign,
     /// 1 for x > 0, else 0
     Positive,
+    /// |x|
+    Abs,
 }
 
 /// One operation.
@@ -242,6 +246,15 @@ impl Graph {
     /// f(a)
     pub(crate) fn call(&mut self, function: Function, a: Id) -> Id {
         self.put(Node::Call(function, a))
+    }
+
+    /// |a|
+    pub(crate) fn abs(&mut self, a: Id) -> Id {
+        match self.nodes[a] {
+            Node::Constant(bits) => self.constant(f64::from_bits(bits).abs()),
+            Node::Neg(a) => self.abs(a),
+            _ => self.call(Function::Abs, a),
+        }
     }
 
     /// aᵖ by repeated squares.

@@ -17,11 +17,14 @@ pub fn to_latex(model: &Model, version: &str) -> String {
         Form::Torque(_) => (print::latex(model), ""),
     };
     let memory = if elements(&model.friction).is_empty() { "" } else { DAHL };
+    let feels_load = model.friction.iter().any(|weighted| weighted.term.load);
+    let load = if feels_load { LOAD } else { "" };
     format!(
         "\\documentclass[a4paper]{{article}}\n\\usepackage[margin=2cm]{{geometry}}\n\
          \\usepackage[utf8]{{inputenc}}\n\\usepackage[T1]{{fontenc}}\n\
          \\usepackage{{amsmath}}\n\\allowdisplaybreaks\n\\begin{{document}}\n\
-         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}{memory}\\end{{document}}\n",
+         \\noindent {}. SI units. Joints: {}.\n{derived}{equations}{load}{memory}\
+         \\end{{document}}\n",
         escaped(version),
         names.join(", ")
     )
@@ -31,7 +34,11 @@ pub fn to_latex(model: &Model, version: &str) -> String {
 const DERIVED: &str = "\\begin{equation*}\n\
     \\tau = M(q)\\,\\ddot q + \\dot M(q)\\,\\dot q - \
     \\tfrac{1}{2}\\frac{\\partial}{\\partial q}\\bigl(\\dot q^{\\top} M(q)\\,\\dot q\\bigr) + \
-    \\frac{\\partial V}{\\partial q} + F(\\dot q)\n\\end{equation*}\n";
+    \\frac{\\partial V}{\\partial q} + F(q, \\dot q)\n\\end{equation*}\n";
+
+/// The load that gears press harder under.
+const LOAD: &str = "\\noindent $G_j$ is the torque that gravity and springs load joint $j$ with: \
+    what its equation holds in $q$ alone.\n\n";
 
 /// How the state of a Dahl element follows its joint.
 const DAHL: &str = "\\noindent $x_\\delta(q)$ is the state of a Dahl element with travel \

@@ -1,4 +1,4 @@
-//! Model → nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q̇).
+//! Model → nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
 
 use crate::derivative::{rates, slopes};
 use crate::graph::{Function, Graph, Id, Input};
@@ -173,37 +173,58 @@ fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id
     polynomial(graph, parts, order)
 }
 
-/// F(q̇), n: each shaft loads the joints that turn it (17).
+/// F(q, q̇), n: each shaft loads the joints that turn it (17), where gears press harder under load
+/// in proportion to |Gⱼ| of its joint (E13).
 ///
+/// - `gravity`: G(q), n
 /// - `elements`: whose states are known, in the order of their states
 pub(crate) fn friction(
     graph: &mut Graph,
     terms: &[Weighted<FrictionTerm>],
-    n: usize,
+    gravity: &[Id],
     elements: &[(usize, f64)],
 ) -> Vec<Id> {
-    let mut loads = vec![Vec::new(); n];
-    let mut shafts: Vec<(&[f64], Vec<Id>)> = Vec::new();
+    let mut shafts: Vec<(&FrictionTerm, BTreeMap<Id, f64>)> = Vec::new();
     for Weighted { term, coefficient, .. } in terms {
-        let coefficient = graph.constant(*coefficient);
         let curve = match elements.iter().position(|known| term.element() == Some(*known)) {
             Some(element) => graph.input(Input::Element(element)),
             None => curve(graph, term),
         };
-        let load = graph.mul(coefficient, curve);
-        match shafts.iter_mut().find(|(shaft, _)| *shaft == term.shaft) {
-            Some((_, parts)) => parts.push(load),
-            None => shafts.push((&term.shaft, vec![load])),
-        }
+        let alike = |(other, _): &(&FrictionTerm, _)| {
+            (&other.shaft, other.load) == (&term.shaft, term.load)
+        };
+        let place = shafts.iter().position(alike).unwrap_or_else(|| {
+            shafts.push((term, BTreeMap::new()));
+            shafts.len() - 1
+        });
+        *shafts[place].1.entry(curve).or_insert(0.0) += coefficient;
     }
-    for (shaft, parts) in shafts {
-        let load = graph.sum(&parts);
-        for (joint, &share) in shaft.iter().enumerate().take(n) {
+    let mut torques = vec![Vec::new(); gravity.len()];
+    for (term, curves) in shafts {
+        let torque = weighted_sum(graph, curves);
+        let torque = match term.joint().and_then(|joint| gravity.get(joint)) {
+            Some(&load) if term.load => {
+                let load = graph.abs(load);
+                graph.mul(load, torque)
+            }
+            _ => torque,
+        };
+        for (torques, &share) in torques.iter_mut().zip(&term.shaft) {
             let share = graph.constant(share);
-            loads[joint].push(graph.mul(share, load));
+            torques.push(graph.mul(share, torque));
         }
     }
-    loads.iter().map(|parts| graph.sum(parts)).collect()
+    torques.iter().map(|parts| graph.sum(parts)).collect()
+}
+
+/// Σ weight·node.
+fn weighted_sum(graph: &mut Graph, weights: BTreeMap<Id, f64>) -> Id {
+    let mut parts = Vec::new();
+    for (node, weight) in weights {
+        let weight = graph.constant(weight);
+        parts.push(graph.mul(weight, node));
+    }
+    graph.sum(&parts)
 }
 
 /// Joint, from 0, and travel \[rad\] of the Dahl elements that terms follow, once each.
@@ -215,6 +236,64 @@ pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
         }
     }
     elements
+}
+
+/// The states of Dahl elements after a step from the last positions to q, one each:
+/// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, which leaves x as it is at rest (E13).
+pub(crate) fn next_states(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+    let fadings = fadings(graph, elements);
+    let mut states = Vec::new();
+    for (element, (&(joint, _), fading)) in elements.iter().zip(fadings).enumerate() {
+        let way = way(graph, joint);
+        let end = graph.call(Function::Sign, way);
+        let state = graph.input(Input::Element(element));
+        let off = graph.sub(state, end);
+        let left = graph.mul(off, fading);
+        states.push(graph.add(end, left));
+    }
+    states
+}
+
+/// Δq of a joint since the sample before.
+fn way(graph: &mut Graph, joint: usize) -> Id {
+    let (now, last) = (graph.input(Input::Q(joint)), graph.input(Input::Last(joint)));
+    graph.sub(now, last)
+}
+
+/// Power up to which one exponential serves several elements: rounding grows with it.
+const MOST_POWER: u32 = 512;
+
+/// e^(−|Δq|/δ) of each element: where the next longer travel of the joint is a whole multiple of δ,
+/// that power of its own, which costs less than an exponential.
+fn fadings(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+    let mut order: Vec<usize> = (0..elements.len()).collect();
+    order.sort_by(|&a, &b| {
+        let ((a, long), (b, short)) = (elements[a], elements[b]);
+        a.cmp(&b).then(short.total_cmp(&long))
+    });
+    let mut fadings = vec![graph.constant(0.0); elements.len()];
+    // The element before in this order, its fading, and which power of an exponential that is.
+    let mut longer: Option<((usize, f64), Id, u32)> = None;
+    for place in order {
+        let (joint, travel) = elements[place];
+        let power = longer.filter(|((other, _), ..)| *other == joint).and_then(
+            |((_, long), fading, power)| {
+                let is_long =
+                    |k: &u32| (f64::from(*k) * travel - long).abs() < 4.0 * f64::EPSILON * long;
+                let multiple = (1..=MOST_POWER / power).find(is_long)?;
+                Some((graph.power(fading, multiple), power * multiple))
+            },
+        );
+        let (fading, power) = power.unwrap_or_else(|| {
+            let way = way(graph, joint);
+            let (length, rate) = (graph.abs(way), graph.constant(-1.0 / travel));
+            let exponent = graph.mul(rate, length);
+            (graph.call(Function::Exp, exponent), 1)
+        });
+        fadings[place] = fading;
+        longer = Some((elements[place], fading, power));
+    }
+    fadings
 }
 
 /// f(v) of one law, zero in the direction in which it does not act.

@@ -4,8 +4,8 @@ use crate::cost::Cost;
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
-use crate::parts::{elements, friction};
-use crate::ways::{frictionless, gravity_of};
+use crate::parts::{elements, friction, next_states};
+use crate::ways::{Frictionless, frictionless, gravity_of, sums};
 use torquewise_model::{Form, Model, to_json};
 
 /// What a function of an exported file computes.
@@ -19,7 +19,7 @@ pub enum Quantity {
     Coriolis,
     /// M(q) \[kg·m²\], n×n: torque of joint i per unit acceleration of joint j at rest.
     Inertia,
-    /// F(q̇) \[N·m\], n.
+    /// F(q, q̇) \[N·m\], n; q matters to friction under load alone.
     Friction,
     /// G(q) \[N·m\] as the first step of the reconstruction found it, n; G(q) of the whole model
     /// where that was not found stepwise.
@@ -47,9 +47,8 @@ impl Quantity {
     pub fn signals(self) -> &'static [&'static str] {
         match self {
             Self::Torque => &["q", "dq", "ddq"],
-            Self::Coriolis => &["q", "dq"],
+            Self::Coriolis | Self::Friction => &["q", "dq"],
             Self::Gravity | Self::Inertia | Self::Step1 => &["q"],
-            Self::Friction => &["dq"],
         }
     }
 }
@@ -62,7 +61,7 @@ impl Quantity {
             Self::Gravity => "G(q)",
             Self::Coriolis => "C(q, dq) dq",
             Self::Inertia => "M(q), row by row",
-            Self::Friction => "F(dq)",
+            Self::Friction => "F(q, dq)",
             Self::Step1 => "G(q) of step 1",
         }
     }
@@ -86,11 +85,40 @@ pub struct Program {
     pub(crate) functions: Vec<(Quantity, Vec<Id>)>,
     pub(crate) steps: usize,
     symmetric: bool,
-    /// Joint and travel \[rad\] of each Dahl element that friction follows, once each.
-    pub(crate) elements: Vec<(usize, f64)>,
-    /// Torque at the states of these elements, n; nothing where there are none.
-    pub(crate) after: Vec<Id>,
+    /// What friction remembers of the path, if it does.
+    pub(crate) memory: Option<Memory>,
     pub(crate) fingerprint: u64,
+}
+
+/// The state of Dahl elements (E13): how it goes on, and what follows from it.
+#[derive(Clone, Debug)]
+pub(crate) struct Memory {
+    /// States after a step from the last q to the next, one for each element.
+    pub(crate) states: Vec<Id>,
+    /// Torque and friction at these states, n each.
+    pub(crate) after: Vec<(Quantity, Vec<Id>)>,
+}
+
+impl Memory {
+    fn of(graph: &mut Graph, model: &Model, parts: &Frictionless) -> Option<Self> {
+        let elements = elements(&model.friction);
+        if elements.is_empty() {
+            return None;
+        }
+        let own = friction(graph, &model.friction, &parts.gravity, &elements);
+        let torque = sums(graph, &parts.torque, &own);
+        let after = vec![(Quantity::Torque, torque), (Quantity::Friction, own)];
+        Some(Self { states: next_states(graph, &elements), after })
+    }
+
+    fn roots(&mut self) -> impl Iterator<Item = &mut Id> {
+        self.states.iter_mut().chain(self.after.iter_mut().flat_map(|(_, roots)| roots))
+    }
+
+    /// The signals that a function takes beside the state, which knows q.
+    pub(crate) fn signals(quantity: Quantity) -> impl Iterator<Item = &'static str> {
+        quantity.signals().iter().copied().filter(|signal| *signal != "q")
+    }
 }
 
 impl Program {
@@ -109,29 +137,20 @@ impl Program {
             (0, None) => gravity_of(&mut graph, &model.form, n),
             _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
         };
-        let friction = friction(&mut graph, &model.friction, n, &[]);
-        let elements = elements(&model.friction);
-        let after = friction_after(&mut graph, model, &elements);
-        let torque =
-            parts.torque.iter().zip(&friction).map(|(&tau, &own)| graph.add(tau, own)).collect();
-        let after = parts.torque.iter().zip(&after).map(|(&tau, &own)| graph.add(tau, own));
-        let after: Vec<Id> = after.collect();
-        let functions = vec![
-            (Quantity::Torque, torque),
+        let mut memory = Memory::of(&mut graph, model, &parts);
+        let own = friction(&mut graph, &model.friction, &parts.gravity, &[]);
+        let mut functions = vec![
+            (Quantity::Torque, sums(&mut graph, &parts.torque, &own)),
             (Quantity::Gravity, parts.gravity),
             (Quantity::Coriolis, parts.coriolis),
             (Quantity::Inertia, parts.matrix),
-            (Quantity::Friction, friction),
+            (Quantity::Friction, own),
             (Quantity::Step1, first),
         ];
-        let roots: Vec<Id> =
-            functions.iter().flat_map(|(_, roots)| roots).chain(&after).copied().collect();
-        let (graph, roots) = lowered(&graph, &roots);
-        let mut roots = roots.into_iter();
-        let functions: Vec<(Quantity, Vec<Id>)> = functions
-            .into_iter()
-            .map(|(quantity, old)| (quantity, roots.by_ref().take(old.len()).collect()))
-            .collect();
+        let roots = functions.iter_mut().flat_map(|(_, roots)| roots);
+        let roots: Vec<&mut Id> = roots.chain(memory.iter_mut().flat_map(Memory::roots)).collect();
+        let (graph, lower) = lowered(&graph, &roots.iter().map(|root| **root).collect::<Vec<Id>>());
+        roots.into_iter().zip(lower).for_each(|(root, lower)| *root = lower);
         let constants = (0..graph.len()).filter_map(|id| graph.value(id));
         if constants.into_iter().any(|constant| !constant.is_finite()) {
             return Err(ExportError::NotFinite);
@@ -142,8 +161,7 @@ impl Program {
             functions,
             steps: model.stages.len(),
             symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
-            elements,
-            after: roots.collect(),
+            memory,
             fingerprint: fingerprint(&text),
         })
     }
@@ -163,7 +181,11 @@ impl Program {
     pub fn cost(&self, quantity: Quantity) -> Cost {
         let roots = self.functions.iter().filter(|(other, _)| *other == quantity);
         let roots: Vec<Id> = roots.flat_map(|(_, roots)| roots.clone()).collect();
-        Cost::of(&self.graph, &roots)
+        self.cost_of(&roots)
+    }
+
+    pub(crate) fn cost_of(&self, roots: &[Id]) -> Cost {
+        Cost::of(&self.graph, roots)
     }
 }
 
@@ -198,14 +220,6 @@ impl Program {
         (0..self.graph.len()).any(calls)
     }
 
-    /// Whether code without a state computes the torque; if not, the target refuses the model.
-    pub(crate) fn check_memoryless(&self, target: &'static str) -> Result<(), ExportError> {
-        match self.elements.first() {
-            Some((joint, _)) => Err(ExportError::Memory { target, joint: joint + 1 }),
-            None => Ok(()),
-        }
-    }
-
     /// Whether all constants can be written in a precision.
     pub(crate) fn check_precision(&self, precision: Precision) -> Result<(), ExportError> {
         let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
@@ -216,14 +230,6 @@ impl Program {
             _ => Ok(()),
         }
     }
-}
-
-/// Friction at the states of its elements; nothing where it has none.
-fn friction_after(graph: &mut Graph, model: &Model, elements: &[(usize, f64)]) -> Vec<Id> {
-    if elements.is_empty() {
-        return Vec::new();
-    }
-    friction(graph, &model.friction, model.n_joints(), elements)
 }
 
 /// FNV-1a of a text, 64 bits: tells two models apart, and is the same on every machine.

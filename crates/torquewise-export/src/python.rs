@@ -1,8 +1,7 @@
 //! Program → one file of Python that needs the standard library alone.
 
-use crate::error::ExportError;
 use crate::graph::{Function, Id};
-use crate::program::{Program, Quantity};
+use crate::program::{Memory, Program, Quantity};
 use crate::text::{Body, Language};
 use std::fmt::Write;
 
@@ -19,16 +18,13 @@ impl Language for Python {
             Function::Exp => format!("exp({argument})"),
             Function::Sign => format!("_sign({argument})"),
             Function::Positive => format!("_positive({argument})"),
+            Function::Abs => format!("abs({argument})"),
         }
     }
 }
 
 /// A Python module with the functions `torque`, `gravity` and so on; see `docs/export.md`.
-///
-/// # Errors
-/// [`ExportError::Memory`] if friction remembers the path.
-pub fn to_python(program: &Program) -> Result<String, ExportError> {
-    program.check_memoryless("Python")?;
+pub fn to_python(program: &Program) -> String {
     let mut text = format!(
         "\"\"\"{}\n\nq [rad], dq [rad/s], ddq [rad/s^2] are sequences with one number per joint; \
          results are lists,\ntau [N m], and a list of rows for inertia [kg m^2].\n{}\n\"\"\"\n\n\
@@ -40,6 +36,9 @@ pub fn to_python(program: &Program) -> Result<String, ExportError> {
     for quantity in Quantity::ALL {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "    \"{}\",", quantity.name());
+    }
+    if program.memory.is_some() {
+        text += "    \"State\",\n";
     }
     let names: Vec<String> =
         program.joints.iter().map(|joint| format!("    {},\n", quoted(joint))).collect();
@@ -60,7 +59,10 @@ pub fn to_python(program: &Program) -> Result<String, ExportError> {
     let functions = program.functions.iter();
     let functions = functions.map(|(quantity, roots)| function(program, *quantity, roots));
     text += &functions.collect::<Vec<_>>().join("\n\n");
-    Ok(text)
+    if let Some(memory) = &program.memory {
+        text += &state(program, memory);
+    }
+    text
 }
 
 fn function(program: &Program, quantity: Quantity, roots: &[Id]) -> String {
@@ -69,36 +71,88 @@ fn function(program: &Program, quantity: Quantity, roots: &[Id]) -> String {
         format!("def {}({}):", quantity.name(), quantity.signals().join(", ")),
         format!("    \"\"\"{}: {}\"\"\"", quantity.formula(), program.cost(quantity)),
     ];
-    // Unpacking refuses a sequence of another length.
-    for signal in quantity.signals() {
-        let names: Vec<String> = (1..=n).map(|joint| format!("{signal}{joint}")).collect();
-        let comma = if n == 1 { "," } else { "" };
-        lines.push(format!("    {}{comma} = {signal}", names.join(", ")));
-    }
-    for angle in &body.angles {
-        let j = angle.joint + 1;
-        if angle.sin {
-            lines.push(format!("    s{j} = sin(q{j})"));
-        }
-        if angle.cos {
-            lines.push(format!("    c{j} = cos(q{j})"));
-        }
-    }
-    for (step, expression) in &body.steps {
-        lines.push(format!("    {step} = {expression}"));
-    }
-    lines.push("    return [".into());
-    if quantity == Quantity::Inertia {
-        for row in body.results.chunks(n.max(1)) {
-            lines.push("        [".into());
-            lines.extend(row.iter().map(|entry| format!("            {entry},")));
-            lines.push("        ],".into());
-        }
-    } else {
-        lines.extend(body.results.iter().map(|entry| format!("        {entry},")));
-    }
-    lines.push("    ]\n".into());
+    let unpacked = quantity.signals().iter().map(|signal| unpacked(signal, n, signal));
+    let columns = if quantity == Quantity::Inertia { Some(n) } else { None };
+    let results = body.listed("return ", columns);
+    lines.extend(unpacked.chain(steps(&body)).chain(results).map(|line| format!("    {line}")));
+    lines.push(String::new());
     lines.join("\n")
+}
+
+/// What friction remembers, as a class.
+fn state(program: &Program, memory: &Memory) -> String {
+    let (n, count) = (program.n_joints(), memory.states.len());
+    let body = Body::of(&program.graph, &memory.states, &Python);
+    let mut step = vec![
+        unpacked("q", n, "q"),
+        unpacked("last", n, "q if self._q is None else self._q"),
+        unpacked("x", count, "self._x"),
+    ];
+    step.extend(steps(&body).chain(body.listed("self._x = ", None)));
+    step.push(format!("self._q = ({})", names("q", n)));
+    let mut methods = vec![
+        method("__init__", &[], "Knows nothing of the way so far.", &["self.reset()".into()]),
+        method(
+            "reset",
+            &[],
+            "Forgets the way so far.",
+            &["self._q = None".into(), format!("self._x = [0.0] * {count}")],
+        ),
+        method(
+            "step",
+            &["q"],
+            &format!("Takes the next sample of q: {}", program.cost_of(&memory.states)),
+            &step,
+        ),
+    ];
+    for (quantity, roots) in &memory.after {
+        let body = Body::of(&program.graph, roots, &Python);
+        let signals: Vec<&str> = Memory::signals(*quantity).collect();
+        let mut lines: Vec<String> = vec![
+            "if self._q is None:".into(),
+            "    raise ValueError(\"give step() a sample of q first\")".into(),
+            unpacked("q", n, "self._q"),
+            unpacked("x", count, "self._x"),
+        ];
+        lines.extend(signals.iter().map(|signal| unpacked(signal, n, signal)));
+        lines.extend(steps(&body).chain(body.listed("return ", None)));
+        let doc = format!("{}: {}", quantity.formula(), program.cost_of(roots));
+        methods.push(method(&format!("{}_after", quantity.name()), &signals, &doc, &lines));
+    }
+    format!(
+        "\n\nclass State:\n    \
+         \"\"\"What friction remembers: give `step` every sample of q.\n\n    \
+         What ends in `_after` is at the last sample; `torque` and `friction` have no memory \
+         and are as\n    after a long way in the direction of dq.\n    \"\"\"\n\n{}",
+        methods.join("\n")
+    )
+}
+
+fn method(name: &str, signals: &[&str], doc: &str, lines: &[String]) -> String {
+    let (arguments, lines) = ([&["self"], signals].concat().join(", "), lines.join("\n        "));
+    format!("    def {name}({arguments}):\n        \"\"\"{doc}\"\"\"\n        {lines}\n")
+}
+
+/// The entries of a sequence by their names; refuses a sequence of another length.
+fn unpacked(signal: &str, count: usize, from: &str) -> String {
+    format!("{} = {from}", names(signal, count))
+}
+
+/// `q1, q2`; `q1,` of one.
+fn names(signal: &str, count: usize) -> String {
+    let names: Vec<String> = (1..=count).map(|place| format!("{signal}{place}")).collect();
+    let comma = if count == 1 { "," } else { "" };
+    names.join(", ") + comma
+}
+
+/// The statements before the results.
+fn steps(body: &Body) -> impl Iterator<Item = String> {
+    let angles = body.angles.iter().flat_map(|angle| {
+        let j = angle.joint + 1;
+        let sin = angle.sin.then(|| format!("s{j} = sin(q{j})"));
+        sin.into_iter().chain(angle.cos.then(|| format!("c{j} = cos(q{j})")))
+    });
+    angles.chain(body.steps.iter().map(|(step, expression)| format!("{step} = {expression}")))
 }
 
 /// A string literal: whatever is not plain by its code.

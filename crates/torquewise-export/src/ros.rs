@@ -1,6 +1,6 @@
 //! Program → sources of a ROS 2 package: a node that feeds the torque of a desired motion forward.
 
-use crate::c::{check_name, to_c};
+use crate::c::{check_name, inclusion, to_c};
 use crate::error::ExportError;
 use crate::program::{Precision, Program};
 
@@ -13,20 +13,17 @@ const NODE: &str = include_str!("assets/feed_forward.cpp");
 /// `effort_controller/commands`, where `effort_controllers/JointGroupEffortController` listens.
 ///
 /// # Errors
-/// [`ExportError::Name`] if the name is no C identifier, [`ExportError::Memory`] if friction
-/// remembers the path.
+/// [`ExportError::Name`] if the name is no C identifier.
 pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)>, ExportError> {
     check_name(name)?;
-    program.check_memoryless("ROS 2")?;
     // What ROS allows: lower case, and no two underscores in a row.
     let package = format!("{}_feed_forward", name.to_lowercase().trim_end_matches('_'));
     let package = package.split('_').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("_");
     let n = program.n_joints();
     let node = format!(
-        "// {}\n\n#define {}_DECLARATIONS_ONLY\n#include \"{name}.c\"\n\n\
-         #define MODEL(function) {name}_##function\nconstexpr int N = {}_JOINTS;\n\n{NODE}",
+        "// {}\n\n{}constexpr int N = {}_JOINTS;\n\n{NODE}",
         program.version(),
-        name.to_uppercase(),
+        inclusion(program, name),
         name.to_uppercase(),
     );
     let zeros = vec!["0.0"; n].join(", ");

@@ -2,7 +2,7 @@
 
 use crate::error::ExportError;
 use crate::graph::{Function, Id};
-use crate::program::{Precision, Program, Quantity};
+use crate::program::{Memory, Precision, Program, Quantity};
 use crate::text::{Angle, Body, Language, signal_of};
 use std::fmt::Write;
 
@@ -23,6 +23,7 @@ impl Language for Rust {
             Function::Exp => format!("F::exp({argument})"),
             Function::Sign => format!("sign({argument})"),
             Function::Positive => format!("positive({argument})"),
+            Function::Abs => format!("abs({argument})"),
         }
     }
 }
@@ -30,10 +31,8 @@ impl Language for Rust {
 /// A file of Rust that needs `core` alone, a crate or a module; see `docs/export.md`.
 ///
 /// # Errors
-/// [`ExportError::NotSingle`] if a constant is too large for the precision,
-/// [`ExportError::Memory`] if friction remembers the path.
+/// [`ExportError::NotSingle`] if a constant is too large for the precision.
 pub fn to_rust(program: &Program, precision: Precision) -> Result<String, ExportError> {
-    program.check_memoryless("Rust")?;
     program.check_precision(precision)?;
     let real = match precision {
         Precision::Double => "f64",
@@ -73,9 +72,18 @@ pub fn to_rust(program: &Program, precision: Precision) -> Result<String, Export
             "fn positive(x: {real}) -> {real} {{\n    if x > 0.0 {{ 1.0 }} else {{ 0.0 }}\n}}\n"
         );
     }
+    if program.calls(Function::Abs) {
+        let _ = writeln!(
+            text,
+            "fn abs(x: {real}) -> {real} {{\n    if x < 0.0 {{ -x }} else {{ x }}\n}}\n"
+        );
+    }
     let functions = program.functions.iter();
     let functions = functions.map(|(q, roots)| function(program, *q, roots, precision, real));
     text += &functions.collect::<Vec<_>>().join("\n");
+    if let Some(memory) = &program.memory {
+        text += &state(program, memory, precision, real);
+    }
     Ok(text)
 }
 
@@ -114,46 +122,98 @@ fn function(
     real: &str,
 ) -> String {
     let body = Body::of(&program.graph, roots, &Rust(precision));
-    let arguments: Vec<String> = quantity
-        .signals()
-        .iter()
-        .map(|signal| {
-            let unused = if body.reads(signal) { "" } else { "_" };
-            format!("{unused}{signal}: &[{real}; JOINTS]")
-        })
-        .collect();
     let row = format!("[{real}; JOINTS]");
-    let result =
-        if quantity == Quantity::Inertia { format!("[{row}; JOINTS]") } else { row.clone() };
+    let (result, columns) = match quantity {
+        Quantity::Inertia => (format!("[{row}; JOINTS]"), Some(program.n_joints())),
+        _ => (row, None),
+    };
+    let (name, signals) =
+        (quantity.name(), signals(quantity.signals().iter().copied(), &body, real));
     let mut lines = vec![
         format!("/// {}: {}", quantity.formula(), program.cost(quantity)),
-        format!("pub fn {}<F: Math>({}) -> {result} {{", quantity.name(), arguments.join(", ")),
+        format!("pub fn {name}<F: Math>({signals}) -> {result} {{"),
     ];
+    let inner = statements(&body, quantity.signals(), columns);
+    lines.extend(inner.iter().map(|line| format!("    {line}")));
+    lines.push("}\n".into());
+    lines.join("\n")
+}
+
+/// Arguments of a function; those that it does not read begin with `_`.
+fn signals(names: impl Iterator<Item = &'static str>, body: &Body, real: &str) -> String {
+    let argument = |signal| {
+        let unused = if body.reads(signal) { "" } else { "_" };
+        format!("{unused}{signal}: &[{real}; JOINTS]")
+    };
+    names.map(argument).collect::<Vec<_>>().join(", ")
+}
+
+/// The statements of a function, its results last; what is no argument is read from its state.
+///
+/// - `columns`: in which results are set, if they are a matrix
+fn statements(body: &Body, arguments: &[&str], columns: Option<usize>) -> Vec<String> {
+    let mut lines = Vec::new();
     for &input in &body.inputs {
         let (signal, joint) = signal_of(input);
-        lines.push(format!("    let {signal}{} = {signal}[{joint}];", joint + 1));
+        let from = match signal {
+            _ if arguments.contains(&signal) => signal,
+            "x" => "self.x",
+            _ => "self.q",
+        };
+        lines.push(format!("let {signal}{} = {from}[{joint}];", joint + 1));
     }
     for &Angle { joint, sin, cos } in &body.angles {
         let j = joint + 1;
         let name = |held: bool, letter: char| {
             if held { format!("{letter}{j}") } else { "_".to_owned() }
         };
-        lines.push(format!("    let ({}, {}) = F::sin_cos(q{j});", name(sin, 's'), name(cos, 'c')));
+        lines.push(format!("let ({}, {}) = F::sin_cos(q{j});", name(sin, 's'), name(cos, 'c')));
     }
-    for (step, expression) in &body.steps {
-        lines.push(format!("    let {step} = {expression};"));
+    lines.extend(body.steps.iter().map(|(step, expression)| format!("let {step} = {expression};")));
+    lines.extend(body.listed("", columns));
+    lines
+}
+
+/// What friction remembers, as a struct.
+fn state(program: &Program, memory: &Memory, precision: Precision, real: &str) -> String {
+    let (count, language) = (memory.states.len(), Rust(precision));
+    let mut text = format!(
+        "\n/// What friction remembers: give `step` every sample of q.\n///\n\
+         /// What ends in `_after` is at the last sample; `torque` and `friction` have no memory \
+         and are as after\n/// a long way in the direction of dq.\n\
+         #[derive(Clone, Copy, Debug, PartialEq)]\npub struct State {{\n    \
+         q: [{real}; JOINTS],\n    x: [{real}; {count}],\n    started: bool,\n}}\n\n\
+         impl Default for State {{\n    fn default() -> Self {{\n        \
+         State {{ q: [0.0; JOINTS], x: [0.0; {count}], started: false }}\n    }}\n}}\n\n\
+         impl State {{\n    /// Forgets the way so far.\n    pub fn reset(&mut self) {{\n        \
+         *self = Self::default();\n    }}\n"
+    );
+    let body = Body::of(&program.graph, &memory.states, &language);
+    let next = statements(&body, &["q"], None).into_iter().map(|line| format!("    {line}"));
+    let mut lines = vec![
+        "if !self.started {".into(),
+        "    self.q = *q;".into(),
+        "}".into(),
+        "self.x = {".into(),
+    ];
+    lines.extend(next);
+    lines.extend(["};", "self.q = *q;", "self.started = true;"].map(String::from));
+    let doc = format!("Takes the next sample of q: {}", program.cost_of(&memory.states));
+    let head = format!("step<F: Math>(&mut self, q: &[{real}; JOINTS])");
+    text += &method(&doc, &head, &lines);
+    for (quantity, roots) in &memory.after {
+        let body = Body::of(&program.graph, roots, &language);
+        let arguments: Vec<&str> = Memory::signals(*quantity).collect();
+        let signals = signals(Memory::signals(*quantity), &body, real);
+        let doc = format!("{}: {}", quantity.formula(), program.cost_of(roots));
+        let head =
+            format!("{}_after<F: Math>(&self, {signals}) -> [{real}; JOINTS]", quantity.name());
+        text += &method(&doc, &head, &statements(&body, &arguments, None));
     }
-    lines.push("    [".into());
-    let columns = program.n_joints().max(1);
-    if quantity == Quantity::Inertia {
-        for row in body.results.chunks(columns) {
-            lines.push("        [".into());
-            lines.extend(row.iter().map(|entry| format!("            {entry},")));
-            lines.push("        ],".into());
-        }
-    } else {
-        lines.extend(body.results.iter().map(|entry| format!("        {entry},")));
-    }
-    lines.push("    ]\n}\n".into());
-    lines.join("\n")
+    text + "}\n"
+}
+
+fn method(doc: &str, head: &str, lines: &[String]) -> String {
+    let lines = lines.join("\n        ");
+    format!("\n    /// {doc}\n    pub fn {head} {{\n        {lines}\n    }}\n")
 }

@@ -57,9 +57,28 @@ impl Body {
         body
     }
 
-    /// Whether it reads a signal: `q`, `dq` or `ddq`.
+    /// Whether it reads a signal, by the name that [`signal_of`] has for it.
     pub(crate) fn reads(&self, signal: &str) -> bool {
         self.inputs.iter().any(|&input| signal_of(input).0 == signal)
+    }
+
+    /// The results as an array of Rust or a list of Python, line by line.
+    ///
+    /// - `before`: what its first line begins with
+    /// - `columns`: in which they are set, if they are a matrix
+    pub(crate) fn listed(&self, before: &str, columns: Option<usize>) -> Vec<String> {
+        let mut lines = vec![format!("{before}[")];
+        if let Some(columns) = columns {
+            for row in self.results.chunks(columns.max(1)) {
+                lines.push("    [".into());
+                lines.extend(row.iter().map(|entry| format!("        {entry},")));
+                lines.push("    ],".into());
+            }
+        } else {
+            lines.extend(self.results.iter().map(|entry| format!("    {entry},")));
+        }
+        lines.push("]".into());
+        lines
     }
 
     /// Which signals and angles it needs.
@@ -152,12 +171,13 @@ impl Text {
     }
 }
 
-/// `q`, `dq` or `ddq` and the joint, or `x` and the Dahl element.
+/// `q`, `dq`, `ddq` or `last` and the joint, or `x` and the Dahl element.
 pub(crate) fn signal_of(input: Input) -> (&'static str, usize) {
     match input {
         Input::Q(joint) => ("q", joint),
         Input::Dq(joint) => ("dq", joint),
         Input::Ddq(joint) => ("ddq", joint),
+        Input::Last(joint) => ("last", joint),
         Input::Element(element) => ("x", element),
     }
 }

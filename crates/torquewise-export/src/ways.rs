@@ -71,7 +71,8 @@ impl Frictionless {
     }
 }
 
-fn sums(graph: &mut Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
+/// a + b, one by one.
+pub(crate) fn sums(graph: &mut Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
     left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
 }
 

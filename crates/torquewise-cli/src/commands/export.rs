@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     match to {
         Target::C => write_whole(output, to_c(&program, &name, precision)?)?,
         Target::Rust => write_whole(output, to_rust(&program, precision)?)?,
-        Target::Python => write_whole(output, to_python(&program)?)?,
+        Target::Python => write_whole(output, to_python(&program))?,
         Target::Latex => write_whole(output, to_latex(&model, &program.version()))?,
         Target::Fmu => write_whole(output, unit(&program, &name, arguments.no_binary)?)?,
         Target::Ros2 => write_package(output, &ros_package(&program, &name)?)?,

@@ -1,5 +1,6 @@
 // Joint states and a desired motion → effort: the torque the model expects for the desired motion,
-// and a correction of what is left. MODEL(name) and N are defined above.
+// and a correction of what is left. MODEL(name) and N are defined above, REMEMBERS where friction
+// remembers the path; it then follows that of the desired motion, from the start of the node on.
 
 #include <algorithm>
 #include <array>
@@ -41,6 +42,9 @@ public:
     state_ = create_subscription<sensor_msgs::msg::JointState>(
       "joint_states", rclcpp::SensorDataQoS(),
       [this](sensor_msgs::msg::JointState::SharedPtr state) { command(*state); });
+#ifdef REMEMBERS
+    MODEL(reset)(&memory_);
+#endif
     RCLCPP_INFO(get_logger(), "%s", MODEL(version)());
   }
 
@@ -66,6 +70,9 @@ private:
       return;
     }
     q_ = q, dq_ = dq, ddq_ = ddq;
+#ifdef REMEMBERS
+    MODEL(step)(&memory_, q_.data());
+#endif
     desired_ = true;
   }
 
@@ -88,7 +95,11 @@ private:
     if (gravity_only_) {
       MODEL(step1)(q_.data(), tau.data());
     } else {
+#ifdef REMEMBERS
+      MODEL(torque_after)(&memory_, dq_.data(), ddq_.data(), tau.data());
+#else
       MODEL(torque)(q_.data(), dq_.data(), ddq_.data(), tau.data());
+#endif
     }
     for (std::size_t joint = 0; joint < N; ++joint) {
       const auto name = std::find(state.name.begin(), state.name.end(), joints_[joint]);
@@ -111,6 +122,9 @@ private:
 
   std::vector<std::string> joints_;
   Joints kp_, kd_, max_effort_, q_, dq_, ddq_;
+#ifdef REMEMBERS
+  MODEL(state) memory_;
+#endif
   bool gravity_only_ = false;
   bool desired_ = false;
   rclcpp::Publisher<std_msgs::msg::Float64MultiArray>::SharedPtr effort_;

@@ -1,9 +1,9 @@
-/* The functions of FMI 2.0 around a model without states: outputs follow inputs at once.
-   MODEL(name), N and GUID are defined above. */
+/* The functions of FMI 2.0 around a model without continuous states: outputs follow inputs at once.
+   MODEL(name), N and GUID are defined above, REMEMBERS where friction remembers the path. */
 
 #include <string.h>
 
-/* Much of what FMI asks for means nothing to a model without states. */
+/* Much of what FMI asks for means nothing to a model without continuous states. */
 #if defined __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
@@ -64,12 +64,57 @@ struct instance {
     /* Whether the outputs of a function are of these inputs. */
     int torque, gravity, coriolis, inertia, friction, step1;
     double values[COUNT];
+#ifdef REMEMBERS
+    /* The path up to the last step. */
+    MODEL(state) memory;
+#endif
 };
 
 static void outdate(struct instance *model)
 {
     model->torque = model->gravity = model->coriolis = 0;
     model->inertia = model->friction = model->step1 = 0;
+}
+
+/* What friction remembers of the path: nothing at the start, and of each step the q it ends at. */
+static void forget(struct instance *model)
+{
+#ifdef REMEMBERS
+    MODEL(reset)(&model->memory);
+#endif
+    outdate(model);
+}
+
+static void keep(struct instance *model)
+{
+#ifdef REMEMBERS
+    MODEL(step)(&model->memory, model->values + Q);
+#endif
+}
+
+/* Torque and friction where the path goes on from the last step to q. */
+static void torque(const struct instance *model, double tau[N])
+{
+    const double *x = model->values;
+#ifdef REMEMBERS
+    MODEL(state) now = model->memory;
+    MODEL(step)(&now, x + Q);
+    MODEL(torque_after)(&now, x + DQ, x + DDQ, tau);
+#else
+    MODEL(torque)(x + Q, x + DQ, x + DDQ, tau);
+#endif
+}
+
+static void friction(const struct instance *model, double tau[N])
+{
+    const double *x = model->values;
+#ifdef REMEMBERS
+    MODEL(state) now = model->memory;
+    MODEL(step)(&now, x + Q);
+    MODEL(friction_after)(&now, x + DQ, tau);
+#else
+    MODEL(friction)(x + Q, x + DQ, tau);
+#endif
 }
 
 /* Computes the function that an output belongs to, if its inputs have changed. */
@@ -79,7 +124,7 @@ static double value(struct instance *model, fmi2ValueReference place)
     if (place < TORQUE) {
         return x[place];
     } else if (place < GRAVITY) {
-        if (!model->torque) MODEL(torque)(x + Q, x + DQ, x + DDQ, x + TORQUE);
+        if (!model->torque) torque(model, x + TORQUE);
         model->torque = 1;
     } else if (place < CORIOLIS) {
         if (!model->gravity) MODEL(gravity)(x + Q, x + GRAVITY);
@@ -91,7 +136,7 @@ static double value(struct instance *model, fmi2ValueReference place)
         if (!model->inertia) MODEL(inertia)(x + Q, x + INERTIA);
         model->inertia = 1;
     } else if (place < STEP1) {
-        if (!model->friction) MODEL(friction)(x + DQ, x + FRICTION);
+        if (!model->friction) friction(model, x + FRICTION);
         model->friction = 1;
     } else {
         if (!model->step1) MODEL(step1)(x + Q, x + STEP1);
@@ -143,6 +188,7 @@ EXPORT fmi2Component FMI(fmi2Instantiate)(
     if (!model) return 0;
     memset(model, 0, sizeof *model);
     model->callbacks = *callbacks;
+    forget(model);
     return model;
 }
 
@@ -160,6 +206,7 @@ STATUS FMI(fmi2SetupExperiment)(
 
 STATUS FMI(fmi2EnterInitializationMode)(fmi2Component c)
 {
+    forget(c);
     return fmi2OK;
 }
 
@@ -176,7 +223,7 @@ STATUS FMI(fmi2Terminate)(fmi2Component c)
 STATUS FMI(fmi2Reset)(fmi2Component c)
 {
     memset(c->values, 0, sizeof c->values);
-    outdate(c);
+    forget(c);
     return fmi2OK;
 }
 
@@ -248,7 +295,7 @@ REFUSED(fmi2GetIntegerStatus, (fmi2Component c, const int kind, fmi2Integer *sta
 REFUSED(fmi2GetBooleanStatus, (fmi2Component c, const int kind, fmi2Boolean *status))
 REFUSED(fmi2GetStringStatus, (fmi2Component c, const int kind, fmi2String *status))
 
-/* Model exchange: no states, no events. */
+/* Model exchange: no continuous states, no events; a step that was completed is remembered. */
 
 STATUS FMI(fmi2EnterEventMode)(fmi2Component c)
 {
@@ -269,6 +316,7 @@ STATUS FMI(fmi2EnterContinuousTimeMode)(fmi2Component c)
 STATUS FMI(fmi2CompletedIntegratorStep)(
     fmi2Component c, fmi2Boolean final, fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
 {
+    keep(c);
     *enter_event_mode = 0;
     *terminate = 0;
     return fmi2OK;
@@ -304,9 +352,10 @@ STATUS FMI(fmi2GetNominalsOfContinuousStates)(fmi2Component c, fmi2Real x[], siz
     return count ? complain(c, "there are no states") : fmi2OK;
 }
 
-/* Co-simulation: a step takes time and nothing else. */
+/* Co-simulation: a step takes time, and friction remembers it. */
 
 STATUS FMI(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_return)
 {
+    keep(c);
     return fmi2OK;
 }

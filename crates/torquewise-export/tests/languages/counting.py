@@ -27,6 +27,9 @@ class Counted(float):
     def __neg__(self):
         return Counted.note("operations", -float(self))
 
+    def __abs__(self):
+        return Counted.note("operations", abs(float(self)))
+
     __radd__, __rmul__ = __add__, __mul__
 
 

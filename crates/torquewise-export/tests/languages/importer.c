@@ -1,4 +1,5 @@
-/* What an importer of FMI 2.0 does, as the standard declares it: tau of each state read. */
+/* What an importer of FMI 2.0 does, as the standard declares it: tau and friction of each state read,
+   along a path that begins anew every RESET states. */
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,31 +18,51 @@ void *fmi2Instantiate(
 int fmi2SetReal(void *, const unsigned int[], size_t, const double[]);
 int fmi2GetReal(void *, const unsigned int[], size_t, double[]);
 int fmi2DoStep(void *, double, double, int);
+int fmi2CompletedIntegratorStep(void *, int, int *, int *);
 int fmi2Reset(void *);
 void fmi2FreeInstance(void *);
+
+/* Gives inputs and takes tau and friction. */
+static int answered(void *unit, const double x[3 * JOINTS], double tau[2 * JOINTS])
+{
+    unsigned int inputs[3 * JOINTS], outputs[2 * JOINTS];
+    for (unsigned int k = 0; k < 3 * JOINTS; k++) inputs[k] = k;
+    for (unsigned int k = 0; k < JOINTS; k++) {
+        outputs[k] = 3 * JOINTS + k;
+        outputs[JOINTS + k] = 6 * JOINTS + JOINTS * JOINTS + k;
+    }
+    return fmi2SetReal(unit, inputs, 3 * JOINTS, x) == 0 &&
+        fmi2GetReal(unit, outputs, 2 * JOINTS, tau) == 0;
+}
 
 int main(void)
 {
     const Callbacks callbacks = { 0, calloc, free, 0, 0 };
-    unsigned int places[4 * JOINTS];
-    double x[3 * JOINTS], tau[JOINTS];
+    const unsigned int tau_1 = 3 * JOINTS;
+    double x[3 * JOINTS], far[3 * JOINTS] = { 1.0 }, tau[2 * JOINTS], again[2 * JOINTS];
+    int event, end;
     void *unit = fmi2Instantiate("arm", 1, "THE_GUID", "", &callbacks, 0, 0);
     if (!unit || fmi2GetVersion()[0] != '2') return 1;
     if (fmi2Instantiate("arm", 1, "another", "", &callbacks, 0, 0)) return 2;
-    for (unsigned int k = 0; k < 4 * JOINTS; k++) places[k] = k;
     /* An output cannot be set. */
-    if (fmi2SetReal(unit, places + 3 * JOINTS, 1, x) == 0 || fmi2Reset(unit) != 0) return 3;
-    for (;;) {
+    if (fmi2SetReal(unit, &tau_1, 1, far) == 0) return 3;
+    for (int row = 0;; row++) {
         for (int k = 0; k < 3 * JOINTS; k++) {
             if (scanf("%lf", x + k) != 1) {
                 fmi2FreeInstance(unit);
                 return 0;
             }
         }
-        if (fmi2SetReal(unit, places, 3 * JOINTS, x) != 0) return 4;
-        if (fmi2DoStep(unit, 0.0, 0.001, 0) != 0) return 5;
-        if (fmi2GetReal(unit, places + 3 * JOINTS, JOINTS, tau) != 0) return 6;
-        for (int k = 0; k < JOINTS; k++) printf("%.17g ", tau[k]);
+        if (row % RESET == 0 && fmi2Reset(unit) != 0) return 4;
+        /* What is tried and not stepped to leaves no trace. */
+        if (!answered(unit, far, again) || !answered(unit, x, tau)) return 5;
+        if (row % 2 ? fmi2DoStep(unit, 0.0, 0.001, 0)
+                    : fmi2CompletedIntegratorStep(unit, 1, &event, &end)) return 6;
+        if (!answered(unit, x, again)) return 7;
+        for (int k = 0; k < 2 * JOINTS; k++) {
+            if (again[k] != tau[k]) return 8;
+            printf("%.17g ", tau[k]);
+        }
         puts("");
     }
 }

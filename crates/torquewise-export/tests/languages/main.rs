@@ -8,14 +8,17 @@ mod witness;
 mod run;
 mod ros;
 
-use models::{chain, coupled, energies, parallel, products, remembers, states};
+use models::{
+    chain, coupled, energies, loaded, parallel, products, remembers, remembers_all, states,
+};
 use std::io::Read;
+use std::path::Path;
 use torquewise_export::{
-    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, ros_package, test_vectors,
-    to_c, to_latex, to_python, to_rust, torque_costs,
+    ExportError, Precision, Program, Quantity, fmu_archive, fmu_sources, test_vectors, to_c,
+    to_latex, to_python, to_rust, torque_costs,
 };
 use torquewise_model::{Model, Torque};
-use witness::{expected, worst};
+use witness::{expected, expected_along, worst};
 
 /// The bound that controllers are promised; observed 1e-14 and below.
 const AGREES: f64 = 1e-12;
@@ -25,7 +28,8 @@ fn arms() -> Vec<Model> {
     let of_three = [energies(3, 25, 1), products(3, 20, 2)];
     let of_more = [energies(6, 200, 3), parallel(6, 60, 5), energies(7, 300, 4)];
     let coupled = [coupled(3, true, 8), coupled(4, false, 9), coupled(6, false, 10)];
-    of_three.into_iter().chain(of_more).chain(chains()).chain(coupled).collect()
+    let loaded = [loaded(chain(6, false, 5)), loaded(products(3, 20, 2))];
+    of_three.into_iter().chain(of_more).chain(chains()).chain(coupled).chain(loaded).collect()
 }
 
 /// Arms that are rigid chains, of axes at right angles and skew ones.
@@ -67,7 +71,7 @@ fn single_precision_c_is_as_good_as_single_precision() {
     if !run::has("cc") {
         return;
     }
-    let (model, folder) = (energies(6, 200, 3), tempfile::tempdir().unwrap());
+    let (model, folder) = (remembers(energies(6, 200, 3)), tempfile::tempdir().unwrap());
     let program = Program::of(&model).unwrap();
     #[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
     let single = |x: &f64| f64::from(*x as f32);
@@ -106,9 +110,7 @@ fn exported_python_computes_what_the_model_predicts() {
     }
     for model in arms() {
         let folder = tempfile::tempdir().unwrap();
-        check(&model, |program, states| {
-            run::python(folder.path(), &to_python(program).unwrap(), states)
-        });
+        check(&model, |program, states| run::python(folder.path(), &to_python(program), states));
     }
 }
 
@@ -120,7 +122,7 @@ fn the_cost_is_what_a_call_carries_out() {
     for model in arms() {
         let (program, folder) = (Program::of(&model).unwrap(), tempfile::tempdir().unwrap());
 
-        let done = run::counted(folder.path(), &to_python(&program).unwrap());
+        let done = run::counted(folder.path(), &to_python(&program));
 
         for (quantity, done) in Quantity::ALL.into_iter().zip(done) {
             let cost = program.cost(quantity);
@@ -146,6 +148,17 @@ fn a_chain_costs_its_recursion_and_not_its_terms() {
     println!("{costs}");
     assert!(costs.operations < 800, "{costs}");
     assert_eq!(torque_costs(&chain).unwrap(), [costs]);
+}
+
+#[test]
+fn memory_and_load_leave_the_torque_cheap() {
+    let arm = chain(6, false, 5);
+    let seconds = |model: &Model| Program::of(model).unwrap().cost(Quantity::Torque).seconds();
+
+    let more = seconds(&remembers_all(loaded(arm.clone()))) / seconds(&arm);
+
+    println!("{more:.3}");
+    assert!(more < 1.3, "{more:.3}");
 }
 
 #[test]
@@ -180,14 +193,10 @@ fn a_unit_gives_the_torque_to_whoever_calls_fmi() {
     let (model, folder) = (energies(6, 200, 3), tempfile::tempdir().unwrap());
     let program = Program::of(&model).unwrap();
     let states = states(6, 1000, 7);
-    let sources = fmu_sources(&program, "arm").unwrap();
-    let guid = sources[0].1.split("guid=\"").nth(1).unwrap().split('"').next().unwrap();
 
-    let found = run::unit(folder.path(), &sources, guid, &states);
+    let found = run::unit(folder.path(), &program, &states);
 
-    let torque: Vec<Vec<f64>> =
-        expected(&model, &states).iter().map(|row| row[..6].to_vec()).collect();
-    assert!(worst(&found, &torque) < AGREES);
+    assert!(worst(&found, &expected_along(&model, &states)) < AGREES);
 }
 
 #[test]
@@ -210,7 +219,8 @@ fn a_unit_is_an_archive_of_its_files_and_the_same_each_time() {
 
 #[test]
 fn a_latex_document_closes_what_it_opens() {
-    for model in [energies(3, 25, 1), products(3, 20, 2), remembers(energies(3, 25, 1))] {
+    let arm = energies(3, 25, 1);
+    for model in [loaded(arm.clone()), products(3, 20, 2), remembers(arm)] {
         let text = to_latex(&model, "version_1");
 
         assert_eq!(text.matches("\\begin{").count(), text.matches("\\end{").count());
@@ -220,43 +230,61 @@ fn a_latex_document_closes_what_it_opens() {
     }
 }
 
-#[test]
-fn exported_c_remembers_the_path() {
-    if !run::has("cc") {
-        return;
-    }
-    for model in [remembers(energies(3, 25, 1)), remembers(chain(6, false, 5))] {
-        let (torque, folder) = (Torque::new(&model), tempfile::tempdir().unwrap());
-        let way = models::way(model.n_joints());
-        let mut path = torque.path();
-        let expected = way.iter().map(|[q, dq, ddq]| {
-            path.step(q);
-            torque.after(&path, dq, ddq).unwrap()
-        });
-        let expected: Vec<Vec<f64>> = expected.collect();
+fn check_path(run: impl Fn(&Path, &Program, &[models::State]) -> Vec<Vec<f64>>) {
+    for model in [remembers(energies(3, 25, 1)), remembers_all(loaded(chain(6, false, 5)))] {
+        let (way, folder) = (models::way(model.n_joints()), tempfile::tempdir().unwrap());
 
-        let code = to_c(&Program::of(&model).unwrap(), "arm", Precision::Double).unwrap();
-        let found = run::c_along(folder.path(), &code, &way);
+        let found = run(folder.path(), &Program::of(&model).unwrap(), &way);
 
-        assert!(worst(&found, &expected) < AGREES);
+        let error = worst(&found, &expected_along(&model, &way));
+        println!("{} joints: {error:.1e}", model.n_joints());
+        assert!(error < AGREES, "{} joints: {error:.1e}", model.n_joints());
     }
 }
 
 #[test]
-fn friction_that_remembers_the_path_is_refused_where_code_has_no_state() {
-    let model = remembers(energies(3, 25, 1));
-    let program = Program::of(&model).unwrap();
-    let refused = [
-        to_rust(&program, Precision::Double).err(),
-        to_python(&program).err(),
-        fmu_sources(&program, "arm").err(),
-        ros_package(&program, "arm").err(),
-    ];
-
-    for error in refused {
-        assert!(matches!(error, Some(ExportError::Memory { joint: 2, .. })), "{error:?}");
+fn exported_c_remembers_the_path() {
+    if run::has("cc") {
+        check_path(|folder, program, way| {
+            run::c_along(folder, &to_c(program, "arm", Precision::Double).unwrap(), way)
+        });
     }
-    assert!(to_latex(&model, "version_1").contains("\\mathrm{d}x_\\delta"));
+}
+
+#[test]
+fn exported_rust_remembers_the_path() {
+    if run::has("rustc") {
+        check_path(|folder, program, way| {
+            run::rust_along(folder, &to_rust(program, Precision::Double).unwrap(), way)
+        });
+    }
+}
+
+#[test]
+fn exported_python_remembers_the_path() {
+    if run::has("python3") {
+        check_path(|folder, program, way| run::python_along(folder, &to_python(program), way));
+    }
+}
+
+#[test]
+fn a_unit_remembers_the_path() {
+    if run::has("cc") {
+        check_path(run::unit);
+    }
+}
+
+#[test]
+fn a_latex_document_says_what_its_friction_follows() {
+    let arm = energies(3, 25, 1);
+    let followed = |model| {
+        let text = to_latex(&model, "version_1");
+        [text.contains("\\mathrm{d}x_\\delta"), text.contains("$G_j$")]
+    };
+
+    assert_eq!(followed(arm.clone()), [false, false]);
+    assert_eq!(followed(loaded(arm.clone())), [false, true]);
+    assert_eq!(followed(remembers(arm)), [true, true]);
 }
 
 #[test]

@@ -195,13 +195,41 @@ fn model(n: usize, form: Form, friction: Vec<Weighted<FrictionTerm>>, stages: Ve
     Model { joints, form, friction, stages, training, choices, chain }
 }
 
-/// The same with two Dahl elements on the second joint and one on the last.
+/// The same with Dahl elements, two on the second joint, one of which also feels its load, and one
+/// on the last.
 pub(crate) fn remembers(mut model: Model) -> Model {
     let n = model.n_joints();
-    for (joint, travel, coefficient) in [(1, 0.01, 2.5), (1, 0.2, -0.7), (n - 1, 0.002, 1.3)] {
-        let law = FrictionLaw::Dahl { travel };
-        model.friction.push(weighted(FrictionTerm::of_joint(n, joint, law), coefficient));
+    let dahl = |joint, travel| FrictionTerm::of_joint(n, joint, FrictionLaw::Dahl { travel });
+    model.friction.extend([
+        weighted(dahl(1, 0.01), 2.5),
+        weighted(dahl(1, 0.2), 0.7),
+        weighted(dahl(1, 0.2).under_load(), 0.1),
+        weighted(dahl(n - 1, 0.002), 1.3),
+    ]);
+    model
+}
+
+/// The same with elements of five travels on each joint, each with load and without.
+pub(crate) fn remembers_all(mut model: Model) -> Model {
+    let n = model.n_joints();
+    for (joint, travel) in (0..n).flat_map(|j| [0.0005, 0.002, 0.01, 0.05, 0.2].map(|d| (j, d))) {
+        let term = FrictionTerm::of_joint(n, joint, FrictionLaw::Dahl { travel });
+        model.friction.extend([weighted(term.clone(), 0.3), weighted(term.under_load(), 0.03)]);
     }
+    model
+}
+
+/// The same with laws in proportion to the load of a gear, one of them backward alone.
+pub(crate) fn loaded(mut model: Model) -> Model {
+    let n = model.n_joints();
+    for joint in 0..n {
+        let law = FrictionLaw::Coulomb { width: 0.02 };
+        let term = FrictionTerm::of_joint(n, joint, law).under_load();
+        model.friction.push(weighted(term, 0.05 + 0.02 * joint as f64));
+    }
+    let viscous = FrictionTerm::of_joint(n, 1, FrictionLaw::Viscous).under_load();
+    let term = FrictionTerm { direction: Direction::Backward, ..viscous };
+    model.friction.push(weighted(term, 0.1));
     model
 }
 

@@ -1,11 +1,12 @@
 //! ROS 2 package → what can be told of it without ROS: manifest, CMake, C++ against stand-ins.
 
-use crate::models::energies;
+use crate::models::{energies, remembers};
 use crate::run;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use torquewise_export::{Program, ros_package};
+use torquewise_model::Model;
 
 /// Packages that the node needs, and the headers it includes.
 const HEADERS: [(&str, &str); 4] = [
@@ -16,8 +17,8 @@ const HEADERS: [(&str, &str); 4] = [
 ];
 
 /// The package of an arm of that name in `package`, and the headers it needs in `stand_in`.
-fn written(folder: &Path, name: &str) {
-    let program = Program::of(&energies(3, 25, 1)).unwrap();
+fn written(folder: &Path, name: &str, model: &Model) {
+    let program = Program::of(model).unwrap();
     for (path, text) in ros_package(&program, name).unwrap() {
         write(&folder.join("package").join(path), &text);
     }
@@ -46,12 +47,14 @@ fn the_node_compiles_against_the_names_it_uses() {
     if !run::has("c++") {
         return;
     }
-    let folder = tempfile::tempdir().unwrap();
-    written(folder.path(), "arm");
+    for model in [energies(3, 25, 1), remembers(energies(3, 25, 1))] {
+        let folder = tempfile::tempdir().unwrap();
+        written(folder.path(), "arm", &model);
 
-    let mut compiler = Command::new("c++");
-    compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Istand_in"]);
-    run::output(compiler.current_dir(folder.path()).arg("package/src/feed_forward.cpp"), "");
+        let mut compiler = Command::new("c++");
+        compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Istand_in"]);
+        run::output(compiler.current_dir(folder.path()).arg("package/src/feed_forward.cpp"), "");
+    }
 }
 
 /// As CMake finds an installed package: what it offers is a target of its own name.
@@ -74,7 +77,7 @@ fn cmake_accepts_the_package_and_compiles_the_node() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    written(folder.path(), "Arm__1");
+    written(folder.path(), "Arm__1", &energies(3, 25, 1));
     for package in HEADERS.iter().map(|(package, _)| *package).chain(["ament_cmake"]) {
         let config = format!("stand_in/{package}/{package}Config.cmake");
         write(&folder.path().join(config), &stand_in_config(package));
@@ -105,7 +108,7 @@ fn the_manifest_is_of_format_3() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    written(folder.path(), "Arm__1");
+    written(folder.path(), "Arm__1", &energies(3, 25, 1));
 
     // Refuses unknown tags, missing ones and names that ROS does not allow.
     let check = "from catkin_pkg.package import parse_package as parse\nfound = []\n\

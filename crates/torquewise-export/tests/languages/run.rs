@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use torquewise_export::Quantity;
+use torquewise_export::{Program, Quantity, fmu_sources};
 
 /// Runs a command that must succeed, and returns what it prints.
 pub(crate) fn output(command: &mut Command, input: &str) -> String {
@@ -60,6 +60,11 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
         n * n,
         3 * n
     );
+    run_c(folder, code, &main, states)
+}
+
+/// What a main file prints that is compiled with a C file and fed some states.
+fn run_c(folder: &Path, code: &str, main: &str, states: &[State]) -> Vec<Vec<f64>> {
     fs::write(folder.join("arm.c"), code).unwrap();
     fs::write(folder.join("main.c"), main).unwrap();
     let mut compiler = Command::new("cc");
@@ -68,39 +73,38 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
     parsed(&output(&mut Command::new(folder.join("run")), &lines(states)))
 }
 
-/// Torques of a C file along a path that friction remembers.
+/// Samples after which a path is forgotten and followed anew.
+pub(crate) const RESET: usize = 250;
+
+/// Torque and friction of a C file along a path.
 pub(crate) fn c_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
     let n = way[0][0].len();
     let main = format!(
         "#define ARM_DECLARATIONS_ONLY\n#include \"arm.c\"\n#include <stdio.h>\n\
-         int main(void) {{\n    arm_state state;\n    double x[3 * {n}], y[{n}];\n    \
-         arm_reset(&state);\n    for (;;) {{\n        \
+         int main(void) {{\n    arm_state state;\n    double x[3 * {n}], y[2 * {n}];\n    \
+         for (int row = 0;; row++) {{\n        \
          for (int k = 0; k < 3 * {n}; k++) if (scanf(\"%lf\", x + k) != 1) return 0;\n        \
+         if (row % {RESET} == 0) arm_reset(&state);\n        \
          arm_step(&state, x);\n        arm_torque_after(&state, x + {n}, x + 2 * {n}, y);\n        \
-         for (int k = 0; k < {n}; k++) printf(\"%.17g \", y[k]);\n        puts(\"\");\n    }}\n}}\n"
+         arm_friction_after(&state, x + {n}, y + {n});\n        \
+         for (int k = 0; k < 2 * {n}; k++) printf(\"%.17g \", y[k]);\n        \
+         puts(\"\");\n    }}\n}}\n"
     );
-    fs::write(folder.join("arm.c"), code).unwrap();
-    fs::write(folder.join("main.c"), main).unwrap();
-    let mut compiler = Command::new("cc");
-    compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1"]);
-    output(compiler.current_dir(folder).args(["main.c", "arm.c", "-o", "run", "-lm"]), "");
-    parsed(&output(&mut Command::new(folder.join("run")), &lines(way)))
+    run_c(folder, code, &main, way)
 }
 
-/// Torques by the functions of FMI, called as an importer does.
-pub(crate) fn unit(
-    folder: &Path,
-    sources: &[(String, String)],
-    guid: &str,
-    states: &[State],
-) -> Vec<Vec<f64>> {
+/// Torque and friction by the functions of FMI, called as an importer does, along a path.
+pub(crate) fn unit(folder: &Path, program: &Program, states: &[State]) -> Vec<Vec<f64>> {
     let n = states[0][0].len();
-    for (path, text) in sources {
+    let sources = fmu_sources(program, "arm").unwrap();
+    let guid = sources[0].1.split("guid=\"").nth(1).unwrap().split('"').next().unwrap();
+    for (path, text) in &sources {
         let file = folder.join(path);
         fs::create_dir_all(file.parent().unwrap()).unwrap();
         fs::write(file, text).unwrap();
     }
     let main = include_str!("importer.c").replace("JOINTS", &n.to_string());
+    let main = main.replace("RESET", &RESET.to_string());
     fs::write(folder.join("main.c"), main.replace("THE_GUID", guid)).unwrap();
     let mut compiler = Command::new("cc");
     compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1", "main.c"]);
@@ -116,7 +120,6 @@ fn count(quantity: Quantity, n: usize) -> usize {
 
 /// Values of all functions of a Rust file at some states; compiled alone too, without `std`.
 pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>> {
-    let n = states[0][0].len();
     let calls: Vec<String> = Quantity::ALL
         .iter()
         .map(|quantity| {
@@ -127,12 +130,36 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
         })
         .collect();
     let calls = calls.concat();
+    run_rust(folder, code, ("", &calls), states)
+}
+
+/// Torque and friction of a Rust file along a path.
+pub(crate) fn rust_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
+    let before = "    let mut state = arm::State::default();\n";
+    let calls = format!(
+        "        if _row % {RESET} == 0 {{ state.reset(); }}\n        \
+         state.step::<Std>(&q);\n        \
+         row.extend(state.torque_after::<Std>(&dq, &ddq));\n        \
+         row.extend(state.friction_after::<Std>(&dq));\n"
+    );
+    run_rust(folder, code, (before, &calls), way)
+}
+
+/// What statements on `q`, `dq`, `ddq` add to `row`, with a Rust file as `arm`.
+fn run_rust(
+    folder: &Path,
+    code: &str,
+    (before, calls): (&str, &str),
+    states: &[State],
+) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
     let main = format!(
         "#![deny(warnings)]\n#[allow(dead_code)] mod arm;\nstruct Std;\n\
          impl arm::Math for Std {{\n    \
          fn sin_cos(x: f64) -> (f64, f64) {{ x.sin_cos() }}\n    \
          fn exp(x: f64) -> f64 {{ x.exp() }}\n    fn tanh(x: f64) -> f64 {{ x.tanh() }}\n}}\n\
-         fn main() {{\n    for line in std::io::stdin().lines() {{\n        \
+         fn main() {{\n{before}    \
+         for (_row, line) in std::io::stdin().lines().enumerate() {{\n        \
          let line = line.unwrap();\n        let words = line.split_whitespace();\n        \
          let x: Vec<f64> = words.map(|x| x.parse().unwrap()).collect();\n\
          \x20       let part = |k: usize| -> [f64; {n}] {{\n\
@@ -157,7 +184,6 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
 
 /// Values of all functions of a Python file at some states.
 pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>> {
-    let n = states[0][0].len();
     let calls: Vec<String> = Quantity::ALL
         .iter()
         .map(|quantity| {
@@ -170,8 +196,31 @@ pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64
         })
         .collect();
     let calls = calls.concat();
+    run_python(folder, code, ("", &calls), states)
+}
+
+/// Torque and friction of a Python file along a path.
+pub(crate) fn python_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
+    let before = "state = arm.State()\ntry:\n    state.friction_after([0.0] * arm.JOINTS)\n    \
+                  raise SystemExit(\"friction of a path that has not begun\")\n\
+                  except ValueError:\n    pass\n";
+    let calls = format!(
+        "    if number % {RESET} == 0: state.reset()\n    state.step(q)\n    \
+         y += state.torque_after(dq, ddq) + state.friction_after(dq)\n"
+    );
+    run_python(folder, code, (before, &calls), way)
+}
+
+/// What statements on `q`, `dq`, `ddq` add to `y`, with a Python file as `arm`.
+fn run_python(
+    folder: &Path,
+    code: &str,
+    (before, calls): (&str, &str),
+    states: &[State],
+) -> Vec<Vec<f64>> {
+    let n = states[0][0].len();
     let main = format!(
-        "import sys\nimport arm\nfor line in sys.stdin:\n    \
+        "import sys\nimport arm\n{before}for number, line in enumerate(sys.stdin):\n    \
          x = [float(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
          y = []\n{calls}    print(*map(repr, y))\n",
         2 * n,

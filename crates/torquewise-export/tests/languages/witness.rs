@@ -1,6 +1,7 @@
 //! Model → what its functions must return, by the model's own evaluation, and how far they are off.
 
 use crate::models::State;
+use crate::run::RESET;
 use std::fmt::Write;
 use torquewise_model::{Model, Torque};
 
@@ -21,6 +22,25 @@ pub(crate) fn expected(model: &Model, states: &[State]) -> Vec<Vec<f64>> {
         row
     };
     states.iter().map(values).collect()
+}
+
+/// Torque and friction along a path that begins anew every [`RESET`] samples.
+pub(crate) fn expected_along(model: &Model, way: &[State]) -> Vec<Vec<f64>> {
+    let torque = Torque::new(model);
+    let mut path = torque.path();
+    let values = |(row, [q, dq, ddq]): (usize, &State)| {
+        if row % RESET == 0 {
+            path.reset();
+        }
+        path.step(q);
+        let tau = torque.after(&path, dq, ddq).unwrap();
+        let whole = torque.at(q, dq, ddq).unwrap();
+        let friction = torque.friction(q, dq).unwrap();
+        // Friction alone changes with the path.
+        let after = (0..q.len()).map(|joint| tau[joint] - whole[joint] + friction[joint]);
+        [tau.clone(), after.collect()].concat()
+    };
+    way.iter().enumerate().map(values).collect()
 }
 
 /// Part of the largest output that an output is rounding below.
