@@ -51,7 +51,7 @@ pub fn to_python(program: &Program) -> String {
         program.steps
     );
     if program.calls(Function::Sign) {
-        text += "def _sign(x):\n    return float((x > 0.0) - (x < 0.0))\n\n\n";
+        text += "def _sign(x):\n    return float(x > 0.0) - float(x < 0.0)\n\n\n";
     }
     if program.calls(Function::Positive) {
         text += "def _positive(x):\n    return float(x > 0.0)\n\n\n";

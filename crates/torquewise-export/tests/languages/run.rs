@@ -220,9 +220,10 @@ fn run_python(
 ) -> Vec<Vec<f64>> {
     let n = states[0][0].len();
     let main = format!(
-        "import sys\nimport arm\n{before}for number, line in enumerate(sys.stdin):\n    \
-         x = [float(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
+        "import sys\nimport arm\n\n{}\n{before}for number, line in enumerate(sys.stdin):\n    \
+         x = [Number(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
          y = []\n{calls}    print(*map(repr, y))\n",
+        include_str!("number.py"),
         2 * n,
         2 * n
     );
