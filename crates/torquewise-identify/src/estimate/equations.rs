@@ -22,11 +22,7 @@ pub(super) struct Equations {
 }
 
 impl Equations {
-    pub(super) fn new(
-        gram: &Mat<f64>,
-        bias: &Mat<f64>,
-        at: &Linearisation,
-    ) -> Result<Self, IdentifyError> {
+    pub(super) fn new(gram: &Mat<f64>, bias: &Mat<f64>, at: &Linearisation) -> Self {
         let p = at.n_parameters();
         let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
         // Sums that a correction cannot be told from rounding in are taken as they are.
@@ -43,7 +39,7 @@ impl Equations {
         let known = &hessian * ColRef::from_slice(&at.parameters());
         let right =
             (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
-        Ok(Self { hessian, right, squares: gram[(p, p)] - bias[(p, p)] })
+        Self { hessian, right, squares: gram[(p, p)] - bias[(p, p)] }
     }
 
     /// Half the sum of squares at parameters of the linearisation, its noise taken out.

@@ -63,7 +63,7 @@ impl<'a> Step<'a> {
     ) -> Result<Self, IdentifyError> {
         let (prior, start) = prior(at, sizes)?;
         let (gram, bias) = (sums.gram(), sums.bias());
-        let all = Equations::new(&gram, &bias, at)?;
+        let all = Equations::new(&gram, &bias, at);
         let (before, repeats) = (at.parameters(), repeats(sums, &gram));
         let parts: Vec<f64> = (at.weights.iter().zip(&sizes.torque))
             .filter(|(_, torque)| **torque > 0.0)

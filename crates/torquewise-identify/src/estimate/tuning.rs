@@ -95,7 +95,7 @@ impl Step<'_> {
             return Ok(None);
         }
         let of_fold = |&fold: &usize| {
-            let (held, rest, share) = self.without(fold)?;
+            let (held, rest, share) = self.without(fold);
             let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
             let mut errors = Vec::with_capacity(pairs.len());
             for (strength, pull) in pairs {
@@ -114,13 +114,13 @@ impl Step<'_> {
     }
 
     /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
-    fn without(&self, fold: usize) -> Result<(Mat<f64>, Equations, f64), IdentifyError> {
+    fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
         let sums = self.sums;
         let held = sums.gram_of(fold);
         let share = 1.0 - sums.rows_of(fold) as f64 / sums.rows() as f64;
         let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
-        let rest = Equations::new(&gram, &bias, self.at)?;
-        Ok((held, rest, share))
+        let rest = Equations::new(&gram, &bias, self.at);
+        (held, rest, share)
     }
 
     /// RMS of the residual of a fold in units of the noise.
@@ -137,7 +137,7 @@ impl Step<'_> {
         let Some((_, physical)) = self.best_of(&linear, &[pair])? else { return Ok(None) };
         let mut free = Vec::with_capacity(FOLDS);
         for fold in (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0) {
-            let (held, rest, _) = self.without(fold)?;
+            let (held, rest, _) = self.without(fold);
             let best = rest.of(&linear, self.at, (0.0, 0.0)).unconstrained()?;
             free.push(self.error(&held, fold, &self.whole(&linear, &best)));
         }

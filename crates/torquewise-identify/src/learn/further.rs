@@ -35,7 +35,7 @@ impl Learned {
                 trial(label, recipe, &school.rows(recipe, TRIAL_ROWS)?, start, SNAP_ROUNDS)
             })
             .collect::<Result<Vec<_>, IdentifyError>>()?;
-        // One joint gains, as was seen on its held-out rows: blocks that scatter hide it in the whole.
+        // One joint gains, as was seen on its held-out rows: what scatters would hide it.
         let taken = trials[1].error() <= (1.0 - WORTH) * trials[0].error();
         self.choices.push(Choice {
             what: "term beyond the chain".to_owned(),

@@ -4,18 +4,32 @@
 use super::School;
 use super::left_over::{LeftOver, WORTH, refuse};
 use crate::beside::{Beside, columns};
-use crate::trial::{Recipe, record_worth};
+use crate::trial::Recipe;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_rigid::Chain;
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::Trial;
+use torquewise_survey::held_out::{Trial, choose_worth};
 
 const COULOMB: &str = "Coulomb";
 const STRIBECK: &str = "Stribeck";
 const APART: &str = "Stribeck, forward and backward apart";
+
+/// Friction that a joint is offered.
+struct Offer {
+    joint: usize,
+    /// What its friction is called so far.
+    has: &'static str,
+    ways: Vec<Vec<Beside>>,
+    trials: Vec<Trial>,
+    /// What was chosen of these.
+    place: usize,
+    choice: Choice,
+    /// Error of what was chosen beside that of what it has.
+    gain: f64,
+}
 
 /// Laws of one joint with a name.
 type Way = (String, Vec<FrictionTerm>);
@@ -30,37 +44,43 @@ impl School<'_> {
     ) -> Result<(), IdentifyError> {
         let left = LeftOver::of(self, recipe, chain)?;
         let gravity = recipe.gravity.as_ref();
-        let judged = |joint: usize| -> Vec<(Vec<Beside>, Trial)> {
+        let judged = |joint: usize| -> Option<Offer> {
             let now = laws_of(recipe, joint);
+            let has = label(&now);
             let judge = |(label, laws): Way| {
                 let laws: Vec<Beside> = Beside::friction(laws).collect();
                 let columns = &columns(&laws, &left.motion, gravity)[joint];
                 Some((laws, left.trial(joint, label, columns)?))
             };
-            self.ways(joint, now).into_iter().filter_map(judge).collect()
-        };
-        let n = self.motion.n_joints();
-        let joints: Vec<_> = (0..n).into_par_iter().map(judged).collect();
-        let mut now = self.error(recipe, &left)?;
-        for (joint, ways) in joints.into_iter().enumerate() {
-            let trials: Vec<Trial> = ways.iter().map(|(_, trial)| trial.clone()).collect();
+            let (ways, trials): (Vec<_>, Vec<_>) =
+                self.ways(joint, &now).into_iter().filter_map(judge).unzip();
             let what = format!("friction of {}", self.motion.joints()[joint]);
-            let place = record_worth(&what, &trials, WORTH, choices);
-            let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
-            let best = (0..trials.len()).min_by(better);
-            let has = label(&laws_of(recipe, joint));
+            let (place, choice) = choose_worth(&what, &trials, WORTH)?;
+            let now = trials.iter().find(|trial| trial.label == has)?;
+            let gain = trials[place].error() / now.error();
+            Some(Offer { joint, has, ways, trials, place, choice, gain })
+        };
+        let joints = (0..self.motion.n_joints()).into_par_iter();
+        let mut offers: Vec<Offer> = joints.filter_map(judged).collect();
+        // Who has most to gain comes first.
+        offers.sort_by(|a, b| a.gain.total_cmp(&b.gain));
+        let mut now = self.error(recipe, &left)?;
+        for Offer { joint, has, ways, trials, place, mut choice, .. } in offers {
             // What is simple may be too little for the whole: then the best is offered.
+            let best =
+                (0..trials.len()).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()));
             let tried: Vec<usize> =
                 std::iter::once(place).chain(best.filter(|best| *best != place)).collect();
             for (k, &place) in tried.iter().enumerate() {
                 let mut with = recipe.clone();
                 with.beside.retain(|beside| !beside.is_friction_of(joint));
-                with.beside.extend(ways[place].0.iter().cloned());
+                with.beside.extend(ways[place].iter().cloned());
                 if self.agree((recipe, &mut now), with, &left)? {
                     break;
                 }
-                refuse(choices, tried.get(k + 1).map_or(has, |&next| &trials[next].label));
+                refuse(&mut choice, tried.get(k + 1).map_or(has, |&next| &trials[next].label));
             }
+            choices.push(choice);
         }
         Ok(())
     }
@@ -68,7 +88,7 @@ impl School<'_> {
     /// Friction that a joint may have, the simplest first.
     ///
     /// - `now`: what it has
-    fn ways(&self, joint: usize, now: Vec<FrictionTerm>) -> Vec<Way> {
+    fn ways(&self, joint: usize, now: &[FrictionTerm]) -> Vec<Way> {
         let own = |term: &FrictionTerm| term.joint() == Some(joint);
         let is_dry = |term: &FrictionTerm| matches!(term.law, FrictionLaw::Coulomb { .. });
         let linear: Vec<FrictionTerm> = self.laws.linear().into_iter().filter(own).collect();
@@ -87,13 +107,9 @@ impl School<'_> {
             (STRIBECK, of(&[&linear, &bends]), &dry),
             ("Stribeck and Dahl", of(&[&linear, &bends, &dahl]), &dry),
         ];
-        if label(&now) == APART {
-            rough.push((APART, now.clone(), &dry));
-            rough.push((
-                "Stribeck, forward and backward apart, and Dahl",
-                of(&[&now, &dahl]),
-                &dry,
-            ));
+        if label(now) == APART {
+            rough.push((APART, now.to_vec(), &dry));
+            rough.push(("Stribeck, forward and backward apart, and Dahl", of(&[now, &dahl]), &dry));
         }
         for (label, laws, pressed) in rough {
             let loads = pressed.iter().cloned().map(FrictionTerm::under_load);

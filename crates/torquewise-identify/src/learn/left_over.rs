@@ -116,7 +116,7 @@ impl School<'_> {
     /// one must be better by the share of the joint, a shorter one may be so much worse.
     ///
     /// - `now`: error of the recipe as it is
-    /// Returns whether it was taken.
+    /// - returns: whether it was taken
     pub(super) fn agree(
         &self,
         (recipe, now): (&mut Recipe, &mut f64),
@@ -141,9 +141,7 @@ impl School<'_> {
 }
 
 /// Writes down that the whole chain was no better with what was chosen, and what is taken instead.
-pub(super) fn refuse(choices: &mut [Choice], instead: &str) {
-    if let Some(choice) = choices.last_mut() {
-        choice.rule = format!("{}; the whole is no better with {}", choice.rule, choice.chosen);
-        instead.clone_into(&mut choice.chosen);
-    }
+pub(super) fn refuse(choice: &mut Choice, instead: &str) {
+    choice.rule = format!("{}; the whole is no better with {}", choice.rule, choice.chosen);
+    instead.clone_into(&mut choice.chosen);
 }

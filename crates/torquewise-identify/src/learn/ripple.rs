@@ -62,8 +62,9 @@ impl School<'_> {
                 let place = record(&what, &trials, choices);
                 let mut with = recipe.clone();
                 with.beside.extend(laws.drain(friction..friction + 2 * place));
-                if !self.agree((recipe, &mut now), with, &left)? {
-                    refuse(choices, "0 harmonics");
+                let agrees = self.agree((recipe, &mut now), with, &left)?;
+                if let (false, Some(choice)) = (agrees, choices.last_mut()) {
+                    refuse(choice, "0 harmonics");
                 }
             }
         }
