@@ -3,11 +3,11 @@
 use super::left_over::WORTH;
 use super::{LAST_ROWS, Learned, SNAP_ROUNDS, School, TRIAL_ROWS};
 use crate::beside::Beside;
-use crate::trial::trial;
+use crate::trial::{Recipe, trial};
 use torquewise_model::EnergyTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
-use torquewise_rigid::refine;
+use torquewise_rigid::{Chain, refine};
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::held_out::listed;
 
@@ -25,10 +25,13 @@ impl Learned {
         let mut with = self.recipe.clone();
         with.beside.push(Beside::Energy(term.clone()));
         // The geometry was learned without the term and may be bent to stand for it: with it, the
-        // chain is fitted first, as the other was.
-        let rows = school.rows(&with, LAST_ROWS)?;
-        let chain = refine(&rows, &self.chain, &with.free, &with.search)?;
-        let ways = [("none".to_owned(), &self.recipe, &self.chain), (term.name(), &with, &chain)];
+        // chain is fitted first, and the other as well, so that both start alike.
+        let refined = |recipe: &Recipe| {
+            let rows = school.rows(recipe, LAST_ROWS)?;
+            Ok::<Chain, IdentifyError>(refine(&rows, &self.chain, &recipe.free, &recipe.search)?)
+        };
+        let (without, chain) = (refined(&self.recipe)?, refined(&with)?);
+        let ways = [("none".to_owned(), &self.recipe, &without), (term.name(), &with, &chain)];
         let trials = ways
             .into_iter()
             .map(|(label, recipe, start)| {
