@@ -141,15 +141,17 @@ impl RigidChain {
         PER_BODY * self.links.len() + self.drives.len() + friction + self.fitted.len()
     }
 
-    /// Derivatives of the torques by all parameters, n×p, in the order of the covariance.
+    /// Derivatives of the torques by all parameters, n×p, in the order of the covariance. The load of
+    /// a gear is taken as known.
     ///
     /// - `friction`: the laws of the model
+    /// - `laws`: what each of them comes to at the state, as [`crate::Torque::laws`] has it
     ///
     /// # Errors
     /// [`ModelError::Chain`] if its geometry is none.
     pub fn sensitivities(
         &self,
-        friction: &[Weighted<FrictionTerm>],
+        (friction, laws): (&[Weighted<FrictionTerm>], &[f64]),
         [q, dq, ddq]: [&[f64]; 3],
     ) -> Result<Mat<f64>, ModelError> {
         let n = self.n_joints();
@@ -171,8 +173,10 @@ impl RigidChain {
             }
             next += 1;
         }
-        for law in friction {
-            (0..n).for_each(|joint| jacobian[(joint, next)] = law.term.torque(joint, dq));
+        for (law, value) in friction.iter().zip(laws) {
+            for (joint, shaft) in law.term.shaft.iter().enumerate().take(n) {
+                jacobian[(joint, next)] = shaft * value;
+            }
             next += 1;
         }
         let derivatives = axes.derivatives();
@@ -187,11 +191,13 @@ impl RigidChain {
     /// Standard error of the torque of each joint \[N·m\] that the uncertainty of the parameters
     /// makes, n; zero where no covariance is known.
     ///
+    /// - `friction`, `laws`: as of [`Self::sensitivities`]
+    ///
     /// # Errors
     /// [`ModelError::Chain`] if its geometry is none.
     pub fn std_errors(
         &self,
-        friction: &[Weighted<FrictionTerm>],
+        friction: (&[Weighted<FrictionTerm>], &[f64]),
         state: [&[f64]; 3],
     ) -> Result<Vec<f64>, ModelError> {
         let n = self.n_joints();

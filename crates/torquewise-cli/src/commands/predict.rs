@@ -188,12 +188,14 @@ impl<'a> Interval<'a> {
     fn bounds(&self, block: &Motion, total: &Mat<f64>) -> Result<[Mat<f64>; 2], ReadError> {
         let (m, n) = (block.n_rows(), block.n_joints());
         let noise = self.noise.in_torque(&self.torque, block)?;
+        let laws = self.torque.laws(block)?;
         let mut half = Mat::zeros(m, n);
         for row in 0..m {
             let state = [block.q(), block.dq(), block.ddq()]
                 .map(|x| (0..n).map(|joint| x[(row, joint)]).collect::<Vec<f64>>());
             let state = [&state[0][..], &state[1][..], &state[2][..]];
-            let errors = self.chain.std_errors(&self.model.friction, state)?;
+            let laws: Vec<f64> = laws.row(row).iter().copied().collect();
+            let errors = self.chain.std_errors((&self.model.friction, &laws), state)?;
             for (joint, error) in errors.into_iter().enumerate() {
                 let left = self.left.get(joint).unwrap_or(&0.0);
                 let known = noise[(row, joint)].sqrt();
