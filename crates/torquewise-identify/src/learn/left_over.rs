@@ -26,6 +26,8 @@ pub(super) struct LeftOver {
     torque: Vec<Vec<f64>>,
     /// What the square of a row counts, n×m.
     shares: Vec<Vec<f64>>,
+    /// Standard deviation of the whole torque of each joint \[N·m\], n.
+    spread: Vec<f64>,
 }
 
 impl LeftOver {
@@ -54,7 +56,8 @@ impl LeftOver {
         };
         let torque = over(&left);
         let shares = over(&|joint, row| school.share(&motion, row, joint));
-        Ok(Self { chain, motion, torque, shares })
+        let spread = (0..rows.n_joints()).map(|joint| rows.deviation_of(joint)).collect();
+        Ok(Self { chain, motion, torque, shares, spread })
     }
 
     /// A way to explain what is left of a joint, tried on held-out blocks; `None` if nothing can be
@@ -74,7 +77,8 @@ impl LeftOver {
         Some(all.iter().map(left).collect())
     }
 
-    /// What columns leave on each block of time that they were not fitted on, RMS.
+    /// What columns leave on each block of time that they were not fitted on, RMS over the spread of
+    /// the torque.
     fn errors(&self, joint: usize, columns: &Mat<f64>, ridge: f64) -> Option<Vec<f64>> {
         let of_block = |block: usize| {
             let (held, rest) = split(self.motion.n_rows(), block);
@@ -83,7 +87,8 @@ impl LeftOver {
             let count: f64 = held.iter().map(|&row| shares[row]).sum();
             let square = |&row: &usize| self.left(joint, columns, &solved, row).powi(2);
             let squares: f64 = held.iter().map(|row| shares[*row] * square(row)).sum();
-            Some((squares / count.max(f64::MIN_POSITIVE)).sqrt())
+            let rms = (squares / count.max(f64::MIN_POSITIVE)).sqrt();
+            Some(rms / self.spread[joint].max(f64::MIN_POSITIVE))
         };
         (0..BLOCKS).map(of_block).collect()
     }
