@@ -141,8 +141,8 @@ impl RigidChain {
         PER_BODY * self.links.len() + self.drives.len() + friction + self.fitted.len()
     }
 
-    /// Derivatives of the torques by all parameters, n×p, in the order of the covariance. The load of
-    /// a gear is taken as known.
+    /// Derivatives of the torques by all parameters, n×p, in the order of the covariance. The load
+    /// of a gear is taken as known.
     ///
     /// - `friction`: the laws of the model
     /// - `laws`: what each of them comes to at the state, as [`crate::Torque::laws`] has it
