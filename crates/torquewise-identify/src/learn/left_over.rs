@@ -77,8 +77,8 @@ impl LeftOver {
         Some(all.iter().map(left).collect())
     }
 
-    /// What columns leave on each block of time that they were not fitted on, RMS over the spread of
-    /// the torque.
+    /// What columns leave on each block of time that they were not fitted on, RMS over the spread
+    /// of the torque.
     fn errors(&self, joint: usize, columns: &Mat<f64>, ridge: f64) -> Option<Vec<f64>> {
         let of_block = |block: usize| {
             let (held, rest) = split(self.motion.n_rows(), block);
