@@ -1,7 +1,6 @@
 //! What can be wrong with a log file, and where.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-use arrow_schema::ArrowError;
 use parquet::errors::ParquetError;
 use std::fmt;
 use std::io;
@@ -125,7 +124,7 @@ pub enum LogError {
     #[error("{} is not a whole Parquet file: copy or convert it again", file.display())]
     Parquet { file: PathBuf, source: ParquetError },
     #[error("{}: a row group cannot be decoded: copy or convert the file again", file.display())]
-    RowGroup { file: PathBuf, source: ArrowError },
+    RowGroup { file: PathBuf, source: ParquetError },
     #[error("{} is damaged beyond decoding: copy or convert it again", file.display())]
     Damaged { file: PathBuf },
     #[error("{} cannot be decoded: copy or convert it again", file.display())]
@@ -305,6 +304,10 @@ impl LogError {
 
     pub(crate) fn npz(file: &Path) -> impl Fn(zip::result::ZipError) -> Self {
         move |source| Self::Npz { file: file.into(), source }
+    }
+
+    pub(crate) fn row_group(file: &Path) -> impl Fn(ParquetError) -> Self {
+        move |source| Self::RowGroup { file: file.into(), source }
     }
 
     pub(crate) fn parquet(file: &Path) -> impl Fn(ParquetError) -> Self {

@@ -30,6 +30,7 @@ mod joints;
 mod rows;
 mod lines;
 mod csv_rows;
+mod parquet_column;
 mod parquet_rows;
 mod bag;
 mod arrays;
@@ -53,6 +54,7 @@ pub mod suggest;
 pub mod units;
 pub mod columns;
 mod sink;
+mod parquet_sink;
 pub mod table;
 pub mod log_writer;
 

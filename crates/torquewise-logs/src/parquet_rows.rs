@@ -1,37 +1,31 @@
-//! Parquet file → rows, one record batch at a time.
+//! Rows of a Parquet file, some of each row group at a time.
 
 use crate::error::{LogError, Place};
 use crate::guarded::guarded;
 use crate::joints::{self, PARQUET_KEY};
+use crate::parquet_column::{NumberColumn, foreign_type};
 use crate::rows::Rows;
-use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
-use arrow_array::{Array, Float64Array, RecordBatch};
-use arrow_cast::cast;
-use arrow_schema::DataType;
-use parquet::arrow::ProjectionMask;
-use parquet::arrow::arrow_reader::{
-    ArrowReaderMetadata, ArrowReaderOptions, ParquetRecordBatchReader,
-    ParquetRecordBatchReaderBuilder,
-};
 use parquet::file::metadata::{ParquetMetaData, RowGroupMetaData};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::schema::types::SchemaDescriptor;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use torquewise_motion::BLOCK_ROWS;
-
-type Builder = ParquetRecordBatchReaderBuilder<File>;
 
 /// The rows of a Parquet file; only the chosen columns are decoded.
 pub(crate) struct ParquetRows {
     file: PathBuf,
     names: Vec<String>,
     joints: Option<Vec<String>>,
-    metadata: ArrowReaderMetadata,
-    batches: Option<ParquetRecordBatchReader>,
+    reader: SerializedFileReader<File>,
+    /// Columns of the file that are read.
     chosen: Vec<usize>,
-    /// For each chosen column, its place in a batch.
-    batch_columns: Vec<usize>,
-    batch: Vec<Float64Array>,
+    /// The chosen columns of the row group at hand.
+    group: Vec<NumberColumn>,
+    /// Row groups begun.
+    groups: usize,
+    /// Values decoded of each chosen column; none of a null.
+    batch: Vec<Vec<Option<f64>>>,
     /// Rows of the batch handed out.
     taken: usize,
     row: u64,
@@ -44,65 +38,66 @@ impl ParquetRows {
         if input.metadata().map_err(LogError::read(file))?.len() == 0 {
             return Err(LogError::Empty { file: file.into() });
         }
-        guarded(file, || Self::new(file, &input))
+        guarded(file, || Self::new(file, input))
     }
 
-    fn new(file: &Path, input: &File) -> Result<Self, LogError> {
-        // The types of Parquet itself: whatever wrote the file cannot lead astray.
-        let options = ArrowReaderOptions::new().with_skip_arrow_metadata(true);
-        let metadata =
-            ArrowReaderMetadata::load(input, options).map_err(LogError::parquet(file))?;
-        if !chunks_are_in_the_file(metadata.metadata()) {
+    fn new(file: &Path, input: File) -> Result<Self, LogError> {
+        let reader = SerializedFileReader::new(input).map_err(LogError::parquet(file))?;
+        let metadata = reader.metadata();
+        if !chunks_are_in_the_file(metadata) {
             return Err(LogError::Damaged { file: file.into() });
         }
-        let fields = metadata.schema().fields();
+        let names = metadata.file_metadata().schema_descr().columns().iter();
         Ok(Self {
             file: file.into(),
-            names: fields.iter().map(|field| field.name().trim().to_owned()).collect(),
-            joints: joint_names(metadata.metadata()),
-            metadata,
-            batches: None,
+            names: names.map(|column| column.path().string().trim().to_owned()).collect(),
+            joints: joint_names(metadata),
+            reader,
             chosen: Vec::new(),
-            batch_columns: Vec::new(),
+            group: Vec::new(),
+            groups: 0,
             batch: Vec::new(),
             taken: 0,
             row: 0,
         })
     }
 
-    /// Starts to decode the chosen columns.
-    fn start(&mut self) -> Result<(), LogError> {
-        let input = File::open(&self.file).map_err(LogError::read(&self.file))?;
-        let builder = Builder::new_with_metadata(input, self.metadata.clone());
-        let mut used = self.chosen.clone();
-        used.sort_unstable();
-        used.dedup();
-        self.batch_columns =
-            self.chosen.iter().map(|column| used.partition_point(|c| c < column)).collect();
-        let mask = ProjectionMask::roots(builder.parquet_schema(), used);
-        let batches = builder.with_projection(mask).with_batch_size(BLOCK_ROWS).build();
-        self.batches = Some(batches.map_err(LogError::parquet(&self.file))?);
-        Ok(())
+    fn schema(&self) -> &SchemaDescriptor {
+        self.reader.metadata().file_metadata().schema_descr()
     }
 
-    /// Decodes the next batch that has rows; `false` at the end.
+    /// Decodes the next rows; `false` at the end.
     fn next_batch(&mut self) -> Result<bool, LogError> {
-        let refused = |source| LogError::RowGroup { file: self.file.clone(), source };
-        let Some(batches) = &mut self.batches else { return Ok(false) };
-        while let Some(batch) = guarded(&self.file, || Ok(batches.next()))? {
-            let batch: RecordBatch = batch.map_err(refused)?;
-            if batch.num_rows() == 0 {
-                continue;
-            }
-            let numbers = |column: &usize| {
-                let numbers = cast(batch.column(*column), &DataType::Float64).map_err(refused)?;
-                Ok(numbers.as_primitive::<Float64Type>().clone())
-            };
-            self.batch = self.batch_columns.iter().map(numbers).collect::<Result<_, _>>()?;
+        loop {
+            let batch = self.group.iter_mut().map(|column| column.read(BLOCK_ROWS));
+            let batch = batch.collect::<Result<_, _>>();
+            self.batch = batch.map_err(LogError::row_group(&self.file))?;
             self.taken = 0;
-            return Ok(true);
+            let rows = self.batch.first().map_or(0, Vec::len);
+            if self.batch.iter().any(|values| values.len() != rows) {
+                return Err(LogError::Damaged { file: self.file.clone() });
+            }
+            if rows > 0 {
+                return Ok(true);
+            }
+            if self.groups == self.reader.num_row_groups() {
+                return Ok(false);
+            }
+            self.next_group()?;
         }
-        Ok(false)
+    }
+
+    fn next_group(&mut self) -> Result<(), LogError> {
+        let refused = LogError::row_group(&self.file);
+        let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
+        let column = |&column: &usize| {
+            let reader = group.get_column_reader(column).map_err(&refused)?;
+            NumberColumn::new(&self.schema().column(column), reader)
+                .ok_or_else(|| LogError::Damaged { file: self.file.clone() })
+        };
+        self.group = self.chosen.iter().map(column).collect::<Result<_, _>>()?;
+        self.groups += 1;
+        Ok(())
     }
 }
 
@@ -116,27 +111,26 @@ impl Rows for ParquetRows {
     }
 
     fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
-        for column in columns {
-            let found = self.metadata.schema().fields()[*column].data_type();
-            if !found.is_numeric() {
-                let (column, found) = (self.names[*column].clone(), found.to_string());
+        for &column in columns {
+            if let Some(found) = foreign_type(&self.schema().column(column)) {
+                let (column, found) = (self.names[column].clone(), found);
                 return Err(LogError::NotNumeric { file: self.file.clone(), column, found });
             }
         }
         self.chosen = columns.to_vec();
-        let file = self.file.clone();
-        guarded(&file, || self.start())
+        Ok(())
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
-        let left = self.batch.first().map_or(0, Array::len) - self.taken;
-        if left == 0 && !self.next_batch()? {
-            return Ok(false);
+        if self.taken == self.batch.first().map_or(0, Vec::len) {
+            let file = self.file.clone();
+            if !guarded(&file, || self.next_batch())? {
+                return Ok(false);
+            }
         }
         self.row += 1;
         for (value, column) in row.iter_mut().zip(&self.batch) {
-            let is_null = column.is_null(self.taken);
-            *value = if is_null { f64::NAN } else { column.value(self.taken) };
+            *value = column[self.taken].unwrap_or(f64::NAN);
         }
         self.taken += 1;
         Ok(true)
@@ -144,11 +138,11 @@ impl Rows for ParquetRows {
 
     fn is_null(&self, column: usize) -> bool {
         let last = self.taken.saturating_sub(1);
-        self.batch.get(column).is_some_and(|values| last < values.len() && values.is_null(last))
+        self.batch.get(column).is_some_and(|values| values.get(last) == Some(&None))
     }
 
     fn count(&self) -> Option<u64> {
-        u64::try_from(self.metadata.metadata().file_metadata().num_rows()).ok()
+        u64::try_from(self.reader.metadata().file_metadata().num_rows()).ok()
     }
 
     fn place(&self) -> Place {

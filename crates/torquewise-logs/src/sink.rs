@@ -1,23 +1,12 @@
-//! Values → bytes of a temporary file that takes its place when it is whole.
+//! Where values of a table go: a temporary file that takes its place when it is whole.
 
-use crate::columns::{Column, ColumnKind, Values};
+use crate::columns::{Column, Values};
 use crate::error::LogError;
-use crate::joints::{CSV_COMMENT, PARQUET_KEY};
-use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray, UInt64Array};
-use arrow_schema::{DataType, Field, Schema, SchemaRef};
-use parquet::arrow::ArrowWriter;
-use parquet::basic::Compression;
-use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
-use parquet::file::properties::WriterProperties;
+use crate::joints::CSV_COMMENT;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use tempfile::NamedTempFile;
-
-/// Rows of a Parquet row group at most: what a reader and a writer have to hold.
-const ROW_GROUP_ROWS: usize = 16_384;
 
 /// Where the values of a table go; they were checked before.
 pub(crate) trait Sink {
@@ -79,65 +68,8 @@ impl Sink for CsvSink {
     }
 }
 
-/// A Parquet file in the making.
-pub(crate) struct ParquetSink {
-    file: PathBuf,
-    schema: SchemaRef,
-    writer: ArrowWriter<NamedTempFile>,
-}
-
-impl ParquetSink {
-    pub(crate) fn create(
-        file: &Path,
-        columns: &[Column],
-        joints: Option<String>,
-    ) -> Result<Self, LogError> {
-        let field = |column: &Column| {
-            let kind = match column.kind {
-                ColumnKind::Number => DataType::Float64,
-                ColumnKind::Count => DataType::UInt64,
-                ColumnKind::Text => DataType::Utf8,
-            };
-            Field::new(&column.name, kind, false)
-        };
-        let schema = Arc::new(Schema::new(columns.iter().map(field).collect::<Vec<_>>()));
-        let metadata = joints.map(|joints| vec![KeyValue::new(PARQUET_KEY.to_owned(), joints)]);
-        let properties = WriterProperties::builder()
-            .set_compression(Compression::SNAPPY)
-            .set_dictionary_enabled(false)
-            .set_max_row_group_row_count(Some(ROW_GROUP_ROWS))
-            .set_key_value_metadata(metadata)
-            .build();
-        let writer = ArrowWriter::try_new(temporary(file)?, schema.clone(), Some(properties));
-        let writer = writer.map_err(parquet_error(file))?;
-        Ok(Self { file: file.into(), schema, writer })
-    }
-}
-
-impl Sink for ParquetSink {
-    fn append(&mut self, values: &[Values<'_>], _rows: usize) -> Result<(), LogError> {
-        let array = |values: &Values<'_>| -> ArrayRef {
-            match values {
-                Values::Numbers(values) => Arc::new(Float64Array::from(values.to_vec())),
-                Values::Counts(values) => Arc::new(UInt64Array::from(values.to_vec())),
-                Values::Texts(values) => Arc::new(StringArray::from(values.to_vec())),
-            }
-        };
-        let arrays = values.iter().map(array).collect();
-        RecordBatch::try_new(self.schema.clone(), arrays)
-            .map_err(ParquetError::from)
-            .and_then(|batch| self.writer.write(&batch))
-            .map_err(parquet_error(&self.file))
-    }
-
-    fn finish(self: Box<Self>) -> Result<(), LogError> {
-        let written = self.writer.into_inner().map_err(parquet_error(&self.file))?;
-        put_in_place(written, &self.file)
-    }
-}
-
 /// A new file in the folder of `file`, removed when dropped.
-fn temporary(file: &Path) -> Result<NamedTempFile, LogError> {
+pub(crate) fn temporary(file: &Path) -> Result<NamedTempFile, LogError> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
     builder.prefix(".torquewise-").suffix(".partial");
@@ -150,7 +82,7 @@ fn temporary(file: &Path) -> Result<NamedTempFile, LogError> {
     builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(write_error(file))
 }
 
-fn put_in_place(written: NamedTempFile, file: &Path) -> Result<(), LogError> {
+pub(crate) fn put_in_place(written: NamedTempFile, file: &Path) -> Result<(), LogError> {
     written.as_file().sync_all().map_err(write_error(file))?;
     written.persist(file).map_err(|refused| write_error(file)(refused.error))?;
     Ok(())
@@ -158,8 +90,4 @@ fn put_in_place(written: NamedTempFile, file: &Path) -> Result<(), LogError> {
 
 fn write_error(file: &Path) -> impl Fn(io::Error) -> LogError {
     move |source| LogError::Write { file: file.into(), source }
-}
-
-fn parquet_error(file: &Path) -> impl Fn(ParquetError) -> LogError {
-    move |source| LogError::WriteParquet { file: file.into(), source }
 }

@@ -4,7 +4,8 @@ use crate::columns::{Column, Values};
 use crate::error::LogError;
 use crate::format::Format;
 use crate::joints;
-use crate::sink::{CsvSink, ParquetSink, Sink};
+use crate::parquet_sink::ParquetSink;
+use crate::sink::{CsvSink, Sink};
 use std::path::{Path, PathBuf};
 
 /// A table that is written block by block, in fixed memory.
