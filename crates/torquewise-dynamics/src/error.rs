@@ -10,12 +10,10 @@ pub enum DynamicsError {
     // Reading an arm
     #[error("no arm is called `{name}`: choose one of {known}, or give a .urdf or .toml file")]
     UnknownArm { name: String, known: String },
-    #[error("the URDF cannot be read: check that it is one whole <robot> element")]
-    Urdf { source: Box<urdf_rs::UrdfError> },
-    #[error("XML element at byte {byte} is nested deeper than {limit}: a URDF needs 5, repair it")]
-    Depth { byte: usize, limit: usize },
-    #[error("the XML at byte {byte} holds {what}: mend or remove it")]
-    Markup { byte: usize, what: &'static str },
+    #[error("the URDF is no XML that can be read: check that it is one whole <robot> element")]
+    Urdf { source: roxmltree::Error },
+    #[error("line {line} of the URDF: <{element}> {what}: mend the element")]
+    UrdfElement { line: u32, element: String, what: String },
     #[error("the DH table cannot be read: write name, gravity and one [[joints]] row per joint")]
     DhTable { source: Box<toml::de::Error> },
 

@@ -1,13 +1,13 @@
-//! URDF text → Arm: the serial chain that is left when the locked joints are welded.
+//! An arm from the text of a URDF: the serial chain left when the locked joints are welded.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-mod markup;
+mod robot;
 mod tree;
 
 use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, at_most_one_turn, direction};
 use crate::error::DynamicsError;
+use robot::Robot;
 use tree::Tree;
-use urdf_rs::JointType;
 
 impl Arm {
     /// Reads an arm from URDF text, its base fixed in the world, gravity −9.81 m/s² along z.
@@ -23,26 +23,22 @@ impl Arm {
     /// mimic joints and [`DynamicsError::Branches`] for a tree, both with the joints to lock;
     /// otherwise the variant that names the link, joint or number at fault.
     pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self, DynamicsError> {
-        markup::check(text)?;
-        let robot = urdf_rs::read_from_string(text)
-            .map_err(|source| DynamicsError::Urdf { source: Box::new(source) })?;
+        let robot = Robot::read(text)?;
         let tree = Tree::new(&robot, locked)?;
 
         let mut joints = Vec::new();
         let mut before = tree.welded(tree.root())?;
         while let Some((joint, X_PJ)) = tree.only_exit(&before)? {
-            let after = tree.welded(&joint.child.link)?;
-            let range = match joint.joint_type {
-                JointType::Continuous => [0.0, 0.0],
-                _ => [joint.limit.lower, joint.limit.upper],
-            };
+            let after = tree.welded(&joint.child)?;
+            let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
+            let [velocity, acceleration] = joint.peaks;
             let moved = Joint {
                 X_PJ,
-                axis: direction(&joint.name, joint.axis.xyz.0)?,
+                axis: direction(&joint.name, joint.axis)?,
                 body: after.body,
                 rotor: 0.0,
                 range: at_most_one_turn(range),
-                limits: JointLimits::new(range, joint.limit.velocity, joint.limit.acceleration),
+                limits: JointLimits::new(range, velocity, acceleration),
             };
             joints.push((joint.name.clone(), moved));
             before = after;

@@ -131,9 +131,7 @@ impl NumberColumn {
             ColumnReader::FloatColumnReader(reader) => {
                 read(reader, rows, present, |value| f64::from(*value))
             }
-            ColumnReader::DoubleColumnReader(reader) => {
-                read(reader, rows, present, |value| *value)
-            }
+            ColumnReader::DoubleColumnReader(reader) => read(reader, rows, present, |value| *value),
             ColumnReader::ByteArrayColumnReader(reader) => {
                 read(reader, rows, present, |value| kind.of_bytes(value))
             }

@@ -213,6 +213,32 @@ fn numbers_that_no_arm_can_have_are_refused() {
 }
 
 #[test]
+fn an_element_at_fault_is_named_with_its_line() {
+    let text = two_joints("revolute", "revolute").replace("<joint", "\n<joint");
+
+    let error = refused(&text.replace("<axis xyz='0 1 0'/>", "<axis xyz='0 1'/>"));
+
+    let told = "line 2 of the URDF: <axis> has xyz=\"0 1\", expected 3 numbers: mend the element";
+    assert_eq!(error.to_string(), told);
+}
+
+#[test]
+fn elements_within_a_hundred_thousand_others_are_read_or_refused() {
+    let deep = format!("{}{}", "<a>".repeat(100_000), "</a>".repeat(100_000));
+    let text = two_joints("revolute", "revolute").replace("</robot>", &(deep + "</robot>"));
+
+    assert!(matches!(refused(&"<a>".repeat(100_000)), DynamicsError::Urdf { .. }));
+    assert!(Arm::from_urdf(&text, &[]).is_ok_and(|arm| arm.n_joints() == 2));
+}
+
+#[test]
+fn a_document_type_with_entities_is_refused() {
+    let error = refused("<!DOCTYPE a [<!ENTITY b 'bbbb'>]><robot name='&b;'/>");
+
+    assert!(matches!(error, DynamicsError::Urdf { .. }));
+}
+
+#[test]
 fn a_file_cut_anywhere_is_refused() {
     let text = two_joints("revolute", "revolute");
 

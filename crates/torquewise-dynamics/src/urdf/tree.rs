@@ -1,11 +1,11 @@
-//! Links and joints of a URDF → Tree: which links move as one, and the joint that leaves them.
+//! The tree of links and joints of a URDF: which links move as one, and the joint that leaves them.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{check_body, check_finite};
 use crate::error::DynamicsError;
 use crate::spatial::{Body, Pose};
+use crate::urdf::robot::{Joint, Link, Origin, Robot};
 use std::collections::{HashMap, HashSet};
-use urdf_rs::{Joint, JointType, Link, Robot};
 
 /// A URDF that is one tree: names resolved, one root, no loop.
 pub(crate) struct Tree<'a> {
@@ -30,7 +30,7 @@ impl<'a> Tree<'a> {
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
         let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
         if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(*name)) {
-            let moving = robot.joints.iter().filter(|j| j.joint_type != JointType::Fixed);
+            let moving = robot.joints.iter().filter(|j| j.kind != "fixed");
             let known = moving.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
             return Err(DynamicsError::UnknownLocked { joint: (*unknown).into(), known });
         }
@@ -38,7 +38,7 @@ impl<'a> Tree<'a> {
         let root = only_root(robot, &links)?;
         let mut below: HashMap<&str, Vec<&Joint>> = HashMap::new();
         for joint in &robot.joints {
-            below.entry(joint.parent.link.as_str()).or_default().push(joint);
+            below.entry(joint.parent.as_str()).or_default().push(joint);
         }
         let tree = Self { links, below, root, locked };
         tree.check_loops(robot)?;
@@ -65,7 +65,7 @@ impl<'a> Tree<'a> {
                 if self.moves(joint) {
                     exits.push((joint, X_GJ));
                 } else {
-                    open.push((joint.child.link.as_str(), X_GJ));
+                    open.push((joint.child.as_str(), X_GJ));
                 }
             }
         }
@@ -93,7 +93,7 @@ impl<'a> Tree<'a> {
     }
 
     fn moves(&self, joint: &Joint) -> bool {
-        joint.joint_type != JointType::Fixed && !self.locked.contains(joint.name.as_str())
+        joint.kind != "fixed" && !self.locked.contains(joint.name.as_str())
     }
 
     /// Names of `joint` and of all moving joints beyond it.
@@ -104,7 +104,7 @@ impl<'a> Tree<'a> {
             if self.moves(joint) {
                 names.push(joint.name.as_str());
             }
-            open.extend(self.joints_below(&joint.child.link));
+            open.extend(self.joints_below(&joint.child));
         }
         names
     }
@@ -114,8 +114,8 @@ impl<'a> Tree<'a> {
         let mut open = vec![self.root];
         while let Some(link) = open.pop() {
             for joint in self.joints_below(link) {
-                reached.insert(joint.child.link.as_str());
-                open.push(joint.child.link.as_str());
+                reached.insert(joint.child.as_str());
+                open.push(joint.child.as_str());
             }
         }
         match robot.links.iter().find(|link| !reached.contains(link.name.as_str())) {
@@ -141,13 +141,9 @@ impl<'a> Tree<'a> {
 
 /// Why a joint may not move, if so.
 fn unsupported(joint: &Joint) -> Option<&'static str> {
-    match joint.joint_type {
-        JointType::Prismatic => Some("prismatic"),
-        JointType::Floating => Some("floating"),
-        JointType::Planar => Some("planar"),
-        JointType::Spherical => Some("spherical"),
-        _ if joint.mimic.is_some() => Some("mimic"),
-        JointType::Revolute | JointType::Continuous | JointType::Fixed => None,
+    match joint.kind {
+        "prismatic" | "floating" | "planar" | "spherical" => Some(joint.kind),
+        _ => joint.mimics.then_some("mimic"),
     }
 }
 
@@ -169,15 +165,15 @@ fn by_name<'a, T>(
 fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a str, DynamicsError> {
     let mut parents: HashMap<&str, &Joint> = HashMap::new();
     for joint in &robot.joints {
-        for link in [&joint.parent.link, &joint.child.link] {
+        for link in [&joint.parent, &joint.child] {
             if !links.contains_key(link.as_str()) {
                 let (joint, link) = (joint.name.clone(), link.clone());
                 return Err(DynamicsError::UnknownLink { joint, link });
             }
         }
-        if let Some(first) = parents.insert(&joint.child.link, joint) {
+        if let Some(first) = parents.insert(&joint.child, joint) {
             return Err(DynamicsError::TwoParents {
-                link: joint.child.link.clone(),
+                link: joint.child.clone(),
                 first: first.name.clone(),
                 second: joint.name.clone(),
             });
@@ -193,17 +189,15 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
 
 /// Mass of a link in the link's frame; a link without `<inertial>` has none.
 fn body_of(link: &Link) -> Result<Body, DynamicsError> {
-    let inertial = &link.inertial;
-    let i = &inertial.inertia;
-    let moments = [i.ixx, i.iyy, i.izz, i.ixy, i.ixz, i.iyz];
-    let body = Body::new(inertial.mass.value, [0.0; 3], moments);
+    let Some(inertial) = &link.inertial else { return Ok(Body::none()) };
+    let body = Body::new(inertial.mass, [0.0; 3], inertial.moments);
     check_body(&link.name, &body)?;
     Ok(body.seen_from(&pose(&link.name, &inertial.origin)?))
 }
 
 /// An `<origin>` with finite numbers.
-fn pose(place: &str, origin: &urdf_rs::Pose) -> Result<Pose, DynamicsError> {
-    check_finite("origin", place, &origin.xyz.0)?;
-    check_finite("origin", place, &origin.rpy.0)?;
-    Ok(Pose::from_xyz_rpy(origin.xyz.0, origin.rpy.0))
+fn pose(name: &str, origin: &Origin) -> Result<Pose, DynamicsError> {
+    check_finite("origin", name, &origin.xyz)?;
+    check_finite("origin", name, &origin.rpy)?;
+    Ok(Pose::from_xyz_rpy(origin.xyz, origin.rpy))
 }

@@ -3,9 +3,7 @@
 
 use faer::Mat;
 use parquet::basic::{LogicalType, Repetition, TimeUnit, Type as Stored};
-use parquet::data_type::{
-    ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type,
-};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type};
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 use proptest::prelude::*;

@@ -141,25 +141,23 @@ impl Set {
         match self.kinematics {
             Kinematics::Urdf(file, moving) => {
                 let text = std::fs::read_to_string(data.join(file))?;
-                let mut robot = urdf_rs::read_from_string(&text)?;
-                // Kinematics alone are used: masses that no body has are no obstacle.
-                for link in &mut robot.links {
-                    link.inertial = urdf_rs::Inertial::default();
-                }
-                let fixed = urdf_rs::JointType::Fixed;
-                let locked: Vec<String> = (robot.joints.iter())
-                    .filter(|joint| joint.joint_type != fixed)
-                    .map(|joint| joint.name.clone())
-                    .filter(|name| !moving.iter().any(|part| name.starts_with(part)))
-                    .chain(
-                        robot
-                            .joints
-                            .iter()
-                            .map(|j| j.name.clone())
-                            .filter(|n| n.contains("finger_joint")),
-                    )
+                let robot = roxmltree::Document::parse(&text)?;
+                let locked: Vec<String> = (robot.root_element().children())
+                    .filter(|node| node.has_tag_name("joint"))
+                    .filter(|joint| joint.attribute("type") != Some("fixed"))
+                    .filter_map(|joint| joint.attribute("name"))
+                    .filter(|name| {
+                        let moves = moving.iter().any(|part| name.starts_with(part));
+                        !moves || name.contains("finger_joint")
+                    })
+                    .map(str::to_owned)
                     .collect();
-                Ok(Arm::from_urdf(&urdf_rs::write_to_string(&robot)?, &locked)?)
+                // Kinematics alone are used: masses that no body has are no obstacle.
+                let mut bare = text.clone();
+                let masses = robot.descendants().filter(|node| node.has_tag_name("inertial"));
+                let masses: Vec<_> = masses.map(|inertial| inertial.range()).collect();
+                masses.into_iter().rev().for_each(|range| bare.replace_range(range, ""));
+                Ok(Arm::from_urdf(&bare, &locked)?)
             }
             Kinematics::Dh(rows, roll) => {
                 let joints: Vec<String> = rows

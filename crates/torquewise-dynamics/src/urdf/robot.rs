@@ -1,0 +1,172 @@
+//! The links and joints of a URDF, as far as the motion of an arm depends on them.
+
+use crate::error::DynamicsError;
+use roxmltree::{Document, Node};
+
+/// What a URDF describes; names are as they stand in it.
+pub(crate) struct Robot {
+    pub(crate) name: String,
+    pub(crate) links: Vec<Link>,
+    pub(crate) joints: Vec<Joint>,
+}
+
+pub(crate) struct Link {
+    pub(crate) name: String,
+    pub(crate) inertial: Option<Inertial>,
+}
+
+pub(crate) struct Inertial {
+    pub(crate) origin: Origin,
+    /// \[kg\]
+    pub(crate) mass: f64,
+    /// Ixx, Iyy, Izz, Ixy, Ixz, Iyz \[kg·m²\].
+    pub(crate) moments: [f64; 6],
+}
+
+/// Where a frame lies in that of its parent.
+#[derive(Default)]
+pub(crate) struct Origin {
+    /// \[m\]
+    pub(crate) xyz: [f64; 3],
+    /// Roll, pitch, yaw \[rad\].
+    pub(crate) rpy: [f64; 3],
+}
+
+pub(crate) struct Joint {
+    pub(crate) name: String,
+    /// One of [`KINDS`].
+    pub(crate) kind: &'static str,
+    pub(crate) parent: String,
+    pub(crate) child: String,
+    pub(crate) origin: Origin,
+    pub(crate) axis: [f64; 3],
+    /// Range \[rad\]; zeros where none is given.
+    pub(crate) range: [f64; 2],
+    /// Greatest speed \[rad/s\] and acceleration \[rad/s²\]; zero or infinity where none is given.
+    pub(crate) peaks: [f64; 2],
+    pub(crate) mimics: bool,
+}
+
+/// Types of a joint.
+const KINDS: [&str; 7] =
+    ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
+
+impl Robot {
+    /// Reads the text of a URDF; elements that say nothing of links and joints are passed over.
+    ///
+    /// # Errors
+    /// [`DynamicsError::Urdf`] if the text is no XML or declares a document type,
+    /// [`DynamicsError::UrdfElement`] names the line of an element that lacks something.
+    pub(crate) fn read(text: &str) -> Result<Self, DynamicsError> {
+        let document = Document::parse(text).map_err(|source| DynamicsError::Urdf { source })?;
+        let root = document.root_element();
+        if root.tag_name().name() != "robot" {
+            return Err(refused(root, "is not <robot>"));
+        }
+        Ok(Self {
+            name: attribute(root, "name")?,
+            links: children(root, "link").map(Link::read).collect::<Result<_, _>>()?,
+            joints: children(root, "joint").map(Joint::read).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl Link {
+    fn read(link: Node<'_, '_>) -> Result<Self, DynamicsError> {
+        let inertial = child(link, "inertial").map(Inertial::read).transpose()?;
+        Ok(Self { name: attribute(link, "name")?, inertial })
+    }
+}
+
+impl Inertial {
+    fn read(inertial: Node<'_, '_>) -> Result<Self, DynamicsError> {
+        let inertia = required(inertial, "inertia")?;
+        let mut moments = [0.0; 6];
+        for (moment, name) in moments.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
+            [*moment] = numbers(inertia, name, None)?;
+        }
+        let [mass] = numbers(required(inertial, "mass")?, "value", None)?;
+        Ok(Self { origin: Origin::of(inertial)?, mass, moments })
+    }
+}
+
+impl Origin {
+    /// The `<origin>` within an element.
+    fn of(element: Node<'_, '_>) -> Result<Self, DynamicsError> {
+        let Some(origin) = child(element, "origin") else { return Ok(Self::default()) };
+        let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(origin, name, Some([0.0; 3])));
+        Ok(Self { xyz: xyz?, rpy: rpy? })
+    }
+}
+
+impl Joint {
+    fn read(joint: Node<'_, '_>) -> Result<Self, DynamicsError> {
+        let written = attribute(joint, "type")?;
+        let kind = KINDS.into_iter().find(|kind| *kind == written);
+        let link = |name| attribute(required(joint, name)?, "link");
+        let limit = |name, none: f64| match child(joint, "limit") {
+            Some(limit) => numbers(limit, name, Some([none])).map(|[number]| number),
+            None => Ok(none),
+        };
+        Ok(Self {
+            name: attribute(joint, "name")?,
+            kind: kind.ok_or_else(|| refused(joint, "has a type that no joint has"))?,
+            parent: link("parent")?,
+            child: link("child")?,
+            origin: Origin::of(joint)?,
+            axis: match child(joint, "axis") {
+                Some(axis) => numbers(axis, "xyz", None)?,
+                None => [1.0, 0.0, 0.0],
+            },
+            range: [limit("lower", 0.0)?, limit("upper", 0.0)?],
+            peaks: [limit("velocity", 0.0)?, limit("acceleration", f64::INFINITY)?],
+            mimics: child(joint, "mimic").is_some(),
+        })
+    }
+}
+
+fn children<'a, 'i>(
+    parent: Node<'a, 'i>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'a, 'i>> {
+    parent.children().filter(move |node| node.has_tag_name(name))
+}
+
+fn child<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Option<Node<'a, 'i>> {
+    children(parent, name).next()
+}
+
+fn required<'a, 'i>(
+    parent: Node<'a, 'i>,
+    name: &'static str,
+) -> Result<Node<'a, 'i>, DynamicsError> {
+    child(parent, name).ok_or_else(|| refused(parent, &format!("has no <{name}>")))
+}
+
+fn attribute(element: Node<'_, '_>, name: &str) -> Result<String, DynamicsError> {
+    let value = element.attribute(name).map(str::to_owned);
+    value.ok_or_else(|| refused(element, &format!("has no {name}")))
+}
+
+/// Numbers of an attribute with blanks between them; `default` where it is missing, if there is one.
+fn numbers<const N: usize>(
+    element: Node<'_, '_>,
+    name: &str,
+    default: Option<[f64; N]>,
+) -> Result<[f64; N], DynamicsError> {
+    if let (None, Some(default)) = (element.attribute(name), default) {
+        return Ok(default);
+    }
+    let text = attribute(element, name)?;
+    let numbers: Option<Vec<f64>> =
+        text.split_whitespace().map(|number| number.parse().ok()).collect();
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| refused(element, &format!("has {name}=\"{text}\", expected {N} numbers")))
+}
+
+fn refused(element: Node<'_, '_>, what: &str) -> DynamicsError {
+    let at = element.document().text_pos_at(element.range().start);
+    let element = element.tag_name().name().to_owned();
+    DynamicsError::UrdfElement { line: at.row, element, what: what.to_owned() }
+}
