@@ -1,9 +1,10 @@
 //! Model → what its torque costs a controller: counted operations, time and shares of a period.
 
-use crate::table::{Table, number};
+use crate::table::Table;
 use serde_json::{Value, json};
 use torquewise::export::{Cost, ExportError, torque_costs};
 use torquewise::model::Model;
+use torquewise::number::number;
 use torquewise::report::CallCost;
 use torquewise::report::fit_report::call_cost::RATES;
 

@@ -1,6 +1,5 @@
-//! What was repaired in logs → note, text and JSON.
+//! What was repaired in logs, in words.
 
-use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use torquewise::motion::Repairs;
 
@@ -19,11 +18,6 @@ pub(crate) fn text(by_log: &ByLog) -> String {
     }
     let line = |(log, repairs): (&String, &Repairs)| format!("{log}: {repairs}\n");
     format!("\nconditioning\n{}", by_log.iter().map(line).collect::<String>())
-}
-
-/// All logs together, and each.
-pub(crate) fn json(by_log: &ByLog) -> Value {
-    json!({ "total": total(by_log), "logs": by_log })
 }
 
 fn total(by_log: &ByLog) -> Repairs {

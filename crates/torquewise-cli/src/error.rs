@@ -1,7 +1,8 @@
-//! What can be wrong with what the command line is asked.
+//! Errors of the command line.
 
 use std::io;
 use std::path::PathBuf;
+use torquewise::Error;
 use torquewise::identify::IdentifyError;
 
 /// Why a command cannot be carried out, beyond what the library says.
@@ -34,11 +35,6 @@ pub(crate) enum CliError {
     #[error("{} would not hold what its name says: expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
     #[error(
-        "the test log is of another arm, its joints are {found}, expected {expected}: \
-         give logs of one arm"
-    )]
-    TestOfAnotherArm { found: String, expected: String },
-    #[error(
         "there is no C compiler {compiler:?}, and a unit holds a binary: install one, name it in \
          the variable CC, or give --no-binary and compile the sources where it is used"
     )]
@@ -59,8 +55,20 @@ pub(crate) enum CliError {
     NotPositiveDefinite { flaw: String },
     #[error("{} does not add to the parts before it", file.display())]
     Part { file: PathBuf, source: IdentifyError },
-    #[error("interrupted, no file was written: run it again")]
-    Interrupted,
     #[error("the results cannot be written to standard output: check where it is redirected to")]
     Stdout { source: io::Error },
+}
+
+/// An error of the library in the words of the command line: options are flags.
+pub(crate) fn in_flags(error: anyhow::Error) -> anyhow::Error {
+    let Some(Error::UnusedOption { option, fitted, because, user }) = error.downcast_ref() else {
+        return error;
+    };
+    let user = user.replace("the library ", "--library ").replace("the method ", "--method ");
+    let user = user.replace("an interaction order", "--interaction K");
+    CliError::Usage(format!(
+        "--{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
+         choose {user}"
+    ))
+    .into()
 }

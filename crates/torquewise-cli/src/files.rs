@@ -4,14 +4,14 @@ use crate::error::CliError;
 use crate::interrupt::Shield;
 use anyhow::{Context, Result};
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
-use torquewise::model::{Model, from_json};
+use torquewise::model::Model;
+use torquewise::motion::whole_file;
 
 /// Reads a model file.
 pub(crate) fn read_model(file: &Path) -> Result<Model> {
-    from_json(&read(file)?).with_context(|| format!("no model in {}", file.display()))
+    Ok(Model::load(file)?)
 }
 
 /// The built-in arm of that name, or the one in a `.urdf` or `.toml` file.
@@ -97,20 +97,8 @@ pub(crate) fn check_ending(file: &Path, endings: &[&str]) -> Result<(), CliError
 /// Writes bytes or a text to a file in the same folder and renames it when it is whole.
 pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     let _shield = Shield::new();
-    let failed = |source| CliError::Write { file: file.into(), source };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".torquewise-").suffix(".partial");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Readable for whom the user's mask allows, like any new file.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut temporary = builder.tempfile_in(folder_of(file)).map_err(failed)?;
-    temporary.write_all(bytes.as_ref()).map_err(failed)?;
-    temporary.as_file().sync_all().map_err(failed)?;
-    temporary.persist(file).map_err(|refused| failed(refused.error))?;
-    Ok(())
+    whole_file::write_whole(file, bytes.as_ref())
+        .map_err(|source| CliError::Write { file: file.into(), source })
 }
 
 /// Makes a folder for results, and tries whether files can be written there.

@@ -1,6 +1,5 @@
-//! Ctrl-C → an orderly end: files on their way are removed, finished ones stay.
+//! An orderly end on Ctrl-C: files on their way are removed, finished ones stay.
 
-use crate::error::CliError;
 use std::process;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -41,12 +40,4 @@ pub(crate) fn listen() {
 /// Whether Ctrl-C was pressed.
 pub(crate) fn pressed() -> bool {
     PRESSED.load(Ordering::SeqCst)
-}
-
-/// Fails once Ctrl-C was pressed.
-///
-/// # Errors
-/// [`CliError::Interrupted`]
-pub(crate) fn check() -> Result<(), CliError> {
-    if pressed() { Err(CliError::Interrupted) } else { Ok(()) }
 }

@@ -9,16 +9,11 @@ mod files;
 mod compiler;
 mod moments_file;
 mod progress;
-mod recorded;
 mod signal_arguments;
 mod conditioning;
-mod timed;
-mod flags;
 mod selection;
 mod arguments;
 mod pattern_table;
-mod training_range;
-mod physics;
 mod call_costs;
 mod commands;
 

@@ -1,8 +1,9 @@
-//! What a command found → stdout, stderr and an exit code.
+//! What a command found, written to stdout and stderr, and its exit code.
 
-use crate::error::CliError;
+use crate::error::{CliError, in_flags};
 use crate::interrupt::{INTERRUPTED, pressed};
 use anyhow::Error;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::env;
 use std::io::{self, IsTerminal, Write};
@@ -31,6 +32,12 @@ pub(crate) struct Outcome {
     pub(crate) notes: Vec<String>,
 }
 
+/// The object that programs read.
+pub(crate) fn object(result: &impl Serialize) -> Value {
+    // Results have neither keys that are no text nor numbers that JSON cannot hold.
+    serde_json::to_value(result).unwrap_or_default()
+}
+
 /// Exit codes other than 0.
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
@@ -51,7 +58,7 @@ pub(crate) fn report(found: Result<Outcome, Error>, as_json: bool) -> ExitCode {
             }
             Err(source) => fail(&CliError::Stdout { source }.into(), false),
         },
-        Err(error) => fail(&error, as_json),
+        Err(error) => fail(&in_flags(error), as_json),
     };
     ExitCode::from(code)
 }
@@ -92,6 +99,7 @@ fn fail(error: &Error, as_json: bool) -> u8 {
     match error.downcast_ref() {
         _ if pressed() => INTERRUPTED,
         Some(CliError::Usage(_)) => WRONG_USAGE,
+        _ if error.downcast_ref().is_some_and(torquewise::Error::is_usage) => WRONG_USAGE,
         _ => FAILED,
     }
 }
@@ -135,6 +143,7 @@ fn explanation(error: &Error) -> Vec<String> {
 
 fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<CliError>()
+        || cause.is::<torquewise::Error>()
         || cause.is::<LogError>()
         || cause.is::<ExciteError>()
         || cause.is::<IdentifyError>()

@@ -1,101 +1,52 @@
-//! Recording → the same recording, with a bar on the terminal that shows how far its reader is.
+//! Bars on the terminal that show what is done and how far it is.
 
-use crate::interrupt::{Shield, check};
+use crate::interrupt::pressed;
 use indicatif::{ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
+use std::cell::RefCell;
+use std::ops::ControlFlow;
 use std::time::Duration;
-use torquewise::motion::{Motion, ReadError, Recording};
+use torquewise::Event;
+use torquewise::survey::Progress;
 
-/// A recording whose reader is watched.
-pub(crate) struct Watched<'a, R: Recording + ?Sized> {
-    recording: &'a R,
-    bar: ProgressBar,
-}
-
-impl<'a, R: Recording + ?Sized> Watched<'a, R> {
-    /// Watches the readers of `recording`; the bar goes away with this value.
-    pub(crate) fn new(recording: &'a R, doing: &str) -> Self {
-        Self { recording, bar: bar(doing) }
-    }
-
-    /// Tells how many rows there are, if that is known, and how often they will be read: the bar
-    /// then shows the rate and the time left.
-    pub(crate) fn of(self, rows: Option<u64>, passes: u64) -> Self {
-        if let Some(rows) = rows {
-            self.bar.set_length(rows * passes);
-            let template = "{spinner} {msg} {wide_bar} {percent} %, {per_sec}, {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                self.bar.set_style(style.with_key("per_sec", rate));
-            }
+/// Shows on the terminal what is done, and stops the work once Ctrl-C was pressed.
+pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
+    let shown = RefCell::new(bar("reading"));
+    move |event| {
+        match event {
+            Event::Reading { doing, rows } => *shown.borrow_mut() = reading(doing, rows),
+            Event::Stage(stage) => shown.borrow().set_message(words(stage)),
+            Event::Rows(rows) => shown.borrow().inc(rows as u64),
         }
-        self
-    }
-
-    fn watch(
-        &self,
-        read: impl FnOnce(Visit<'_>) -> Result<(), ReadError>,
-        visit: Visit<'_>,
-    ) -> Result<(), ReadError> {
-        let _shield = Shield::new();
-        read(&mut |trajectory, block| {
-            check()?;
-            visit(trajectory, block)?;
-            self.bar.inc(block.n_rows() as u64);
-            Ok(())
-        })
-    }
-
-    /// A handle to say what the rows are read for.
-    pub(crate) fn bar(&self) -> ProgressBar {
-        self.bar.clone()
+        if pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
-impl<R: Recording + ?Sized> Recording for Watched<'_, R> {
-    fn joints(&self) -> &[String] {
-        self.recording.joints()
-    }
-
-    fn is_filtered(&self) -> bool {
-        self.recording.is_filtered()
-    }
-
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.watch(|visit| self.recording.read(visit), visit)
-    }
-
-    fn n_logs(&self) -> usize {
-        self.recording.n_logs()
-    }
-
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.watch(|visit| self.recording.read_log(log, visit), visit)
-    }
-
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        seed: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
-        let _shield = Shield::new();
-        self.recording.read_log_with_noise(log, seed, &mut |trajectory, block, noise| {
-            check()?;
-            visit(trajectory, block, noise)?;
-            self.bar.inc(block.n_rows() as u64);
-            Ok(())
-        })
+/// What is being done, in words.
+fn words(stage: Progress) -> String {
+    match stage {
+        Progress::Survey => "looking through the log".to_owned(),
+        Progress::Patterns => "clustering".to_owned(),
+        Progress::Geometry => "learning the geometry".to_owned(),
+        Progress::Evidence => "summing".to_owned(),
+        Progress::Step(step) => format!("selecting terms, step {step}"),
+        Progress::Refit => "fitting all rows".to_owned(),
+        Progress::Overlooked => "testing omitted terms".to_owned(),
+        Progress::Done => "done".to_owned(),
     }
 }
 
-/// Who is shown the blocks.
-type Visit<'v> = &'v mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>;
+/// A bar with the rate and the time left, where it is known how many rows there are.
+fn reading(doing: &str, rows: Option<u64>) -> ProgressBar {
+    let bar = bar(doing);
+    if let Some(rows) = rows {
+        bar.set_length(rows);
+        let template = "{spinner} {msg} {wide_bar} {percent} %, {per_sec}, {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.with_key("per_sec", rate));
+        }
+    }
+    bar
+}
 
 /// Rows per second, in words.
 fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
@@ -104,7 +55,7 @@ fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
 }
 
 /// A bar for rows of which nobody knows how many there are.
-pub(crate) fn bar(doing: &str) -> ProgressBar {
+fn bar(doing: &str) -> ProgressBar {
     let bar = shown(ProgressBar::no_length(), "{spinner} {msg}: {human_pos} rows, {elapsed}");
     bar.set_message(doing.to_owned());
     bar

@@ -6,6 +6,13 @@ use parquet::data_type::{ByteArray, DataType};
 use parquet::errors::Result;
 use parquet::schema::types::ColumnDescriptor;
 
+/// Whole numbers with a sign, as older writers name them.
+const SIGNED: [ConvertedType; 4] =
+    [ConvertedType::INT_8, ConvertedType::INT_16, ConvertedType::INT_32, ConvertedType::INT_64];
+/// The same without.
+const UNSIGNED: [ConvertedType; 4] =
+    [ConvertedType::UINT_8, ConvertedType::UINT_16, ConvertedType::UINT_32, ConvertedType::UINT_64];
+
 /// How values of a column become numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
@@ -22,20 +29,18 @@ enum Kind {
 impl Kind {
     /// How a column is read; `None` if it does not hold one number a row.
     fn of(column: &ColumnDescriptor) -> Option<Self> {
-        use ConvertedType as Converted;
         if column.max_rep_level() > 0 || column.path().parts().len() != 1 {
             return None;
         }
         let decimal = Self::Decimal(10_f64.powi(column.type_scale()));
-        let whole = |is_signed| if is_signed { Self::Signed } else { Self::Unsigned };
         let kind = match (column.logical_type_ref(), column.converted_type()) {
-            (Some(LogicalType::Integer(int)), _) => whole(int.is_signed),
-            (Some(LogicalType::Decimal(_)), _) | (None, Converted::DECIMAL) => decimal,
+            (Some(LogicalType::Integer(int)), _) if int.is_signed => Self::Signed,
+            (Some(LogicalType::Integer(_)), _) => Self::Unsigned,
+            (Some(LogicalType::Decimal(_)), _) | (None, ConvertedType::DECIMAL) => decimal,
             (Some(LogicalType::Float16), _) => Self::Half,
-            (None, Converted::UINT_8 | Converted::UINT_16) => Self::Unsigned,
-            (None, Converted::UINT_32 | Converted::UINT_64) => Self::Unsigned,
-            (None, Converted::INT_8 | Converted::INT_16 | Converted::INT_32) => Self::Signed,
-            (None, Converted::INT_64 | Converted::NONE) => Self::Signed,
+            (None, ConvertedType::NONE) => Self::Signed,
+            (None, converted) if SIGNED.contains(&converted) => Self::Signed,
+            (None, converted) if UNSIGNED.contains(&converted) => Self::Unsigned,
             _ => return None,
         };
         let fits = match column.physical_type() {
@@ -167,7 +172,7 @@ mod tests {
         for (bits, expected) in
             [(0x3c00, 1.0), (0xc000, -2.0), (0x7bff, 65504.0), (1, 2_f64.powi(-24)), (0x8000, -0.0)]
         {
-            assert_eq!(half(bits), expected, "{bits:x}");
+            assert_eq!(half(bits).to_bits(), f64::to_bits(expected), "{bits:x}");
         }
         assert!(half(0x7e00).is_nan() && half(0xfc00) == f64::NEG_INFINITY);
     }

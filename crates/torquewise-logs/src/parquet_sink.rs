@@ -3,7 +3,7 @@
 use crate::columns::{Column, ColumnKind, Values};
 use crate::error::LogError;
 use crate::joints::PARQUET_KEY;
-use crate::sink::{Sink, put_in_place, temporary};
+use crate::sink::{Sink, write_error};
 use parquet::basic::{Compression, LogicalType, Repetition, Type};
 use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result};
@@ -14,6 +14,7 @@ use parquet::schema::types::{Type as Schema, TypePtr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::NamedTempFile;
+use torquewise_motion::whole_file::{put_in_place, temporary};
 
 /// Rows of a row group at most: what a reader and a writer have to hold.
 const ROW_GROUP_ROWS: usize = 16_384;
@@ -45,7 +46,7 @@ impl ParquetSink {
             .set_dictionary_enabled(false)
             .set_key_value_metadata(metadata)
             .build();
-        let temporary = temporary(file)?;
+        let temporary = temporary(file).map_err(write_error(file))?;
         let writer = schema(columns)
             .and_then(|schema| SerializedFileWriter::new(temporary, schema, properties.into()))
             .map_err(refused(file))?;
@@ -112,7 +113,7 @@ impl Sink for ParquetSink {
     fn finish(mut self: Box<Self>) -> std::result::Result<(), LogError> {
         self.flush().map_err(refused(&self.file))?;
         let written = self.writer.into_inner().map_err(refused(&self.file))?;
-        put_in_place(written, &self.file)
+        put_in_place(written, &self.file).map_err(write_error(&self.file))
     }
 }
 

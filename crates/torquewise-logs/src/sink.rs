@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
+use torquewise_motion::whole_file::{put_in_place, temporary};
 
 /// Where the values of a table go; they were checked before.
 pub(crate) trait Sink {
@@ -28,7 +29,7 @@ impl CsvSink {
         columns: &[Column],
         joints: Option<&str>,
     ) -> Result<Self, LogError> {
-        let mut temporary = temporary(file)?;
+        let mut temporary = temporary(file).map_err(write_error(file))?;
         if let Some(joints) = joints {
             writeln!(temporary, "{CSV_COMMENT} {joints}").map_err(write_error(file))?;
         }
@@ -64,30 +65,11 @@ impl Sink for CsvSink {
 
     fn finish(self: Box<Self>) -> Result<(), LogError> {
         let written = self.writer.into_inner().map_err(csv::IntoInnerError::into_error);
-        put_in_place(written.map_err(write_error(&self.file))?, &self.file)
+        let written = written.map_err(write_error(&self.file))?;
+        put_in_place(written, &self.file).map_err(write_error(&self.file))
     }
 }
 
-/// A new file in the folder of `file`, removed when dropped.
-pub(crate) fn temporary(file: &Path) -> Result<NamedTempFile, LogError> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".torquewise-").suffix(".partial");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Readable for whom the user's mask allows, like any new file.
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder.unwrap_or(Path::new("."))).map_err(write_error(file))
-}
-
-pub(crate) fn put_in_place(written: NamedTempFile, file: &Path) -> Result<(), LogError> {
-    written.as_file().sync_all().map_err(write_error(file))?;
-    written.persist(file).map_err(|refused| write_error(file)(refused.error))?;
-    Ok(())
-}
-
-fn write_error(file: &Path) -> impl Fn(io::Error) -> LogError {
+pub(crate) fn write_error(file: &Path) -> impl Fn(io::Error) -> LogError {
     move |source| LogError::Write { file: file.into(), source }
 }

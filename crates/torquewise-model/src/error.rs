@@ -1,10 +1,22 @@
 //! What can be wrong with a model or with what it is asked.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+use std::io;
+use std::path::PathBuf;
+
 /// Why a model cannot be read or applied.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
+    #[error("{} cannot be read: check that it exists and may be read", file.display())]
+    Read { file: PathBuf, source: io::Error },
+    #[error(
+        "{} cannot be written: check that its folder exists, may be written and has room",
+        file.display()
+    )]
+    Write { file: PathBuf, source: io::Error },
+    #[error("no model in {}", file.display())]
+    InFile { file: PathBuf, source: Box<ModelError> },
     #[error("the model has {model} joints, the log {log}: it is a model of another arm")]
     JointCount { model: usize, log: usize },
     #[error(

@@ -1,4 +1,4 @@
-//! Model → text → Model: a versioned JSON file.
+//! Model files: versioned JSON, written whole or not at all.
 
 use crate::error::ModelError;
 use crate::friction::{Direction, FrictionLaw, FrictionTerm};
@@ -6,6 +6,8 @@ use crate::model::{Form, Model, Overlooked, Weighted};
 use crate::term::Term;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
+use std::path::Path;
+use torquewise_motion::whole_file::write_whole;
 
 /// Version of the file format this program writes, and the newest it reads. Version 1 had neither
 /// friction nor choices, version 2 no chain.
@@ -24,6 +26,30 @@ struct Written<'a> {
 struct Header {
     format: String,
     version: u64,
+}
+
+impl Model {
+    /// Writes the model to a file, whole or not at all.
+    ///
+    /// # Errors
+    /// [`ModelError::Write`], or as [`to_json`].
+    pub fn save(&self, file: impl AsRef<Path>) -> Result<(), ModelError> {
+        let file = file.as_ref();
+        write_whole(file, to_json(self)?.as_bytes())
+            .map_err(|source| ModelError::Write { file: file.into(), source })
+    }
+
+    /// Reads a model from a file.
+    ///
+    /// # Errors
+    /// [`ModelError::Read`], or [`ModelError::InFile`] with what [`from_json`] found wrong.
+    pub fn load(file: impl AsRef<Path>) -> Result<Self, ModelError> {
+        let file = file.as_ref();
+        let text = std::fs::read_to_string(file)
+            .map_err(|source| ModelError::Read { file: file.into(), source })?;
+        from_json(&text)
+            .map_err(|source| ModelError::InFile { file: file.into(), source: Box::new(source) })
+    }
 }
 
 /// The text of a model file.

@@ -29,6 +29,7 @@ pub mod pattern;
 pub mod repairs;
 pub mod recording;
 pub mod differentiate;
+pub mod whole_file;
 
 pub use differentiate::{LocalPolynomial, derivative};
 pub use error::MotionError;

@@ -1,19 +1,52 @@
 //! From the motion log of a robot arm to its equations of motion.
 //!
-//! The front door: every part of the workspace under one name, and no logic of its own. Read
-//! [`identify::reconstruct()`] first; it is the method on one page.
+//! [`Log`] opens what was recorded, [`Fit`] turns it into a [`Model`], and [`evaluate()`] says how
+//! well that predicts another log: all defaults, warnings and the verdict are here, and the command
+//! line only translates. The modules are the parts it is made of.
 //!
 //! ```
-//! use torquewise::dynamics::{Arm, MotionPlan, simulate};
-//! use torquewise::identify::{Plan, reconstruct, score};
+//! use torquewise::dynamics::{Arm, MotionPlan, Noise, add_noise, simulate};
+//! use torquewise::{Fit, Log};
 //!
+//! # let folder = tempfile::tempdir()?;
+//! # let [train, test] = ["train.csv", "test.csv"].map(|name| folder.path().join(name));
 //! let arm = Arm::builtin("planar-2")?;
-//! let log = simulate(&arm, &MotionPlan { seconds: 60.0, rate: 50.0, ..MotionPlan::default() })?;
-//! let found = reconstruct(&log.motion, &Plan::default(), &mut |_| {})?;
-//! assert!(score(&found.model, &log.motion)?.joints.iter().all(|joint| joint.r2 > 0.999));
+//! for (file, seed) in [(&train, 1), (&test, 2)] {
+//!     let plan = MotionPlan { seconds: 60.0, rate: 50.0, seed, ..MotionPlan::default() };
+//!     torquewise::logs::write_motion(file, &simulate(&arm, &plan)?.motion)?;
+//! }
+//!
+//! let fit = Fit::new(&Log::open(train)?).run()?;
+//! let errors = fit.evaluate(&Log::open(test)?)?;
+//! assert!(errors.joints.iter().all(|joint| joint.nrmse_percent < 1.0));
+//! fit.model.save(folder.path().join("arm.json"))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod error;
+pub mod number;
+pub mod observe;
+pub mod options;
+pub mod prepared;
+pub mod log;
+pub mod source;
+pub mod range;
+pub mod interval;
+pub mod physics;
+pub mod evaluate;
+pub mod summary;
+pub mod fit;
+pub mod compare;
+pub mod sums;
+
+pub use compare::{Comparison, compare};
+pub use error::Error;
+pub use evaluate::{Evaluation, JointEvaluation, evaluate};
+pub use fit::{Fit, FitResult};
+pub use log::{Filter, Log};
+pub use observe::{Event, Observer};
+pub use options::{FitOptions, Library};
+pub use summary::FitSummary;
 pub use torquewise_control as control;
 pub use torquewise_diagnose as diagnose;
 pub use torquewise_dynamics as dynamics;
@@ -21,11 +54,14 @@ pub use torquewise_excite as excite;
 pub use torquewise_experiments as experiments;
 pub use torquewise_export as export;
 pub use torquewise_identify as identify;
+pub use torquewise_identify::verdict::{Grade, Verdict};
 pub use torquewise_logs as logs;
 pub use torquewise_model as model;
+pub use torquewise_model::{Model, Torque};
 pub use torquewise_motion as motion;
 pub use torquewise_regression as regression;
 pub use torquewise_report as report;
 pub use torquewise_signals as signals;
 pub use torquewise_stepwise as stepwise;
 pub use torquewise_survey as survey;
+pub use torquewise_survey::FrictionKind;

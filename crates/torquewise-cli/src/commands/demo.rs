@@ -1,19 +1,20 @@
-//! Nothing → the whole way: a log, its patterns, its equations, and how well they predict.
+//! The whole way at once: a log, its patterns, its equations, and how well they predict.
 
 use crate::files::{create_folder, read_arm, write_whole};
 use crate::outcome::Outcome;
-use crate::table::{Table, number};
-use crate::timed::{Timed, timed};
+use crate::progress::watch;
+use crate::table::Table;
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
-use torquewise::identify::{Plan, Scores, score};
 use torquewise::logs::write_motion;
-use torquewise::model::{Torque, print, to_json};
+use torquewise::model::print;
 use torquewise::motion::{Motion, Pattern};
+use torquewise::number::number;
 use torquewise::report::torque_figure;
+use torquewise::{Evaluation, Fit, FitOptions, FitResult, Library, Torque};
 
 /// Simulate the reference arm, reconstruct it, print and plot what was found
 #[derive(Args, Debug)]
@@ -46,8 +47,8 @@ const TEST_SECONDS: f64 = 20.0;
 struct Found {
     name: &'static str,
     file: &'static str,
-    timed: Timed,
-    scores: Scores,
+    fit: FitResult,
+    scores: Evaluation,
 }
 
 /// Rows of a pattern, and how many of them truly show it.
@@ -68,21 +69,23 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let unseen = MotionPlan { kind, seconds: TEST_SECONDS, rate, seed: seed.wrapping_add(1) };
     let test = simulate(&arm, &unseen)?.motion;
 
-    let plans = [
-        ("energy library", "energy.json", Plan::default()),
-        ("product library", "product.json", Plan::product()),
-        ("one-shot SINDy", "sindy.json", Plan::sindy()),
+    let product = FitOptions { library: Some(Library::Product), ..FitOptions::default() };
+    let methods = [
+        ("energy library", "energy.json", FitOptions::default()),
+        ("product library", "product.json", product),
+        ("one-shot SINDy", "sindy.json", FitOptions::sindy()),
     ];
-    let mut found = Vec::with_capacity(plans.len());
-    for (name, file, plan) in plans {
-        let timed = timed(&log, None, &Plan { seed, ..plan })?;
-        let scores = score(&timed.found.model, &test)?;
-        found.push(Found { name, file, timed, scores });
+    let mut found = Vec::with_capacity(methods.len());
+    for (name, file, options) in methods {
+        let options = FitOptions { seed, ..options };
+        let fit = Fit::new(&log).options(options).observer(&watch()).run()?;
+        let scores = fit.evaluate(&test)?;
+        found.push(Found { name, file, fit, scores });
     }
     let purities = purities(&found[0], &log, &clean.truth);
     write_files(arguments, &log, &found, &figure(arm.name(), &test, &found)?)?;
 
-    let warnings = found[0].timed.found.warnings.iter().map(ToString::to_string).collect();
+    let warnings = found[0].fit.warnings.iter().map(ToString::to_string).collect();
     let text = text(arguments, &log, &purities, &found);
     Ok(Outcome {
         notes: Vec::new(),
@@ -93,7 +96,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 fn purities(found: &Found, log: &Motion, truth: &[Pattern]) -> Vec<Purity> {
-    let labels = found.timed.found.patterns.label(log);
+    let labels = found.fit.patterns.label(log);
     let purity = |pattern| {
         let labelled = labels.iter().zip(truth).filter(|(label, _)| **label == pattern);
         let rows = labelled.clone().count();
@@ -112,7 +115,7 @@ impl Purity {
 fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
     let drawn = || found.first().into_iter().chain(found.last());
     let torques = drawn()
-        .map(|found| Torque::new(&found.timed.found.model).over(test))
+        .map(|found| Torque::new(&found.fit.model).over(test))
         .collect::<Result<Vec<_>, _>>()?;
     let names = drawn().map(|found| found.name);
     let predictions: Vec<_> = names.zip(torques.iter().map(faer::Mat::as_ref)).collect();
@@ -126,7 +129,7 @@ fn write_files(arguments: &Arguments, log: &Motion, found: &[Found], svg: &str) 
     create_folder(folder)?;
     write_motion(&folder.join("log.csv"), log)?;
     for found in found {
-        write_whole(&folder.join(found.file), &to_json(&found.timed.found.model)?)?;
+        found.fit.model.save(folder.join(found.file))?;
     }
     Ok(write_whole(&folder.join("torque.svg"), svg)?)
 }
@@ -142,11 +145,11 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
     let fixed = ["method", "candidates", "active", "seconds"];
     let headings: Vec<&str> = fixed.into_iter().chain(names.iter().map(String::as_str)).collect();
     let mut scores = Table::new(&headings);
-    for Found { name, timed, scores: found, .. } in found {
+    for Found { name, fit, scores: found, .. } in found {
         let counts = [
-            timed.found.candidates.to_string(),
-            timed.found.model.n_coefficients().to_string(),
-            format!("{:.2}", timed.seconds),
+            fit.candidates.to_string(),
+            fit.model.n_coefficients().to_string(),
+            format!("{:.2}", fit.seconds),
         ];
         let errors = found.joints.iter().map(|joint| number(joint.nrmse_percent));
         scores.row(name, counts.into_iter().chain(errors));
@@ -160,7 +163,7 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
          log, models and figure: {}\n",
         log.n_rows(),
         patterns.text(),
-        print::text(&found[0].timed.found.model),
+        print::text(&found[0].fit.model),
         scores.text(),
         output.join("torque.svg").display(),
     )
@@ -175,14 +178,14 @@ fn json(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
         })
     });
     let file = |name: &str| arguments.output.join(name).display().to_string();
-    let methods = found.iter().map(|Found { name, file: model, timed, scores }| {
+    let methods = found.iter().map(|Found { name, file: model, fit, scores }| {
         let percent = scores.joints.iter().map(|joint| joint.nrmse_percent);
         json!({
             "name": name,
-            "candidates": timed.found.candidates,
-            "active": timed.found.model.active(),
-            "active_total": timed.found.model.n_coefficients(),
-            "seconds": timed.seconds,
+            "candidates": fit.candidates,
+            "active": fit.model.active(),
+            "active_total": fit.model.n_coefficients(),
+            "seconds": fit.seconds,
             "nrmse_percent": percent.collect::<Vec<_>>(),
             "file": file(model),
         })

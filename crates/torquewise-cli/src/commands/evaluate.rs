@@ -1,16 +1,16 @@
-//! Model, logs → scores: RMSE, NRMSE and R² of each joint.
+//! How well a model predicts the torque of logs.
 
 use crate::conditioning;
 use crate::files::read_model;
-use crate::outcome::Outcome;
-use crate::progress::Watched;
+use crate::outcome::{Outcome, object};
+use crate::progress::watch;
 use crate::score_table;
-use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
-use crate::training_range::AskedRange;
+use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::diagnose::score::score_along;
+use torquewise::evaluate::{evaluate_prepared, prepare};
+use torquewise::summary::AllRepairs;
 
 /// Compare the torque a model predicts with the torque measured
 #[derive(Args, Debug)]
@@ -29,27 +29,22 @@ pub(crate) struct Arguments {
 /// Scores the model.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
-    let logs = arguments.profile.open(&arguments.logs)?;
-    model.check_joints(logs.joints())?;
-    logs.require_tau()?;
-    let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::WithRaw)?;
-    let mut asked = AskedRange::new(model.n_joints());
-    let watched = Watched::new(&logs, "predicting").of(logs.rows_hint(), 1);
-    let scores = score_along(&model, &watched, &mut |block| asked.add(block))?;
-    let raw = logs.raw_scores(&model)?;
-    let repairs = logs.repairs();
-    let mut json = score_table::json_beside_raw(&scores, raw.as_ref());
-    json["conditioning"] = conditioning::json(&repairs);
+    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let log = prepare(&model, &log)?;
+    let scores = evaluate_prepared(&model, &log, &watch())?;
+    let repairs = log.repairs();
+    let mut json = object(&scores);
+    json["conditioning"] = object(&AllRepairs::of(&repairs));
     Ok(Outcome {
         text: format!(
             "{}{}\n{} rows\n{}",
-            logs.text(),
-            score_table::text(&scores, raw.as_ref()),
+            log.text(),
+            score_table::text(&scores),
             scores.rows,
             conditioning::text(&repairs)
         ),
         json,
-        warnings: score_table::warnings(&scores).into_iter().chain(logs.warnings()).collect(),
-        notes: asked.warnings(&model),
+        warnings: scores.warnings.into_iter().chain(log.warnings()).collect(),
+        notes: scores.notes,
     })
 }

@@ -6,7 +6,6 @@ use crate::files::{
     check_distinct, check_ending, check_output, create_folder, read_model, write_whole,
 };
 use crate::outcome::Outcome;
-use crate::physics::MassMatrix;
 use crate::table::Table;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -18,6 +17,7 @@ use torquewise::export::{
     to_latex, to_python, to_rust,
 };
 use torquewise::model::Model;
+use torquewise::physics::MassMatrix;
 
 /// Write a model as code for a controller: torque, gravity, coriolis, inertia, friction
 #[derive(Args, Debug)]

@@ -1,31 +1,31 @@
-//! Logs → model file: the main job.
+//! The main job: logs to a model file.
 
-use crate::arguments::{Known, PlanArguments};
+use crate::arguments::PlanArguments;
 use crate::call_costs::CallCosts;
 use crate::conditioning;
-use crate::error::CliError;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
-use crate::outcome::Outcome;
-use crate::physics::{MassMatrix, Physics, STATES};
-use crate::progress::Watched;
-use crate::recorded::Recorded;
+use crate::outcome::{Outcome, object};
+use crate::progress::watch;
 use crate::score_table;
-use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
-use crate::table::{Table, counts, number};
-use crate::timed::{Timed, timed_at_best};
+use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::table::{Table, counts};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-use torquewise::diagnose::disagreement::disagreements;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::plan::Regression;
-use torquewise::identify::verdict::{Grade, Verdict};
-use torquewise::identify::{Plan, Reconstruction, Warning, diagnose, score};
-use torquewise::logs::Logs;
-use torquewise::model::{Model, to_json};
-use torquewise::motion::Recording;
-use torquewise::regression::accumulate::Route;
+use torquewise::identify::{Warning, diagnose};
+use torquewise::log::Rows;
+use torquewise::model::Model;
+use torquewise::number::number;
+use torquewise::observe::Watched;
+use torquewise::physics::{PhysicsCheck, STATES};
+use torquewise::prepared::Prepared;
 use torquewise::report::{Findings, fit_report};
+use torquewise::summary::FitSummary;
+use torquewise::{Error, Fit, FitResult, Grade};
 
 /// Reconstruct the equations of motion from logs
 #[derive(Args, Debug)]
@@ -45,6 +45,9 @@ pub(crate) struct Arguments {
     /// Standstill, uniform and variable velocity in turn, or all at once
     #[arg(long, value_enum, default_value_t)]
     method: MethodName,
+    /// Show what was chosen on the way: signals, steps, candidates, and what each call costs
+    #[arg(long)]
+    explain: bool,
     #[command(flatten)]
     plan: PlanArguments,
     #[command(flatten)]
@@ -76,50 +79,47 @@ impl MethodName {
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
+    let options = arguments.plan.options(arguments.method.regression());
     // Wrong usage is told before the log is read.
-    arguments.plan.plan(arguments.method.regression(), Known::default())?;
-    let Opened { logs, test, plan } = open(arguments)?;
-    let (logs, mut timed) = timed_at_best(logs, &plan)?;
-    timed.found.model.training.filter = logs.filter();
-    compare_logs(&mut timed.found, &logs)?;
-    timed.found.model.training.conditioning = logs.repairs();
-    let model = &timed.found.model;
-    write_whole(&arguments.output, to_json(model)?)?;
-
-    let mass = MassMatrix::of(model)?;
-    let mut text = vec![mass.headline(), logs.text(), text(&arguments.output, &timed)];
-    let mut json = json(&arguments.output, &timed, &mass);
-    let (notes, found): (Vec<&Warning>, Vec<&Warning>) =
-        timed.found.warnings.iter().partition(|warning| warning.is_remark());
-    let repaired = conditioning::notes(&model.training.conditioning);
-    let notes = repaired.into_iter().chain(notes.into_iter().map(ToString::to_string)).collect();
-    let found = found.into_iter().map(ToString::to_string);
-    let mut warnings: Vec<String> =
-        mass.warning().into_iter().chain(found).chain(logs.warnings()).collect();
+    options.check()?;
+    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let test = Some(&arguments.test).filter(|test| !test.is_empty());
+    let test = test.map(|test| arguments.profile.open(test, &arguments.signals)).transpose()?;
     if let Some(test) = &test {
-        let scores = score(model, &Watched::new(test, "predicting").of(test.rows_hint(), 1))?;
-        let raw = test.raw_scores(model)?;
-        let table = score_table::text(&scores, raw.as_ref());
-        text.push(format!("\nOn the test log:\n\n{table}"));
-        json["test"] = score_table::json_beside_raw(&scores, raw.as_ref());
-        warnings.extend(score_table::warnings(&scores));
-    }
-    if let Some(file) = &arguments.report {
-        let costs = CallCosts::of(model)?;
-        write_whole(file, report(arguments, &timed.found, &logs, test.as_ref(), &costs)?)?;
-        text.push(format!("{}\nreport: {}\n", costs.text(), file.display()));
-        json["costs"] = costs.json();
-        json["report"] = json!(file.display().to_string());
-    }
-    if let Some(verdict) = Verdict::of(&timed.found) {
-        text.push(format!("\nverdict: {verdict}\n"));
-        json["verdict"] = json!(verdict.grade.to_string());
-        if verdict.grade == Grade::Unusable {
-            warnings.push(format!("the model is {verdict}"));
+        test.files().require_tau()?;
+        if test.joints() != log.joints() {
+            let [found, expected] = [test, &log].map(|log| log.joints().join(", "));
+            return Err(Error::OtherArm { found, expected }.into());
         }
-        json["because"] = json!(verdict.because);
     }
-    Ok(Outcome { text: text.concat(), json, warnings, notes })
+    let fit = Fit::new(&log).options(options).observer(&watch()).run()?;
+    fit.model.save(&arguments.output)?;
+    let test = test.map(|test| test.prepare_as(fit.model.training.filter, Rows::WithRawTorque));
+    let test = test.transpose()?;
+
+    let summary = fit.summary()?;
+    let mut outcome = outcome(&fit, &summary, arguments.explain);
+    outcome.json["file"] = json!(arguments.output.display().to_string());
+    if let Some(test) = &test {
+        let scores = evaluate_prepared(&fit.model, test, &watch())?;
+        outcome.text += "\nOn the test log:\n\n";
+        outcome.text += &score_table::text(&scores);
+        outcome.json["test"] = object(&scores);
+        outcome.warnings.extend(scores.warnings);
+        outcome.notes.extend(scores.notes);
+    }
+    let costs = CallCosts::of(&fit.model)?;
+    if arguments.explain {
+        outcome.text += &costs.text();
+    }
+    write!(outcome.text, "\nmodel: {}\n", arguments.output.display())?;
+    if let Some(file) = &arguments.report {
+        write_whole(file, report(arguments, &fit, test.as_ref(), &costs)?)?;
+        writeln!(outcome.text, "report: {}", file.display())?;
+        outcome.json["costs"] = costs.json();
+        outcome.json["report"] = json!(file.display().to_string());
+    }
+    Ok(outcome)
 }
 
 fn check_outputs(arguments: &Arguments) -> Result<()> {
@@ -135,63 +135,24 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Logs, ready to be read.
-struct Opened {
-    /// To fit on.
-    logs: Recorded,
-    /// To judge by.
-    test: Option<Recorded>,
-    /// What is fitted.
-    plan: Plan,
-}
-
-fn open(arguments: &Arguments) -> Result<Opened> {
-    let open = |paths: &Vec<PathBuf>| -> Result<Logs> {
-        let logs = arguments.profile.open(paths)?;
-        logs.require_tau()?;
-        Ok(logs)
-    };
-    let logs = open(&arguments.logs)?;
-    let known = Known::of(&logs, &arguments.signals);
-    let plan = arguments.plan.plan(arguments.method.regression(), known)?;
-    let leaves_cutoff = arguments.signals.leaves_cutoff();
-    let wanted = if leaves_cutoff { Wanted::WithRaw } else { Wanted::Filtered };
-    let logs = arguments.signals.prepare(logs, wanted)?;
-    let test = Some(&arguments.test).filter(|test| !test.is_empty());
-    let test = test
-        .map(|test| arguments.signals.prepare_as(logs.filter(), open(test)?, Wanted::WithRaw))
-        .transpose()?;
-    if let Some(test) = test.as_ref().filter(|test| test.joints() != logs.joints()) {
-        let [found, expected] = [test, &logs].map(|logs| logs.joints().join(", "));
-        return Err(CliError::TestOfAnotherArm { found, expected }.into());
-    }
-    Ok(Opened { logs, test, plan })
-}
-
-/// Warns of logs that one model cannot fit, such as those of different payloads.
-fn compare_logs(found: &mut Reconstruction, logs: &Recorded) -> Result<()> {
-    if logs.logs().paths().len() > 1 {
-        let watched = Watched::new(logs, "comparing the logs");
-        let at_odds = disagreements(&found.model, &watched, &|k| logs.file_of(k))?;
-        found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
-    }
-    Ok(())
-}
-
 /// The report of a model over its logs and those of another motion.
 fn report(
     arguments: &Arguments,
-    found: &Reconstruction,
-    logs: &Recorded,
-    test: Option<&Recorded>,
+    fit: &FitResult,
+    test: Option<&Prepared>,
     costs: &CallCosts,
 ) -> Result<String> {
-    let look = |logs: &Recorded| {
-        let watched = Watched::new(logs, "looking at the residuals").of(logs.rows_hint(), 2);
-        diagnose(&found.model, &found.patterns, &watched)
+    let shown = watch();
+    let look = |log: &Prepared| {
+        let rows = (log.rows_hint(), 2);
+        let watched = Watched::new(log, &shown, "looking at the residuals", rows);
+        diagnose(&fit.model, &fit.patterns, &watched)
     };
-    let (diagnosis, test) = (look(logs)?, test.map(look).transpose()?);
-    let physics = Physics::of(&found.model, STATES)?;
+    let log = fit.log.as_ref().map(look).transpose()?;
+    let (Some(diagnosis), test) = (log, test.map(look).transpose()?) else {
+        return Ok(String::new());
+    };
+    let physics = PhysicsCheck::of(&fit.model, STATES)?;
     let names = |paths: &[PathBuf]| {
         let name = |path: &PathBuf| {
             path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
@@ -204,58 +165,88 @@ fn report(
         test => format!("Torque model from {logs}, tested on {}", names(test)),
     };
     let (checks, test, costs) = (Some(physics.checks()), test.as_ref(), costs.of_each());
-    Ok(fit_report(&Findings { found, diagnosis: &diagnosis, checks, test, costs }, &title)?)
+    let findings = Findings { found: fit, diagnosis: &diagnosis, checks, test, costs };
+    Ok(fit_report(&findings, &title)?)
 }
 
-/// What was found, for people.
-pub(crate) fn text(output: &Path, timed: &Timed) -> String {
-    let found = &timed.found;
+/// What a fit came to: what can be acted on, and with `explain` what was chosen on the way.
+pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) -> Outcome {
+    let mut text = Vec::new();
+    let flaw = summary.mass_matrix.flaw();
+    text.extend(flaw.map(|flaw| format!("NOT PHYSICAL: {flaw}\n\n")));
+    if explain {
+        text.extend(fit.log.as_ref().map(Prepared::text));
+    }
+    text.push(rows(fit));
+    if explain {
+        text.push(steps(fit) + "\n");
+    }
+    text.push(joints(summary));
+    if explain {
+        text.push(choices(&fit.model));
+        text.push(format!(
+            "\n{} of {} candidates kept, {:.2} s\n",
+            summary.active_total, summary.candidates, fit.seconds
+        ));
+        text.extend(summary.overlooked.map(|found| format!("{found}\n")));
+        text.extend(summary.price_of_physics.map(|price| format!("{price}\n")));
+    }
+    let (notes, warnings): (Vec<&Warning>, Vec<&Warning>) =
+        fit.warnings.iter().partition(|warning| warning.is_remark());
+    let words = |list: Vec<&Warning>| list.into_iter().map(ToString::to_string).collect::<Vec<_>>();
+    let mut warnings = words(warnings);
+    warnings.splice(0..0, summary.mass_matrix.warning());
+    warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
+    let mut remarks = conditioning::notes(&fit.model.training.conditioning);
+    remarks.extend(words(notes));
+    if let Some(verdict) = fit.verdict() {
+        text.push(format!("\nverdict: {verdict}\n"));
+        if verdict.grade == Grade::Unusable {
+            warnings.push(format!("the model is {verdict}"));
+        }
+    }
+    Outcome { text: text.concat(), json: object(summary), warnings, notes: remarks }
+}
+
+/// How long the log is, and how it was filtered.
+fn rows(fit: &FitResult) -> String {
+    let filter = fit.model.training.filter.map_or_else(String::new, |filter| {
+        let delay = match filter.delay {
+            0.0 => String::new(),
+            delay => format!(", torque {:.1} ms late", 1e3 * delay),
+        };
+        format!(", filtered at {} Hz{delay}", number(filter.cutoff_hz))
+    });
+    let survey = &fit.survey;
+    let rate = number(survey.rate());
+    format!("{} rows, {:.1} s at {rate} Hz{filter}\n\n", survey.rows, survey.seconds)
+}
+
+/// What each step was offered and kept.
+fn steps(fit: &FitResult) -> String {
     let mut steps = Table::new(&["step", "rows", "candidates", "active per joint", "seconds"]);
-    for (step, seconds) in found.steps.iter().zip(&timed.step_seconds) {
+    for (step, seconds) in fit.steps.iter().zip(&fit.step_seconds) {
         let (rows, candidates) = (step.rows.to_string(), step.candidates.to_string());
         steps.row(step.name, [rows, candidates, counts(&step.active), format!("{seconds:.3}")]);
     }
-    let model = &found.model;
-    let percent = |part: &str| format!("{part} [% of std]");
-    let (own, held_out) = (percent("residual"), percent("held out"));
-    let mut joints = Table::new(&["joint", "active", "residual [N·m]", &own, &held_out]);
-    let training = model.training.residual_rms.iter().zip(&model.training.torque_std);
-    let active = model.active();
-    let mut unseen = held_out_percent(model).into_iter();
-    for ((name, active), (&residual, &std)) in model.joints.iter().zip(active).zip(training) {
-        let own = [active.to_string(), number(residual), number(100.0 * residual / std)];
-        let unseen = unseen.next().map_or_else(String::new, number);
-        joints.row(name, own.into_iter().chain([unseen]));
+    steps.text()
+}
+
+/// What is left of the torque of each joint.
+fn joints(summary: &FitSummary<'_>) -> String {
+    let headings =
+        ["joint", "terms", "residual [N·m]", "residual [% of std]", "held out [% of std]"];
+    let mut table = Table::new(&headings);
+    for (joint, name) in summary.joints.iter().enumerate() {
+        let cell = |values: &[f64]| values.get(joint).map_or_else(String::new, |x| number(*x));
+        let errors = [summary.residual_rms, &summary.residual_percent, &summary.held_out_percent];
+        let terms = summary.active[joint].to_string();
+        table.row(name, std::iter::once(terms).chain(errors.map(cell)));
     }
-    format!(
-        "{} rows, {:.1} s at {} Hz\n\n{}\n{}\n{}{} of {} candidates kept, {:.2} s\n{}{}model: {}\n",
-        found.survey.rows,
-        found.survey.seconds,
-        number(found.survey.rate()),
-        steps.text(),
-        joints.text(),
-        choices(model),
-        model.n_coefficients(),
-        found.candidates,
-        timed.seconds,
-        line(model.training.overlooked.as_ref()),
-        line(model.training.price_of_physics.as_ref()),
-        output.display(),
-    )
+    table.text()
 }
 
-/// What is left of the torque of each joint on held-out blocks of time, of its spread \[%\].
-fn held_out_percent(model: &Model) -> Vec<f64> {
-    let pairs = model.training.held_out_rms.iter().zip(&model.training.torque_std);
-    pairs.map(|(rms, std)| 100.0 * rms / std).collect()
-}
-
-/// A line of its own, if there is something to say.
-fn line(what: Option<&impl ToString>) -> String {
-    what.map_or_else(String::new, |what| what.to_string() + "\n")
-}
-
-/// What was chosen on held-out data, and how much worse the runner-up is.
+/// What was chosen on held-out data, and its error.
 fn choices(model: &Model) -> String {
     if model.choices.is_empty() {
         return String::new();
@@ -267,69 +258,5 @@ fn choices(model: &Model) -> String {
         let from = choice.from.len().to_string();
         table.row(&choice.what, [choice.chosen.clone(), error, from]);
     }
-    table.text() + "\n"
-}
-
-/// The same for programs.
-pub(crate) fn json(output: &Path, timed: &Timed, mass: &MassMatrix) -> Value {
-    let found = &timed.found;
-    let model = &found.model;
-    let steps = found.steps.iter().zip(&timed.step_seconds).map(|(step, seconds)| {
-        json!({
-            "name": step.name,
-            "rows": step.rows,
-            "candidates": step.candidates,
-            "active": step.active,
-            "route": route_name(step.route),
-            "seconds": seconds,
-        })
-    });
-    let dropped = found
-        .dropped
-        .iter()
-        .map(|dropped| json!({ "term": dropped.name, "inclusion": dropped.inclusion }));
-    json!({
-        "rows": found.survey.rows,
-        "joints": model.joints,
-        "candidates": found.candidates,
-        "candidates_by_step":
-            found.steps.iter().map(|step| step.candidates).collect::<Vec<_>>(),
-        "active": model.active(),
-        "active_total": model.n_coefficients(),
-        "steps": steps.collect::<Vec<_>>(),
-        "choices": model.choices,
-        "overlooked": model.training.overlooked,
-        "price_of_physics": model.training.price_of_physics,
-        "residual_percent": model.training.residual_rms.iter().zip(&model.training.torque_std)
-            .map(|(rms, std)| 100.0 * rms / std).collect::<Vec<_>>(),
-        "held_out_percent": held_out_percent(model),
-        "cutoff_hz": model.training.filter.map(|filter| filter.cutoff_hz),
-        "conditioning": conditioning::json(&model.training.conditioning),
-        "seconds": timed.seconds,
-        "route": overall_route(found),
-        "noise": {
-            "q": found.noise.q,
-            "dq": found.noise.dq,
-            "ddq": found.noise.ddq,
-        },
-        "dropped": dropped.collect::<Vec<_>>(),
-        "residual_rms": model.training.residual_rms,
-        "torque_std": model.training.torque_std,
-        "mass_matrix": mass.json(),
-        "file": output.display().to_string(),
-    })
-}
-
-/// How the normal equations were come by, if all steps agree.
-fn overall_route(found: &Reconstruction) -> &'static str {
-    let mut routes = found.steps.iter().map(|step| route_name(step.route));
-    let first = routes.next().unwrap_or("none");
-    if routes.all(|route| route == first) { first } else { "mixed" }
-}
-
-fn route_name(route: Route) -> &'static str {
-    match route {
-        Route::Moments => "moments",
-        Route::Direct => "direct",
-    }
+    format!("\n{}", table.text())
 }

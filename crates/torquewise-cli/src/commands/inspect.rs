@@ -1,21 +1,26 @@
 //! Logs → what they hold, and what they lack.
 
 use crate::conditioning;
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, object};
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
-use crate::progress::Watched;
-use crate::recorded::Recorded;
-use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
-use crate::table::{Table, number};
+use crate::progress::watch;
+use crate::signal_arguments::{FilterArguments, ProfileArguments};
+use crate::table::Table;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use torquewise::Error;
 use torquewise::diagnose::excitation::findings;
 use torquewise::identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
+use torquewise::log::Rows;
 use torquewise::logs::{LogError, Logs, UnitWarning, suggest, unit_warnings};
 use torquewise::motion::{Pattern, Recording};
+use torquewise::number::number;
+use torquewise::observe::Watched;
+use torquewise::prepared::Prepared;
+use torquewise::summary::AllRepairs;
 use torquewise::survey::NoiseFloor;
 
 /// Show what a log holds and what it lacks
@@ -41,16 +46,19 @@ struct Inspection {
 
 /// Looks through the logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let logs = match arguments.profile.open(&arguments.logs) {
-        Ok(logs) => logs,
+    let log = match arguments.filter.open(&arguments.profile, &arguments.logs) {
+        Ok(log) => log,
         // Columns by other names are no mistake; a mistake in our own names is.
-        Err(error) if matches!(error.downcast_ref(), Some(LogError::NoColumn { .. })) => {
+        Err(error)
+            if matches!(error.downcast_ref(), Some(Error::Log(LogError::NoColumn { .. }))) =>
+        {
             return suggested(&arguments.logs, &arguments.profile).ok_or(error);
         }
         Err(error) => return Err(error),
     };
-    let recorded = arguments.filter.prepare(logs, Wanted::Filtered)?;
-    let watched = Watched::new(&recorded, "looking through the log");
+    let recorded = arguments.filter.prepare(&log, Rows::Filtered)?;
+    let shown = watch();
+    let watched = Watched::new(&recorded, &shown, "looking through the log", (None, 1));
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;
     let mut table = PatternTable::create(None)?;
@@ -64,12 +72,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(table.append(&patterns.label(block))?)
         })
         .map_err(|error| anyhow!(error))?;
-    drop(watched);
+    drop(shown);
     let (counts, units) = (table.finish()?, units.into_values().collect());
     let inspection = Inspection { logs: recorded.logs().clone(), survey, patterns, counts, units };
     let repairs = recorded.repairs();
     let mut json = inspection.json();
-    json["conditioning"] = conditioning::json(&repairs);
+    json["conditioning"] = object(&AllRepairs::of(&repairs));
     Ok(Outcome {
         notes: conditioning::notes(&repairs),
         text: inspection.text() + &signals_text(&recorded) + &conditioning::text(&repairs),
@@ -79,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 /// What was done to the signals before they were looked at.
-fn signals_text(recorded: &Recorded) -> String {
+fn signals_text(recorded: &Prepared) -> String {
     recorded.report().map_or_else(String::new, |report| format!("\nsignals\n{report}\n"))
 }
 

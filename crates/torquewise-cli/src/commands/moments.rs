@@ -1,23 +1,17 @@
-//! Logs → moments file: all that a fit needs of them, to be added to others.
+//! All that a fit needs of logs, in a file that adds to others.
 
-use crate::arguments::Known;
 use crate::arguments::PlanArguments;
 use crate::commands::fit::MethodName;
 use crate::conditioning;
-use crate::error::CliError;
 use crate::files::check_output;
 use crate::moments_file::{json, read_request, text, write_moments};
 use crate::outcome::Outcome;
-use crate::progress::Watched;
-use crate::recorded::Recorded;
-use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
-use crate::timed::doing;
+use crate::progress::watch;
+use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
-use torquewise::identify::summary::summarise_again;
-use torquewise::identify::{Method, Plan, summarise};
+use torquewise::sums::sum_up;
 
 /// Sum up logs into a file that adds to others: merge such files, then solve
 #[derive(Args, Debug)]
@@ -42,55 +36,23 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// Why logs with friction are not summed up.
-const FRICTION: &str = "the laws of friction follow from all logs together, so that parts with \
-                        friction do not add up: fit the logs with fit, or use --library chain";
-
 /// Sums up and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_output(&arguments.output, &arguments.logs)?;
-    let regression = arguments.method.regression();
+    let options = arguments.plan.options(arguments.method.regression());
     // Wrong usage is told before the log is read.
     arguments.plan.refuse_selection()?;
-    arguments.plan.plan(regression, Known::default())?;
-    let logs = arguments.profile.open(&arguments.logs)?;
-    logs.require_tau()?;
+    options.check()?;
+    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
     let request = arguments.request.as_deref().map(read_request).transpose()?;
-    let plan = arguments.plan.plan(regression, Known::of(&logs, &arguments.signals))?;
-    let plan = match (&request, &plan.method) {
-        (Some(_), Method::Library(_)) => {
-            Plan { method: Method::Chain(ChainOptions::default()), ..plan }
-        }
-        _ => plan,
-    };
-    if let Method::Library(LibraryOptions { friction, .. }) = &plan.method
-        && *friction != FrictionKind::None
-    {
-        return Err(CliError::Usage(FRICTION.into()).into());
-    }
-    let logs = arguments.signals.prepare(logs, Wanted::Filtered)?;
-
-    let watched = Watched::new(&logs, "summing").of(logs.rows_hint(), 2);
-    let bar = watched.bar();
-    let mut told = |progress| bar.set_message(doing(progress));
-    let summary = match &request {
-        None => summarise(&watched, &plan, &how(&logs), &mut told)?,
-        Some(request) => summarise_again(&watched, &plan, &how(&logs), request, &mut told)?,
-    };
+    let (summary, log) = sum_up(&log, &options, request.as_ref(), &watch())?;
     let bytes = write_moments(&arguments.output, &summary)?;
     Ok(Outcome {
         notes: Vec::new(),
-        text: logs.text()
+        text: log.text()
             + &text(&summary, &arguments.output, bytes)
-            + &conditioning::text(&logs.repairs()),
+            + &conditioning::text(&log.repairs()),
         json: json(&summary, &arguments.output, bytes),
-        warnings: logs.warnings(),
+        warnings: log.warnings(),
     })
-}
-
-/// How the signals were filtered: parts that were filtered otherwise do not add up.
-fn how(logs: &Recorded) -> String {
-    let Some(logs) = logs.conditioned() else { return "as recorded".to_owned() };
-    let settings = logs.settings();
-    format!("{:?}, torque {:?} s late", settings.cutoff, settings.delay)
 }

@@ -3,15 +3,18 @@
 use crate::arguments::PatternArguments;
 use crate::files::{check_ending, check_output, write_whole};
 use crate::outcome::Outcome;
-use crate::progress::Watched;
-use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
-use crate::table::{Table, number};
+use crate::progress::watch;
+use crate::signal_arguments::{FilterArguments, ProfileArguments};
+use crate::table::Table;
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::identify::Warning;
+use torquewise::log::Rows;
 use torquewise::motion::Recording;
+use torquewise::number::number;
+use torquewise::observe::Watched;
 use torquewise::report::{chart_figure, order_charts};
 use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
 
@@ -58,16 +61,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         check_output(file, &arguments.logs)?;
         check_ending(file, &["svg"])?;
     }
-    let logs = arguments.profile.open(&arguments.logs)?;
-    logs.require_tau()?;
-    let logs = arguments.filter.prepare(logs, Wanted::Filtered)?;
+    let log = arguments.filter.open(&arguments.profile, &arguments.logs)?;
+    log.files().require_tau()?;
+    let logs = arguments.filter.prepare(&log, Rows::Filtered)?;
     let plan = OrderPlan {
         trig_order: arguments.trig_order,
         whole_order: arguments.whole_order,
         interaction: arguments.interaction.into(),
         patterns: arguments.patterns.plan(),
     };
-    let curves = orders(&Watched::new(&logs, "trying orders"), &plan)?;
+    let curves = orders(&Watched::new(&logs, &watch(), "trying orders", (None, 1)), &plan)?;
     let mut text: Vec<String> =
         curves.iter().map(|curve| curve_text(curve, logs.joints())).collect();
     if let Some(file) = &arguments.output {

@@ -5,16 +5,18 @@ use crate::files::check_output;
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
-use crate::progress::Watched;
-use crate::recorded::Recorded;
-use crate::signal_arguments::{FilterArguments, ProfileArguments, Wanted};
-use crate::table::number;
+use crate::progress::watch;
+use crate::signal_arguments::{FilterArguments, ProfileArguments};
 use anyhow::{Result, anyhow};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::identify::{Patterns, find_patterns, survey};
+use torquewise::log::Rows;
 use torquewise::motion::Recording;
+use torquewise::number::number;
+use torquewise::observe::Watched;
+use torquewise::prepared::Prepared;
 
 /// Tell standstill, uniform and variable velocity apart
 #[derive(Args, Debug)]
@@ -38,10 +40,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(file) = &arguments.output {
         check_output(file, &arguments.logs)?;
     }
-    let logs = arguments.profile.open(&arguments.logs)?;
-    let logs = arguments.filter.prepare(logs, Wanted::EveryRow)?;
+    let log = arguments.filter.open(&arguments.profile, &arguments.logs)?;
+    let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {
-        let watched = Watched::new(&logs, "looking through the log").of(logs.rows_hint(), 1);
+        let (shown, rows) = (watch(), (logs.rows_hint(), 1));
+        let watched = Watched::new(&logs, &shown, "looking through the log", rows);
         find_patterns(&survey(&watched)?, &arguments.patterns.plan())?
     };
     let counts = label_rows(&logs, &found, arguments.output.as_deref())?;
@@ -49,11 +52,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 /// Labels all rows, beyond the sample that was clustered.
-fn label_rows(logs: &Recorded, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
+fn label_rows(logs: &Prepared, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
     let _shield = Shield::new();
     let mut table = PatternTable::create(file)?;
-    Watched::new(logs, "labelling rows")
-        .of(logs.rows_hint(), 1)
+    Watched::new(logs, &watch(), "labelling rows", (logs.rows_hint(), 1))
         .read(&mut |_, block| Ok(table.append(&found.label(block))?))
         .map_err(|error| anyhow!(error))?;
     Ok(table.finish()?)

@@ -1,23 +1,26 @@
-//! Model, log → torque, whole and in parts.
+//! The torque of a log, whole and in parts.
 
 use crate::conditioning;
-use crate::error::CliError;
 use crate::files::{check_output, read_model};
 use crate::interrupt::Shield;
-use crate::outcome::Outcome;
-use crate::progress::Watched;
-use crate::signal_arguments::{ProfileArguments, SignalArguments, Wanted};
-use crate::table::{Table, number};
-use crate::training_range::AskedRange;
+use crate::outcome::{Outcome, object};
+use crate::progress::watch;
+use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::table::Table;
 use anyhow::{Result, anyhow};
 use clap::Args;
 use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
+use torquewise::interval::Interval;
+use torquewise::log::Rows;
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
-use torquewise::model::{Model, RigidChain, Torque};
+use torquewise::model::{Model, Torque};
 use torquewise::motion::{Motion, ReadError, Recording};
-use torquewise::survey::NoiseFloor;
+use torquewise::number::number;
+use torquewise::observe::Watched;
+use torquewise::range::MotionRange;
+use torquewise::summary::AllRepairs;
 
 /// Predict the torque of a log, with or without measured torque
 ///
@@ -57,13 +60,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Some(step) => whole.after_step(step.into())?,
         None => whole,
     };
-    let logs = arguments.profile.open(std::slice::from_ref(&arguments.log))?;
-    model.check_joints(logs.joints())?;
-    let logs = arguments.signals.prepare_as(model.training.filter, logs, Wanted::EveryRow)?;
+    let log = arguments.profile.open(std::slice::from_ref(&arguments.log), &arguments.signals)?;
+    model.check_joints(log.joints())?;
+    let logs = log.prepare_as(model.training.filter, Rows::Every)?;
 
     let _shield = Shield::new();
-    let interval =
-        arguments.interval.map(|percent| Interval::new(&model, &logs, percent)).transpose()?;
+    let interval = arguments.interval.map(|percent| Interval::new(&model, &logs, percent.into()));
+    let interval = interval.transpose()?;
     let measured = logs.logs().has_tau();
     let written =
         Written { torque: Torque::new(&model), parts: arguments.parts, interval, measured };
@@ -71,15 +74,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let columns: Vec<Column> =
         names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
     let mut writer = TableWriter::create(&arguments.output, &columns)?;
-    let mut asked = AskedRange::new(model.n_joints());
+    let mut range = MotionRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
     let mut path = written.torque.path();
-    Watched::new(&logs, "predicting")
-        .of(logs.rows_hint(), 1)
+    Watched::new(&logs, &watch(), "predicting", (logs.rows_hint(), 1))
         .read(&mut |trajectory, block| {
             rows += block.n_rows();
-            asked.add(block);
+            range.add(block);
             let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
@@ -88,10 +90,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         })
         .map_err(|error| anyhow!(error))?;
     writer.finish()?;
-    let mut outcome = outcome(arguments, &model, rows, &largest, &names, &asked);
+    let mut outcome = outcome(arguments, &model, rows, &largest, &names, &range);
     let repairs = logs.repairs();
     outcome.text.push_str(&conditioning::text(&repairs));
-    outcome.json["conditioning"] = conditioning::json(&repairs);
+    outcome.json["conditioning"] = object(&AllRepairs::of(&repairs));
     Ok(outcome)
 }
 
@@ -150,80 +152,13 @@ impl Written<'_> {
     }
 }
 
-/// What a measured torque is expected within: the parameters are uncertain, noise of the log
-/// reaches the prediction, and what the model leaves of the torque is not predicted.
-struct Interval<'a> {
-    model: &'a Model,
-    chain: &'a RigidChain,
-    torque: Torque,
-    /// Noise of the log \[rad, rad/s, rad/s²\].
-    noise: NoiseFloor,
-    /// RMS of what else was left of the torque of each joint \[N·m\], n.
-    left: &'a [f64],
-    /// Deviations of a normal number on either side.
-    deviations: f64,
-}
-
-impl<'a> Interval<'a> {
-    fn new(model: &'a Model, logs: &impl Recording, percent: u8) -> Result<Self> {
-        let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
-        let chain = chain.ok_or_else(|| {
-            CliError::Usage(
-                "--interval is for models of a chain, which keep the covariance of their \
-                 parameters: leave it out, or fit with --library chain"
-                    .into(),
-            )
-        })?;
-        let deviations = normal_quantile(0.5 + f64::from(percent) / 200.0);
-        let training = &model.training;
-        let left = match &training.unexplained_rms[..] {
-            [] => &training.residual_rms,
-            left => left,
-        };
-        let noise = NoiseFloor::of(logs).map_err(|error| anyhow!(error))?;
-        Ok(Self { model, chain, torque: Torque::new(model), noise, left, deviations })
-    }
-
-    /// Lower and upper bounds of the torque \[N·m\], m×n each.
-    fn bounds(&self, block: &Motion, total: &Mat<f64>) -> Result<[Mat<f64>; 2], ReadError> {
-        let (m, n) = (block.n_rows(), block.n_joints());
-        let noise = self.noise.in_torque(&self.torque, block)?;
-        let laws = self.torque.laws(block)?;
-        let mut half = Mat::zeros(m, n);
-        for row in 0..m {
-            let state = [block.q(), block.dq(), block.ddq()]
-                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect::<Vec<f64>>());
-            let state = [&state[0][..], &state[1][..], &state[2][..]];
-            let laws: Vec<f64> = laws.row(row).iter().copied().collect();
-            let errors = self.chain.std_errors((&self.model.friction, &laws), state)?;
-            for (joint, error) in errors.into_iter().enumerate() {
-                let left = self.left.get(joint).unwrap_or(&0.0);
-                let known = noise[(row, joint)].sqrt();
-                half[(row, joint)] = self.deviations * error.hypot(*left).hypot(known);
-            }
-        }
-        Ok([total - &half, total + &half])
-    }
-}
-
-/// The number that a standard normal one is below with probability `p`, above one half.
-///
-/// Source: M. Abramowitz, I. Stegun, *Handbook of Mathematical Functions* (1964), 26.2.23; the
-/// error is below 5e-4.
-fn normal_quantile(p: f64) -> f64 {
-    let t = (-2.0 * (1.0 - p).ln()).sqrt();
-    let above = 2.515_517 + t * (0.802_853 + t * 0.010_328);
-    let below = 1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308));
-    t - above / below
-}
-
 fn outcome(
     arguments: &Arguments,
     model: &Model,
     rows: usize,
     largest: &[f64],
     columns: &[String],
-    asked: &AskedRange,
+    range: &MotionRange,
 ) -> Outcome {
     let file = arguments.output.display().to_string();
     let mut table = Table::new(&["joint", "largest |tau| [N·m]"]);
@@ -238,5 +173,5 @@ fn outcome(
         "file": file,
     });
     let text = format!("{}\ntorque: {file} ({rows} rows)\n", table.text());
-    Outcome { notes: Vec::new(), text, json, warnings: asked.warnings(model) }
+    Outcome { notes: Vec::new(), text, json, warnings: range.warnings(model) }
 }

@@ -3,9 +3,8 @@
 use crate::call_costs::CallCosts;
 use crate::conditioning;
 use crate::files::read_model;
-use crate::outcome::Outcome;
-use crate::physics::{Physics, STATES};
-use crate::table::{Table, number};
+use crate::outcome::{Outcome, object};
+use crate::table::Table;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -13,6 +12,9 @@ use std::path::PathBuf;
 use torquewise::model::model::Choice;
 use torquewise::model::shaft_friction::ShaftFriction;
 use torquewise::model::{Form, FrictionTerm, Kind, Model, Weighted, print};
+use torquewise::number::number;
+use torquewise::physics::{PhysicsCheck, STATES};
+use torquewise::summary::AllRepairs;
 
 /// Print the equations of a model
 #[derive(Args, Debug)]
@@ -53,7 +55,8 @@ enum Format {
 /// Prints, and checks if asked to.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
-    let physics = arguments.check.then(|| Physics::of(&model, arguments.states)).transpose()?;
+    let physics =
+        arguments.check.then(|| PhysicsCheck::of(&model, arguments.states)).transpose()?;
     let costs = arguments.cost.then(|| CallCosts::of(&model)).transpose()?;
     let mut json = json(&model, physics.as_ref());
     json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
@@ -66,10 +69,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         text.extend(model.choices.iter().map(choice_text));
         text.extend(model.training.overlooked.as_ref().map(|found| format!("\n{found}\n")));
         text.push_str(&conditioning::text(&model.training.conditioning));
-        text.extend(physics.as_ref().map(Physics::text));
+        text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));
         text.extend(costs.as_ref().map(CallCosts::text));
     }
-    let warnings = physics.iter().filter_map(Physics::warning).collect();
+    let warnings = physics.iter().filter_map(PhysicsCheck::warning).collect();
     Ok(Outcome { notes: Vec::new(), text, json, warnings })
 }
 
@@ -108,7 +111,7 @@ fn choice_text(choice: &Choice) -> String {
     format!("\n{what}: {chosen}, chosen on held-out data ({rule})\n\n{}", table.text())
 }
 
-fn json(model: &Model, physics: Option<&Physics>) -> Value {
+fn json(model: &Model, physics: Option<&PhysicsCheck>) -> Value {
     let equations = print::weighted_equations(model);
     let frictions = print::weighted_friction(model);
     let joints = model.joints.iter().zip(equations.iter().zip(&frictions));
@@ -139,8 +142,8 @@ fn json(model: &Model, physics: Option<&Physics>) -> Value {
         "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
         "overlooked": model.training.overlooked,
-        "conditioning": conditioning::json(&model.training.conditioning),
-        "checks": physics.map(Physics::json),
+        "conditioning": object(&AllRepairs::of(&model.training.conditioning)),
+        "checks": physics.map(object),
     })
 }
 

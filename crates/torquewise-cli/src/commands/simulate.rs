@@ -5,7 +5,7 @@ use crate::files::{check_distinct, check_output, read_arm, read_friction};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json};
-use crate::progress::Watched;
+use crate::progress::watch;
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use faer::MatRef;
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::logs::{Contents, LogWriter};
 use torquewise::motion::{Pattern, Recording};
+use torquewise::observe::Watched;
 
 /// Move an arm and write a log whose truth is known
 #[derive(Args, Debug)]
@@ -109,7 +110,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 fn write_log(file: &Path, recording: &impl Recording) -> Result<()> {
     let _shield = Shield::new();
     let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
-    let write = Watched::new(recording, "writing");
+    let shown = watch();
+    let write = Watched::new(recording, &shown, "writing", (None, 1));
     write.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;
     Ok(writer.finish()?)
 }

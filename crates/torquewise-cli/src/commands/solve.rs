@@ -1,17 +1,18 @@
-//! Moments file → model file: the model that fitting its logs together gives.
+//! The model that fitting all logs of a moments file together gives.
 
 use crate::commands::fit;
 use crate::files::{check_output, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::Outcome;
-use crate::physics::MassMatrix;
+use crate::progress::watch;
 use crate::selection::{Friction, SelectionArguments};
-use crate::timed::{Timed, TimedSolution, timed_solve};
 use anyhow::Result;
 use clap::Args;
 use serde_json::json;
+use std::fmt::Write;
 use std::path::PathBuf;
-use torquewise::model::to_json;
+use torquewise::FitOptions;
+use torquewise::sums::{Solved, solve_sums};
 
 /// Reconstruct the equations of motion from a moments file, as fit does from its logs
 #[derive(Args, Debug)]
@@ -44,12 +45,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         check_output(output, std::slice::from_ref(&arguments.moments))?;
     }
     let summary = read_moments(&arguments.moments)?;
-    let settings = summary.settings();
-    let seed = arguments.seed.unwrap_or(settings.patterns.seed);
-    let plan = arguments.selection.plan_of(settings, arguments.friction, seed)?;
-    match timed_solve(summary, &plan)? {
-        TimedSolution::Model(timed) => solved(arguments, &timed),
-        TimedSolution::Request(next) => {
+    let seed = arguments.seed.unwrap_or(summary.settings().patterns.seed);
+    let friction = arguments.friction.map(Into::into);
+    let options = FitOptions { seed, friction, ..FitOptions::default() };
+    match solve_sums(summary, &arguments.selection.apply_to(options), &watch())? {
+        Solved::Model(fit) => {
+            fit.model.save(&arguments.output)?;
+            let mut outcome = fit::outcome(&fit, &fit.summary()?, false);
+            let file = arguments.output.display().to_string();
+            write!(outcome.text, "\nmodel: {file}\n")?;
+            outcome.json["file"] = json!(file);
+            Ok(outcome)
+        }
+        Solved::Request(next) => {
             write_whole(&request, next.to_bytes()?)?;
             let file = request.display();
             let text = format!(
@@ -62,16 +70,4 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
         }
     }
-}
-
-fn solved(arguments: &Arguments, timed: &Timed) -> Result<Outcome> {
-    write_whole(&arguments.output, to_json(&timed.found.model)?)?;
-    let mass = MassMatrix::of(&timed.found.model)?;
-    let found = timed.found.warnings.iter().map(ToString::to_string);
-    Ok(Outcome {
-        notes: Vec::new(),
-        text: mass.headline() + &fit::text(&arguments.output, timed),
-        json: fit::json(&arguments.output, timed, &mass),
-        warnings: mass.warning().into_iter().chain(found).collect(),
-    })
 }

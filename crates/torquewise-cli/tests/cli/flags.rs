@@ -22,9 +22,9 @@ fn a_chain_refuses_the_flags_of_libraries_and_says_why_it_is_fitted() {
     for (flags, flag, because) in [
         ("--filter 20 --select lasso", "--select", "the log is filtered"),
         ("--filter 20 --threshold 0.1", "--threshold", "the log is filtered"),
-        ("--friction linear --bags 0", "--bags", "--friction is given"),
-        ("--counterbalance joint1 --bags 3", "--bags", "--counterbalance is given"),
-        ("--library chain --threshold 0.1", "--threshold", "--library asks for it"),
+        ("--friction linear --bags 0", "--bags", "friction was asked for"),
+        ("--counterbalance joint1 --bags 3", "--bags", "a joint is counterbalanced"),
+        ("--library chain --threshold 0.1", "--threshold", "the library was chosen"),
     ] {
         let line = format!("fit log.csv -o model.json {flags}");
         misused(&terminal, &line, &[flag, chain, because, "leave it out", library]);
@@ -49,12 +49,12 @@ fn libraries_and_sindy_refuse_what_they_do_not_use() {
 
     for (flags, words) in [
         ("--interaction 2 --library product", ["--interaction", "--library energy"]),
-        ("--trig-order 3", ["--trig-order", "no other --library is given"]),
+        ("--trig-order 3", ["--trig-order", "no other library was chosen"]),
         ("--counterbalance joint1 --library energy", ["the energy library", "--library chain"]),
         ("--method sindy --gravity-order 2", [sindy, "--method stepwise"]),
-        ("--method sindy --friction linear", [sindy, "--method sindy asks for it"]),
+        ("--method sindy --friction linear", [sindy, "SINDy was chosen"]),
         ("--method sindy --counterbalance joint1", [sindy, "--library chain"]),
-        ("--method sindy --library chain", ["--method sindy", "--library product"]),
+        ("--method sindy --library chain", ["SINDy", "product library"]),
     ] {
         misused(&terminal, &format!("fit log.csv -o model.json {flags}"), &words);
     }
@@ -80,12 +80,12 @@ fn moments_take_no_flags_of_a_selection_and_solve_those_of_their_method() {
         let line = format!("moments log.csv -o other.moments {flags}");
         misused(&terminal, &line, &["only summed up", "give it to solve"]);
     }
-    let because = "the moments were made for it";
+    let because = "the logs were summed for it";
     for (line, words) in [
         ("chain.moments --bags 3", ["--bags", "chain", because]),
-        ("chain.moments --select lasso", ["--select", "make the moments with", because]),
+        ("chain.moments --select lasso", ["--select", "choose --library", because]),
         ("library.moments --counterbalance joint1", ["--counterbalance", "energy", because]),
-        ("library.moments --friction linear", ["--friction", "library", "make the moments with"]),
+        ("library.moments --friction linear", ["friction", "all logs", "do not add up"]),
     ] {
         misused(&terminal, &format!("solve {line} -o model.json"), &words);
     }
@@ -101,7 +101,7 @@ fn compare_and_orders_refuse_what_they_do_not_use() {
         ("--counterbalance joint1", ["--counterbalance", "one-shot SINDy"]),
         ("--gravity-order 2", ["--gravity-order", "the energy library"]),
         ("--library product --interaction 2", ["--interaction", "the product library"]),
-        ("--library chain", ["not a chain", "--library energy|product"]),
+        ("--library chain", ["a chain is not compared", "the product library"]),
     ] {
         misused(&terminal, &format!("compare log.csv --test log.csv {flags}"), &words);
     }

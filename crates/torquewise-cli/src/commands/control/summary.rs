@@ -2,10 +2,11 @@
 
 use crate::commands::control::{Arguments, Compared, Run};
 use crate::outcome::Outcome;
-use crate::table::{Table, number};
+use crate::table::Table;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use torquewise::control::Law;
+use torquewise::number::number;
 
 /// What is said about the controllers.
 pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {

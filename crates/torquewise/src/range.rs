@@ -1,30 +1,30 @@
-//! Model, motion → warnings: where a log leaves what the model was fitted on.
+//! Where a motion leaves the range a model was fitted on.
 
-use torquewise::model::Model;
-use torquewise::motion::Motion;
+use torquewise_model::Model;
+use torquewise_motion::Motion;
 
 /// A position may be this part of the trained range beyond its ends.
 const Q_MARGIN: f64 = 0.05;
 /// A speed or acceleration may be this many times the largest trained on.
 const RATE_FACTOR: f64 = 1.5;
 
-/// What a log asks of a model, joint by joint.
+/// The range of a motion, joint by joint, to be compared with that of a model.
 #[derive(Clone, Debug)]
-pub(crate) struct AskedRange {
+pub struct MotionRange {
     q: Vec<[f64; 2]>,
     dq: Vec<f64>,
     ddq: Vec<f64>,
 }
 
-impl AskedRange {
-    /// Nothing asked of n joints yet.
-    pub(crate) fn new(n_joints: usize) -> Self {
+impl MotionRange {
+    /// No motion yet, of n joints.
+    pub fn new(n_joints: usize) -> Self {
         let q = vec![[f64::INFINITY, f64::NEG_INFINITY]; n_joints];
         Self { q, dq: vec![0.0; n_joints], ddq: vec![0.0; n_joints] }
     }
 
-    /// Takes note of a block.
-    pub(crate) fn add(&mut self, block: &Motion) {
+    /// Widens the range by a block.
+    pub fn add(&mut self, block: &Motion) {
         for (joint, [low, high]) in self.q.iter_mut().enumerate() {
             for &q in block.q().col(joint).iter() {
                 (*low, *high) = (low.min(q), high.max(q));
@@ -38,7 +38,7 @@ impl AskedRange {
     }
 
     /// One warning for each joint that left the range a model was fitted on.
-    pub(crate) fn warnings(&self, model: &Model) -> Vec<String> {
+    pub fn warnings(&self, model: &Model) -> Vec<String> {
         let training = &model.training;
         let mut warnings = Vec::new();
         for (joint, name) in model.joints.iter().enumerate() {
@@ -57,11 +57,11 @@ impl AskedRange {
                 ("dq", "rad/s", &self.dq, &training.dq_peak),
                 ("ddq", "rad/s²", &self.ddq, &training.ddq_peak),
             ];
-            for (signal, unit, asked, trained) in rates {
-                if let (Some(asked), Some(trained)) = (asked.get(joint), trained.get(joint))
-                    && *asked > RATE_FACTOR * trained
+            for (signal, unit, reached, trained) in rates {
+                if let (Some(reached), Some(trained)) = (reached.get(joint), trained.get(joint))
+                    && *reached > RATE_FACTOR * trained
                 {
-                    beyond.push(format!("{signal} to {asked:.2} {unit}, not {trained:.2}"));
+                    beyond.push(format!("{signal} to {reached:.2} {unit}, not {trained:.2}"));
                 }
             }
             if !beyond.is_empty() {

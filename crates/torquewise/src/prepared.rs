@@ -1,19 +1,15 @@
-//! Logs that are ready to be read, as they are or filtered, and what is known of their signals.
+//! Logs ready to be read, as they are or filtered, and what is known of their signals.
 
-use crate::score_table::RawScores;
-use anyhow::{Result, anyhow};
 use std::collections::BTreeMap;
-use torquewise::identify::score;
-use torquewise::logs::conditioned::RawLogs;
-use torquewise::logs::{ConditionedLogs, Logs};
-use torquewise::model::Model;
-use torquewise::model::model::Filter;
-use torquewise::motion::{Motion, ReadError, Recording, Repairs};
-use torquewise::signals::ConditionReport;
+use torquewise_logs::conditioned::RawLogs;
+use torquewise_logs::{ConditionedLogs, Logs};
+use torquewise_model::model::Filter;
+use torquewise_motion::{Motion, ReadError, Recording, Repairs};
+use torquewise_signals::ConditionReport;
 
 /// Logs ready to be read.
 #[derive(Debug)]
-pub(crate) enum Recorded {
+pub enum Prepared {
     /// As they are.
     Plain(Logs),
     /// Filtered.
@@ -22,9 +18,9 @@ pub(crate) enum Recorded {
     Raw(Box<RawLogs>),
 }
 
-impl Recorded {
+impl Prepared {
     /// The files.
-    pub(crate) fn logs(&self) -> &Logs {
+    pub fn logs(&self) -> &Logs {
         match self {
             Self::Plain(logs) => logs,
             Self::Conditioned(logs) => logs.logs(),
@@ -33,7 +29,7 @@ impl Recorded {
     }
 
     /// The filtered logs, if anything is filtered.
-    pub(crate) fn conditioned(&self) -> Option<&ConditionedLogs> {
+    pub fn conditioned(&self) -> Option<&ConditionedLogs> {
         match self {
             Self::Plain(_) => None,
             Self::Conditioned(logs) => Some(logs),
@@ -48,53 +44,50 @@ impl Recorded {
         }
     }
 
-    /// About how many rows there are, if that can be told without reading them.
-    pub(crate) fn rows_hint(&self) -> Option<u64> {
+    /// About how many rows there are, if the files tell.
+    pub fn rows_hint(&self) -> Option<u64> {
         self.logs().rows_hint()
     }
 
-    /// How a model that is fitted on them is told they were filtered.
-    pub(crate) fn filter(&self) -> Option<Filter> {
+    /// The filter that a model fitted on them keeps.
+    pub fn filter(&self) -> Option<Filter> {
         let logs = self.conditioned()?;
         Some(Filter { cutoff_hz: logs.report().cutoff?, delay: logs.settings().delay })
     }
 
-    /// How a model predicts the torque as it was measured, on a sample of the rows, and the noise
-    /// of that torque, which no model predicts. `None` where no torque before its filter is at
-    /// hand.
-    pub(crate) fn raw_scores(&self, model: &Model) -> Result<Option<RawScores>> {
+    /// A sample of the motion with the torque as it was measured, and the white noise in the torque
+    /// of each joint \[N·m\], n; `None` where no torque before its filter is at hand.
+    pub(crate) fn raw_torque(&self) -> Result<Option<(Motion, Vec<f64>)>, ReadError> {
         let Self::Raw(raw) = self else { return Ok(None) };
-        let motion = raw.beside_raw_torque().map_err(|error| anyhow!(error))?;
-        let Some(motion) = motion else { return Ok(None) };
+        let Some(motion) = raw.beside_raw_torque()? else { return Ok(None) };
         let signals = &raw.conditioned().report().signals;
         let noise = signals.iter().filter(|signal| signal.signal == "tau");
-        let noise = noise.map(|signal| signal.noise.sigma).collect();
-        Ok(Some(RawScores { scores: score(model, &motion)?, noise }))
+        Ok(Some((motion, noise.map(|signal| signal.noise.sigma).collect())))
     }
 
     /// What was done to the signals, if anything was.
-    pub(crate) fn report(&self) -> Option<&ConditionReport> {
+    pub fn report(&self) -> Option<&ConditionReport> {
         self.conditioned().map(ConditionedLogs::report)
     }
 
     /// What was repaired in each log at its last complete reading, by its name.
-    pub(crate) fn repairs(&self) -> BTreeMap<String, Repairs> {
+    pub fn repairs(&self) -> BTreeMap<String, Repairs> {
         self.conditioned().map_or_else(|| self.logs().repairs(), ConditionedLogs::repairs)
     }
 
     /// What was done to the signals as text, one line per finding.
-    pub(crate) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         self.report().map_or_else(String::new, |report| format!("{report}\n\n"))
     }
 
     /// Name of the file that a trajectory is in.
-    pub(crate) fn file_of(&self, trajectory: usize) -> String {
+    pub fn file_of(&self, trajectory: usize) -> String {
         let file = self.logs().file_of(trajectory);
         file.map_or_else(|| format!("trajectory {}", trajectory + 1), |f| f.display().to_string())
     }
 
     /// What should be known of torques of few levels, odd velocities and rows left out.
-    pub(crate) fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<String> {
         let coarse = self.report().into_iter().flat_map(|report| &report.signals);
         coarse
             .filter(|signal| signal.signal == "tau" && signal.is_coarse())
@@ -147,7 +140,7 @@ fn dropped(logs: &Logs) -> Option<String> {
     (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
 }
 
-impl Recording for Recorded {
+impl Recording for Prepared {
     fn joints(&self) -> &[String] {
         self.logs().joints()
     }

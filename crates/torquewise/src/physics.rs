@@ -1,15 +1,16 @@
-//! Model → is it physics? Random states, a verdict on each property, and words for it.
+//! Whether a model is the physics of an arm: random states, and a verdict on each property.
 
-use crate::table::number;
+use crate::number::number;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use serde_json::{Value, json};
+use serde::{Serialize, Serializer};
 use std::f64::consts::PI;
-use torquewise::model::checks::{DrivingFriction, driving_friction, weakest_state};
-use torquewise::model::{Checks, Model, ModelError, check};
+use std::fmt;
+use torquewise_model::checks::{DrivingFriction, driving_friction, weakest_state};
+use torquewise_model::{Checks, Model, ModelError, check};
 
 /// States looked at in each range unless another number is asked for.
-pub(crate) const STATES: usize = 10_000;
+pub const STATES: usize = 10_000;
 /// The seed they are drawn with.
 const SEED: u64 = 0;
 
@@ -23,70 +24,65 @@ enum Range {
 }
 
 /// What was measured, and which properties hold.
-pub(crate) struct Physics {
+#[derive(Clone, Debug)]
+pub struct PhysicsCheck {
     trained: Checks,
     whole: Checks,
     driving: Option<DrivingFriction>,
 }
 
 /// Where M(q) is weakest within the training range of a model.
-pub(crate) struct MassMatrix {
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MassMatrix {
+    /// Whether M(q) is positive definite there.
+    pub positive_definite: bool,
     /// Smallest eigenvalue \[kg·m²\].
-    smallest_eigenvalue: f64,
+    pub smallest_eigenvalue: f64,
     /// Joint angles of that \[rad\], n.
-    q: Vec<f64>,
+    pub q: Vec<f64>,
 }
 
 impl MassMatrix {
     /// Looks at M(q) of a model at random states of its training range.
-    pub(crate) fn of(model: &Model) -> Result<Self, ModelError> {
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] if the parts of the model do not fit each other.
+    pub fn of(model: &Model) -> Result<Self, ModelError> {
         let states = random_states(model, Range::Trained, STATES);
         let states: Vec<Vec<f64>> = states.into_iter().map(|(q, _)| q).collect();
         let (smallest_eigenvalue, q) = weakest_state(model, &states)?;
-        Ok(Self { smallest_eigenvalue, q })
+        Ok(Self { positive_definite: smallest_eigenvalue > 0.0, smallest_eigenvalue, q })
     }
 
     /// What is wrong with it, if anything: `M(q) has the eigenvalue … at q = (…) rad`.
-    pub(crate) fn flaw(&self) -> Option<String> {
-        let flawed = self.smallest_eigenvalue <= 0.0;
-        flawed.then(|| eigenvalue_at(self.smallest_eigenvalue, &self.q))
-    }
-
-    /// The first lines of what is said of a fit; nothing where all is well.
-    pub(crate) fn headline(&self) -> String {
-        self.flaw().map_or_else(String::new, |flaw| format!("NOT PHYSICAL: {flaw}\n\n"))
+    pub fn flaw(&self) -> Option<String> {
+        (!self.positive_definite).then(|| eigenvalue_at(self.smallest_eigenvalue, &self.q))
     }
 
     /// The same with what follows from it.
-    pub(crate) fn warning(&self) -> Option<String> {
+    pub fn warning(&self) -> Option<String> {
         let flaw = self.flaw()?;
         Some(format!(
             "{flaw}, within the range of the log: simulation and computed torque go wrong there, \
              and export refuses the model; record more motion, or fit --library chain"
         ))
     }
-
-    /// The same for programs.
-    pub(crate) fn json(&self) -> Value {
-        json!({
-            "positive_definite": self.flaw().is_none(),
-            "smallest_eigenvalue": self.smallest_eigenvalue,
-            "q": self.q,
-        })
-    }
 }
 
-impl Physics {
+impl PhysicsCheck {
     /// Checks a model at so many random states of its training range, and as many of a whole turn
     /// of each joint.
-    pub(crate) fn of(model: &Model, states: usize) -> Result<Self, ModelError> {
+    ///
+    /// # Errors
+    /// As [`MassMatrix::of`].
+    pub fn of(model: &Model, states: usize) -> Result<Self, ModelError> {
         let at = |range| check(model, &random_states(model, range, states));
         let (trained, whole) = (at(Range::Trained)?, at(Range::WholeTurn)?);
         Ok(Self { trained, whole, driving: driving_friction(model) })
     }
 
     /// What was measured in the training range.
-    pub(crate) fn checks(&self) -> &Checks {
+    pub fn checks(&self) -> &Checks {
         &self.trained
     }
 
@@ -118,7 +114,7 @@ impl Physics {
     }
 
     /// What does not hold, if anything.
-    pub(crate) fn warning(&self) -> Option<String> {
+    pub fn warning(&self) -> Option<String> {
         let mut failures = Vec::new();
         let ranges = [(&self.trained, "in the training range"), (&self.whole, "in a whole turn")];
         let weak = ranges.iter().find(|(checks, _)| checks.smallest_eigenvalue <= 0.0);
@@ -140,66 +136,95 @@ impl Physics {
             )
         })
     }
+}
 
+impl fmt::Display for PhysicsCheck {
     /// One line per property.
-    pub(crate) fn text(&self) -> String {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = |good: bool| if good { "yes" } else { "NO" };
-        let eigenvalue = |range: &str, checks: &Checks| {
-            let Checks { smallest_eigenvalue, weakest_q, .. } = checks;
-            let good = *smallest_eigenvalue > 0.0;
-            let smallest = number(*smallest_eigenvalue);
-            format!(
-                "\x20 M(q) positive definite  {:3}  {range}: smallest eigenvalue {smallest} \
-                 kg·m² at q = {} rad\n",
-                verdict(good),
-                angles(weakest_q)
-            )
-        };
+        let states = self.trained.states;
+        writeln!(
+            f,
+            "Checked at {states} random states of the training range and {states} with each joint \
+             anywhere from −π to π:"
+        )?;
+        for (range, checks) in [("training range", &self.trained), ("whole turn", &self.whole)] {
+            writeln!(
+                f,
+                "  M(q) positive definite  {:3}  {range}: smallest eigenvalue {} kg·m² at q = {} rad",
+                verdict(checks.smallest_eigenvalue > 0.0),
+                number(checks.smallest_eigenvalue),
+                angles(&checks.weakest_q)
+            )?;
+        }
         let friction = self.driving.as_ref().map_or_else(
             || "at every speed up to the trained peak, constant offset left aside".to_owned(),
             driving,
         );
-        format!(
-            "\nChecked at {states} random states of the training range and {states} with each \
-             joint anywhere from −π to π:\n\
-             {}{}\
-             \x20 M(q) symmetric          {:3}  largest relative asymmetry {:.1e}\n\
+        writeln!(
+            f,
+            "  M(q) symmetric          {:3}  largest relative asymmetry {:.1e}\n\
              \x20 dM/dt − 2C skew         {:3}  largest relative defect {:.1e}\n\
-             \x20 friction takes power    {:3}  {friction}\n",
-            eigenvalue("training range", &self.trained),
-            eigenvalue("whole turn", &self.whole),
+             \x20 friction takes power    {:3}  {friction}",
             verdict(self.is_symmetric()),
             self.asymmetry(),
             verdict(self.is_skew()),
             self.skew_defect(),
             verdict(self.driving.is_none()),
-            states = self.trained.states,
         )
     }
+}
 
-    /// The same for programs.
-    pub(crate) fn json(&self) -> Value {
-        let range = |checks: &Checks| {
-            json!({
-                "states": checks.states,
-                "smallest_eigenvalue": checks.smallest_eigenvalue,
-                "q": checks.weakest_q,
-            })
-        };
-        json!({
-            "states": self.trained.states + self.whole.states,
-            "passed": self.trained.passed() && self.whole.passed(),
-            "feasible": self.feasible(),
-            "positive_definite": self.feasible(),
-            "symmetric": self.is_symmetric(),
-            "skew": self.is_skew(),
-            "friction_passive": self.driving.is_none(),
-            "smallest_eigenvalue": self.smallest_eigenvalue(),
-            "asymmetry": self.asymmetry(),
-            "skew_defect": self.skew_defect(),
-            "trained": range(&self.trained),
-            "whole_turn": range(&self.whole),
-        })
+/// What programs read of it.
+#[derive(Serialize)]
+#[expect(clippy::struct_excessive_bools, reason = "one for each property")]
+struct Written<'a> {
+    states: usize,
+    passed: bool,
+    feasible: bool,
+    positive_definite: bool,
+    symmetric: bool,
+    skew: bool,
+    friction_passive: bool,
+    smallest_eigenvalue: f64,
+    asymmetry: f64,
+    skew_defect: f64,
+    trained: WrittenRange<'a>,
+    whole_turn: WrittenRange<'a>,
+}
+
+#[derive(Serialize)]
+struct WrittenRange<'a> {
+    states: usize,
+    smallest_eigenvalue: f64,
+    q: &'a [f64],
+}
+
+impl<'a> WrittenRange<'a> {
+    fn of(checks: &'a Checks) -> Self {
+        let Checks { states, smallest_eigenvalue, ref weakest_q, .. } = *checks;
+        Self { states, smallest_eigenvalue, q: weakest_q }
+    }
+}
+
+impl Serialize for PhysicsCheck {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { trained, whole, driving } = self;
+        Written {
+            states: trained.states + whole.states,
+            passed: trained.passed() && whole.passed(),
+            feasible: self.feasible(),
+            positive_definite: self.feasible(),
+            symmetric: self.is_symmetric(),
+            skew: self.is_skew(),
+            friction_passive: driving.is_none(),
+            smallest_eigenvalue: self.smallest_eigenvalue(),
+            asymmetry: self.asymmetry(),
+            skew_defect: self.skew_defect(),
+            trained: WrittenRange::of(trained),
+            whole_turn: WrittenRange::of(whole),
+        }
+        .serialize(serializer)
     }
 }
 

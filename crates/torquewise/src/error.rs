@@ -1,0 +1,66 @@
+//! What can go wrong between a log and its model.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use torquewise_logs::LogError;
+use torquewise_model::ModelError;
+use torquewise_motion::ReadError;
+use torquewise_survey::IdentifyError;
+
+/// Why a log cannot be read, fitted or predicted.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    #[error(transparent)]
+    Log(#[from] LogError),
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    #[error(
+        "{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
+         choose {user}"
+    )]
+    UnusedOption { option: &'static str, fitted: &'static str, because: String, user: &'static str },
+    #[error("SINDy fits a library, not a chain: choose the product library")]
+    SindyOfChain,
+    #[error(
+        "a chain is not compared with one-shot SINDy: choose the energy or the product library"
+    )]
+    CompareChain,
+    #[error(
+        "the laws of friction follow from all logs together, so that parts with friction do not \
+         add up: fit all logs at once, or a chain"
+    )]
+    FrictionOfSums,
+    #[error("a delay is for filtered signals: give a cut-off too")]
+    DelayWithoutFilter,
+    #[error(
+        "the log is of another arm, its joints are {found}, expected {expected}: give logs of one \
+         arm"
+    )]
+    OtherArm { found: String, expected: String },
+    #[error(
+        "the model keeps no covariance of its parameters, so its torque has no interval: fit a \
+         chain"
+    )]
+    NoCovariance,
+    #[error("interrupted, no file was written: run it again")]
+    Interrupted,
+}
+
+impl Error {
+    /// Whether options contradict each other or the log, rather than the log being at fault.
+    pub fn is_usage(&self) -> bool {
+        matches!(
+            self,
+            Self::UnusedOption { .. }
+                | Self::SindyOfChain
+                | Self::CompareChain
+                | Self::FrictionOfSums
+                | Self::DelayWithoutFilter
+                | Self::NoCovariance
+        )
+    }
+}

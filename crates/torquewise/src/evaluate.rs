@@ -1,0 +1,129 @@
+//! How well a model predicts the torque of a log.
+
+use crate::error::Error;
+use crate::log::{Log, Rows};
+use crate::observe::{NOBODY, Observer, Watched};
+use crate::prepared::Prepared;
+use crate::range::MotionRange;
+use crate::source::Source;
+use serde::Serialize;
+use torquewise_diagnose::score::{JointScore, score, score_along};
+use torquewise_model::Model;
+use torquewise_motion::Recording;
+
+/// Errors of a model on a log, joint by joint.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// One per joint, n.
+    pub joints: Vec<JointEvaluation>,
+    /// Rows.
+    pub rows: usize,
+    /// Joints that leave the range the model was fitted on.
+    #[serde(skip)]
+    pub notes: Vec<String>,
+    /// Scores that mean little.
+    #[serde(skip)]
+    pub warnings: Vec<String>,
+}
+
+/// Errors of one joint.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointEvaluation {
+    /// Joint name.
+    pub name: String,
+    /// RMSE(τ − τ̂) in the band of the model \[N·m\].
+    pub rmse: f64,
+    /// RMSE / std(τ) \[%\]; infinite if the torque never changes.
+    pub nrmse_percent: f64,
+    /// 1 − RMSE²/var(τ).
+    pub r2: f64,
+    /// NRMSE against torque as it was measured, on a sample of the rows \[%\]; where nothing is
+    /// filtered, that of all rows. None where the measured torque is not at hand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub raw_nrmse_percent: Option<f64>,
+    /// White noise in that torque, which no model predicts, of its spread \[%\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_floor_percent: Option<f64>,
+}
+
+/// Compares predicted with measured torque: a log is filtered as those the model was fitted on.
+///
+/// # Errors
+/// [`Error::Model`] if the log is of another arm, and those of reading it.
+///
+/// ```
+/// # fn main() -> Result<(), torquewise::Error> {
+/// use torquewise::dynamics::{Arm, MotionPlan, simulate};
+///
+/// let arm = Arm::builtin("planar-2").expect("built in");
+/// let of = |seed| MotionPlan { seconds: 60.0, rate: 50.0, seed, ..MotionPlan::default() };
+/// let [train, test] = [1, 2].map(|seed| simulate(&arm, &of(seed)).expect("a sound plan").motion);
+///
+/// let fit = torquewise::Fit::new(&train).run()?;
+///
+/// assert!(fit.evaluate(&test)?.joints.iter().all(|joint| joint.r2 > 0.999));
+/// # Ok(())
+/// # }
+/// ```
+pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluation, Error> {
+    match log.into() {
+        Source::Log(log) => evaluate_prepared(model, &prepare(model, log)?, NOBODY),
+        Source::Recording(recording) => {
+            scored(model, &Watched::new(recording, NOBODY, "predicting", (None, 1)))
+        }
+    }
+}
+
+/// The rows of a log to judge a model by.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn prepare(model: &Model, log: &Log) -> Result<Prepared, Error> {
+    model.check_joints(log.joints())?;
+    log.files().require_tau()?;
+    log.prepare_as(model.training.filter, Rows::WithRawTorque)
+}
+
+/// The same as [`evaluate`] where the rows are at hand.
+///
+/// # Errors
+/// As [`evaluate`].
+pub fn evaluate_prepared(
+    model: &Model,
+    log: &Prepared,
+    observer: Observer<'_>,
+) -> Result<Evaluation, Error> {
+    let watched = Watched::new(log, observer, "predicting", (log.rows_hint(), 1));
+    let mut evaluation = scored(model, &watched)?;
+    let raw = log.raw_torque()?;
+    let raw = raw.map(|(motion, noise)| score(model, &motion).map(|scores| (scores, noise)));
+    if let Some((scores, noise)) = raw.transpose()? {
+        let joints = evaluation.joints.iter_mut().zip(scores.joints).zip(noise);
+        for ((joint, JointScore { nrmse_percent, std, .. }), noise) in joints {
+            joint.raw_nrmse_percent = Some(nrmse_percent);
+            joint.noise_floor_percent = Some(100.0 * noise / std);
+        }
+    }
+    Ok(evaluation)
+}
+
+fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation, Error> {
+    let mut range = MotionRange::new(model.n_joints());
+    let scores = score_along(model, recording, &mut |block| range.add(block))?;
+    let is_raw = !recording.is_filtered();
+    let joint = |JointScore { name, rmse, nrmse_percent, r2, .. }| JointEvaluation {
+        name,
+        rmse,
+        nrmse_percent,
+        r2,
+        raw_nrmse_percent: is_raw.then_some(nrmse_percent),
+        noise_floor_percent: None,
+    };
+    let joints: Vec<JointEvaluation> = scores.joints.into_iter().map(joint).collect();
+    let still = joints.iter().filter(|joint| !joint.nrmse_percent.is_finite());
+    let still = still
+        .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
+    let warnings = still.collect();
+    let notes = range.warnings(model);
+    Ok(Evaluation { joints, rows: scores.rows, notes, warnings })
+}

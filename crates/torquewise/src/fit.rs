@@ -1,0 +1,231 @@
+//! From logs to a model: the one call that chooses what is fitted, conditions, fits and judges.
+
+use crate::error::Error;
+use crate::evaluate::{Evaluation, evaluate};
+use crate::log::{Filter, Log, Rows};
+use crate::observe::{Event, NOBODY, Observer, Watched};
+use crate::options::{Facts, FitOptions};
+use crate::prepared::Prepared;
+use crate::source::Source;
+use crate::summary::FitSummary;
+use std::ops::Deref;
+use std::time::Instant;
+use torquewise_diagnose::disagreement::disagreements;
+use torquewise_identify::bandwidth::{Tuned, tune};
+use torquewise_identify::reconstruct::reconstruct_from;
+use torquewise_identify::verdict::Verdict;
+use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
+use torquewise_motion::Recording;
+use torquewise_survey::Progress;
+
+/// A fit to be run: what it reads, and what is asked for.
+///
+/// ```no_run
+/// # fn main() -> Result<(), torquewise::Error> {
+/// use torquewise::{Fit, Log};
+///
+/// let (train, test) = (Log::open("train.csv")?, Log::open("test.csv")?);
+/// let fit = Fit::new(&train).run()?;
+/// for joint in fit.evaluate(&test)?.joints {
+///     println!("{}: {:.2} % of the torque is left", joint.name, joint.nrmse_percent);
+/// }
+/// fit.model.save("arm.json")?;
+/// # Ok(())
+/// # }
+/// ```
+#[must_use]
+pub struct Fit<'a> {
+    source: Source<'a>,
+    options: FitOptions,
+    observer: Observer<'a>,
+}
+
+impl<'a> Fit<'a> {
+    /// A fit to a [`Log`], or to motion at hand, with the usual options.
+    pub fn new(log: impl Into<Source<'a>>) -> Self {
+        Self { source: log.into(), options: FitOptions::default(), observer: NOBODY }
+    }
+
+    /// Sets what is fitted, and how.
+    pub fn options(self, options: FitOptions) -> Self {
+        Self { options, ..self }
+    }
+
+    /// Tells `observer` what is done, and stops where it breaks.
+    pub fn observer(self, observer: Observer<'a>) -> Self {
+        Self { observer, ..self }
+    }
+
+    /// Conditions the log, fits it, and judges the model on blocks of time that were held out.
+    ///
+    /// # Errors
+    /// [`Error::UnusedOption`] if an option does not go with what is fitted, [`Error::Interrupted`]
+    /// if the observer broke, and those of reading and fitting, each with what to do.
+    pub fn run(self) -> Result<FitResult, Error> {
+        self.options.check()?;
+        match self.source {
+            Source::Log(log) => self.run_log(log),
+            Source::Recording(recording) => {
+                let (joints, filtered) = (recording.joints().len(), recording.is_filtered());
+                let plan = self.options.plan(Facts { joints, filtered })?;
+                fit_plan(recording, None, &plan, self.observer)
+            }
+        }
+    }
+
+    fn run_log(&self, log: &Log) -> Result<FitResult, Error> {
+        log.files().require_tau()?;
+        let plan = self.options.plan(log.facts())?;
+        let rows = if log.filter == Filter::Auto { Rows::WithRawTorque } else { Rows::Filtered };
+        let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
+        let Some(log) = &fit.log else { return Ok(fit) };
+        fit.found.model.training.filter = log.filter();
+        if log.logs().paths().len() > 1 {
+            let watched = Watched::new(log, self.observer, "comparing the logs", (None, 1));
+            let at_odds = disagreements(&fit.found.model, &watched, &|k| log.file_of(k))?;
+            fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
+        }
+        fit.found.model.training.conditioning = log.repairs();
+        Ok(fit)
+    }
+}
+
+/// A model, how it was found, and how far to trust it. What was found is reached as its own fields:
+/// `fit.model`, `fit.warnings`, see [`Reconstruction`].
+#[derive(Debug)]
+pub struct FitResult {
+    found: Reconstruction,
+    /// The log as it was fitted; none where motion at hand was.
+    pub log: Option<Prepared>,
+    /// Time it took \[s\].
+    pub seconds: f64,
+    /// Time each step took \[s\].
+    pub step_seconds: Vec<f64>,
+}
+
+impl Deref for FitResult {
+    type Target = Reconstruction;
+
+    fn deref(&self) -> &Reconstruction {
+        &self.found
+    }
+}
+
+impl FitResult {
+    /// Whether the model may be used, and why; `None` of a model whose held-out error is not known.
+    pub fn verdict(&self) -> Option<Verdict> {
+        Verdict::of(&self.found)
+    }
+
+    /// How well the model predicts the torque of another log of the arm.
+    ///
+    /// # Errors
+    /// As [`evaluate()`].
+    pub fn evaluate<'b>(&self, test: impl Into<Source<'b>>) -> Result<Evaluation, Error> {
+        evaluate(&self.found.model, test)
+    }
+
+    /// What was found in numbers, to be serialised.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if M(q) cannot be computed.
+    pub fn summary(&self) -> Result<FitSummary<'_>, Error> {
+        FitSummary::new(self)
+    }
+
+    /// What was found, without the log.
+    pub fn into_reconstruction(self) -> Reconstruction {
+        self.found
+    }
+}
+
+/// Fits a plan to rows as they are.
+///
+/// - `rows`: how many there are, if that is known
+pub(crate) fn fit_plan(
+    recording: &dyn Recording,
+    rows: Option<u64>,
+    plan: &Plan,
+    observer: Observer<'_>,
+) -> Result<FitResult, Error> {
+    let watched = Watched::new(recording, observer, "reading", (rows, 2));
+    let timed = timed(observer, |progress| reconstruct(&watched, plan, progress))?;
+    Ok(timed.map(|found| (None, found)).into())
+}
+
+/// The same at the bandwidth that held-out rows ask for, where raw torque is at hand (E12).
+fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<FitResult, Error> {
+    let rows = log.rows_hint();
+    let Prepared::Raw(raw) = log else {
+        let fit = fit_plan(&log, rows, plan, observer)?;
+        return Ok(FitResult { log: Some(log), ..fit });
+    };
+    let by_chain = match &plan.method {
+        Method::Chain(_) => plan.clone(),
+        Method::Library(_) => Plan { seed: plan.seed, ..Plan::chain() },
+    };
+    let timed = timed(observer, |progress| {
+        let Tuned { recording, request, choice } = tune(raw.as_ref(), &by_chain, progress)?;
+        let log = Prepared::Conditioned(Box::new(recording));
+        let watched = Watched::new(&log, observer, "reading", (rows, 2));
+        let mut found = match &plan.method {
+            Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
+            Method::Library(_) => reconstruct(&watched, plan, progress)?,
+        };
+        found.model.choices.splice(0..0, choice);
+        Ok((Some(log), found))
+    })?;
+    Ok(timed.into())
+}
+
+/// Does some work, and takes the time of it and of its steps.
+pub(crate) fn timed<T>(
+    observer: Observer<'_>,
+    work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<T, IdentifyError>,
+) -> Result<Timed<T>, Error> {
+    let mut events: Vec<(Progress, Instant)> = Vec::new();
+    let start = Instant::now();
+    let done = work(&mut |stage| {
+        // Whoever breaks is asked again at the next block.
+        let _ = observer(Event::Stage(stage));
+        events.push((stage, Instant::now()));
+    })?;
+    let mut step_seconds: Vec<f64> = Vec::new();
+    for pair in events.windows(2) {
+        let spent = pair[1].1.duration_since(pair[0].1).as_secs_f64();
+        match pair[0].0 {
+            Progress::Step(_) | Progress::Geometry => step_seconds.push(spent),
+            // A chain grows by what it had overlooked.
+            Progress::Overlooked => step_seconds.last_mut().into_iter().for_each(|s| *s += spent),
+            _ => {}
+        }
+    }
+    Ok(Timed { done, seconds: start.elapsed().as_secs_f64(), step_seconds })
+}
+
+/// Work and the time it took.
+pub(crate) struct Timed<T> {
+    done: T,
+    seconds: f64,
+    step_seconds: Vec<f64>,
+}
+
+impl<T> Timed<T> {
+    /// The work, and the times.
+    pub(crate) fn split(self) -> (T, Timed<()>) {
+        let Self { done, seconds, step_seconds } = self;
+        (done, Timed { done: (), seconds, step_seconds })
+    }
+
+    pub(crate) fn map<U>(self, change: impl FnOnce(T) -> U) -> Timed<U> {
+        let Self { done, seconds, step_seconds } = self;
+        Timed { done: change(done), seconds, step_seconds }
+    }
+}
+
+impl From<Timed<(Option<Prepared>, Reconstruction)>> for FitResult {
+    fn from(timed: Timed<(Option<Prepared>, Reconstruction)>) -> Self {
+        let Timed { done: (log, found), seconds, step_seconds } = timed;
+        Self { found, log, seconds, step_seconds }
+    }
+}

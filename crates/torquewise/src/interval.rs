@@ -1,0 +1,85 @@
+//! Bounds that a measured torque is expected within.
+
+use crate::error::Error;
+use faer::Mat;
+use torquewise_model::{Model, RigidChain, Torque};
+use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_survey::NoiseFloor;
+
+/// What a measured torque is expected within: the parameters are uncertain, noise of the log
+/// reaches the prediction, and what the model leaves of the torque is not predicted.
+pub struct Interval<'a> {
+    model: &'a Model,
+    chain: &'a RigidChain,
+    torque: Torque,
+    /// Noise of the log \[rad, rad/s, rad/s²\].
+    noise: NoiseFloor,
+    /// RMS of what else was left of the torque of each joint \[N·m\], n.
+    left: &'a [f64],
+    /// Deviations of a normal number on either side.
+    deviations: f64,
+}
+
+impl<'a> Interval<'a> {
+    /// Bounds that a given percentage of torques should lie between.
+    ///
+    /// - `recording`: the log to predict, whose noise is measured
+    /// - `percent`: above 0 and below 100
+    ///
+    /// # Errors
+    /// [`Error::NoCovariance`] if the model is of a library, and those of reading.
+    pub fn new(model: &'a Model, recording: &impl Recording, percent: f64) -> Result<Self, Error> {
+        let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
+        let chain = chain.ok_or(Error::NoCovariance)?;
+        let training = &model.training;
+        let left = match &training.unexplained_rms[..] {
+            [] => &training.residual_rms,
+            left => left,
+        };
+        Ok(Self {
+            model,
+            chain,
+            torque: Torque::new(model),
+            noise: NoiseFloor::of(recording)?,
+            left,
+            deviations: normal_quantile(0.5 + percent / 200.0),
+        })
+    }
+
+    /// Lower and upper bounds of the torque \[N·m\], m×n each.
+    ///
+    /// - `total`: the torque predicted for the block, m×n
+    ///
+    /// # Errors
+    /// [`ReadError`] if the block does not fit the model.
+    pub fn bounds(&self, block: &Motion, total: &Mat<f64>) -> Result<[Mat<f64>; 2], ReadError> {
+        let (m, n) = (block.n_rows(), block.n_joints());
+        let noise = self.noise.in_torque(&self.torque, block)?;
+        let laws = self.torque.laws(block)?;
+        let mut half = Mat::zeros(m, n);
+        for row in 0..m {
+            let state = [block.q(), block.dq(), block.ddq()]
+                .map(|x| (0..n).map(|joint| x[(row, joint)]).collect::<Vec<f64>>());
+            let state = [&state[0][..], &state[1][..], &state[2][..]];
+            let laws: Vec<f64> = laws.row(row).iter().copied().collect();
+            let errors = self.chain.std_errors((&self.model.friction, &laws), state)?;
+            for (joint, error) in errors.into_iter().enumerate() {
+                let left = self.left.get(joint).unwrap_or(&0.0);
+                let known = noise[(row, joint)].sqrt();
+                half[(row, joint)] = self.deviations * error.hypot(*left).hypot(known);
+            }
+        }
+        Ok([total - &half, total + &half])
+    }
+}
+
+/// The number that a standard normal one is below with probability `p`, above one half.
+///
+/// Source: M. Abramowitz, I. Stegun, *Handbook of Mathematical Functions* (1964), 26.2.23; the
+/// error is below 5e-4.
+fn normal_quantile(p: f64) -> f64 {
+    let t = (-2.0 * (1.0 - p).ln()).sqrt();
+    let above = 2.515_517 + t * (0.802_853 + t * 0.010_328);
+    let below = 1.0 + t * (1.432_788 + t * (0.189_269 + t * 0.001_308));
+    t - above / below
+}

@@ -1,0 +1,153 @@
+//! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
+
+use crate::error::Error;
+use crate::options::Facts;
+use crate::prepared::Prepared;
+use std::path::{Path, PathBuf};
+use torquewise_logs::conditioned::RawLogs;
+use torquewise_logs::{ConditionedLogs, Logs, Options};
+use torquewise_model::model::Filter as FilterUsed;
+use torquewise_signals::{Conditioning, Cutoff, Trim};
+
+/// Log files of one arm, opened: each is a trajectory or several.
+///
+/// Logs without q̈ are filtered and differentiated, at a bandwidth that held-out raw torque
+/// chooses (E12); logs with q̈ are taken as they are, unless [`Log::filter`] says otherwise.
+///
+/// ```no_run
+/// # fn main() -> Result<(), torquewise::Error> {
+/// let log = torquewise::Log::open("train.csv")?;
+/// println!("{} joints", log.joints().len());
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Log {
+    logs: Logs,
+    /// How its signals are filtered.
+    pub filter: Filter,
+    /// Seconds by which torque lags motion; without, it is estimated where signals are filtered.
+    pub delay: Option<f64>,
+}
+
+/// How signals pass a zero-phase low-pass filter.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Filter {
+    /// Logs without q̈, at the cut-off of the model or, in a fit, at one that is chosen.
+    #[default]
+    Auto,
+    /// Not at all.
+    None,
+    /// At this cut-off \[Hz\].
+    Hz(f64),
+}
+
+/// Which rows of a log are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// As many as the filter leaves something new in.
+    Filtered,
+    /// Every one: none is left out.
+    Every,
+    /// The filtered, with torque before its filter at hand.
+    WithRawTorque,
+}
+
+impl Log {
+    /// Opens a file: `.csv`, `.parquet`, `.db3`, `.mcap`, `.npz`, `.mat`, or the folder of a bag.
+    ///
+    /// # Errors
+    /// [`Error::Log`] names file, row and column.
+    pub fn open(file: impl AsRef<Path>) -> Result<Self, Error> {
+        Self::open_all(&[file.as_ref().to_owned()], &Options::default())
+    }
+
+    /// Opens several files of one arm.
+    ///
+    /// - `options`: a profile of their columns, the topic of a bag, what becomes of faulty rows
+    ///
+    /// # Errors
+    /// As [`Log::open`], and if they are of different arms.
+    pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self, Error> {
+        let logs = Logs::open_with(files, options)?;
+        Ok(Self { logs, filter: Filter::Auto, delay: None })
+    }
+
+    /// Joint names, base to tip.
+    pub fn joints(&self) -> &[String] {
+        self.logs.joints()
+    }
+
+    /// The files.
+    pub fn files(&self) -> &Logs {
+        &self.logs
+    }
+
+    /// Whether its signals will be filtered.
+    pub fn is_filtered(&self) -> bool {
+        self.cutoff().is_some()
+    }
+
+    /// What of it decides what is fitted.
+    pub(crate) fn facts(&self) -> Facts {
+        Facts { joints: self.joints().len(), filtered: self.is_filtered() }
+    }
+
+    fn cutoff(&self) -> Option<Cutoff> {
+        match self.filter {
+            Filter::Auto if self.logs.has_ddq() => None,
+            Filter::None => None,
+            Filter::Auto => Some(Cutoff::Auto),
+            Filter::Hz(hz) => Some(Cutoff::Hz(hz)),
+        }
+    }
+
+    /// Its rows, filtered if they are to be.
+    ///
+    /// # Errors
+    /// [`Error::DelayWithoutFilter`], and those of reading logs.
+    pub fn prepare(&self, rows: Rows) -> Result<Prepared, Error> {
+        let logs = self.logs.clone();
+        let Some(cutoff) = self.cutoff() else {
+            return match self.delay {
+                Some(delay) if delay != 0.0 => Err(Error::DelayWithoutFilter),
+                _ => Ok(Prepared::Plain(logs)),
+            };
+        };
+        let delay = self.delay.unwrap_or_default();
+        let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
+        let find_delay = self.delay.is_none();
+        let filtered = |settings: &Conditioning, logs: Logs| -> Result<Prepared, Error> {
+            let logs = ConditionedLogs::new(logs, settings, find_delay)?;
+            Ok(Prepared::Conditioned(Box::new(logs)))
+        };
+        match rows {
+            Rows::Filtered => filtered(&settings, logs),
+            Rows::Every => {
+                let trim = Trim::Seconds(0.0);
+                filtered(&Conditioning { rate: Some(f64::MAX), trim, ..settings }, logs)
+            }
+            Rows::WithRawTorque => {
+                Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, find_delay)?)))
+            }
+        }
+    }
+
+    /// Its rows filtered as those a model was fitted on, where nothing else is asked for: what is
+    /// measured on them is what the fit measured, and they have no say in it.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`].
+    pub fn prepare_as(&self, known: Option<FilterUsed>, rows: Rows) -> Result<Prepared, Error> {
+        let filter = match (self.filter, known) {
+            (Filter::Auto, Some(known)) if !self.logs.has_ddq() => Filter::Hz(known.cutoff_hz),
+            (Filter::Auto, _) => Filter::None,
+            (asked, _) => asked,
+        };
+        let delay = match (self.delay, filter, known) {
+            (None, Filter::Hz(_), Some(known)) => known.delay,
+            (asked, _, _) => asked.unwrap_or_default(),
+        };
+        Self { filter, delay: Some(delay), ..self.clone() }.prepare(rows)
+    }
+}

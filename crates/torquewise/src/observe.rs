@@ -1,0 +1,104 @@
+//! Who watches long work, and may stop it.
+
+use crate::error::Error;
+use std::ops::ControlFlow;
+use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_survey::Progress;
+
+/// What is told while work is under way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// Rows will be read, about so many if that is known.
+    Reading {
+        /// What for, such as `predicting`.
+        doing: &'static str,
+        /// Rows in all passes.
+        rows: Option<u64>,
+    },
+    /// So many rows were read since the last event.
+    Rows(usize),
+    /// A stage of the fit begins.
+    Stage(Progress),
+}
+
+/// Is told what is done; work stops with [`Error::Interrupted`] where it breaks.
+pub type Observer<'a> = &'a (dyn Fn(Event) -> ControlFlow<()> + 'a);
+
+/// Nobody watches.
+pub(crate) const NOBODY: Observer<'static> = &|_| ControlFlow::Continue(());
+
+/// A recording whose rows are counted as they are read.
+pub struct Watched<'a, R: Recording + ?Sized> {
+    recording: &'a R,
+    observer: Observer<'a>,
+}
+
+impl<'a, R: Recording + ?Sized> Watched<'a, R> {
+    /// Tells `observer` what the rows are read for, and of each block.
+    ///
+    /// - `rows`: how many there are, if that is known, and how often they will be read
+    pub fn new(
+        recording: &'a R,
+        observer: Observer<'a>,
+        doing: &'static str,
+        rows: (Option<u64>, u64),
+    ) -> Self {
+        // Whoever wants to stop is asked again at the first block.
+        let _ = observer(Event::Reading { doing, rows: rows.0.map(|one| one * rows.1) });
+        Self { recording, observer }
+    }
+
+    fn tell(&self, block: &Motion) -> Result<(), ReadError> {
+        match (self.observer)(Event::Rows(block.n_rows())) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(Error::Interrupted.into()),
+        }
+    }
+}
+
+impl<R: Recording + ?Sized> Recording for Watched<'_, R> {
+    fn joints(&self) -> &[String] {
+        self.recording.joints()
+    }
+
+    fn is_filtered(&self) -> bool {
+        self.recording.is_filtered()
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.recording.read(&mut |trajectory, block| {
+            self.tell(block)?;
+            visit(trajectory, block)
+        })
+    }
+
+    fn n_logs(&self) -> usize {
+        self.recording.n_logs()
+    }
+
+    fn read_log(
+        &self,
+        log: usize,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        self.recording.read_log(log, &mut |trajectory, block| {
+            self.tell(block)?;
+            visit(trajectory, block)
+        })
+    }
+
+    fn read_log_with_noise(
+        &self,
+        log: usize,
+        seed: u64,
+        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
+    ) -> Result<bool, ReadError> {
+        self.recording.read_log_with_noise(log, seed, &mut |trajectory, block, noise| {
+            self.tell(block)?;
+            visit(trajectory, block, noise)
+        })
+    }
+}

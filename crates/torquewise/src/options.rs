@@ -1,0 +1,347 @@
+//! What is fitted to a log unless it is said otherwise, and which options go with it.
+
+use crate::error::Error;
+use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
+use torquewise_identify::settings::Settings;
+use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
+use torquewise_regression::select::Selector;
+
+/// Joints up to which the whole energy library is offered.
+const MOST_WHOLE: usize = 4;
+
+/// Which equations are offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Library {
+    /// M(q) and V(q), shared by all joints: exact for rigid arms; all terms for up to four joints
+    /// or with an interaction order, else those of a chain.
+    Energy,
+    /// Products of sines, cosines, velocities and accelerations, for each joint on its own.
+    Product,
+    /// Energies of a chain of rigid bodies whose geometry is learned too: for noisy logs, friction
+    /// and many joints.
+    Chain,
+}
+
+/// What is fitted and how; what is left out is chosen by the log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitOptions {
+    /// By default a chain for filtered logs, friction, or five joints and more, else the energy
+    /// library; the product library with one-shot SINDy.
+    pub library: Option<Library>,
+    /// Standstill, uniform and variable velocity in turn, or all rows at once as SINDy does.
+    pub regression: Regression,
+    /// By default whichever predicts held-out rows best for a chain, none for a library.
+    pub friction: Option<FrictionKind>,
+    /// Energy library: at most this many joint angles in a term.
+    pub interaction: Option<usize>,
+    /// Product library: factors of sine and cosine in a term.
+    pub trig_order: Option<u8>,
+    /// Product library: the same for the gravity step.
+    pub gravity_order: Option<u8>,
+    /// Which terms of a library stay.
+    pub selector: Option<Selector>,
+    /// Coefficients of a library that are at most this large are dropped.
+    pub threshold: Option<f64>,
+    /// Resampled logs to count in how many each term of a library stays.
+    pub bags: Option<usize>,
+    /// Joints of a chain that a spring or a weight is known to balance.
+    pub counterbalanced: Vec<String>,
+    /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
+    pub noise_correction: bool,
+    /// Whether a chain must be a physical arm (E14).
+    pub physical: bool,
+    /// How rows are clustered.
+    pub patterns: PatternPlan,
+    /// Seed of everything random.
+    pub seed: u64,
+}
+
+impl Default for FitOptions {
+    fn default() -> Self {
+        Self {
+            library: None,
+            regression: Regression::Stepwise,
+            friction: None,
+            interaction: None,
+            trig_order: None,
+            gravity_order: None,
+            selector: None,
+            threshold: None,
+            bags: None,
+            counterbalanced: Vec::new(),
+            noise_correction: true,
+            physical: true,
+            patterns: PatternPlan::default(),
+            seed: 0,
+        }
+    }
+}
+
+/// What of a log decides what is fitted to it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Facts {
+    /// Number of joints; 0 before they are read.
+    pub(crate) joints: usize,
+    /// Whether the signals go through a filter.
+    pub(crate) filtered: bool,
+}
+
+/// What is fitted, as far as its options differ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fitted {
+    Energy(Regression),
+    Product(Regression),
+    Chain,
+}
+
+impl FitOptions {
+    /// One-shot SINDy over the product library: the baseline.
+    pub fn sindy() -> Self {
+        Self { regression: Regression::OneShot, ..Self::default() }
+    }
+
+    /// Fails where options contradict each other, before a log is read.
+    ///
+    /// # Errors
+    /// [`Error::UnusedOption`], [`Error::SindyOfChain`].
+    pub fn check(&self) -> Result<(), Error> {
+        self.plan(Facts::default()).map(drop)
+    }
+
+    /// The plan for a log.
+    pub(crate) fn plan(&self, log: Facts) -> Result<Plan, Error> {
+        let (library, because) = self.fitted(log);
+        let fitted = match library {
+            Library::Energy => Fitted::Energy(self.regression),
+            Library::Product => Fitted::Product(self.regression),
+            Library::Chain if self.regression == Regression::OneShot => {
+                return Err(Error::SindyOfChain);
+            }
+            Library::Chain => Fitted::Chain,
+        };
+        self.refuse_unused(fitted, &because, &[])?;
+        Ok(self.plan_of(fitted))
+    }
+
+    /// Plans for stepwise reconstruction, and for one-shot SINDy over the product library.
+    pub(crate) fn plans_to_compare(&self) -> Result<[Plan; 2], Error> {
+        let stepwise = match self.library {
+            None | Some(Library::Energy) => Fitted::Energy(Regression::Stepwise),
+            Some(Library::Product) => Fitted::Product(Regression::Stepwise),
+            Some(Library::Chain) => return Err(Error::CompareChain),
+        };
+        let because = "one-shot SINDy is compared with it";
+        self.refuse_unused(stepwise, because, &["trig-order"])?;
+        Ok([stepwise, Fitted::Product(Regression::OneShot)].map(|fitted| self.plan_of(fitted)))
+    }
+
+    /// The plan for sums that were made under `settings`, which go before these options.
+    ///
+    /// # Errors
+    /// [`Error::UnusedOption`]
+    pub fn plan_for_sums(&self, settings: &Settings) -> Result<Plan, Error> {
+        let fitted = match &settings.library {
+            None => Fitted::Chain,
+            Some(library) => match library.kind {
+                LibraryKind::Energy { .. } => Fitted::Energy(library.regression),
+                LibraryKind::Product { .. } => Fitted::Product(library.regression),
+            },
+        };
+        if settings.library.is_some() && self.has_friction() {
+            return Err(Error::FrictionOfSums);
+        }
+        self.refuse_unused(fitted, "the logs were summed for it", &[])?;
+        let mut plan = self.plan_of(fitted);
+        if let (Method::Library(options), Some(library)) = (&mut plan.method, &settings.library) {
+            options.library = library.kind;
+        }
+        Ok(Plan { patterns: settings.patterns, ..plan })
+    }
+
+    /// What is fitted to a log, and why.
+    fn fitted(&self, log: Facts) -> (Library, String) {
+        let many = log.joints > MOST_WHOLE && self.interaction.is_none();
+        let stepwise = self.regression == Regression::Stepwise;
+        let too_many = format!("the log has {} joints", log.joints);
+        match self.library {
+            // Its terms are too many to be listed: they are grown along a chain.
+            Some(Library::Energy) if many && stepwise => (Library::Chain, too_many),
+            Some(library) => (library, "the library was chosen".into()),
+            None if !stepwise => (Library::Product, "SINDy was chosen".into()),
+            None if log.filtered => (Library::Chain, "the log is filtered".into()),
+            None if self.has_friction() => (Library::Chain, "friction was asked for".into()),
+            None if many => (Library::Chain, too_many),
+            None if !self.counterbalanced.is_empty() => {
+                (Library::Chain, "a joint is counterbalanced".into())
+            }
+            None => (Library::Energy, "no other library was chosen".into()),
+        }
+    }
+
+    fn has_friction(&self) -> bool {
+        self.friction.is_some_and(|friction| friction != FrictionKind::None)
+    }
+
+    /// The options given that not every method uses, whether `fitted` does, and what does.
+    fn given(&self, fitted: Fitted) -> Vec<(&'static str, bool, &'static str)> {
+        let is_chain = fitted == Fitted::Chain;
+        let of_terms = "the library energy|product (energy needs an interaction order beyond four \
+                        joints)";
+        let product = matches!(fitted, Fitted::Product(_));
+        let steps = Fitted::Product(Regression::Stepwise);
+        let one_shot = Fitted::Product(Regression::OneShot);
+        let energy = matches!(fitted, Fitted::Energy(_));
+        let chain = "the library chain";
+        let all = [
+            ("friction", self.has_friction(), fitted != one_shot, "the method stepwise"),
+            ("interaction", self.interaction.is_some(), energy, "the library energy"),
+            ("trig-order", self.trig_order.is_some(), product, "the library product"),
+            (
+                "gravity-order",
+                self.gravity_order.is_some(),
+                fitted == steps,
+                "the library product with the method stepwise",
+            ),
+            ("select", self.selector.is_some(), !is_chain, of_terms),
+            ("threshold", self.threshold.is_some(), !is_chain, of_terms),
+            ("counterbalance", !self.counterbalanced.is_empty(), is_chain, chain),
+            ("bags", self.bags.is_some(), !is_chain, of_terms),
+            ("unconstrained", !self.physical, is_chain, chain),
+        ];
+        let given = all.into_iter().filter(|(_, given, _, _)| *given);
+        given.map(|(name, _, is_used, user)| (name, is_used, user)).collect()
+    }
+
+    fn refuse_unused(&self, fitted: Fitted, because: &str, spared: &[&str]) -> Result<(), Error> {
+        let unused = |(name, is_used, _): &(&str, bool, &str)| !is_used && !spared.contains(name);
+        let Some((option, _, user)) = self.given(fitted).into_iter().find(unused) else {
+            return Ok(());
+        };
+        let because = because.to_owned();
+        Err(Error::UnusedOption { option, fitted: fitted.name(), because, user })
+    }
+
+    fn plan_of(&self, fitted: Fitted) -> Plan {
+        let energy = LibraryKind::Energy { interaction: self.interaction };
+        let method = match fitted {
+            Fitted::Energy(regression) => self.library_options(energy, regression),
+            Fitted::Product(regression) => self.library_options(self.product(), regression),
+            Fitted::Chain => {
+                let usual = ChainOptions::default();
+                Method::Chain(ChainOptions {
+                    friction: self.friction.unwrap_or(usual.friction),
+                    counterbalanced: self.counterbalanced.clone(),
+                    noise_correction: usual.noise_correction && self.noise_correction,
+                    physical: self.physical,
+                })
+            }
+        };
+        Plan { method, seed: self.seed, patterns: self.patterns }
+    }
+
+    fn library_options(&self, library: LibraryKind, regression: Regression) -> Method {
+        let usual = match regression {
+            Regression::OneShot => LibraryOptions::sindy(),
+            Regression::Stepwise => LibraryOptions::default(),
+        };
+        Method::Library(LibraryOptions {
+            library,
+            regression,
+            friction: self.friction.unwrap_or(usual.friction),
+            selector: self.selector(usual.selector),
+            threshold: self.threshold.or(usual.threshold),
+            noise_correction: usual.noise_correction && self.noise_correction,
+            bags: self.bags.unwrap_or(usual.bags),
+        })
+    }
+
+    fn selector(&self, usual: Selector) -> Selector {
+        let mut selector = self.selector.clone().unwrap_or(usual);
+        if let Some(asked) = self.threshold {
+            match &mut selector {
+                Selector::Lasso(lasso) => lasso.threshold = asked,
+                Selector::Stlsq(stlsq) => stlsq.threshold = asked,
+                _ => {}
+            }
+        }
+        selector
+    }
+
+    fn product(&self) -> LibraryKind {
+        match LibraryKind::PRODUCT {
+            LibraryKind::Product { gravity_order, trig_order } => LibraryKind::Product {
+                gravity_order: self.gravity_order.unwrap_or(gravity_order),
+                trig_order: self.trig_order.unwrap_or(trig_order),
+            },
+            other @ LibraryKind::Energy { .. } => other,
+        }
+    }
+}
+
+impl Fitted {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Energy(Regression::Stepwise) => "the energy library",
+            Self::Energy(Regression::OneShot) => "one-shot SINDy over the energy library",
+            Self::Product(Regression::Stepwise) => "the product library",
+            Self::Product(Regression::OneShot) => "one-shot SINDy over the product library",
+            Self::Chain => "a learned chain of rigid bodies",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIX_FILTERED: Facts = Facts { joints: 6, filtered: true };
+
+    #[test]
+    fn a_refusal_names_the_option_the_method_the_reason_and_the_way_out() {
+        let options = FitOptions { threshold: Some(0.1), ..FitOptions::default() };
+
+        let message = options.plan(SIX_FILTERED).unwrap_err().to_string();
+
+        assert_eq!(
+            message,
+            "threshold is not used by a learned chain of rigid bodies, which is fitted because \
+             the log is filtered: leave it out or choose the library energy|product (energy needs \
+             an interaction order beyond four joints)"
+        );
+    }
+
+    #[test]
+    fn options_that_are_used_pass() {
+        let chain = FitOptions {
+            friction: Some(FrictionKind::Auto),
+            counterbalanced: vec!["axis_2".into()],
+            noise_correction: false,
+            ..FitOptions::default()
+        };
+        let product = FitOptions {
+            library: Some(Library::Product),
+            bags: Some(3),
+            trig_order: Some(2),
+            gravity_order: Some(2),
+            ..FitOptions::default()
+        };
+        let sindy = FitOptions { regression: Regression::OneShot, ..product.clone() };
+
+        assert!(chain.check().is_ok() && product.check().is_ok());
+        assert!(sindy.check().is_err());
+    }
+
+    #[test]
+    fn the_log_decides_what_is_fitted() {
+        let method = |joints, filtered, options: &FitOptions| {
+            options.plan(Facts { joints, filtered }).unwrap().method
+        };
+        let usual = FitOptions::default();
+
+        assert!(matches!(method(3, false, &usual), Method::Library(_)));
+        assert!(matches!(method(3, true, &usual), Method::Chain(_)));
+        assert!(matches!(method(6, false, &usual), Method::Chain(_)));
+        let sindy = method(6, true, &FitOptions::sindy());
+        assert!(matches!(sindy, Method::Library(o) if o.regression == Regression::OneShot));
+    }
+}

@@ -1,0 +1,117 @@
+//! What a fit found in numbers: the object that programs read.
+
+use crate::error::Error;
+use crate::fit::FitResult;
+use crate::physics::MassMatrix;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use torquewise_model::model::{Choice, Overlooked, PriceOfPhysics};
+use torquewise_motion::Repairs;
+use torquewise_survey::NoiseFloor;
+
+/// A fit in numbers; percentages are of the standard deviation of the torque of a joint.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "fields of a JSON object, explained in docs/library.md")]
+pub struct FitSummary<'a> {
+    pub verdict: Option<String>,
+    pub because: Vec<String>,
+    pub joints: &'a [String],
+    pub rows: usize,
+    pub seconds: f64,
+    pub residual_rms: &'a [f64],
+    pub torque_std: &'a [f64],
+    pub residual_percent: Vec<f64>,
+    pub held_out_percent: Vec<f64>,
+    pub cutoff_hz: Option<f64>,
+    pub conditioning: AllRepairs<'a>,
+    pub candidates: usize,
+    pub candidates_by_step: Vec<usize>,
+    pub active: Vec<usize>,
+    pub active_total: usize,
+    pub steps: Vec<StepSummary<'a>>,
+    pub choices: &'a [Choice],
+    pub overlooked: Option<&'a Overlooked>,
+    pub price_of_physics: Option<&'a PriceOfPhysics>,
+    pub noise: &'a NoiseFloor,
+    pub dropped: Vec<DroppedTerm<'a>>,
+    pub mass_matrix: MassMatrix,
+}
+
+/// A step of the reconstruction.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "fields of a JSON object, explained in docs/library.md")]
+pub struct StepSummary<'a> {
+    pub name: &'a str,
+    pub rows: usize,
+    pub candidates: usize,
+    pub active: &'a [usize],
+    pub seconds: f64,
+}
+
+/// A term that some resampled logs kept, and the fit did not.
+#[derive(Clone, Debug, Serialize)]
+#[expect(missing_docs, reason = "fields of a JSON object, explained in docs/library.md")]
+pub struct DroppedTerm<'a> {
+    pub term: &'a str,
+    pub inclusion: f64,
+}
+
+/// What was repaired in all logs, and in each.
+#[derive(Clone, Debug, Serialize)]
+pub struct AllRepairs<'a> {
+    /// All logs together.
+    pub total: Repairs,
+    /// By the name of the log; logs that are sound are not listed.
+    pub logs: &'a BTreeMap<String, Repairs>,
+}
+
+impl<'a> AllRepairs<'a> {
+    /// Adds up what was repaired.
+    pub fn of(logs: &'a BTreeMap<String, Repairs>) -> Self {
+        Self { total: logs.values().sum(), logs }
+    }
+}
+
+impl<'a> FitSummary<'a> {
+    pub(crate) fn new(fit: &'a FitResult) -> Result<Self, Error> {
+        let (verdict, model) = (fit.verdict(), &fit.model);
+        let training = &model.training;
+        let percent = |rms: &[f64]| {
+            rms.iter().zip(&training.torque_std).map(|(rms, std)| 100.0 * rms / std).collect()
+        };
+        let steps = fit.steps.iter().zip(&fit.step_seconds).map(|(step, &seconds)| StepSummary {
+            name: step.name,
+            rows: step.rows,
+            candidates: step.candidates,
+            active: &step.active,
+            seconds,
+        });
+        let dropped = fit.dropped.iter();
+        Ok(Self {
+            because: verdict.iter().flat_map(|verdict| verdict.because.clone()).collect(),
+            verdict: verdict.map(|verdict| verdict.grade.to_string()),
+            joints: &model.joints,
+            rows: fit.survey.rows,
+            seconds: fit.seconds,
+            residual_rms: &training.residual_rms,
+            torque_std: &training.torque_std,
+            residual_percent: percent(&training.residual_rms),
+            held_out_percent: percent(&training.held_out_rms),
+            cutoff_hz: training.filter.map(|filter| filter.cutoff_hz),
+            conditioning: AllRepairs::of(&training.conditioning),
+            candidates: fit.candidates,
+            candidates_by_step: fit.steps.iter().map(|step| step.candidates).collect(),
+            active: model.active(),
+            active_total: model.n_coefficients(),
+            steps: steps.collect(),
+            choices: &model.choices,
+            overlooked: training.overlooked.as_ref(),
+            price_of_physics: training.price_of_physics.as_ref(),
+            noise: &fit.noise,
+            dropped: dropped
+                .map(|term| DroppedTerm { term: &term.name, inclusion: term.inclusion })
+                .collect(),
+            mass_matrix: MassMatrix::of(model)?,
+        })
+    }
+}

@@ -1,0 +1,88 @@
+//! Logs summed up apart, and solved together for the model that fitting all of them gives.
+
+use crate::error::Error;
+use crate::fit::{FitResult, timed};
+use crate::log::{Log, Rows};
+use crate::observe::{Event, Observer, Watched};
+use crate::options::FitOptions;
+use crate::prepared::Prepared;
+use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
+use torquewise_identify::reconstruct::Solution;
+use torquewise_identify::rounds::Request;
+use torquewise_identify::summary::summarise_again;
+use torquewise_identify::{Method, Plan, Summary, solve, summarise};
+
+/// What solving sums of logs came to.
+#[derive(Debug)]
+pub enum Solved {
+    /// The equations of motion.
+    Model(Box<FitResult>),
+    /// A chain asks for another pass over the rows of all logs.
+    Request(Box<Request>),
+}
+
+/// Sums up logs, to be merged with the sums of others and solved.
+///
+/// - `request`: what [`solve_sums`] asked for, if it did
+///
+/// # Errors
+/// [`Error::FrictionOfSums`], [`Error::UnusedOption`], and those of reading.
+pub fn sum_up(
+    log: &Log,
+    options: &FitOptions,
+    request: Option<&Request>,
+    observer: Observer<'_>,
+) -> Result<(Summary, Prepared), Error> {
+    log.files().require_tau()?;
+    let plan = options.plan(log.facts())?;
+    let plan = match (request, &plan.method) {
+        (Some(_), Method::Library(_)) => {
+            Plan { method: Method::Chain(ChainOptions::default()), ..plan }
+        }
+        _ => plan,
+    };
+    if let Method::Library(LibraryOptions { friction, .. }) = &plan.method
+        && *friction != FrictionKind::None
+    {
+        return Err(Error::FrictionOfSums);
+    }
+    let log = log.prepare(Rows::Filtered)?;
+    let watched = Watched::new(&log, observer, "summing", (log.rows_hint(), 2));
+    let mut told = |stage| {
+        // Whoever breaks is asked again at the next block.
+        let _ = observer(Event::Stage(stage));
+    };
+    let summary = match request {
+        None => summarise(&watched, &plan, &conditioning(&log), &mut told)?,
+        Some(request) => summarise_again(&watched, &plan, &conditioning(&log), request, &mut told)?,
+    };
+    Ok((summary, log))
+}
+
+/// How the signals were filtered: parts that were filtered otherwise do not add up.
+fn conditioning(log: &Prepared) -> String {
+    let Some(logs) = log.conditioned() else { return "as recorded".to_owned() };
+    let settings = logs.settings();
+    format!("{:?}, torque {:?} s late", settings.cutoff, settings.delay)
+}
+
+/// Solves for the model of logs that were summed up apart.
+///
+/// # Errors
+/// [`Error::UnusedOption`] if an option does not go with what the logs were summed for,
+/// [`Error::Identify`] if the sums cannot be solved.
+pub fn solve_sums(
+    summary: Summary,
+    options: &FitOptions,
+    observer: Observer<'_>,
+) -> Result<Solved, Error> {
+    let plan = options.plan_for_sums(summary.settings())?;
+    let timed = timed(observer, |progress| solve(summary, &plan, progress))?;
+    let (solution, times) = timed.split();
+    Ok(match solution {
+        Solution::Request(request) => Solved::Request(request),
+        Solution::Model(found) => {
+            Solved::Model(Box::new(FitResult::from(times.map(|()| (None, *found)))))
+        }
+    })
+}
