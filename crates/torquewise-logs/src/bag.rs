@@ -2,7 +2,9 @@
 
 mod joint_state;
 mod messages;
+#[cfg(feature = "bags")]
 mod db3_messages;
+#[cfg(feature = "bags")]
 mod mcap_messages;
 mod aligned;
 mod in_order;

@@ -1,6 +1,7 @@
 //! What can be wrong with a log file, and where.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+#[cfg(feature = "parquet")]
 use parquet::errors::ParquetError;
 use std::fmt;
 use std::io;
@@ -116,13 +117,20 @@ pub enum LogError {
     )]
     CoarseClock { place: Place, repeated: u64, rows: u64 },
     #[error(
+        "{}: this build of torquewise reads no .{extension}: build it with the feature {feature}",
+        file.display()
+    )]
+    NotBuilt { file: PathBuf, extension: String, feature: &'static str },
+    #[error(
         "{} is a folder without .db3 or .mcap files: give the folder of a ROS 2 bag, or log files",
         file.display()
     )]
     EmptyFolder { file: PathBuf },
 
+    #[cfg(feature = "parquet")]
     #[error("{} is not a whole Parquet file: copy or convert it again", file.display())]
     Parquet { file: PathBuf, source: ParquetError },
+    #[cfg(feature = "parquet")]
     #[error("{}: a row group cannot be decoded: copy or convert the file again", file.display())]
     RowGroup { file: PathBuf, source: ParquetError },
     #[error("{} is damaged beyond decoding: copy or convert it again", file.display())]
@@ -136,8 +144,10 @@ pub enum LogError {
         file.display()
     )]
     NoBag { file: PathBuf },
+    #[cfg(feature = "bags")]
     #[error("{} cannot be read as an SQLite bag: copy it again or repair it", file.display())]
     Database { file: PathBuf, source: rusqlite::Error },
+    #[cfg(feature = "bags")]
     #[error("{} is no whole MCAP file: copy it again or run mcap recover", file.display())]
     Mcap { file: PathBuf, source: Box<mcap::McapError> },
     #[error(
@@ -171,6 +181,7 @@ pub enum LogError {
          messages have as joints = […] in a profile"
     )]
     JointGone { place: Place, joint: String, found: String },
+    #[cfg(feature = "arrays")]
     #[error("{} is no whole NumPy archive: save it again with numpy.savez", file.display())]
     Npz { file: PathBuf, source: zip::result::ZipError },
     #[error("{}, array {array}: {reason}: save it again with numpy.savez", file.display())]
@@ -272,6 +283,7 @@ pub enum LogError {
     Write { file: PathBuf, source: io::Error },
     #[error("{}: this format is only read: name the output .csv or .parquet", file.display())]
     NotWritten { file: PathBuf },
+    #[cfg(feature = "parquet")]
     #[error("{} cannot be written as Parquet: check that the disk has room", file.display())]
     WriteParquet { file: PathBuf, source: ParquetError },
     #[error("{}: {found} columns of values for a table of {expected}", file.display())]
@@ -298,18 +310,22 @@ impl LogError {
         move |source| Self::Decode { file: file.into(), source }
     }
 
+    #[cfg(feature = "bags")]
     pub(crate) fn database(file: &Path) -> impl Fn(rusqlite::Error) -> Self {
         move |source| Self::Database { file: file.into(), source }
     }
 
+    #[cfg(feature = "arrays")]
     pub(crate) fn npz(file: &Path) -> impl Fn(zip::result::ZipError) -> Self {
         move |source| Self::Npz { file: file.into(), source }
     }
 
+    #[cfg(feature = "parquet")]
     pub(crate) fn row_group(file: &Path) -> impl Fn(ParquetError) -> Self {
         move |source| Self::RowGroup { file: file.into(), source }
     }
 
+    #[cfg(feature = "parquet")]
     pub(crate) fn parquet(file: &Path) -> impl Fn(ParquetError) -> Self {
         move |source| Self::Parquet { file: file.into(), source }
     }

@@ -33,10 +33,21 @@ impl Format {
         let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
         let extension = extension.unwrap_or_default();
         let known = Self::NAMED.into_iter().find(|(name, _)| *name == extension);
-        known.map(|(_, format)| format).ok_or_else(|| LogError::UnknownExtension {
-            file: file.into(),
-            extension: shown(extension.as_bytes()),
-        })
+        let Some((_, format)) = known else {
+            let extension = shown(extension.as_bytes());
+            return Err(LogError::UnknownExtension { file: file.into(), extension });
+        };
+        let (feature, is_built) = match format {
+            Self::Csv => ("", true),
+            Self::Parquet => ("parquet", cfg!(feature = "parquet")),
+            Self::Db3 | Self::Mcap => ("bags", cfg!(feature = "bags")),
+            Self::Npz | Self::Mat => ("arrays", cfg!(feature = "arrays")),
+        };
+        if is_built {
+            Ok(format)
+        } else {
+            Err(LogError::NotBuilt { file: file.into(), extension, feature })
+        }
     }
 }
 

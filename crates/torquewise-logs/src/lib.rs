@@ -22,6 +22,18 @@
 //! assert!(!logs.has_tau());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Without the default features `parquet`, `bags`, `arrays` and `profiles` only CSV is read and
+//! written, with the columns above.
+#![cfg_attr(
+    not(all(feature = "parquet", feature = "bags", feature = "arrays", feature = "profiles")),
+    allow(
+        dead_code,
+        unused_imports,
+        unused_variables,
+        reason = "parts of formats that are not built"
+    )
+)]
 
 pub mod error;
 mod guarded;
@@ -30,9 +42,12 @@ mod joints;
 mod rows;
 mod lines;
 mod csv_rows;
+#[cfg(feature = "parquet")]
 mod parquet_column;
+#[cfg(feature = "parquet")]
 mod parquet_rows;
 mod bag;
+#[cfg(feature = "arrays")]
 mod arrays;
 mod layout;
 mod mapping;
@@ -50,10 +65,12 @@ mod clock;
 mod pieces;
 mod trajectory;
 pub mod conditioned;
+#[cfg(feature = "profiles")]
 pub mod suggest;
 pub mod units;
 pub mod columns;
 mod sink;
+#[cfg(feature = "parquet")]
 mod parquet_sink;
 pub mod table;
 pub mod log_writer;
@@ -67,6 +84,7 @@ pub use logs::Logs;
 pub use profile::Profile;
 pub use signal_rows::{Clock, ReadReport};
 pub use source::Options;
+#[cfg(feature = "profiles")]
 pub use suggest::{Suggestion, suggest};
 pub use table::TableWriter;
 pub use units::{UnitWarning, unit_warnings};

@@ -159,6 +159,7 @@ impl Profile {
     ///
     /// # Errors
     /// [`LogError::Read`], or as [`from_toml`](Self::from_toml) with the name of the file.
+    #[cfg(feature = "profiles")]
     pub fn read(file: &Path) -> Result<Self, LogError> {
         let text = std::fs::read_to_string(file).map_err(LogError::read(file))?;
         Self::parse(&text, &file.display().to_string())
@@ -169,16 +170,19 @@ impl Profile {
     /// # Errors
     /// [`LogError::ProfileText`] with the line of what is not understood, [`LogError::ProfileKey`]
     /// if a value cannot be right or values contradict each other.
+    #[cfg(feature = "profiles")]
     pub fn from_toml(text: &str) -> Result<Self, LogError> {
         Self::parse(text, "profile")
     }
 
     /// Text that [`from_toml`](Self::from_toml) reads back.
+    #[cfg(feature = "profiles")]
     pub fn to_toml(&self) -> String {
         // A profile is made of what TOML has: text, numbers, lists and tables.
         toml::to_string(self).unwrap_or_default()
     }
 
+    #[cfg(feature = "profiles")]
     fn parse(text: &str, from: &str) -> Result<Self, LogError> {
         let profile: Self = toml::from_str(text).map_err(|source| LogError::ProfileText {
             profile: from.to_owned(),

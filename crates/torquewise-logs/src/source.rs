@@ -1,5 +1,6 @@
 //! Path → rows of signals: a log file that can be read any number of times.
 
+#[cfg(feature = "arrays")]
 use crate::arrays::{ArrayFormat, ArrayRows};
 use crate::bag::{BagRows, Storage, Survey, Wanted};
 use crate::beside::{Beside, ClockColumn, SideBySide};
@@ -9,6 +10,7 @@ use crate::error::LogError;
 use crate::format::Format;
 use crate::joints;
 use crate::mapping::Mapping;
+#[cfg(feature = "parquet")]
 use crate::parquet_rows::ParquetRows;
 use crate::plain::plain;
 use crate::profile::Profile;
@@ -165,8 +167,11 @@ fn rows(file: &Path, format: Format, survey: Option<&Survey>) -> Result<Box<dyn 
         return Ok(Box::new(BagRows::open(file, survey.clone())?));
     }
     Ok(match format {
+        #[cfg(feature = "parquet")]
         Format::Parquet => Box::new(ParquetRows::open(file)?),
+        #[cfg(feature = "arrays")]
         Format::Npz => Box::new(ArrayRows::open(file, ArrayFormat::Npz)?),
+        #[cfg(feature = "arrays")]
         Format::Mat => Box::new(ArrayRows::open(file, ArrayFormat::Mat)?),
         _ => {
             let input = File::open(file).map_err(LogError::read(file))?;

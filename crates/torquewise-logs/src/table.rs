@@ -4,6 +4,7 @@ use crate::columns::{Column, Values};
 use crate::error::LogError;
 use crate::format::Format;
 use crate::joints;
+#[cfg(feature = "parquet")]
 use crate::parquet_sink::ParquetSink;
 use crate::sink::{CsvSink, Sink};
 use std::path::{Path, PathBuf};
@@ -43,6 +44,7 @@ impl TableWriter {
     fn start(file: &Path, columns: &[Column], joints: Option<String>) -> Result<Self, LogError> {
         let sink: Box<dyn Sink> = match Format::of(file)? {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints.as_deref())?),
+            #[cfg(feature = "parquet")]
             Format::Parquet => Box::new(ParquetSink::create(file, columns, joints)?),
             _ => return Err(LogError::NotWritten { file: file.into() }),
         };

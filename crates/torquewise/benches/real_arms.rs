@@ -24,17 +24,13 @@ use peer::Peer;
 use sets::Set;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 use torquewise::dynamics::Arm;
-use torquewise::identify::bandwidth::{Tuned, tune};
-use torquewise::identify::plan::ChainOptions;
-use torquewise::identify::reconstruct::reconstruct_from;
-use torquewise::identify::{Plan, Reconstruction, score};
-use torquewise::logs::conditioned::RawLogs;
+use torquewise::identify::score;
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
-use torquewise::model::Model;
 use torquewise::motion::{Motion, Recording, Signals};
-use torquewise::signals::{ConditionReport, Conditioning};
+use torquewise::prepared::Prepared;
+use torquewise::signals::ConditionReport;
+use torquewise::{Fit, FitOptions, FitResult, Library, Log, Model};
 
 /// What is put down of one set.
 struct Outcome {
@@ -117,37 +113,31 @@ fn run(set: Set, data: &Path) -> Result<Outcome, Box<dyn Error + Send + Sync>> {
     let profile = Profile::read(&project().join("profiles").join(set.profile))?;
     let options = Options { profile: Some(profile), topic: None, clock: Clock::Repair };
     let logs = Logs::open_with(&[data.join(set.log)], &options)?;
-    let plan: Plan = ChainOptions {
+    let options = FitOptions {
+        library: Some(Library::Chain),
         counterbalanced: set.counterbalanced.iter().map(ToString::to_string).collect(),
-        ..ChainOptions::default()
-    }
-    .into();
+        ..FitOptions::default()
+    };
     let arm = set.arm(data)?;
     let folder = std::env::temp_dir().join(format!("torquewise-real-arms-{}", std::process::id()));
     let mut runs = Vec::new();
     for way in 0..split::WAYS {
         let [train, test] = split::written(&logs, (set.split, way), &folder)?;
-        runs.push(one(&set, &arm, (&train, &test), &plan)?);
+        runs.push(one(&set, &arm, (&train, &test), &options)?);
         std::fs::remove_dir_all(&folder)?;
     }
     Ok(Outcome { joints: logs.joints().to_vec(), runs, set })
 }
 
-/// A model, and the logs it was fitted to, filtered.
-struct Fitted {
-    logs: ConditionedLogs,
-    found: Reconstruction,
-    seconds: f64,
-}
-
-/// Fits logs as `fit` does.
-fn fitted(logs: &[PathBuf], plan: &Plan) -> Result<Fitted, Box<dyn Error + Send + Sync>> {
-    let start = Instant::now();
-    let raw = RawLogs::new(Logs::open(logs)?, &Conditioning::default(), true)?;
-    let Tuned { recording: logs, request, choice } = tune(&raw, plan, &mut |_| {})?;
-    let mut found = reconstruct_from(&logs, request, plan, &mut |_| {})?;
-    found.model.choices.splice(0..0, choice);
-    Ok(Fitted { logs, found, seconds: start.elapsed().as_secs_f64() })
+/// Fits logs as the command line does.
+fn fitted(
+    logs: &[PathBuf],
+    options: &FitOptions,
+) -> Result<(FitResult, ConditionedLogs), Box<dyn Error + Send + Sync>> {
+    let log = Log::open_all(logs, &Options::default())?;
+    let mut fit = Fit::new(&log).options(options.clone()).run()?;
+    let filtered = fit.log.take().and_then(Prepared::into_conditioned);
+    Ok((fit, filtered.ok_or("the log is not filtered")?))
 }
 
 /// Fits one training part, and judges it on the other.
@@ -155,11 +145,11 @@ fn one(
     set: &Set,
     arm: &Arm,
     (train, test): (&[PathBuf], &[PathBuf]),
-    plan: &Plan,
+    options: &FitOptions,
 ) -> Result<Run, Box<dyn Error + Send + Sync>> {
-    let Fitted { logs: recording, found, seconds } = fitted(train, plan)?;
+    let (fit, recording) = fitted(train, options)?;
     let test = ConditionedLogs::new(Logs::open(test)?, recording.settings(), false)?;
-    let scores = score(&found.model, &test)?;
+    let scores = score(&fit.model, &test)?;
     let ours = Errors {
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
         nrmse: scores.joints.iter().map(|joint| joint.nrmse_percent / 100.0).collect(),
@@ -169,8 +159,8 @@ fn one(
     Ok(Run {
         report: recording.report().clone(),
         rows: [train.n_rows(), test.n_rows()],
-        model: found.model,
-        seconds,
+        model: fit.model.clone(),
+        seconds: fit.seconds,
         ours,
         peer,
     })

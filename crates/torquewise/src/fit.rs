@@ -7,7 +7,6 @@ use crate::observe::{Event, NOBODY, Observer, Watched};
 use crate::options::{Facts, FitOptions};
 use crate::prepared::Prepared;
 use crate::source::Source;
-use crate::summary::FitSummary;
 use std::ops::Deref;
 use std::time::Instant;
 use torquewise_diagnose::disagreement::disagreements;
@@ -123,14 +122,6 @@ impl FitResult {
     /// As [`evaluate()`].
     pub fn evaluate<'b>(&self, test: impl Into<Source<'b>>) -> Result<Evaluation, Error> {
         evaluate(&self.found.model, test)
-    }
-
-    /// What was found in numbers, to be serialised.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if M(q) cannot be computed.
-    pub fn summary(&self) -> Result<FitSummary<'_>, Error> {
-        FitSummary::new(self)
     }
 
     /// What was found, without the log.

@@ -22,6 +22,9 @@
 //! fit.model.save(folder.path().join("arm.json"))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
+//! truth and controllers, `figures` for reports, exported code and the experiments of the paper.
 
 pub mod error;
 pub mod number;
@@ -34,8 +37,8 @@ pub mod range;
 pub mod interval;
 pub mod physics;
 pub mod evaluate;
-pub mod summary;
 pub mod fit;
+pub mod summary;
 pub mod compare;
 pub mod sums;
 
@@ -47,11 +50,16 @@ pub use log::{Filter, Log};
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
 pub use summary::FitSummary;
+#[cfg(feature = "simulation")]
 pub use torquewise_control as control;
 pub use torquewise_diagnose as diagnose;
+#[cfg(feature = "simulation")]
 pub use torquewise_dynamics as dynamics;
+#[cfg(feature = "simulation")]
 pub use torquewise_excite as excite;
+#[cfg(feature = "figures")]
 pub use torquewise_experiments as experiments;
+#[cfg(feature = "figures")]
 pub use torquewise_export as export;
 pub use torquewise_identify as identify;
 pub use torquewise_identify::verdict::{Grade, Verdict};
@@ -60,6 +68,7 @@ pub use torquewise_model as model;
 pub use torquewise_model::{Model, Torque};
 pub use torquewise_motion as motion;
 pub use torquewise_regression as regression;
+#[cfg(feature = "figures")]
 pub use torquewise_report as report;
 pub use torquewise_signals as signals;
 pub use torquewise_stepwise as stepwise;

@@ -151,7 +151,8 @@ impl fmt::Display for PhysicsCheck {
         for (range, checks) in [("training range", &self.trained), ("whole turn", &self.whole)] {
             writeln!(
                 f,
-                "  M(q) positive definite  {:3}  {range}: smallest eigenvalue {} kg·m² at q = {} rad",
+                "  M(q) positive definite  {:3}  {range}: smallest eigenvalue {} kg·m² at q = {} \
+                 rad",
                 verdict(checks.smallest_eigenvalue > 0.0),
                 number(checks.smallest_eigenvalue),
                 angles(&checks.weakest_q)

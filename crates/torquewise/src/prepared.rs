@@ -37,6 +37,15 @@ impl Prepared {
         }
     }
 
+    /// The same, taken out.
+    pub fn into_conditioned(self) -> Option<ConditionedLogs> {
+        match self {
+            Self::Plain(_) => None,
+            Self::Conditioned(logs) => Some(*logs),
+            Self::Raw(raw) => Some(raw.conditioned().clone()),
+        }
+    }
+
     fn rows(&self) -> &dyn Recording {
         match self.conditioned() {
             Some(logs) => logs,

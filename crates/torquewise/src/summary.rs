@@ -72,42 +72,46 @@ impl<'a> AllRepairs<'a> {
     }
 }
 
-impl<'a> FitSummary<'a> {
-    pub(crate) fn new(fit: &'a FitResult) -> Result<Self, Error> {
-        let (verdict, model) = (fit.verdict(), &fit.model);
+impl FitResult {
+    /// What was found in numbers, to be serialised.
+    ///
+    /// # Errors
+    /// [`Error::Model`] if M(q) cannot be computed.
+    pub fn summary(&self) -> Result<FitSummary<'_>, Error> {
+        let (verdict, model) = (self.verdict(), &self.model);
         let training = &model.training;
         let percent = |rms: &[f64]| {
             rms.iter().zip(&training.torque_std).map(|(rms, std)| 100.0 * rms / std).collect()
         };
-        let steps = fit.steps.iter().zip(&fit.step_seconds).map(|(step, &seconds)| StepSummary {
+        let steps = self.steps.iter().zip(&self.step_seconds).map(|(step, &seconds)| StepSummary {
             name: step.name,
             rows: step.rows,
             candidates: step.candidates,
             active: &step.active,
             seconds,
         });
-        let dropped = fit.dropped.iter();
-        Ok(Self {
+        let dropped = self.dropped.iter();
+        Ok(FitSummary {
             because: verdict.iter().flat_map(|verdict| verdict.because.clone()).collect(),
             verdict: verdict.map(|verdict| verdict.grade.to_string()),
             joints: &model.joints,
-            rows: fit.survey.rows,
-            seconds: fit.seconds,
+            rows: self.survey.rows,
+            seconds: self.seconds,
             residual_rms: &training.residual_rms,
             torque_std: &training.torque_std,
             residual_percent: percent(&training.residual_rms),
             held_out_percent: percent(&training.held_out_rms),
             cutoff_hz: training.filter.map(|filter| filter.cutoff_hz),
             conditioning: AllRepairs::of(&training.conditioning),
-            candidates: fit.candidates,
-            candidates_by_step: fit.steps.iter().map(|step| step.candidates).collect(),
+            candidates: self.candidates,
+            candidates_by_step: self.steps.iter().map(|step| step.candidates).collect(),
             active: model.active(),
             active_total: model.n_coefficients(),
             steps: steps.collect(),
             choices: &model.choices,
             overlooked: training.overlooked.as_ref(),
             price_of_physics: training.price_of_physics.as_ref(),
-            noise: &fit.noise,
+            noise: &self.noise,
             dropped: dropped
                 .map(|term| DroppedTerm { term: &term.name, inclusion: term.inclusion })
                 .collect(),

@@ -148,7 +148,7 @@ fn attribute(element: Node<'_, '_>, name: &str) -> Result<String, DynamicsError>
     value.ok_or_else(|| refused(element, &format!("has no {name}")))
 }
 
-/// Numbers of an attribute with blanks between them; `default` where it is missing, if there is one.
+/// Numbers of an attribute, with blanks between them; `default` where it is missing.
 fn numbers<const N: usize>(
     element: Node<'_, '_>,
     name: &str,

@@ -1,9 +1,6 @@
-//! Bytes of a NumPy array (.npy) → shape and numbers.
+//! The shape and the numbers of a NumPy array (.npy, versions 1 to 3).
 
 use crate::error::{LogError, shown};
-use ndarray::{ArrayD, IxDyn};
-use ndarray_npy::npy::header::Header as NpyHeader;
-use ndarray_npy::{ReadNpyExt, ReadableElement};
 use std::path::Path;
 
 /// What the header of an array of numbers says.
@@ -13,83 +10,83 @@ pub(super) struct Header {
     pub(super) is_fortran: bool,
     /// Kind and size of an element without its byte order, such as f8.
     element: String,
+    is_big_endian: bool,
+    /// Bytes before the first element.
+    length: usize,
 }
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-
-/// Opening brackets that the header of an array of numbers has at most.
-const MOST_BRACKETS: usize = 4;
+const ELEMENTS: [&str; 11] = ["f8", "f4", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1"];
 
 /// The header at the start of `bytes`; `None` for an array of anything but numbers.
 pub(super) fn header(file: &Path, name: &str, bytes: &[u8]) -> Result<Option<Header>, LogError> {
-    let refused = || LogError::Array {
-        file: file.into(),
-        array: shown(name.as_bytes()),
-        reason: "it is not a whole NumPy array",
-    };
-    let (start, length) = match bytes.get(..12) {
-        Some([magic @ .., 1, _, a, b, _, _]) if magic == MAGIC => {
+    parts(bytes).ok_or_else(|| refused(file, name, "it is not a whole NumPy array"))
+}
+
+/// The same; `None` where it is cut or no header.
+fn parts(bytes: &[u8]) -> Option<Option<Header>> {
+    let (start, length) = match bytes.get(..12)? {
+        [magic @ .., 1, _, a, b, _, _] if magic == MAGIC => {
             (10, u32::from(u16::from_le_bytes([*a, *b])))
         }
-        Some([magic @ .., 2 | 3, _, a, b, c, d]) if magic == MAGIC => {
+        [magic @ .., 2 | 3, _, a, b, c, d] if magic == MAGIC => {
             (12, u32::from_le_bytes([*a, *b, *c, *d]))
         }
-        _ => return Err(refused()),
+        _ => return None,
     };
-    let length = usize::try_from(length).map_err(|_| refused())?;
-    let text = bytes.get(start..).and_then(|rest| rest.get(..length)).ok_or_else(refused)?;
-    // The parser of Python literals calls itself for each bracket; structures have many.
-    if text.iter().filter(|byte| b"([{".contains(byte)).count() > MOST_BRACKETS {
-        return Ok(None);
-    }
-    let header = NpyHeader::from_reader(&mut &bytes[..]).map_err(|_| refused())?;
-    let Some(kind) = header.type_descriptor.as_string() else { return Ok(None) };
-    let element = kind.trim_start_matches(['<', '>', '=', '|']);
-    let known = ["f8", "f4", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "b1"];
-    Ok(known.contains(&element).then(|| Header {
-        shape: header.shape.clone(),
-        is_fortran: header.layout.is_fortran(),
-        element: element.to_owned(),
-    }))
+    let length = usize::try_from(length).ok()?;
+    let text = std::str::from_utf8(bytes.get(start..)?.get(..length)?).ok()?;
+    let field = |key: &str| {
+        let (_, after) = text.split_once(key)?;
+        Some(after.trim_start().strip_prefix(':')?.trim_start())
+    };
+    let is_fortran = match field("'fortran_order'")? {
+        value if value.starts_with("True") => true,
+        value if value.starts_with("False") => false,
+        _ => return None,
+    };
+    let (shape, _) = field("'shape'")?.strip_prefix('(')?.split_once(')')?;
+    let lengths = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
+    let shape = lengths.map(|length| length.parse().ok()).collect::<Option<Vec<usize>>>()?;
+    // A structure is a list of names and kinds in place of one kind.
+    let Some(kind) = field("'descr'")?.strip_prefix('\'') else { return Some(None) };
+    let (kind, _) = kind.split_once('\'')?;
+    let element = kind.trim_start_matches(['<', '>', '=', '|']).to_owned();
+    let is_big_endian = kind.starts_with('>');
+    let header = Header { shape, is_fortran, element, is_big_endian, length: start + length };
+    Some(ELEMENTS.contains(&header.element.as_str()).then_some(header))
 }
 
 /// The numbers of an array, as stored.
 pub(super) fn values(file: &Path, name: &str, bytes: &[u8]) -> Result<Vec<f64>, LogError> {
-    let refused =
-        |reason| LogError::Array { file: file.into(), array: shown(name.as_bytes()), reason };
+    let refused = |reason| refused(file, name, reason);
     let header = header(file, name, bytes)?.ok_or_else(|| refused("it holds no numbers"))?;
-    let size = header.element[1..].parse().unwrap_or(1);
-    let total = header.shape.iter().try_fold(size, |total: usize, n| total.checked_mul(*n));
-    // The reader allocates what the header claims.
-    if total.is_none_or(|total| total > bytes.len()) {
-        return Err(refused("it has fewer numbers than its header says"));
-    }
-    let values = match header.element.as_str() {
-        "f8" => elements(bytes, |x: f64| x),
-        "f4" => elements(bytes, |x: f32| f64::from(x)),
-        "i1" => elements(bytes, |x: i8| f64::from(x)),
-        "i2" => elements(bytes, |x: i16| f64::from(x)),
-        "i4" => elements(bytes, |x: i32| f64::from(x)),
-        "i8" => elements(bytes, |x: i64| x as f64),
-        "u1" => elements(bytes, |x: u8| f64::from(x)),
-        "u2" => elements(bytes, |x: u16| f64::from(x)),
-        "u4" => elements(bytes, |x: u32| f64::from(x)),
-        "u8" => elements(bytes, |x: u64| x as f64),
-        _ => elements(bytes, |x: bool| f64::from(u8::from(x))),
-    };
-    values.ok_or_else(|| refused("it is not a whole NumPy array"))
+    let total = header.shape.iter().try_fold(1, |total: usize, n| total.checked_mul(*n));
+    let size: usize = header.element[1..].parse().unwrap_or(1);
+    let data = bytes.get(header.length..).unwrap_or_default();
+    let data = total.and_then(|total| data.get(..total.checked_mul(size)?));
+    let data = data.ok_or_else(|| refused("it has fewer numbers than its header says"))?;
+    Ok(data.chunks_exact(size).map(|element| number(&header, element)).collect())
 }
 
-/// Elements in the order of the file.
-fn elements<T: ReadableElement + Copy>(
-    bytes: &[u8],
-    number: impl Fn(T) -> f64,
-) -> Option<Vec<f64>> {
-    let array = ArrayD::<T>::read_npy(bytes).ok()?;
-    let n = array.len();
-    let is_by_row = array.is_standard_layout();
-    // A Fortran array comes as a transposed view: turned back, it lies as in the file.
-    let as_stored = if is_by_row { array } else { array.reversed_axes() };
-    let flat = as_stored.into_shape_with_order(IxDyn(&[n])).ok()?;
-    Some(flat.iter().map(|value| number(*value)).collect())
+fn number(header: &Header, stored: &[u8]) -> f64 {
+    let mut element = [0; 8];
+    for (k, byte) in stored.iter().enumerate() {
+        element[if header.is_big_endian { stored.len() - 1 - k } else { k }] = *byte;
+    }
+    let [a, b, c, d, ..] = element;
+    match header.element.as_str() {
+        "f8" => f64::from_le_bytes(element),
+        "f4" => f64::from(f32::from_le_bytes([a, b, c, d])),
+        "i1" => f64::from(a.cast_signed()),
+        "i2" => f64::from(i16::from_le_bytes([a, b])),
+        "i4" => f64::from(i32::from_le_bytes([a, b, c, d])),
+        "i8" => i64::from_le_bytes(element) as f64,
+        // Without a sign, the bytes beyond are zero.
+        _ => u64::from_le_bytes(element) as f64,
+    }
+}
+
+fn refused(file: &Path, name: &str, reason: &'static str) -> LogError {
+    LogError::Array { file: file.into(), array: shown(name.as_bytes()), reason }
 }

@@ -1,8 +1,10 @@
 //! Bag → what its joint states hold: found in one pass before the rows are read.
 
 use crate::bag::aligned::{Aligned, Holds};
+#[cfg(feature = "bags")]
 use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
+#[cfg(feature = "bags")]
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::messages::{JOINT_STATE, Messages, Topic};
 use crate::error::{LogError, Place, shown};
@@ -17,6 +19,39 @@ const LONGEST_RUN: i64 = 1_000_000_000_000_000;
 pub(crate) enum Storage {
     Db3,
     Mcap,
+}
+
+#[cfg(feature = "bags")]
+impl Storage {
+    fn topics(self, file: &Path) -> Result<Vec<Topic>, LogError> {
+        match self {
+            Self::Db3 => db3_messages::topics(file),
+            Self::Mcap => mcap_messages::topics(file),
+        }
+    }
+
+    fn messages(self, file: &Path, topic: &str) -> Result<Box<dyn Messages>, LogError> {
+        Ok(match self {
+            Self::Db3 => Box::new(Db3Messages::open(file, topic)?),
+            Self::Mcap => Box::new(McapMessages::open(file, Some(topic))?),
+        })
+    }
+}
+
+#[cfg(not(feature = "bags"))]
+impl Storage {
+    fn topics(self, file: &Path) -> Result<Vec<Topic>, LogError> {
+        Err(self.not_built(file))
+    }
+
+    fn messages(self, file: &Path, _topic: &str) -> Result<Box<dyn Messages>, LogError> {
+        Err(self.not_built(file))
+    }
+
+    fn not_built(self, file: &Path) -> LogError {
+        let extension = format!("{self:?}").to_lowercase();
+        LogError::NotBuilt { file: file.into(), extension, feature: "bags" }
+    }
 }
 
 /// What is to be read of a bag.
@@ -54,10 +89,7 @@ pub(crate) struct Survey {
 impl Survey {
     /// Goes through the messages of the topic that is wanted, or of the only one there is.
     pub(crate) fn new(file: &Path, storage: Storage, wanted: Wanted<'_>) -> Result<Self, LogError> {
-        let topics = match storage {
-            Storage::Db3 => db3_messages::topics(file)?,
-            Storage::Mcap => mcap_messages::topics(file)?,
-        };
+        let topics = storage.topics(file)?;
         let mut survey = Self {
             storage,
             topic: chosen(file, &topics, wanted.topic)?,
@@ -75,10 +107,7 @@ impl Survey {
 
     /// The messages of the topic, from the first.
     pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>, LogError> {
-        Ok(match self.storage {
-            Storage::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
-            Storage::Mcap => Box::new(McapMessages::open(file, Some(&self.topic))?),
-        })
+        self.storage.messages(file, &self.topic)
     }
 
     /// Finds the joints in messages.

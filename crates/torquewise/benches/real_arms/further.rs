@@ -1,17 +1,14 @@
 //! Further arms, whose kinematics nobody gives: logs to train and to test on → errors by joint.
 
-use crate::{Fitted, fitted, whole};
+use crate::{fitted, whole};
 use faer::Mat;
 use std::error::Error;
 use std::path::{Path, PathBuf};
-use torquewise::diagnose::disagreement::disagreements;
-use torquewise::identify::verdict::Verdict;
-use torquewise::identify::{Plan, Warning};
 use torquewise::logs::{ConditionedLogs, LogError, Logs};
-use torquewise::model::{Model, Torque};
 use torquewise::signals::Conditioning;
 use torquewise::signals::spline::interpolate;
 use torquewise::signals::zero_phase::low_pass_columns;
+use torquewise::{FitOptions, Library, Model, Torque, Verdict};
 
 /// Arms as their logs begin, in the order of the page.
 const NAMES: [&str; 5] = ["xmate7p", "lwr_paths", "baxter", "krang", "youbot"];
@@ -46,18 +43,14 @@ pub(crate) fn run() -> Result<Option<Vec<Further>>, Box<dyn Error + Send + Sync>
 
 fn one(name: &'static str, folder: &Path) -> Result<Further, Box<dyn Error + Send + Sync>> {
     let [train, test] = [files(folder, name, "train")?, files(folder, name, "test")?];
-    let Fitted { logs, mut found, seconds } = fitted(&train, &Plan::chain())?;
-    if train.len() > 1 {
-        let file = |k| logs.logs().file_of(k).map_or_else(String::new, |f| f.display().to_string());
-        let at_odds = disagreements(&found.model, &logs, &file)?;
-        found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
-    }
-    let track = |log: &PathBuf| Track::new(&found.model, log, logs.settings());
+    let options = FitOptions { library: Some(Library::Chain), ..FitOptions::default() };
+    let (fit, logs) = fitted(&train, &options)?;
+    let track = |log: &PathBuf| Track::new(&fit.model, log, logs.settings());
     Ok(Further {
         name,
         cutoff: logs.report().cutoff.unwrap_or_default(),
-        seconds,
-        verdict: Verdict::of(&found),
+        seconds: fit.seconds,
+        verdict: fit.verdict(),
         tests: test.iter().map(track).collect::<Result<_, _>>()?,
     })
 }
