@@ -161,13 +161,13 @@ fn an_array_that_claims_more_than_it_has_allocates_nothing() {
 }
 
 #[test]
-fn headers_of_many_brackets_are_not_followed() {
+fn a_header_of_many_brackets_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let deep = format!("{{'descr': {}", "(".repeat(60_000));
 
     let refused = read(&archive(&folder, &deep, b""), &Options::default());
 
-    assert!(matches!(refused, Err(LogError::NoColumn { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(LogError::Array { .. })), "{refused:?}");
 }
 
 /// An element of a MAT file: tag, body, padding.
