@@ -1,31 +1,23 @@
-//! Command line → chore: `cargo xtask ci`, `tidy` or `map`.
+//! Chores of the workspace: `cargo xtask ci` and `cargo xtask tidy`.
 
-mod code;
-mod violation;
-mod workspace;
 mod tidy;
-mod map;
 mod ci;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const USAGE: &str = "\
 usage: cargo xtask <chore>
 
-  ci            everything a change must pass, the same for people and machines
-  tidy          the rules of the house that no compiler checks
-  map           write docs/MAP.md: every file with its first line
-  map --check   fail if docs/MAP.md is stale";
+  ci     everything a change must pass, the same for people and machines
+  tidy   which crate may import which, and that ARCHITECTURE.md names what exists";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
-    let root = workspace::root();
     let done = match words.as_slice() {
-        ["ci"] => ci::run(&root),
-        ["tidy"] => tidy::run(&root),
-        ["map"] => map::write(&root),
-        ["map", "--check"] => map::check(&root),
+        ["ci"] => ci::run(&root()),
+        ["tidy"] => tidy::run(&root()),
         _ => {
             eprintln!("{USAGE}");
             return ExitCode::from(2);
@@ -38,4 +30,10 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The workspace this program was built from.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
 }
