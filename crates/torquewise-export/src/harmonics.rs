@@ -6,8 +6,9 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use torquewise_model::harmonic::sum_of_product;
 use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, Place, Term, Trig, Weighted};
+use torquewise_model::{EnergyTerm, Place, Term, Weighted};
 
 /// Part of the largest coefficient that moves a joint below which a coefficient is the rounding of
 /// others that cancelled.
@@ -29,7 +30,7 @@ pub(crate) fn summed(
         let Weighted { term: EnergyTerm { place, function }, coefficient, .. } = weighted;
         let (inside, outside): (Vec<Factor>, Vec<Factor>) =
             function.factors.iter().cloned().partition(|factor| within(factor, joints));
-        for (share, harmonic) in product(&inside, function.n_joints()) {
+        for (share, harmonic) in sum_of_product(&inside, function.n_joints()) {
             let mut factors = outside.clone();
             factors.extend(harmonic.factors()?);
             factors.sort();
@@ -52,75 +53,6 @@ pub(crate) fn summed(
 
 fn within(factor: &Factor, joints: &Range<usize>) -> bool {
     factor.multiples.iter().enumerate().all(|(joint, &k)| k == 0 || joints.contains(&joint))
-}
-
-/// sin(k·q) or cos(k·q).
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Harmonic {
-    function: Trig,
-    multiples: Vec<i32>,
-}
-
-impl Harmonic {
-    /// As factors of a term: one, or none for cos 0; no answer where a term cannot hold it.
-    fn factors(self) -> Option<Vec<Factor>> {
-        if self.multiples.iter().all(|&k| k == 0) {
-            return Some(Vec::new());
-        }
-        let multiples: Result<Vec<i8>, _> =
-            self.multiples.iter().map(|&k| i8::try_from(k)).collect();
-        let multiples = multiples.ok()?;
-        Some(vec![Factor { multiples, function: self.function, power: 1 }])
-    }
-
-    /// With the first multiple positive, and the sign that takes; 0 for sin 0.
-    fn signed(mut self) -> (f64, Self) {
-        let first = self.multiples.iter().find(|k| **k != 0).copied();
-        let sign = match (first, self.function) {
-            (None, Trig::Sin) => 0.0,
-            (Some(k), Trig::Sin) if k < 0 => -1.0,
-            _ => 1.0,
-        };
-        if first.is_some_and(|k| k < 0) {
-            self.multiples.iter_mut().for_each(|k| *k = -*k);
-        }
-        (sign, self)
-    }
-}
-
-/// A product of sines and cosines as a sum of such, each with its share.
-fn product(factors: &[Factor], n_joints: usize) -> Vec<(f64, Harmonic)> {
-    let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
-    let mut sum = BTreeMap::from([(one, 1.0)]);
-    for factor in factors {
-        for _ in 0..factor.power {
-            let mut longer: BTreeMap<Harmonic, f64> = BTreeMap::new();
-            for (share, harmonic) in sum.iter().flat_map(|(left, &s)| times(s, left, factor)) {
-                *longer.entry(harmonic).or_insert(0.0) += share;
-            }
-            longer.retain(|_, share| *share != 0.0);
-            sum = longer;
-        }
-    }
-    sum.into_iter().map(|(harmonic, share)| (share, harmonic)).collect()
-}
-
-/// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.
-fn times(share: f64, left: &Harmonic, right: &Factor) -> [(f64, Harmonic); 2] {
-    let with = |sign: i32| -> Vec<i32> {
-        let right = right.multiples.iter().map(|&k| sign * i32::from(k));
-        left.multiples.iter().zip(right).map(|(a, b)| a + b).collect()
-    };
-    let (function, sign_of_difference, sign_of_sum) = match (left.function, right.function) {
-        (Trig::Cos, Trig::Cos) => (Trig::Cos, 1.0, 1.0),
-        (Trig::Sin, Trig::Sin) => (Trig::Cos, 1.0, -1.0),
-        (Trig::Sin, Trig::Cos) => (Trig::Sin, 1.0, 1.0),
-        (Trig::Cos, Trig::Sin) => (Trig::Sin, -1.0, 1.0),
-    };
-    [(-1, sign_of_difference), (1, sign_of_sum)].map(|(direction, sign)| {
-        let (own, harmonic) = Harmonic { function, multiples: with(direction) }.signed();
-        (0.5 * share * sign * own, harmonic)
-    })
 }
 
 /// Leaves out what is left of coefficients that cancelled: what is below the rounding at every
@@ -156,6 +88,7 @@ fn moves(term: &EnergyTerm, joint: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use torquewise_model::Trig;
 
     #[test]
     fn products_of_parallel_axes_become_one_cosine() {

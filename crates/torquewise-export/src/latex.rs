@@ -1,6 +1,7 @@
-//! Model → a LaTeX document of its equations.
+//! A LaTeX document of the equations of a model.
 
 use crate::parts::elements;
+use torquewise_model::selection::Selection;
 use torquewise_model::{Form, Model, print};
 
 /// A document that compiles by itself: energies and what follows from them, or the torque of each
@@ -14,7 +15,7 @@ pub fn to_latex(model: &Model, version: &str) -> String {
         .collect();
     let (equations, derived) = match model.form {
         Form::Energy(_) => (print::latex_energies(model), DERIVED),
-        Form::Torque(_) => (print::latex(model), ""),
+        Form::Torque(_) => (print::latex(model, &Selection::default()), ""),
     };
     let memory = if elements(&model.friction).is_empty() { "" } else { DAHL };
     let feels_load = model.friction.iter().any(|weighted| weighted.term.load);

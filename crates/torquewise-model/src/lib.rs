@@ -8,6 +8,7 @@
 pub mod error;
 pub mod term;
 pub mod friction;
+pub mod harmonic;
 pub mod energy;
 pub mod library;
 pub mod expansion;
@@ -20,7 +21,9 @@ mod products;
 pub mod torque;
 pub mod checks;
 pub mod file;
+pub mod selection;
 pub mod print;
+pub mod learned;
 
 pub use checks::{Checks, check};
 pub use energy::{EnergyTerm, Place};

@@ -1,10 +1,11 @@
-//! Model → equations to read: plain text and LaTeX, with the digits that mean something.
+//! Equations to read, as plain text and LaTeX, with the digits that mean something.
 
 use crate::energy::{EnergyTerm, Place};
 use crate::friction::FrictionTerm;
 use crate::model::{Form, Model, Weighted};
+use crate::selection::{Selection, shortest};
 use crate::shaft_friction::{Estimated, ShaftFriction};
-use crate::term::Term;
+use crate::term::{Kind, Term};
 use std::collections::BTreeMap;
 
 /// Digits shown where no uncertainty is known, or where it is below the precision of the data.
@@ -40,48 +41,134 @@ fn digits_before(x: f64) -> i32 {
     exponent + 1
 }
 
+/// A sum with its name, ready to be printed.
+struct Equation {
+    /// As in `M12`.
+    name: String,
+    /// As in `M_{1,2}`.
+    latex: String,
+    terms: Vec<Weighted<Term>>,
+    friction: Vec<Weighted<FrictionTerm>>,
+}
+
+impl Equation {
+    fn len(&self) -> usize {
+        self.terms.len() + self.friction.len()
+    }
+}
+
+/// Terms of all torques above which they are printed only where some are asked for.
+const MANY_TERMS: usize = 300;
+
 /// The equations as text: energies first where the model has them, then the torque of each joint,
 /// its friction last. A shaft of more than linear friction is named, such as `F2(dq2)`: what it is
 /// say [`friction_tables`].
 ///
-/// Behind a term stands the share of resampled logs in which it stays, where that was asked for.
-pub fn text(model: &Model) -> String {
+/// Angles are added up, as in `sin(q1 + q2)`, where that is shorter. Behind a term stands the share
+/// of resampled logs in which it stays, where that was asked for.
+pub fn text(model: &Model, selection: &Selection) -> String {
     let mut lines = Vec::new();
-    let units = if has_inclusion(model) {
-        "SI units, ± standard error (share of resampled logs that keep the term)"
+    let share =
+        if has_inclusion(model) { " (share of resampled logs that keep the term)" } else { "" };
+    let (energies, mut left_out) = energies(model, selection);
+    if energies.is_empty() {
+        lines.push(format!("Torques in SI units, ± standard error{share}"));
     } else {
-        "SI units, ± standard error"
-    };
-    if let Form::Energy(terms) = &model.form {
-        lines.push("Energies: T = 1/2 dq' M(q) dq and V(q)".into());
-        lines.push(units.into());
-        for (place, terms) in by_place(terms) {
-            lines.push(String::new());
-            lines.push(format!("{} =", place.name()));
-            lines.extend(terms.iter().map(|w| line(w, &w.term.function.name())));
-        }
-        lines.push(String::new());
-        let friction = if model.friction.is_empty() { "" } else { " + friction" };
+        lines.extend(energy_lines(&energies, share));
+        let has_friction = !model.friction.is_empty() && selection.has_part(Kind::Friction);
+        let friction = if has_friction { " + friction" } else { "" };
         lines.push(format!("Torques that follow: tau = d/dt dT/d(dq) - dT/dq + dV/dq{friction}"));
-    } else {
-        lines.push("Torques".into());
-        lines.push(units.into());
     }
-    let shafts = ShaftFriction::all(model);
-    let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
-    for (joint, (equation, friction)) in equations.enumerate() {
+    let (torques, also) = torques(model, selection);
+    let terms: usize = torques.iter().map(|(_, equation)| equation.len()).sum();
+    let is_asked_for = *selection != Selection::default();
+    if terms > MANY_TERMS && !energies.is_empty() && !is_asked_for {
+        lines.push(format!("{terms} terms: --joint J, --part NAME, --top N or --all show them"));
+    } else {
+        left_out += also;
+        let shafts = ShaftFriction::all(model);
+        for (joint, equation) in &torques {
+            lines.push(String::new());
+            lines.push(format!("{} = [{}]", equation.name, model.joints[*joint]));
+            if equation.len() == 0 {
+                lines.push("    0".into());
+            }
+            lines.extend(equation.terms.iter().map(|w| line(w, &w.term.name())));
+            if !equation.friction.is_empty() {
+                lines.push("  friction:".into());
+            }
+            let friction =
+                shafts.iter().flat_map(|shaft| friction_lines(shaft, *joint, &equation.friction));
+            lines.extend(friction);
+        }
+    }
+    if left_out > 0 {
         lines.push(String::new());
-        lines.push(format!("tau{} = [{}]", joint + 1, model.joints[joint]));
-        if equation.is_empty() && friction.is_empty() {
-            lines.push("    0".into());
-        }
-        lines.extend(equation.iter().map(|w| line(w, &w.term.name())));
-        if !friction.is_empty() {
-            lines.push("  friction:".into());
-        }
-        lines.extend(shafts.iter().flat_map(|shaft| friction_lines(shaft, joint, &friction)));
+        let (terms, are) = if left_out == 1 { ("term", "is") } else { ("terms", "are") };
+        lines.push(format!("{left_out} {terms} {are} not shown; --all shows every term"));
     }
     lines.join("\n") + "\n"
+}
+
+fn energy_lines(energies: &[Equation], share: &str) -> Vec<String> {
+    let mut lines = vec!["Energies: T = 1/2 dq' M(q) dq and V(q)".to_owned()];
+    lines.push(format!("SI units, ± standard error{share}"));
+    for equation in energies {
+        lines.push(String::new());
+        lines.push(format!("{} =", equation.name));
+        lines.extend(equation.terms.iter().map(|w| line(w, &w.term.name())));
+    }
+    lines.push(String::new());
+    lines
+}
+
+/// M and V, and how many of their terms are left out; none of a model of torques.
+fn energies(model: &Model, selection: &Selection) -> (Vec<Equation>, usize) {
+    let Form::Energy(terms) = &model.form else { return (Vec::new(), 0) };
+    let is_wanted = |place: Place| match place {
+        Place::Potential => selection.has_part(Kind::Gravity),
+        Place::Inertia(i, j) => {
+            selection.has_part(Kind::Inertia) && (selection.has_joint(i) || selection.has_joint(j))
+        }
+    };
+    let mut left_out = 0;
+    let groups = by_place(terms).into_iter().filter(|(place, _)| is_wanted(*place));
+    let equations = groups
+        .map(|(place, terms)| {
+            let function = |w: &Weighted<EnergyTerm>| Weighted {
+                term: w.term.function.clone(),
+                coefficient: w.coefficient,
+                std_error: w.std_error,
+                inclusion: w.inclusion,
+            };
+            let terms = terms.into_iter().map(function).collect();
+            let (terms, more) = selection.of(shortest(terms, model.chain.is_some()));
+            left_out += more;
+            let latex = match place {
+                Place::Potential => "V".to_owned(),
+                Place::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
+            };
+            Equation { name: place.name(), latex, terms, friction: Vec::new() }
+        })
+        .filter(|equation| !equation.terms.is_empty())
+        .collect();
+    (equations, left_out)
+}
+
+/// The torque of each joint, counted from 0, and how many terms are left out.
+fn torques(model: &Model, selection: &Selection) -> (Vec<(usize, Equation)>, usize) {
+    let mut left_out = 0;
+    let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
+    let equation = |(joint, (mut terms, friction)): (usize, (Vec<Weighted<Term>>, Vec<_>))| {
+        terms.retain(|weighted| selection.has_part(weighted.term.kind()));
+        let (terms, more) = selection.of(shortest(terms, model.chain.is_some()));
+        left_out += more;
+        let friction = if selection.has_part(Kind::Friction) { friction } else { Vec::new() };
+        let (name, latex) = (format!("tau{}", joint + 1), format!(r"\tau_{{{}}}", joint + 1));
+        (joint, Equation { name, latex, terms, friction })
+    };
+    let wanted = equations.enumerate().filter(|(joint, _)| selection.has_joint(*joint));
+    (wanted.map(equation).collect(), left_out)
 }
 
 /// What a shaft adds to the torque of a joint: its laws where they are linear, else its name.
@@ -162,46 +249,27 @@ fn line<T>(weighted: &Weighted<T>, function: &str) -> String {
     let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };
     let number = with_error(weighted.coefficient.abs(), weighted.std_error);
     let share = weighted.inclusion.map(|share| format!("  ({:.0} %)", 100.0 * share));
-    format!("  {sign} {number} * {function}{}", share.unwrap_or_default())
+    let function = if function == "1" { String::new() } else { format!(" * {function}") };
+    format!("  {sign} {number}{function}{}", share.unwrap_or_default())
 }
 
-/// The equations as a LaTeX `align*` environment.
-pub fn latex(model: &Model) -> String {
-    let mut rows = latex_energy_rows(model);
-    let equations = weighted_equations(model).into_iter().zip(weighted_friction(model));
-    for (joint, (equation, friction)) in equations.enumerate() {
-        let sum: Vec<_> = equation.iter().map(|w| signed(w, &w.term.latex())).collect();
-        let friction: Vec<_> = friction.iter().map(|w| signed(w, &w.term.latex())).collect();
-        let name = format!(r"\tau_{{{}}}", joint + 1);
-        rows.push(latex_row(&name, &sum, &friction));
-    }
-    latex_align(&rows)
+/// The equations as a LaTeX `align*` environment: energies, then torques.
+pub fn latex(model: &Model, selection: &Selection) -> String {
+    let (energies, _) = energies(model, selection);
+    let torques = torques(model, selection).0.into_iter().map(|(_, equation)| equation);
+    let all: Vec<Equation> = energies.into_iter().chain(torques).collect();
+    latex_align(&all.iter().map(latex_row).collect::<Vec<_>>())
 }
 
 /// M(q), V(q) and the friction of each joint as a LaTeX `align*` environment, without the torques
 /// that follow, which may be a hundred times as long; a model of torques has friction alone.
 pub fn latex_energies(model: &Model) -> String {
-    let mut rows = latex_energy_rows(model);
-    for (joint, friction) in weighted_friction(model).iter().enumerate() {
-        let friction: Vec<_> = friction.iter().map(|w| signed(w, &w.term.latex())).collect();
-        rows.push(latex_row(&format!("F_{{{}}}", joint + 1), &[], &friction));
-    }
-    latex_align(&rows)
-}
-
-fn latex_energy_rows(model: &Model) -> Vec<String> {
-    let Form::Energy(terms) = &model.form else { return Vec::new() };
-    let groups = by_place(terms).into_iter();
-    groups
-        .map(|(place, terms)| {
-            let name = match place {
-                Place::Potential => "V".to_owned(),
-                Place::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
-            };
-            let sum = terms.iter().map(|w| signed(w, &w.term.function.latex()));
-            latex_row(&name, &sum.collect::<Vec<_>>(), &[])
-        })
-        .collect()
+    let (mut all, _) = energies(model, &Selection::default());
+    all.extend(weighted_friction(model).into_iter().enumerate().map(|(joint, friction)| {
+        let (name, latex) = (String::new(), format!("F_{{{}}}", joint + 1));
+        Equation { name, latex, terms: Vec::new(), friction }
+    }));
+    latex_align(&all.iter().map(latex_row).collect::<Vec<_>>())
 }
 
 fn latex_align(rows: &[String]) -> String {
@@ -212,11 +280,13 @@ fn latex_align(rows: &[String]) -> String {
 const LETTERS_PER_LINE: usize = 80;
 
 /// A sum and the friction that adds to it, which starts a line of its own.
-fn latex_row(name: &str, sum: &[String], friction: &[String]) -> String {
-    let text = [latex_lines(sum), latex_lines(friction)].concat().join(" \\\\\n & \\quad ");
+fn latex_row(equation: &Equation) -> String {
+    let sum: Vec<_> = equation.terms.iter().map(|w| signed(w, &w.term.latex())).collect();
+    let friction: Vec<_> = equation.friction.iter().map(|w| signed(w, &w.term.latex())).collect();
+    let text = [latex_lines(&sum), latex_lines(&friction)].concat().join(" \\\\\n & \\quad ");
     // No sign before a sum that begins with +.
     let text = text.strip_prefix("+ ").unwrap_or(if text.is_empty() { "0" } else { &text });
-    format!("{name} ={{}}& {text}")
+    format!("{} ={{}}& {text}", equation.latex)
 }
 
 /// As many terms to a line as it holds, one at least.
@@ -238,16 +308,16 @@ fn latex_lines(terms: &[String]) -> Vec<String> {
     lines
 }
 
-/// Sign, coefficient and function.
+/// Sign, coefficient with its error, and function.
 fn signed<T>(weighted: &Weighted<T>, function: &str) -> String {
     let sign = if weighted.coefficient < 0.0 { '-' } else { '+' };
-    let decimals = decimals(weighted.coefficient, weighted.std_error);
-    let number = format!("{:.decimals$}", weighted.coefficient.abs());
-    if function.is_empty() {
-        format!("{sign} {number}")
-    } else {
-        format!("{sign} {number}\\,{function}")
-    }
+    let number = with_error(weighted.coefficient.abs(), weighted.std_error);
+    let number = match number.split_once(" ± ") {
+        Some((value, error)) => format!(r"({value} \pm {error})"),
+        None => number,
+    };
+    let space = if function.is_empty() { "" } else { r"\," };
+    format!("{sign} {number}{space}{function}")
 }
 
 /// Energy terms grouped: M₁₁, M₁₂, … then V.

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise::logs::write_motion;
 use torquewise::model::print;
+use torquewise::model::selection::Selection;
 use torquewise::motion::{Motion, Pattern};
 use torquewise::number::number;
 use torquewise::report::torque_figure;
@@ -163,7 +164,7 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
          log, models and figure: {}\n",
         log.n_rows(),
         patterns.text(),
-        print::text(&found[0].fit.model),
+        print::text(&found[0].fit.model, &Selection::default()),
         scores.text(),
         output.join("torque.svg").display(),
     )

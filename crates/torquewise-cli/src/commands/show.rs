@@ -1,7 +1,8 @@
-//! Model → equations to read, and whether they are physics.
+//! What a model holds: what was learned of the arm, its equations, and whether they are physics.
 
 use crate::call_costs::CallCosts;
 use crate::conditioning;
+use crate::error::CliError;
 use crate::files::read_model;
 use crate::outcome::{Outcome, object};
 use crate::table::Table;
@@ -9,21 +10,40 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use torquewise::model::learned::{self, Axis};
 use torquewise::model::model::Choice;
+use torquewise::model::selection::Selection;
 use torquewise::model::shaft_friction::ShaftFriction;
-use torquewise::model::{Form, FrictionTerm, Kind, Model, Weighted, print};
+use torquewise::model::{Form, FrictionTerm, Kind, Model, ModelError, Weighted, print};
 use torquewise::number::number;
 use torquewise::physics::{PhysicsCheck, STATES};
 use torquewise::summary::AllRepairs;
 
-/// Print the equations of a model
+/// Print what was learned of the arm, and the equations of the model
 #[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "one for each flag")]
 pub(crate) struct Arguments {
     /// Model file
     model: PathBuf,
     /// How to print
     #[arg(long, value_enum, default_value_t)]
     format: Format,
+    /// Show one joint only, by its name or number
+    #[arg(long, value_name = "J")]
+    joint: Option<String>,
+    /// Show one part of the torque only
+    #[arg(long, value_enum)]
+    part: Option<Part>,
+    /// Show the N largest coefficients of each sum only
+    #[arg(long, value_name = "N")]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
+    top: Option<u16>,
+    /// Show every term, also those that cannot be told from zero
+    #[arg(long)]
+    all: bool,
+    /// Show what was chosen on held-out data, and from what
+    #[arg(long)]
+    explain: bool,
     /// Check at random states that M(q) is symmetric and positive definite and dM/dt − 2C skew,
     /// and at all speeds up to the trained peak that friction takes power
     ///
@@ -52,22 +72,49 @@ enum Format {
     Json,
 }
 
+/// A part of the torque.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Part {
+    /// M(q) q̈
+    Inertia,
+    /// C(q, q̇) q̇
+    Coriolis,
+    /// G(q)
+    Gravity,
+    /// F(q, q̇)
+    Friction,
+}
+
+impl From<Part> for Kind {
+    fn from(part: Part) -> Self {
+        match part {
+            Part::Inertia => Self::Inertia,
+            Part::Coriolis => Self::Coriolis,
+            Part::Gravity => Self::Gravity,
+            Part::Friction => Self::Friction,
+        }
+    }
+}
+
 /// Prints, and checks if asked to.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
+    let selection = arguments.selection(&model)?;
     let physics =
         arguments.check.then(|| PhysicsCheck::of(&model, arguments.states)).transpose()?;
     let costs = arguments.cost.then(|| CallCosts::of(&model)).transpose()?;
-    let mut json = json(&model, physics.as_ref());
+    let mut json = json(&model, &selection, physics.as_ref())?;
     json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
     let mut text = match arguments.format {
-        Format::Text => friction_text(&model) + &print::text(&model),
-        Format::Latex => print::latex(&model),
+        Format::Text => learned_text(&model, &selection)? + &print::text(&model, &selection),
+        Format::Latex => print::latex(&model, &selection),
         Format::Json => json.to_string() + "\n",
     };
     if arguments.format == Format::Text {
-        text.extend(model.choices.iter().map(choice_text));
-        text.extend(model.training.overlooked.as_ref().map(|found| format!("\n{found}\n")));
+        if arguments.explain {
+            text.extend(model.choices.iter().map(choice_text));
+            text.extend(model.training.overlooked.as_ref().map(|found| format!("\n{found}\n")));
+        }
         text.push_str(&conditioning::text(&model.training.conditioning));
         text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));
         text.extend(costs.as_ref().map(CallCosts::text));
@@ -76,20 +123,77 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(Outcome { notes: Vec::new(), text, json, warnings })
 }
 
+impl Arguments {
+    /// What is to be shown.
+    fn selection(&self, model: &Model) -> Result<Selection, CliError> {
+        let joint = |wanted: &String| {
+            let named = model.joints.iter().position(|name| name == wanted);
+            let number = || wanted.parse::<usize>().ok()?.checked_sub(1);
+            named.or_else(number).filter(|joint| *joint < model.n_joints()).ok_or_else(|| {
+                CliError::Usage(format!(
+                    "--joint {wanted}: the model has the joints {}: name one of them, or its \
+                     number from 1 on",
+                    model.joints.join(", ")
+                ))
+            })
+        };
+        Ok(Selection {
+            joint: self.joint.as_ref().map(joint).transpose()?,
+            part: self.part.map(Into::into),
+            top: self.top.map(usize::from),
+            all: self.all,
+        })
+    }
+}
+
+/// What was learned of the arm: geometry, inertial parameters, rotors and springs, friction.
+fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
+    let mut text = Vec::new();
+    if let (Some(chain), true) = (&model.chain, selection.part != Some(Kind::Friction)) {
+        let joints = &model.joints;
+        let geometry = Table::of(learned::geometry(chain, joints, selection)?);
+        text.push(format!("{GEOMETRY}\n{}\n", geometry.text()));
+        if selection.joint.is_none() {
+            text.push(learned::drawing(chain)? + "\n");
+        }
+        let links = Table::of(learned::links(chain, joints, selection));
+        text.push(format!("{LINKS}\n{}\n", links.text()));
+        let drives = learned::drives(chain, joints);
+        if drives.len() > 1 && selection.joint.is_none() {
+            text.push(format!("Rotors and springs\n\n{}\n", Table::of(drives).text()));
+        }
+    }
+    if selection.has_part(Kind::Friction) {
+        let mut tables = print::friction_tables(model);
+        if let Some(joint) = selection.joint {
+            let name = &model.joints[joint];
+            for table in &mut tables {
+                let rows = table.split_off(1);
+                table.extend(rows.into_iter().filter(|cells| cells[0].contains(name)));
+            }
+            tables.retain(|table| table.len() > 1);
+        }
+        if !tables.is_empty() {
+            text.push(FRICTION.to_owned());
+            text.extend(tables.into_iter().map(|table| Table::of(table).text() + "\n"));
+        }
+    }
+    Ok(text.concat())
+}
+
+/// How the geometry is to be read.
+const GEOMETRY: &str = "Geometry: z of the base lies along the first axis; no torque tells where \
+                        a joint lies along its own axis\n";
+
+/// How the inertial parameters are to be read.
+const LINKS: &str = "Links: mass [kg], first moments [kg·m], moments of inertia about the origin \
+                     of the joint [kg·m²], ± standard error;\n– where the log determines them in \
+                     sums with others only\n";
+
 /// How the friction is to be read.
 const FRICTION: &str = "Friction, ± standard error, – where it is not resolved\n\
     F_c Coulomb, F_s static, v_s Stribeck speed, F_v viscous; stiffness, travel: of reversals\n\
     \n";
-
-/// The friction that engineers look for; nothing for a model without.
-fn friction_text(model: &Model) -> String {
-    let tables = print::friction_tables(model);
-    if tables.is_empty() {
-        return String::new();
-    }
-    let tables = tables.into_iter().map(|table| Table::of(table).text() + "\n");
-    FRICTION.to_owned() + &tables.collect::<String>()
-}
 
 fn states(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -111,14 +215,27 @@ fn choice_text(choice: &Choice) -> String {
     format!("\n{what}: {chosen}, chosen on held-out data ({rule})\n\n{}", table.text())
 }
 
-fn json(model: &Model, physics: Option<&PhysicsCheck>) -> Value {
+fn json(
+    model: &Model,
+    selection: &Selection,
+    physics: Option<&PhysicsCheck>,
+) -> Result<Value, ModelError> {
     let equations = print::weighted_equations(model);
     let frictions = print::weighted_friction(model);
-    let joints = model.joints.iter().zip(equations.iter().zip(&frictions));
-    let joints = joints.map(|(name, (equation, friction))| {
-        let terms = equation.iter().map(|w| term_json(w, &w.term.name(), w.term.kind()));
-        let friction = friction.iter().map(|w| term_json(w, &w.term.formula(), Kind::Friction));
-        json!({ "name": name, "terms": terms.chain(friction).collect::<Vec<_>>() })
+    let joints = model.joints.iter().zip(equations.iter().zip(&frictions)).enumerate();
+    let joints = joints.filter(|(joint, _)| selection.has_joint(*joint));
+    let joints = joints.map(|(_, (name, (equation, friction)))| {
+        let terms = equation.iter().filter(|w| selection.has_part(w.term.kind()));
+        let terms = terms.map(|w| term_json(w, &w.term.name(), w.term.kind()));
+        let friction = friction.iter().filter(|_| selection.has_part(Kind::Friction));
+        let friction = friction.map(|w| term_json(w, &w.term.formula(), Kind::Friction));
+        let mut terms: Vec<Value> = terms.chain(friction).collect();
+        if let Some(top) = selection.top {
+            let size = |term: &Value| term["coefficient"].as_f64().unwrap_or_default().abs();
+            terms.sort_by(|a, b| size(b).total_cmp(&size(a)));
+            terms.truncate(top);
+        }
+        json!({ "name": name, "terms": terms })
     });
     let energies = match &model.form {
         Form::Torque(_) => Value::Null,
@@ -135,7 +252,13 @@ fn json(model: &Model, physics: Option<&PhysicsCheck>) -> Value {
             })
             .collect(),
     };
-    json!({
+    let axes = model.chain.as_ref().map(learned::axes).transpose()?;
+    let axes = axes.map(|axes| {
+        let axis = |axis: &Axis| json!({ "point": axis.point, "direction": axis.direction });
+        axes.iter().map(axis).collect::<Vec<_>>()
+    });
+    Ok(json!({
+        "axes": axes,
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
         "friction_parameters": ShaftFriction::all(model).iter().map(shaft_json).collect::<Vec<_>>(),
@@ -144,7 +267,7 @@ fn json(model: &Model, physics: Option<&PhysicsCheck>) -> Value {
         "overlooked": model.training.overlooked,
         "conditioning": object(&AllRepairs::of(&model.training.conditioning)),
         "checks": physics.map(object),
-    })
+    }))
 }
 
 fn term_json<T>(weighted: &Weighted<T>, name: &str, kind: Kind) -> Value {

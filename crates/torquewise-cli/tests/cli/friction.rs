@@ -34,7 +34,7 @@ fn with_friction() -> Terminal {
 fn show_sets_friction_apart_and_tells_what_was_chosen() {
     let terminal = with_friction();
 
-    let text = terminal.done("show rubbing.json");
+    let text = terminal.done("show rubbing.json --explain");
     let shown = terminal.json("show rubbing.json");
 
     let table = "joint        direction      F_c [N·m]  F_v [N·m·s/rad]\n\
@@ -65,6 +65,54 @@ fn show_sets_friction_apart_and_tells_what_was_chosen() {
     let latex = terminal.done("show rubbing.json --format latex");
     assert!(latex.contains(r"\operatorname{sign}(\dot q_{2})"), "{latex}");
     assert_eq!(terminal.json("show rubbing.json --check")["checks"]["passed"], true);
+}
+
+#[test]
+fn show_keeps_to_the_joint_and_the_part_that_are_asked_for() {
+    let terminal = with_friction();
+
+    let first = terminal.done("show rubbing.json --joint 1 --part gravity");
+    let friction = terminal.json("show rubbing.json --joint joint2 --part friction");
+
+    assert!(first.contains("tau1 = [joint1]") && !first.contains("tau2"), "{first}");
+    assert!(!first.contains("friction") && !first.contains("ddq"), "{first}");
+    assert_eq!(friction["joints"].as_array().unwrap().len(), 1);
+    let terms = friction["joints"][0]["terms"].as_array().unwrap();
+    assert!(terms.len() == 2 && terms.iter().all(|term| term["kind"] == "friction"));
+    let top = terminal.json("show rubbing.json --top 1");
+    assert_eq!(top["joints"][0]["terms"].as_array().unwrap().len(), 1);
+    for joint in ["elbow", "0", "3"] {
+        let refused = terminal.run(&format!("show rubbing.json --joint {joint}"));
+        assert!(refused.code == 2 && refused.stderr.contains("joint1, joint2"), "{refused:?}");
+    }
+}
+
+#[test]
+fn show_begins_with_the_axes_of_a_learned_chain() {
+    let terminal = Terminal::new();
+    terminal.done("simulate planar-2 -o log.csv --seconds 30 --rate 50 --seed 1");
+    terminal.run("fit log.csv -o chain.json --library chain --friction none");
+
+    let text = terminal.done("show chain.json");
+    let axes = &terminal.json("show chain.json")["axes"];
+
+    assert!(text.starts_with("Geometry"), "{text}");
+    // Both axes of the arm are parallel, 0.5 m apart.
+    let distance = |k: usize| -> f64 {
+        let of = |axis: usize| axes[axis]["point"][k].as_f64().unwrap();
+        of(1) - of(0)
+    };
+    let apart = (0..3).map(|k| distance(k).powi(2)).sum::<f64>().sqrt();
+    assert!((apart - 0.5).abs() < 1e-3, "{axes}");
+    let cosine: f64 = (0..3)
+        .map(|k| {
+            let of = |axis: usize| axes[axis]["direction"][k].as_f64().unwrap();
+            of(0) * of(1)
+        })
+        .sum();
+    assert!((cosine.abs() - 1.0).abs() < 1e-3, "{axes}");
+    let views = text.split("side: y right, z up").nth(1).unwrap();
+    assert!(views.contains('1') && views.contains('2'), "{text}");
 }
 
 #[test]

@@ -89,10 +89,9 @@ fn every_term_shows_how_often_resampled_logs_keep_it() {
     let energies = shown["energies"].as_array().unwrap();
     let shares: Vec<f64> = energies.iter().map(|e| e["inclusion"].as_f64().unwrap()).collect();
     assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{shares:?}");
-    for (energy, share) in energies.iter().zip(&shares) {
-        let end = format!("* {}  ({:.0} %)", energy["term"].as_str().unwrap(), 100.0 * share);
-        assert!(text.lines().any(|line| line.ends_with(&end)), "{end} in {text}");
-    }
+    let shown = text.lines().filter(|line| line.ends_with(" %)")).count();
+    let left_out = text.lines().find(|line| line.ends_with("--all shows every term"));
+    assert!(shown >= 5 && left_out.is_some(), "{text}");
 }
 
 #[test]

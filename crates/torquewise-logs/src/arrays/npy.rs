@@ -20,11 +20,13 @@ const ELEMENTS: [&str; 11] = ["f8", "f4", "i1", "i2", "i4", "i8", "u1", "u2", "u
 
 /// The header at the start of `bytes`; `None` for an array of anything but numbers.
 pub(super) fn header(file: &Path, name: &str, bytes: &[u8]) -> Result<Option<Header>, LogError> {
-    parts(bytes).ok_or_else(|| refused(file, name, "it is not a whole NumPy array"))
+    let header =
+        parts(bytes).ok_or_else(|| refused(file, name, "it is not a whole NumPy array"))?;
+    Ok(Some(header).filter(|header| ELEMENTS.contains(&header.element.as_str())))
 }
 
-/// The same; `None` where it is cut or no header.
-fn parts(bytes: &[u8]) -> Option<Option<Header>> {
+/// The same for any kind of element; `None` where it is cut or no header.
+fn parts(bytes: &[u8]) -> Option<Header> {
     let (start, length) = match bytes.get(..12)? {
         [magic @ .., 1, _, a, b, _, _] if magic == MAGIC => {
             (10, u32::from(u16::from_le_bytes([*a, *b])))
@@ -49,12 +51,11 @@ fn parts(bytes: &[u8]) -> Option<Option<Header>> {
     let lengths = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
     let shape = lengths.map(|length| length.parse().ok()).collect::<Option<Vec<usize>>>()?;
     // A structure is a list of names and kinds in place of one kind.
-    let Some(kind) = field("'descr'")?.strip_prefix('\'') else { return Some(None) };
+    let kind = field("'descr'")?.strip_prefix('\'').unwrap_or("list'");
     let (kind, _) = kind.split_once('\'')?;
     let element = kind.trim_start_matches(['<', '>', '=', '|']).to_owned();
     let is_big_endian = kind.starts_with('>');
-    let header = Header { shape, is_fortran, element, is_big_endian, length: start + length };
-    Some(ELEMENTS.contains(&header.element.as_str()).then_some(header))
+    Some(Header { shape, is_fortran, element, is_big_endian, length: start + length })
 }
 
 /// The numbers of an array, as stored.

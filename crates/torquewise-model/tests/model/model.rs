@@ -4,6 +4,7 @@
 
 use torquewise_dynamics::Arm;
 use torquewise_model::print::{latex, text, with_error};
+use torquewise_model::selection::Selection;
 use torquewise_model::{
     EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Training, Trig,
     Weighted, check, from_json, to_json,
@@ -213,7 +214,7 @@ fn digits_follow_the_standard_error() {
 fn equations_read_as_formulas() {
     let (_, model) = two_link();
 
-    let (plain, tex) = (text(&model), latex(&model));
+    let (plain, tex) = (text(&model, &Selection::default()), latex(&model, &Selection::default()));
 
     assert!(plain.contains("M11 =") && plain.contains("V =") && plain.contains("tau2 ="));
     assert!(plain.contains("* cos(q2)*ddq1"), "{plain}");

@@ -6,6 +6,7 @@ use faer::Mat;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::print::{friction_tables, text};
 use torquewise_model::rigid_chain::Coupling;
+use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
 use torquewise_model::{Form, FrictionTerm, Model, RigidChain, Training, Weighted};
 
@@ -239,7 +240,7 @@ fn a_table_names_every_shaft_and_leaves_out_what_none_has() {
     ];
     assert_eq!(tables, [expected.map(|row| row.into_iter().map(String::from).collect::<Vec<_>>())]);
     assert_eq!(friction_tables(&model(vec![])), Vec::<Vec<Vec<String>>>::new());
-    let equations = text(&rubbing);
+    let equations = text(&rubbing, &Selection::default());
     assert!(equations.contains("  + F2(dq2)\n  - 0.3500 ± 0.0050 * tanh"), "{equations}");
 }
 
