@@ -35,7 +35,7 @@ fn a_model_can_be_judged_by_another_log_at_once() {
 
     assert_eq!(fit["test"]["joints"], terminal.json("evaluate model.json test.csv")["joints"]);
     let report = terminal.read("report.html");
-    assert!(report.contains("tested on test.csv") && report.contains("Another motion"));
+    assert!(report.contains("tested on test.csv") && report.contains("On the fitted log"));
 }
 
 #[test]

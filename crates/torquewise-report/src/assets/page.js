@@ -6,7 +6,11 @@
   /* A colour of the palette as it is now. */
   const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const tint = (name, alpha) => colour(name) + alpha;
-  const repaint = () => plots.forEach((plot) => plot.redraw(false));
+  const skeletons = [];
+  const repaint = () => {
+    plots.forEach((plot) => plot.redraw(false));
+    skeletons.forEach((paint) => paint());
+  };
 
   /* --- numbers --- */
 
@@ -606,6 +610,16 @@
 
   const figures = [...document.querySelectorAll("figure.chart")];
   figures.forEach(draw);
+
+  for (const figure of document.querySelectorAll("figure.skeleton")) skeletons.push(skeleton(figure, colour));
+
+  /* The contents stand open beside the page where there is room, and are one line where there is none. */
+  const contents = document.querySelector("nav details");
+  const wide = matchMedia("(min-width: 72rem)");
+  const unfold = () => { contents.open = wide.matches; };
+  wide.addEventListener("change", unfold);
+  unfold();
+  contents.addEventListener("click", (event) => { if (event.target.tagName === "A") unfold(); });
 
   const dark = matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", repaint);

@@ -2,7 +2,6 @@
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
-use crate::fit_report::summary::share;
 use crate::fit_report::torques::LINK;
 use crate::html::number::{count, significant};
 use crate::html::{Axis, Chart, Colour, Column, Guide, Item, Label, Mark, Section, Series, Table};
@@ -20,13 +19,18 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
          activates: gravity alone at standstill, Coriolis torque at uniform velocity, inertia at \
          variable velocity."
     );
-    let items = vec![
-        Item::Text(words),
-        Item::Charts(vec![plane(findings), elbow(findings)]),
-        Item::Chart(motion(findings)),
-        table(findings),
-    ];
+    let charts =
+        vec![Item::Charts(vec![plane(findings), elbow(findings)]), Item::Chart(motion(findings))];
+    let summary = "Activation plane, elbow, and motion in the colours of its patterns".into();
+    let items = vec![Item::Text(words), table(findings), Item::Details { summary, items: charts }];
     Section { heading: "Patterns".into(), items }
+}
+
+/// Rows of a pattern in percent.
+fn share(findings: &Findings<'_>, pattern: Pattern) -> f64 {
+    let patterns = &findings.diagnosis.trace.patterns;
+    let own = patterns.iter().filter(|&&row| row == pattern).count();
+    100.0 * own as f64 / patterns.len().max(1) as f64
 }
 
 fn plane(findings: &Findings<'_>) -> Chart {

@@ -21,13 +21,19 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
     if let Form::Energy(terms) = &model.form {
         items.push(Item::Text(
             "T = ½ q̇ᵀ M(q) q̇ and V(q), in SI units. Grey numbers are standard errors; a share in \
-             percent says in how many resampled logs a term stayed, where it was not all of them. \
+             percent is that of the resampled logs in which a term was kept, where not in all. \
              M is symmetric: what is not listed is zero, or the same as its mirror image."
                 .into(),
         ));
         let shown = energies(terms).into_iter().map(|energy| largest(energy, &BTreeMap::new()));
-        items.extend(shown.map(|equation| written(&equation)));
-        items.extend(frictions(findings).iter().map(written));
+        let shown = shown.chain(frictions(findings)).map(|equation| written(&equation)).collect();
+        match model.n_coefficients() {
+            0..=LONG => items.extend(shown),
+            many => items.push(Item::Details {
+                summary: format!("M(q), V(q) and friction, {} terms", count(many)),
+                items: shown,
+            }),
+        }
         let friction = if model.friction.is_empty() { "" } else { " + friction" };
         items.push(Item::Details {
             summary: format!("The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q{friction}"),

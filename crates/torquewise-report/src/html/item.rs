@@ -5,6 +5,7 @@ use crate::html::bars::{Bar, Bars};
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
 use crate::html::markup::Markup;
+use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
 use crate::html::table::Table;
 use minijinja::{Environment, Value, context};
@@ -38,6 +39,13 @@ pub enum Item {
         /// How to read it; may be empty.
         caption: String,
     },
+    /// A chain of joints that can be played and rotated.
+    Skeleton {
+        /// Its axes and their motion.
+        skeleton: Skeleton,
+        /// How to read it.
+        caption: String,
+    },
     /// Equations, or other HTML taken over as it is.
     Markup(Markup),
     /// Parts that are shown when asked for, and always on paper.
@@ -54,6 +62,8 @@ pub enum Item {
 pub struct Callout {
     /// What it wants.
     pub tone: Tone,
+    /// One word or two in large type; may be empty.
+    pub heading: String,
     /// Its words, each a paragraph or, if they are several, a line of a list.
     pub lines: Vec<String>,
 }
@@ -105,8 +115,8 @@ impl<'a> Writer<'a> {
         let (kind, item) = match item {
             Item::Text(text) => ("text", context! { text => text.as_str() }),
             Item::Heading(text) => ("heading", context! { text => text.as_str() }),
-            Item::Callout(Callout { tone, lines }) => {
-                ("callout", context! { tone => tone.name(), lines => lines.clone() })
+            Item::Callout(Callout { tone, heading, lines }) => {
+                ("callout", context! { tone => tone.name(), heading, lines })
             }
             Item::Facts(facts) => {
                 let pair = |fact: &Fact| vec![fact.value.clone(), fact.label.clone()];
@@ -126,6 +136,10 @@ impl<'a> Writer<'a> {
             }
             Item::Svg { svg, caption } => {
                 ("svg", context! { svg => safe(svg), caption => caption.as_str() })
+            }
+            Item::Skeleton { skeleton, caption } => {
+                let label = format!("Axes of {}", skeleton.joints.join(", "));
+                ("skeleton", context! { spec => safe(&skeleton.spec()?), label, caption })
             }
             Item::Markup(markup) => ("markup", context! { markup => safe(markup.as_str()) }),
             Item::Details { summary, items } => {

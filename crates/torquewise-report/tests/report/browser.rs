@@ -17,7 +17,7 @@ use torquewise_motion::Motion;
 use torquewise_report::html::{
     Axis, Band, Chart, Colour, Guide, Item, Mark, Page, Section, Series,
 };
-use torquewise_report::{CallCost, Findings, fit_report};
+use torquewise_report::{CallCost, Findings, LogFile, Origin, fit_report};
 
 /// What a hostile log may call a joint.
 const HOSTILE: &str = "</script><img src=x onerror=\"throw 1\">'";
@@ -43,8 +43,11 @@ fn report() -> String {
     let (found, test, checks) = (&found, Some(&diagnosis), Some(&checks));
     let cost = CallCost { operations: 1234, functions: 8, seconds: 5e-7 };
     let costs = vec![cost; found.model.stages.len() + 1];
-    let findings = Findings { found, diagnosis: &diagnosis, checks, test, costs: &costs };
-    fit_report(&findings, HOSTILE).unwrap()
+    let logs = &[LogFile { name: HOSTILE.into(), date: "2001-02-03".into() }];
+    let origin =
+        Origin { logs, tests: logs, version: "1.2.3", command: HOSTILE, ..Origin::default() };
+    let findings = Findings { found, diagnosis: &diagnosis, checks, test, costs: &costs, origin };
+    fit_report(&findings).unwrap()
 }
 
 /// One chart of each kind of mark, axis and decoration.
@@ -79,7 +82,7 @@ fn every_kind_of_chart() -> String {
         ..Chart::default()
     });
     let sections = vec![Section { heading: "Charts".into(), items: vec![Item::Charts(charts)] }];
-    Page { title: "Every kind of chart".into(), lead: String::new(), sections }.to_html().unwrap()
+    Page { title: "Every kind of chart".into(), sections, ..Page::default() }.to_html().unwrap()
 }
 
 /// A page in a file, and a browser to look at it; `None` where there is no browser.
@@ -165,7 +168,7 @@ fn a_gap_is_not_bridged_by_the_points_of_another_curve() {
     let series = vec![Series::line("dense", dense), Series::line("broken", broken)];
     let items = vec![Item::Chart(Chart { series, ..Chart::default() })];
     let sections = vec![Section { heading: "A gap".into(), items }];
-    let page = Page { title: "A gap".into(), lead: String::new(), sections };
+    let page = Page { title: "A gap".into(), sections, ..Page::default() };
 
     let mut tab = desk.open(&page.to_html().unwrap());
 
@@ -180,7 +183,7 @@ const TICKS: &str = "[...document.querySelectorAll('figure.chart')].map(({ plot:
 
 fn page_of(charts: Vec<Chart>) -> String {
     let sections = vec![Section { heading: "Charts".into(), items: vec![Item::Charts(charts)] }];
-    Page { title: "Charts".into(), lead: String::new(), sections }.to_html().unwrap()
+    Page { title: "Charts".into(), sections, ..Page::default() }.to_html().unwrap()
 }
 
 #[test]
@@ -264,15 +267,17 @@ fn pointing_at_a_curve_reads_it_out() {
 fn dragging_zooms_all_charts_over_time_and_a_double_click_undoes_it() {
     let Some(mut desk) = Desk::new() else { return };
     let mut tab = desk.open(&report());
+    tab.value("document.querySelectorAll('details').forEach((own) => { own.open = true; }), 0");
     let whole = tab.value(X_LIMITS);
-    let [x, y] = tab.middle("#chart-1 .u-over");
+    // The first two are of the test log.
+    let [x, y] = tab.middle("#chart-3 .u-over");
 
     tab.mouse("mouseMoved", [x - 100.0, y], 0);
     tab.mouse("mousePressed", [x - 100.0, y], 1);
     tab.mouse("mouseMoved", [x + 100.0, y], 1);
     tab.mouse("mouseReleased", [x + 100.0, y], 1);
     let zoomed = tab.value(X_LIMITS);
-    let reset = tab.value("document.querySelector('#chart-1 .reset').hidden");
+    let reset = tab.value("document.querySelector('#chart-3 .reset').hidden");
     for clicks in [1, 2] {
         tab.mouse("mousePressed", [x, y], clicks);
         tab.mouse("mouseReleased", [x, y], clicks);

@@ -39,6 +39,7 @@ pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
             section("Positions", charts(positions)),
             section("Torques", charts(torques)),
         ],
+        ..Page::default()
     };
     Ok(page.to_html()?)
 }

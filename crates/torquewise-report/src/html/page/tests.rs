@@ -1,6 +1,7 @@
 //! Whether pages hold what they are given, and nothing else.
 
 use super::*;
+use crate::html::skeleton::Skeleton;
 use crate::html::{
     Axis, BarRow, Bars, Callout, Chart, Colour, Column, Fact, Markup, Series, Table, Tone,
 };
@@ -35,7 +36,11 @@ fn page(words: &str) -> Page {
     let items = vec![
         Item::Text(word()),
         Item::Heading(word()),
-        Item::Callout(Callout { tone: Tone::Warning, lines: vec![word(), word()] }),
+        Item::Callout(Callout {
+            tone: Tone::Warning,
+            heading: word(),
+            lines: vec![word(), word()],
+        }),
         Item::Facts(vec![Fact::new(words, words)]),
         Item::Table(table),
         Item::Charts(vec![chart.clone(), chart.clone()]),
@@ -43,10 +48,14 @@ fn page(words: &str) -> Page {
         Item::BarsBeside(vec![bars]),
         Item::Markup(Markup::trusted("<math><mi>q</mi></math>")),
         Item::Svg { svg: "<svg></svg>".into(), caption: word() },
+        Item::Skeleton {
+            skeleton: Skeleton { joints: vec![word()], ..Skeleton::default() },
+            caption: word(),
+        },
         Item::Details { summary: word(), items: vec![Item::Chart(chart)] },
     ];
     let sections = vec![Section { heading: word(), items }];
-    Page { title: word(), lead: word(), sections }
+    Page { title: word(), lead: word(), sections, foot: vec![word()] }
 }
 
 #[test]
