@@ -11,14 +11,14 @@ const DIGITS: usize = 3;
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let training = &findings.found.model.training;
     let total: Repairs = training.conditioning.values().sum();
-    let filter = training.filter.as_ref().map_or_else(
+    let filter = training.filter.map_or_else(
         || "The signals were not filtered.".to_owned(),
         |filter| {
-            let cutoff = significant(filter.cutoff_hz, DIGITS);
-            let delay = significant(1e3 * filter.delay, DIGITS);
+            let [cutoff, delay] = [filter.cutoff_hz, 1e3 * filter.delay];
+            let [cutoff, delay] = [cutoff, delay].map(|x| significant(x, DIGITS));
             format!(
-                "The signals were low-pass filtered at {cutoff} Hz without a shift in phase; the \
-                 torque lagged the motion by {delay} ms, which was taken back."
+                "A zero-phase low-pass of {cutoff} Hz filtered the signals; the torque was moved \
+                 by {delay} ms onto the clock of the motion."
             )
         },
     );

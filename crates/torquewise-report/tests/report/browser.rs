@@ -86,17 +86,17 @@ fn every_kind_of_chart() -> String {
 }
 
 /// A page in a file, and a browser to look at it; `None` where there is no browser.
-struct Desk {
+pub(crate) struct Desk {
     browser: Chromium,
     folder: TempDir,
 }
 
 impl Desk {
-    fn new() -> Option<Self> {
+    pub(crate) fn new() -> Option<Self> {
         Some(Self { browser: Chromium::start()?, folder: TempDir::new().unwrap() })
     }
 
-    fn open(&mut self, html: &str) -> Tab {
+    pub(crate) fn open(&mut self, html: &str) -> Tab {
         let path: PathBuf = self.folder.path().join("page.html");
         std::fs::write(&path, html).unwrap();
         let mut tab = self.browser.tab();
@@ -121,8 +121,13 @@ const READ_PIXELS: &str = "window.pixels = (canvas) => { \
     const copy = new OffscreenCanvas(width, height).getContext('2d', often); \
     copy.drawImage(canvas, 0, 0); \
     return copy.getImageData(0, 0, width, height).data; }; 0";
+/// Opens all that is folded, and waits until its charts have their size.
+pub(crate) const UNFOLD: &str = "(async () => { \
+    document.querySelectorAll('details').forEach((own) => { own.open = true; }); \
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); \
+    return 0; })()";
 /// By how much the page is wider than the window.
-const OVERFLOW: &str = "document.documentElement.scrollWidth - innerWidth";
+pub(crate) const OVERFLOW: &str = "document.documentElement.scrollWidth - innerWidth";
 const X_LIMITS: &str = "[...document.querySelectorAll('figure.chart')].filter((figure) => \
     figure.plot.linked === 'time').map(({ plot: { scales: { x } } }) => [x.min, x.max])";
 const READOUTS: &str = "[...document.querySelectorAll('.readout:not([hidden])')].map((box) => \
@@ -267,15 +272,15 @@ fn pointing_at_a_curve_reads_it_out() {
 fn dragging_zooms_all_charts_over_time_and_a_double_click_undoes_it() {
     let Some(mut desk) = Desk::new() else { return };
     let mut tab = desk.open(&report());
-    tab.value("document.querySelectorAll('details').forEach((own) => { own.open = true; }), 0");
+    tab.value(UNFOLD);
     let whole = tab.value(X_LIMITS);
     // The first two are of the test log.
     let [x, y] = tab.middle("#chart-3 .u-over");
 
-    tab.mouse("mouseMoved", [x - 100.0, y], 0);
-    tab.mouse("mousePressed", [x - 100.0, y], 1);
-    tab.mouse("mouseMoved", [x + 100.0, y], 1);
-    tab.mouse("mouseReleased", [x + 100.0, y], 1);
+    tab.mouse("mouseMoved", [x - 60.0, y], 0);
+    tab.mouse("mousePressed", [x - 60.0, y], 1);
+    tab.mouse("mouseMoved", [x + 60.0, y], 1);
+    tab.mouse("mouseReleased", [x + 60.0, y], 1);
     let zoomed = tab.value(X_LIMITS);
     let reset = tab.value("document.querySelector('#chart-3 .reset').hidden");
     for clicks in [1, 2] {
@@ -335,6 +340,8 @@ fn nothing_is_wider_than_a_narrow_screen() {
 
     for width in [380, 800, 1280] {
         tab.resize(width, 800);
+        assert_eq!(tab.value(OVERFLOW), 0, "folded, at {width}");
+        tab.value(UNFOLD);
 
         assert_eq!(tab.value(OVERFLOW), 0, "at {width}");
         let widest = tab.value(
