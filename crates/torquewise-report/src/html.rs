@@ -15,7 +15,7 @@
 //!     series: vec![Series::line("measured", decay)],
 //!     ..Chart::default()
 //! };
-//! let section = Section { heading: "Torque".into(), items: vec![Item::Chart(chart)] };
+//! let section = Section { heading: "Torque".into(), items: vec![Item::Charts(vec![chart])] };
 //! let page = Page { title: "A test".into(), sections: vec![section], ..Page::default() };
 //! assert!(page.to_html()?.starts_with("<!doctype html>"));
 //! # Ok::<(), torquewise_report::ReportError>(())

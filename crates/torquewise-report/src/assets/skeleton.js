@@ -77,7 +77,7 @@ function skeleton(figure, colour) {
       let low = y;
       while (taken.some(([a, b]) => Math.abs(a - x) < 60 && Math.abs(b - low) < 13)) low += 13;
       taken.push([x, low]);
-      pen.fillStyle = colour("ink");
+      pen.fillStyle = colour(`series-${i % 6}`);
       pen.textAlign = x > width - 80 ? "right" : "left";
       pen.fillText(joints[i].slice(0, 24), x, low);
     });

@@ -19,8 +19,10 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
          activates: gravity alone at standstill, Coriolis torque at uniform velocity, inertia at \
          variable velocity."
     );
-    let charts =
-        vec![Item::Charts(vec![plane(findings), elbow(findings)]), Item::Chart(motion(findings))];
+    let charts = vec![
+        Item::Charts(vec![plane(findings), elbow(findings)]),
+        Item::Charts(vec![motion(findings)]),
+    ];
     let summary = "Activation plane, elbow, and motion in the colours of its patterns".into();
     let items = vec![Item::Text(words), table(findings), Item::Details { summary, items: charts }];
     Section { heading: "Patterns".into(), items }
@@ -75,7 +77,7 @@ fn elbow(findings: &Findings<'_>) -> Chart {
         x: Axis::whole("clusters"),
         y: if can_be_log { Axis::log(y) } else { Axis::named(y) },
         series: vec![Series::new("inertia", Mark::DottedLine, Colour::Series(0), points)],
-        guides: vec![Guide::at_x(chosen as f64, format!("{chosen} chosen"))],
+        guides: vec![Guide::at_x(chosen as f64, "chosen")],
         ..Chart::default()
     }
 }

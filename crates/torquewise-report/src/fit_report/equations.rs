@@ -66,10 +66,8 @@ fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
         name: format!("Friction of {}", model.joints[joint]),
         left: friction_torque(joint),
         note: format!("friction of {} [N·m]", model.joints[joint]),
-        terms: Vec::new(),
         friction,
-        unit: None,
-        left_out: 0,
+        ..Equation::default()
     };
     let rubbing = weighted_friction(model).into_iter().enumerate();
     rubbing.filter(|(_, friction)| !friction.is_empty()).map(equation).collect()
@@ -80,10 +78,14 @@ fn torques(findings: &Findings<'_>) -> Vec<Equation> {
     let equation = |(joint, (terms, friction)): (usize, (Vec<Weighted<Term>>, _))| {
         let importance = &findings.diagnosis.importance[joint];
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
-        let name = format!("Torque of {}", model.joints[joint]);
-        let note = format!("{} [N·m]", model.joints[joint]);
-        let left = torque(joint);
-        let all = Equation { name, left, note, terms, friction, unit: None, left_out: 0 };
+        let all = Equation {
+            name: format!("Torque of {}", model.joints[joint]),
+            left: torque(joint),
+            note: format!("{} [N·m]", model.joints[joint]),
+            terms,
+            friction,
+            ..Equation::default()
+        };
         largest(all, &sizes)
     };
     let friction = weighted_friction(model);
@@ -124,15 +126,7 @@ mod tests {
             inclusion: None,
         };
         let terms = (0..MOST_TERMS + 3).map(term).collect();
-        let all = Equation {
-            name: String::new(),
-            left: torque(0),
-            note: String::new(),
-            terms,
-            friction: Vec::new(),
-            unit: None,
-            left_out: 0,
-        };
+        let all = Equation { terms, ..Equation::default() };
 
         let shown = largest(all, &BTreeMap::new());
 

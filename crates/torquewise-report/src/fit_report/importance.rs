@@ -26,7 +26,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
         let terms = equation.iter().map(|(_, term)| (term.name(), term)).collect();
         joint_bars(findings, joint, &terms, &friction)
     });
-    let mut items = vec![Item::Text(words.into()), Item::BarsBeside(bars.collect())];
+    let mut items = vec![Item::Text(words.into()), Item::Bars(bars.collect())];
     items.extend(dropped(findings));
     Some(Section { heading: "Terms".into(), items })
 }
@@ -49,6 +49,7 @@ fn joint_bars(
         .collect();
     let caption = match rows.len().saturating_sub(MOST_TERMS) {
         0 => String::new(),
+        1 => "One smaller term is not shown.".into(),
         n => format!("{} smaller terms are not shown.", count(n)),
     };
     let rows = rows.into_iter().take(MOST_TERMS);
@@ -82,5 +83,5 @@ fn dropped(findings: &Findings<'_>) -> Option<Item> {
         rows: all.iter().take(MOST_DROPPED).map(row).collect(),
         log: false,
     };
-    (!all.is_empty()).then_some(Item::Bars(bars))
+    (!all.is_empty()).then_some(Item::Bars(vec![bars]))
 }

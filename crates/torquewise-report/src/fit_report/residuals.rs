@@ -32,7 +32,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
         ];
         items.push(Item::Details {
             summary: format!("{}, RMSE {} N·m", score.name, significant(score.rmse, 3)),
-            items: vec![Item::Chart(residual.over_time(&clock)), Item::Charts(charts)],
+            items: vec![Item::Charts(vec![residual.over_time(&clock)]), Item::Charts(charts)],
         });
     }
     Section { heading: "Residuals".into(), items }

@@ -2,8 +2,7 @@
 
 use crate::fit_report::Findings;
 use crate::html::number::{count, significant};
-use crate::html::{Callout, Column, Fact, Item, Label, Section, Table, Tone};
-use torquewise_diagnose::score::JointScore;
+use crate::html::{Callout, Column, Item, Label, Section, Table, Tone};
 use torquewise_identify::Warning;
 use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_model::Form;
@@ -28,10 +27,9 @@ pub(crate) fn lead(findings: &Findings<'_>) -> String {
     )
 }
 
-/// Verdict with its reasons, errors of each joint, and the numbers that matter most.
+/// Verdict with its reasons, errors of each joint, and what kind of model it is.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
-    let mut items = vec![verdict(findings), error_table(findings), facts(findings)];
-    items.push(Item::Text(words(findings)));
+    let mut items = vec![verdict(findings), error_table(findings), Item::Text(words(findings))];
     items.extend(findings.origin.files());
     Section { heading: "Verdict".into(), items }
 }
@@ -71,6 +69,7 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
         warnings.into_iter().map(|warning| sentence(&warning.to_string())).collect()
     };
     let mut warnings = sentences(warnings);
+    warnings.extend(worst_joint(findings));
     if findings.checks.is_some_and(|checks| !checks.passed()) {
         warnings.push("No physical arm has this model at some states, see Physics.".into());
     }
@@ -93,43 +92,23 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
     Section { heading: "What to do next".into(), items }
 }
 
+/// Which joint to move more, where the errors of the model are not small.
+fn worst_joint(findings: &Findings<'_>) -> Option<String> {
+    Verdict::of(findings.found).filter(|verdict| verdict.grade != Grade::Good)?;
+    let errors = findings.found.model.training.held_out_errors()?;
+    let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(format!(
+        "{} has the largest held-out error, {} %: record more of its motion, through its whole \
+         range and at several speeds.",
+        findings.joints()[joint],
+        significant(100.0 * error, DIGITS)
+    ))
+}
+
 /// A message as a sentence of its own. A joint's name at its beginning stays as it is.
 fn sentence(message: &str) -> String {
     let end = if message.ends_with(['.', '?', '!']) { "" } else { "." };
     format!("{message}{end}")
-}
-
-fn facts(findings: &Findings<'_>) -> Item {
-    let found = findings.found;
-    let diagnosis = findings.judged();
-    let error = match findings.test {
-        Some(_) => "error on the test log (NRMSE), best to worst joint",
-        None => "error on the fitted log (NRMSE), best to worst joint",
-    };
-    let kept = format!("terms kept of {} candidates", count(found.candidates));
-    let mut facts = vec![
-        Fact::new(errors(&diagnosis.scores.joints), error),
-        Fact::new(count(diagnosis.scores.rows), "rows this error is taken over"),
-        Fact::new(count(found.model.n_coefficients()), kept),
-    ];
-    facts.extend(findings.checks.map(|checks| {
-        let verdict = if checks.passed() { "passed" } else { "failed" };
-        Fact::new(verdict, format!("physical checks at {} states", count(checks.states)))
-    }));
-    Item::Facts(facts)
-}
-
-/// `0.02–1.3 %`, in one word.
-fn errors(joints: &[JointScore]) -> String {
-    let percents = joints.iter().map(|joint| joint.nrmse_percent);
-    let finite = percents.filter(|percent| percent.is_finite());
-    let [least, most] =
-        finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-    if least > most {
-        return "–".into();
-    }
-    let [least, most] = [least, most].map(|percent| significant(percent, 2));
-    if least == most { format!("{least}\u{202f}%") } else { format!("{least}–{most}\u{202f}%") }
 }
 
 fn words(findings: &Findings<'_>) -> String {
@@ -148,7 +127,14 @@ fn words(findings: &Findings<'_>) -> String {
     };
     let untried = found.model.training.overlooked.as_ref();
     let untried = untried.map_or_else(String::new, |untried| format!(" {untried}."));
-    format!("{form}{friction}{untried}")
+    let [kept, offered] = [found.model.n_coefficients(), found.candidates].map(count);
+    let checks = findings.checks.map_or_else(String::new, |checks| {
+        let passed = if checks.passed() { "passed" } else { "did not pass" };
+        format!(" It {passed} the physical checks at {} states.", count(checks.states))
+    });
+    format!(
+        "The model has {kept} terms, of {offered} candidates.{friction} {form}{checks}{untried}"
+    )
 }
 
 /// Errors of each joint: on the test log, on held-out blocks of time, on the fitted log.

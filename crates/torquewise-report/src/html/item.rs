@@ -4,7 +4,7 @@ use crate::error::ReportError;
 use crate::html::bars::{Bar, Bars};
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
-use crate::html::markup::Markup;
+use crate::html::markup::{Markup, script_json};
 use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
 use crate::html::table::Table;
@@ -24,21 +24,10 @@ pub enum Item {
     Facts(Vec<Fact>),
     /// A table.
     Table(Table),
-    /// A chart of full width.
-    Chart(Chart),
-    /// Charts side by side where there is room.
+    /// Charts, several of them side by side where there is room.
     Charts(Vec<Chart>),
-    /// Bars with names.
-    Bars(Bars),
-    /// Several of them side by side where there is room.
-    BarsBeside(Vec<Bars>),
-    /// A figure that is an SVG text, taken over as it is: its maker escapes the words in it.
-    Svg {
-        /// The text, from `<svg` to `</svg>`.
-        svg: String,
-        /// How to read it; may be empty.
-        caption: String,
-    },
+    /// Bars with names, likewise.
+    Bars(Vec<Bars>),
     /// A chain of joints that can be played and rotated.
     Skeleton {
         /// Its axes and their motion.
@@ -124,22 +113,17 @@ impl<'a> Writer<'a> {
                 ("facts", context! { facts })
             }
             Item::Table(table) => ("table", table_view(table)),
-            Item::Chart(chart) => ("charts", context! { charts => vec![self.chart(chart)?] }),
-            Item::Charts(charts) => {
-                let charts: Result<Vec<_>, _> = charts.iter().map(|c| self.chart(c)).collect();
-                ("charts", context! { charts => charts?, beside => true })
+            Item::Charts(all) => {
+                let charts: Result<Vec<_>, _> = all.iter().map(|c| self.chart(c)).collect();
+                ("charts", context! { charts => charts?, beside => all.len() > 1 })
             }
-            Item::Bars(bars) => ("bars", context! { all => vec![bars_view(bars)] }),
-            Item::BarsBeside(bars) => {
+            Item::Bars(bars) => {
                 let all: Vec<_> = bars.iter().map(bars_view).collect();
-                ("bars", context! { all, beside => true })
-            }
-            Item::Svg { svg, caption } => {
-                ("svg", context! { svg => safe(svg), caption => caption.as_str() })
+                ("bars", context! { all, beside => bars.len() > 1 })
             }
             Item::Skeleton { skeleton, caption } => {
                 let label = format!("Axes of {}", skeleton.joints.join(", "));
-                ("skeleton", context! { spec => safe(&skeleton.spec()?), label, caption })
+                ("skeleton", context! { spec => safe(&script_json(skeleton)?), label, caption })
             }
             Item::Markup(markup) => ("markup", context! { markup => safe(markup.as_str()) }),
             Item::Details { summary, items } => {
@@ -157,8 +141,10 @@ impl<'a> Writer<'a> {
         self.charts += 1;
         let series: Vec<_> =
             chart.series.iter().map(|s| key(&s.label, s.colour, s.mark.name())).collect();
-        let bands: Vec<_> =
-            chart.bands.iter().map(|band| key(&band.label, band.colour, "band")).collect();
+        let guides = chart.guides.iter().filter(|guide| !guide.label.is_empty());
+        let guides = guides.map(|guide| key(&guide.name(), Colour::Faded, "dashed"));
+        let bands = chart.bands.iter().map(|band| key(&band.label, band.colour, "band"));
+        let bands: Vec<_> = bands.chain(guides).collect();
         let has_legend = series.len() + bands.len() > 1;
         let is_cloud = chart.series.iter().any(|s| matches!(s.mark, Mark::Cloud | Mark::Rings));
         Ok(context! {

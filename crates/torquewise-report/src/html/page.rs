@@ -1,7 +1,6 @@
 //! Page → HTML text: title, contents, sections, style and script in one file.
 
 use crate::error::ReportError;
-use crate::html::colour;
 use crate::html::item::{Item, Writer};
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 
@@ -29,6 +28,8 @@ pub struct Section {
 
 const PAGE: &str = include_str!("../assets/page.html");
 const ITEM: &str = include_str!("../assets/item.html");
+pub(crate) const LIGHT: &str = include_str!("../assets/light.css");
+pub(crate) const DARK: &str = include_str!("../assets/dark.css");
 const STYLE: &str = include_str!("../assets/page.css");
 const SCRIPT: &str = include_str!("../assets/page.js");
 const SKELETON_SCRIPT: &str = include_str!("../assets/skeleton.js");
@@ -62,8 +63,8 @@ impl Page {
             lead => self.lead.as_str(),
             sections,
             foot => &self.foot,
-            light => safe(&colour::light()),
-            dark => safe(&colour::dark()),
+            light => safe(LIGHT),
+            dark => safe(DARK),
             style => safe(&[CHART_STYLE, STYLE].join("\n")),
             chart_licence => safe(CHART_LICENCE),
             chart_script => safe(CHART_SCRIPT),

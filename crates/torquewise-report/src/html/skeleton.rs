@@ -1,7 +1,5 @@
 //! Chain of axes with a motion → what the script of a page moves and turns.
 
-use crate::error::ReportError;
-use crate::html::markup::escape_json;
 use serde::Serialize;
 
 /// Axes of joints that a motion turns, drawn in space.
@@ -26,13 +24,4 @@ pub struct Frame {
     pub origin: [f64; 3],
     /// Turns its components into those of the frame before, row by row.
     pub rotation: [f64; 9],
-}
-
-impl Skeleton {
-    /// The text of the script tag that holds what is drawn.
-    pub(crate) fn spec(&self) -> Result<String, ReportError> {
-        let json = serde_json::to_string(self)
-            .map_err(|error| ReportError::Page { reason: error.to_string() })?;
-        Ok(escape_json(&json))
-    }
 }

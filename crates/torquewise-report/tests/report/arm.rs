@@ -10,7 +10,7 @@ use torquewise_dynamics::{Arm, MotionPlan, simulate};
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Training;
-use torquewise_model::rigid_chain::RigidChain;
+use torquewise_model::rigid_chain::{Coupling, RigidChain};
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_report::{Findings, LogFile, Origin, fit_report};
 
@@ -25,7 +25,7 @@ fn model(joints: &[String]) -> Model {
         fitted: vec![4],
         links: vec![link; JOINTS],
         drives: Vec::new(),
-        coupling: Default::default(),
+        coupling: Coupling::default(),
         covariance: Vec::new(),
     };
     let laws = [FrictionLaw::Coulomb { width: 0.01 }, FrictionLaw::Viscous];
@@ -62,7 +62,7 @@ fn report() -> String {
     let range = Finding::Range { joint: "joint3".into(), range: 0.1 };
     let found = Reconstruction {
         model: model(log.joints()),
-        noise: torquewise_survey::NoiseFloor::none(JOINTS),
+        noise: survey.noise.clone(),
         survey,
         patterns,
         candidates: 0,

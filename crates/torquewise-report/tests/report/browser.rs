@@ -171,7 +171,7 @@ fn a_gap_is_not_bridged_by_the_points_of_another_curve() {
     let dense = (0..9).map(|k| [f64::from(k), 0.0]).collect();
     let broken = vec![[0.5, 1.0], [1.5, 1.0], [4.5, f64::NAN], [6.5, 1.0], [7.5, 1.0]];
     let series = vec![Series::line("dense", dense), Series::line("broken", broken)];
-    let items = vec![Item::Chart(Chart { series, ..Chart::default() })];
+    let items = vec![Item::Charts(vec![Chart { series, ..Chart::default() }])];
     let sections = vec![Section { heading: "A gap".into(), items }];
     let page = Page { title: "A gap".into(), sections, ..Page::default() };
 
