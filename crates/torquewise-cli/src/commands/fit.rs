@@ -14,7 +14,7 @@ use chrono::{DateTime, Utc};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::plan::Regression;
@@ -156,7 +156,7 @@ fn report(
     };
     let physics = PhysicsCheck::of(&fit.model, STATES)?;
     let [logs, tests] = [&arguments.logs, &arguments.test]
-        .map(|paths| paths.iter().map(log_file).collect::<Vec<_>>());
+        .map(|paths| paths.iter().map(|path| log_file(path)).collect::<Vec<_>>());
     let command: Vec<String> =
         std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
     let origin = Origin {
@@ -177,7 +177,8 @@ fn report(
     })?)
 }
 
-fn log_file(path: &PathBuf) -> LogFile {
+/// A log by its name and age.
+fn log_file(path: &Path) -> LogFile {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let written = path.metadata().and_then(|metadata| metadata.modified());
     LogFile { name, date: written.map_or_else(|_| String::new(), date) }
