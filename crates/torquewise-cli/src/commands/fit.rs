@@ -162,7 +162,7 @@ fn report(
     let origin = Origin {
         logs: &logs,
         tests: &tests,
-        model: &arguments.output.display().to_string(),
+        model: &quoted(&arguments.output.display().to_string()),
         command: &format!("torquewise {}", command.join(" ")),
         version: env!("CARGO_PKG_VERSION"),
         date: &date(SystemTime::now()),
