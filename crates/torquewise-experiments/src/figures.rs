@@ -44,7 +44,7 @@ impl Figure {
         if self.columns > 1 {
             items.push(Item::Charts(self.charts.clone()));
         } else {
-            items.extend(self.charts.iter().cloned().map(Item::Chart));
+            items.extend(self.charts.iter().cloned().map(|chart| Item::Charts(vec![chart])));
         }
         items
     }

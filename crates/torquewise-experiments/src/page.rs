@@ -30,6 +30,7 @@ pub fn page(results: &Results) -> Result<String, ExperimentError> {
         title: "Stepwise model reconstruction, simulated again".into(),
         lead: summary::lead(results),
         sections,
+        ..Page::default()
     };
     Ok(page.to_html()?)
 }

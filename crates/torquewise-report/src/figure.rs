@@ -9,7 +9,6 @@ mod names;
 mod legend;
 mod axes;
 mod plot;
-mod labels;
 mod panel;
 
 use crate::error::ReportError;

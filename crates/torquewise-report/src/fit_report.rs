@@ -2,14 +2,16 @@
 
 use crate::error::ReportError;
 use crate::fit_report::call_cost::CallCost;
+use crate::fit_report::origin::Origin;
 use crate::html::{Page, Section};
 use torquewise_identify::{Diagnosis, Reconstruction};
 use torquewise_model::Checks;
 
+pub mod origin;
 mod clock;
-mod summary;
+mod verdict;
 mod torques;
-mod other_motion;
+mod geometry;
 mod friction;
 mod equations;
 mod activation;
@@ -18,7 +20,6 @@ pub mod call_cost;
 mod residuals;
 mod importance;
 mod physics;
-mod ranges;
 mod conditioning;
 
 /// All that the sections of a report tell about.
@@ -34,46 +35,60 @@ pub struct Findings<'a> {
     pub test: Option<&'a Diagnosis>,
     /// Cost of its torque as it was after each step and as it is; none if that was not counted.
     pub costs: &'a [CallCost],
+    /// Logs, command and date.
+    pub origin: Origin<'a>,
 }
 
 /// The report of a fit as one HTML text, see [`Page::to_html`].
 ///
-/// - `title`: what stands above the report, such as the name of the log
-///
-/// The text holds the summary and all warnings first; then torques, friction, equations, patterns,
-/// steps, cost in a controller, residuals, importance of terms, physical checks, ranges of the log
-/// and what was repaired in it, with charts that can be zoomed into.
+/// The verdict and the error of each joint come first, then what to do next; then torques, learned
+/// geometry, friction, equations, residuals, importance of terms, physical checks, the log and what
+/// was repaired in it, patterns, steps and cost in a controller. What a model does not have is left
+/// out.
 ///
 /// # Errors
 /// [`ReportError::Shape`] if found model and diagnosis are of different arms, or there are costs of
 /// fewer or more models than steps and the whole,
 /// [`ReportError::Empty`] if the diagnosis has no rows, [`ReportError::Step`] if the model after a
 /// step cannot be evaluated, [`ReportError::Page`] if the page cannot be written.
-pub fn fit_report(findings: &Findings<'_>, title: &str) -> Result<String, ReportError> {
+pub fn fit_report(findings: &Findings<'_>) -> Result<String, ReportError> {
     findings.check()?;
-    let page =
-        Page { title: title.into(), lead: summary::lead(findings), sections: findings.sections()? };
+    let page = Page {
+        title: findings.origin.title(),
+        lead: verdict::lead(findings),
+        sections: findings.sections()?,
+        foot: findings.origin.foot(),
+    };
     page.to_html()
 }
 
-impl Findings<'_> {
+impl<'a> Findings<'a> {
     fn sections(&self) -> Result<Vec<Section>, ReportError> {
-        let mut sections = vec![summary::section(self), torques::section(self)];
-        sections.extend(self.test.map(|test| other_motion::section(self, test)));
+        let mut sections =
+            vec![verdict::section(self), verdict::next(self), torques::section(self)];
+        sections.extend(geometry::section(self));
         sections.extend(friction::section(self));
-        sections.extend([
-            equations::section(self),
-            activation::section(self),
-            steps::section(self)?,
-        ]);
+        sections.extend([equations::section(self), residuals::section(self)]);
+        sections.extend(importance::section(self));
+        sections.extend(self.checks.map(physics::section));
+        sections.push(conditioning::section(self));
+        if self.is_stepwise() {
+            sections.extend([activation::section(self), steps::section(self)?]);
+        }
         if !self.costs.is_empty() {
             sections.push(call_cost::section(self)?);
         }
-        sections.extend([residuals::section(self), importance::section(self)]);
-        sections.extend(self.checks.map(physics::section));
-        sections.push(ranges::section(self));
-        sections.extend(conditioning::section(self));
         Ok(sections)
+    }
+
+    /// The diagnosis to judge the model by: that of another motion, where there is one.
+    pub(crate) fn judged(&self) -> &'a Diagnosis {
+        self.test.unwrap_or(self.diagnosis)
+    }
+
+    /// Whether patterns of motion had regressions of their own.
+    pub(crate) fn is_stepwise(&self) -> bool {
+        self.found.steps.len() > 1
     }
 
     /// Number of joints n.

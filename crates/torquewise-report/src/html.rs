@@ -15,8 +15,8 @@
 //!     series: vec![Series::line("measured", decay)],
 //!     ..Chart::default()
 //! };
-//! let section = Section { heading: "Torque".into(), items: vec![Item::Chart(chart)] };
-//! let page = Page { title: "A test".into(), lead: String::new(), sections: vec![section] };
+//! let section = Section { heading: "Torque".into(), items: vec![Item::Charts(vec![chart])] };
+//! let page = Page { title: "A test".into(), sections: vec![section], ..Page::default() };
 //! assert!(page.to_html()?.starts_with("<!doctype html>"));
 //! # Ok::<(), torquewise_report::ReportError>(())
 //! ```
@@ -29,6 +29,7 @@ pub(crate) mod thin;
 mod spec;
 pub mod table;
 pub mod bars;
+pub mod skeleton;
 pub mod item;
 pub mod page;
 

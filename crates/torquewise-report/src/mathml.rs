@@ -11,7 +11,7 @@ use torquewise_model::term::Factor;
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig, Weighted};
 
 /// A sum with its left side, before it is written.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Equation {
     /// Its name in plain text.
     pub name: String,
@@ -140,15 +140,13 @@ pub fn energies(terms: &[Weighted<EnergyTerm>]) -> Vec<Equation> {
         groups.into_iter().partition(|(place, _)| *place == Place::Potential);
     let equation = |(at, terms): (Place, Vec<Weighted<Term>>)| {
         let unit = if at == Place::Potential { "J" } else { "kg·m²" };
-        let (name, note) = (at.name(), format!("[{unit}]"));
         Equation {
-            name,
+            name: at.name(),
             left: place(at),
-            note,
+            note: format!("[{unit}]"),
             terms,
-            friction: Vec::new(),
             unit: Some(unit),
-            left_out: 0,
+            ..Equation::default()
         }
     };
     inertia.into_iter().chain(potential).map(equation).collect()

@@ -10,10 +10,12 @@ use crate::score_table;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use crate::table::{Table, counts};
 use anyhow::Result;
+use chrono::{DateTime, Utc};
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::plan::Regression;
 use torquewise::identify::{Warning, diagnose};
@@ -23,7 +25,7 @@ use torquewise::number::number;
 use torquewise::observe::Watched;
 use torquewise::physics::{PhysicsCheck, STATES};
 use torquewise::prepared::Prepared;
-use torquewise::report::{Findings, fit_report};
+use torquewise::report::{Findings, LogFile, Origin, fit_report};
 use torquewise::summary::FitSummary;
 use torquewise::{Error, Fit, FitResult, Grade};
 
@@ -153,20 +155,47 @@ fn report(
         return Ok(String::new());
     };
     let physics = PhysicsCheck::of(&fit.model, STATES)?;
-    let names = |paths: &[PathBuf]| {
-        let name = |path: &PathBuf| {
-            path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-        };
-        paths.iter().map(name).collect::<Vec<_>>().join(", ")
+    let [logs, tests] = [&arguments.logs, &arguments.test]
+        .map(|paths| paths.iter().map(|path| log_file(path)).collect::<Vec<_>>());
+    let command: Vec<String> =
+        std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy())).collect();
+    let origin = Origin {
+        logs: &logs,
+        tests: &tests,
+        model: &quoted(&arguments.output.display().to_string()),
+        command: &format!("torquewise {}", command.join(" ")),
+        version: env!("CARGO_PKG_VERSION"),
+        date: &date(SystemTime::now()),
     };
-    let logs = names(&arguments.logs);
-    let title = match &arguments.test[..] {
-        [] => format!("Torque model from {logs}"),
-        test => format!("Torque model from {logs}, tested on {}", names(test)),
-    };
-    let (checks, test, costs) = (Some(physics.checks()), test.as_ref(), costs.of_each());
-    let findings = Findings { found: fit, diagnosis: &diagnosis, checks, test, costs };
-    Ok(fit_report(&findings, &title)?)
+    Ok(fit_report(&Findings {
+        found: fit,
+        diagnosis: &diagnosis,
+        checks: Some(physics.checks()),
+        test: test.as_ref(),
+        costs: costs.of_each(),
+        origin,
+    })?)
+}
+
+/// A log by its name and age.
+fn log_file(path: &Path) -> LogFile {
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    let written = path.metadata().and_then(|metadata| metadata.modified());
+    LogFile { name, date: written.map_or_else(|_| String::new(), date) }
+}
+
+/// Day and minute in UTC.
+fn date(time: SystemTime) -> String {
+    DateTime::<Utc>::from(time).format("%Y-%m-%d %H:%M UTC").to_string()
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// What a fit came to: what can be acted on, and with `explain` what was chosen on the way.

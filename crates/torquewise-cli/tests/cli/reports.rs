@@ -20,7 +20,11 @@ fn a_report_stands_beside_the_model_and_names_its_terms() {
     assert_eq!((costs.len(), &whole["after"]), (4, &"refit".into()));
     let report = terminal.read("report.html");
     assert!(report.starts_with("<!doctype html>"), "{}", &report[..60]);
-    for words in ["Torque model from log.csv", "standstill", "<math", "physical checks"] {
+    let foot = "-o model.json --report report.html";
+    let version = concat!("torquewise ", env!("CARGO_PKG_VERSION"), ". Report: 20");
+    for words in
+        ["Torque model from log.csv", "standstill", "<math", "physical checks", foot, version]
+    {
         assert!(report.contains(words), "{words}");
     }
     assert!(!report.contains("src=\"http") && !report.contains("href=\"http"), "no network");
@@ -35,7 +39,7 @@ fn a_model_can_be_judged_by_another_log_at_once() {
 
     assert_eq!(fit["test"]["joints"], terminal.json("evaluate model.json test.csv")["joints"]);
     let report = terminal.read("report.html");
-    assert!(report.contains("tested on test.csv") && report.contains("Another motion"));
+    assert!(report.contains("tested on test.csv") && report.contains("On the fitted log"));
 }
 
 #[test]

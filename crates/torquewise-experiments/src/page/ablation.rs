@@ -41,7 +41,7 @@ pub(super) fn section(results: &Results) -> Section {
                  everything else."
                     .into(),
             ),
-            Item::Bars(bars),
+            Item::Bars(vec![bars]),
             table(
                 "Error outside the training log, median and range over the seeds.",
                 columns,

@@ -60,6 +60,7 @@ fn take_home(results: &Results) -> Option<Item> {
     let harder = harder(results);
     Some(Item::Callout(Callout {
         tone: Tone::Note,
+        heading: String::new(),
         lines: [
             format!(
                 "One-shot SINDy with a fixed threshold of 0.1 fails as the paper reports ({sindy} \

@@ -6,7 +6,11 @@
   /* A colour of the palette as it is now. */
   const colour = (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim();
   const tint = (name, alpha) => colour(name) + alpha;
-  const repaint = () => plots.forEach((plot) => plot.redraw(false));
+  const skeletons = [];
+  const repaint = () => {
+    plots.forEach((plot) => plot.redraw(false));
+    skeletons.forEach((paint) => paint());
+  };
 
   /* --- numbers --- */
 
@@ -264,12 +268,10 @@
     });
   }
 
-  function drawGuides(plot, spec, data) {
+  function drawGuides(plot, spec) {
     clipped(plot, (ctx, { left, top, width, height }, ratio) => {
       ctx.strokeStyle = colour("faded");
-      ctx.fillStyle = colour("faded");
       ctx.lineWidth = ratio;
-      ctx.font = `${11 * ratio}px ${FONT}`;
       ctx.setLineDash([5 * ratio, 4 * ratio]);
       for (const { axis, at } of spec.guides) {
         const position = plot.valToPos(at, axis, true);
@@ -278,81 +280,7 @@
         else { ctx.moveTo(left, position); ctx.lineTo(left + width, position); }
         ctx.stroke();
       }
-      ctx.textAlign = "left";
-      ctx.textBaseline = "top";
-      for (const { label, box } of guideLabels(plot, spec, data)) ctx.fillText(label, box[0], box[1] + 2 * ratio);
     });
-  }
-
-  /* Where the labels of guides stand: from left and top to right and bottom. That of an upright line
-     is at its upper end; that of a level line hides as little as it can. */
-  function guideLabels(plot, spec, data) {
-    const { left, top, width, height } = plot.bbox;
-    const ratio = uPlot.pxRatio;
-    const [right, bottom, line, gap] = [left + width, top + height, 14 * ratio, 4 * ratio];
-    const drawn = whatIsDrawn(plot, spec, data);
-    const named = spec.guides.filter((g) => g.label).map(({ axis, at, label }) =>
-      ({ axis, label, position: plot.valToPos(at, axis, true), long: plot.ctx.measureText(label).width }));
-    const boxAt = (start, high, long) => [start, high, start + long, high + line];
-    const upright = named.filter((g) => g.axis === "x").map(({ label, position, long }) => {
-      const fits = position + gap + long < right;
-      return { label, box: boxAt(fits ? position + gap : position - gap - long, top, long) };
-    });
-    drawn.boxes.push(...upright.map((placed) => placed.box));
-    const level = named.filter((g) => g.axis === "y").map(({ label, position, long }) => {
-      const starts = [right - gap - long, left + gap, left + (width - long) / 2];
-      /* At the line, or as far from it as a ring on it reaches. */
-      const heights = [0, 9 * ratio].flatMap((away) => [position - line - away, position + ratio + away]);
-      const tried = heights.flatMap((high) => starts.map((start) => boxAt(start, high, long)));
-      const inside = tried.filter((box) => box[1] >= top && box[3] <= bottom);
-      const box = inside.reduce((best, next) => (hidden(drawn, next) < hidden(drawn, best) ? next : best), inside[0] ?? tried[0]);
-      drawn.boxes.push(box);
-      return { label, box };
-    });
-    return [...upright, ...level];
-  }
-
-  /* Boxes around points, bars and error bars, and lines as lists of places. */
-  function whatIsDrawn(plot, spec, data) {
-    const [boxes, lines] = [[], []];
-    if (!spec.guides.some((g) => g.axis === "y" && g.label)) return { boxes, lines };
-    const [acrossOf, downOf] = ["x", "y"].map((axis) => (value) => plot.valToPos(value, axis, true));
-    const across = data.x.map(acrossOf);
-    const apart = across.slice(1).reduce((least, at, k) => Math.min(least, at - across[k]), 90 * uPlot.pxRatio);
-    spec.series.forEach((series, i) => {
-      if (!plot.series[i + 1].show) return;
-      const half = series.mark === "bars" ? 0.43 * apart : 0.5 * (DOT[series.mark] ?? 2) * uPlot.pxRatio;
-      let line = [];
-      across.forEach((at, k) => {
-        const y = data.y[i][k];
-        if (y === undefined) return;
-        if (y === null) { lines.push(line); line = []; return; }
-        const down = downOf(y);
-        const [high, low] = [data.high[i][k], data.low[i][k]].map((end) => (end == null ? down : downOf(end)));
-        if (series.mark === "bars") boxes.push([at - half, Math.min(down, downOf(0)), at + half, Math.max(down, downOf(0))]);
-        else boxes.push([at - half, Math.min(down - half, high), at + half, Math.max(down + half, low)]);
-        line.push([at, down]);
-      });
-      if (!["cloud", "rings", "bars"].includes(series.mark)) lines.push(line);
-    });
-    return { boxes, lines };
-  }
-
-  /* How much a box would hide: 0 for nothing, 1 for a line between points, 2 for a point. */
-  function hidden({ boxes, lines }, [left, top, right, bottom]) {
-    if (boxes.some((box) => box[0] <= right && box[2] >= left && box[1] <= bottom && box[3] >= top)) return 2;
-    const crosses = ([x0, y0], [x1, y1]) => {
-      let [enter, leave] = [0, 1];
-      for (const [from, run, low, high] of [[x0, x1 - x0, left, right], [y0, y1 - y0, top, bottom]]) {
-        if (run === 0 && (from < low || from > high)) return false;
-        if (run === 0) continue;
-        const [one, other] = [(low - from) / run, (high - from) / run];
-        enter = Math.max(enter, Math.min(one, other));
-        leave = Math.min(leave, Math.max(one, other));
-      }
-      return enter <= leave;
-    };
-    return lines.some((line) => line.some((at, k) => k > 0 && crosses(line[k - 1], at))) ? 1 : 0;
   }
 
   /* --- one chart --- */
@@ -540,7 +468,7 @@
           plot.over.addEventListener("mouseleave", () => { isOver = false; box.hidden = true; });
         }],
         drawClear: [(plot) => drawBands(plot, spec)],
-        draw: [(plot) => { drawGuides(plot, spec, data); drawSpread(plot, spec, data); }],
+        draw: [(plot) => { drawGuides(plot, spec); drawSpread(plot, spec, data); }],
         setCursor: [(plot) => {
           if (!isOver || plot.cursor.left < 0) { box.hidden = true; return; }
           fillReadout(box, plot, spec, data);
@@ -606,6 +534,16 @@
 
   const figures = [...document.querySelectorAll("figure.chart")];
   figures.forEach(draw);
+
+  for (const figure of document.querySelectorAll("figure.skeleton")) skeletons.push(skeleton(figure, colour));
+
+  /* The contents stand open beside the page where there is room, and are one line where there is none. */
+  const contents = document.querySelector("nav details");
+  const wide = matchMedia("(min-width: 72rem)");
+  const unfold = () => { contents.open = wide.matches; };
+  wide.addEventListener("change", unfold);
+  unfold();
+  contents.addEventListener("click", (event) => { if (event.target.tagName === "A") unfold(); });
 
   const dark = matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", repaint);

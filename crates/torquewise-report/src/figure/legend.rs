@@ -1,11 +1,11 @@
-//! Names of series and bands → legend: rows of samples and words.
+//! Names of series, bands and guides → legend: rows of samples and words.
 
 use crate::error::ReportError;
 use crate::figure::DOTS;
 use crate::figure::marks;
 use crate::figure::scale::is_shown;
 use crate::figure::words::{Area, SMALL, drawing, style, width};
-use crate::html::{Chart, Mark, Series};
+use crate::html::{Chart, Colour, Mark, Series};
 use crate::palette::FADED_INK;
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -19,12 +19,12 @@ const GAP: i32 = 6 * DOTS;
 const SPACE: i32 = 18 * DOTS;
 
 /// What stands above the axes.
-pub(crate) struct Legend<'a> {
-    entries: Vec<Entry<'a>>,
+pub(crate) struct Legend {
+    entries: Vec<Entry>,
 }
 
-struct Entry<'a> {
-    label: &'a str,
+struct Entry {
+    label: String,
     colour: RGBColor,
     /// How its series is drawn; nothing for a band.
     mark: Option<Mark>,
@@ -32,15 +32,17 @@ struct Entry<'a> {
     row: i32,
 }
 
-impl<'a> Legend<'a> {
+impl Legend {
     /// The names of a chart that has several, in rows of some length.
-    pub(crate) fn new(chart: &'a Chart, room: i32) -> Self {
-        let bands = chart.bands.iter().map(|band| (&band.label, band.colour, None));
-        let bands = bands.map(|band| (band, true));
+    pub(crate) fn new(chart: &Chart, room: i32) -> Self {
+        let bands = chart.bands.iter().map(|band| (band.label.clone(), band.colour, None));
+        let guides =
+            chart.guides.iter().map(|guide| (guide.name(), Colour::Faded, Some(Mark::DashedLine)));
+        let always = bands.chain(guides).map(|entry| (entry, true));
         let series = chart.series.iter().map(|series| {
-            ((&series.label, series.colour, Some(series.mark)), has_points(chart, series))
+            ((series.label.clone(), series.colour, Some(series.mark)), has_points(chart, series))
         });
-        let named = bands.chain(series).filter(|((label, _, _), _)| !label.is_empty());
+        let named = always.chain(series).filter(|((label, _, _), _)| !label.is_empty());
         let named: Vec<_> = named.collect();
         let mut entries = Vec::new();
         let (mut x, mut row) = (0, 0);
@@ -48,7 +50,7 @@ impl<'a> Legend<'a> {
         let is_needed = named.len() > 1;
         let shown = named.into_iter().filter(|(_, has_points)| is_needed && *has_points);
         for ((label, colour, mark), _) in shown {
-            let length = SAMPLE + GAP + width(label, SMALL);
+            let length = SAMPLE + GAP + width(&label, SMALL);
             if x > 0 && x + length > room {
                 (x, row) = (0, row + 1);
             }
@@ -70,7 +72,7 @@ impl<'a> Legend<'a> {
             let (x, y) = (left + entry.x, top + entry.row * ROW + ROW / 2);
             sample(area, entry, x, y)?;
             let at = (x + SAMPLE + GAP, y);
-            area.draw_text(entry.label, &words, at).map_err(drawing)?;
+            area.draw_text(&entry.label, &words, at).map_err(drawing)?;
         }
         Ok(())
     }
@@ -82,7 +84,7 @@ fn has_points(chart: &Chart, series: &Series) -> bool {
     series.points.iter().any(shown)
 }
 
-fn sample(area: &Area<'_>, entry: &Entry<'_>, x: i32, y: i32) -> Result<(), ReportError> {
+fn sample(area: &Area<'_>, entry: &Entry, x: i32, y: i32) -> Result<(), ReportError> {
     let colour = entry.colour;
     let corners = [(x, y - HALF), (x + SAMPLE, y + HALF)];
     match entry.mark {

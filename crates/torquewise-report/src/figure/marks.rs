@@ -75,11 +75,6 @@ pub(crate) fn tint(
     rectangle(area, colour.mix(0.25).filled(), corners)
 }
 
-/// Paper that what lies behind it shines through, for words on top.
-pub(crate) fn veil(area: &Area<'_>, corners: [Dot; 2]) -> Result<(), ReportError> {
-    rectangle(area, PAPER.mix(0.7).filled(), corners)
-}
-
 /// An error bar from one height to another, with a cap at each end that has one.
 pub(crate) fn error_bar(
     area: &Area<'_>,

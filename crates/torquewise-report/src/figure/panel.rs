@@ -39,7 +39,7 @@ const WIDE: i32 = 700 * DOTS;
 pub(crate) struct Panel<'a> {
     chart: &'a Chart,
     title: Vec<String>,
-    legend: Legend<'a>,
+    legend: Legend,
     names: Option<Names>,
     left: i32,
     axes_width: i32,
@@ -108,8 +108,7 @@ impl<'a> Panel<'a> {
         let (chart, plot) = (self.chart, Plot::new(plane));
         chart.bands.iter().try_for_each(|band| plot.band(band))?;
         chart.guides.iter().try_for_each(|guide| plot.guide(guide))?;
-        chart.series.iter().try_for_each(|series| plot.series(series))?;
-        plot.guide_labels(chart)
+        chart.series.iter().try_for_each(|series| plot.series(series))
     }
 
     /// Title, legend and names of places.

@@ -42,7 +42,8 @@ fn a_figure_names_all_that_it_shows_and_escapes_it() {
 
     let svg = chart_figure("Title", &charts, 2).unwrap();
 
-    for words in ["Title", "&lt;b&gt;", "a &amp; b", "time [s]", "error [%]", "still", "limit"] {
+    for words in ["Title", "&lt;b&gt;", "a &amp; b", "time [s]", "error [%]", "still", "limit: 2.5"]
+    {
         assert!(svg.contains(words), "{words}");
     }
     assert!(svg.starts_with("<svg width=\"1000\"") && svg.ends_with("</svg>\n"));
@@ -176,22 +177,4 @@ fn a_series_without_points_is_not_in_the_legend() {
     let svg = chart_figure("", &[Chart { series, ..Chart::default() }], 1).unwrap();
 
     assert!(svg.contains("here") && !svg.contains("absent"));
-}
-
-#[test]
-fn the_label_of_a_level_line_hides_no_ring() {
-    let left_of = |rings: Vec<[f64; 2]>| {
-        let rings = Series::new("rings", Mark::Rings, Colour::Series(0), rings);
-        let x = Axis { range: Some([0.0, 10.0]), ..Axis::default() };
-        let y = Axis { range: Some([0.0, 10.0]), ..Axis::default() };
-        let guides = vec![Guide::at_y(5.0, "level")];
-        let svg = chart_figure("", &[Chart { x, y, guides, ..with(rings) }], 1).unwrap();
-        let words = svg.split("<text").find(|text| text.contains("level")).unwrap();
-        numbers(&format!("<text{words}"), "text", "x")[0]
-    };
-
-    let free = left_of(vec![[5.0, 5.0]]);
-    let taken = left_of(vec![[9.8, 5.3], [5.0, 5.0]]);
-
-    assert!(free > 1_500.0 && taken < 500.0, "{free} {taken}");
 }

@@ -2,7 +2,6 @@
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
-use crate::fit_report::summary::share;
 use crate::fit_report::torques::LINK;
 use crate::html::number::{count, significant};
 use crate::html::{Axis, Chart, Colour, Column, Guide, Item, Label, Mark, Section, Series, Table};
@@ -20,13 +19,20 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
          activates: gravity alone at standstill, Coriolis torque at uniform velocity, inertia at \
          variable velocity."
     );
-    let items = vec![
-        Item::Text(words),
+    let charts = vec![
         Item::Charts(vec![plane(findings), elbow(findings)]),
-        Item::Chart(motion(findings)),
-        table(findings),
+        Item::Charts(vec![motion(findings)]),
     ];
+    let summary = "Activation plane, elbow, and motion in the colours of its patterns".into();
+    let items = vec![Item::Text(words), table(findings), Item::Details { summary, items: charts }];
     Section { heading: "Patterns".into(), items }
+}
+
+/// Rows of a pattern in percent.
+fn share(findings: &Findings<'_>, pattern: Pattern) -> f64 {
+    let patterns = &findings.diagnosis.trace.patterns;
+    let own = patterns.iter().filter(|&&row| row == pattern).count();
+    100.0 * own as f64 / patterns.len().max(1) as f64
 }
 
 fn plane(findings: &Findings<'_>) -> Chart {
@@ -71,7 +77,7 @@ fn elbow(findings: &Findings<'_>) -> Chart {
         x: Axis::whole("clusters"),
         y: if can_be_log { Axis::log(y) } else { Axis::named(y) },
         series: vec![Series::new("inertia", Mark::DottedLine, Colour::Series(0), points)],
-        guides: vec![Guide::at_x(chosen as f64, format!("{chosen} chosen"))],
+        guides: vec![Guide::at_x(chosen as f64, "chosen")],
         ..Chart::default()
     }
 }

@@ -95,14 +95,14 @@ fn kilohertz(rate: f64) -> String {
 fn table(choices: &[Choice]) -> Table {
     let has_test = choices.iter().any(|choice| choice.on_test.is_some());
     let mut columns = vec![
-        Column::words("torque after"),
+        Column::words("torque of"),
         Column::numbers("+ − ·"),
         Column::numbers("sin cos exp tanh"),
         Column::numbers("about [µs]"),
     ];
     columns.extend(RATES.map(|rate| Column::numbers(format!("of {} [%]", kilohertz(rate)))));
-    columns.push(Column::numbers("NRMSE, this log [%]"));
-    columns.extend(has_test.then(|| Column::numbers("other motion [%]")));
+    columns.push(Column::numbers("NRMSE, fitted log [%]"));
+    columns.extend(has_test.then(|| Column::numbers("test log [%]")));
     let row = |choice: &Choice| -> Vec<Label> {
         let Choice { name, cost, on_log, on_test } = choice;
         let mut cells = vec![name.as_str().into(), count(cost.operations).into()];
@@ -114,6 +114,6 @@ fn table(choices: &[Choice]) -> Table {
         cells.extend(errors.map(|percent| Label::from(significant(*percent, 3))));
         cells
     };
-    let caption = "One call of the torque beside the error of the worst joint.".into();
+    let caption = "Cost of one call, and error of the worst joint.".into();
     Table { caption, columns, rows: choices.iter().map(row).collect() }
 }

@@ -41,6 +41,21 @@ impl Clock {
         clock
     }
 
+    /// Time of a row \[s\].
+    pub(crate) fn at(&self, row: usize) -> f64 {
+        self.t[row]
+    }
+
+    /// Rows of some seconds in the middle, evenly thinned to a number of them, two at least.
+    pub(crate) fn middle(&self, seconds: f64, most: usize) -> Vec<usize> {
+        let m = self.t.len();
+        let surplus = 0.5 * (self.t.last().copied().unwrap_or_default() - seconds).max(0.0);
+        let first = self.t.partition_point(|t| *t < surplus).min(m.saturating_sub(2));
+        let end = self.t.partition_point(|t| *t <= surplus + seconds).max(first + 2).min(m);
+        let taken = (end - first).min(most);
+        (0..taken).map(|k| first + k * (end - first) / taken).collect()
+    }
+
     /// Points of a curve over time; nothing joins two trajectories.
     pub(crate) fn curve(&self, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
         let mut points = Vec::with_capacity(self.t.len() + self.breaks.len());

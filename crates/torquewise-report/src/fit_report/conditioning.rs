@@ -1,4 +1,4 @@
-//! Findings → table: what was repaired in each log before the fit.
+//! Findings → tables: how the log was filtered and repaired, how far it reaches, how noisy it is.
 
 use crate::fit_report::Findings;
 use crate::html::number::significant;
@@ -7,22 +7,39 @@ use torquewise_motion::Repairs;
 
 const DIGITS: usize = 3;
 
-/// Rows left out, values replaced and stamps moved, log by log and in total; `None` where nothing
-/// was.
-pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
-    let by_log = &findings.found.model.training.conditioning;
-    let total: Repairs = by_log.values().sum();
-    if total.is_none() {
-        return None;
-    }
-    let each = by_log.iter().map(|(log, repairs)| row(log, repairs));
-    let table = Table {
-        caption: "What was repaired in the logs; those that are not listed are sound.".into(),
-        columns: columns(),
-        rows: each.chain([row("all", &total)]).collect(),
+/// Filter, repairs, ranges and noise.
+pub(crate) fn section(findings: &Findings<'_>) -> Section {
+    let training = &findings.found.model.training;
+    let total: Repairs = training.conditioning.values().sum();
+    let filter = training.filter.map_or_else(
+        || "The signals were not filtered.".to_owned(),
+        |filter| {
+            let [cutoff, delay] = [filter.cutoff_hz, 1e3 * filter.delay];
+            let [cutoff, delay] = [cutoff, delay].map(|x| significant(x, DIGITS));
+            format!(
+                "A zero-phase low-pass of {cutoff} Hz filtered the signals; the torque was moved \
+                 by {delay} ms onto the clock of the motion."
+            )
+        },
+    );
+    let repaired = if total.is_none() {
+        "No row was left out and no value replaced.".to_owned()
+    } else {
+        format!("All logs: {total}.")
     };
-    let items = vec![Item::Text(format!("All logs: {total}.")), Item::Table(table)];
-    Some(Section { heading: "Conditioning".into(), items })
+    let mut items = vec![Item::Text(format!("{filter} {repaired}"))];
+    if !total.is_none() {
+        let each = training.conditioning.iter().map(|(log, repairs)| row(log, repairs));
+        items.push(Item::Table(Table {
+            caption: "What was repaired in the logs; the others needed no repair.".into(),
+            columns: columns(),
+            rows: each.chain([row("all", &total)]).collect(),
+        }));
+    }
+    let words = "The model holds within the ranges below; beyond them it extrapolates.";
+    items.push(Item::Text(words.into()));
+    items.extend([reach(findings), noise(findings)].map(Item::Table));
+    Section { heading: "Conditioning and ranges".into(), items }
 }
 
 fn columns() -> Vec<Column> {
@@ -49,4 +66,50 @@ fn row(log: &str, repairs: &Repairs) -> Vec<Label> {
     cells.push(significant(1e3 * repairs.longest_gap, DIGITS).into());
     cells.push(repairs.splits.to_string().into());
     cells
+}
+
+fn reach(findings: &Findings<'_>) -> Table {
+    let survey = &findings.found.survey;
+    let columns = [
+        "q from [rad]",
+        "to [rad]",
+        "largest |q̇| [rad/s]",
+        "largest |q̈| [rad/s²]",
+        "mean τ [N·m]",
+        "std of τ [N·m]",
+    ];
+    let numbers = |joint: usize| {
+        let [low, high] = survey.q_range[joint];
+        let peaks = [survey.dq_peak[joint], survey.ddq_peak[joint]];
+        let torque = [survey.torque_mean[joint], survey.torque_std[joint]];
+        [[low, high], peaks, torque].concat()
+    };
+    let caption = "Motion and torque of each joint in the log.".into();
+    per_joint(&survey.joints, caption, &columns, numbers)
+}
+
+fn noise(findings: &Findings<'_>) -> Table {
+    let noise = &findings.found.noise;
+    let columns = ["in q [rad]", "in q̇ [rad/s]", "in q̈ [rad/s²]"];
+    let numbers = |joint: usize| vec![noise.q[joint], noise.dq[joint], noise.ddq[joint]];
+    let caption = "Standard deviation of the white noise; 0 where none was found.".into();
+    per_joint(&findings.found.survey.joints, caption, &columns, numbers)
+}
+
+fn per_joint(
+    joints: &[String],
+    caption: String,
+    headings: &[&str],
+    numbers: impl Fn(usize) -> Vec<f64>,
+) -> Table {
+    let row = |(joint, name): (usize, &String)| -> Vec<Label> {
+        let numbers = numbers(joint).into_iter().map(|x| significant(x, DIGITS).into());
+        std::iter::once(name.as_str().into()).chain(numbers).collect()
+    };
+    let columns = headings.iter().map(|heading| Column::numbers(*heading));
+    Table {
+        caption,
+        columns: std::iter::once(Column::words("joint")).chain(columns).collect(),
+        rows: joints.iter().enumerate().map(row).collect(),
+    }
 }

@@ -21,13 +21,19 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
     if let Form::Energy(terms) = &model.form {
         items.push(Item::Text(
             "T = ½ q̇ᵀ M(q) q̇ and V(q), in SI units. Grey numbers are standard errors; a share in \
-             percent says in how many resampled logs a term stayed, where it was not all of them. \
+             percent is that of the resampled logs in which a term was kept, where not in all. \
              M is symmetric: what is not listed is zero, or the same as its mirror image."
                 .into(),
         ));
         let shown = energies(terms).into_iter().map(|energy| largest(energy, &BTreeMap::new()));
-        items.extend(shown.map(|equation| written(&equation)));
-        items.extend(frictions(findings).iter().map(written));
+        let shown = shown.chain(frictions(findings)).map(|equation| written(&equation)).collect();
+        match model.n_coefficients() {
+            0..=LONG => items.extend(shown),
+            many => items.push(Item::Details {
+                summary: format!("M(q), V(q) and friction, {} terms", count(many)),
+                items: shown,
+            }),
+        }
         let friction = if model.friction.is_empty() { "" } else { " + friction" };
         items.push(Item::Details {
             summary: format!("The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q{friction}"),
@@ -60,10 +66,8 @@ fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
         name: format!("Friction of {}", model.joints[joint]),
         left: friction_torque(joint),
         note: format!("friction of {} [N·m]", model.joints[joint]),
-        terms: Vec::new(),
         friction,
-        unit: None,
-        left_out: 0,
+        ..Equation::default()
     };
     let rubbing = weighted_friction(model).into_iter().enumerate();
     rubbing.filter(|(_, friction)| !friction.is_empty()).map(equation).collect()
@@ -74,10 +78,14 @@ fn torques(findings: &Findings<'_>) -> Vec<Equation> {
     let equation = |(joint, (terms, friction)): (usize, (Vec<Weighted<Term>>, _))| {
         let importance = &findings.diagnosis.importance[joint];
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
-        let name = format!("Torque of {}", model.joints[joint]);
-        let note = format!("{} [N·m]", model.joints[joint]);
-        let left = torque(joint);
-        let all = Equation { name, left, note, terms, friction, unit: None, left_out: 0 };
+        let all = Equation {
+            name: format!("Torque of {}", model.joints[joint]),
+            left: torque(joint),
+            note: format!("{} [N·m]", model.joints[joint]),
+            terms,
+            friction,
+            ..Equation::default()
+        };
         largest(all, &sizes)
     };
     let friction = weighted_friction(model);
@@ -118,15 +126,7 @@ mod tests {
             inclusion: None,
         };
         let terms = (0..MOST_TERMS + 3).map(term).collect();
-        let all = Equation {
-            name: String::new(),
-            left: torque(0),
-            note: String::new(),
-            terms,
-            friction: Vec::new(),
-            unit: None,
-            left_out: 0,
-        };
+        let all = Equation { terms, ..Equation::default() };
 
         let shown = largest(all, &BTreeMap::new());
 

@@ -10,22 +10,25 @@ use torquewise_model::print::weighted_friction;
 use torquewise_model::{FrictionTerm, Term, Weighted};
 
 /// Terms of a joint that are shown.
-const MOST_TERMS: usize = 12;
+const MOST_TERMS: usize = 8;
 /// Dropped terms that are shown.
 const MOST_DROPPED: usize = 12;
 
-/// The most important terms of each joint.
-pub(crate) fn section(findings: &Findings<'_>) -> Section {
+/// The most important terms of each joint; nothing for a model without terms.
+pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     let words = "Root mean square of what each term adds to the torque of its joint over the rows.";
     let model = &findings.found.model;
+    if findings.diagnosis.importance.iter().all(Vec::is_empty) {
+        return None;
+    }
     let equations = model.equations().into_iter().zip(weighted_friction(model));
     let bars = equations.enumerate().map(|(joint, (equation, friction))| {
         let terms = equation.iter().map(|(_, term)| (term.name(), term)).collect();
         joint_bars(findings, joint, &terms, &friction)
     });
-    let mut items = vec![Item::Text(words.into()), Item::BarsBeside(bars.collect())];
+    let mut items = vec![Item::Text(words.into()), Item::Bars(bars.collect())];
     items.extend(dropped(findings));
-    Section { heading: "Terms".into(), items }
+    Some(Section { heading: "Terms".into(), items })
 }
 
 fn joint_bars(
@@ -46,6 +49,7 @@ fn joint_bars(
         .collect();
     let caption = match rows.len().saturating_sub(MOST_TERMS) {
         0 => String::new(),
+        1 => "One smaller term is not shown.".into(),
         n => format!("{} smaller terms are not shown.", count(n)),
     };
     let rows = rows.into_iter().take(MOST_TERMS);
@@ -70,14 +74,14 @@ fn dropped(findings: &Findings<'_>) -> Option<Item> {
         sizes: vec![100.0 * dropped.inclusion],
     };
     let bars = Bars {
-        title: "Terms that nearly stayed".into(),
+        title: "Terms close to being kept".into(),
         caption: "They are not in the model, though some resampled logs kept them: more rows, or \
                   other motion, would settle it."
             .into(),
-        label: "resampled logs in which they stayed [%]".into(),
+        label: "resampled logs in which they were kept [%]".into(),
         series: vec![("share".into(), Colour::Faded)],
         rows: all.iter().take(MOST_DROPPED).map(row).collect(),
         log: false,
     };
-    (!all.is_empty()).then_some(Item::Bars(bars))
+    (!all.is_empty()).then_some(Item::Bars(vec![bars]))
 }

@@ -4,13 +4,13 @@ use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Item, Section, Table, Tone};
 use torquewise_model::Checks;
 
-/// Each check with what a real arm has, and what it means.
+/// Each check with what a physical arm has, and what it means.
 pub(crate) fn section(checks: &Checks) -> Section {
     let (tone, verdict) = if checks.passed() {
-        (Tone::Good, "The model could be a real arm at every state looked at.")
+        (Tone::Good, "A physical arm could have this model at every state examined.")
     } else {
-        let words = "The model is no real arm at some state looked at: it may predict torque, but \
-                     simulation and computed-torque control with it can go wrong.";
+        let words = "No physical arm has this model at some state examined: it may predict torque, \
+                     but simulation and computed-torque control with it can fail.";
         (Tone::Warning, words)
     };
     let row = |name: &str, value: f64, expected: &str| {
@@ -21,7 +21,7 @@ pub(crate) fn section(checks: &Checks) -> Section {
         columns: vec![
             Column::words("check"),
             Column::numbers("found"),
-            Column::words("a real arm has"),
+            Column::words("a physical arm has"),
         ],
         rows: vec![
             row("smallest eigenvalue of M [kg·m²]", checks.smallest_eigenvalue, "more than zero"),
@@ -33,6 +33,6 @@ pub(crate) fn section(checks: &Checks) -> Section {
             ),
         ],
     };
-    let callout = Callout { tone, lines: vec![verdict.into()] };
+    let callout = Callout { tone, heading: String::new(), lines: vec![verdict.into()] };
     Section { heading: "Physics".into(), items: vec![Item::Callout(callout), Item::Table(table)] }
 }

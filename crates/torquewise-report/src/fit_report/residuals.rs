@@ -17,20 +17,23 @@ const UNIT: &str = "residual [N·m]";
 /// What the model leaves unexplained, joint by joint.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let words = "Measured minus predicted torque. White noise looks like a band without shape, \
-                 follows the normal curve and forgets itself at once. A step at zero velocity \
+                 follows the normal curve and is not correlated in time. A step at zero velocity \
                  is friction; waves over position are missing terms.";
     let clock = Clock::new(findings.diagnosis.trace.motion.t());
     let mut items = vec![Item::Text(words.into())];
     for joint in 0..findings.n_joints() {
         let residual = Residual { findings, joint };
-        items.push(Item::Heading(findings.joints()[joint].clone()));
-        items.push(Item::Chart(residual.over_time(&clock)));
-        items.push(Item::Charts(vec![
+        let score = &findings.diagnosis.scores.joints[joint];
+        let charts = vec![
             residual.over(findings.diagnosis.trace.motion.dq(), "velocity [rad/s]"),
             residual.over(findings.diagnosis.trace.motion.q(), "position [rad]"),
             residual.histogram(),
             residual.autocorrelation(),
-        ]));
+        ];
+        items.push(Item::Details {
+            summary: format!("{}, RMSE {} N·m", score.name, significant(score.rmse, 3)),
+            items: vec![Item::Charts(vec![residual.over_time(&clock)]), Item::Charts(charts)],
+        });
     }
     Section { heading: "Residuals".into(), items }
 }
@@ -54,7 +57,11 @@ impl Residual<'_> {
             x: Axis::named(clock::LABEL),
             y: Axis::named(UNIT),
             series: vec![Series::line("residual", clock.curve(|row| self.at(row)))],
-            bands: clock.bands(&self.findings.diagnosis.trace.patterns),
+            bands: if self.findings.is_stepwise() {
+                clock.bands(&self.findings.diagnosis.trace.patterns)
+            } else {
+                Vec::new()
+            },
             linked: Some(LINK.into()),
             ..Chart::default()
         }

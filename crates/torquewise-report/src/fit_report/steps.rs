@@ -63,7 +63,8 @@ pub(crate) fn members(findings: &Findings<'_>) -> Result<Vec<(String, Model)>, R
         let after = model.after_step(step).map_err(|error| failed(step, &error))?;
         members.push((stage.name.clone(), after));
     }
-    members.push(("refit".into(), model.clone()));
+    let whole = if model.stages.is_empty() { "the whole model" } else { "refit" };
+    members.push((whole.into(), model.clone()));
     Ok(members)
 }
 

@@ -17,18 +17,25 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
          follow."
             .into(),
     )];
-    items.extend(charts(findings, findings.diagnosis, LINK));
+    let fitted = charts(findings, findings.diagnosis, LINK);
+    match findings.test {
+        None => items.push(fitted),
+        Some(test) => {
+            let summary = "On the fitted log".into();
+            items.push(charts(findings, test, "time of the test log"));
+            items.push(Item::Details { summary, items: vec![fitted] });
+        }
+    }
     Section { heading: "Torque".into(), items }
 }
 
 /// One chart per joint of what a diagnosis looked at; charts of one `link` share their zoom.
-pub(crate) fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Vec<Item> {
+fn charts(findings: &Findings<'_>, diagnosis: &Diagnosis, link: &str) -> Item {
     let friction = friction(&findings.found.model, diagnosis);
     let clock = Clock::new(diagnosis.trace.motion.t());
     let joints = 0..diagnosis.scores.joints.len();
-    joints
-        .map(|joint| Item::Chart(chart(diagnosis, &clock, (joint, &friction[joint]), link)))
-        .collect()
+    let charts = joints.map(|joint| chart(diagnosis, &clock, (joint, &friction[joint]), link));
+    Item::Charts(charts.collect())
 }
 
 /// Friction \[N·m\] of each joint at the rows of a diagnosis; empty for a joint without.

@@ -154,7 +154,7 @@ pub struct Band {
 /// A dashed line through the whole chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Guide {
-    /// What it marks; may be empty.
+    /// What it marks, in the legend with its place; may be empty.
     pub label: String,
     /// Where.
     pub at: Position,
@@ -173,6 +173,16 @@ impl Guide {
     /// An upright line at an x.
     pub fn at_x(x: f64, label: impl Into<String>) -> Self {
         Self { label: label.into(), at: Position::X(x) }
+    }
+
+    /// Its entry in the legend: what it marks, and where; empty if it has no label.
+    pub(crate) fn name(&self) -> String {
+        let (Position::X(at) | Position::Y(at)) = self.at;
+        if self.label.is_empty() {
+            return String::new();
+        }
+        let at: f64 = format!("{at:.2e}").parse().unwrap_or(at);
+        format!("{}: {at}", self.label)
     }
 
     /// A level line at a y.

@@ -4,7 +4,8 @@ use crate::error::ReportError;
 use crate::html::bars::{Bar, Bars};
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
-use crate::html::markup::Markup;
+use crate::html::markup::{Markup, script_json};
+use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
 use crate::html::table::Table;
 use minijinja::{Environment, Value, context};
@@ -23,19 +24,15 @@ pub enum Item {
     Facts(Vec<Fact>),
     /// A table.
     Table(Table),
-    /// A chart of full width.
-    Chart(Chart),
-    /// Charts side by side where there is room.
+    /// Charts, several of them side by side where there is room.
     Charts(Vec<Chart>),
-    /// Bars with names.
-    Bars(Bars),
-    /// Several of them side by side where there is room.
-    BarsBeside(Vec<Bars>),
-    /// A figure that is an SVG text, taken over as it is: its maker escapes the words in it.
-    Svg {
-        /// The text, from `<svg` to `</svg>`.
-        svg: String,
-        /// How to read it; may be empty.
+    /// Bars with names, likewise.
+    Bars(Vec<Bars>),
+    /// A chain of joints that can be played and rotated.
+    Skeleton {
+        /// Its axes and their motion.
+        skeleton: Skeleton,
+        /// How to read it.
         caption: String,
     },
     /// Equations, or other HTML taken over as it is.
@@ -54,6 +51,8 @@ pub enum Item {
 pub struct Callout {
     /// What it wants.
     pub tone: Tone,
+    /// One word or two in large type; may be empty.
+    pub heading: String,
     /// Its words, each a paragraph or, if they are several, a line of a list.
     pub lines: Vec<String>,
 }
@@ -105,8 +104,8 @@ impl<'a> Writer<'a> {
         let (kind, item) = match item {
             Item::Text(text) => ("text", context! { text => text.as_str() }),
             Item::Heading(text) => ("heading", context! { text => text.as_str() }),
-            Item::Callout(Callout { tone, lines }) => {
-                ("callout", context! { tone => tone.name(), lines => lines.clone() })
+            Item::Callout(Callout { tone, heading, lines }) => {
+                ("callout", context! { tone => tone.name(), heading, lines })
             }
             Item::Facts(facts) => {
                 let pair = |fact: &Fact| vec![fact.value.clone(), fact.label.clone()];
@@ -114,18 +113,17 @@ impl<'a> Writer<'a> {
                 ("facts", context! { facts })
             }
             Item::Table(table) => ("table", table_view(table)),
-            Item::Chart(chart) => ("charts", context! { charts => vec![self.chart(chart)?] }),
-            Item::Charts(charts) => {
-                let charts: Result<Vec<_>, _> = charts.iter().map(|c| self.chart(c)).collect();
-                ("charts", context! { charts => charts?, beside => true })
+            Item::Charts(all) => {
+                let charts: Result<Vec<_>, _> = all.iter().map(|c| self.chart(c)).collect();
+                ("charts", context! { charts => charts?, beside => all.len() > 1 })
             }
-            Item::Bars(bars) => ("bars", context! { all => vec![bars_view(bars)] }),
-            Item::BarsBeside(bars) => {
+            Item::Bars(bars) => {
                 let all: Vec<_> = bars.iter().map(bars_view).collect();
-                ("bars", context! { all, beside => true })
+                ("bars", context! { all, beside => bars.len() > 1 })
             }
-            Item::Svg { svg, caption } => {
-                ("svg", context! { svg => safe(svg), caption => caption.as_str() })
+            Item::Skeleton { skeleton, caption } => {
+                let label = format!("Axes of {}", skeleton.joints.join(", "));
+                ("skeleton", context! { spec => safe(&script_json(skeleton)?), label, caption })
             }
             Item::Markup(markup) => ("markup", context! { markup => safe(markup.as_str()) }),
             Item::Details { summary, items } => {
@@ -143,8 +141,10 @@ impl<'a> Writer<'a> {
         self.charts += 1;
         let series: Vec<_> =
             chart.series.iter().map(|s| key(&s.label, s.colour, s.mark.name())).collect();
-        let bands: Vec<_> =
-            chart.bands.iter().map(|band| key(&band.label, band.colour, "band")).collect();
+        let guides = chart.guides.iter().filter(|guide| !guide.label.is_empty());
+        let guides = guides.map(|guide| key(&guide.name(), Colour::Faded, "dashed"));
+        let bands = chart.bands.iter().map(|band| key(&band.label, band.colour, "band"));
+        let bands: Vec<_> = bands.chain(guides).collect();
         let has_legend = series.len() + bands.len() > 1;
         let is_cloud = chart.series.iter().any(|s| matches!(s.mark, Mark::Cloud | Mark::Rings));
         Ok(context! {

@@ -1,5 +1,7 @@
 //! Trusted HTML → markup: what a page takes over as it is.
 
+use crate::error::ReportError;
+use serde::Serialize;
 use std::fmt::{self, Write};
 
 /// HTML that is not escaped: an equation, or a figure.
@@ -79,8 +81,11 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
-/// JSON that can stand within a script tag: no letter of it can end the tag or open a comment.
-pub(crate) fn escape_json(json: &str) -> String {
+/// Data as JSON that can stand within a script tag: no letter of it can end the tag or open a
+/// comment.
+pub(crate) fn script_json(data: &impl Serialize) -> Result<String, ReportError> {
+    let json = serde_json::to_string(data)
+        .map_err(|error| ReportError::Page { reason: error.to_string() })?;
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {
         match c {
@@ -91,7 +96,7 @@ pub(crate) fn escape_json(json: &str) -> String {
             c => escaped.push(c),
         }
     }
-    escaped
+    Ok(escaped)
 }
 
 #[cfg(test)]
@@ -101,9 +106,8 @@ mod tests {
     #[test]
     fn json_cannot_end_its_script_tag_and_reads_back_the_same() {
         let hostile = "</script><!--<img onerror=\"x\">&amp;\u{2028}";
-        let json = serde_json::to_string(hostile).unwrap();
 
-        let escaped = escape_json(&json);
+        let escaped = script_json(&hostile).unwrap();
 
         assert!(!escaped.contains(['<', '>', '&', '\u{2028}']), "{escaped}");
         assert_eq!(serde_json::from_str::<String>(&escaped).unwrap(), hostile);

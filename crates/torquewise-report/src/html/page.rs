@@ -1,7 +1,6 @@
 //! Page → HTML text: title, contents, sections, style and script in one file.
 
 use crate::error::ReportError;
-use crate::html::colour;
 use crate::html::item::{Item, Writer};
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 
@@ -14,6 +13,8 @@ pub struct Page {
     pub lead: String,
     /// Its sections, from above.
     pub sections: Vec<Section>,
+    /// Where it comes from, line by line, at its foot.
+    pub foot: Vec<String>,
 }
 
 /// Parts under a heading.
@@ -27,8 +28,11 @@ pub struct Section {
 
 const PAGE: &str = include_str!("../assets/page.html");
 const ITEM: &str = include_str!("../assets/item.html");
+pub(crate) const LIGHT: &str = include_str!("../assets/light.css");
+pub(crate) const DARK: &str = include_str!("../assets/dark.css");
 const STYLE: &str = include_str!("../assets/page.css");
 const SCRIPT: &str = include_str!("../assets/page.js");
+const SKELETON_SCRIPT: &str = include_str!("../assets/skeleton.js");
 const CHART_STYLE: &str = include_str!("../assets/uPlot.min.css");
 const CHART_SCRIPT: &str = include_str!("../assets/uPlot.iife.min.js");
 const CHART_LICENCE: &str = include_str!("../assets/uPlot-LICENSE.txt");
@@ -41,17 +45,11 @@ impl Page {
     /// # Errors
     /// [`ReportError::Page`] if a template cannot be filled.
     pub fn to_html(&self) -> Result<String, ReportError> {
-        self.write().map_err(|error| match error {
-            Failure::Report(error) => error,
-            Failure::Template(error) => ReportError::Page { reason: error.to_string() },
-        })
-    }
-
-    fn write(&self) -> Result<String, Failure> {
+        let failed = |error: minijinja::Error| ReportError::Page { reason: error.to_string() };
         let mut environment = Environment::new();
         environment.set_undefined_behavior(UndefinedBehavior::SemiStrict);
-        environment.add_template("page.html", PAGE)?;
-        environment.add_template("item.html", ITEM)?;
+        environment.add_template("page.html", PAGE).map_err(failed)?;
+        environment.add_template("item.html", ITEM).map_err(failed)?;
 
         let mut writer = Writer::new(&environment);
         let mut sections = Vec::with_capacity(self.sections.len());
@@ -59,37 +57,20 @@ impl Page {
             let body = Value::from_safe_string(writer.write(&section.items)?);
             sections.push(context! { heading => section.heading.as_str(), body });
         }
-        let page = environment.get_template("page.html")?;
-        let html = page.render(context! {
+        let safe = |text: &str| Value::from_safe_string(text.to_owned());
+        let filled = context! {
             title => self.title.as_str(),
             lead => self.lead.as_str(),
             sections,
-            light => Value::from_safe_string(colour::light()),
-            dark => Value::from_safe_string(colour::dark()),
-            style => Value::from_safe_string([CHART_STYLE, STYLE].join("\n")),
-            chart_licence => Value::from_safe_string(CHART_LICENCE.to_owned()),
-            chart_script => Value::from_safe_string(CHART_SCRIPT.to_owned()),
-            script => Value::from_safe_string(SCRIPT.to_owned()),
-        })?;
-        Ok(html)
-    }
-}
-
-/// Why a page is not written, before it is put in words.
-enum Failure {
-    Report(ReportError),
-    Template(minijinja::Error),
-}
-
-impl From<ReportError> for Failure {
-    fn from(error: ReportError) -> Self {
-        Self::Report(error)
-    }
-}
-
-impl From<minijinja::Error> for Failure {
-    fn from(error: minijinja::Error) -> Self {
-        Self::Template(error)
+            foot => &self.foot,
+            light => safe(LIGHT),
+            dark => safe(DARK),
+            style => safe(&[CHART_STYLE, STYLE].join("\n")),
+            chart_licence => safe(CHART_LICENCE),
+            chart_script => safe(CHART_SCRIPT),
+            script => safe(&[SKELETON_SCRIPT, SCRIPT].join("\n")),
+        };
+        environment.get_template("page.html").and_then(|page| page.render(filled)).map_err(failed)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::ReportError;
 use crate::html::chart::{Axis, Band, Chart, Guide, Position};
-use crate::html::markup::escape_json;
+use crate::html::markup::script_json;
 use crate::html::number::{Plotted, rounded};
 use crate::html::thin::{MOST_POINTS, Sorted, rows_of_cloud, rows_of_curves, sorted};
 use serde::Serialize;
@@ -15,7 +15,7 @@ struct Spec<'a> {
     columns: Vec<Vec<Plotted>>,
     series: Vec<SeriesSpec<'a>>,
     bands: Vec<BandSpec>,
-    guides: Vec<GuideSpec<'a>>,
+    guides: Vec<GuideSpec>,
     linked: Option<&'a str>,
 }
 
@@ -47,10 +47,9 @@ struct BandSpec {
 }
 
 #[derive(Serialize)]
-struct GuideSpec<'a> {
+struct GuideSpec {
     axis: &'static str,
     at: f64,
-    label: &'a str,
 }
 
 /// The text of the script tag that holds what a chart draws.
@@ -75,9 +74,7 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
         guides: chart.guides.iter().filter_map(guide_spec).collect(),
         linked: chart.linked.as_deref(),
     };
-    let json = serde_json::to_string(&spec)
-        .map_err(|error| ReportError::Page { reason: error.to_string() })?;
-    Ok(escape_json(&json))
+    script_json(&spec)
 }
 
 /// A series from left to right.
@@ -163,12 +160,12 @@ fn band_spec(band: &Band) -> BandSpec {
     BandSpec { colour: band.colour.variable(), spans }
 }
 
-fn guide_spec(guide: &Guide) -> Option<GuideSpec<'_>> {
+fn guide_spec(guide: &Guide) -> Option<GuideSpec> {
     let (axis, at) = match guide.at {
         Position::X(at) => ("x", at),
         Position::Y(at) => ("y", at),
     };
-    at.is_finite().then_some(GuideSpec { axis, at, label: &guide.label })
+    at.is_finite().then_some(GuideSpec { axis, at })
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use torquewise_motion::Motion;
 use torquewise_report::html::{
     Axis, Band, Chart, Colour, Guide, Item, Mark, Page, Section, Series,
 };
-use torquewise_report::{CallCost, Findings, fit_report};
+use torquewise_report::{CallCost, Findings, LogFile, Origin, fit_report};
 
 /// What a hostile log may call a joint.
 const HOSTILE: &str = "</script><img src=x onerror=\"throw 1\">'";
@@ -43,8 +43,11 @@ fn report() -> String {
     let (found, test, checks) = (&found, Some(&diagnosis), Some(&checks));
     let cost = CallCost { operations: 1234, functions: 8, seconds: 5e-7 };
     let costs = vec![cost; found.model.stages.len() + 1];
-    let findings = Findings { found, diagnosis: &diagnosis, checks, test, costs: &costs };
-    fit_report(&findings, HOSTILE).unwrap()
+    let logs = &[LogFile { name: HOSTILE.into(), date: "2001-02-03".into() }];
+    let origin =
+        Origin { logs, tests: logs, version: "1.2.3", command: HOSTILE, ..Origin::default() };
+    let findings = Findings { found, diagnosis: &diagnosis, checks, test, costs: &costs, origin };
+    fit_report(&findings).unwrap()
 }
 
 /// One chart of each kind of mark, axis and decoration.
@@ -79,21 +82,21 @@ fn every_kind_of_chart() -> String {
         ..Chart::default()
     });
     let sections = vec![Section { heading: "Charts".into(), items: vec![Item::Charts(charts)] }];
-    Page { title: "Every kind of chart".into(), lead: String::new(), sections }.to_html().unwrap()
+    Page { title: "Every kind of chart".into(), sections, ..Page::default() }.to_html().unwrap()
 }
 
 /// A page in a file, and a browser to look at it; `None` where there is no browser.
-struct Desk {
+pub(crate) struct Desk {
     browser: Chromium,
     folder: TempDir,
 }
 
 impl Desk {
-    fn new() -> Option<Self> {
+    pub(crate) fn new() -> Option<Self> {
         Some(Self { browser: Chromium::start()?, folder: TempDir::new().unwrap() })
     }
 
-    fn open(&mut self, html: &str) -> Tab {
+    pub(crate) fn open(&mut self, html: &str) -> Tab {
         let path: PathBuf = self.folder.path().join("page.html");
         std::fs::write(&path, html).unwrap();
         let mut tab = self.browser.tab();
@@ -118,8 +121,13 @@ const READ_PIXELS: &str = "window.pixels = (canvas) => { \
     const copy = new OffscreenCanvas(width, height).getContext('2d', often); \
     copy.drawImage(canvas, 0, 0); \
     return copy.getImageData(0, 0, width, height).data; }; 0";
+/// Opens all that is folded, and waits until its charts have their size.
+pub(crate) const UNFOLD: &str = "(async () => { \
+    document.querySelectorAll('details').forEach((own) => { own.open = true; }); \
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))); \
+    return 0; })()";
 /// By how much the page is wider than the window.
-const OVERFLOW: &str = "document.documentElement.scrollWidth - innerWidth";
+pub(crate) const OVERFLOW: &str = "document.documentElement.scrollWidth - innerWidth";
 const X_LIMITS: &str = "[...document.querySelectorAll('figure.chart')].filter((figure) => \
     figure.plot.linked === 'time').map(({ plot: { scales: { x } } }) => [x.min, x.max])";
 const READOUTS: &str = "[...document.querySelectorAll('.readout:not([hidden])')].map((box) => \
@@ -163,9 +171,9 @@ fn a_gap_is_not_bridged_by_the_points_of_another_curve() {
     let dense = (0..9).map(|k| [f64::from(k), 0.0]).collect();
     let broken = vec![[0.5, 1.0], [1.5, 1.0], [4.5, f64::NAN], [6.5, 1.0], [7.5, 1.0]];
     let series = vec![Series::line("dense", dense), Series::line("broken", broken)];
-    let items = vec![Item::Chart(Chart { series, ..Chart::default() })];
+    let items = vec![Item::Charts(vec![Chart { series, ..Chart::default() }])];
     let sections = vec![Section { heading: "A gap".into(), items }];
-    let page = Page { title: "A gap".into(), lead: String::new(), sections };
+    let page = Page { title: "A gap".into(), sections, ..Page::default() };
 
     let mut tab = desk.open(&page.to_html().unwrap());
 
@@ -180,7 +188,7 @@ const TICKS: &str = "[...document.querySelectorAll('figure.chart')].map(({ plot:
 
 fn page_of(charts: Vec<Chart>) -> String {
     let sections = vec![Section { heading: "Charts".into(), items: vec![Item::Charts(charts)] }];
-    Page { title: "Charts".into(), lead: String::new(), sections }.to_html().unwrap()
+    Page { title: "Charts".into(), sections, ..Page::default() }.to_html().unwrap()
 }
 
 #[test]
@@ -264,15 +272,17 @@ fn pointing_at_a_curve_reads_it_out() {
 fn dragging_zooms_all_charts_over_time_and_a_double_click_undoes_it() {
     let Some(mut desk) = Desk::new() else { return };
     let mut tab = desk.open(&report());
+    tab.value(UNFOLD);
     let whole = tab.value(X_LIMITS);
-    let [x, y] = tab.middle("#chart-1 .u-over");
+    // The first two are of the test log.
+    let [x, y] = tab.middle("#chart-3 .u-over");
 
-    tab.mouse("mouseMoved", [x - 100.0, y], 0);
-    tab.mouse("mousePressed", [x - 100.0, y], 1);
-    tab.mouse("mouseMoved", [x + 100.0, y], 1);
-    tab.mouse("mouseReleased", [x + 100.0, y], 1);
+    tab.mouse("mouseMoved", [x - 60.0, y], 0);
+    tab.mouse("mousePressed", [x - 60.0, y], 1);
+    tab.mouse("mouseMoved", [x + 60.0, y], 1);
+    tab.mouse("mouseReleased", [x + 60.0, y], 1);
     let zoomed = tab.value(X_LIMITS);
-    let reset = tab.value("document.querySelector('#chart-1 .reset').hidden");
+    let reset = tab.value("document.querySelector('#chart-3 .reset').hidden");
     for clicks in [1, 2] {
         tab.mouse("mousePressed", [x, y], clicks);
         tab.mouse("mouseReleased", [x, y], clicks);
@@ -330,6 +340,8 @@ fn nothing_is_wider_than_a_narrow_screen() {
 
     for width in [380, 800, 1280] {
         tab.resize(width, 800);
+        assert_eq!(tab.value(OVERFLOW), 0, "folded, at {width}");
+        tab.value(UNFOLD);
 
         assert_eq!(tab.value(OVERFLOW), 0, "at {width}");
         let widest = tab.value(

@@ -4,7 +4,7 @@
 
 use torquewise_dynamics::{Arm, MotionPlan, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
-use torquewise_report::{CallCost, Findings, ReportError, fit_report};
+use torquewise_report::{CallCost, Findings, Origin, ReportError, fit_report};
 
 /// A report of three steps and the whole, which take 0.1, 1, 2 and so many µs.
 fn report(whole: f64, n_costs: usize) -> Result<String, ReportError> {
@@ -16,9 +16,9 @@ fn report(whole: f64, n_costs: usize) -> Result<String, ReportError> {
     assert_eq!(found.model.stages.len(), 3);
     let cost = |seconds| CallCost { operations: 12_345, functions: 6, seconds };
     let costs = &[1e-7, 1e-6, 2e-6, whole].map(cost)[..n_costs];
-    let findings =
-        Findings { found: &found, diagnosis: &diagnosis, checks: None, test: None, costs };
-    fit_report(&findings, "A test")
+    let (diagnosis, origin) = (&diagnosis, Origin::default());
+    let findings = Findings { found: &found, diagnosis, checks: None, test: None, costs, origin };
+    fit_report(&findings)
 }
 
 #[test]

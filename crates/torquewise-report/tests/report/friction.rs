@@ -6,7 +6,7 @@ use torquewise_dynamics::{Arm, MotionPlan, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Weighted};
-use torquewise_report::{Findings, fit_report};
+use torquewise_report::{Findings, Origin, fit_report};
 
 /// The report of a fit with this friction put in its place.
 fn report(friction: &[Weighted<FrictionTerm>]) -> String {
@@ -17,8 +17,10 @@ fn report(friction: &[Weighted<FrictionTerm>]) -> String {
     found.model.friction = friction.to_vec();
     let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
     let (test, costs) = (Some(&diagnosis), &[]);
-    let findings = Findings { found: &found, diagnosis: &diagnosis, checks: None, test, costs };
-    fit_report(&findings, "A test").unwrap()
+    let origin = Origin::default();
+    let findings =
+        Findings { found: &found, diagnosis: &diagnosis, checks: None, test, costs, origin };
+    fit_report(&findings).unwrap()
 }
 
 #[test]

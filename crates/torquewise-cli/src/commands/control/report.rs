@@ -22,7 +22,7 @@ pub(super) fn figure(arm: &str, compared: &Compared) -> Result<String> {
 pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
     let n = compared.wanted.n_joints();
     let charts = |of: fn(&Compared, usize) -> Chart| -> Vec<Item> {
-        (0..n).map(|joint| Item::Chart(of(compared, joint))).collect()
+        (0..n).map(|joint| Item::Charts(vec![of(compared, joint)])).collect()
     };
     let section = |heading: &str, items| Section { heading: heading.into(), items };
     let bandwidth = compared.gains.bandwidth;
@@ -39,6 +39,7 @@ pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
             section("Positions", charts(positions)),
             section("Torques", charts(torques)),
         ],
+        ..Page::default()
     };
     Ok(page.to_html()?)
 }
@@ -60,7 +61,7 @@ fn table(compared: &Compared) -> Item {
 
 fn errors(compared: &Compared, joint: usize) -> Chart {
     let of = |tracking: &Tracking| line(tracking, &tracking.error, joint, 1e3);
-    let guide = Guide::at_x(compared.settle, "errors count");
+    let guide = Guide::at_x(compared.settle, "errors count from");
     Chart { guides: vec![guide], ..chart(compared, joint, "error [mrad]", &of, Vec::new()) }
 }
 

@@ -1,0 +1,178 @@
+//! Findings → verdict: may the model be used, how large is its error, and what to do next.
+
+use crate::fit_report::Findings;
+use crate::html::number::{count, significant};
+use crate::html::{Callout, Column, Item, Label, Section, Table, Tone};
+use torquewise_identify::Warning;
+use torquewise_identify::verdict::{Grade, Verdict};
+use torquewise_model::Form;
+
+/// Digits of errors.
+const DIGITS: usize = 3;
+
+/// One sentence below the title.
+pub(crate) fn lead(findings: &Findings<'_>) -> String {
+    let survey = &findings.found.survey;
+    let trajectories = match survey.trajectories {
+        0 | 1 => String::new(),
+        many => format!(" in {} trajectories", count(many)),
+    };
+    format!(
+        "A closed-form torque model of {} joints, from {} rows of motion \
+         ({} s at {} Hz{trajectories}).",
+        findings.n_joints(),
+        count(survey.rows),
+        significant(survey.seconds, DIGITS),
+        significant(survey.rate(), DIGITS),
+    )
+}
+
+/// Verdict with its reasons, errors of each joint, and what kind of model it is.
+pub(crate) fn section(findings: &Findings<'_>) -> Section {
+    let mut items = vec![verdict(findings), error_table(findings), Item::Text(words(findings))];
+    items.extend(findings.origin.files());
+    Section { heading: "Verdict".into(), items }
+}
+
+fn verdict(findings: &Findings<'_>) -> Item {
+    let callout =
+        match Verdict::of(findings.found) {
+            Some(Verdict { grade, because }) => {
+                let (tone, heading) = match grade {
+                    Grade::Good => (Tone::Good, "Good"),
+                    Grade::Usable => (Tone::Note, "Usable"),
+                    Grade::Unusable => (Tone::Warning, "Unusable"),
+                };
+                let lines = because.iter().map(|reason| sentence(reason)).collect();
+                Callout { tone, heading: heading.into(), lines }
+            }
+            None => {
+                Callout {
+                    tone: Tone::Note,
+                    heading: "Not graded".into(),
+                    lines: vec![match findings.test {
+                Some(_) => "This method holds no rows out: judge it by its error on the test log.",
+                None => "This method holds no rows out: judge it on a log of another motion.",
+            }
+            .into()],
+                }
+            }
+        };
+    Item::Callout(callout)
+}
+
+/// What to do about each warning, then with the model.
+pub(crate) fn next(findings: &Findings<'_>) -> Section {
+    let (remarks, warnings): (Vec<&Warning>, Vec<&Warning>) =
+        findings.found.warnings.iter().partition(|warning| warning.is_remark());
+    let sentences = |warnings: Vec<&Warning>| -> Vec<String> {
+        warnings.into_iter().map(|warning| sentence(&warning.to_string())).collect()
+    };
+    let mut warnings = sentences(warnings);
+    warnings.extend(worst_joint(findings));
+    if findings.checks.is_some_and(|checks| !checks.passed()) {
+        warnings.push("No physical arm has this model at some states, see Physics.".into());
+    }
+    let callout = |tone, lines: Vec<String>| {
+        let callout = Callout { tone, heading: String::new(), lines };
+        (!callout.lines.is_empty()).then_some(Item::Callout(callout))
+    };
+    let (remarks, model) = (sentences(remarks), findings.origin.model);
+    let model = if model.is_empty() { "MODEL.json" } else { model };
+    let judge = match findings.test {
+        Some(_) => "Judge the model by another motion as well",
+        None => "Record a log of another motion and judge the model by it",
+    };
+    let uses = vec![
+        format!("{judge}: torquewise evaluate {model} LOG."),
+        format!("Write the model as C code for a controller: torquewise export {model} --to c."),
+    ];
+    let items = [(Tone::Warning, warnings), (Tone::Note, remarks), (Tone::Good, uses)];
+    let items = items.into_iter().filter_map(|(tone, lines)| callout(tone, lines)).collect();
+    Section { heading: "What to do next".into(), items }
+}
+
+/// Which joint to move more, where the errors of the model are not small.
+fn worst_joint(findings: &Findings<'_>) -> Option<String> {
+    Verdict::of(findings.found).filter(|verdict| verdict.grade != Grade::Good)?;
+    let errors = findings.found.model.training.held_out_errors()?;
+    let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
+    Some(format!(
+        "{} has the largest held-out error, {} %: record more of its motion, through its whole \
+         range and at several speeds.",
+        findings.joints()[joint],
+        significant(100.0 * error, DIGITS)
+    ))
+}
+
+/// A message as a sentence of its own. A joint's name at its beginning stays as it is.
+fn sentence(message: &str) -> String {
+    let end = if message.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{message}{end}")
+}
+
+fn words(findings: &Findings<'_>) -> String {
+    let found = findings.found;
+    let form = match found.model.form {
+        Form::Energy(_) => {
+            "The terms belong to the inertia matrix M(q) and the potential V(q), which all joints \
+             share; the torque of each joint follows from them."
+        }
+        Form::Torque(_) => "Each joint has an equation of its own.",
+    };
+    let friction = match found.model.friction.len() {
+        0 => String::new(),
+        1 => " One term is friction.".into(),
+        many => format!(" {} terms are friction.", count(many)),
+    };
+    let untried = found.model.training.overlooked.as_ref();
+    let untried = untried.map_or_else(String::new, |untried| format!(" {untried}."));
+    let [kept, offered] = [found.model.n_coefficients(), found.candidates].map(count);
+    let checks = findings.checks.map_or_else(String::new, |checks| {
+        let passed = if checks.passed() { "passed" } else { "did not pass" };
+        format!(" It {passed} the physical checks at {} states.", count(checks.states))
+    });
+    format!(
+        "The model has {kept} terms, of {offered} candidates.{friction} {form}{checks}{untried}"
+    )
+}
+
+/// Errors of each joint: on the test log, on held-out blocks of time, on the fitted log.
+fn error_table(findings: &Findings<'_>) -> Item {
+    let training = &findings.found.model.training;
+    let held_out = training.held_out_errors();
+    let (judged, fitted) = (findings.judged(), findings.diagnosis);
+    let percent = |x: f64| Label::from(significant(x, DIGITS));
+    let row = |joint: usize| -> Vec<Label> {
+        let score = &judged.scores.joints[joint];
+        let test = findings.test.map(|_| percent(score.nrmse_percent));
+        let unseen = held_out.as_ref().map(|errors| percent(100.0 * errors[joint]));
+        let own = percent(fitted.scores.joints[joint].nrmse_percent);
+        let [rmse, r2] = [significant(score.rmse, DIGITS).into(), r_squared(score.r2).into()];
+        let errors = test.into_iter().chain(unseen).chain([own, rmse, r2]);
+        std::iter::once(score.name.as_str().into()).chain(errors).collect()
+    };
+    let columns = [
+        findings.test.map(|_| "test log [%]"),
+        held_out.as_ref().map(|_| "held out [%]"),
+        Some("fitted log [%]"),
+        Some("RMSE [N·m]"),
+        Some("R²"),
+    ];
+    let columns = columns.into_iter().flatten().map(Column::numbers);
+    let of = if findings.test.is_some() { "test" } else { "fitted" };
+    Item::Table(Table {
+        caption: format!(
+            "Percentages are the root mean square of the error over the standard deviation of the \
+             torque of the joint (NRMSE): a lightly loaded joint has a large one. RMSE and R² are \
+             those of the {of} log."
+        ),
+        columns: std::iter::once(Column::words("joint")).chain(columns).collect(),
+        rows: (0..findings.n_joints()).map(row).collect(),
+    })
+}
+
+/// Five decimals, since it is close to one.
+fn r_squared(r2: f64) -> String {
+    if r2.is_finite() { format!("{r2:.5}").replace('-', "−") } else { "–".into() }
+}

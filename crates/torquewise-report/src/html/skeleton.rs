@@ -1,0 +1,27 @@
+//! Chain of axes with a motion → what the script of a page moves and turns.
+
+use serde::Serialize;
+
+/// Axes of joints that a motion turns, drawn in space.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Skeleton {
+    /// Joint names, base to tip, n.
+    pub joints: Vec<String>,
+    /// The frame of each joint in the one before, at zero; it turns about its z, n.
+    pub frames: Vec<Frame>,
+    /// Direction of gravity in the base.
+    pub gravity: [f64; 3],
+    /// Time of each row \[s\], at least two rows.
+    pub t: Vec<f64>,
+    /// Joint angles of each row \[rad\], m×n.
+    pub q: Vec<Vec<f64>>,
+}
+
+/// A frame in the frame before it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Frame {
+    /// Its origin \[m\].
+    pub origin: [f64; 3],
+    /// Turns its components into those of the frame before, row by row.
+    pub rotation: [f64; 9],
+}

@@ -1,0 +1,176 @@
+//! The report of a learned chain of six joints: what comes first, what is left out, how long it is.
+
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use crate::browser::{Desk, OVERFLOW, UNFOLD};
+use serde_json::json;
+use std::f64::consts::FRAC_PI_2;
+use torquewise_diagnose::excitation::Finding;
+use torquewise_dynamics::{Arm, MotionPlan, simulate};
+use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::model::Training;
+use torquewise_model::rigid_chain::{Coupling, RigidChain};
+use torquewise_model::{Form, FrictionTerm, Model, Weighted};
+use torquewise_report::{Findings, LogFile, Origin, fit_report};
+
+const JOINTS: usize = 6;
+
+/// A chain whose axes stand across each other, 0.3 m apart, with friction at each joint.
+fn model(joints: &[String]) -> Model {
+    let link = [1.0, 0.1, 0.0, 0.0, 0.1, 0.1, 0.1, 0.0, 0.0, 0.0];
+    let across = [[FRAC_PI_2, 0.0, 0.3, 0.0]; JOINTS - 1];
+    let chain = RigidChain {
+        geometry: [0.0, 0.0].into_iter().chain(across.concat()).collect(),
+        fitted: vec![4],
+        links: vec![link; JOINTS],
+        drives: Vec::new(),
+        coupling: Coupling::default(),
+        covariance: Vec::new(),
+    };
+    let laws = [FrictionLaw::Coulomb { width: 0.01 }, FrictionLaw::Viscous];
+    let friction = (0..JOINTS).flat_map(|joint| {
+        laws.map(|law| Weighted {
+            term: FrictionTerm::of_joint(JOINTS, joint, law),
+            coefficient: 0.5,
+            std_error: 0.01,
+            inclusion: None,
+        })
+    });
+    let training = Training {
+        residual_rms: vec![0.1; JOINTS],
+        torque_std: vec![1.0; JOINTS],
+        held_out_rms: vec![0.2; JOINTS],
+        ..Training::default()
+    };
+    Model {
+        joints: joints.to_vec(),
+        form: Form::Energy(Vec::new()),
+        chain: Some(chain),
+        friction: friction.collect(),
+        stages: Vec::new(),
+        training,
+        choices: Vec::new(),
+    }
+}
+
+fn report() -> String {
+    let plan = MotionPlan { seconds: 20.0, rate: 50.0, ..MotionPlan::default() };
+    let log = simulate(&Arm::builtin("generic-6").unwrap(), &plan).unwrap().motion;
+    let survey = survey(&log).unwrap();
+    let patterns = find_patterns(&survey, &PatternPlan::default()).unwrap();
+    let range = Finding::Range { joint: "joint3".into(), range: 0.1 };
+    let found = Reconstruction {
+        model: model(log.joints()),
+        noise: survey.noise.clone(),
+        survey,
+        patterns,
+        candidates: 0,
+        steps: Vec::new(),
+        dropped: Vec::new(),
+        warnings: vec![Warning::Excitation(range)],
+    };
+    let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
+    let logs = &[LogFile { name: "a.csv".into(), date: "2001-02-03".into() }];
+    let command = "torquewise fit a.csv -o 'my model.json'";
+    let origin = Origin {
+        logs,
+        tests: logs,
+        model: "m.json",
+        version: "1.2.3",
+        command,
+        date: "2001-02-04",
+    };
+    let test = Some(&diagnosis);
+    let diagnosis = &diagnosis;
+    fit_report(&Findings { found: &found, diagnosis, checks: None, test, costs: &[], origin })
+        .unwrap()
+}
+
+#[test]
+fn the_verdict_comes_first_and_what_a_chain_does_not_have_is_left_out() {
+    let html = report();
+
+    let (at, chart) = (|words: &str| html.find(words), html.find("id=\"chart-1\"").unwrap());
+    let first = [
+        "<strong>Usable</strong>",
+        "held-out error 20.00 to 20.00 %",
+        ">test log [%]<",
+        "swing it further",
+        "torquewise evaluate m.json LOG",
+    ];
+    let places = first.map(|words| at(words).expect(words));
+    assert!(places.is_sorted() && places[4] < chart, "{places:?}, charts from {chart}");
+    for absent in ["<h2>Patterns", "<h2>Steps", "<h2>Physics", "<h2>Cost"] {
+        assert_eq!(at(absent), None, "{absent}");
+    }
+    let foot = html.split("<footer>").nth(1).unwrap().split("</footer>").next().unwrap();
+    assert!(foot.contains("torquewise 1.2.3. Report: 2001-02-04. Newest log: 2001-02-03."));
+    assert!(foot.contains("fit a.csv -o &#x27;my model.json&#x27;"), "{foot}");
+}
+
+#[test]
+fn six_joints_fit_a_short_page_and_a_narrow_screen() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+
+    tab.resize(1400, 900);
+    let height = tab.value("document.documentElement.scrollHeight").as_u64().unwrap();
+    let beside = tab.value(
+        "document.querySelector('nav ol').getBoundingClientRect().right < \
+                            document.querySelector('main').getBoundingClientRect().left",
+    );
+    tab.resize(400, 900);
+    let folded = tab.value("document.querySelector('nav details').open");
+    let overflow = tab.value(OVERFLOW);
+    let covered = tab.value(
+        "[...document.querySelectorAll('.bars .name')].filter((name) => \
+         [...name.querySelectorAll('math')].some((math) => math.getBoundingClientRect().right > \
+         name.nextElementSibling.getBoundingClientRect().left)).length",
+    );
+    tab.value(UNFOLD);
+
+    assert!((3_000..12_000).contains(&height), "{height} px");
+    assert_eq!((beside, folded), (json!(true), json!(false)), "contents");
+    assert_eq!(covered, 0, "names reach over bars");
+    assert_eq!((overflow, tab.value(OVERFLOW)), (json!(0), json!(0)));
+    assert_eq!(tab.complaints(), [""; 0]);
+}
+
+#[test]
+fn the_skeleton_is_moved_by_the_log_and_turned_by_dragging() {
+    let Some(mut desk) = Desk::new() else { return };
+    let mut tab = desk.open(&report());
+    // Distance of each axis from the one before, and how the last one stands.
+    let axes = "document.querySelector('.skeleton').axes";
+    let state = format!("JSON.stringify({axes}.at(-1))");
+    let lengths = format!(
+        "{axes}.slice(1).map(({{ origin }}, i) => \
+         Math.hypot(...origin.map((x, k) => x - {axes}[i].origin[k])).toFixed(6))"
+    );
+    let picture = "document.querySelector('.skeleton canvas').toDataURL()";
+    let start = (tab.value(&state), tab.value(picture));
+
+    let at = tab.middle(".player input");
+    tab.mouse("mousePressed", at, 1);
+    tab.mouse("mouseReleased", at, 1);
+    let later = (tab.value(&state), tab.value(picture));
+    let [x, y] = tab.middle(".skeleton canvas");
+    tab.mouse("mousePressed", [x, y], 1);
+    tab.mouse("mouseMoved", [x + 80.0, y + 20.0], 1);
+    tab.mouse("mouseReleased", [x + 80.0, y + 20.0], 1);
+    let turned = (tab.value(&state), tab.value(picture));
+    let at = tab.middle(".player button");
+    tab.mouse("mousePressed", at, 1);
+    tab.mouse("mouseReleased", at, 1);
+    let waited = "new Promise((done) => setTimeout(() => done(0), 300))";
+    tab.value(waited);
+
+    assert_ne!(start.0, later.0, "the slider moves it");
+    assert_ne!(start.1, later.1);
+    assert_eq!(later.0, turned.0, "a drag turns the view alone");
+    assert_ne!(later.1, turned.1);
+    assert_ne!(tab.value(&state), turned.0, "it plays");
+    assert_eq!(tab.value(&lengths), json!(vec!["0.300000"; JOINTS - 1]), "links keep their length");
+    assert_eq!(tab.complaints(), [""; 0]);
+}
