@@ -1,7 +1,7 @@
 //! Findings → friction: its parameters, and its curves beside what was measured.
 
 use crate::fit_report::Findings;
-use crate::html::{Axis, Chart, Colour, Column, Item, Label, Mark, Section, Series, Table};
+use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series, Table};
 use faer::Mat;
 use torquewise_diagnose::diagnose::Trace;
 use torquewise_model::print::friction_tables;
@@ -34,7 +34,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
                  friction has turned to 90 %. Numbers are without load, ± standard error; a dash \
                  stands for what this log does not tell from zero.";
     let mut items = vec![Item::Text(words.into())];
-    items.extend(friction_tables(model).into_iter().map(|rows| Item::Table(table(rows))));
+    items.extend(friction_tables(model).into_iter().map(|rows| Item::Table(Table::of_text(rows))));
     let seen = shafts.iter().map(|&shaft| Seen { shaft, trace, findings, laws: &laws });
     let seen: Vec<Seen<'_>> = seen.collect();
     items.push(Item::Charts(seen.iter().map(Seen::over_speed).collect()));
@@ -43,21 +43,6 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
         items.push(Item::Charts(loops));
     }
     Some(Section { heading: "Friction".into(), items })
-}
-
-fn table(rows: Vec<Vec<String>>) -> Table {
-    let mut rows = rows.into_iter();
-    let is_word = |heading: &str| ["joint", "direction"].contains(&heading);
-    let column = |heading: String| {
-        if is_word(&heading) { Column::words(heading) } else { Column::numbers(heading) }
-    };
-    let columns: Vec<Column> = rows.next().unwrap_or_default().into_iter().map(column).collect();
-    let cell = |(column, text): (&Column, String)| -> Label {
-        if column.numeric { text.replace('-', "−").into() } else { text.into() }
-    };
-    let cells = |row: Vec<String>| columns.iter().zip(row).map(cell).collect();
-    let rows = rows.map(cells).collect();
-    Table { caption: String::new(), columns, rows }
 }
 
 /// One shaft, as model and log have it.

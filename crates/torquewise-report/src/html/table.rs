@@ -1,4 +1,4 @@
-//! Rows of words and numbers → table.
+//! Tables of words and numbers.
 
 use crate::html::markup::Label;
 use crate::html::number::aligned;
@@ -35,7 +35,28 @@ impl Column {
     }
 }
 
+/// Headings of columns of words.
+const WORDS: [&str; 4] = ["joint", "direction", "on", "what"];
+
 impl Table {
+    /// Rows of text, headings first; columns of numbers are those of other names than `joint`,
+    /// `direction`, `on` and `what`.
+    pub(crate) fn of_text(rows: Vec<Vec<String>>) -> Self {
+        let mut rows = rows.into_iter();
+        let column = |heading: String| {
+            let is_word = WORDS.contains(&heading.as_str());
+            if is_word { Column::words(heading) } else { Column::numbers(heading) }
+        };
+        let columns: Vec<Column> =
+            rows.next().unwrap_or_default().into_iter().map(column).collect();
+        let cell = |(column, text): (&Column, String)| -> Label {
+            if column.numeric { text.replace('-', "−").into() } else { text.into() }
+        };
+        let cells = |row: Vec<String>| columns.iter().zip(row).map(cell).collect();
+        let rows = rows.map(cells).collect();
+        Self { caption: String::new(), columns, rows }
+    }
+
     /// The cells as HTML, row by row, each row as long as the headings.
     pub(crate) fn cells(&self) -> Vec<Vec<String>> {
         let mut rows = vec![vec![String::new(); self.columns.len()]; self.rows.len()];
