@@ -74,3 +74,12 @@ pub use torquewise_signals as signals;
 pub use torquewise_stepwise as stepwise;
 pub use torquewise_survey as survey;
 pub use torquewise_survey::FrictionKind;
+
+/// The guides, whose programs are compiled as tests.
+#[cfg(doctest)]
+mod guides {
+    #[doc = include_str!("../../../docs/library.md")]
+    struct Library;
+    #[doc = include_str!("../../../README.md")]
+    struct Readme;
+}

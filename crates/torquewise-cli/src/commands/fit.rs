@@ -263,14 +263,17 @@ fn steps(fit: &FitResult) -> String {
 
 /// What is left of the torque of each joint.
 fn joints(summary: &FitSummary<'_>) -> String {
-    let headings =
-        ["joint", "terms", "residual [N·m]", "residual [% of std]", "held out [% of std]"];
+    let mut headings = vec!["joint", "terms", "residual [N·m]", "residual [% of std]"];
+    let mut errors = vec![summary.residual_rms, &summary.residual_percent];
+    if !summary.held_out_percent.is_empty() {
+        headings.push("held out [% of std]");
+        errors.push(&summary.held_out_percent);
+    }
     let mut table = Table::new(&headings);
     for (joint, name) in summary.joints.iter().enumerate() {
-        let cell = |values: &[f64]| values.get(joint).map_or_else(String::new, |x| number(*x));
-        let errors = [summary.residual_rms, &summary.residual_percent, &summary.held_out_percent];
+        let errors = errors.iter().map(|values| values.get(joint).copied().unwrap_or(f64::NAN));
         let terms = summary.active[joint].to_string();
-        table.row(name, std::iter::once(terms).chain(errors.map(cell)));
+        table.row(name, std::iter::once(terms).chain(errors.map(number)));
     }
     table.text()
 }

@@ -1,6 +1,7 @@
 //! The command line as its users and their programs see it.
 #![expect(clippy::unwrap_used, reason = "a test may panic wherever it is written")]
 
+mod documents;
 mod terminal;
 mod whole_way;
 mod moments;

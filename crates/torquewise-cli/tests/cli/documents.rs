@@ -1,0 +1,80 @@
+//! What documents show of the command line is what it prints.
+
+use crate::terminal::Terminal;
+use std::path::{Path, PathBuf};
+
+/// A command of a document, and the lines that stand below it.
+struct Shown {
+    command: String,
+    output: Vec<String>,
+}
+
+fn document(name: &str) -> String {
+    let root: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    std::fs::read_to_string(root.join(name)).unwrap()
+}
+
+/// The commands of the blocks marked `console` in which every file is made by a command before.
+fn shown(text: &str) -> Vec<Shown> {
+    let mut all: Vec<Shown> = Vec::new();
+    for block in text.split("```console\n").skip(1) {
+        let block = block.split("```").next().unwrap();
+        for line in block.lines() {
+            match line.strip_prefix("$ torquewise ") {
+                Some(command) => all.push(Shown { command: command.into(), output: vec![] }),
+                None => all.last_mut().unwrap().output.push(line.to_owned()),
+            }
+        }
+    }
+    all
+}
+
+/// Lines up to a single …, after which anything may follow.
+fn expected(output: &[String]) -> (String, bool) {
+    let lines: Vec<&str> = output.iter().map(String::as_str).take_while(|l| *l != "…").collect();
+    (lines.join("\n").trim_end().to_owned(), output.iter().any(|line| line == "…"))
+}
+
+#[test]
+fn the_commands_of_the_readme_print_what_it_shows() {
+    let terminal = Terminal::new();
+    let text = document("README.md");
+    // Later blocks read the logs of real arms.
+    let example = text.split("## Real arms").next().unwrap();
+
+    let shown = shown(example);
+
+    assert!(shown.len() >= 5, "{} commands", shown.len());
+    for Shown { command, output } in shown {
+        let printed = terminal.run(&command);
+        let (expected, is_cut) = expected(&output);
+        assert_eq!(printed.code, 0, "{command}: {}", printed.stderr);
+        let found = printed.stdout.trim_end();
+        let is_same = if is_cut { found.starts_with(&expected) } else { found == expected };
+        assert!(is_same, "{command}\n--- document\n{expected}\n--- program\n{found}");
+    }
+}
+
+#[test]
+fn every_command_and_flag_that_guides_name_exists() {
+    let terminal = Terminal::new();
+    for name in ["README.md", "docs/your-robot.md", "docs/export.md", "docs/control.md"] {
+        let text = document(name);
+        let blocks = text.split("```").skip(1).step_by(2).flat_map(str::lines);
+        let lines = blocks.map(|line| line.trim_start_matches("$ ").trim());
+        for line in lines.filter_map(|line| line.strip_prefix("torquewise ")) {
+            let line = line.split(" #").next().unwrap();
+            let mut words = line.split_whitespace();
+            let Some(command) = words.next().filter(|w| w.chars().all(char::is_alphabetic)) else {
+                continue;
+            };
+            let help = terminal.run(&format!("{command} --help"));
+            assert_eq!(help.code, 0, "{name}: {line}");
+            for flag in words.filter(|word| word.starts_with("--")) {
+                let flag = flag.split('=').next().unwrap();
+                let known = help.stdout.contains(flag) || ["--json", "--help"].contains(&flag);
+                assert!(known, "{name}: `torquewise {line}`: no flag {flag}");
+            }
+        }
+    }
+}
