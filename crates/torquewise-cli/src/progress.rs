@@ -30,7 +30,7 @@ fn words(stage: Progress) -> String {
         Progress::Evidence => "summing".to_owned(),
         Progress::Step(step) => format!("selecting terms, step {step}"),
         Progress::Refit => "fitting all rows".to_owned(),
-        Progress::Overlooked => "testing omitted terms".to_owned(),
+        Progress::OmittedTerms => "testing omitted terms".to_owned(),
         Progress::Done => "done".to_owned(),
     }
 }

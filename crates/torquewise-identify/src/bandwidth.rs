@@ -1,8 +1,8 @@
 //! Raw logs → their bandwidth: where a learned chain predicts held-out raw torque best (E12).
 
-use crate::found::Progress;
 use crate::plan::Plan;
 use crate::reconstruct::{Solution, solve};
+use crate::reconstruction::Progress;
 use crate::rounds::Request;
 use crate::summary::summarise;
 use crate::unseen::{BLOCKS, Errors, even_blocks, held_out};

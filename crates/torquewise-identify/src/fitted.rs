@@ -2,10 +2,10 @@
 //! from zero (E8) (E11).
 
 use crate::basis::{Energies, joint_sums};
-use crate::beside::Beside;
+use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
-use crate::found::Reconstruction;
 use crate::prune::prune;
+use crate::reconstruction::Reconstruction;
 use crate::unseen::{held_out, whole_logs};
 use crate::warning::{UntriedTerm, Warning};
 use faer::{ColRef, Mat};
@@ -14,7 +14,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_diagnose::drifts;
-use torquewise_model::model::{Choice, Overlooked};
+use torquewise_model::model::{Choice, OmittedTerms};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
 };
@@ -44,7 +44,7 @@ pub(crate) struct Fitted {
     pub(crate) residual_rms: Vec<f64>,
     /// What the search chose.
     pub(crate) choices: Vec<Choice>,
-    pub(crate) overlooked: Overlooked,
+    pub(crate) omitted: OmittedTerms,
     pub(crate) warning: Option<UntriedTerm>,
 }
 
@@ -59,14 +59,14 @@ impl Fitted {
         patterns: Patterns,
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, residual_rms, mut choices, overlooked, warning } = self;
+        let Self { solved, residual_rms, mut choices, omitted, warning } = self;
         let (chain, friction) = parameters(&solved.at, &solved.covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
-        warnings.extend(warning.map(Warning::Overlooked));
+        warnings.extend(warning.map(Warning::OmittedTerm));
         let mut training = survey.training(residual_rms);
-        training.overlooked = Some(overlooked);
+        training.omitted = Some(omitted);
         training.price_of_physics = Some(solved.price);
         training.held_out_rms = held_out_rms(&solved.at, &survey.sample)?;
         let mut model = Model {
@@ -106,7 +106,7 @@ fn parameters(
     for (k, term) in at.structure.drive.iter().enumerate() {
         let (index, coefficient) = (bodies + k, at.linear[bodies + k]);
         match term {
-            Beside::Friction(term) => {
+            DriveTerm::Friction(term) => {
                 friction_at.push(index);
                 friction.push(Weighted {
                     term: term.clone(),
@@ -115,11 +115,11 @@ fn parameters(
                     inclusion: None,
                 });
             }
-            Beside::Rotor(shaft) => {
+            DriveTerm::Rotor(shaft) => {
                 drive_at.push(index);
                 drives.push(Drive::Rotor { shaft: shaft.clone(), inertia: coefficient });
             }
-            Beside::Energy(term) => {
+            DriveTerm::Energy(term) => {
                 drive_at.push(index);
                 drives.push(Drive::Energy { term: term.clone(), coefficient });
             }

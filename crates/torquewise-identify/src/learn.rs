@@ -1,8 +1,8 @@
 //! A sample of a log → chain: the geometry of the arm, its masses and its friction (E8).
 
-use crate::beside::{Beside, columns};
+use crate::chain_spec::{ChainSpec, record, record_best, trial};
+use crate::drive_terms::{DriveTerm, columns};
 use crate::plan::{ChainOptions, FrictionKind};
-use crate::trial::{Recipe, record, record_best, trial};
 use couplings::Searched;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -11,12 +11,12 @@ use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Rows, Search, refine, search};
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::friction::Dictionary;
-use torquewise_survey::held_out::Trial;
+use torquewise_survey::held_out::CvScore;
 use torquewise_survey::survey::thinned;
 
 mod couplings;
-mod left_over;
-mod further;
+mod residual;
+mod augment;
 mod joint_friction;
 mod loads;
 mod ripple;
@@ -26,7 +26,7 @@ mod ripple;
 pub(crate) struct Learned {
     pub(crate) chain: Chain,
     /// What was fitted: what stands beside the links, which of the geometry moved.
-    pub(crate) recipe: Recipe,
+    pub(crate) spec: ChainSpec,
     pub(crate) choices: Vec<Choice>,
     /// Rows on which terms that are not the chain's are tried.
     pub(crate) rows: Rows,
@@ -83,8 +83,8 @@ pub(crate) fn learn(
     seed: u64,
 ) -> Result<Learned, IdentifyError> {
     if motion.n_rows() >= SHORT {
-        let Attempt { school, recipe, chain, choices } = attempt(motion, options, seed)?;
-        return school.finish(recipe, &chain, choices);
+        let Attempt { school, spec, chain, choices } = attempt(motion, options, seed)?;
+        return school.finish(spec, &chain, choices);
     }
     let (mut found, mut failed) = (Vec::new(), None);
     for more in 0..SEARCHES {
@@ -100,29 +100,29 @@ pub(crate) fn learn(
         return Err(error);
     }
     found.sort_by_key(|(judged, _)| judged.complexity);
-    let trials: Vec<Trial> = found.iter().map(|(judged, _)| judged.clone()).collect();
+    let trials: Vec<CvScore> = found.iter().map(|(judged, _)| judged.clone()).collect();
     let mut choices = Vec::new();
     let place = record("seed of the search", &trials, &mut choices);
-    let Attempt { school, recipe, chain, choices: made } = found.swap_remove(place).1;
+    let Attempt { school, spec, chain, choices: made } = found.swap_remove(place).1;
     choices.extend(made);
-    school.finish(recipe, &chain, choices)
+    school.finish(spec, &chain, choices)
 }
 
 /// What one search came to.
 struct Attempt<'a> {
-    school: School<'a>,
-    recipe: Recipe,
+    school: ChainLearner<'a>,
+    spec: ChainSpec,
     chain: Chain,
     choices: Vec<Choice>,
 }
 
 impl Attempt<'_> {
     /// How it does on held-out rows, and how many numbers it takes.
-    fn judged(&self, seed: u64) -> Result<Trial, IdentifyError> {
-        let rows = self.school.rows(&self.recipe, TRIAL_ROWS)?;
-        let judged = trial(seed.to_string(), &self.recipe, &rows, &self.chain, ROUNDS)?;
-        let complexity = self.recipe.free.len() + self.recipe.beside.len();
-        Ok(Trial { complexity, ..judged })
+    fn judged(&self, seed: u64) -> Result<CvScore, IdentifyError> {
+        let rows = self.school.rows(&self.spec, TRIAL_ROWS)?;
+        let judged = trial(seed.to_string(), &self.spec, &rows, &self.chain, ROUNDS)?;
+        let complexity = self.spec.free.len() + self.spec.drive.len();
+        Ok(CvScore { complexity, ..judged })
     }
 }
 
@@ -134,67 +134,67 @@ fn attempt<'a>(
 ) -> Result<Attempt<'a>, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = loads::balanced(motion, &options.counterbalanced)?;
-    let mut school = School::new(motion);
-    let mut beside = Beside::rotors(n);
-    let rubs = friction != FrictionKind::None;
-    if rubs {
-        beside.extend(Beside::friction(school.laws.linear()));
+    let mut school = ChainLearner::new(motion);
+    let mut drive = DriveTerm::rotors(n);
+    let has_friction = friction != FrictionKind::None;
+    if has_friction {
+        drive.extend(DriveTerm::friction(school.laws.linear()));
     }
     let search = Search { seed, ..Search::default() };
-    let recipe = Recipe { beside, search, free: all_parameters(n), gravity: None };
+    let spec = ChainSpec { drive, search, free: all_parameters(n), gravity: None };
     let mut choices = Vec::new();
 
-    let Searched { mut recipe, mut chain, mut starts } =
-        school.coupled_geometry(&recipe, &mut choices)?;
-    if rubs && school.shafts(&mut recipe, &chain, &mut choices)? {
-        choices.retain(|choice: &Choice| choice.what != PULL);
-        (chain, starts) = school.geometry(&mut recipe, Some(chain), &mut choices)?;
+    let Searched { mut spec, mut chain, mut starts } =
+        school.coupled_geometry(&spec, &mut choices)?;
+    if has_friction && school.shafts(&mut spec, &chain, &mut choices)? {
+        choices.retain(|choice: &Choice| choice.what != PRIOR);
+        (chain, starts) = school.geometry(&mut spec, Some(chain), &mut choices)?;
     }
-    school.counterbalances(&mut recipe, &chain, &balanced, &mut choices)?;
-    if rubs {
-        school.reversal(&mut recipe, &chain, friction, &mut choices)?;
+    school.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
+    if has_friction {
+        school.reversal(&mut spec, &chain, friction, &mut choices)?;
     }
-    school.friction(&mut recipe, &chain, friction, &mut choices)?;
-    if friction == FrictionKind::Auto && recipe.rubs() {
-        school.joint_friction(&mut recipe, &chain, &mut choices)?;
-        school.ripple(&mut recipe, &chain, &mut choices)?;
+    school.friction(&mut spec, &chain, friction, &mut choices)?;
+    if friction == FrictionKind::Auto && spec.has_friction() {
+        school.joint_friction(&mut spec, &chain, &mut choices)?;
+        school.ripple(&mut spec, &chain, &mut choices)?;
     }
-    school.ridge(&mut recipe, &chain, &mut choices)?;
-    chain = school.right_angles(&mut recipe, &chain, &starts, &mut choices)?;
-    Ok(Attempt { school, recipe, chain, choices })
+    school.ridge(&mut spec, &chain, &mut choices)?;
+    chain = school.right_angles(&mut spec, &chain, &starts, &mut choices)?;
+    Ok(Attempt { school, spec, chain, choices })
 }
 
-const PULL: &str = "pull to right angles";
+const PRIOR: &str = "prior to right angles";
 
 /// A label, what is fitted, and from where.
-type Way = (String, Recipe, Chain);
+type Way = (String, ChainSpec, Chain);
 
 /// Each start with its axes held at right angles, as those of nearly all arms are, then with each
 /// pull: on a short log, an axis that may lie anywhere follows the noise.
-fn pulls(recipe: &Recipe, starts: &[Chain]) -> Vec<Way> {
+fn pulls(spec: &ChainSpec, starts: &[Chain]) -> Vec<Way> {
     let held = starts.iter().map(|start| {
         let (geometry, free) = start.geometry.snapped(ANY_ANGLE, 0.0);
-        let search = Search { pull: PULLS[0], ..recipe.search.clone() };
-        let recipe = Recipe { search, free, ..recipe.clone() };
-        ("held".to_owned(), recipe, Chain { geometry, ..start.clone() })
+        let search = Search { prior: PULLS[0], ..spec.search.clone() };
+        let spec = ChainSpec { search, free, ..spec.clone() };
+        ("held".to_owned(), spec, Chain { geometry, ..start.clone() })
     });
-    let pulled = PULLS.iter().flat_map(|&pull| {
+    let pulled = PULLS.iter().flat_map(|&prior| {
         starts.iter().map(move |start| {
-            let search = Search { pull, ..recipe.search.clone() };
-            (format!("{pull}"), Recipe { search, ..recipe.clone() }, start.clone())
+            let search = Search { prior, ..spec.search.clone() };
+            (format!("{prior}"), ChainSpec { search, ..spec.clone() }, start.clone())
         })
     });
     held.chain(pulled).collect()
 }
 
 /// The log in the hands of the learner.
-struct School<'a> {
+struct ChainLearner<'a> {
     motion: &'a Motion,
     /// Friction that is offered.
     laws: Dictionary,
 }
 
-impl<'a> School<'a> {
+impl<'a> ChainLearner<'a> {
     fn new(motion: &'a Motion) -> Self {
         let speed = |joint: usize| {
             motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
@@ -203,12 +203,12 @@ impl<'a> School<'a> {
         Self { motion, laws }
     }
 
-    fn rows(&self, recipe: &Recipe, count: usize) -> Result<Rows, IdentifyError> {
+    fn rows(&self, spec: &ChainSpec, count: usize) -> Result<Rows, IdentifyError> {
         let motion = thinned(self.motion, count);
-        let beside = columns(&recipe.beside, &motion, recipe.gravity.as_ref());
+        let drive = columns(&spec.drive, &motion, spec.gravity.as_ref());
         let tau = motion.require_tau()?;
-        let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &beside)?;
-        if !recipe.rubs() {
+        let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive)?;
+        if !spec.has_friction() {
             return Ok(rows);
         }
         Ok(rows.with_shares(|row, joint| self.share(&motion, row, joint)))
@@ -223,45 +223,45 @@ impl<'a> School<'a> {
     /// Searches the geometry, then chooses how strongly it is pulled to right angles.
     fn geometry(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
     ) -> Result<(Chain, Vec<Chain>), IdentifyError> {
-        let mut starts = search(&self.rows(recipe, LAST_ROWS)?, &recipe.search)?;
+        let mut starts = search(&self.rows(spec, LAST_ROWS)?, &spec.search)?;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
-        let rows = self.rows(recipe, TRIAL_ROWS)?;
-        let ways = pulls(recipe, &starts);
+        let rows = self.rows(spec, TRIAL_ROWS)?;
+        let ways = pulls(spec, &starts);
         let trials = ways
             .par_iter()
-            .map(|(label, recipe, start)| trial(label.clone(), recipe, &rows, start, ROUNDS))
-            .collect::<Result<Vec<Trial>, IdentifyError>>()?;
-        let (_, chosen, start) = &ways[record_best(PULL, &trials, starts.len(), choices)];
-        recipe.clone_from(chosen);
-        let rows = self.rows(recipe, recipe.search.final_rows)?;
-        let chain = refine(&rows, start, &recipe.free, &recipe.search)?;
+            .map(|(label, spec, start)| trial(label.clone(), spec, &rows, start, ROUNDS))
+            .collect::<Result<Vec<CvScore>, IdentifyError>>()?;
+        let (_, chosen, start) = &ways[record_best(PRIOR, &trials, starts.len(), choices)];
+        spec.clone_from(chosen);
+        let rows = self.rows(spec, spec.search.final_rows)?;
+        let chain = refine(&rows, start, &spec.free, &spec.search)?;
         Ok((chain, starts))
     }
 
     fn ridge(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let way = |ridge: &f64| {
-            let search = Search { ridge: *ridge, ..recipe.search.clone() };
-            (format!("{ridge:e}"), Recipe { search, ..recipe.clone() })
+            let search = Search { ridge: *ridge, ..spec.search.clone() };
+            (format!("{ridge:e}"), ChainSpec { search, ..spec.clone() })
         };
-        let mut ways: Vec<(String, Recipe)> = RIDGES.iter().map(way).collect();
+        let mut ways: Vec<(String, ChainSpec)> = RIDGES.iter().map(way).collect();
         let mut trials = self.trials(&ways, chain, 0)?;
-        let errors: Vec<f64> = trials.iter().map(Trial::error).collect();
+        let errors: Vec<f64> = trials.iter().map(CvScore::error).collect();
         if errors.last() < errors.first() && errors.iter().all(|e| Some(e) >= errors.last()) {
-            let weak: Vec<(String, Recipe)> = WEAK_RIDGES.iter().map(way).collect();
+            let weak: Vec<(String, ChainSpec)> = WEAK_RIDGES.iter().map(way).collect();
             trials.extend(self.trials(&weak, chain, 0)?);
             ways.extend(weak);
         }
-        *recipe = ways[record("ridge", &trials, choices)].1.clone();
+        *spec = ways[record("ridge", &trials, choices)].1.clone();
         Ok(())
     }
 
@@ -269,12 +269,12 @@ impl<'a> School<'a> {
     /// parameter that is zero makes the model shorter.
     fn right_angles(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         starts: &[Chain],
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
-        let rows = self.rows(recipe, TRIAL_ROWS)?;
+        let rows = self.rows(spec, TRIAL_ROWS)?;
         let sources: Vec<&Chain> = std::iter::once(chain).chain(starts).collect();
         let mut ways: Vec<Way> = Vec::new();
         for (angle, distance) in SNAPS {
@@ -282,46 +282,46 @@ impl<'a> School<'a> {
                 let (geometry, free) = source.geometry.snapped(angle, distance);
                 let label = format!("{angle} rad, {distance} m: {} free", free.len());
                 let start = Chain { geometry, ..chain.clone() };
-                ways.push((label, Recipe { free, ..recipe.clone() }, start));
+                ways.push((label, ChainSpec { free, ..spec.clone() }, start));
             }
         }
-        ways.push((format!("none: {} free", recipe.free.len()), recipe.clone(), chain.clone()));
+        ways.push((format!("none: {} free", spec.free.len()), spec.clone(), chain.clone()));
         let trials = ways
             .par_iter()
-            .map(|(label, recipe, start)| trial(label.clone(), recipe, &rows, start, SNAP_ROUNDS))
+            .map(|(label, spec, start)| trial(label.clone(), spec, &rows, start, SNAP_ROUNDS))
             .collect::<Result<Vec<_>, _>>()?;
         let place = record_best("right angles", &trials, sources.len(), choices);
         let (_, chosen, chain) = ways.swap_remove(place);
-        *recipe = chosen;
+        *spec = chosen;
         // What is left free lies where it lies: the pull has done its work.
         let ways = RELEASED.map(|part| {
-            let pull = part * recipe.search.pull;
-            let search = Search { pull, ..recipe.search.clone() };
-            (format!("{pull:.1e}"), Recipe { search, ..recipe.clone() })
+            let prior = part * spec.search.prior;
+            let search = Search { prior, ..spec.search.clone() };
+            (format!("{prior:.1e}"), ChainSpec { search, ..spec.clone() })
         });
-        let place = self.choose("pull on free axes", &ways, &chain, ROUNDS, choices)?;
-        *recipe = ways[place].1.clone();
+        let place = self.choose("prior on free axes", &ways, &chain, ROUNDS, choices)?;
+        *spec = ways[place].1.clone();
         Ok(chain)
     }
 
     /// Fits the chosen recipe on a sample of many rows.
     fn finish(
         &self,
-        recipe: Recipe,
+        spec: ChainSpec,
         chain: &Chain,
         choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
-        let rows = self.rows(&recipe, LAST_ROWS)?;
-        let chain = refine(&rows, chain, &recipe.free, &recipe.search)?;
-        let rows = self.rows(&recipe, TRIED_ROWS)?;
+        let rows = self.rows(&spec, LAST_ROWS)?;
+        let chain = refine(&rows, chain, &spec.free, &spec.search)?;
+        let rows = self.rows(&spec, TRIED_ROWS)?;
         let laws = self.laws.clone();
-        Ok(Learned { chain, recipe, choices, rows, laws })
+        Ok(Learned { chain, spec, choices, rows, laws })
     }
 
     fn choose(
         &self,
         what: &str,
-        ways: &[(String, Recipe)],
+        ways: &[(String, ChainSpec)],
         chain: &Chain,
         rounds: usize,
         choices: &mut Vec<Choice>,
@@ -331,14 +331,14 @@ impl<'a> School<'a> {
 
     fn trials(
         &self,
-        ways: &[(String, Recipe)],
+        ways: &[(String, ChainSpec)],
         chain: &Chain,
         rounds: usize,
-    ) -> Result<Vec<Trial>, IdentifyError> {
+    ) -> Result<Vec<CvScore>, IdentifyError> {
         ways.par_iter()
-            .map(|(label, recipe)| {
-                let rows = self.rows(recipe, TRIAL_ROWS)?;
-                trial(label.clone(), recipe, &rows, chain, rounds)
+            .map(|(label, spec)| {
+                let rows = self.rows(spec, TRIAL_ROWS)?;
+                trial(label.clone(), spec, &rows, chain, rounds)
             })
             .collect()
     }

@@ -8,15 +8,15 @@
 
 pub mod plan;
 mod states;
-mod beside;
+mod drive_terms;
 mod basis;
 pub mod warning;
 pub mod estimate;
-mod trial;
+mod chain_spec;
 mod learn;
 mod prune;
-mod overlooked;
-pub mod found;
+mod omitted;
+pub mod reconstruction;
 mod framed;
 mod unseen;
 mod fitted;
@@ -28,9 +28,9 @@ pub mod reconstruct;
 pub mod bandwidth;
 pub mod verdict;
 
-pub use found::Reconstruction;
 pub use plan::{Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};
+pub use reconstruction::Reconstruction;
 pub use summary::{Summary, summarise};
 pub use torquewise_diagnose::{Diagnosis, Scores, diagnose, score};
 pub use torquewise_stepwise::{LibraryKind, PatternPlan, Patterns, find_patterns};

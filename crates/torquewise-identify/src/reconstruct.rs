@@ -1,7 +1,7 @@
 //! Recording → Reconstruction: sums of its logs, then the steps of the paper or a learned chain.
 
-use crate::found::{Progress, Reconstruction};
 use crate::plan::{ChainOptions, Method, Plan};
+use crate::reconstruction::{Progress, Reconstruction};
 use crate::rounds::{Request, Round};
 use crate::summary::{Pass, Summary, summarise};
 use crate::warning::Warning;

@@ -5,13 +5,13 @@
 
 use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
-use crate::found::Progress;
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
-use crate::overlooked::{Tried, overlooked};
+use crate::omitted::{Tried, test_omitted_terms};
 use crate::plan::{ChainOptions, FrictionKind};
+use crate::reconstruction::Progress;
 use crate::warning::UntriedTerm;
 use serde::{Deserialize, Serialize};
-use torquewise_model::model::{Choice, Overlooked};
+use torquewise_model::model::{Choice, OmittedTerms};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_survey::error::IdentifyError;
@@ -38,7 +38,7 @@ pub struct Request {
     passes: Passes,
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
-    overlooked: Overlooked,
+    omitted: OmittedTerms,
     warning: Option<UntriedTerm>,
 }
 
@@ -65,7 +65,7 @@ impl Request {
     ) -> Result<Self, IdentifyError> {
         progress(Progress::Geometry);
         let mut learned = learn(&survey.sample, options, seed)?;
-        progress(Progress::Overlooked);
+        progress(Progress::OmittedTerms);
         let Tried { certificate, warning, .. } = complete(&mut learned, survey, options.friction)?;
         progress(Progress::Refit);
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
@@ -75,7 +75,7 @@ impl Request {
         let passes = Passes::over_all(at, MOST_PASSES);
         let choices = learned.choices;
         let joints = survey.joints.clone();
-        Ok(Self { joints, passes, sizes, choices, overlooked: certificate, warning })
+        Ok(Self { joints, passes, sizes, choices, omitted: certificate, warning })
     }
 
     /// The same for logs of so many rows.
@@ -148,8 +148,8 @@ impl Request {
                     let passes = Passes::over_all(at, MOST_PASSES);
                     return Ok(Round::Again(Box::new(Self { passes, ..self })));
                 }
-                let Self { choices, overlooked, warning, .. } = self;
-                let fitted = Fitted { solved, residual_rms, choices, overlooked, warning };
+                let Self { choices, omitted, warning, .. } = self;
+                let fitted = Fitted { solved, residual_rms, choices, omitted, warning };
                 Round::Done(Box::new(fitted))
             }
         })
@@ -172,14 +172,14 @@ fn linearised(
     options: &ChainOptions,
     (filtered, seed): (bool, u64),
 ) -> Result<Linearisation, IdentifyError> {
-    let Learned { chain, recipe, laws, .. } = learned;
-    let rest = if recipe.rubs() { AT_REST } else { 0.0 };
+    let Learned { chain, spec, laws, .. } = learned;
+    let rest = if spec.has_friction() { AT_REST } else { 0.0 };
     let structure = Structure {
-        drive: recipe.beside.clone(),
+        drive: spec.drive.clone(),
         coupling: chain.geometry.coupling().clone(),
-        free: recipe.free.clone(),
+        free: spec.free.clone(),
         physical: options.physical,
-        pull: recipe.search.pull,
+        prior: spec.search.prior,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
     // The noise of filtered rows is not white: it is drawn before the filter.
@@ -190,7 +190,7 @@ fn linearised(
     };
     let at = Linearisation {
         geometry: chain.geometry.parameters().to_vec(),
-        linear: chain.inertial.iter().chain(&chain.beside).copied().collect(),
+        linear: chain.inertial.iter().chain(&chain.drive).copied().collect(),
         weights: weights(&chain.residual_rms, sizes),
         scales: Vec::new(),
         structure,
@@ -211,13 +211,13 @@ fn complete(
     friction: FrictionKind,
 ) -> Result<Tried, IdentifyError> {
     let mut refused = Vec::new();
-    let mut tried = overlooked(learned, survey, friction, &refused)?;
+    let mut tried = test_omitted_terms(learned, survey, friction, &refused)?;
     for _ in 0..MOST_FURTHER {
         let Some(term) = tried.missing.take() else { break };
         if !learned.offer(&term, &survey.sample)? {
             refused.push(term);
         }
-        tried = overlooked(learned, survey, friction, &refused)?;
+        tried = test_omitted_terms(learned, survey, friction, &refused)?;
         if refused.len() == MOST_REFUSED {
             break;
         }

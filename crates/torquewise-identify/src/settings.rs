@@ -30,8 +30,8 @@ impl Settings {
         library: Option<SummedLibrary>,
         signals: &str,
     ) -> Self {
-        let rubs = library.as_ref().is_some_and(|library| !library.friction.is_empty());
-        let slow = plan.patterns.slow || rubs;
+        let has_friction = library.as_ref().is_some_and(|library| !library.friction.is_empty());
+        let slow = plan.patterns.slow || has_friction;
         Self {
             joints: recording.joints().to_vec(),
             library,

@@ -1,8 +1,8 @@
 //! Recording → summary: all that a fit needs of its logs, in sums that add up without rounding.
 
 use crate::estimate::add_up;
-use crate::found::Progress;
 use crate::plan::{Method, Plan};
+use crate::reconstruction::Progress;
 use crate::rounds::Request;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};

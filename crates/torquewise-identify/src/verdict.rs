@@ -1,6 +1,6 @@
 //! Reconstruction → verdict: may the model be used, and why.
 
-use crate::found::Reconstruction;
+use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
 use crate::warning::{POOR, Warning};
 use std::fmt;

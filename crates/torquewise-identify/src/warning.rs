@@ -58,7 +58,7 @@ pub enum Warning {
     /// Friction changes along long logs.
     Drift(Drift),
     /// A term that was not offered explains what no chain of rigid bodies does.
-    Overlooked(UntriedTerm),
+    OmittedTerm(UntriedTerm),
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -88,7 +88,7 @@ const LARGEST_ANGLE: f64 = 50.0;
 
 /// A library that leaves this part of a joint's torque has explained little.
 const LITTLE: f64 = 0.5;
-/// What to make of a term that was overlooked.
+/// What to make of an omitted term.
 fn advice(friction: bool, refused: bool) -> &'static str {
     if friction {
         "there is more friction than was asked for; try --friction auto"
@@ -104,7 +104,7 @@ fn advice(friction: bool, refused: bool) -> &'static str {
 impl Warning {
     /// Whether it is good to know, but no reason to doubt the model.
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. } | Self::Overlooked(_))
+        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. } | Self::OmittedTerm(_))
     }
 
     pub(crate) fn of_library(survey: &Survey, fit: &LibraryFit) -> Vec<Self> {
@@ -217,7 +217,7 @@ impl fmt::Display for Warning {
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
-            Self::Overlooked(UntriedTerm { term, joint, part, friction, refused }) => write!(
+            Self::OmittedTerm(UntriedTerm { term, joint, part, friction, refused }) => write!(
                 f,
                 "{term} would lower the residual of {joint} by {:.0} % on held-out rows: {}",
                 100.0 * part,

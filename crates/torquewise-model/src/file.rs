@@ -2,7 +2,7 @@
 
 use crate::error::ModelError;
 use crate::friction::{Direction, FrictionLaw, FrictionTerm};
-use crate::model::{Form, Model, Overlooked, Weighted};
+use crate::model::{Form, Model, OmittedTerms, Weighted};
 use crate::term::Term;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -115,14 +115,14 @@ fn check(model: &Model) -> Result<(), ModelError> {
     for (log, repairs) in &model.training.conditioning {
         finite("the longest gap of a log", repairs.longest_gap, || log.clone())?;
     }
-    model.training.overlooked.as_ref().map_or(Ok(()), check_overlooked)
+    model.training.omitted.as_ref().map_or(Ok(()), check_omitted)
 }
 
-fn check_overlooked(overlooked: &Overlooked) -> Result<(), ModelError> {
-    let best = || overlooked.best.first().map_or_else(String::new, |best| best.term.clone());
-    finite("what an unused term gains", overlooked.held_out, best)?;
-    finite("the standard error of that", overlooked.held_out_std_error, best)?;
-    overlooked.best.iter().try_for_each(|unused| {
+fn check_omitted(omitted: &OmittedTerms) -> Result<(), ModelError> {
+    let best = || omitted.best.first().map_or_else(String::new, |best| best.term.clone());
+    finite("what an unused term gains", omitted.held_out, best)?;
+    finite("the standard error of that", omitted.held_out_std_error, best)?;
+    omitted.best.iter().try_for_each(|unused| {
         let term = || unused.term.clone();
         finite("the share of an unused term", unused.share, term)?;
         finite("its share of a joint", unused.of_joint, term)

@@ -69,7 +69,7 @@ pub struct Candidate {
 /// What terms that were not offered to a fit would explain of its residual, each on its own (E10).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Overlooked {
+pub struct OmittedTerms {
     /// Terms that were tried.
     pub candidates: usize,
     /// Rows they were tried on.
@@ -135,8 +135,8 @@ pub struct Training {
     /// Largest acceleration of each joint \[rad/s²\], n.
     pub ddq_peak: Vec<f64>,
     /// What terms that were not offered would explain, where that was looked at.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub overlooked: Option<Overlooked>,
+    #[serde(alias = "overlooked", default, skip_serializing_if = "Option::is_none")]
+    pub omitted: Option<OmittedTerms>,
     /// How the signals were filtered, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter: Option<Filter>,
@@ -219,7 +219,7 @@ impl fmt::Display for PriceOfPhysics {
     }
 }
 
-impl fmt::Display for Overlooked {
+impl fmt::Display for OmittedTerms {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} more terms tried one by one: ", self.candidates)?;
         let Some(best) = self.best.first() else {

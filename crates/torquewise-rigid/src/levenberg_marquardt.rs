@@ -18,18 +18,18 @@ pub(crate) struct Target<'a> {
     /// Ridge of the masses, relative to the mean square of a column.
     pub(crate) ridge: f64,
     /// What the geometry is pulled to.
-    pub(crate) pull: Pull,
+    pub(crate) prior: Prior,
 }
 
 /// What is known of arms before any motion: axes at right angles, near each other.
 #[derive(Clone, Debug)]
-pub(crate) struct Pull {
+pub(crate) struct Prior {
     strength: f64,
     /// What each parameter is pulled to.
     anchor: Vec<f64>,
 }
 
-impl Pull {
+impl Prior {
     /// Pulls each axis to the right angle it is nearest to.
     pub(crate) fn new(strength: f64, geometry: &Geometry) -> Self {
         Self { strength, anchor: right_angles_near(geometry) }
@@ -91,7 +91,7 @@ const TRIALS: usize = 6;
 impl Target<'_> {
     pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted, ChainError> {
         let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
-        let cost = masses.cost + self.pull.cost(geometry);
+        let cost = masses.cost + self.prior.cost(geometry);
         if !cost.is_finite() {
             return Err(ChainError::Singular);
         }
@@ -146,9 +146,9 @@ impl Target<'_> {
             let mut curvature = best.masses.projected(&changes);
             let mut slope = vec![0.0; free.len()];
             for (j, &parameter) in free.iter().enumerate() {
-                let stiffness = size * self.pull.stiffness(parameter);
+                let stiffness = size * self.prior.stiffness(parameter);
                 curvature[(j, j)] += stiffness;
-                let apart = best.geometry.parameters()[parameter] - self.pull.anchor[parameter];
+                let apart = best.geometry.parameters()[parameter] - self.prior.anchor[parameter];
                 let column = changes.col_as_slice(j).iter();
                 let falls: f64 = column.zip(&best.masses.residual).map(|(d, r)| d * r).sum();
                 slope[j] = falls - stiffness * apart;

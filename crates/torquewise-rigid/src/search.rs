@@ -3,7 +3,7 @@
 use crate::coupling::Coupling;
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
-use crate::levenberg_marquardt::{Fitted, Pull, Target};
+use crate::levenberg_marquardt::{Fitted, Prior, Target};
 pub use crate::levenberg_marquardt::{pull_stiffness, right_angles_near};
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
@@ -32,7 +32,7 @@ pub struct Search {
     /// Ridge of the masses, relative to the mean square of a column.
     pub ridge: f64,
     /// How strongly axes are pulled to right angles and to each other.
-    pub pull: f64,
+    pub prior: f64,
     /// Seed of the starts.
     pub seed: u64,
     /// How logged coordinates turn the joints of the starts.
@@ -50,7 +50,7 @@ impl Default for Search {
             rounds: 25,
             weighings: 3,
             ridge: 1e-4,
-            pull: 3e-2,
+            prior: 3e-2,
             seed: 0,
             coupling: Coupling::default(),
         }
@@ -67,7 +67,7 @@ pub struct Chain {
     /// smallest of the rest, so that a mass of its own may even be negative.
     pub inertial: Vec<f64>,
     /// Coefficients of the columns beside the chain, e.
-    pub beside: Vec<f64>,
+    pub drive: Vec<f64>,
     /// RMS of the residual of each joint \[N·m\], n, on the rows it was refined on.
     pub residual_rms: Vec<f64>,
     /// Mean square of the weighted residual, the ridge counted in.
@@ -77,12 +77,12 @@ pub struct Chain {
 impl Chain {
     pub(crate) fn new(fitted: &Fitted, rows: &Rows, weights: &[f64]) -> Self {
         let of_bodies = PER_BODY * fitted.geometry.n_joints();
-        let (inertial, beside) = fitted.masses.coefficients.split_at(of_bodies);
+        let (inertial, drive) = fitted.masses.coefficients.split_at(of_bodies);
         let variances = fitted.masses.variances(rows, weights);
         Self {
             geometry: fitted.geometry.clone(),
             inertial: inertial.to_vec(),
-            beside: beside.to_vec(),
+            drive: drive.to_vec(),
             residual_rms: variances.into_iter().map(f64::sqrt).collect(),
             cost: fitted.cost,
         }
@@ -102,7 +102,7 @@ impl Chain {
                 out[start..start + count].copy_from_slice(&values[..count]);
             }
         });
-        for (j, coefficient) in self.beside.iter().enumerate() {
+        for (j, coefficient) in self.drive.iter().enumerate() {
             for (out, x) in out.iter_mut().zip(rows.extras.col_as_slice(j)) {
                 *out += coefficient * x;
             }
@@ -221,8 +221,8 @@ pub fn refine(
     let mut geometry = start.geometry.clone();
     let mut chain = None;
     for _ in 0..search.weighings {
-        let pull = Pull::new(search.pull, &geometry);
-        let target = Target { rows, weights: &weights, ridge: search.ridge, pull };
+        let prior = Prior::new(search.prior, &geometry);
+        let target = Target { rows, weights: &weights, ridge: search.ridge, prior };
         let fitted = target.descend(&geometry, free, search.rounds)?;
         let found = Chain::new(&fitted, rows, &weights);
         weights = weights_of(&found.residual_rms, &first);
@@ -255,8 +255,8 @@ fn right_angles(rows: &Rows, weights: &[f64], search: &Search, place: usize) -> 
     let mut random = ChaCha8Rng::seed_from_u64(search.seed);
     random.set_stream(place as u64);
     let mut geometry = Geometry::straight(n).coupled(search.coupling.clone());
-    let pull = Pull::new(0.0, &geometry);
-    let target = Target { rows, weights, ridge: search.ridge, pull };
+    let prior = Prior::new(0.0, &geometry);
+    let target = Target { rows, weights, ridge: search.ridge, prior };
     for joint in 1..n {
         geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];

@@ -2,7 +2,7 @@
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
-use crate::levenberg_marquardt::{Pull, Target};
+use crate::levenberg_marquardt::{Prior, Target};
 use crate::rows::Rows;
 use crate::search::{Chain, all_parameters, first_weights, weights_of};
 use faer::Mat;
@@ -52,17 +52,17 @@ impl Chain {
         let (m, n) = (rows.len(), rows.n_joints());
         for (what, found, expected) in [
             ("geometry", self.geometry.n_joints(), n),
-            ("beside", self.beside.len(), rows.extras.ncols()),
+            ("drive", self.drive.len(), rows.extras.ncols()),
             ("weights", weights.len(), n),
         ] {
             if found != expected {
                 return Err(ChainError::Shape { what, found, expected });
             }
         }
-        let masses: Vec<f64> = self.inertial.iter().chain(&self.beside).copied().collect();
+        let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
         let linear = weighted_columns(&self.geometry, rows, weights);
-        let pull = Pull::new(0.0, &self.geometry);
-        let target = Target { rows, weights, ridge: 0.0, pull };
+        let prior = Prior::new(0.0, &self.geometry);
+        let target = Target { rows, weights, ridge: 0.0, prior };
         let moves = target.changes(&self.geometry, &masses, free);
         let weights: Vec<f64> =
             rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();

@@ -2,7 +2,7 @@
 //! (E6) (E7).
 
 use crate::candidates::Group;
-use crate::rows::rub;
+use crate::rows::fill_friction;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -115,7 +115,7 @@ impl Accumulate for PartSum<'_> {
                 shifted.angles += faer::Scale(sign) * angles;
                 let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
                 moved += faer::Scale(sign) * rates;
-                rub(&mut shifted, self.fit.friction);
+                fill_friction(&mut shifted, self.fit.friction);
                 let noisy = self.fit.rows(&shifted, self.coefficients)?;
                 block.add_noisy(noisy.as_ref(), 0.5 / self.draws as f64);
             }

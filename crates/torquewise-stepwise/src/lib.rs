@@ -9,7 +9,7 @@ pub mod candidates;
 mod rows;
 pub mod evidence;
 mod step;
-mod settle;
+mod model_selection;
 pub mod library;
 pub mod sums;
 mod factor;

@@ -1,8 +1,8 @@
 //! Options, recording → summed library: which columns are summed, and these made ready.
 
 use crate::candidates::Candidates;
+use crate::model_selection::choose_laws;
 use crate::plan::{LibraryKind, LibraryOptions, Regression};
-use crate::settle::choose_laws;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;

@@ -6,10 +6,10 @@ use crate::factor::Kept;
 use crate::fit::{LibraryFit, StepReport};
 use crate::form::{dependent, dropped, form, friction_of};
 use crate::library::Basis;
+use crate::model_selection::{SelectedModel, select_model};
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{LibraryOptions, Regression};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
-use crate::settle::{Settled, settle};
 use crate::step;
 use crate::sums::LibrarySums;
 use rayon::prelude::*;
@@ -45,12 +45,12 @@ pub fn reconstruct(
     // Library of candidates (4) (13), and what the options leave open, chosen on held-out rows.
     let mut basis = sums.library.basis(survey.joints.len())?;
     let options = sums.library.applied_to(options);
-    let chosen = settle(survey, &options, (&sums.library.friction, &sums.choices))?;
-    let Settled { library, selector, choices, .. } = chosen;
+    let chosen = select_model(survey, &options, (&sums.library.friction, &sums.choices))?;
+    let SelectedModel { library, selector, choices, .. } = chosen;
     let options = LibraryOptions { selector, ..options };
     basis.candidates.limit_to(library);
     if options.regression == Regression::Stepwise {
-        patterns.present = sums.settle_patterns(&basis, &patterns.present, survey.rows)?;
+        patterns.present = sums.assign_patterns(&basis, &patterns.present, survey.rows)?;
     }
 
     // Gravity at standstill (8), Coriolis at uniform velocity (9), inertia at variable one (10).

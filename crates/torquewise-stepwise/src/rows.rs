@@ -25,7 +25,7 @@ pub(crate) fn samples_of(
         }),
         responses: motion.require_tau()?.to_owned(),
     };
-    rub(&mut samples, friction);
+    fill_friction(&mut samples, friction);
     Ok(samples)
 }
 
@@ -53,7 +53,7 @@ pub(crate) fn clear_of_reversals<'a>(
 }
 
 /// Values of friction at the speeds of each row, in the last variables.
-pub(crate) fn rub(samples: &mut Samples, friction: &[FrictionTerm]) {
+pub(crate) fn fill_friction(samples: &mut Samples, friction: &[FrictionTerm]) {
     let n = samples.angles.ncols();
     if friction.is_empty() {
         return;

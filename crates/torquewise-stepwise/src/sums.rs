@@ -35,7 +35,7 @@ impl LibrarySums {
     /// variable velocity, which assume nothing. Where all rows are one sum, the patterns stay.
     ///
     /// - `rows`: those of all logs
-    pub(crate) fn settle_patterns(
+    pub(crate) fn assign_patterns(
         &mut self,
         basis: &Basis,
         together: &[Pattern],

@@ -18,7 +18,7 @@ pub fn split(count: usize, block: usize) -> (Vec<usize>, Vec<usize>) {
 
 /// A way to fit, and how it does on each block it was not fitted on.
 #[derive(Clone, Debug)]
-pub struct Trial {
+pub struct CvScore {
     /// As a choice has it on record.
     pub label: String,
     /// Number of coefficients.
@@ -28,7 +28,7 @@ pub struct Trial {
     pub errors: Vec<f64>,
 }
 
-impl Trial {
+impl CvScore {
     /// Mean error over the blocks.
     pub fn error(&self) -> f64 {
         mean(&self.errors)
@@ -64,16 +64,17 @@ pub fn standard_error(x: &[f64]) -> f64 {
 /// blocks, the standard error is that of the difference to the best.
 ///
 /// Returns its place and the record of the choice; `None` without trials.
-pub fn choose(what: &str, trials: &[Trial]) -> Option<(usize, Choice)> {
+pub fn choose(what: &str, trials: &[CvScore]) -> Option<(usize, Choice)> {
     choose_worth(what, trials, 0.0)
 }
 
 /// The same where complexity has a price of its own: a trial also passes for the best if it is
 /// worse by no more than this part.
-pub fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, Choice)> {
+pub fn choose_worth(what: &str, trials: &[CvScore], part: f64) -> Option<(usize, Choice)> {
     let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
-    let near =
-        |trial: &&Trial| trial.error() <= best.error() + trial.apart(best).max(part * best.error());
+    let near = |trial: &&CvScore| {
+        trial.error() <= best.error() + trial.apart(best).max(part * best.error())
+    };
     let last = trials.iter().position(|trial| near(&trial))?;
     // Of two, one that is simpler and better may have the smaller error of its difference.
     let place = (0..=last).min_by(|&a, &b| trials[a].error().total_cmp(&trials[b].error()))?;
@@ -83,8 +84,8 @@ pub fn choose_worth(what: &str, trials: &[Trial], part: f64) -> Option<(usize, C
 }
 
 /// Trials as a choice has them on record.
-pub fn listed(trials: &[Trial]) -> Vec<Candidate> {
-    let candidate = |trial: &Trial| Candidate {
+pub fn listed(trials: &[CvScore]) -> Vec<Candidate> {
+    let candidate = |trial: &CvScore| Candidate {
         label: trial.label.clone(),
         error: trial.error(),
         std_error: standard_error(&trial.errors),
@@ -95,10 +96,10 @@ pub fn listed(trials: &[Trial]) -> Vec<Candidate> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCKS, Trial, choose, choose_worth, split};
+    use super::{BLOCKS, CvScore, choose, choose_worth, split};
 
-    fn trial(label: &str, errors: [f64; BLOCKS]) -> Trial {
-        Trial { label: label.into(), complexity: 1, errors: errors.to_vec() }
+    fn trial(label: &str, errors: [f64; BLOCKS]) -> CvScore {
+        CvScore { label: label.into(), complexity: 1, errors: errors.to_vec() }
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub enum Progress {
     /// The kept terms are fitted on all rows.
     Refit,
     /// Terms that were not offered are tried (E10).
-    Overlooked,
+    OmittedTerms,
     /// All is done.
     Done,
 }

@@ -294,7 +294,7 @@ impl Survey {
             q_range: self.q_range.clone(),
             dq_peak: self.dq_peak.clone(),
             ddq_peak: self.ddq_peak.clone(),
-            overlooked: None,
+            omitted: None,
             filter: None,
             conditioning: BTreeMap::new(),
             price_of_physics: None,

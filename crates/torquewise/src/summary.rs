@@ -5,7 +5,7 @@ use crate::fit::FitResult;
 use crate::physics::MassMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use torquewise_model::model::{Choice, Overlooked, PriceOfPhysics};
+use torquewise_model::model::{Choice, OmittedTerms, PriceOfPhysics};
 use torquewise_motion::Repairs;
 use torquewise_survey::NoiseFloor;
 
@@ -30,7 +30,7 @@ pub struct FitSummary<'a> {
     pub active_total: usize,
     pub steps: Vec<StepSummary<'a>>,
     pub choices: &'a [Choice],
-    pub overlooked: Option<&'a Overlooked>,
+    pub omitted: Option<&'a OmittedTerms>,
     pub price_of_physics: Option<&'a PriceOfPhysics>,
     pub noise: &'a NoiseFloor,
     pub dropped: Vec<DroppedTerm<'a>>,
@@ -109,7 +109,7 @@ impl FitResult {
             active_total: model.n_coefficients(),
             steps: steps.collect(),
             choices: &model.choices,
-            overlooked: training.overlooked.as_ref(),
+            omitted: training.omitted.as_ref(),
             price_of_physics: training.price_of_physics.as_ref(),
             noise: &self.noise,
             dropped: dropped

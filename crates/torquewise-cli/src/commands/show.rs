@@ -113,7 +113,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.format == Format::Text {
         if arguments.explain {
             text.extend(model.choices.iter().map(choice_text));
-            text.extend(model.training.overlooked.as_ref().map(|found| format!("\n{found}\n")));
+            text.extend(model.training.omitted.as_ref().map(|found| format!("\n{found}\n")));
         }
         text.push_str(&conditioning::text(&model.training.conditioning));
         text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));
@@ -264,7 +264,7 @@ fn json(
         "friction_parameters": ShaftFriction::all(model).iter().map(shaft_json).collect::<Vec<_>>(),
         "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
-        "overlooked": model.training.overlooked,
+        "omitted": model.training.omitted,
         "conditioning": object(&AllRepairs::of(&model.training.conditioning)),
         "checks": physics.map(object),
     }))

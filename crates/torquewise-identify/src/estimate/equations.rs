@@ -54,13 +54,13 @@ impl Equations {
 
     /// The equations of some parameters, the others as they were.
     ///
-    /// - `pull`: equations that a pull of the geometry to right angles counts as
+    /// - `prior`: equations that a pull of the geometry to right angles counts as
     /// - `damping`: what a step of the geometry costs, in parts of its curvature
     pub(super) fn of(
         &self,
         active: &[usize],
         at: &Linearisation,
-        (pull, damping): (f64, f64),
+        (prior, damping): (f64, f64),
     ) -> Self {
         let mut held = at.parameters();
         for &k in active {
@@ -76,7 +76,7 @@ impl Equations {
         let linear = at.linear.len();
         let anchor = anchor(at);
         for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
-            let stiffness = pull * pull_stiffness(at.structure.pull, k - linear);
+            let stiffness = prior * pull_stiffness(at.structure.prior, k - linear);
             let price = damping * self.hessian[(k, k)];
             own.hessian[(place, place)] += stiffness + price;
             own.right[place] += stiffness * anchor[k - linear] + price * at.geometry[k - linear];
@@ -110,11 +110,11 @@ fn anchor(at: &Linearisation) -> Vec<f64> {
 }
 
 /// What a pull of the geometry to right angles costs at parameters.
-pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], pull: f64) -> f64 {
+pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], prior: f64) -> f64 {
     let (linear, anchor) = (at.linear.len(), anchor(at));
     let cost = |&k: &usize| {
         let apart = parameters[linear + k] - anchor[k];
-        0.5 * pull * pull_stiffness(at.structure.pull, k) * apart * apart
+        0.5 * prior * pull_stiffness(at.structure.prior, k) * apart * apart
     };
     at.structure.free.iter().map(cost).sum()
 }

@@ -1,6 +1,6 @@
 //! A structure and its parameters → rows [J e] of a block of motion.
 
-use crate::beside::{Beside, Gravity, columns};
+use crate::drive_terms::{DriveTerm, Gravity, columns};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::path::TRAVELS;
@@ -13,7 +13,7 @@ use torquewise_survey::noise::NoiseFloor;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Structure {
     /// Rotors, friction, springs: columns of their own.
-    pub(crate) drive: Vec<Beside>,
+    pub(crate) drive: Vec<DriveTerm>,
     /// How logged coordinates turn the joints.
     pub(crate) coupling: Coupling,
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
@@ -22,7 +22,7 @@ pub(crate) struct Structure {
     /// Whether parameters are to be such that a physical arm has them (E14).
     pub(crate) physical: bool,
     /// How strongly these are held at right angles, mean squares of the residual.
-    pub(crate) pull: f64,
+    pub(crate) prior: f64,
     /// Joints slower than this \[rad/s\] are at rest: their friction may be anything; n.
     pub(crate) rest: Vec<f64>,
 }
@@ -115,7 +115,7 @@ impl Linearisation {
 
     /// Travels \[rad\] of the elements by which friction remembers the path.
     pub(crate) fn travels(&self) -> Vec<f64> {
-        let remembers = self.structure.drive.iter().any(Beside::remembers);
+        let remembers = self.structure.drive.iter().any(DriveTerm::remembers);
         if remembers { TRAVELS.to_vec() } else { Vec::new() }
     }
 
@@ -164,7 +164,7 @@ impl Linearisation {
         Ok(Chain {
             geometry: Geometry::new(&self.geometry)?.coupled(self.structure.coupling.clone()),
             inertial: inertial.to_vec(),
-            beside: drive.to_vec(),
+            drive: drive.to_vec(),
             residual_rms: self.weights.iter().map(|weight| 1.0 / weight).collect(),
             cost: 0.0,
         })
@@ -203,7 +203,7 @@ impl Linearisation {
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
         let drive = &self.structure.drive;
-        let gravity = if drive.iter().any(Beside::feels_load) {
+        let gravity = if drive.iter().any(DriveTerm::feels_load) {
             Some(Gravity::of(&self.chain()?, drive))
         } else {
             None

@@ -2,7 +2,7 @@
 //! friction that takes energy (E14).
 
 use super::linearisation::Linearisation;
-use crate::beside::Beside;
+use crate::drive_terms::DriveTerm;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
@@ -84,12 +84,12 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
     for (k, term) in drive.iter().enumerate() {
         let index = first + k;
         match term {
-            Beside::Rotor(_) => {
+            DriveTerm::Rotor(_) => {
                 let terms = vec![(index, 1.0)];
                 prior.positive.push(Positive { least: 0.0, terms, nominal: rotor, weight: 1.0 });
                 start[index] = rotor;
             }
-            Beside::Friction(term) => {
+            DriveTerm::Friction(term) => {
                 let usual = usual_friction(term, sizes);
                 prior.small.push((index, deviation(term, sizes)));
                 let of_element = usual / TRAVELS.len() as f64;
@@ -106,7 +106,7 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
                     _ => 0.0,
                 };
             }
-            Beside::Energy(_) => {
+            DriveTerm::Energy(_) => {
                 let torque = sizes.torque.iter().fold(0.0_f64, |most, tau| most.max(*tau));
                 prior.small.push((index, LARGE * or_one(torque)));
                 start[index] = 0.0;
@@ -119,10 +119,10 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
 
 /// Sums of coefficients that are the friction of each shaft at a speed, times the direction: none
 /// may be negative. An offset is a load and no friction.
-fn passive(drive: &[Beside], first: usize, sizes: &Sizes) -> Vec<Positive> {
+fn passive(drive: &[DriveTerm], first: usize, sizes: &Sizes) -> Vec<Positive> {
     let laws: Vec<(usize, &FrictionTerm)> = (drive.iter().enumerate())
         .filter_map(|(k, term)| match term {
-            Beside::Friction(term) if term.law != FrictionLaw::Offset => Some((first + k, term)),
+            DriveTerm::Friction(term) if term.law != FrictionLaw::Offset => Some((first + k, term)),
             _ => None,
         })
         .collect();

@@ -7,7 +7,7 @@ use faer::{ColRef, Mat};
 use torquewise_model::model::{Choice, PriceOfPhysics};
 use torquewise_rigid::feasible::{Prior, curvature};
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{Trial, choose_worth};
+use torquewise_survey::held_out::{CvScore, choose_worth};
 
 /// Blocks of time that a score test needs.
 const LEAST_BLOCKS: u64 = 30;
@@ -43,7 +43,7 @@ impl Step<'_> {
         let mut more: Vec<usize> = active.iter().copied().chain(released).collect();
         more.sort_unstable();
         let free = self.tuning(&more)?;
-        let pair = [("held", &held), ("released", &free)].map(|(label, tuning)| Trial {
+        let pair = [("held", &held), ("released", &free)].map(|(label, tuning)| CvScore {
             label: label.to_owned(),
             complexity: 0,
             errors: tuning.errors.clone(),
@@ -73,7 +73,7 @@ impl Step<'_> {
         if held.is_empty() || self.sums.blocks() < LEAST_BLOCKS {
             return Ok(Vec::new());
         }
-        let equations = self.all.of(active, self.at, (tuning.pull, 0.0));
+        let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
         let solution = self.minimum(&equations, active, tuning)?;
         let factor = curvature(equations.quadratic(), &self.prior, tuning.strength, &solution)?;
         let across =
@@ -103,7 +103,7 @@ impl Step<'_> {
     /// All that the passes came to, once the parameters stay where they are.
     pub(super) fn solved(self, active: &[usize], tuning: Tuning) -> Result<Solved, IdentifyError> {
         let p = self.before.len();
-        let equations = self.all.of(active, self.at, (tuning.pull, 0.0));
+        let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
         let solution = self.minimum(&equations, active, &tuning)?;
         let feasible = self.whole(active, &solution);
         let unconstrained = self.whole(active, &equations.unconstrained()?);

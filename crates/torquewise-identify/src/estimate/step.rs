@@ -28,7 +28,7 @@ pub(crate) struct Tuning {
     /// Strength of the prior.
     pub(super) strength: f64,
     /// What the pull on the geometry counts as, in equations.
-    pub(super) pull: f64,
+    pub(super) prior: f64,
     /// How the strength was chosen; nothing where a log has too few folds.
     pub(super) choice: Option<Choice>,
     /// Errors on held-out folds; empty where they are too few.
@@ -83,7 +83,7 @@ impl<'a> Step<'a> {
     /// The best parameters that the geometry of the linearisation allows.
     pub(super) fn linear(&self, tuning: &Tuning) -> Result<Vec<f64>, IdentifyError> {
         let linear = self.at.linear_indices();
-        let equations = self.all.of(&linear, self.at, (tuning.pull, 0.0));
+        let equations = self.all.of(&linear, self.at, (tuning.prior, 0.0));
         Ok(self.whole(&linear, &self.minimum(&equations, &linear, tuning)?))
     }
 
@@ -95,7 +95,7 @@ impl<'a> Step<'a> {
         } else {
             0.0
         };
-        self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, tuning.pull)
+        self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, tuning.prior)
     }
 
     /// The best parameters where some may move, none of the geometry by more than `reach`
@@ -108,7 +108,7 @@ impl<'a> Step<'a> {
     ) -> Result<Vec<f64>, IdentifyError> {
         let linear = self.at.linear.len();
         let damped = |damping: f64| -> Result<(Vec<f64>, f64), IdentifyError> {
-            let equations = self.all.of(active, self.at, (tuning.pull, damping));
+            let equations = self.all.of(active, self.at, (tuning.prior, damping));
             let best = self.whole(active, &self.minimum(&equations, active, tuning)?);
             let moves = best.iter().zip(&self.before).skip(linear);
             let longest = moves.fold(0.0_f64, |most, (x, b)| most.max((x - b).abs()));

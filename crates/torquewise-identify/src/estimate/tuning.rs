@@ -8,7 +8,7 @@ use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::FOLDS;
 use torquewise_rigid::feasible::minimise;
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{Trial, listed, mean};
+use torquewise_survey::held_out::{CvScore, listed, mean};
 
 /// The choice of the prior's strength, as the model file has it.
 const STRENGTH: &str = "strength of the physical prior";
@@ -38,14 +38,14 @@ impl Step<'_> {
     /// A weaker prior makes no model longer: the best is taken, not the strongest near it.
     pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
         let equations = self.sums.rows() as f64 * self.at.n_joints() as f64;
-        let pull = equations.min(MOST_PULLED);
+        let prior = equations.min(MOST_PULLED);
         let strengths: Vec<(f64, f64)> = (STRENGTHS.iter().chain(&WEAKER))
-            .map(|strength| (strength * self.repeats, pull))
+            .map(|strength| (strength * self.repeats, prior))
             .collect();
         let linear = self.at.linear_indices();
         let Some((_, errors)) = self.best_of(&linear, &strengths)? else {
             let strength = USUAL_STRENGTH * self.repeats;
-            return Ok(Tuning { strength, pull, choice: None, errors: Vec::new() });
+            return Ok(Tuning { strength, prior, choice: None, errors: Vec::new() });
         };
         let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
         let usual = 0..STRENGTHS.len();
@@ -56,8 +56,8 @@ impl Step<'_> {
             place += 1;
         }
         let (strength, _) = strengths[place];
-        let trials: Vec<Trial> = (STRENGTHS.iter().chain(&WEAKER).zip(&errors))
-            .map(|(strength, errors)| Trial {
+        let trials: Vec<CvScore> = (STRENGTHS.iter().chain(&WEAKER).zip(&errors))
+            .map(|(strength, errors)| CvScore {
                 label: strength.to_string(),
                 complexity: active.len(),
                 errors: errors.iter().map(|error| error * self.relative_noise).collect(),
@@ -69,14 +69,14 @@ impl Step<'_> {
             rule: format!("least error, {} folds of blocks in time", errors[place].len()),
             from: listed(&trials),
         });
-        let tuning = Tuning { strength, pull, choice, errors: errors[place].clone() };
+        let tuning = Tuning { strength, prior, choice, errors: errors[place].clone() };
         if active.len() == self.at.linear.len() {
             return Ok(tuning);
         }
-        let pulls = PULLS.map(|share| (strength, share * pull));
+        let pulls = PULLS.map(|share| (strength, share * prior));
         Ok(match self.best_of(active, &pulls)? {
             Some((place, errors)) => {
-                Tuning { pull: pulls[place].1, errors: errors[place].clone(), ..tuning }
+                Tuning { prior: pulls[place].1, errors: errors[place].clone(), ..tuning }
             }
             None => tuning,
         })
@@ -98,8 +98,8 @@ impl Step<'_> {
             let (held, rest, share) = self.without(fold);
             let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
             let mut errors = Vec::with_capacity(pairs.len());
-            for (strength, pull) in pairs {
-                let rest = rest.of(active, self.at, (share * pull, 0.0));
+            for (strength, prior) in pairs {
+                let rest = rest.of(active, self.at, (share * prior, 0.0));
                 x = minimise(rest.quadratic(), &self.prior, *strength, &x)?;
                 errors.push(self.error(&held, fold, &self.whole(active, &x)));
             }
@@ -133,7 +133,7 @@ impl Step<'_> {
     /// both at the geometry of all rows; `None` if folds are few.
     pub(super) fn held_out_price(&self, tuning: &Tuning) -> Result<Option<f64>, IdentifyError> {
         let linear = self.at.linear_indices();
-        let pair = (tuning.strength, tuning.pull);
+        let pair = (tuning.strength, tuning.prior);
         let Some((_, physical)) = self.best_of(&linear, &[pair])? else { return Ok(None) };
         let mut free = Vec::with_capacity(FOLDS);
         for fold in (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0) {

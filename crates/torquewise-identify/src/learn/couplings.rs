@@ -1,7 +1,7 @@
 //! Chain, rows → chain whose joints are turned by several logged coordinates, where the log has it.
 
-use super::{ROUNDS, SHORT, School, TRIAL_ROWS};
-use crate::trial::{Recipe, record, trial};
+use super::{ChainLearner, ROUNDS, SHORT, TRIAL_ROWS};
+use crate::chain_spec::{ChainSpec, record, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::coupling::Coupled;
@@ -20,32 +20,32 @@ const COUPLING_GAIN: f64 = 0.7;
 
 /// What a search of the geometry came to.
 pub(super) struct Searched {
-    pub(super) recipe: Recipe,
+    pub(super) spec: ChainSpec,
     pub(super) chain: Chain,
     /// All it may start from.
     pub(super) starts: Vec<Chain>,
 }
 
-impl School<'_> {
+impl ChainLearner<'_> {
     /// Searches the geometry, then looks for joints that the coordinate of the joint before turns
     /// as well, as behind a parallelogram \[E18\].
     pub(super) fn coupled_geometry(
         &self,
-        recipe: &Recipe,
+        spec: &ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<Searched, IdentifyError> {
         let mut own = Vec::new();
-        let mut best = self.searched(recipe.clone(), &mut own)?;
+        let mut best = self.searched(spec.clone(), &mut own)?;
         for _ in 0..MOST_COUPLED {
-            let coupling = best.recipe.search.coupling.clone();
-            let search = Search { coupling, ..recipe.search.clone() };
-            let known = Recipe { search, ..recipe.clone() };
+            let coupling = best.spec.search.coupling.clone();
+            let search = Search { coupling, ..spec.search.clone() };
+            let known = ChainSpec { search, ..spec.clone() };
             let Some((label, search)) = self.promising(&known)? else { break };
             let mut made = Vec::new();
-            let found = self.searched(Recipe { search, ..known }, &mut made)?;
-            let rows = self.rows(recipe, TRIAL_ROWS)?;
+            let found = self.searched(ChainSpec { search, ..known }, &mut made)?;
+            let rows = self.rows(spec, TRIAL_ROWS)?;
             let judged = |label: String, found: &Searched| {
-                trial(label, &found.recipe, &rows, &found.chain, ROUNDS)
+                trial(label, &found.spec, &rows, &found.chain, ROUNDS)
             };
             let trials = [judged("none".to_owned(), &best)?, judged(label, &found)?];
             if trials[1].error() > COUPLING_GAIN * trials[0].error()
@@ -61,22 +61,22 @@ impl School<'_> {
 
     fn searched(
         &self,
-        mut recipe: Recipe,
+        mut spec: ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<Searched, IdentifyError> {
-        let (chain, starts) = self.geometry(&mut recipe, None, choices)?;
-        Ok(Searched { recipe, chain, starts })
+        let (chain, starts) = self.geometry(&mut spec, None, choices)?;
+        Ok(Searched { spec, chain, starts })
     }
 
     /// The search with one more coupled joint that a first look at few rows is best with, if it is
     /// much better than without.
-    fn promising(&self, recipe: &Recipe) -> Result<Option<(String, Search)>, IdentifyError> {
+    fn promising(&self, spec: &ChainSpec) -> Result<Option<(String, Search)>, IdentifyError> {
         let (most, count) = GLANCE;
         // A short log is searched from several seeds: each looks from one start.
         let starts = if self.motion.n_rows() < SHORT { 1 } else { most };
-        let rows = self.rows(recipe, count)?;
-        let known = &recipe.search.coupling;
-        let look = Search { starts, ..recipe.search.clone() };
+        let rows = self.rows(spec, count)?;
+        let known = &spec.search.coupling;
+        let look = Search { starts, ..spec.search.clone() };
         let pairs = (1..self.motion.n_joints())
             .flat_map(|joint| [-1, 1].map(|ratio| Coupled { joint, driver: joint - 1, ratio }));
         let is_new = |own: &Coupled| {
@@ -90,7 +90,7 @@ impl School<'_> {
         let without = glance(&rows, &look);
         let best = candidates.into_iter().zip(left).min_by(|a, b| a.1.total_cmp(&b.1));
         Ok(best.filter(|(_, left)| *left <= PROMISING * without).map(|(own, _)| {
-            (label(own), Search { coupling: known.with(own), ..recipe.search.clone() })
+            (label(own), Search { coupling: known.with(own), ..spec.search.clone() })
         }))
     }
 }

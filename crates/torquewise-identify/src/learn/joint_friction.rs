@@ -1,17 +1,17 @@
 //! Chain, rows → friction of each joint: none, viscous, Coulomb, Stribeck, Dahl or both, each with
 //! or without load (17) (E13).
 
-use super::School;
-use super::left_over::{LeftOver, WORTH, refuse};
-use crate::beside::{Beside, columns};
-use crate::trial::Recipe;
+use super::ChainLearner;
+use super::residual::{LeftOver, WORTH, refuse};
+use crate::chain_spec::ChainSpec;
+use crate::drive_terms::{DriveTerm, columns};
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_rigid::Chain;
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{Trial, choose_worth};
+use torquewise_survey::held_out::{CvScore, choose_worth};
 
 const COULOMB: &str = "Coulomb";
 const STRIBECK: &str = "Stribeck";
@@ -22,8 +22,8 @@ struct Offer {
     joint: usize,
     /// What its friction is called so far.
     has: &'static str,
-    ways: Vec<Vec<Beside>>,
-    trials: Vec<Trial>,
+    ways: Vec<Vec<DriveTerm>>,
+    trials: Vec<CvScore>,
     /// What was chosen of these.
     place: usize,
     choice: Choice,
@@ -34,21 +34,21 @@ struct Offer {
 /// Laws of one joint with a name.
 type Way = (String, Vec<FrictionTerm>);
 
-impl School<'_> {
+impl ChainLearner<'_> {
     /// Chooses the friction of each joint by what the rest of a chain leaves of its torque.
     pub(super) fn joint_friction(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
-        let left = LeftOver::of(self, recipe, chain)?;
-        let gravity = recipe.gravity.as_ref();
+        let left = LeftOver::of(self, spec, chain)?;
+        let gravity = spec.gravity.as_ref();
         let judged = |joint: usize| -> Option<Offer> {
-            let now = laws_of(recipe, joint);
+            let now = laws_of(spec, joint);
             let has = label(&now);
             let judge = |(label, laws): Way| {
-                let laws: Vec<Beside> = Beside::friction(laws).collect();
+                let laws: Vec<DriveTerm> = DriveTerm::friction(laws).collect();
                 let columns = &columns(&laws, &left.motion, gravity)[joint];
                 Some((laws, left.trial(joint, label, columns)?))
             };
@@ -64,7 +64,7 @@ impl School<'_> {
         let mut offers: Vec<Offer> = joints.filter_map(judged).collect();
         // Who has most to gain comes first.
         offers.sort_by(|a, b| a.gain.total_cmp(&b.gain));
-        let mut now = self.error(recipe, &left)?;
+        let mut now = self.error(spec, &left)?;
         for Offer { joint, has, ways, trials, place, mut choice, .. } in offers {
             // What is simple may be too little for the whole: then the best is offered.
             let best =
@@ -72,10 +72,10 @@ impl School<'_> {
             let tried: Vec<usize> =
                 std::iter::once(place).chain(best.filter(|best| *best != place)).collect();
             for (k, &place) in tried.iter().enumerate() {
-                let mut with = recipe.clone();
-                with.beside.retain(|beside| !beside.is_friction_of(joint));
-                with.beside.extend(ways[place].iter().cloned());
-                if self.agree((recipe, &mut now), with, &left)? {
+                let mut with = spec.clone();
+                with.drive.retain(|drive| !drive.is_friction_of(joint));
+                with.drive.extend(ways[place].iter().cloned());
+                if self.agree((spec, &mut now), with, &left)? {
                     break;
                 }
                 refuse(&mut choice, tried.get(k + 1).map_or(has, |&next| &trials[next].label));
@@ -122,9 +122,9 @@ impl School<'_> {
 }
 
 /// The friction of a joint in a recipe.
-fn laws_of(recipe: &Recipe, joint: usize) -> Vec<FrictionTerm> {
-    let own = recipe.beside.iter().filter(|beside| beside.is_friction_of(joint));
-    own.filter_map(Beside::law).cloned().collect()
+fn laws_of(spec: &ChainSpec, joint: usize) -> Vec<FrictionTerm> {
+    let own = spec.drive.iter().filter(|drive| drive.is_friction_of(joint));
+    own.filter_map(DriveTerm::law).cloned().collect()
 }
 
 /// What friction of the velocity alone is called.

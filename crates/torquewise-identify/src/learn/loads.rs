@@ -1,9 +1,9 @@
 //! Chain, rows → recipe: shafts, counterbalances and friction, chosen beside a known geometry.
 
-use super::{School, TRIAL_ROWS};
-use crate::beside::Beside;
+use super::{ChainLearner, TRIAL_ROWS};
+use crate::chain_spec::{ChainSpec, record, record_worth, trial};
+use crate::drive_terms::DriveTerm;
 use crate::plan::FrictionKind;
-use crate::trial::{Recipe, record, record_worth, trial};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::Chain;
@@ -32,24 +32,24 @@ pub(super) fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, 
     Ok(places)
 }
 
-impl School<'_> {
+impl ChainLearner<'_> {
     /// Looks for shafts that two neighbouring joints turn together, as in a coupled wrist.
     pub(super) fn shafts(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         choices: &mut Vec<Choice>,
     ) -> Result<bool, IdentifyError> {
         let n = self.motion.n_joints();
         let mut found = false;
         for _ in 0..MOST_SHAFTS {
-            let mut ways = vec![("none".to_owned(), recipe.clone())];
+            let mut ways = vec![("none".to_owned(), spec.clone())];
             for joint in 1..n {
                 for sign in [1.0, -1.0] {
                     let mut shaft = vec![0.0; n];
                     (shaft[joint - 1], shaft[joint]) = (1.0, sign);
-                    let mut with = recipe.clone();
-                    with.beside.extend(Beside::shared_shaft(&shaft, self.laws.width_of(&shaft)));
+                    let mut with = spec.clone();
+                    with.drive.extend(DriveTerm::shared_shaft(&shaft, self.laws.width_of(&shaft)));
                     let sign = if sign > 0.0 { '+' } else { '-' };
                     ways.push((format!("dq{joint} {sign} dq{}", joint + 1), with));
                 }
@@ -65,7 +65,7 @@ impl School<'_> {
             {
                 break;
             }
-            *recipe = ways[best].1.clone();
+            *spec = ways[best].1.clone();
             found = true;
         }
         Ok(found)
@@ -74,27 +74,27 @@ impl School<'_> {
     /// Looks for counterbalances, joint by joint, but for those that are known.
     pub(super) fn counterbalances(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         known: &[usize],
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let n = self.motion.n_joints();
         for &joint in known {
-            recipe.beside.extend(Beside::counterbalance(n, joint));
+            spec.drive.extend(DriveTerm::counterbalance(n, joint));
             let (what, chosen) = (self.balance_of(joint), "spring".to_owned());
             choices.push(Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() });
         }
         for joint in (0..n).filter(|joint| !known.contains(joint)) {
-            let mut with = recipe.clone();
-            with.beside.extend(Beside::counterbalance(n, joint));
-            let ways = [("none".to_owned(), recipe.clone()), ("spring".to_owned(), with)];
+            let mut with = spec.clone();
+            with.drive.extend(DriveTerm::counterbalance(n, joint));
+            let ways = [("none".to_owned(), spec.clone()), ("spring".to_owned(), with)];
             let what = self.balance_of(joint);
             let trials = self.trials(&ways, chain, 0)?;
             if trials[1].error() <= SPRING_GAIN * trials[0].error()
                 && record(&what, &trials, choices) == 1
             {
-                *recipe = ways[1].1.clone();
+                *spec = ways[1].1.clone();
             }
         }
         Ok(())
@@ -110,7 +110,7 @@ impl School<'_> {
     /// only where it is sharp.
     pub(super) fn reversal(
         &mut self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         kind: FrictionKind,
         choices: &mut Vec<Choice>,
@@ -118,51 +118,51 @@ impl School<'_> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
             let laws = Dictionary::with_width(self.laws.peak.clone(), part);
-            let school = School { laws, ..*self };
-            let mut sharp = recipe.clone();
-            for beside in &mut sharp.beside {
-                beside.reverse_within(&school.laws);
+            let school = ChainLearner { laws, ..*self };
+            let mut sharp = spec.clone();
+            for drive in &mut sharp.drive {
+                drive.reverse_within(&school.laws);
             }
             let mut all = sharp.clone();
             if kind != FrictionKind::Linear {
-                all.beside.extend(Beside::friction(school.laws.stribeck()));
+                all.drive.extend(DriveTerm::friction(school.laws.stribeck()));
             }
             let rows = school.rows(&all, TRIAL_ROWS)?;
             trials.push(trial(reversal_label(part), &all, &rows, chain, 0)?);
             ways.push((school.laws, sharp));
         }
         let place = record(REVERSAL, &trials, choices);
-        (self.laws, *recipe) = ways.swap_remove(place);
+        (self.laws, *spec) = ways.swap_remove(place);
         Ok(())
     }
 
     /// Chooses the law of friction, or adds the one asked for.
     pub(super) fn friction(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         kind: FrictionKind,
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
-        let mut stribeck = recipe.clone();
-        stribeck.beside.extend(Beside::friction(self.laws.stribeck()));
+        let mut stribeck = spec.clone();
+        stribeck.drive.extend(DriveTerm::friction(self.laws.stribeck()));
         match kind {
             FrictionKind::None | FrictionKind::Linear => {}
-            FrictionKind::Stribeck => *recipe = stribeck,
+            FrictionKind::Stribeck => *spec = stribeck,
             FrictionKind::Auto => {
-                let mut none = recipe.clone();
-                none.beside.retain(|beside| !matches!(beside, Beside::Friction(_)));
+                let mut none = spec.clone();
+                none.drive.retain(|drive| !matches!(drive, DriveTerm::Friction(_)));
                 let mut alike = stribeck.clone();
-                alike.beside.retain(|beside| !beside.is_one_way());
+                alike.drive.retain(|drive| !drive.is_one_way());
                 let ways = [
                     ("none".to_owned(), none),
-                    ("linear".to_owned(), recipe.clone()),
+                    ("linear".to_owned(), spec.clone()),
                     ("stribeck".to_owned(), alike),
                     ("stribeck, forward and backward apart".to_owned(), stribeck),
                 ];
                 let trials = self.trials(&ways, chain, 0)?;
                 let place = record_worth("friction", &trials, WORTH, choices);
-                *recipe = ways[place].1.clone();
+                *spec = ways[place].1.clone();
             }
         }
         Ok(())

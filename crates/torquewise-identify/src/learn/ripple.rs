@@ -1,10 +1,10 @@
 //! Chain, rows → torque that is periodic in the angle of a joint: ripple of its gear, cogging of
 //! its motor.
 
-use super::School;
-use super::left_over::{LeftOver, refuse};
-use crate::beside::{Beside, columns};
-use crate::trial::{Recipe, record};
+use super::ChainLearner;
+use super::residual::{LeftOver, refuse};
+use crate::chain_spec::{ChainSpec, record};
+use crate::drive_terms::{DriveTerm, columns};
 use std::f64::consts::TAU;
 use torquewise_model::model::Choice;
 use torquewise_model::{EnergyTerm, Place, Term, Trig};
@@ -21,24 +21,23 @@ const GAIN: f64 = 0.85;
 /// A joint must turn so many periods of what is found in it.
 const LEAST_PERIODS: f64 = 2.0;
 
-impl School<'_> {
+impl ChainLearner<'_> {
     /// Looks for ripple of each joint, at the periods that what is left of its torque has most of.
     pub(super) fn ripple(
         &self,
-        recipe: &mut Recipe,
+        spec: &mut ChainSpec,
         chain: &Chain,
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let n = self.motion.n_joints();
-        let left = LeftOver::of(self, recipe, chain)?;
-        let mut now = self.error(recipe, &left)?;
+        let left = LeftOver::of(self, spec, chain)?;
+        let mut now = self.error(spec, &left)?;
         for joint in 0..n {
-            let own = recipe.beside.iter().filter(|beside| beside.is_friction_of(joint));
-            let mut laws: Vec<Beside> = own.cloned().collect();
+            let own = spec.drive.iter().filter(|drive| drive.is_friction_of(joint));
+            let mut laws: Vec<DriveTerm> = own.cloned().collect();
             let friction = laws.len();
-            let of = |laws: &[Beside]| {
-                let columns =
-                    columns(laws, &left.motion, recipe.gravity.as_ref()).swap_remove(joint);
+            let of = |laws: &[DriveTerm]| {
+                let columns = columns(laws, &left.motion, spec.gravity.as_ref()).swap_remove(joint);
                 let label = format!("{} harmonics", (laws.len() - friction) / 2);
                 Some((left.trial(joint, label, &columns)?, columns))
             };
@@ -48,7 +47,7 @@ impl School<'_> {
                 let residual = left.residual(joint, &columns);
                 let period = residual.and_then(|residual| strongest(&left, joint, &residual));
                 let Some(period) = period else { break };
-                let with: Vec<Beside> =
+                let with: Vec<DriveTerm> =
                     laws.iter().cloned().chain(harmonic(n, joint, period)).collect();
                 let Some((trial, own)) = of(&with) else { break };
                 if trials.last().is_some_and(|best| trial.error() > GAIN * best.error()) {
@@ -60,9 +59,9 @@ impl School<'_> {
             if trials.len() > 1 {
                 let what = format!("ripple of {}", self.motion.joints()[joint]);
                 let place = record(&what, &trials, choices);
-                let mut with = recipe.clone();
-                with.beside.extend(laws.drain(friction..friction + 2 * place));
-                let agrees = self.agree((recipe, &mut now), with, &left)?;
+                let mut with = spec.clone();
+                with.drive.extend(laws.drain(friction..friction + 2 * place));
+                let agrees = self.agree((spec, &mut now), with, &left)?;
                 if let (false, Some(choice)) = (agrees, choices.last_mut()) {
                     refuse(choice, "0 harmonics");
                 }
@@ -88,9 +87,9 @@ fn strongest(left: &LeftOver, joint: usize, residual: &[(f64, f64)]) -> Option<i
 }
 
 /// Torque with so many periods in a turn of a joint, of any phase.
-fn harmonic(n_joints: usize, joint: usize, period: i8) -> impl Iterator<Item = Beside> {
+fn harmonic(n_joints: usize, joint: usize, period: i8) -> impl Iterator<Item = DriveTerm> {
     [Trig::Cos, Trig::Sin].into_iter().map(move |trig| {
         let function = Term::one(n_joints).times(trig, joint, period, 1);
-        Beside::Energy(EnergyTerm { place: Place::Potential, function })
+        DriveTerm::Energy(EnergyTerm { place: Place::Potential, function })
     })
 }

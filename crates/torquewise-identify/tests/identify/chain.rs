@@ -36,9 +36,9 @@ fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motion {
         let spread = (tau.col(joint).squared_norm_l2() / m - mean * mean).sqrt();
         for row in 0..tau.nrows() {
             let dq: Vec<f64> = dq.row(row).iter().copied().collect();
-            let rubs: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
+            let has_friction: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
             let unit: f64 = StandardNormal.sample(&mut random);
-            tau[(row, joint)] += rubs + noise * spread * unit;
+            tau[(row, joint)] += has_friction + noise * spread * unit;
         }
     }
     Motion::new(signals).unwrap()
@@ -180,7 +180,7 @@ fn every_choice_is_on_record_with_its_errors() {
     let choices = &REFERENCE.model.choices;
 
     let whats: Vec<&str> = choices.iter().map(|choice| choice.what.as_str()).collect();
-    for what in ["pull to right angles", "friction", "ridge", "right angles"] {
+    for what in ["prior to right angles", "friction", "ridge", "right angles"] {
         assert!(whats.contains(&what), "{what} in {whats:?}");
     }
     for choice in choices {
@@ -294,13 +294,16 @@ fn stribeck_friction_is_chosen_where_there_is_some() {
     let torque = Torque::new(&found.model);
     for speed in [-1.2, -0.5, -0.2, -0.1, 0.05, 0.1, 0.2, 0.5, 1.2] {
         let dq = [speed, 0.4 * speed, -speed];
-        for (joint, rubs) in
+        for (joint, has_friction) in
             torque.friction(&vec![0.0; dq.len()], &dq).unwrap().into_iter().enumerate()
         {
             let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
             // 2 % of the greatest friction, more where the dictionary bends most.
             let most = if speed.abs() < 0.1 { 0.3 } else { 0.1 };
-            assert!((rubs - truth).abs() < most, "{speed} rad/s: {rubs}, not {truth}");
+            assert!(
+                (has_friction - truth).abs() < most,
+                "{speed} rad/s: {has_friction}, not {truth}"
+            );
         }
     }
 }
@@ -322,9 +325,12 @@ fn friction_that_reverses_sharply_is_learned_so() {
         // 1 % of the peak speed, where a wide reversal has three quarters of dry friction.
         let mut dq = [0.0; 3];
         dq[joint] = width(&motion, joint);
-        let rubs = torque.friction(&vec![0.0; dq.len()], &dq).unwrap()[joint];
+        let has_friction = torque.friction(&vec![0.0; dq.len()], &dq).unwrap()[joint];
         let truth: f64 = friction.iter().map(|(f, c)| c * f.torque(joint, &dq)).sum();
-        assert!((rubs - truth).abs() < 0.05 * truth, "joint {joint}: {rubs}, not {truth}");
+        assert!(
+            (has_friction - truth).abs() < 0.05 * truth,
+            "joint {joint}: {has_friction}, not {truth}"
+        );
     }
 }
 

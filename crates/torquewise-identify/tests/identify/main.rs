@@ -7,7 +7,7 @@ mod friction;
 mod gears;
 mod memory;
 mod oracle;
-mod overlooked;
+mod omitted;
 mod recovery;
 mod rounds;
 mod six_joints;

@@ -9,8 +9,8 @@ use torquewise_motion::{Motion, Signals};
 
 /// The oracle file of an arm, or `None` where the shared folder is not there and need not be.
 fn oracle(name: &str) -> Option<String> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let shared = std::env::var_os("TORQUEWISE_SHARED").map_or_else(|| beside.into(), PathBuf::from);
+    let drive = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let shared = std::env::var_os("TORQUEWISE_SHARED").map_or_else(|| drive.into(), PathBuf::from);
     let path = shared.join("oracle").join(name);
     match std::fs::read_to_string(&path) {
         Ok(text) => Some(text),

@@ -125,7 +125,7 @@ fn words(findings: &Findings<'_>) -> String {
         1 => " One term is friction.".into(),
         many => format!(" {} terms are friction.", count(many)),
     };
-    let untried = found.model.training.overlooked.as_ref();
+    let untried = found.model.training.omitted.as_ref();
     let untried = untried.map_or_else(String::new, |untried| format!(" {untried}."));
     let [kept, offered] = [found.model.n_coefficients(), found.candidates].map(count);
     let checks = findings.checks.map_or_else(String::new, |checks| {

@@ -123,7 +123,7 @@ fn a_search_of_nothing_finds_nothing() {
         Search { final_rows: 0, ..plan() },
         Search { weighings: 0, ..plan() },
         Search { ridge: f64::NAN, ..plan() },
-        Search { pull: f64::NAN, ..plan() },
+        Search { prior: f64::NAN, ..plan() },
     ] {
         let result = search(&rows, &plan);
 

@@ -67,7 +67,7 @@ fn masses_that_no_body_has_are_listed_as_well() {
     let geometry = Geometry::new(&parameters).unwrap();
     let inertial = numbers(40);
 
-    let chain = Chain { geometry, inertial, beside: vec![], residual_rms: vec![], cost: 0.0 };
+    let chain = Chain { geometry, inertial, drive: vec![], residual_rms: vec![], cost: 0.0 };
 
     assert!(apart(&chain) < 1e-11);
 }

@@ -89,7 +89,7 @@ fn the_same_seed_gives_the_same_chain_at_any_number_of_threads() {
     let bits = |chains: Vec<Chain>| -> Vec<u64> {
         let numbers = chains.into_iter().flat_map(|chain| {
             let geometry = chain.geometry.parameters().to_vec();
-            [geometry, chain.inertial, chain.beside, chain.residual_rms, vec![chain.cost]].concat()
+            [geometry, chain.inertial, chain.drive, chain.residual_rms, vec![chain.cost]].concat()
         });
         numbers.map(f64::to_bits).collect()
     };

@@ -16,15 +16,15 @@ fn share(row: usize, joint: usize) -> f64 {
 fn rows() -> Rows {
     let motion = sines(&arm(&drawn(JOINTS, 8), [0.0, 0.0, -9.81]), 2.0, 5);
     let (m, tau) = (motion.n_rows(), motion.require_tau().unwrap());
-    let beside: Vec<Mat<f64>> = (0..JOINTS)
+    let drive: Vec<Mat<f64>> = (0..JOINTS)
         .map(|joint| Mat::from_fn(m, 2, |row, k| (0.01 * (row * (k + joint + 1)) as f64).cos()))
         .collect();
-    let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &beside).unwrap();
+    let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &drive).unwrap();
     rows.with_shares(share)
 }
 
 fn other() -> Chain {
-    Chain { beside: vec![0.7, -1.3], ..chain(&drawn(JOINTS, 4), [0.1, -0.2]) }
+    Chain { drive: vec![0.7, -1.3], ..chain(&drawn(JOINTS, 4), [0.1, -0.2]) }
 }
 
 /// Weighted torque of a chain, all rows of joint 1 first.
@@ -37,14 +37,14 @@ fn weighted(chain: &Chain, rows: &Rows) -> Vec<f64> {
 /// The chain with one of its parameters moved, in the order of the columns of a tangent.
 fn moved(chain: &Chain, parameter: usize, step: f64) -> Chain {
     let mut moved = chain.clone();
-    let (masses, beside) = (moved.inertial.len(), moved.beside.len());
+    let (masses, drive) = (moved.inertial.len(), moved.drive.len());
     if parameter < masses {
         moved.inertial[parameter] += step;
-    } else if parameter < masses + beside {
-        moved.beside[parameter - masses] += step;
+    } else if parameter < masses + drive {
+        moved.drive[parameter - masses] += step;
     } else {
         let mut parameters = moved.geometry.parameters().to_vec();
-        parameters[parameter - masses - beside] += step;
+        parameters[parameter - masses - drive] += step;
         moved.geometry = Geometry::new(&parameters).unwrap();
     }
     moved
@@ -90,7 +90,7 @@ fn columns_are_the_slopes_of_the_torque() {
 
 #[test]
 fn rows_of_another_arm_are_refused() {
-    let chain = Chain { beside: vec![], ..other() };
+    let chain = Chain { drive: vec![], ..other() };
 
     assert!(chain.tangent(&rows(), &WEIGHTS).is_err());
     assert!(other().tangent(&rows(), &WEIGHTS[1..]).is_err());

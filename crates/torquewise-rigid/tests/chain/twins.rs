@@ -101,7 +101,7 @@ pub(crate) fn chain(links: &[Link], tilt: [f64; 2]) -> Chain {
         shift = -along * link.alpha.cos();
     }
     let geometry = Geometry::new(&parameters).unwrap();
-    Chain { geometry, inertial, beside: vec![], residual_rms: vec![], cost: 0.0 }
+    Chain { geometry, inertial, drive: vec![], residual_rms: vec![], cost: 0.0 }
 }
 
 /// m, m·c and the moments about the origin of the joint's frame.

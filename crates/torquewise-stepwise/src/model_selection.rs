@@ -15,12 +15,12 @@ use torquewise_survey::error::IdentifyError;
 use torquewise_survey::friction::{
     Dictionary, FrictionKind, REVERSAL, WIDTHS, WORTH, reversal_label,
 };
-use torquewise_survey::held_out::{BLOCKS, Trial, choose, choose_worth, split};
+use torquewise_survey::held_out::{BLOCKS, CvScore, choose, choose_worth, split};
 use torquewise_survey::survey::Survey;
 
 /// What a plan leaves open, settled.
 #[derive(Clone, Debug)]
-pub(crate) struct Settled {
+pub(crate) struct SelectedModel {
     pub(crate) library: LibraryKind,
     pub(crate) friction: Vec<FrictionTerm>,
     pub(crate) selector: Selector,
@@ -49,7 +49,7 @@ pub(crate) fn choose_laws(
         asked => asked,
     };
     let friction = Dictionary::new(survey.dq_peak.clone()).of(kind);
-    let mut settled = Settled::start(options, friction);
+    let mut settled = SelectedModel::start(options, friction);
     if is_short(survey) {
         return Ok((settled.friction, settled.choices));
     }
@@ -73,12 +73,12 @@ pub(crate) fn choose_laws(
 /// Interaction orders grow one at a time, and no further once a higher one predicts no better. All
 /// rows of the sample are one step here: the steps tell terms apart, which does not change what
 /// the log can tell.
-pub(crate) fn settle(
+pub(crate) fn select_model(
     survey: &Survey,
     options: &LibraryOptions,
     (friction, choices): (&[FrictionTerm], &[Choice]),
-) -> Result<Settled, IdentifyError> {
-    let mut settled = Settled::start(options, friction.to_vec());
+) -> Result<SelectedModel, IdentifyError> {
+    let mut settled = SelectedModel::start(options, friction.to_vec());
     settled.choices.extend_from_slice(choices);
     if options.regression != Regression::Stepwise || is_short(survey) {
         return Ok(settled);
@@ -90,7 +90,9 @@ pub(crate) fn settle(
     if matches!(options.selector, Selector::Criterion(_)) {
         let school = match school {
             Some(school) => school,
-            None => School::new(survey, options, settled.library, settled.friction.clone())?,
+            None => {
+                CrossValidation::new(survey, options, settled.library, settled.friction.clone())?
+            }
         };
         settled.choose_strictness(&school)?;
     }
@@ -101,7 +103,7 @@ fn is_short(survey: &Survey) -> bool {
     survey.sample.n_rows() < BLOCKS * LEAST_ROWS
 }
 
-impl Settled {
+impl SelectedModel {
     fn start(options: &LibraryOptions, friction: Vec<FrictionTerm>) -> Self {
         let (library, selector) = (options.library, options.selector.clone());
         Self { library, friction, selector, choices: Vec::new() }
@@ -112,9 +114,9 @@ impl Settled {
         &mut self,
         survey: &'a Survey,
         options: &LibraryOptions,
-    ) -> Result<Option<School<'a>>, IdentifyError> {
+    ) -> Result<Option<CrossValidation<'a>>, IdentifyError> {
         let laws = self.friction.clone();
-        let (mut trials, mut schools) = (Vec::<Trial>::new(), Vec::new());
+        let (mut trials, mut schools) = (Vec::<CvScore>::new(), Vec::new());
         for order in 1..=survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
             let candidates = Candidates::with_friction(
@@ -126,13 +128,14 @@ impl Settled {
             if order > 1 && candidates.len() > MOST_CANDIDATES {
                 break;
             }
-            let school = School::of(survey, candidates)?;
+            let school = CrossValidation::of(survey, candidates)?;
             let all: Vec<usize> = (0..school.candidates.len()).collect();
             trials.push(school.trial(format!("{order}"), &all, &options.selector)?);
             schools.push(school);
             // One more look: a pair of orders may help where one alone does not.
-            let best =
-                |trials: &[Trial]| trials.iter().map(Trial::error).fold(f64::INFINITY, f64::min);
+            let best = |trials: &[CvScore]| {
+                trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min)
+            };
             if order > 2 && best(&trials[order - 2..]) >= best(&trials[..order - 2]) {
                 break;
             }
@@ -150,11 +153,12 @@ impl Settled {
         &mut self,
         survey: &'a Survey,
         options: &LibraryOptions,
-    ) -> Result<(School<'a>, Dictionary), IdentifyError> {
+    ) -> Result<(CrossValidation<'a>, Dictionary), IdentifyError> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
             let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
-            let school = School::new(survey, options, self.library, laws.of(options.friction))?;
+            let school =
+                CrossValidation::new(survey, options, self.library, laws.of(options.friction))?;
             let all: Vec<usize> = (0..school.candidates.len()).collect();
             trials.push(school.trial(reversal_label(part), &all, &self.selector)?);
             ways.push((school, laws));
@@ -171,7 +175,7 @@ impl Settled {
 
     fn choose_friction(
         &mut self,
-        school: &School<'_>,
+        school: &CrossValidation<'_>,
         laws: &Dictionary,
     ) -> Result<(), IdentifyError> {
         let stribeck = laws.of(FrictionKind::Stribeck);
@@ -196,7 +200,7 @@ impl Settled {
         Ok(())
     }
 
-    fn choose_strictness(&mut self, school: &School<'_>) -> Result<(), IdentifyError> {
+    fn choose_strictness(&mut self, school: &CrossValidation<'_>) -> Result<(), IdentifyError> {
         let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
         let offered = school.with_laws(&self.friction);
         let mut ways = Vec::new();
@@ -219,7 +223,7 @@ impl Settled {
 }
 
 /// Candidates with the normal equations of each block of time.
-struct School<'a> {
+struct CrossValidation<'a> {
     survey: &'a Survey,
     candidates: Candidates,
     groups: Vec<Group>,
@@ -227,7 +231,7 @@ struct School<'a> {
     blocks: Vec<Vec<Gram>>,
 }
 
-impl<'a> School<'a> {
+impl<'a> CrossValidation<'a> {
     fn new(
         survey: &'a Survey,
         options: &LibraryOptions,
@@ -269,13 +273,13 @@ impl<'a> School<'a> {
         label: String,
         offered: &[usize],
         selector: &Selector,
-    ) -> Result<Trial, IdentifyError> {
+    ) -> Result<CvScore, IdentifyError> {
         let columns = (0..self.candidates.len()).collect();
         let step = Step { pattern: None, offered: offered.to_vec(), columns };
         let errors = (0..BLOCKS)
             .map(|block| self.error(block, &step, selector))
             .collect::<Result<_, _>>()?;
-        Ok(Trial { label, complexity: offered.len(), errors })
+        Ok(CvScore { label, complexity: offered.len(), errors })
     }
 
     /// Geometric mean over the joints of RMSE on a block over the spread of the torque.

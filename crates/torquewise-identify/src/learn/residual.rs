@@ -1,15 +1,15 @@
 //! Chain, rows → what the rest of a chain leaves to the friction of each joint.
 
-use super::{LAST_ROWS, School, TRIAL_ROWS};
-use crate::beside::columns;
-use crate::trial::Recipe;
+use super::{ChainLearner, LAST_ROWS, TRIAL_ROWS};
+use crate::chain_spec::ChainSpec;
+use crate::drive_terms::columns;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, fit};
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{BLOCKS, Trial, mean, split};
+use torquewise_survey::held_out::{BLOCKS, CvScore, mean, split};
 use torquewise_survey::survey::thinned;
 
 /// What stands beside the links must lower the error of its joint on held-out rows by this part,
@@ -33,21 +33,21 @@ pub(super) struct LeftOver {
 impl LeftOver {
     /// What a fit of a recipe leaves.
     pub(super) fn of(
-        school: &School<'_>,
-        recipe: &mut Recipe,
+        school: &ChainLearner<'_>,
+        spec: &mut ChainSpec,
         chain: &Chain,
     ) -> Result<Self, IdentifyError> {
-        let chain = fit(&school.rows(recipe, TRIAL_ROWS)?, chain, &recipe.search)?;
-        recipe.bear(&chain);
-        let rows = school.rows(recipe, LAST_ROWS)?;
+        let chain = fit(&school.rows(spec, TRIAL_ROWS)?, chain, &spec.search)?;
+        spec.bear(&chain);
+        let rows = school.rows(spec, LAST_ROWS)?;
         let (m, predicted) = (rows.len(), chain.torque(&rows));
         let motion = thinned(school.motion, LAST_ROWS);
-        let own = columns(&recipe.beside, &motion, recipe.gravity.as_ref());
+        let own = columns(&spec.drive, &motion, spec.gravity.as_ref());
         let left = |joint: usize, row: usize| -> f64 {
-            let rubs = (chain.beside.iter().zip(&recipe.beside).enumerate())
-                .filter(|(_, (_, beside))| beside.is_friction_of(joint))
+            let has_friction = (chain.drive.iter().zip(&spec.drive).enumerate())
+                .filter(|(_, (_, drive))| drive.is_friction_of(joint))
                 .map(|(k, (coefficient, _))| coefficient * own[joint][(row, k)]);
-            rows.torque_of(joint)[row] - predicted[joint * m + row] + rubs.sum::<f64>()
+            rows.torque_of(joint)[row] - predicted[joint * m + row] + has_friction.sum::<f64>()
         };
         let over = |value: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             (0..rows.n_joints())
@@ -62,10 +62,10 @@ impl LeftOver {
 
     /// A way to explain what is left of a joint, tried on held-out blocks; `None` if nothing can be
     /// solved.
-    pub(super) fn trial(&self, joint: usize, label: String, columns: &Mat<f64>) -> Option<Trial> {
+    pub(super) fn trial(&self, joint: usize, label: String, columns: &Mat<f64>) -> Option<CvScore> {
         let errors = RIDGES.iter().filter_map(|ridge| self.errors(joint, columns, *ridge));
         let errors = errors.min_by(|a, b| mean(a).total_cmp(&mean(b)))?;
-        Some(Trial { label, complexity: columns.ncols(), errors })
+        Some(CvScore { label, complexity: columns.ncols(), errors })
     }
 
     /// What columns leave of each row of a joint once all are fitted, and what it counts.
@@ -116,7 +116,7 @@ impl LeftOver {
     }
 }
 
-impl School<'_> {
+impl ChainLearner<'_> {
     /// Takes another recipe for one joint where the whole chain agrees on held-out rows: a longer
     /// one must be better by the share of the joint, a shorter one may be so much worse.
     ///
@@ -124,24 +124,24 @@ impl School<'_> {
     /// - returns: whether it was taken
     pub(super) fn agree(
         &self,
-        (recipe, now): (&mut Recipe, &mut f64),
-        with: Recipe,
+        (spec, now): (&mut ChainSpec, &mut f64),
+        with: ChainSpec,
         left: &LeftOver,
     ) -> Result<bool, IdentifyError> {
-        let is_longer = with.beside.len() > recipe.beside.len();
+        let is_longer = with.drive.len() > spec.drive.len();
         let part = WORTH / self.motion.n_joints() as f64;
         let allowed = if is_longer { 1.0 - part } else { 1.0 + part };
         let error = self.error(&with, left)?;
         let agrees = error <= allowed * *now;
         if agrees {
-            (*recipe, *now) = (with, error);
+            (*spec, *now) = (with, error);
         }
         Ok(agrees)
     }
 
     /// Error of a recipe on held-out rows.
-    pub(super) fn error(&self, recipe: &Recipe, left: &LeftOver) -> Result<f64, IdentifyError> {
-        Ok(self.trials(&[(String::new(), recipe.clone())], &left.chain, 0)?[0].error())
+    pub(super) fn error(&self, spec: &ChainSpec, left: &LeftOver) -> Result<f64, IdentifyError> {
+        Ok(self.trials(&[(String::new(), spec.clone())], &left.chain, 0)?[0].error())
     }
 }
 

@@ -1,16 +1,16 @@
-//! Recipe, rows → trial: a chain fitted with each block of time left out, and judged there.
+//! ChainSpec, rows → trial: a chain fitted with each block of time left out, and judged there.
 
-use crate::beside::{Beside, Gravity};
+use crate::drive_terms::{DriveTerm, Gravity};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::{Chain, Rows, Search, fit, refine};
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{BLOCKS, Trial, choose_worth, split};
+use torquewise_survey::held_out::{BLOCKS, CvScore, choose_worth, split};
 
 /// What a fit is made of, beside the geometry.
 #[derive(Clone, Debug)]
-pub(crate) struct Recipe {
-    pub(crate) beside: Vec<Beside>,
+pub(crate) struct ChainSpec {
+    pub(crate) drive: Vec<DriveTerm>,
     pub(crate) search: Search,
     /// Parameters of the geometry that move.
     pub(crate) free: Vec<usize>,
@@ -18,15 +18,15 @@ pub(crate) struct Recipe {
     pub(crate) gravity: Option<Gravity>,
 }
 
-impl Recipe {
+impl ChainSpec {
     /// Lets gears bear the weight that a chain has, which was fitted to this recipe.
     pub(crate) fn bear(&mut self, chain: &Chain) {
-        self.gravity = Some(Gravity::of(chain, &self.beside));
+        self.gravity = Some(Gravity::of(chain, &self.drive));
     }
 
     /// Whether friction is fitted.
-    pub(crate) fn rubs(&self) -> bool {
-        self.beside.iter().any(|beside| matches!(beside, Beside::Friction(_)))
+    pub(crate) fn has_friction(&self) -> bool {
+        self.drive.iter().any(|drive| matches!(drive, DriveTerm::Friction(_)))
     }
 }
 
@@ -36,12 +36,12 @@ const LEAST_ERROR: f64 = 1e-12;
 /// Fits a recipe with each block left out, and scores it there; without rounds the geometry stays.
 pub(crate) fn trial(
     label: String,
-    recipe: &Recipe,
+    spec: &ChainSpec,
     rows: &Rows,
     start: &Chain,
     rounds: usize,
-) -> Result<Trial, IdentifyError> {
-    let search = Search { rounds, weighings: 1, ..recipe.search.clone() };
+) -> Result<CvScore, IdentifyError> {
+    let search = Search { rounds, weighings: 1, ..spec.search.clone() };
     let errors = (0..BLOCKS)
         .into_par_iter()
         .map(|block| {
@@ -49,13 +49,13 @@ pub(crate) fn trial(
             let rest = rows.select(&rest);
             let chain = match rounds {
                 0 => fit(&rest, start, &search)?,
-                _ => refine(&rest, start, &recipe.free, &search)?,
+                _ => refine(&rest, start, &spec.free, &search)?,
             };
             Ok(error(&chain, &rows.select(&held), rows))
         })
         .collect::<Result<Vec<f64>, IdentifyError>>()?;
-    let complexity = start.inertial.len() + recipe.beside.len();
-    Ok(Trial { label, complexity, errors })
+    let complexity = start.inertial.len() + spec.drive.len();
+    Ok(CvScore { label, complexity, errors })
 }
 
 /// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
@@ -78,7 +78,7 @@ fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
 /// they start, and its record; returns the place of that trial among all.
 pub(crate) fn record_best(
     what: &str,
-    trials: &[Trial],
+    trials: &[CvScore],
     count: usize,
     choices: &mut Vec<Choice>,
 ) -> usize {
@@ -86,19 +86,19 @@ pub(crate) fn record_best(
     let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
     let best: Vec<usize> =
         places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect();
-    let candidates: Vec<Trial> = best.iter().map(|&place| trials[place].clone()).collect();
+    let candidates: Vec<CvScore> = best.iter().map(|&place| trials[place].clone()).collect();
     best[record(what, &candidates, choices)]
 }
 
 /// Makes a choice and its record.
-pub(crate) fn record(what: &str, trials: &[Trial], choices: &mut Vec<Choice>) -> usize {
+pub(crate) fn record(what: &str, trials: &[CvScore], choices: &mut Vec<Choice>) -> usize {
     record_worth(what, trials, 0.0, choices)
 }
 
 /// The same where a gain below a part is not worth it.
 pub(crate) fn record_worth(
     what: &str,
-    trials: &[Trial],
+    trials: &[CvScore],
     part: f64,
     choices: &mut Vec<Choice>,
 ) -> usize {

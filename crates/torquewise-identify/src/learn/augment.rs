@@ -1,9 +1,9 @@
 //! Learned chain, term → the chain with that term beside it, where held-out rows agree (E10).
 
-use super::left_over::WORTH;
-use super::{LAST_ROWS, Learned, SNAP_ROUNDS, School, TRIAL_ROWS};
-use crate::beside::Beside;
-use crate::trial::{Recipe, trial};
+use super::residual::WORTH;
+use super::{ChainLearner, LAST_ROWS, Learned, SNAP_ROUNDS, TRIAL_ROWS};
+use crate::chain_spec::{ChainSpec, trial};
+use crate::drive_terms::DriveTerm;
 use torquewise_model::EnergyTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
@@ -21,21 +21,21 @@ impl Learned {
         term: &EnergyTerm,
         motion: &Motion,
     ) -> Result<bool, IdentifyError> {
-        let school = School { motion, laws: self.laws.clone() };
-        let mut with = self.recipe.clone();
-        with.beside.push(Beside::Energy(term.clone()));
+        let school = ChainLearner { motion, laws: self.laws.clone() };
+        let mut with = self.spec.clone();
+        with.drive.push(DriveTerm::Energy(term.clone()));
         // The geometry was learned without the term and may be bent to stand for it: with it, the
         // chain is fitted first, and the other as well, so that both start alike.
-        let refined = |recipe: &Recipe| {
-            let rows = school.rows(recipe, LAST_ROWS)?;
-            Ok::<Chain, IdentifyError>(refine(&rows, &self.chain, &recipe.free, &recipe.search)?)
+        let refined = |spec: &ChainSpec| {
+            let rows = school.rows(spec, LAST_ROWS)?;
+            Ok::<Chain, IdentifyError>(refine(&rows, &self.chain, &spec.free, &spec.search)?)
         };
-        let (without, chain) = (refined(&self.recipe)?, refined(&with)?);
-        let ways = [("none".to_owned(), &self.recipe, &without), (term.name(), &with, &chain)];
+        let (without, chain) = (refined(&self.spec)?, refined(&with)?);
+        let ways = [("none".to_owned(), &self.spec, &without), (term.name(), &with, &chain)];
         let trials = ways
             .into_iter()
-            .map(|(label, recipe, start)| {
-                trial(label, recipe, &school.rows(recipe, TRIAL_ROWS)?, start, SNAP_ROUNDS)
+            .map(|(label, spec, start)| {
+                trial(label, spec, &school.rows(spec, TRIAL_ROWS)?, start, SNAP_ROUNDS)
             })
             .collect::<Result<Vec<_>, IdentifyError>>()?;
         // One joint gains, as was seen on its held-out rows: what scatters would hide it.

@@ -11,7 +11,7 @@ use torquewise_survey::friction::Dictionary;
 
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Beside {
+pub(crate) enum DriveTerm {
     /// Friction of a shaft (17).
     Friction(#[serde(with = "whole")] FrictionTerm),
     /// Inertia of a rotor on a shaft that turns with Σ shaft\[j\]·q̇ⱼ: T = ½ (Σ shaft\[j\]·q̇ⱼ)².
@@ -20,7 +20,7 @@ pub(crate) enum Beside {
     Energy(EnergyTerm),
 }
 
-impl Beside {
+impl DriveTerm {
     /// Laws of friction.
     pub(crate) fn friction(terms: Vec<FrictionTerm>) -> impl Iterator<Item = Self> {
         terms.into_iter().map(Self::Friction)
@@ -140,10 +140,10 @@ pub(crate) struct Gravity {
 impl Gravity {
     /// That of a chain.
     ///
-    /// - `beside`: what stands beside its links, in the order of their coefficients
-    pub(crate) fn of(chain: &Chain, beside: &[Beside]) -> Self {
-        let springs = beside.iter().zip(&chain.beside).filter_map(|(beside, coefficient)| {
-            let Beside::Energy(term) = beside else { return None };
+    /// - `drive`: what stands beside its links, in the order of their coefficients
+    pub(crate) fn of(chain: &Chain, drive: &[DriveTerm]) -> Self {
+        let springs = drive.iter().zip(&chain.drive).filter_map(|(drive, coefficient)| {
+            let DriveTerm::Energy(term) = drive else { return None };
             (term.place == Place::Potential).then(|| (term.clone(), *coefficient))
         });
         Self {
@@ -171,18 +171,18 @@ impl Gravity {
 ///
 /// - `gravity`: what friction under load is in proportion to
 pub(crate) fn columns(
-    beside: &[Beside],
+    drive: &[DriveTerm],
     motion: &Motion,
     gravity: Option<&Gravity>,
 ) -> Vec<Mat<f64>> {
     let mut states = States::of(motion);
-    if let (true, Some(gravity)) = (beside.iter().any(Beside::feels_load), gravity) {
+    if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::feels_load), gravity) {
         let gravity = gravity.over(motion, &states);
         states = states.under(gravity);
     }
-    let mut columns = vec![Mat::zeros(motion.n_rows(), beside.len()); motion.n_joints()];
-    for (k, beside) in beside.iter().enumerate() {
-        let loads = beside.loads(&states);
+    let mut columns = vec![Mat::zeros(motion.n_rows(), drive.len()); motion.n_joints()];
+    for (k, drive) in drive.iter().enumerate() {
+        let loads = drive.loads(&states);
         for (joint, columns) in columns.iter_mut().enumerate() {
             columns.col_mut(k).copy_from(loads.col(joint));
         }

@@ -1,6 +1,6 @@
 //! Learned chain → the terms it was not offered, and what each would explain of its residual (E10).
 
-use crate::beside::Beside;
+use crate::drive_terms::DriveTerm;
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
 use crate::states::States;
@@ -9,7 +9,7 @@ use faer::Mat;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::ops::Range;
-use torquewise_model::model::{Overlooked, Unused};
+use torquewise_model::model::{OmittedTerms, Unused};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_regression::screen::{Gain, Screen};
 use torquewise_stepwise::candidates::largest_energy_library;
@@ -37,7 +37,7 @@ enum Candidate {
 
 /// What trying all terms came to.
 pub(crate) struct Tried {
-    pub(crate) certificate: Overlooked,
+    pub(crate) certificate: OmittedTerms,
     /// Of a term that explains what no chain does.
     pub(crate) warning: Option<UntriedTerm>,
     /// The best of those that are terms of an energy and were not refused, if it explains what no
@@ -49,13 +49,13 @@ pub(crate) struct Tried {
 /// each on its own; and warns if one explains what no chain does.
 ///
 /// - `refused`: terms with which a fit did no better
-pub(crate) fn overlooked(
+pub(crate) fn test_omitted_terms(
     learned: &Learned,
     survey: &Survey,
     friction: FrictionKind,
     refused: &[EnergyTerm],
 ) -> Result<Tried, IdentifyError> {
-    let trials = Trials::new(learned, survey)?;
+    let trials = OmittedTermTests::new(learned, survey)?;
     let candidates = candidates(learned, friction);
     let gains = trials.gains(&candidates)?;
     let all: Vec<usize> = (0..candidates.len()).collect();
@@ -65,7 +65,7 @@ pub(crate) fn overlooked(
         .map(|&place| Ok(trials.unused(&candidates[place], &gains[place])?.0))
         .collect::<Result<Vec<Unused>, IdentifyError>>()?;
     let verdict = trials.verdict(&candidates, &gains, &all)?;
-    let certificate = Overlooked {
+    let certificate = OmittedTerms {
         candidates: candidates.len(),
         rows: learned.rows.len(),
         best,
@@ -113,7 +113,7 @@ struct Verdict {
 
 impl Verdict {
     /// Whether it holds on rows it was not chosen on, by more than chance, and matters.
-    fn is_certain(&self, trials: &Trials<'_>, survey: &Survey) -> bool {
+    fn is_certain(&self, trials: &OmittedTermTests<'_>, survey: &Survey) -> bool {
         let part = trials.left_of(self.joint) / survey.torque_std[self.joint];
         let stays = 1.0 - self.held_out.min(1.0);
         let removed = part * (1.0 - stays.powi(2)).max(0.0).sqrt();
@@ -167,7 +167,7 @@ fn springs(n: usize) -> impl Iterator<Item = EnergyTerm> {
 /// Rows of a log in blocks of time, on which terms are tried.
 ///
 /// Equations are in the order block, joint, row.
-struct Trials<'a> {
+struct OmittedTermTests<'a> {
     names: &'a [String],
     states: States,
     screen: Screen,
@@ -181,7 +181,7 @@ struct Trials<'a> {
     noise: Vec<f64>,
 }
 
-impl<'a> Trials<'a> {
+impl<'a> OmittedTermTests<'a> {
     fn new(learned: &Learned, survey: &'a Survey) -> Result<Self, IdentifyError> {
         let (rows, chain) = (&learned.rows, &learned.chain);
         let (m, n) = (rows.len(), rows.n_joints());
@@ -238,7 +238,7 @@ impl<'a> Trials<'a> {
         let n = self.states.n_joints();
         let loads = match candidate {
             Candidate::Energy(term) => self.states.loads(term, 1.0),
-            Candidate::Friction(term) => Beside::Friction(term.clone()).loads(&self.states),
+            Candidate::Friction(term) => DriveTerm::Friction(term.clone()).loads(&self.states),
         };
         let mut next = 0;
         for block in &self.blocks {

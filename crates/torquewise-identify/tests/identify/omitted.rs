@@ -8,7 +8,7 @@ use rand_distr::{Distribution, StandardNormal};
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, Warning, reconstruct};
-use torquewise_model::model::Overlooked;
+use torquewise_model::model::OmittedTerms;
 use torquewise_model::{
     EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted, from_json, to_json,
 };
@@ -57,12 +57,12 @@ fn fit(motion: &Motion) -> Reconstruction {
     reconstruct(motion, &plan, &mut |_| {}).unwrap()
 }
 
-fn overlooked(found: &Reconstruction) -> &Overlooked {
-    found.model.training.overlooked.as_ref().unwrap()
+fn test_omitted_terms(found: &Reconstruction) -> &OmittedTerms {
+    found.model.training.omitted.as_ref().unwrap()
 }
 
 fn warned(found: &Reconstruction) -> Option<&Warning> {
-    found.warnings.iter().find(|warning| matches!(warning, Warning::Overlooked { .. }))
+    found.warnings.iter().find(|warning| matches!(warning, Warning::OmittedTerm { .. }))
 }
 
 /// A spring between the base and the third link: what no mass does.
@@ -86,7 +86,7 @@ fn planted_terms_are_found_one_by_one_and_taken_in() {
     let mut names: Vec<&str> = joined.map(|choice| choice.chosen.as_str()).collect();
     names.sort_unstable();
     assert_eq!(names, ["M12: cos(q2)*cos(2*q3)", "V: cos(q1)*cos(q3)"]);
-    let tried = overlooked(&found);
+    let tried = test_omitted_terms(&found);
     assert_eq!(warned(&found), None, "{tried}");
     // Nothing is left but the noise, on a motion it has not seen either.
     for rms in &found.model.training.residual_rms {
@@ -102,7 +102,7 @@ fn planted_terms_are_found_one_by_one_and_taken_in() {
     }
     // What was tried goes into the model file and comes back.
     let kept = from_json(&to_json(&found.model).unwrap()).unwrap();
-    assert_eq!(kept.training.overlooked, found.model.training.overlooked);
+    assert_eq!(kept.training.omitted, found.model.training.omitted);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn without_it_nothing_is_said() {
     for noise in [0.0, 0.2, 2.0] {
         let found = fit(&motion(&[], noise));
 
-        let tried = overlooked(&found);
+        let tried = test_omitted_terms(&found);
         assert_eq!(warned(&found), None, "{noise}: {tried}");
         // Library, springs, and the friction that was not asked for.
         assert_eq!(tried.candidates, 84 + 42 + 51, "{tried}");

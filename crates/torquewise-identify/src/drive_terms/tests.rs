@@ -1,6 +1,6 @@
 //! Columns against closed forms: energies differentiated by hand, virtual work.
 
-use super::{Beside, columns};
+use super::{DriveTerm, columns};
 use approx::assert_relative_eq;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -37,7 +37,7 @@ fn a_rotor_loads_joints_as_its_energy_says() {
     let motion = states();
     let coefficient = 0.7;
     for shaft in [vec![0.0, 1.0, 0.0], vec![0.0, 1.0, -1.0], vec![0.5, 0.0, 2.0]] {
-        let rotor = Beside::Rotor(shaft.clone());
+        let rotor = DriveTerm::Rotor(shaft.clone());
         let weighted =
             |(term, coefficient)| Weighted { term, coefficient, std_error: 0.0, inclusion: None };
         let drive = Drive::Rotor { shaft: shaft.clone(), inertia: coefficient };
@@ -62,7 +62,7 @@ fn a_rotor_loads_joints_as_its_energy_says() {
 fn each_joint_has_its_own_rotor() {
     let motion = states();
 
-    let columns = columns(&Beside::rotors(N), &motion, None);
+    let columns = columns(&DriveTerm::rotors(N), &motion, None);
 
     for (joint, column) in columns.iter().enumerate() {
         for rotor in 0..N {
@@ -76,7 +76,7 @@ fn each_joint_has_its_own_rotor() {
 fn a_counterbalance_loads_its_joint_with_the_slope_of_its_energy() {
     let motion = states();
 
-    let columns = columns(&Beside::counterbalance(N, 1), &motion, None);
+    let columns = columns(&DriveTerm::counterbalance(N, 1), &motion, None);
 
     for row in 0..motion.n_rows() {
         let q = motion.q()[(row, 1)];
@@ -100,7 +100,7 @@ fn a_term_of_the_inertia_loads_joints_as_a_model_predicts() {
             Weighted { term: term.clone(), coefficient: 1.0, std_error: 0.0, inclusion: None };
         let expected = Torque::new(&model(vec![weighted])).over(&motion).unwrap();
 
-        let columns = columns(&[Beside::Energy(term)], &motion, None);
+        let columns = columns(&[DriveTerm::Energy(term)], &motion, None);
 
         for row in 0..motion.n_rows() {
             for (joint, column) in columns.iter().enumerate() {
@@ -127,7 +127,7 @@ fn a_shared_shaft_does_the_work_of_its_friction_and_its_rotor() {
     let motion = states();
     let (shaft, width) = ([0.0, 1.0, -1.0], 0.1);
 
-    let columns = columns(&Beside::shared_shaft(&shaft, width), &motion, None);
+    let columns = columns(&DriveTerm::shared_shaft(&shaft, width), &motion, None);
 
     for row in 0..motion.n_rows() {
         let (v, a) = (dot(&shaft, motion.dq(), row), dot(&shaft, motion.ddq(), row));
@@ -139,8 +139,8 @@ fn a_shared_shaft_does_the_work_of_its_friction_and_its_rotor() {
     }
 }
 
-fn friction(terms: Vec<FrictionTerm>) -> Vec<Beside> {
-    Beside::friction(terms).collect()
+fn friction(terms: Vec<FrictionTerm>) -> Vec<DriveTerm> {
+    DriveTerm::friction(terms).collect()
 }
 
 #[test]
@@ -189,9 +189,9 @@ fn the_stribeck_dictionary_tells_directions_apart() {
 
 #[test]
 fn a_joint_that_never_moves_has_columns_all_the_same() {
-    let beside = friction(Dictionary::new(vec![0.0; N]).stribeck());
+    let drive = friction(Dictionary::new(vec![0.0; N]).stribeck());
 
-    let columns = columns(&beside, &states(), None);
+    let columns = columns(&drive, &states(), None);
 
     assert!(columns.iter().all(Mat::is_all_finite));
 }

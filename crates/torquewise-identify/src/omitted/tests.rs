@@ -1,9 +1,9 @@
 //! What a term would explain, against least squares solved anew with the torque of the term.
 
-use super::{Candidate, Trials, Tried, candidates, overlooked};
+use super::{Candidate, OmittedTermTests, Tried, candidates, test_omitted_terms};
+use crate::chain_spec::ChainSpec;
 use crate::learn::{Learned, TRIED_ROWS};
 use crate::plan::FrictionKind;
-use crate::trial::Recipe;
 use crate::warning::{UntriedTerm, Warning};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -26,7 +26,7 @@ fn chain() -> Chain {
     let geometry = Geometry::new(&parameters).unwrap();
     let mut random = ChaCha8Rng::seed_from_u64(2);
     let inertial = (0..10 * N).map(|_| random.random_range(0.1..2.0)).collect();
-    Chain { geometry, inertial, beside: vec![], residual_rms: vec![NOISE; N], cost: 0.0 }
+    Chain { geometry, inertial, drive: vec![], residual_rms: vec![NOISE; N], cost: 0.0 }
 }
 
 fn model(terms: &[(EnergyTerm, f64)]) -> Model {
@@ -105,8 +105,8 @@ fn learned(survey: &Survey) -> Learned {
     let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap();
     let laws = Dictionary::new(vec![2.0; N]);
     let (search, free) = (Search::default(), all_parameters(N));
-    let recipe = Recipe { beside: vec![], search, free, gravity: None };
-    Learned { chain: chain(), recipe, choices: vec![], rows, laws }
+    let spec = ChainSpec { drive: vec![], search, free, gravity: None };
+    Learned { chain: chain(), spec, choices: vec![], rows, laws }
 }
 
 fn spring() -> EnergyTerm {
@@ -115,7 +115,7 @@ fn spring() -> EnergyTerm {
 }
 
 fn said(warning: Option<UntriedTerm>) -> String {
-    Warning::Overlooked(warning.unwrap()).to_string()
+    Warning::OmittedTerm(warning.unwrap()).to_string()
 }
 
 /// What least squares leaves, squared, of columns of any rank.
@@ -142,7 +142,7 @@ fn a_share_is_what_solving_least_squares_with_the_term_gains() {
     let survey = survey(&motion).unwrap();
     let learned = learned(&survey);
     let all = candidates(&learned, FrictionKind::Linear);
-    let gains = Trials::new(&learned, &survey).unwrap().gains(&all).unwrap();
+    let gains = OmittedTermTests::new(&learned, &survey).unwrap().gains(&all).unwrap();
 
     // Another way: all rows at once, the torque of a term as a model predicts it.
     let noise = learned.chain.weights(&learned.rows);
@@ -176,7 +176,7 @@ fn a_term_that_is_at_work_is_the_best_and_warned_of() {
     let survey = survey(&motion(1_000, &[(spring(), 0.5)], NOISE)).unwrap();
 
     let Tried { certificate: found, warning, .. } =
-        overlooked(&learned(&survey), &survey, FrictionKind::Auto, &[]).unwrap();
+        test_omitted_terms(&learned(&survey), &survey, FrictionKind::Auto, &[]).unwrap();
 
     // 84 terms of the library, 2 springs of each joint and 12 of each pair.
     assert_eq!(found.candidates, 84 + 6 + 36);
@@ -192,7 +192,7 @@ fn where_the_chain_is_all_there_is_no_term_holds() {
         let survey = survey(&motion(1_000, &[], noise)).unwrap();
 
         let Tried { certificate: found, warning, .. } =
-            overlooked(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
+            test_omitted_terms(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
 
         assert_eq!(warning, None, "{noise}: {found}");
         // The best of 177 by chance: 2 ln 177 over 3000 equations, twice that to be safe.
@@ -205,7 +205,7 @@ fn friction_that_was_not_asked_for_is_found() {
     let survey = survey(&rubbing(&[], 0.8)).unwrap();
 
     let Tried { certificate: found, warning, .. } =
-        overlooked(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
+        test_omitted_terms(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
 
     assert_eq!((found.best[0].term.as_str(), found.best[0].joint.as_str()), ("dq2", "joint2"));
     assert!(said(warning).ends_with("try --friction auto"));
@@ -215,7 +215,7 @@ fn friction_that_was_not_asked_for_is_found() {
 fn an_energy_is_missing_though_friction_explains_more() {
     let survey = survey(&rubbing(&[(spring(), 1.0)], 0.6)).unwrap();
 
-    let tried = overlooked(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
+    let tried = test_omitted_terms(&learned(&survey), &survey, FrictionKind::None, &[]).unwrap();
 
     assert_eq!(tried.certificate.best[0].term, "dq2");
     assert!(said(tried.warning).ends_with("try --friction auto"));
@@ -226,7 +226,8 @@ fn an_energy_is_missing_though_friction_explains_more() {
 fn a_refused_term_is_warned_of_and_not_missing() {
     let survey = survey(&motion(1_000, &[(spring(), 0.5)], NOISE)).unwrap();
 
-    let tried = overlooked(&learned(&survey), &survey, FrictionKind::Auto, &[spring()]).unwrap();
+    let tried =
+        test_omitted_terms(&learned(&survey), &survey, FrictionKind::Auto, &[spring()]).unwrap();
 
     assert!(said(tried.warning).ends_with("a longer log would tell"));
     assert_ne!(tried.missing, Some(spring()));
@@ -240,7 +241,7 @@ fn a_term_at_work_is_taken_in_with_its_coefficient() {
     assert!(learned.offer(&spring(), &survey.sample).unwrap());
 
     // Noise of 0.05 in 3000 equations on a column of about unit size.
-    assert!((learned.chain.beside[0] - 0.5).abs() < 0.01, "{}", learned.chain.beside[0]);
+    assert!((learned.chain.drive[0] - 0.5).abs() < 0.01, "{}", learned.chain.drive[0]);
     assert_eq!(learned.choices.last().unwrap().chosen, spring().name());
 }
 
@@ -251,7 +252,7 @@ fn a_term_that_is_not_at_work_is_refused() {
 
     assert!(!learned.offer(&spring(), &survey.sample).unwrap());
 
-    assert_eq!((learned.recipe.beside.len(), learned.chain.beside.len()), (0, 0));
+    assert_eq!((learned.spec.drive.len(), learned.chain.drive.len()), (0, 0));
     assert_eq!(learned.choices.last().unwrap().chosen, "none");
 }
 
@@ -262,7 +263,7 @@ fn the_same_bits_at_any_number_of_threads() {
     let found_with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            overlooked(&learned, &survey, FrictionKind::Linear, &[]).unwrap().certificate
+            test_omitted_terms(&learned, &survey, FrictionKind::Linear, &[]).unwrap().certificate
         })
     };
 
