@@ -1,4 +1,5 @@
-//! Model → what its torque costs a controller: counted operations, time and shares of a period.
+//! From model to what its torque costs a controller: counted operations, time and shares of a
+//! period.
 
 use crate::table::Table;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Words of the command line → the command they name.
+//! From words of the command line to the command they name.
 
 mod arms;
 mod simulate;

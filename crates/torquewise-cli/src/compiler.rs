@@ -1,4 +1,4 @@
-//! C sources → shared library, by the compiler of the machine.
+//! From c sources to shared library, by the compiler of the machine.
 
 use crate::error::CliError;
 use std::env;

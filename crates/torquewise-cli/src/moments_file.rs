@@ -1,4 +1,4 @@
-//! Moments file → summary and back, and what is said of it.
+//! From moments file to summary and back, and what is said of it.
 
 use crate::error::CliError;
 use crate::files::{read_bytes, write_whole};

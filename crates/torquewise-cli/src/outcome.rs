@@ -93,7 +93,7 @@ fn fail(error: &Error, as_json: bool) -> u8 {
     complain("error", "31", &lines.join("\n"));
     if as_json {
         let object = json!({ "error": lines.join("; ") });
-        // Without stdout there is nobody left to tell.
+        // Ignored: stdout is gone.
         let _ = write_stdout(&(object.to_string() + "\n"));
     }
     match error.downcast_ref() {
@@ -108,7 +108,7 @@ fn fail(error: &Error, as_json: bool) -> u8 {
 fn complain(word: &str, colour: &str, text: &str) {
     let mut stderr = io::stderr().lock();
     let plain = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    // Without stderr there is nobody left to tell.
+    // Ignored: stderr is gone.
     let _ = if stderr.is_terminal() && !plain {
         writeln!(stderr, "\x1b[1;{colour}m{word}:\x1b[0m {text}")
     } else {

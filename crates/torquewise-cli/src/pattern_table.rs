@@ -1,4 +1,4 @@
-//! Patterns of rows → counts, and a table with the number and the pattern of each row.
+//! From patterns of rows to counts, and a table with the number and the pattern of each row.
 
 use crate::table::Table;
 use serde_json::{Value, json};

@@ -1,4 +1,4 @@
-//! Rows of words and numbers → text in columns.
+//! From rows of words and numbers to text in columns.
 
 /// A table for the terminal: names to the left, numbers to the right.
 #[derive(Clone, Debug)]

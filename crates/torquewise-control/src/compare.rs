@@ -1,4 +1,4 @@
-//! Plant, knowledge, laws → trackings: the same gains, the same motion, another law each.
+//! From plant, knowledge, laws to trackings: the same gains, the same motion, another law each.
 
 use crate::controller::{Controller, Law};
 use crate::error::ControlError;

@@ -1,4 +1,5 @@
-//! Desired and measured motion → torque command: PID, controllers 1 and 2, two beyond the paper.
+//! From desired and measured motion to torque command: PID, controllers 1 and 2, two beyond the
+//! paper.
 
 use crate::error::{ControlError, check_between, check_joints};
 use crate::gains::Gains;

@@ -1,4 +1,5 @@
-//! Bandwidth, inertia → Gains: one rule, so that controllers are compared and not their tuning.
+//! From bandwidth, inertia to Gains: one rule, so that controllers are compared and not their
+//! tuning.
 
 use crate::error::{ControlError, check_between, check_joints};
 use crate::knowledge::Knowledge;

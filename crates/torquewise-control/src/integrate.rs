@@ -1,4 +1,4 @@
-//! Slope, state → state some time later: Dormand and Prince's method with error control.
+//! From slope, state to state some time later: Dormand and Prince's method with error control.
 
 use crate::error::ControlError;
 

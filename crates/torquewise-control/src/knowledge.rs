@@ -1,4 +1,4 @@
-//! Model → Knowledge: what a controller may ask about the arm before it.
+//! From model to Knowledge: what a controller may ask about the arm before it.
 
 use crate::error::ControlError;
 use crate::plant::Plant;

@@ -1,4 +1,4 @@
-//! Plant, commands → motion: the arm between two ticks of its controller.
+//! From plant, commands to motion: the arm between two ticks of its controller.
 
 use crate::error::ControlError;
 use crate::integrate::Integrator;

@@ -1,4 +1,4 @@
-//! Arm, friction, drives, encoders → Plant: what a controller has before it.
+//! From arm, friction, drives, encoders to Plant: what a controller has before it.
 
 use crate::error::{ControlError, check_between, check_joints};
 use crate::integrate::Integrator;

@@ -1,4 +1,4 @@
-//! Plant, desired motion → Recorded: a log as an arm in velocity mode gives it.
+//! From plant, desired motion to Recorded: a log as an arm in velocity mode gives it.
 
 use crate::error::{ControlError, check_between, check_joints};
 use crate::gains::mean_inertia;

@@ -1,4 +1,4 @@
-//! Arm, period, seed → desired motion: smooth, periodic, at rest between its periods.
+//! From arm, period, seed to desired motion: smooth, periodic, at rest between its periods.
 
 use crate::error::{ControlError, check_between};
 use faer::Mat;

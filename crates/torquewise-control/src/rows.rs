@@ -1,4 +1,4 @@
-//! Desired motion → rows: q, q̇ and q̈ at each tick of the controller.
+//! From desired motion to rows: q, q̇ and q̈ at each tick of the controller.
 
 use crate::error::ControlError;
 use faer::MatRef;

@@ -1,4 +1,4 @@
-//! Plant, controller, desired motion → Tracking: the closed loop at a fixed rate.
+//! From plant, controller, desired motion to Tracking: the closed loop at a fixed rate.
 
 use crate::controller::Controller;
 use crate::error::{ControlError, check_joints};

@@ -1,4 +1,5 @@
-//! Model, recording → diagnosis: what the residuals look like, and which terms carry the torque.
+//! From model, recording to diagnosis: what the residuals look like, and which terms carry the
+//! torque.
 
 use crate::score::{Scores, score};
 use crate::turning::Turning;

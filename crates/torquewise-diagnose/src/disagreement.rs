@@ -1,4 +1,5 @@
-//! Model, several logs → disagreements: joints whose gravity is another in one log than in another.
+//! From model, several logs to disagreements: joints whose gravity is another in one log than in
+//! another.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};

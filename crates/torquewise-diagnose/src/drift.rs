@@ -1,4 +1,4 @@
-//! Model, sample of long logs → drift: joints whose friction changes as their gears warm.
+//! From model, sample of long logs to drift: joints whose friction changes as their gears warm.
 
 use std::fmt;
 use std::ops::Range;

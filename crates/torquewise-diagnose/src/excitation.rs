@@ -1,4 +1,5 @@
-//! Sample of a log → findings: what its motion cannot determine, in words a person can act on.
+//! From sample of a log to findings: what its motion cannot determine, in words a person can act
+//! on.
 
 use crate::rough::{Rough, rough};
 use faer::linalg::solvers::Solve;

@@ -1,4 +1,4 @@
-//! Log, model → diagnosis: what the log leaves open, and what the model leaves unexplained.
+//! From log, model to diagnosis: what the log leaves open, and what the model leaves unexplained.
 
 pub mod rough;
 pub mod excitation;

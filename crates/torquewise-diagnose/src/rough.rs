@@ -1,4 +1,5 @@
-//! Sample of a log → rough model of each joint: does its torque follow its motion, and which way?
+//! From sample of a log to rough model of each joint: does its torque follow its motion, and which
+//! way?
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, Side};

@@ -1,4 +1,4 @@
-//! Positions → the way since each joint last turned round, where friction had turned before.
+//! From positions to the way since each joint last turned round, where friction had turned before.
 
 /// The way since the last reversal of one joint.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! Joints in a row → Arm: names, placements, axes and bodies, checked once.
+//! From joints in a row to Arm: names, placements, axes and bodies, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::error::DynamicsError;

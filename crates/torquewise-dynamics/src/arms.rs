@@ -1,4 +1,4 @@
-//! Name → Arm: the reference arms that tests, examples and documents share.
+//! From name to Arm: the reference arms that tests, examples and documents share.
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;

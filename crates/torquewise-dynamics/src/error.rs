@@ -1,4 +1,4 @@
-//! What can be wrong with an arm, a planned motion or a noise level.
+//! Errors of arms, planned motions and noise levels.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 use torquewise_motion::MotionError;

@@ -1,4 +1,4 @@
-//! Arm, q, q̇, τ → q̈: solves M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
+//! From arm, q, q̇, τ to q̈: solves M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;

@@ -1,4 +1,4 @@
-//! TOML → Friction: the Stribeck curve (17) of each joint, forward and backward.
+//! From TOML to Friction: the Stribeck curve (17) of each joint, forward and backward.
 
 use crate::error::DynamicsError;
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! Motion → noisy Motion: white Gaussian noise at a given signal-to-noise ratio.
+//! From motion to noisy Motion: white Gaussian noise at a given signal-to-noise ratio.
 
 use crate::error::DynamicsError;
 use faer::Mat;

@@ -1,4 +1,4 @@
-//! Kind, length, rate, seed → MotionPlan: what a simulated log should hold.
+//! From kind, length, rate, seed to MotionPlan: what a simulated log should hold.
 
 use crate::error::DynamicsError;
 

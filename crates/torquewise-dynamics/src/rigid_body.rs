@@ -1,4 +1,4 @@
-//! Arm, q, q̇, q̈ → torque, regressor, mass matrix, energy: rigid bodies and their rotors.
+//! From arm, q, q̇, q̈ to torque, regressor, mass matrix, energy: rigid bodies and their rotors.
 
 use crate::arm::Arm;
 use faer::{ColRef, Mat};

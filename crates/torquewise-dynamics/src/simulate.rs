@@ -1,4 +1,4 @@
-//! Arm, MotionPlan → Simulation: a log free of noise whose truth is known.
+//! From arm, MotionPlan to Simulation: a log free of noise whose truth is known.
 
 use crate::arm::Arm;
 use crate::error::DynamicsError;

@@ -1,4 +1,4 @@
-//! MotionPlan → Trajectory: exact q, q̇, q̈ at any row, without torque.
+//! From MotionPlan to Trajectory: exact q, q̇, q̈ at any row, without torque.
 
 mod moves;
 mod sines;

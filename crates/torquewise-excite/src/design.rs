@@ -1,4 +1,4 @@
-//! Library, limits → parts of a recording: those that tell most about the coefficients.
+//! From library, limits to parts of a recording: those that tell most about the coefficients.
 
 use crate::error::ExciteError;
 use crate::information::Information;

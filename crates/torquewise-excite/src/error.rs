@@ -1,4 +1,4 @@
-//! What can be wrong with the plan of a motion.
+//! Errors of planning a motion.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 use torquewise_identify::IdentifyError;

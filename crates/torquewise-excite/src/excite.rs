@@ -1,4 +1,4 @@
-//! Limits → three recordings: what a model can be reconstructed from, on one page.
+//! From limits to three recordings: what a model can be reconstructed from, on one page.
 
 use crate::design::{Effort, Recipe, Task};
 use crate::error::ExciteError;

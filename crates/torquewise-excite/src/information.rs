@@ -1,4 +1,5 @@
-//! Rows → information: the Gram matrix, what rows would add to it, how well it is conditioned.
+//! From rows to information: the Gram matrix, what rows would add to it, how well it is
+//! conditioned.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -1,4 +1,5 @@
-//! Limits, orders → library: energies and friction as columns, each of size one over the limits.
+//! From limits, orders to library: energies and friction as columns, each of size one over the
+//! limits.
 
 use crate::error::ExciteError;
 use crate::limits::Bounds;

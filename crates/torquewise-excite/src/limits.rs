@@ -1,4 +1,4 @@
-//! Arm, wishes → limits: what each joint may do, and what the plan keeps to.
+//! From arm, wishes to limits: what each joint may do, and what the plan keeps to.
 
 use crate::error::ExciteError;
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Limits, random numbers → parts: what informs, each at rest in one pose at both ends.
+//! From limits, random numbers to parts: what informs, each at rest in one pose at both ends.
 
 use crate::limits::Bounds;
 use crate::random::{between, direction, log_between, normal};

@@ -1,4 +1,4 @@
-//! Parts → path: glides between them, from home and back; the state at any time.
+//! From parts to path: glides between them, from home and back; the state at any time.
 
 use crate::limits::Bounds;
 use crate::part::Part;

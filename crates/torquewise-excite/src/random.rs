@@ -1,4 +1,4 @@
-//! Seeded generator → numbers of a few distributions.
+//! From seeded generator to numbers of a few distributions.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

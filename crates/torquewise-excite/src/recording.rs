@@ -1,4 +1,4 @@
-//! Path → recording: rows at a rate, made anew each time they are read, and their peaks.
+//! From path to recording: rows at a rate, made anew each time they are read, and their peaks.
 
 use crate::error::ExciteError;
 use crate::limits::Bounds;

@@ -1,4 +1,4 @@
-//! Limits, poses → segments: held, moved or swept, with exact velocity and acceleration.
+//! From limits, poses to segments: held, moved or swept, with exact velocity and acceleration.
 
 use crate::limits::Bounds;
 use crate::sines::Sines;

@@ -1,4 +1,5 @@
-//! Limits, random numbers → sines: a period of a Fourier series per joint, at rest at both ends.
+//! From limits, random numbers to sines: a period of a Fourier series per joint, at rest at both
+//! ends.
 
 use crate::limits::Bounds;
 use crate::random::{between, log_between, normal};

@@ -1,4 +1,4 @@
-//! Instant → state: positions, velocities and accelerations of n joints.
+//! From instant to state: positions, velocities and accelerations of n joints.
 
 /// Where the joints are and how they move at one instant, n each.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,4 +1,5 @@
-//! Trials that experiments ask for → their results: each done once, on all cores, in any order.
+//! From trials that experiments ask for to their results: each done once, on all cores, in any
+//! order.
 
 use crate::error::ExperimentError;
 use crate::scenario::outside;

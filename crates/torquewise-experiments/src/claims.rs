@@ -1,4 +1,4 @@
-//! Results → claims: what the paper says, what is measured, whether it holds.
+//! From results to claims: what the paper says, what is measured, whether it holds.
 
 use crate::method::Method;
 use crate::results::{Claim, Results, Verdict};

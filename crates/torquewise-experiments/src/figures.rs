@@ -1,4 +1,4 @@
-//! Results → figures: those of the paper, and those beyond it.
+//! From results to figures: those of the paper, and those beyond it.
 
 pub mod looks;
 mod patterns;

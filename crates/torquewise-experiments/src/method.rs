@@ -1,4 +1,4 @@
-//! Name → plan: the methods that are compared, and the one choice in which variants differ.
+//! From name to plan: the methods that are compared, and the one choice in which variants differ.
 
 use serde::Serialize;
 use torquewise_identify::plan::{LibraryOptions, Regression};

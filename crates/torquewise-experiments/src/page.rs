@@ -1,4 +1,4 @@
-//! Results → HTML report: one file that says what was done, what is seen and what holds.
+//! From results to HTML report: one file that says what was done, what is seen and what holds.
 
 mod cells;
 mod summary;

@@ -1,4 +1,4 @@
-//! Settings → results: every experiment, one after the other on all cores.
+//! From settings to results: every experiment, one after the other on all cores.
 
 use crate::agenda::{Agenda, Progress, Trials};
 use crate::claims::judge_claims;

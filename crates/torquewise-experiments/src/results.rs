@@ -1,4 +1,4 @@
-//! Numbers of all experiments → results: plain, to be saved, drawn and told.
+//! From numbers of all experiments to results: plain, to be saved, drawn and told.
 
 use crate::error::ExperimentError;
 use crate::settings::Settings;

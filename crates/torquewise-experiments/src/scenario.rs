@@ -1,4 +1,4 @@
-//! Arm, seconds, noise, seed → the log that is learned from and the motion that judges.
+//! From arm, seconds, noise, seed to the log that is learned from and the motion that judges.
 
 use crate::error::ExperimentError;
 use serde::Serialize;

@@ -1,4 +1,4 @@
-//! How much is done → settings: which arm, how many seeds, how long the logs.
+//! From how much is done to settings: which arm, how many seeds, how long the logs.
 
 use crate::error::ExperimentError;
 use crate::scenario::Decibels;

@@ -1,4 +1,4 @@
-//! Repeated values → spread: median, least, greatest.
+//! From repeated values to spread: median, least, greatest.
 
 use serde::Serialize;
 

@@ -1,4 +1,5 @@
-//! Settings → studies: each asks for its trials, and turns them into numbers when they are done.
+//! From settings to studies: each asks for its trials, and turns them into numbers when they are
+//! done.
 
 pub mod patterns;
 pub mod order_curves;

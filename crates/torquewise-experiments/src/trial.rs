@@ -1,4 +1,4 @@
-//! Scenario, plan → trial: one reconstruction, its cost, its terms and its error elsewhere.
+//! From scenario, plan to trial: one reconstruction, its cost, its terms and its error elsewhere.
 
 use crate::error::ExperimentError;
 use crate::method::{ACTIVE, MethodPlan};

@@ -1,4 +1,5 @@
-//! Arm → true coefficients: M(q) and V(q) in the energy library, torque in the product library.
+//! From arm to true coefficients: M(q) and V(q) in the energy library, torque in the product
+//! library.
 
 use faer::Mat;
 use faer::prelude::SolveLstsq;

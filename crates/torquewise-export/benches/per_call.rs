@@ -1,4 +1,5 @@
-//! Models → nanoseconds per call: exported C, the model interpreted, Pinocchio's RNEA, in one run.
+//! From models to nanoseconds per call: exported C, the model interpreted, Pinocchio's RNEA, in one
+//! run.
 //!
 //! ```sh
 //! cargo bench -p torquewise-export --bench per_call -- puma.json ur5.json=ur5.urdf

@@ -1,4 +1,4 @@
-//! Rigid chain → the same chain in the frames, and with the parameters, that the recursion is
+//! From rigid chain to the same chain in the frames, and with the parameters, that the recursion is
 //! cheapest with.
 //!
 //! Torque leaves open where a frame lies along its axis, how it is turned about it, and which of

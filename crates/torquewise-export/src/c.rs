@@ -1,4 +1,4 @@
-//! Program → one file of C99: no allocation, no library but `math.h`.
+//! From program to one file of C99: no allocation, no library but `math.h`.
 
 use crate::error::ExportError;
 use crate::graph::{Function, Id};

@@ -3,7 +3,7 @@
 
 use torquewise_model::ModelError;
 
-/// What can be wrong with a model that is to become code, or with how it is asked for.
+/// Why a model cannot be exported.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {

@@ -1,4 +1,4 @@
-//! Program → FMU: an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
+//! From program to FMU: an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
 
 use crate::c::{check_name, inclusion, quoted, to_c};
 use crate::error::ExportError;

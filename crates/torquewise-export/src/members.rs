@@ -1,4 +1,4 @@
-//! Stepwise model → cost of the torque after each of its steps: cheaper models come with it.
+//! From stepwise model to cost of the torque after each of its steps: cheaper models come with it.
 
 use crate::cost::Cost;
 use crate::error::ExportError;

@@ -1,4 +1,4 @@
-//! Model → nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
+//! From model to nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
 
 use crate::derivative::{rates, slopes};
 use crate::graph::{Function, Graph, Id, Input};

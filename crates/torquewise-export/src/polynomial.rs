@@ -1,4 +1,4 @@
-//! Sums of terms → nodes: which factors are drawn out, and in which order.
+//! From sums of terms to nodes: which factors are drawn out, and in which order.
 
 use crate::graph::{Graph, Id, Input};
 use std::collections::BTreeMap;

@@ -1,4 +1,5 @@
-//! Model → program: the functions that every exported file holds, in as few operations as found.
+//! From model to program: the functions that every exported file holds, in as few operations as
+//! found.
 
 use crate::cost::Cost;
 use crate::error::ExportError;

@@ -1,4 +1,4 @@
-//! Program → one file of Python that needs the standard library alone.
+//! From program to one file of Python that needs the standard library alone.
 
 use crate::graph::{Function, Id};
 use crate::program::{Memory, Program, Quantity};

@@ -1,4 +1,4 @@
-//! Rigid chain → nodes of its torque by the recursion of Newton and Euler, outward and back.
+//! From rigid chain to nodes of its torque by the recursion of Newton and Euler, outward and back.
 //!
 //! Numbers of the chain are folded in: what is multiplied by zero or one costs nothing. The
 //! acceleration of a point p of a link is a + Up, with U = \[ω̇\]× + \[ω\]×\[ω\]×, and nine entries

@@ -1,4 +1,5 @@
-//! Program → sources of a ROS 2 package: a node that feeds the torque of a desired motion forward.
+//! From program to sources of a ROS 2 package: a node that feeds the torque of a desired motion
+//! forward.
 
 use crate::c::{check_name, inclusion, to_c};
 use crate::error::ExportError;

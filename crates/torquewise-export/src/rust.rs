@@ -1,4 +1,4 @@
-//! Program → one file of Rust without `std`: sine and cosine by a trait.
+//! From program to one file of Rust without `std`: sine and cosine by a trait.
 
 use crate::error::ExportError;
 use crate::graph::{Function, Id};

@@ -1,4 +1,4 @@
-//! Nodes → statements of one function, in the signs that C, Rust and Python share.
+//! From nodes to statements of one function, in the signs that C, Rust and Python share.
 
 use crate::graph::{Function, Graph, Id, Input, Node};
 use std::collections::HashMap;

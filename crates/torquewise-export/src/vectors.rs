@@ -1,4 +1,4 @@
-//! Model → states and what its functions return there, as CSV: to test exported code against.
+//! From model to states and what its functions return there, as CSV: to test exported code against.
 
 use crate::error::ExportError;
 use crate::program::Quantity;

@@ -1,4 +1,4 @@
-//! Log in memory → model: the default fit, beside the libraries of the paper.
+//! From log in memory to model: the default fit, beside the libraries of the paper.
 
 use divan::Bencher;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};

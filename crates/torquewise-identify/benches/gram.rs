@@ -1,4 +1,5 @@
-//! Rows → normal equations of the whole library: from moments (E3), beside evaluate-then-SYRK.
+//! From rows to normal equations of the whole library: from moments (E3), beside
+//! evaluate-then-SYRK.
 
 use divan::Bencher;
 use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};

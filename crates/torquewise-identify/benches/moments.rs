@@ -1,4 +1,4 @@
-//! Rows → moments: how near the sums come to what the machine's own matrix product does.
+//! From rows to moments: how near the sums come to what the machine's own matrix product does.
 //!
 //! Peak and moments are measured in turn in one run, in floating-point operations per second of
 //! processor time, all threads together, and the median of the rounds' shares is taken: the machine

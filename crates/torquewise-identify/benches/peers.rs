@@ -1,4 +1,5 @@
-//! Rows in a folder → our side of the comparison with other programs: times, and what was found.
+//! From rows in a folder to our side of the comparison with other programs: times, and what was
+//! found.
 //!
 //! Arguments: a folder, then tasks to run, all by default. Writes there the rows of each task for
 //! the peers to read, `ours.json` with the times, and what was found where a peer checks it.

@@ -1,4 +1,4 @@
-//! Raw logs → their bandwidth: where a learned chain predicts held-out raw torque best (E12).
+//! From Raw logs to their bandwidth: where a learned chain predicts held-out raw torque best (E12).
 
 use crate::plan::Plan;
 use crate::reconstruct::{Solution, solve};

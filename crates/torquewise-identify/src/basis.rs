@@ -1,4 +1,5 @@
-//! Products of sines and cosines → harmonics of joint sums, in which parallel axes need fewer (E4).
+//! From products of sines and cosines to harmonics of joint sums, in which parallel axes need fewer
+//! (E4).
 
 use std::collections::BTreeMap;
 use torquewise_model::term::Factor;

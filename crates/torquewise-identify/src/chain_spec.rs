@@ -1,4 +1,5 @@
-//! ChainSpec, rows → trial: a chain fitted with each block of time left out, and judged there.
+//! From ChainSpec, rows to trial: a chain fitted with each block of time left out, and judged
+//! there.
 
 use crate::drive_terms::{DriveTerm, Gravity};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Friction, rotors, springs → columns: what loads a joint beside the links of the arm.
+//! From friction, rotors, springs to columns: what loads a joint beside the links of the arm.
 
 use crate::states::States;
 use faer::Mat;

@@ -1,5 +1,5 @@
-//! A chain that nothing moves any more → a model: its parameters, and equations that can be told
-//! from zero (E8) (E11).
+//! From a chain that nothing moves any more to a model: its parameters, and equations that can be
+//! told from zero (E8) (E11).
 
 use crate::basis::{Energies, joint_sums};
 use crate::drive_terms::DriveTerm;

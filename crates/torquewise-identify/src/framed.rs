@@ -1,4 +1,4 @@
-//! What a file holds → its bytes and back: versioned, checksummed.
+//! From what a file holds to its bytes and back: versioned, checksummed.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -1,4 +1,4 @@
-//! A sample of a log → chain: the geometry of the arm, its masses and its friction (E8).
+//! From a sample of a log to chain: the geometry of the arm, its masses and its friction (E8).
 
 use crate::chain_spec::{ChainSpec, record, record_best, trial};
 use crate::drive_terms::{DriveTerm, columns};
@@ -47,10 +47,10 @@ const WEAK_RIDGES: [f64; 2] = [1e-6, 1e-8];
 /// Axes nearer to a right angle \[rad\] and to the axis before \[m\] than this are put there, if
 /// held-out rows agree.
 const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
-/// Rows of a joint slower than so many half widths of the reversal say nothing of its friction,
+/// Rows of a joint slower than so many half widths of the reversal tell nothing of its friction,
 /// which may be anything at rest.
 pub(crate) const AT_REST: f64 = 3.0;
-/// What such a row counts in a fit: little, but it knows gravity.
+/// Weight of such a row: small, because only its gravity is informative.
 const SHARE_AT_REST: f64 = 0.1;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;

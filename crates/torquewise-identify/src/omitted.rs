@@ -1,4 +1,5 @@
-//! Learned chain → the terms it was not offered, and what each would explain of its residual (E10).
+//! From learned chain to the terms it was not offered, and what each would explain of its residual
+//! (E10).
 
 use crate::drive_terms::DriveTerm;
 use crate::learn::{Learned, TRIED_ROWS};

@@ -1,4 +1,4 @@
-//! What the user wants → plan: a method with its own options, clusters and a seed.
+//! From what the user wants to plan: a method with its own options, clusters and a seed.
 
 use torquewise_stepwise::patterns::PatternPlan;
 

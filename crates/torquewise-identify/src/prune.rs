@@ -1,4 +1,5 @@
-//! All energy terms of a chain → the few that its torque needs, on states like those of the log.
+//! From all energy terms of a chain to the few that its torque needs, on states like those of the
+//! log.
 
 use crate::states::States;
 use faer::Mat;

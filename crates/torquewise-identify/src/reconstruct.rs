@@ -1,4 +1,5 @@
-//! Recording → Reconstruction: sums of its logs, then the steps of the paper or a learned chain.
+//! From recording to Reconstruction: sums of its logs, then the steps of the paper or a learned
+//! chain.
 
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::reconstruction::{Progress, Reconstruction};

@@ -1,4 +1,4 @@
-//! Log → Reconstruction: what was found, how, and what was said on the way.
+//! From log to Reconstruction: what was found, how, and what was said on the way.
 
 use crate::warning::Warning;
 use torquewise_model::Model;

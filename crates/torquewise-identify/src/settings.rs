@@ -1,4 +1,4 @@
-//! Plan, recording → settings: what logs are summed under, and the columns that are summed.
+//! From plan, recording to settings: what logs are summed under, and the columns that are summed.
 
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ pub struct Settings {
     pub library: Option<SummedLibrary>,
     /// How rows are told apart, log by log.
     pub patterns: PatternPlan,
-    /// How the signals were filtered, in the words of whoever did.
+    /// How the signals were filtered, as the caller describes it.
     pub signals: String,
     /// Whether they were filtered at all.
     pub filtered: bool,

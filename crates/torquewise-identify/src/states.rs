@@ -1,4 +1,4 @@
-//! States, energy terms → torques: what each term loads the joints with (E4).
+//! From states, energy terms to torques: what each term loads the joints with (E4).
 
 use faer::Mat;
 use rand::{RngExt, SeedableRng};

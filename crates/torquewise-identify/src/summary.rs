@@ -1,4 +1,5 @@
-//! Recording → summary: all that a fit needs of its logs, in sums that add up without rounding.
+//! From recording to summary: all that a fit needs of its logs, in sums that add up without
+//! rounding.
 
 use crate::estimate::add_up;
 use crate::plan::{Method, Plan};

@@ -1,4 +1,4 @@
-//! A chain, motion → what it leaves of a torque on blocks of time that it was not fitted on.
+//! From a chain, motion to what it leaves of a torque on blocks of time that it was not fitted on.
 
 use crate::estimate::Linearisation;
 use faer::linalg::solvers::Solve;

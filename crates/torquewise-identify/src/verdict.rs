@@ -1,4 +1,4 @@
-//! Reconstruction → verdict: may the model be used, and why.
+//! From reconstruction to verdict: may the model be used, and why.
 
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;

@@ -1,4 +1,4 @@
-//! Survey, patterns, fit → warnings: what the user should know, in words.
+//! From survey, patterns, fit to warnings: what the user should know, in words.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -1,4 +1,4 @@
-//! File of named arrays → rows: each array read as columns, time along its longer side.
+//! From file of named arrays to rows: each array read as columns, time along its longer side.
 
 mod array;
 mod npy;

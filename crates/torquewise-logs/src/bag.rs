@@ -1,4 +1,5 @@
-//! Bag of ROS 2 → rows of its joint states: time, and position, velocity and effort by joint name.
+//! From bag of ROS 2 to rows of its joint states: time, and position, velocity and effort by joint
+//! name.
 
 mod joint_state;
 mod messages;

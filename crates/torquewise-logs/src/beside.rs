@@ -1,4 +1,4 @@
-//! Rows of a log and of files beside it → rows with the columns of all.
+//! From rows of a log and of files beside it to rows with the columns of all.
 
 use crate::error::{LogError, Place};
 use crate::rows::{Irregular, Rows};

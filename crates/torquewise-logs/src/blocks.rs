@@ -1,4 +1,4 @@
-//! Rows of signals → blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
+//! From rows of signals to blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
 use crate::error::LogError;
 use crate::gaps::UsualStep;

@@ -1,4 +1,4 @@
-//! Profile and column names → mapping.
+//! From profile and column names to mapping.
 
 use crate::error::{LogError, shown};
 use crate::joints;

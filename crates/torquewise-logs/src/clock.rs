@@ -1,4 +1,5 @@
-//! Raw rows → the same rows at the times they were sampled: held rows out, late stamps mended.
+//! From Raw rows to the same rows at the times they were sampled: held rows out, late stamps
+//! mended.
 
 use crate::blocks::RawBlock;
 use faer::Mat;

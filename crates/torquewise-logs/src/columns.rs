@@ -1,4 +1,4 @@
-//! Names and values → columns: what a table is made of.
+//! From names and values to columns: what a table is made of.
 
 /// What a column of a table holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Logs → conditioned Recording: resampled, filtered and differentiated, in fixed memory.
+//! From logs to conditioned Recording: resampled, filtered and differentiated, in fixed memory.
 
 use crate::clock::ClockRepair;
 use crate::error::LogError;

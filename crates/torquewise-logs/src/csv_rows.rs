@@ -1,4 +1,4 @@
-//! CSV bytes → rows, one line at a time.
+//! From CSV bytes to rows, one line at a time.
 
 use crate::error::{LogError, Place, shown};
 use crate::joints::{self, CSV_COMMENT};

@@ -1,4 +1,4 @@
-//! What can be wrong with a log file, and where.
+//! Errors of reading and writing logs: file, row and column at fault.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 #[cfg(feature = "parquet")]

@@ -1,4 +1,4 @@
-//! Path → format: what a log file is, by its extension.
+//! From path to format: what a log file is, by its extension.
 
 use crate::error::{LogError, shown};
 use std::path::Path;

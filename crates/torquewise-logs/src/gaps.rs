@@ -1,4 +1,4 @@
-//! Time stamps → gaps: where one trajectory ends and the next begins.
+//! From time stamps to gaps: where one trajectory ends and the next begins.
 
 /// Steps that the first estimate of the usual step is the median of.
 pub(crate) const FIRST_STEPS: usize = 32;

@@ -1,4 +1,4 @@
-//! Work of a decoder → its result, also where it panics.
+//! From work of a decoder to its result, also where it panics.
 
 use crate::error::LogError;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -1,4 +1,4 @@
-//! Signals → slots: where each signal of each joint stands in a row.
+//! From signals to slots: where each signal of each joint stands in a row.
 
 /// A signal with one column per joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,4 +1,4 @@
-//! Motion → log file.
+//! From motion to log file.
 
 use crate::columns::{Column, ColumnKind, Values};
 use crate::error::LogError;

@@ -1,4 +1,4 @@
-//! Log files → Recording: several files read as one, any number of times.
+//! From log files to Recording: several files read as one, any number of times.
 
 use crate::blocks::{Blocks, RawBlock};
 use crate::error::LogError;

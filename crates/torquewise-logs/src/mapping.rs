@@ -1,4 +1,4 @@
-//! Columns of a file → slots of signals in SI units: what is multiplied by what and added.
+//! From columns of a file to slots of signals in SI units: what is multiplied by what and added.
 
 use crate::layout::Layout;
 

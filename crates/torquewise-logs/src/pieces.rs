@@ -1,4 +1,4 @@
-//! Logs → pieces of all trajectories: what the conditioning of all of them is chosen from.
+//! From logs to pieces of all trajectories: what the conditioning of all of them is chosen from.
 
 use crate::blocks::RawBlock;
 use crate::clock::{ClockLane, ClockRepair, joined};

@@ -1,4 +1,5 @@
-//! Column names → mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units.
+//! From column names to mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI
+//! units.
 
 use crate::error::{LogError, shown};
 use crate::layout::{Layout, Signal};

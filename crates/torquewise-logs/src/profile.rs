@@ -1,4 +1,5 @@
-//! TOML text → profile: which column of a log is which signal, in which unit and at which scale.
+//! From TOML text to profile: which column of a log is which signal, in which unit and at which
+//! scale.
 
 pub(crate) mod unit;
 mod check;

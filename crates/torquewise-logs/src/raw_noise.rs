@@ -1,4 +1,4 @@
-//! Noise measured in raw signals → draws like it, conditioned as the signals are (E7).
+//! From noise measured in raw signals to draws like it, conditioned as the signals are (E7).
 
 use faer::Mat;
 use rand::SeedableRng;

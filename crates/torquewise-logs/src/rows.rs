@@ -1,4 +1,4 @@
-//! Log file → rows: what every format is decoded to, named columns of numbers.
+//! From log file to rows: what every format is decoded to, named columns of numbers.
 
 use crate::error::{LogError, Place};
 

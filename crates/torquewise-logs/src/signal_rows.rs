@@ -1,4 +1,4 @@
-//! Rows and mapping → rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
+//! From rows and mapping to rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
 use crate::error::{LogError, Place};
 use crate::layout::Layout;

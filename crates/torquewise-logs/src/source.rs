@@ -1,4 +1,4 @@
-//! Path → rows of signals: a log file that can be read any number of times.
+//! From path to rows of signals: a log file that can be read any number of times.
 
 #[cfg(feature = "arrays")]
 use crate::arrays::{ArrayFormat, ArrayRows};

@@ -1,4 +1,4 @@
-//! Unknown log → profile to begin with, and why it says what it says.
+//! From unknown log to profile to begin with, and why it says what it says.
 
 mod guess;
 mod neighbours;

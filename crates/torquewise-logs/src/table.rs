@@ -1,4 +1,4 @@
-//! Columns of values → CSV or Parquet file, written whole or not at all.
+//! From columns of values to CSV or Parquet file, written whole or not at all.
 
 use crate::columns::{Column, Values};
 use crate::error::LogError;

@@ -1,4 +1,4 @@
-//! Raw blocks of one trajectory → filtered motion, and what was repaired on the way.
+//! From Raw blocks of one trajectory to filtered motion, and what was repaired on the way.
 
 use crate::blocks::RawBlock;
 use crate::clock::{ClockLane, ClockRepair, joined};

@@ -1,4 +1,4 @@
-//! Motion → warnings: values so large that their unit must be another than SI.
+//! From motion to warnings: values so large that their unit must be another than SI.
 
 use faer::MatRef;
 use std::fmt;

@@ -1,4 +1,5 @@
-//! Model → is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, friction takes power.
+//! From model to is it physics? M(q) symmetric positive definite, Ṁ − 2C skew, friction takes
+//! power.
 
 use crate::error::ModelError;
 use crate::friction::{FrictionLaw, FrictionTerm};

@@ -1,4 +1,4 @@
-//! What can be wrong with a model or with what it is asked.
+//! Errors of reading and applying a model.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 use std::io;

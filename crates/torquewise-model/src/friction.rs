@@ -1,4 +1,5 @@
-//! Speed of a shaft → friction: the parts of the Stribeck curve (17), each with its own weight.
+//! From speed of a shaft to friction: the parts of the Stribeck curve (17), each with its own
+//! weight.
 
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;

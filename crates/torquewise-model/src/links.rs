@@ -1,4 +1,4 @@
-//! Links of a rigid chain → their torque, whole or in parts: the recursion, ready to run.
+//! From links of a rigid chain to their torque, whole or in parts: the recursion, ready to run.
 
 use crate::rigid_chain::RigidChain;
 use crate::term::Kind;

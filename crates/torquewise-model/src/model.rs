@@ -1,4 +1,4 @@
-//! Terms and weights → Model: what was found, as plain data.
+//! From terms and weights to Model: what was found, as plain data.
 
 use crate::energy::EnergyTerm;
 use crate::error::ModelError;

@@ -1,4 +1,4 @@
-//! Sums of terms → products ready to evaluate: each sine and cosine once.
+//! From sums of terms to products ready to evaluate: each sine and cosine once.
 
 use crate::term::{Factor, Kind, Sum};
 use std::collections::BTreeMap;

@@ -1,4 +1,5 @@
-//! Laws of friction on a shaft → the parameters that engineers know: Coulomb, static, Stribeck.
+//! From laws of friction on a shaft to the parameters that engineers know: Coulomb, static,
+//! Stribeck.
 
 use crate::friction::{FrictionLaw, FrictionTerm};
 use crate::model::Model;

@@ -1,4 +1,5 @@
-//! Functions of one state → terms: products of sines and cosines with velocities, accelerations.
+//! From functions of one state to terms: products of sines and cosines with velocities,
+//! accelerations.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! q(t) → q̇, q̈: derivatives by local polynomial least squares, on any time stamps.
+//! From q(t) to q̇, q̈: derivatives by local polynomial least squares, on any time stamps.
 
 use crate::error::MotionError;
 use faer::{Mat, MatRef};

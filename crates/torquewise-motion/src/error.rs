@@ -1,4 +1,4 @@
-//! What can be wrong with a motion.
+//! Errors of a motion.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 /// Why a set of signals is not a motion.

@@ -1,4 +1,4 @@
-//! Rows → what friction remembers of the path to each: states of Dahl elements (E13).
+//! From rows to what friction remembers of the path to each: states of Dahl elements (E13).
 
 use faer::Mat;
 

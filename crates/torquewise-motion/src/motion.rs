@@ -1,4 +1,4 @@
-//! Signals → Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
+//! From signals to Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
 use crate::error::MotionError;
 use crate::memory::Memory;

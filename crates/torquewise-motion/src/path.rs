@@ -1,4 +1,4 @@
-//! Positions → what friction remembers of the path: the states of Dahl elements (E13).
+//! From positions to what friction remembers of the path: the states of Dahl elements (E13).
 
 use crate::memory::Memory;
 use crate::motion::Motion;

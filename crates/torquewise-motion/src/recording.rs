@@ -1,4 +1,4 @@
-//! Recording → Motion blocks: one or several trajectories, read in order and in fixed memory.
+//! From recording to Motion blocks: one or several trajectories, read in order and in fixed memory.
 
 use crate::motion::Motion;
 use faer::Mat;

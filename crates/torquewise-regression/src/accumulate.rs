@@ -1,4 +1,5 @@
-//! Blocks of rows → one sum: in parallel, in fixed memory, the same bits at any number of threads.
+//! From blocks of rows to one sum: in parallel, in fixed memory, the same bits at any number of
+//! threads.
 
 use crate::design::Design;
 use crate::error::SparseError;
@@ -91,7 +92,7 @@ impl<A: Accumulate> Lanes<A> {
     }
 }
 
-/// How the normal equations of a design are come by.
+/// Which route computes the normal equations of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Route {
     /// Moments, then gathering.

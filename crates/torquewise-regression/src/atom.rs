@@ -1,4 +1,5 @@
-//! Angles and variables → atoms: one harmonic times one monomial, the letters of every library.
+//! From angles and variables to atoms: one harmonic times one monomial, the letters of every
+//! library.
 
 use std::collections::BTreeMap;
 

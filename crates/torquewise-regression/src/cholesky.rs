@@ -1,4 +1,4 @@
-//! Symmetric system → solution on its independent columns: pivoted Cholesky.
+//! From symmetric system to solution on its independent columns: pivoted Cholesky.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;

@@ -1,4 +1,4 @@
-//! Points → number of clusters: where the inertia curve bends.
+//! From points to number of clusters: where the inertia curve bends.
 
 use crate::error::SparseError;
 use crate::kmeans::{KMeans, kmeans, sample_of};

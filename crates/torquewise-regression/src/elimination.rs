@@ -1,4 +1,5 @@
-//! Information matrix, scores → terms with standard errors: the least significant goes first (E5).
+//! From information matrix, scores to terms with standard errors: the least significant goes first
+//! (E5).
 
 use crate::cholesky;
 use crate::error::SparseError;

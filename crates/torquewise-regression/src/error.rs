@@ -1,4 +1,4 @@
-//! What can be wrong with a regression problem.
+//! Errors of a regression problem.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 /// Why a regression problem cannot be worked on.

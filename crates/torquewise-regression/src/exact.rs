@@ -1,4 +1,5 @@
-//! Numbers → exact sums: fixed point of 192 bits, the same bits in whatever order they are added.
+//! From numbers to exact sums: fixed point of 192 bits, the same bits in whatever order they are
+//! added.
 
 use crate::error::SparseError;
 use serde::de::Error as _;

@@ -1,4 +1,4 @@
-//! Moments → normal equations YᵀY and Yᵀy of a design, without its rows (E3).
+//! From moments to normal equations YᵀY and Yᵀy of a design, without its rows (E3).
 
 use crate::atom::Numbering;
 use crate::design::Design;

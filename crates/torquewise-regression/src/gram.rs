@@ -1,4 +1,4 @@
-//! Rows → normal equations YᵀY and Yᵀy of a design: the direct route.
+//! From rows to normal equations YᵀY and Yᵀy of a design: the direct route.
 
 use crate::error::SparseError;
 use crate::products::{add_gram, add_product};

@@ -1,4 +1,4 @@
-//! Points → clusters: k-means, the best of several starts.
+//! From points to clusters: k-means, the best of several starts.
 
 use crate::error::SparseError;
 use crate::problem::require;

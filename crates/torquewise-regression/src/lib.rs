@@ -1,6 +1,6 @@
 //! Moments, Gram matrices, term selectors and k-means for sparse regression.
 //!
-//! Everything here speaks of angles, variables, columns and responses; it has never heard of
+//! Everything here speaks of angles, variables, columns and responses; it knows nothing of
 //! robots. A column is a sum of harmonics of the angles times monomials of the variables, so the
 //! normal equations of any library follow from one table of moments, see [`moments`].
 

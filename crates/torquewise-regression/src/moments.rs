@@ -1,4 +1,5 @@
-//! Samples → moments: Σₜ wave(θₜ)·x(t)^α, from which the Gram matrix of any library follows (E3).
+//! From samples to moments: Σₜ wave(θₜ)·x(t)^α, from which the Gram matrix of any library follows
+//! (E3).
 
 use crate::atom::{Monomial, Numbering};
 use crate::design::Design;

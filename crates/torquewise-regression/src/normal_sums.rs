@@ -1,4 +1,4 @@
-//! Blocks of weighted rows → normal equations that add up: least squares on every row (E11).
+//! From blocks of weighted rows to normal equations that add up: least squares on every row (E11).
 //!
 //! A structure hands over, block of time by block of time, the rows \[J e\]: the derivatives of its
 //! prediction by its parameters and what it leaves of the response, both over the noise. Their sums

@@ -1,4 +1,4 @@
-//! Columns → an orthonormal basis of what they span.
+//! From columns to an orthonormal basis of what they span.
 
 use crate::cholesky::{Pivoted, pivoted, regular_factor};
 use crate::products::add_gram;

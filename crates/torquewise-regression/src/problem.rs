@@ -1,4 +1,4 @@
-//! Gram matrix, cross products, energy → normal equations of one response, and their refit.
+//! From gram matrix, cross products, energy to normal equations of one response, and their refit.
 
 use crate::cholesky;
 use crate::error::SparseError;

@@ -1,4 +1,5 @@
-//! Matrices → their products and Gram matrices, in an order that no number of threads changes.
+//! From matrices to their products and Gram matrices, in an order that no number of threads
+//! changes.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};

@@ -1,4 +1,5 @@
-//! Blocks of rows → exact sums that add up: the same bits whatever the split, order or threads.
+//! From blocks of rows to exact sums that add up: the same bits whatever the split, order or
+//! threads.
 
 use crate::accumulate::{Accumulate, GramSum, Prepared};
 use crate::error::SparseError;

@@ -1,4 +1,4 @@
-//! Rows → wave, monomial and column values: evaluating a design, one block of rows at a time.
+//! From rows to wave, monomial and column values: evaluating a design, one block of rows at a time.
 
 use crate::atom::{Monomial, Phase, Wave};
 use crate::design::Design;

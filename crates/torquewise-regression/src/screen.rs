@@ -1,4 +1,4 @@
-//! Known columns, response → what each further column would explain of what they leave (E10).
+//! From known columns, response to what each further column would explain of what they leave (E10).
 
 use crate::cholesky::regular_factor;
 use crate::error::SparseError;

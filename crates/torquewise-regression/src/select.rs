@@ -1,4 +1,4 @@
-//! Normal equations → the few columns that explain the response.
+//! From normal equations to the few columns that explain the response.
 
 mod descent;
 pub mod lasso;

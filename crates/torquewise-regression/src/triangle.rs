@@ -1,4 +1,4 @@
-//! Rows → R factor: [X y] = QR without Q, block by block, never squaring the condition (E6).
+//! From rows to R factor: [X y] = QR without Q, block by block, never squaring the condition (E6).
 
 use crate::error::SparseError;
 use faer::dyn_stack::{MemBuffer, MemStack};

@@ -1,4 +1,4 @@
-//! Charts → SVG: the charts of the report as a figure of its own, words kept as words.
+//! From charts to SVG: the charts of the report as a figure of its own, words kept as words.
 
 mod words;
 mod ticks;

@@ -1,4 +1,4 @@
-//! Reconstruction, diagnosis → HTML report: what was found in a log, and how far to trust it.
+//! From reconstruction, diagnosis to HTML report: what was found in a log, and how far to trust it.
 
 use crate::error::ReportError;
 use crate::fit_report::call_cost::CallCost;

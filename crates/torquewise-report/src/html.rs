@@ -1,4 +1,4 @@
-//! Tables, charts, equations → one HTML text: opened anywhere, printed, kept.
+//! From tables, charts, equations to one HTML text: opened anywhere, printed, kept.
 //!
 //! A [`Page`] is plain data; [`Page::to_html`] writes it. The text holds its style and its script,
 //! asks for nothing over the network, follows the light or dark theme of its reader and fits wide

@@ -1,4 +1,5 @@
-//! Terms and weights → MathML: equations to read in a browser, with the digits that mean something.
+//! From terms and weights to MathML: equations to read in a browser, with the digits that mean
+//! something.
 
 use crate::html::Markup;
 use crate::html::markup::escape;

@@ -1,4 +1,4 @@
-//! Role → colour and font: one look for all figures, and the light theme of the page.
+//! From role to colour and font: one look for all figures, and the light theme of the page.
 
 use plotters::style::RGBColor;
 

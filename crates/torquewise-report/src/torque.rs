@@ -1,4 +1,4 @@
-//! Measured and predicted torque → figure: one panel per joint over time.
+//! From measured and predicted torque to figure: one panel per joint over time.
 
 use crate::error::ReportError;
 use crate::figure::chart_figure;

@@ -1,4 +1,5 @@
-//! Logged coordinates → joint angles of a chain, where a motor of one joint turns others as well.
+//! From logged coordinates to joint angles of a chain, where a motor of one joint turns others as
+//! well.
 
 use serde::{Deserialize, Serialize};
 use simba::simd::SimdRealField;

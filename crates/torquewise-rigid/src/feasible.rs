@@ -1,4 +1,4 @@
-//! Normal equations → the parameters that fit best among those that physics allows (E14).
+//! From normal equations to the parameters that fit best among those that physics allows (E14).
 
 use crate::error::ChainError;
 use crate::inertia::{Inertial, divergence};

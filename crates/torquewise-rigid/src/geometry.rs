@@ -1,4 +1,4 @@
-//! Parameters → geometry: where the joint axes of a chain lie, as far as torque can tell.
+//! From parameters to geometry: where the joint axes of a chain lie, as far as torque can tell.
 
 use crate::coupling::Coupling;
 use crate::error::ChainError;

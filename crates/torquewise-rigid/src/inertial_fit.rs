@@ -1,4 +1,5 @@
-//! Geometry, rows → masses: the inertial parameters that explain the torque best, and what is left.
+//! From geometry, rows to masses: the inertial parameters that explain the torque best, and what is
+//! left.
 
 use crate::error::ChainError;
 use crate::geometry::Geometry;
@@ -22,7 +23,7 @@ pub(crate) struct InertialFit {
     pub(crate) cost: f64,
 }
 
-/// Columns with less RMS than this times the largest say nothing.
+/// Columns below this fraction of the largest RMS are ignored.
 const NOTHING: f64 = 1e-9;
 
 /// Weighted columns of a chain and those beside it, (m·n)×p.

@@ -1,4 +1,4 @@
-//! A first geometry → the one that fits: Levenberg–Marquardt with the masses projected out.
+//! From a first geometry to the one that fits: Levenberg–Marquardt with the masses projected out.
 
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, nearest_right_angle};

@@ -1,4 +1,4 @@
-//! Motion, torque, further columns → rows of a regression: what a chain is learned from.
+//! From motion, torque, further columns to rows of a regression: what a chain is learned from.
 
 use crate::error::ChainError;
 use crate::recursion::{Lanes, MOST_JOINTS, N_LANES, State};

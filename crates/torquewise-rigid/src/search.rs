@@ -1,4 +1,4 @@
-//! Rows → chain: many starts with axes at right angles, the best of them refined.
+//! From rows to chain: many starts with axes at right angles, the best of them refined.
 
 use crate::coupling::Coupling;
 use crate::error::ChainError;
@@ -156,7 +156,7 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
         .into_par_iter()
         .filter_map(|place| {
             let fitted = right_angles(&glance, &weights, search, place)?;
-            // A joint whose torque is mostly noise must not lead the way of the others.
+            // A joint whose torque is mostly noise must not dominate the others.
             let first = Chain::new(&fitted, &glance, &weights);
             let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
             Some((place, refine(&start, &first, &free, &weighed).ok()?))

@@ -1,4 +1,5 @@
-//! Chain, rows → what it leaves of them, and how each of its parameters would change that (E10).
+//! From chain, rows to what it leaves of them, and how each of its parameters would change that
+//! (E10).
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;

@@ -1,4 +1,4 @@
-//! Pieces of raw logs → the same motion at several bandwidths, beside the raw torque (E12).
+//! From pieces of raw logs to the same motion at several bandwidths, beside the raw torque (E12).
 
 use crate::clean::Even;
 use crate::cutoff::{HIGHEST, LOWEST};

@@ -1,4 +1,4 @@
-//! Raw blocks → Motion blocks: a trajectory of any length, in fixed memory.
+//! From Raw blocks to Motion blocks: a trajectory of any length, in fixed memory.
 
 use crate::clean::{Even, Outliers, clean};
 use crate::error::SignalError;

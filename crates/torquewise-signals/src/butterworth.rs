@@ -1,4 +1,4 @@
-//! Order, cut-off → second-order sections: Butterworth low-pass filters, and running them.
+//! From order, cut-off to second-order sections: Butterworth low-pass filters, and running them.
 
 use crate::error::SignalError;
 use std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Columns → even columns: spikes out, then onto even time stamps.
+//! From columns to even columns: spikes out, then onto even time stamps.
 
 use crate::error::SignalError;
 use crate::outliers::{Hampel, replace_outliers, spike_scale};

@@ -1,4 +1,4 @@
-//! Raw → Motion: one trajectory, cleaned, made even, filtered and derived.
+//! From Raw to Motion: one trajectory, cleaned, made even, filtered and derived.
 
 use crate::clean::{Even, Outliers, clean};
 use crate::delay::{Shift, lag};

@@ -1,4 +1,4 @@
-//! Spectra of q and τ → cut-off frequency: up to where a signal stands above its noise.
+//! From spectra of q and τ to cut-off frequency: up to where a signal stands above its noise.
 
 use crate::error::SignalError;
 use crate::noise::{median, quantisation};

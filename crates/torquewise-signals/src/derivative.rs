@@ -1,4 +1,4 @@
-//! Filtered q → q̇, q̈: derivatives of evenly sampled signals without delay.
+//! From filtered q to q̇, q̈: derivatives of evenly sampled signals without delay.
 
 use crate::error::SignalError;
 use faer::{Mat, MatRef};

@@ -1,4 +1,4 @@
-//! What can be wrong with raw signals and with the settings of their conditioning.
+//! Errors of conditioning raw signals.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 use torquewise_motion::MotionError;

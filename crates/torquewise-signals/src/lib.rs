@@ -1,4 +1,4 @@
-//! Signal conditioning: what was measured of an arm → clean, evenly sampled motion.
+//! From signal conditioning: what was measured of an arm to clean, evenly sampled motion.
 //!
 //! [`condition()`] takes out spikes, resamples jittery stamps, chooses one cut-off from the spectra
 //! of position and torque, passes all signals through the same zero-phase low-pass filter, derives

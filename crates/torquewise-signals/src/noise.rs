@@ -1,4 +1,4 @@
-//! Signal → its noise: how much of it is white, and the step it is quantised to.
+//! From signal to its noise: how much of it is white, and the step it is quantised to.
 
 /// Rows of standstill needed to judge the noise on them alone.
 const MIN_STANDSTILL: usize = 64;

@@ -1,4 +1,4 @@
-//! Signal → spikes, and the signal without them: a Hampel filter that follows the motion.
+//! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
 
 use crate::error::SignalError;
 use crate::noise::{median, quantisation};

@@ -1,4 +1,4 @@
-//! First part of a log, settings → Plan: what every part of it goes through.
+//! From first part of a log, settings to Plan: what every part of it goes through.
 
 use crate::butterworth::{low_pass, settle_time};
 use crate::clean::{Base, Even, clean};

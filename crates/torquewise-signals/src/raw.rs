@@ -1,4 +1,4 @@
-//! Log columns → Raw: what was measured of one trajectory, shapes checked.
+//! From log columns to Raw: what was measured of one trajectory, shapes checked.
 
 use crate::error::SignalError;
 use crate::spline::check_increasing;

@@ -1,4 +1,4 @@
-//! Conditioning → ConditionReport: everything that was found, done and left out.
+//! From conditioning to ConditionReport: everything that was found, done and left out.
 
 use crate::clean::Outliers;
 use crate::cutoff::CutoffChoice;

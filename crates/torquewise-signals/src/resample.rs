@@ -1,4 +1,4 @@
-//! Uneven time stamps → even ones: how even a log is, and its signals on an even grid.
+//! From uneven time stamps to even ones: how even a log is, and its signals on an even grid.
 
 use crate::error::SignalError;
 use crate::spline::{check_increasing, interpolate};

@@ -1,4 +1,4 @@
-//! Wishes → Conditioning: how raw signals are to be conditioned.
+//! From wishes to Conditioning: how raw signals are to be conditioned.
 
 use crate::butterworth::low_pass;
 use crate::error::SignalError;

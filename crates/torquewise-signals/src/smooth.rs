@@ -1,4 +1,4 @@
-//! Even columns, Plan → smooth q, q̇, q̈, τ, and the rows of them that are kept.
+//! From even columns, Plan to smooth q, q̇, q̈, τ, and the rows of them that are kept.
 
 use crate::butterworth::low_pass;
 use crate::clean::Even;

@@ -1,4 +1,4 @@
-//! Signal → power spectral density: Welch's periodogram, plain or whitened by differences.
+//! From signal to power spectral density: Welch's periodogram, plain or whitened by differences.
 
 use crate::error::SignalError;
 use realfft::RealFftPlanner;

@@ -1,4 +1,4 @@
-//! Samples at any times → values between them: the cubic spline.
+//! From samples at any times to values between them: the cubic spline.
 
 use crate::error::SignalError;
 

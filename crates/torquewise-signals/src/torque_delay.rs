@@ -1,4 +1,4 @@
-//! Raw → delay: how long the torque of a log lags its motion.
+//! From Raw to delay: how long the torque of a log lags its motion.
 
 use crate::butterworth::low_pass;
 use crate::delay::{Shift, best_shift, shift};

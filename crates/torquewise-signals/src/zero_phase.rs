@@ -1,4 +1,4 @@
-//! Signal → smoothed signal: a filter run forwards and backwards, so that nothing is delayed.
+//! From signal to smoothed signal: a filter run forwards and backwards, so that nothing is delayed.
 
 use crate::butterworth::{Section, low_pass, sosfilt, sosfilt_zi};
 use crate::error::SignalError;

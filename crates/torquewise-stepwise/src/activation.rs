@@ -1,4 +1,4 @@
-//! Velocity, acceleration → activation index: how hard the joints are driven (6)(7) (E1).
+//! From velocity, acceleration to activation index: how hard the joints are driven (6)(7) (E1).
 
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
@@ -77,7 +77,7 @@ impl Index {
                 [norm.max(LEAST_RATE).ln()]
             })
             .collect();
-        // Rows at rest and rows in motion are two heaps on a log scale, noise or not.
+        // Rows at rest and rows in motion form two clusters on a log scale, noise or not.
         let halfway = kmeans(&sizes, 2, &KMeans::default())
             .map_or(0.0, |heaps| 0.5 * (heaps.centres[0][0] + heaps.centres[1][0]));
         let sensitivity = HALF_ON / halfway.exp();

@@ -1,4 +1,4 @@
-//! Normal equations of all rows → plain least squares: where the refit begins (E6).
+//! From normal equations of all rows to plain least squares: where the refit begins (E6).
 
 use crate::factor::Kept;
 use crate::step::{residual_energy, response_place};

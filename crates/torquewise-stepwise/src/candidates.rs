@@ -1,4 +1,5 @@
-//! Plan → candidates: the terms offered, as columns of a regression, and the step that offers each.
+//! From plan to candidates: the terms offered, as columns of a regression, and the step that offers
+//! each.
 
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::friction::FrictionLaw;

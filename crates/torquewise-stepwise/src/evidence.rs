@@ -1,4 +1,5 @@
-//! Candidates, patterns → steps: which rows are asked for which candidates, and what they say.
+//! From candidates, patterns to steps: which rows are asked for which candidates, and what they
+//! say.
 
 use crate::candidates::Candidates;
 use crate::patterns::place_of;
@@ -29,7 +30,7 @@ impl Step {
 pub struct Evidence {
     /// Normal equations of each equation of the design, in the columns of the step.
     pub grams: Vec<Gram>,
-    /// How they were come by.
+    /// Which route computed them.
     pub route: Route,
     /// Rows.
     pub rows: usize,

@@ -1,5 +1,5 @@
-//! Kept terms, a sample of rows → normal equations near a first fit, and what noise does to them
-//! (E6) (E7).
+//! From kept terms, a sample of rows to normal equations near a first fit, and what noise does to
+//! them (E6) (E7).
 
 use crate::candidates::Group;
 use crate::rows::fill_friction;

@@ -1,4 +1,4 @@
-//! Log → library fit: what the steps found, and how.
+//! From log to library fit: what the steps found, and how.
 
 use crate::form::Dropped;
 use crate::patterns::Patterns;
@@ -41,6 +41,6 @@ pub struct StepReport {
     pub candidates: usize,
     /// Terms found so far that act on each joint, n.
     pub active: Vec<usize>,
-    /// How its normal equations were come by.
+    /// Which route computed its normal equations.
     pub route: Route,
 }

@@ -1,4 +1,4 @@
-//! Candidates, fitted terms → the form of a model, and the terms that nearly made it.
+//! From candidates, fitted terms to the form of a model, and near-miss terms.
 
 use crate::candidates::{Candidates, Terms};
 use crate::refit::{FittedTerm, Refitted};
@@ -49,7 +49,7 @@ fn weigh<'a, T: Clone + 'a>(
     group.iter().filter_map(weighted).collect()
 }
 
-/// The terms that nearly made it, the likeliest first.
+/// Near-miss terms, by descending inclusion probability.
 pub(crate) fn dropped(candidates: &Candidates, refitted: &[Refitted]) -> Vec<Dropped> {
     let mut dropped: Vec<Dropped> = refitted
         .iter()
@@ -60,7 +60,7 @@ pub(crate) fn dropped(candidates: &Candidates, refitted: &[Refitted]) -> Vec<Dro
     dropped
 }
 
-/// Names of the terms that say nothing the others do not say.
+/// Names of linearly dependent terms.
 pub(crate) fn dependent(candidates: &Candidates, refitted: &[Refitted]) -> Vec<String> {
     let mut columns: Vec<usize> =
         refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();

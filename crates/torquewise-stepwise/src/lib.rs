@@ -1,4 +1,5 @@
-//! Motion log → equations of motion, as in the paper: activation, clusters, a regression of each.
+//! From motion log to equations of motion, as in the paper: activation, clusters, a regression of
+//! each.
 //!
 //! Read [`reconstruct`](reconstruct::reconstruct) first; it is the method on one page.
 

@@ -1,4 +1,4 @@
-//! Options, recording → summed library: which columns are summed, and these made ready.
+//! From options, recording to summed library: which columns are summed, and these made ready.
 
 use crate::candidates::Candidates;
 use crate::model_selection::choose_laws;
@@ -34,14 +34,14 @@ pub struct Basis {
     pub candidates: Candidates,
     /// Their columns, as sums over rows want them.
     pub prepared: Prepared,
-    /// How their normal equations are come by.
+    /// Which route computes their normal equations.
     pub route: Route,
     /// Number of joints n.
     pub n_joints: usize,
 }
 
 /// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
-/// size come by different routes and do not add up.
+/// size use different routes and do not add up.
 const USUAL_ROWS: usize = 1 << 18;
 
 impl SummedLibrary {

@@ -1,4 +1,5 @@
-//! Survey, plan → settings: interaction order, friction and strictness, chosen on held-out blocks.
+//! From survey, plan to settings: interaction order, friction and strictness, chosen on held-out
+//! blocks.
 
 use crate::candidates::{Candidates, Group};
 use crate::evidence::{Evidence, Step};

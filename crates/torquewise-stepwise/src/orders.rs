@@ -1,4 +1,4 @@
-//! Recording → residual against order, and the orders it asks for (Fig. 5 of the paper).
+//! From recording to residual against order, and the orders it asks for (Fig. 5 of the paper).
 
 use crate::candidates::{columns_of_energies, columns_of_terms};
 use crate::patterns::{PatternPlan, Patterns, find_patterns};

@@ -1,4 +1,4 @@
-//! Activation → patterns: clusters of rows, named by the part of the torque they activate.
+//! From activation to patterns: clusters of rows, named by the part of the torque they activate.
 
 use crate::activation::{Activation, Scaling};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,5 @@
-//! What the user wants → options of a library: candidates, regressions, friction and selection.
+//! From what the user wants to options of a library: candidates, regressions, friction and
+//! selection.
 
 use serde::{Deserialize, Serialize};
 use torquewise_regression::select::Selector;

@@ -1,4 +1,4 @@
-//! Sums of a library → equations of motion: the method of the paper on one page.
+//! From sums of a library to equations of motion: the method of the paper on one page.
 
 use crate::candidates::{Candidates, Group};
 use crate::evidence::{Evidence, Step, one_shot, plan_steps};

@@ -1,4 +1,5 @@
-//! Kept terms, normal equations, a sample → coefficients, standard errors, inclusion (E6) (E7).
+//! From kept terms, normal equations, a sample to coefficients, standard errors, inclusion (E6)
+//! (E7).
 
 use crate::base::Base;
 use crate::candidates::Candidates;
@@ -38,7 +39,7 @@ pub(crate) struct Refitted {
     pub(crate) terms: Vec<FittedTerm>,
     /// (column, inclusion) of terms that did not stay, where resampled logs were asked.
     pub(crate) dropped: Vec<(usize, f64)>,
-    /// Columns that say nothing the others do not say.
+    /// Linearly dependent columns.
     pub(crate) dependent: Vec<usize>,
     /// RMS of the residual of each equation \[N·m\].
     pub(crate) residual_rms: Vec<f64>,

@@ -1,4 +1,5 @@
-//! Motion → samples: q as angles; q̇, q̈ and friction as variables; τ as responses; by pattern.
+//! From motion to samples: q as angles; q̇, q̈ and friction as variables; τ as responses; by
+//! pattern.
 
 use faer::Mat;
 use std::borrow::Cow;

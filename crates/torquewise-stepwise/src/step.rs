@@ -1,4 +1,4 @@
-//! Evidence of one step → coefficients: regressing what the earlier steps leave unexplained.
+//! From evidence of one step to coefficients: regressing what the earlier steps leave unexplained.
 
 use crate::candidates::Group;
 use crate::evidence::{Evidence, Step};

@@ -1,4 +1,4 @@
-//! Rows of each pattern → sums of a library: what a step is asked, and its answer.
+//! From rows of each pattern to sums of a library: what a step is asked, and its answer.
 
 use crate::evidence::{Evidence, Step};
 use crate::library::{Basis, SummedLibrary};

@@ -34,11 +34,11 @@ pub enum IdentifyError {
     )]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
     #[error(
-        "moments that do not add up: their {what} are {expected} and {found}; make both with the \
+        "cannot merge summaries: {what} differs, {expected} and {found}; make both with the \
          same settings"
     )]
     Apart { what: &'static str, expected: String, found: String },
-    #[error("these are no moments to be read, {0}: make the file again with torquewise moments")]
+    #[error("not a valid moments file, {0}: make the file again with torquewise moments")]
     Moments(String),
     #[error(
         "the moments are for a learned chain and hold no sums of a library: make them again with \

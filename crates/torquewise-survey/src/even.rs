@@ -1,4 +1,4 @@
-//! Things in order → every k-th of them, k a power of two: even samples of logs that add up.
+//! From things in order to every k-th of them, k a power of two: even samples of logs that add up.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Errors on held-out blocks of time → a choice: the simplest near the best.
+//! From errors on held-out blocks of time to a choice: the simplest near the best.
 
 use torquewise_model::model::{Candidate, Choice};
 

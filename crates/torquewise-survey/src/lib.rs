@@ -1,4 +1,4 @@
-//! Recording → survey: one look at a motion log, and choices on held-out rows of it.
+//! From recording to survey: one look at a motion log, and choices on held-out rows of it.
 //!
 //! What every way from a log to a model needs first: ranges, the noise floor, an even sample, the
 //! laws of friction that the speeds allow, and cross-validation on blocks of time.

@@ -1,4 +1,4 @@
-//! Motion blocks → noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
+//! From motion blocks to noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
 
 use crate::even::Even;
 use crate::quantile::quantile;

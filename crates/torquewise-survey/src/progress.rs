@@ -1,4 +1,4 @@
-//! Work under way → the stage it is in, for whoever watches.
+//! From work under way to the stage it is in, for whoever watches.
 
 /// A stage of the work, told when it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,4 @@
-//! Recording → survey: one look at the whole log, and an even sample of it, in fixed memory.
+//! From recording to survey: one look at the whole log, and an even sample of it, in fixed memory.
 
 use crate::error::IdentifyError;
 use crate::even::Even;
@@ -60,7 +60,7 @@ pub fn survey(recording: &(impl Recording + ?Sized)) -> Result<Survey, IdentifyE
     look.finish()
 }
 
-/// A survey on its way: what logs add up to, the same in any order.
+/// Partial survey: a mergeable accumulator, the same in any order of logs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurveySum {
     joints: Vec<String>,

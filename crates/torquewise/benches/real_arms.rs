@@ -1,5 +1,5 @@
-//! Public logs of real arms → docs/real-arms.md: torque models without kinematics beside a full
-//! rigid-body regressor that is given them.
+//! From public logs of real arms to docs/real-arms.md: torque models without kinematics beside a
+//! full rigid-body regressor that is given them.
 //!
 //! `cargo bench -p torquewise --bench real_arms` writes the page; arguments name sets to run;
 //! `further` writes the section of the arms without kinematics alone. The data are other people's

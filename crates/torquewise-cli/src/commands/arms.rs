@@ -1,4 +1,4 @@
-//! Nothing → the built-in arms.
+//! From nothing to the built-in arms.
 
 use crate::outcome::Outcome;
 use crate::table::Table;

@@ -1,4 +1,4 @@
-//! Shell → script that completes the words of the command line.
+//! From shell to script that completes the words of the command line.
 
 use crate::error::CliError;
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! Model, arm → closed loop at a fixed rate: how well each controller tracks.
+//! From model, arm to closed loop at a fixed rate: how well each controller tracks.
 
 mod report;
 mod setup;

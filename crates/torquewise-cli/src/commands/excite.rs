@@ -1,4 +1,4 @@
-//! Arm, limits → recordings to make: motions from which a model can be reconstructed.
+//! From arm, limits to recordings to make: motions from which a model can be reconstructed.
 
 mod figure;
 mod summary;

@@ -1,4 +1,4 @@
-//! Model → source code, an FMU or a ROS 2 package.
+//! From model to source code, an FMU or a ROS 2 package.
 
 use crate::compiler::binary;
 use crate::error::CliError;

@@ -1,4 +1,4 @@
-//! Logs → what they hold, and what they lack.
+//! From logs to what they hold, and what they lack.
 
 use crate::conditioning;
 use crate::outcome::{Outcome, object};

@@ -1,4 +1,4 @@
-//! Moments files → one: the same bytes in whatever order.
+//! From moments files to one: the same bytes in whatever order.
 
 use crate::files::check_output;
 use crate::moments_file::{add, json, read_moments, text, write_moments};

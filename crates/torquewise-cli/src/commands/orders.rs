@@ -1,4 +1,4 @@
-//! Logs → residual against order, and the orders chosen.
+//! From logs to residual against order, and the orders chosen.
 
 use crate::arguments::PatternArguments;
 use crate::files::{check_ending, check_output, write_whole};
@@ -18,7 +18,7 @@ use torquewise::observe::Watched;
 use torquewise::report::{chart_figure, order_charts};
 use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
 
-/// Show what each order of the libraries leaves unexplained, and which orders that asks for
+/// Show the residual at each order of the libraries, and the recommended orders
 ///
 /// N1 is the number of sines and cosines in a term, N2 that of velocities and accelerations; the
 /// steps have N2 fixed. Least squares on one half of the rows, judged on the other. The order

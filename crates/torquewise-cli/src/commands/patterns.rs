@@ -1,4 +1,4 @@
-//! Logs → patterns: clusters of rows, and the pattern of each row.
+//! From logs to patterns: clusters of rows, and the pattern of each row.
 
 use crate::arguments::PatternArguments;
 use crate::files::check_output;

@@ -1,4 +1,4 @@
-//! Nothing → every simulated experiment of the paper and those beyond it.
+//! From nothing to every simulated experiment of the paper and those beyond it.
 
 use crate::files::{check_output, create_folder, write_whole};
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! Arm, motion, noise → log with known truth.
+//! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
 use crate::files::{check_distinct, check_output, read_arm, read_friction};

@@ -1,4 +1,4 @@
-//! A line typed in an empty folder → what was said and which files appeared.
+//! From a line typed in an empty folder to what was said and which files appeared.
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -1,4 +1,5 @@
-//! Joint ranges → Moves: dwell, accelerate, cruise and brake, all joints at the same instants.
+//! From joint ranges to Moves: dwell, accelerate, cruise and brake, all joints at the same
+//! instants.
 
 use super::{ACCELERATION, PEAK_SPEED, State, between, direction};
 use rand::RngExt;

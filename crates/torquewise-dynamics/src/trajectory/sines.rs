@@ -1,4 +1,4 @@
-//! Joint ranges → Sines: a sum of sines per joint, with exact derivatives.
+//! From joint ranges to Sines: a sum of sines per joint, with exact derivatives.
 
 use super::{State, between};
 use rand_chacha::ChaCha8Rng;

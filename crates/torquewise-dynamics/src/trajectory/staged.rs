@@ -1,4 +1,4 @@
-//! Joint ranges → Staged: poses held, then constant speeds, then constant accelerations.
+//! From joint ranges to Staged: poses held, then constant speeds, then constant accelerations.
 
 use super::{ACCELERATION, PEAK_SPEED, State, between, direction};
 use rand_chacha::ChaCha8Rng;

@@ -1,4 +1,4 @@
-//! Torques of an independent tool and closed forms → the same torques here.
+//! From torques of an independent tool and closed forms to the same torques here.
 #![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Sweeps, arms, coefficients → figures beyond the paper.
+//! From sweeps, arms, coefficients to figures beyond the paper.
 
 use crate::figures::Figure;
 use crate::figures::looks::{colour, places, spread_series, worst_joint};

@@ -1,4 +1,4 @@
-//! Cases → Fig. 7 and 8: terms kept, torque outside the training log, its error.
+//! From cases to Fig. 7 and 8: terms kept, torque outside the training log, its error.
 
 use crate::figures::Figure;
 use crate::figures::looks::{beside, colour, places, spread_series};

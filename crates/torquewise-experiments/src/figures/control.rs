@@ -1,4 +1,4 @@
-//! An arm with friction under control → Fig. 10 and 11, and its Stribeck curves.
+//! From an arm with friction under control to Fig. 10 and 11, and its Stribeck curves.
 
 use crate::figures::Figure;
 use crate::figures::cases::range;

@@ -1,4 +1,4 @@
-//! Costs → Fig. 6: candidates and computing time.
+//! From costs to Fig. 6: candidates and computing time.
 
 use crate::figures::Figure;
 use crate::figures::looks::{places, spread_series};

@@ -1,4 +1,4 @@
-//! Indicators → figure: the error of every way to sort and weight rows, against noise.
+//! From indicators to figure: the error of every way to sort and weight rows, against noise.
 
 use crate::figures::Figure;
 use crate::figures::looks::{beside, places, spread_series, worst_joint};

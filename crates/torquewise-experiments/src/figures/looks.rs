@@ -1,4 +1,4 @@
-//! Method, joint, spread → colour, mark and points: one look for all figures.
+//! From method, joint, spread to colour, mark and points: one look for all figures.
 
 use crate::method::Method;
 use crate::spread::Spread;

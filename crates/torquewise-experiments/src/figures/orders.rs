@@ -1,4 +1,4 @@
-//! Order curves → Fig. 5: residual against order.
+//! From order curves to Fig. 5: residual against order.
 
 use crate::figures::Figure;
 use crate::study::order_curves::OrderResults;

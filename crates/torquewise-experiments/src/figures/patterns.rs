@@ -1,4 +1,4 @@
-//! Patterns → Fig. 1–3: activation plane, elbow, motion by pattern.
+//! From patterns to Fig. 1–3: activation plane, elbow, motion by pattern.
 
 use crate::figures::Figure;
 use crate::study::patterns::{PatternResults, Plane};

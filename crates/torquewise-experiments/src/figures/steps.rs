@@ -1,4 +1,4 @@
-//! Steps → Fig. 10: torque predicted after each of them.
+//! From steps to Fig. 10: torque predicted after each of them.
 
 use crate::figures::Figure;
 use crate::figures::cases::range;

@@ -1,4 +1,4 @@
-//! Variants → what each choice buys.
+//! From variants to what each choice buys.
 
 use crate::figures::looks::worst_joint;
 use crate::page::cells::{count, joints, table, with_range};

@@ -1,4 +1,4 @@
-//! Sweeps, arms, coefficients → sections beyond the paper.
+//! From sweeps, arms, coefficients to sections beyond the paper.
 
 use crate::page::Drawn;
 use crate::page::cells::{count, table, with_range};

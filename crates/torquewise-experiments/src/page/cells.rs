@@ -1,4 +1,4 @@
-//! Numbers and spreads → cells of a table.
+//! From numbers and spreads to cells of a table.
 
 use crate::spread::Spread;
 use torquewise_report::html::number::significant;

@@ -1,4 +1,4 @@
-//! An arm with friction under control → section: recorded, learned, predicted, tracked.
+//! From an arm with friction under control to section: recorded, learned, predicted, tracked.
 
 use crate::page::Drawn;
 use crate::page::cells::{joints, table};

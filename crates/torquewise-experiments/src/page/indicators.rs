@@ -1,4 +1,4 @@
-//! Indicators → section: what noise and leverage of rows buy.
+//! From indicators to section: what noise and leverage of rows buy.
 
 use crate::page::Drawn;
 use crate::page::cells::{count, table, with_range};

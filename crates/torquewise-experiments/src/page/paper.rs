@@ -1,4 +1,4 @@
-//! Results → the figures of the paper with what is seen in them.
+//! From results to the figures of the paper with what is seen in them.
 
 use crate::page::Drawn;
 use crate::page::cells::{count, joints, listed, table, with_range};

@@ -1,4 +1,4 @@
-//! Settings → what was done, and what was not.
+//! From settings to what was done, and what was not.
 
 use crate::method::Method;
 use crate::page::cells::table;

@@ -1,4 +1,4 @@
-//! Claims and errors → the first page: what holds, what does not, what to take home.
+//! From claims and errors to the first page: what holds, what does not, what to take home.
 
 use crate::claims::worst;
 use crate::figures::looks::worst_joint;

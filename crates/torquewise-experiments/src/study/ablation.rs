@@ -1,4 +1,4 @@
-//! Method with one choice changed → what that choice buys.
+//! From method with one choice changed to what that choice buys.
 
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;

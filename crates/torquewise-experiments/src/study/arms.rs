@@ -1,4 +1,4 @@
-//! Arms of two to five joints → candidates, time and error: how the libraries grow.
+//! From arms of two to five joints to candidates, time and error: how the libraries grow.
 
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;

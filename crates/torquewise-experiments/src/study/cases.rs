@@ -1,4 +1,4 @@
-//! Trials in cases 1–3 → terms kept (Fig. 7) and torque outside the training log (Fig. 8).
+//! From trials in cases 1–3 to terms kept (Fig. 7) and torque outside the training log (Fig. 8).
 
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;

@@ -1,4 +1,5 @@
-//! Energy models over many seeds → coefficients beside the truth, and how often intervals hold.
+//! From energy models over many seeds to coefficients beside the truth, and how often intervals
+//! hold.
 
 use crate::agenda::Trials;
 use crate::error::ExperimentError;

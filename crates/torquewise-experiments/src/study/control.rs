@@ -1,4 +1,4 @@
-//! Model of an arm with friction → torque after each step, friction, tracking (Fig. 10, 11).
+//! From model of an arm with friction to torque after each step, friction, tracking (Fig. 10, 11).
 
 use crate::error::ExperimentError;
 use crate::settings::Settings;

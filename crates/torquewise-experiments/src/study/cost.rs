@@ -1,4 +1,4 @@
-//! Timed trials → candidates and computing time of each method (Fig. 6).
+//! From timed trials to candidates and computing time of each method (Fig. 6).
 
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;

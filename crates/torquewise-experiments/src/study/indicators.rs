@@ -1,4 +1,4 @@
-//! Settings → what noise and leverage of rows buy as indicators beside activation \[E17\].
+//! From settings to what noise and leverage of rows buy as indicators beside activation \[E17\].
 
 mod first_fit;
 pub mod variance;

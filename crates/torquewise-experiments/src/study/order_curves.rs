@@ -1,4 +1,5 @@
-//! Log → residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
+//! From log to residual against order for one-shot SINDy, each step and the energy library (Fig.
+//! 5).
 
 use crate::error::ExperimentError;
 use crate::scenario::{Decibels, Scenario};

@@ -1,4 +1,5 @@
-//! Noisy motions → purity of the patterns, with the scaled and with the printed index (Fig. 1–3).
+//! From noisy motions to purity of the patterns, with the scaled and with the printed index (Fig.
+//! 1–3).
 
 use crate::error::ExperimentError;
 use crate::scenario::{Decibels, Scenario};

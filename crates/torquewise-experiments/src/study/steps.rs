@@ -1,4 +1,4 @@
-//! Models after each step → error and torque of the same motion (Fig. 10, simulated).
+//! From models after each step to error and torque of the same motion (Fig. 10, simulated).
 
 use crate::agenda::Trials;
 use crate::error::ExperimentError;

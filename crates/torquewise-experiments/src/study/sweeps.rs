@@ -1,4 +1,4 @@
-//! Noise or length of the log → error of every method.
+//! From noise or length of the log to error of every method.
 
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;

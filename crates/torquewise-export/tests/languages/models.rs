@@ -1,4 +1,4 @@
-//! A seed → models of arms that were never fitted, with the sparsity of models that were.
+//! From a seed to models of arms that were never fitted, with the sparsity of models that were.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

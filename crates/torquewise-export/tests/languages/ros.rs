@@ -1,4 +1,5 @@
-//! ROS 2 package → what can be told of it without ROS: manifest, CMake, C++ against stand-ins.
+//! From ROS 2 package to what can be told of it without ROS: manifest, CMake, C++ against
+//! stand-ins.
 
 use crate::models::{energies, remembers};
 use crate::run;

@@ -1,4 +1,4 @@
-//! Exported code → its values: compiled, run, its output read.
+//! From exported code to its values: compiled, run, its output read.
 
 use crate::models::State;
 use crate::witness::{lines, parsed};

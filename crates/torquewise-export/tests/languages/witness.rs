@@ -1,4 +1,5 @@
-//! Model → what its functions must return, by the model's own evaluation, and how far they are off.
+//! From model to what its functions must return, by the model's own evaluation, and how far they
+//! are off.
 
 use crate::models::State;
 use crate::run::RESET;

@@ -1,4 +1,4 @@
-//! A structure and its parameters → rows [J e] of a block of motion.
+//! From a structure and its parameters to rows [J e] of a block of motion.
 
 use crate::drive_terms::{DriveTerm, Gravity, columns};
 use faer::Mat;

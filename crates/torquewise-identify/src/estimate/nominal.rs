@@ -1,5 +1,5 @@
-//! Structure, geometry → what is known of an arm before any motion: plain links, positive rotors,
-//! friction that takes energy (E14).
+//! From structure, geometry to what is known of an arm before any motion: plain links, positive
+//! rotors, friction that takes energy (E14).
 
 use super::linearisation::Linearisation;
 use crate::drive_terms::DriveTerm;

@@ -1,4 +1,5 @@
-//! Logs → normal equations: one pass over every row, in parallel, with the same bits in any order.
+//! From logs to normal equations: one pass over every row, in parallel, with the same bits in any
+//! order.
 
 use super::linearisation::{Linearisation, shifted};
 use faer::Mat;

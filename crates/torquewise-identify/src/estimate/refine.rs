@@ -1,4 +1,4 @@
-//! A start → passes over rows until nothing moves (E11).
+//! From a start to passes over rows until nothing moves (E11).
 
 use super::linearisation::Linearisation;
 use super::nominal::Sizes;

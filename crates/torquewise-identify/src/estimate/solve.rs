@@ -1,5 +1,5 @@
-//! Sums that nothing moves any more → parameters, what is certain of them, and what physics cost
-//! (E11) (E14).
+//! From sums that nothing moves any more to parameters, what is certain of them, and what physics
+//! cost (E11) (E14).
 
 use super::linearisation::Linearisation;
 use super::step::{Step, Tuning};

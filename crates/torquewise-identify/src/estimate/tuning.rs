@@ -1,4 +1,4 @@
-//! Held-out folds → how strong the prior is, and how strongly the geometry is pulled (E14).
+//! From held-out folds to how strong the prior is, and how strongly the geometry is pulled (E14).
 
 use super::equations::Equations;
 use super::step::{Step, Tuning};

@@ -1,4 +1,4 @@
-//! Learned chain, term → the chain with that term beside it, where held-out rows agree (E10).
+//! From learned chain, term to the chain with that term beside it, where held-out rows agree (E10).
 
 use super::residual::WORTH;
 use super::{ChainLearner, LAST_ROWS, Learned, SNAP_ROUNDS, TRIAL_ROWS};

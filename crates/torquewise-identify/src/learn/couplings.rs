@@ -1,4 +1,5 @@
-//! Chain, rows → chain whose joints are turned by several logged coordinates, where the log has it.
+//! From chain, rows to chain whose joints are turned by several logged coordinates, where the log
+//! has it.
 
 use super::{ChainLearner, ROUNDS, SHORT, TRIAL_ROWS};
 use crate::chain_spec::{ChainSpec, record, trial};

@@ -1,5 +1,5 @@
-//! Chain, rows → friction of each joint: none, viscous, Coulomb, Stribeck, Dahl or both, each with
-//! or without load (17) (E13).
+//! From chain, rows to friction of each joint: none, viscous, Coulomb, Stribeck, Dahl or both, each
+//! with or without load (17) (E13).
 
 use super::ChainLearner;
 use super::residual::{LeftOver, WORTH, refuse};

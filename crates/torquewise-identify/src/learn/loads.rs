@@ -1,4 +1,5 @@
-//! Chain, rows → recipe: shafts, counterbalances and friction, chosen beside a known geometry.
+//! From chain, rows to recipe: shafts, counterbalances and friction, chosen beside a known
+//! geometry.
 
 use super::{ChainLearner, TRIAL_ROWS};
 use crate::chain_spec::{ChainSpec, record, record_worth, trial};

@@ -1,4 +1,4 @@
-//! Chain, rows → what the rest of a chain leaves to the friction of each joint.
+//! From chain, rows to what the rest of a chain leaves to the friction of each joint.
 
 use super::{ChainLearner, LAST_ROWS, TRIAL_ROWS};
 use crate::chain_spec::ChainSpec;

@@ -1,5 +1,5 @@
-//! Chain, rows → torque that is periodic in the angle of a joint: ripple of its gear, cogging of
-//! its motor.
+//! From chain, rows to torque that is periodic in the angle of a joint: ripple of its gear, cogging
+//! of its motor.
 
 use super::ChainLearner;
 use super::residual::{LeftOver, refuse};

@@ -1,4 +1,5 @@
-//! Friction of LuGre, which no law of the learner is → a model that knows it at rest and reversal.
+//! From friction of LuGre, which no law of the learner is to a model that knows it at rest and
+//! reversal.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Simulated log with friction → the arm and the friction it was simulated with, by a chain.
+//! From simulated log with friction to the arm and the friction it was simulated with, by a chain.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Three recordings of an arm with friction → its terms and its friction curve, stepwise.
+//! From three recordings of an arm with friction to its terms and its friction curve, stepwise.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Simulated log with gears that press harder under load, or ripple → what was planted.
+//! From simulated log with gears that press harder under load, or ripple to what was planted.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

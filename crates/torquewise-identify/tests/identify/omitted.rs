@@ -1,4 +1,5 @@
-//! Simulated logs with and without something no chain of rigid bodies does → what is said of it.
+//! From simulated logs with and without something no chain of rigid bodies does to what is said of
+//! it.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

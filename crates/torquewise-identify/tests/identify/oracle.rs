@@ -1,4 +1,4 @@
-//! Torques computed by Pinocchio → the energy library spans them exactly (E4).
+//! From torques computed by Pinocchio to the energy library spans them exactly (E4).
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Simulated log → the terms and coefficients it was simulated with.
+//! From simulated log to the terms and coefficients it was simulated with.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Chains fitted on every row → intervals, longer logs, physics, and rounds through files.
+//! From chains fitted on every row to intervals, longer logs, physics, and rounds through files.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,5 @@
-//! Simulated arms of six and seven joints → a model that predicts other motion, by a learned chain.
+//! From simulated arms of six and seven joints to a model that predicts other motion, by a learned
+//! chain.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Logs summed apart, merged in any order → the model of all logs together, bit for bit.
+//! From logs summed apart, merged in any order to the model of all logs together, bit for bit.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

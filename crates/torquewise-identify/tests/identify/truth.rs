@@ -1,4 +1,4 @@
-//! Arm → true coefficients of M(q) and V(q) in the functions of the energy library.
+//! From arm to true coefficients of M(q) and V(q) in the functions of the energy library.
 
 use faer::Mat;
 use faer::prelude::SolveLstsq;

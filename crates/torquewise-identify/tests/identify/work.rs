@@ -1,4 +1,4 @@
-//! Candidates → multiplications: what each route to their normal equations costs.
+//! From candidates to multiplications: what each route to their normal equations costs.
 
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;

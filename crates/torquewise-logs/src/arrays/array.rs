@@ -1,4 +1,4 @@
-//! File of arrays → names, shapes and elements: what NumPy and MATLAB files are decoded to.
+//! From file of arrays to names, shapes and elements: what NumPy and MATLAB files are decoded to.
 
 use crate::error::LogError;
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,4 +1,4 @@
-//! MATLAB file (.mat, version 5) → arrays; fields of structures are joined to names by dots.
+//! From MATLAB file (.mat, version 5) to arrays; fields of structures are joined to names by dots.
 
 use crate::arrays::array::{Array, Arrays, MAX_BYTES, Order};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, numbers, sizes, wrong};

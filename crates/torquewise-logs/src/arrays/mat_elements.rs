@@ -1,4 +1,4 @@
-//! Bytes of a MAT file → elements: tag, body and padding, read without going back.
+//! From bytes of a MAT file to elements: tag, body and padding, read without going back.
 //!
 //! Source: MathWorks, MAT-File Format, R2024b, chapter 1 (level 5).
 

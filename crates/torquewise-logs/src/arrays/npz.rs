@@ -1,4 +1,4 @@
-//! NumPy archive (.npz) → arrays, one at a time.
+//! From NumPy archive (.npz) to arrays, one at a time.
 
 use crate::arrays::array::{Array, Arrays, MAX_BYTES, Order};
 use crate::arrays::npy::{self, Header};

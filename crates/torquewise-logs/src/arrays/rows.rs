@@ -1,4 +1,4 @@
-//! Arrays → rows.
+//! From arrays to rows.
 
 use crate::arrays::array::{Array, Arrays};
 use crate::arrays::mat::Mat;

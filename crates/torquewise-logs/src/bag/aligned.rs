@@ -1,4 +1,4 @@
-//! Joint states that list joints in any order → places of the joints that are read.
+//! From joint states that list joints in any order to places of the joints that are read.
 
 use crate::bag::joint_state::JointState;
 

@@ -1,4 +1,4 @@
-//! SQLite bag (.db3) → topics and messages, some thousand rows at a time.
+//! From SQLite bag (.db3) to topics and messages, some thousand rows at a time.
 
 use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::LogError;

@@ -1,4 +1,4 @@
-//! Rows roughly in order of time → rows in order, from a window of bounded length.
+//! From rows roughly in order of time to rows in order, from a window of bounded length.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;

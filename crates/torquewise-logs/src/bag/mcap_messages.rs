@@ -1,4 +1,4 @@
-//! MCAP bag (.mcap) → topics and messages, one chunk at a time.
+//! From MCAP bag (.mcap) to topics and messages, one chunk at a time.
 
 use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::LogError;

@@ -1,4 +1,4 @@
-//! Bag file → topics and messages: what every storage of a bag is decoded to.
+//! From bag file to topics and messages: what every storage of a bag is decoded to.
 
 use crate::error::LogError;
 

@@ -1,4 +1,4 @@
-//! Joint states → rows, sorted by time.
+//! From joint states to rows, sorted by time.
 
 use crate::bag::aligned::Aligned;
 use crate::bag::in_order::{InOrder, Stamped};

@@ -1,4 +1,4 @@
-//! Bag → what its joint states hold: found in one pass before the rows are read.
+//! From bag to what its joint states hold: found in one pass before the rows are read.
 
 use crate::bag::aligned::{Aligned, Holds};
 #[cfg(feature = "bags")]

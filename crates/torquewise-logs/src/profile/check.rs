@@ -1,4 +1,4 @@
-//! Profile → the first thing in it that cannot be right.
+//! From profile to the first thing in it that cannot be right.
 
 use crate::error::{LogError, shown};
 use crate::joints;

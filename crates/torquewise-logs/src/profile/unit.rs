@@ -1,4 +1,4 @@
-//! Names of units → factors to SI.
+//! From names of units to factors to SI.
 
 use crate::layout::Signal;
 use std::f64::consts::{PI, TAU};

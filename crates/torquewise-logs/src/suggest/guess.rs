@@ -1,4 +1,4 @@
-//! Column names → families: columns of one signal, one per joint.
+//! From column names to families: columns of one signal, one per joint.
 
 use crate::joints;
 use crate::layout::Signal;

@@ -1,4 +1,5 @@
-//! First rows of a log → its usual step, ranges, and velocities beside the slopes of positions.
+//! From first rows of a log to its usual step, ranges, and velocities beside the slopes of
+//! positions.
 
 use crate::error::LogError;
 use crate::layout::Signal;

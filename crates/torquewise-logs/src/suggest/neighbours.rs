@@ -1,4 +1,4 @@
-//! Folder of a log → files with as many rows, which hold the signals that the log lacks.
+//! From folder of a log to files with as many rows, which hold the signals that the log lacks.
 
 use crate::format::Format;
 use crate::layout::Signal;

@@ -1,4 +1,4 @@
-//! What was guessed and measured → text of a profile, and reasons.
+//! From what was guessed and measured to text of a profile, and reasons.
 
 use crate::layout::Signal;
 use crate::suggest::Suggestion;

@@ -1,4 +1,5 @@
-//! Friction → torque, text and back: the Stribeck curve, coupled shafts, files old and hostile.
+//! From friction to torque, text and back: the Stribeck curve, coupled shafts, files old and
+//! hostile.
 
 #![expect(clippy::float_cmp, reason = "the same bits are meant")]
 

@@ -1,4 +1,4 @@
-//! Models → torque, text and back: two-link arm in closed form, files whole and broken.
+//! From models to torque, text and back: two-link arm in closed form, files whole and broken.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

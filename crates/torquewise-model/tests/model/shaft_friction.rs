@@ -1,4 +1,4 @@
-//! Planted laws of friction → the parameters they were planted with, and their errors.
+//! From planted laws of friction to the parameters they were planted with, and their errors.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Normal equations → terms that explain more than noise: forward, then backward, by t² (E5).
+//! From normal equations to terms that explain more than noise: forward, then backward, by t² (E5).
 
 use crate::cholesky;
 use crate::error::SparseError;

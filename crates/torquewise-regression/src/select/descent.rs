@@ -1,4 +1,5 @@
-//! Problem, λ → LASSO optimum with its duality gap: coordinate descent on a growing working set.
+//! From problem, λ to LASSO optimum with its duality gap: coordinate descent on a growing working
+//! set.
 
 use crate::cholesky;
 use crate::problem::{Problem, nonzero};

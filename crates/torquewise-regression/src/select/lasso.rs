@@ -1,4 +1,5 @@
-//! Problem → Selection by the LASSO: a path of penalties, the best support, its least squares.
+//! From problem to Selection by the LASSO: a path of penalties, the best support, its least
+//! squares.
 
 use crate::error::SparseError;
 use crate::problem::{Problem, Refit, Selection, Standardised, nonzero, require};

@@ -1,4 +1,4 @@
-//! Seed → rows whose sparse truth is known.
+//! From seed to rows whose sparse truth is known.
 
 use faer::Mat;
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,4 @@
-//! Random waves, monomials and weights → designs, and what their formulas say at random rows.
+//! From random waves, monomials and weights to designs, and what their formulas say at random rows.
 
 use faer::Mat;
 use proptest::prelude::*;

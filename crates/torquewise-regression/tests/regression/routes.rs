@@ -1,4 +1,4 @@
-//! Moments and rows → the same normal equations, on any machine.
+//! From moments and rows to the same normal equations, on any machine.
 
 use crate::random_design::{RandomDesign, any_design, samples};
 use faer::Mat;

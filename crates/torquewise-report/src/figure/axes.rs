@@ -1,4 +1,4 @@
-//! Chart → scales: axes with room for all that is drawn.
+//! From chart to scales: axes with room for all that is drawn.
 
 use crate::figure::DOTS;
 use crate::figure::scale::{Needs, Scale, extent};

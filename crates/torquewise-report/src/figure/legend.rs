@@ -1,4 +1,4 @@
-//! Names of series, bands and guides → legend: rows of samples and words.
+//! From names of series, bands and guides to legend: rows of samples and words.
 
 use crate::error::ReportError;
 use crate::figure::DOTS;

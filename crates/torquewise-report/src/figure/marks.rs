@@ -1,4 +1,4 @@
-//! Places in dots → marks: lines, dots, rings and rectangles in their colours.
+//! From places in dots to marks: lines, dots, rings and rectangles in their colours.
 
 use crate::error::ReportError;
 use crate::figure::DOTS;

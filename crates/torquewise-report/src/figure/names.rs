@@ -1,4 +1,4 @@
-//! Names of places → words below an axis: level if they fit, else upright.
+//! From names of places to words below an axis: level if they fit, else upright.
 
 use crate::error::ReportError;
 use crate::figure::DOTS;

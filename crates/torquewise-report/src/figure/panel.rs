@@ -1,4 +1,4 @@
-//! Chart → panel: title, legend, axes, grid, and what is drawn between them.
+//! From chart to panel: title, legend, axes, grid, and what is drawn between them.
 
 use crate::error::ReportError;
 use crate::figure::DOTS;

@@ -1,4 +1,4 @@
-//! Bands, guides, series → marks between the axes.
+//! From bands, guides, series to marks between the axes.
 
 use crate::error::ReportError;
 use crate::figure::axes::half_bar;

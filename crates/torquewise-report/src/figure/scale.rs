@@ -1,4 +1,4 @@
-//! Values of an axis → places in the drawing: its ends, its numbers, even or logarithmic.
+//! From values of an axis to places in the drawing: its ends, its numbers, even or logarithmic.
 
 use crate::figure::ticks::{Tick, decades, steps};
 use crate::figure::words::{SMALL, width};

@@ -1,4 +1,4 @@
-//! Points → strokes: the parts of a line that can be seen.
+//! From points to strokes: the parts of a line that can be seen.
 
 /// A place in the unit square of the axes.
 pub(crate) type Place = [f64; 2];

@@ -1,4 +1,4 @@
-//! Ends of an axis → ticks: round numbers, and how they are written.
+//! From ends of an axis to ticks: round numbers, and how they are written.
 
 /// Fewer decades than this are divided evenly: no three round ratios lie between their ends.
 const FEW_DECADES: f64 = 0.7;

@@ -1,4 +1,4 @@
-//! Words → lines: how they look, how much room they take, and where they are broken.
+//! From words to lines: how they look, how much room they take, and where they are broken.
 
 use crate::error::ReportError;
 use crate::figure::DOTS;

@@ -1,4 +1,5 @@
-//! Findings → charts of the patterns: the activation plane, the elbow, the motion in their colours.
+//! From findings to charts of the patterns: the activation plane, the elbow, the motion in their
+//! colours.
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};

@@ -1,4 +1,4 @@
-//! Counted operations of each step's torque → which of them fits which control rate.
+//! From counted operations of each step's torque to which of them fits which control rate.
 
 use crate::error::ReportError;
 use crate::fit_report::Findings;

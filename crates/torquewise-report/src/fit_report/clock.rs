@@ -1,4 +1,4 @@
-//! Time stamps of several trajectories → one clock: end to end, with a gap between them.
+//! From time stamps of several trajectories to one clock: end to end, with a gap between them.
 
 use crate::html::{Band, Colour};
 use torquewise_motion::Pattern;

@@ -1,4 +1,5 @@
-//! Findings → tables: how the log was filtered and repaired, how far it reaches, how noisy it is.
+//! From findings to tables: how the log was filtered and repaired, how far it reaches, how noisy it
+//! is.
 
 use crate::fit_report::Findings;
 use crate::html::number::significant;

@@ -1,4 +1,5 @@
-//! Findings → equations: energies first where the model has them, then the torque of each joint.
+//! From findings to equations: energies first where the model has them, then the torque of each
+//! joint.
 
 use crate::fit_report::Findings;
 use crate::html::number::count;

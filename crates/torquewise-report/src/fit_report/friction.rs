@@ -1,4 +1,4 @@
-//! Findings → friction: its parameters, and its curves beside what was measured.
+//! From findings to friction: its parameters, and its curves beside what was measured.
 
 use crate::fit_report::Findings;
 use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series, Table};

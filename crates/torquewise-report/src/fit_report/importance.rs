@@ -1,4 +1,5 @@
-//! Findings → bars: how much of each joint's torque a term carries, and which terms nearly stayed.
+//! From findings to bars: how much of each joint's torque a term carries, and which terms nearly
+//! stayed.
 
 use crate::fit_report::Findings;
 use crate::html::number::count;

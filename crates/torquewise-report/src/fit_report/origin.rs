@@ -1,4 +1,4 @@
-//! Files, command and date of a fit → title, list of logs and foot of its report.
+//! From files, command and date of a fit to title, list of logs and foot of its report.
 
 use crate::html::{Column, Item, Table};
 

@@ -1,4 +1,4 @@
-//! Physical checks → verdict: whether the model could be an arm.
+//! From physical checks to verdict: whether the model could be an arm.
 
 use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Item, Section, Table, Tone};

@@ -1,4 +1,5 @@
-//! Findings → residual charts: against time, velocity, position; their spread and their memory.
+//! From findings to residual charts: against time, velocity, position; their spread and their
+//! memory.
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};

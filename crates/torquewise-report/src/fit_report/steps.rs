@@ -1,4 +1,4 @@
-//! Findings → table of the steps: what each was offered, what it found, what was left.
+//! From findings to table of the steps: what each was offered, what it found, what was left.
 
 use crate::error::ReportError;
 use crate::fit_report::Findings;

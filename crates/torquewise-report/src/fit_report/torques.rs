@@ -1,4 +1,4 @@
-//! Findings → torque charts: measured and predicted, joint by joint.
+//! From findings to torque charts: measured and predicted, joint by joint.
 
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};

@@ -1,4 +1,4 @@
-//! Named sizes → bars beside their names, longest first or as given.
+//! From named sizes to bars beside their names, longest first or as given.
 
 use crate::html::colour::Colour;
 use crate::html::markup::Label;

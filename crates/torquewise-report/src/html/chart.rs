@@ -1,4 +1,4 @@
-//! Points → chart: what is drawn, and how it is to be read.
+//! From points to chart: what is drawn, and how it is to be read.
 
 use crate::html::colour::Colour;
 

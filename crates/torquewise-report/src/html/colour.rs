@@ -1,4 +1,4 @@
-//! Role → colour: its name in the page and its value in the SVG figures.
+//! From role to colour: its name in the page and its value in the SVG figures.
 
 use crate::palette;
 use plotters::style::RGBColor;

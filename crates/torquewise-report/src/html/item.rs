@@ -1,4 +1,4 @@
-//! Item → HTML: one part of a section.
+//! From item to HTML: one part of a section.
 
 use crate::error::ReportError;
 use crate::html::bars::{Bar, Bars};

@@ -1,4 +1,4 @@
-//! Trusted HTML → markup: what a page takes over as it is.
+//! From trusted HTML to markup: what a page takes over as it is.
 
 use crate::error::ReportError;
 use serde::Serialize;

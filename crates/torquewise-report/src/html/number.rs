@@ -1,4 +1,4 @@
-//! Numbers → text: the digits that say something, aligned at the decimal point.
+//! From numbers to text: the digits that say something, aligned at the decimal point.
 
 use serde::{Serialize, Serializer};
 

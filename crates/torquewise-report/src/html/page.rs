@@ -1,4 +1,4 @@
-//! Page → HTML text: title, contents, sections, style and script in one file.
+//! From page to HTML text: title, contents, sections, style and script in one file.
 
 use crate::error::ReportError;
 use crate::html::item::{Item, Writer};

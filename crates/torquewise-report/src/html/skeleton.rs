@@ -1,4 +1,4 @@
-//! Chain of axes with a motion → what the script of a page moves and turns.
+//! From chain of axes with a motion to what the script of a page moves and turns.
 
 use serde::Serialize;
 

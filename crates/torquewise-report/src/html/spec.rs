@@ -1,4 +1,4 @@
-//! Chart → JSON for the script of a page: thinned columns of short numbers.
+//! From chart to JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::ReportError;
 use crate::html::chart::{Axis, Band, Chart, Guide, Position};

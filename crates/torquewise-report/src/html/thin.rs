@@ -1,4 +1,4 @@
-//! Points → rows to draw: from left to right, few, with every peak among them.
+//! From points to rows to draw: from left to right, few, with every peak among them.
 
 use crate::html::chart::Series;
 

@@ -1,4 +1,5 @@
-//! Moved bodies, a change of the geometry → the change of the torque: the recursion differentiated.
+//! From moved bodies, a change of the geometry to the change of the torque: the recursion
+//! differentiated.
 
 use super::{Body, Inertia, MOST_JOINTS, Moved, PER_BODY, Scalar, Wrench, along_z, splat};
 use crate::geometry::GeometryDerivative;

@@ -1,4 +1,4 @@
-//! Logs that cannot be learned from → an error, never a panic, never a number that is none.
+//! From logs that cannot be learned from to an error, never a panic, never a number that is none.
 
 use crate::twins::{chain, puma, rows, sines};
 use faer::{Mat, MatRef};

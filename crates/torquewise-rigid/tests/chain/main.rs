@@ -1,4 +1,4 @@
-//! Chains → the arms they stand for: dynamics, energies, recovery, bad input.
+//! From chains to the arms they stand for: dynamics, energies, recovery, bad input.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 

@@ -1,4 +1,4 @@
-//! Simulated motion → a chain that predicts other motion.
+//! From simulated motion to a chain that predicts other motion.
 
 use crate::twins::{errors, largest, rows, sines};
 use faer::Mat;

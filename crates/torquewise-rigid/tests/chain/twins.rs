@@ -1,4 +1,5 @@
-//! Denavit–Hartenberg rows → the same arm twice: as rigid-body dynamics has it, and as a chain.
+//! From Denavit–Hartenberg rows to the same arm twice: as rigid-body dynamics has it, and as a
+//! chain.
 
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};

@@ -1,4 +1,5 @@
-//! Columns → held-out errors of a torque: a model is fitted without each block of time in turn.
+//! From columns to held-out errors of a torque: a model is fitted without each block of time in
+//! turn.
 
 use faer::linalg::solvers::{Llt, Solve};
 use faer::{Mat, MatRef, Side};

@@ -1,4 +1,4 @@
-//! Positions, velocities, accelerations → columns of rough models of any arm.
+//! From positions, velocities, accelerations to columns of rough models of any arm.
 
 use faer::Mat;
 

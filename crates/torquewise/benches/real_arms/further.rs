@@ -1,4 +1,5 @@
-//! Further arms, whose kinematics nobody gives: logs to train and to test on → errors by joint.
+//! From further arms, whose kinematics nobody gives: logs to train and to test on to errors by
+//! joint.
 
 use crate::{fitted, whole};
 use faer::Mat;

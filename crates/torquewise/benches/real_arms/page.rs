@@ -1,4 +1,4 @@
-//! Outcomes → the page of the documentation.
+//! From outcomes to the page of the documentation.
 
 use crate::delan::Parts;
 use crate::sets::Split;

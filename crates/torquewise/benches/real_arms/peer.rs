@@ -1,4 +1,4 @@
-//! Arm, motion → the peer: a rigid-body regressor with the true kinematics, by least squares.
+//! From arm, motion to the peer: a rigid-body regressor with the true kinematics, by least squares.
 
 use crate::Errors;
 use faer::Mat;

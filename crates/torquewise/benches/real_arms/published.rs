@@ -1,4 +1,5 @@
-//! Further arms → their section of the page, beside what others have published of the same logs.
+//! From further arms to their section of the page, beside what others have published of the same
+//! logs.
 
 use crate::further::{Further, Track, nrmse};
 use crate::page::mean_and_deviation;

@@ -1,4 +1,4 @@
-//! A log → logs to train and to test on, cut before anything is conditioned.
+//! From a log to logs to train and to test on, cut before anything is conditioned.
 
 use crate::sets::Split;
 use std::error::Error;

@@ -1,4 +1,4 @@
-//! Trackings → figure and page: errors, positions and torques of each controller.
+//! From trackings to figure and page: errors, positions and torques of each controller.
 
 use crate::commands::control::Compared;
 use anyhow::Result;

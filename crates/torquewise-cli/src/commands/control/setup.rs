@@ -1,4 +1,4 @@
-//! Words of the command line → the plant, and the motion that is wanted of it.
+//! From words of the command line to the plant, and the motion that is wanted of it.
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};

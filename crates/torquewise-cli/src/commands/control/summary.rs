@@ -1,4 +1,4 @@
-//! Trackings → table, JSON and warnings.
+//! From trackings to table, JSON and warnings.
 
 use crate::commands::control::{Arguments, Compared, Run};
 use crate::outcome::Outcome;

@@ -1,4 +1,4 @@
-//! Plan → figure: position and velocity of each joint beside their limits.
+//! From plan to figure: position and velocity of each joint beside their limits.
 
 use anyhow::Result;
 use torquewise::excite::{Excitation, Limits, Planned, State};

@@ -1,4 +1,4 @@
-//! Plan → what is said about it: peaks beside limits, how well it tells coefficients apart.
+//! From plan to what is said about it: peaks beside limits, how well it tells coefficients apart.
 
 use super::{Arguments, Files};
 use crate::outcome::Outcome;

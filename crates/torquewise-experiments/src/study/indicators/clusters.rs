@@ -1,4 +1,4 @@
-//! Noise, leverage → clusters: which rows carry information, which amplified noise \[E17\].
+//! From noise, leverage to clusters: which rows carry information, which amplified noise \[E17\].
 
 use crate::error::ExperimentError;
 use torquewise_regression::elbow::{elbow, inertias};

@@ -1,4 +1,4 @@
-//! Scenario → first fit: patterns, noise, settled choices and an estimate to rest on \[E17\].
+//! From scenario to first fit: patterns, noise, settled choices and an estimate to rest on \[E17\].
 
 use crate::error::ExperimentError;
 use crate::method::Method;

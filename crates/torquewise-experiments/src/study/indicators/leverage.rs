@@ -1,4 +1,4 @@
-//! Rows of a step → leverage: how much each alone decides of the coefficients \[E17\].
+//! From rows of a step to leverage: how much each alone decides of the coefficients \[E17\].
 
 use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;

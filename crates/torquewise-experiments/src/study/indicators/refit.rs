@@ -1,4 +1,5 @@
-//! Kept terms, weighted rows → coefficients \[E6\], with and without the noise correction \[E7\].
+//! From kept terms, weighted rows to coefficients \[E6\], with and without the noise correction
+//! \[E7\].
 
 use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;

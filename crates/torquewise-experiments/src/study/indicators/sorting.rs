@@ -1,4 +1,4 @@
-//! First fit → weights of every row in every step, in each of the ways compared \[E17\].
+//! From first fit to weights of every row in every step, in each of the ways compared \[E17\].
 
 use crate::error::ExperimentError;
 use crate::study::indicators::clusters::{Informative, by_noise, informative};

@@ -1,4 +1,4 @@
-//! Steps with a weight for every row of every equation → terms selected \[E17\].
+//! From steps with a weight for every row of every equation to terms selected \[E17\].
 
 use crate::error::ExperimentError;
 use crate::study::indicators::first_fit::FirstFit;

@@ -1,4 +1,4 @@
-//! Noise, model → effective variance: how the noise of a row reaches the torque \[E17\].
+//! From noise, model to effective variance: how the noise of a row reaches the torque \[E17\].
 
 use crate::error::ExperimentError;
 use faer::Mat;
