@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use torquewise_model::harmonic::sum_of_product;
-use torquewise_model::term::Factor;
+use torquewise_model::selection::parted;
 use torquewise_model::{EnergyTerm, Place, Term, Weighted};
 
 /// Part of the largest coefficient that moves a joint below which a coefficient is the rounding of
@@ -28,8 +28,7 @@ pub(crate) fn summed(
     let mut sums: BTreeMap<EnergyTerm, f64> = BTreeMap::new();
     for weighted in terms {
         let Weighted { term: EnergyTerm { place, function }, coefficient, .. } = weighted;
-        let (inside, outside): (Vec<Factor>, Vec<Factor>) =
-            function.factors.iter().cloned().partition(|factor| within(factor, joints));
+        let (inside, outside) = parted(&function.factors, joints);
         for (share, harmonic) in sum_of_product(&inside, function.n_joints()) {
             let mut factors = outside.clone();
             factors.extend(harmonic.factors()?);
@@ -49,10 +48,6 @@ pub(crate) fn summed(
         inclusion: None,
     });
     Some(without_rounding(sums.collect()))
-}
-
-fn within(factor: &Factor, joints: &Range<usize>) -> bool {
-    factor.multiples.iter().enumerate().all(|(joint, &k)| k == 0 || joints.contains(&joint))
 }
 
 /// Leaves out what is left of coefficients that cancelled: what is below the rounding at every

@@ -4,7 +4,7 @@ use crate::error::ModelError;
 use crate::print::with_error;
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::selection::Selection;
-use torquewise_rigid::geometry::{PER_BASE, PER_JOINT};
+use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::recursion::PER_BODY;
 
 /// Rows of cells under headings.
@@ -15,7 +15,7 @@ const DASH: &str = "–";
 /// A parameter with a larger part of it uncertain is not determined.
 const LEAST_T: f64 = 2.0;
 
-/// An axis at q = 0, in the frame of the base.
+/// An axis at q = 0, in a frame at the base with z up, against gravity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
     /// A point on it \[m\].
@@ -24,25 +24,14 @@ pub struct Axis {
     pub direction: [f64; 3],
 }
 
-/// The axes of a chain at q = 0, base to tip: the base has its z along the first.
+/// The axes of a chain at q = 0, base to tip, in a frame with its origin on the first and z up.
 ///
 /// # Errors
 /// [`ModelError::Chain`] if its geometry is none.
 pub fn axes(chain: &RigidChain) -> Result<Vec<Axis>, ModelError> {
-    let placements = chain.axes()?.placements();
-    let mut axes: Vec<Axis> = Vec::with_capacity(placements.len());
-    let mut frame: Option<(_, _)> = None;
-    for placement in placements {
-        let (rotation, origin) = match frame {
-            None => (placement.rotation, placement.origin),
-            Some((rotation, origin)) => {
-                (rotation * placement.rotation, origin + rotation * placement.origin)
-            }
-        };
-        axes.push(Axis { point: origin.into(), direction: rotation.column(2).into_owned().into() });
-        frame = Some((rotation, origin));
-    }
-    Ok(axes)
+    let frames = chain.axes()?.upright();
+    let axis = |(direction, point): ([f64; 3], [f64; 3])| Axis { point, direction };
+    Ok(frames.into_iter().map(axis).collect())
 }
 
 /// Where the axes lie, and each in respect of the one before, with standard errors where it was
@@ -55,83 +44,134 @@ pub fn geometry(
     joints: &[String],
     selection: &Selection,
 ) -> Result<Table, ModelError> {
-    let geometry = chain.axes()?;
     let headings = [
         "joint",
         "axis at q = 0 (x y z)",
         "through (x y z) [m]",
         "angle to axis before [°]",
-        "distance [m]",
+        "distance from it [m]",
     ];
     let mut table = vec![headings.map(str::to_owned).to_vec()];
-    for (joint, (name, axis)) in joints.iter().zip(axes(chain)?).enumerate() {
+    let lines = axes(chain)?;
+    for (joint, (name, axis)) in joints.iter().zip(&lines).enumerate() {
         if !selection.has_joint(joint) {
             continue;
         }
-        let first = (PER_BASE + PER_JOINT * joint).saturating_sub(PER_JOINT);
-        let of = |pair: [f64; 2], from: usize, unit: f64| {
-            let size = pair[0].hypot(pair[1]);
-            match geometry_error(chain, from, pair, size) {
-                0.0 => format!("{}", (1e6 * unit * size).round() / 1e6),
-                error => with_error(unit * size, unit * error),
-            }
+        let relative = |of: fn(&Axis, &Axis) -> f64| -> Result<String, ModelError> {
+            let Some(before) = joint.checked_sub(1) else { return Ok(DASH.to_owned()) };
+            let value = of(&lines[before], axis);
+            Ok(match geometry_error(chain, |axes| of(&axes[before], &axes[joint]))? {
+                error if error < 1e-12 => format!("{}", (1e6 * value.abs()).round() / 1e6),
+                error => with_error(value.abs(), error),
+            })
         };
-        let relative = if joint == 0 {
-            [DASH.to_owned(), DASH.to_owned()]
-        } else {
-            [
-                of(geometry.direction(joint), first, 180.0 / std::f64::consts::PI),
-                of(geometry.place(joint), first + 2, 1.0),
-            ]
-        };
-        let [angle, distance] = relative;
-        let triple = |[x, y, z]: [f64; 3]| {
+        let triple = |triple: [f64; 3]| {
             // No minus before what rounds to zero.
-            let shown = [x, y, z].map(|x| format!("{:.3}", if x.abs() < 5e-4 { 0.0 } else { x }));
-            shown.join(" ")
+            triple.map(|x| format!("{:.3}", if x.abs() < 5e-4 { 0.0 } else { x })).join(" ")
         };
-        let place = [triple(axis.direction), triple(axis.point)];
-        let [direction, point] = place;
+        let [direction, point] = [axis.direction, axis.point].map(triple);
+        let [angle, distance] = [relative(angle)?, relative(distance)?];
         table.push(vec![name.clone(), direction, point, angle, distance]);
     }
     Ok(table)
 }
 
-/// Standard error of the length of a pair of parameters of the geometry; zero where they are exact.
-fn geometry_error(chain: &RigidChain, first: usize, pair: [f64; 2], size: f64) -> f64 {
-    let before = chain.covariance.len().saturating_sub(chain.fitted.len());
-    let mut weights = vec![0.0; chain.covariance.len()];
-    for (k, value) in pair.into_iter().enumerate() {
-        let place = chain.fitted.iter().position(|&fitted| fitted == first + k);
-        if let Some(weight) = place.and_then(|place| weights.get_mut(before + place)) {
-            *weight = if size > 0.0 { value / size } else { 1.0 };
-        }
-    }
-    chain.variance_of(&weights).sqrt()
+/// Angle between two axes \[°\].
+fn angle(a: &Axis, b: &Axis) -> f64 {
+    let across = norm(cross(a.direction, b.direction));
+    across.atan2(dot(a.direction, b.direction)).to_degrees()
 }
 
-/// Mass, first moments and moments of inertia of each link about the origin of its frame, where the
-/// log determines them; only sums of several may be determined where these are not.
-pub fn links(chain: &RigidChain, joints: &[String], selection: &Selection) -> Table {
-    let names = ["m", "m·x", "m·y", "m·z", "Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"];
-    let mut table: Table = vec![std::iter::once("link").chain(names).map(str::to_owned).collect()];
-    for (joint, (name, link)) in joints.iter().zip(&chain.links).enumerate() {
-        if !selection.has_joint(joint) {
-            continue;
-        }
-        let cell = |(k, &value): (usize, &f64)| {
-            let error = std_error(chain, PER_BODY * joint + k);
-            let is_known = error > 0.0 && value.abs() >= LEAST_T * error || selection.all;
-            if is_known { with_error(value, error) } else { DASH.to_owned() }
-        };
-        let cells = link.iter().enumerate().map(cell);
-        table.push(std::iter::once(name.clone()).chain(cells).collect());
+/// Distance of two axes as lines \[m\], with a sign where they are not parallel.
+fn distance(a: &Axis, b: &Axis) -> f64 {
+    let between = [0, 1, 2].map(|k| b.point[k] - a.point[k]);
+    let normal = cross(a.direction, b.direction);
+    if norm(normal) > PARALLEL {
+        dot(between, normal) / norm(normal)
+    } else {
+        norm(cross(between, a.direction))
     }
-    table
+}
+
+/// Sine of the angle below which two axes are parallel.
+const PARALLEL: f64 = 1e-6;
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+fn cross([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
+}
+
+/// Step of a difference by a parameter of the geometry \[rad, m\].
+const STEP: f64 = 1e-6;
+
+/// Standard error of a function of the axes; zero where they are exact.
+fn geometry_error(chain: &RigidChain, of: impl Fn(&[Axis]) -> f64) -> Result<f64, ModelError> {
+    let before = chain.covariance.len().saturating_sub(chain.fitted.len());
+    let mut weights = vec![0.0; chain.covariance.len()];
+    for (&parameter, weight) in chain.fitted.iter().zip(weights.iter_mut().skip(before)) {
+        let at = |step: f64| {
+            let mut moved = chain.clone();
+            moved.geometry[parameter] += step;
+            axes(&moved).map(|axes| of(&axes))
+        };
+        *weight = (at(STEP)? - at(-STEP)?) / (2.0 * STEP);
+    }
+    Ok(chain.variance_of(&weights).sqrt())
+}
+
+/// What torque determines of the links (Gautier and Khalil): first moments across the axis
+/// \[kg·m\] and moments about the origin of the joint \[kg·m²\], the rest counted into the link
+/// before; a dash where they cannot be told from zero.
+///
+/// # Errors
+/// As [`axes`].
+pub fn links(
+    chain: &RigidChain,
+    joints: &[String],
+    selection: &Selection,
+) -> Result<Table, ModelError> {
+    const SHOWN: [(usize, &str); 7] =
+        [(1, "m·x"), (2, "m·y"), (4, "Ixx-Iyy"), (6, "Izz"), (7, "Ixy"), (8, "Ixz"), (9, "Iyz")];
+    let axes = chain.axes()?;
+    let inertial = chain.inertial();
+    let base = base_parameters(&axes, &inertial);
+    // The map is linear: its columns are what unit parameters come to.
+    let columns: Vec<Vec<f64>> = (0..inertial.len())
+        .map(|k| {
+            let unit: Vec<f64> = (0..inertial.len()).map(|j| f64::from(u8::from(j == k))).collect();
+            base_parameters(&axes, &unit)
+        })
+        .collect();
+    let names = SHOWN.map(|(_, name)| name.to_owned());
+    let mut table: Table = vec![std::iter::once("link".to_owned()).chain(names).collect()];
+    for (joint, name) in joints.iter().enumerate().filter(|(joint, _)| selection.has_joint(*joint))
+    {
+        let cell = |(k, _): (usize, &str)| {
+            let at = PER_BODY * joint + k;
+            let mut weights: Vec<f64> = columns.iter().map(|column| column[at]).collect();
+            weights.resize(chain.covariance.len(), 0.0);
+            shown(base[at], chain.variance_of(&weights).sqrt(), selection)
+        };
+        table.push(std::iter::once(name.clone()).chain(SHOWN.map(cell)).collect());
+    }
+    Ok(table)
+}
+
+/// A value with its error; a dash where it cannot be told from zero.
+fn shown(value: f64, error: f64, selection: &Selection) -> String {
+    let is_resolved = error > 0.0 && value.abs() >= LEAST_T * error;
+    if is_resolved || selection.all { with_error(value, error) } else { DASH.to_owned() }
 }
 
 /// Rotors and springs; headings alone where there are none.
-pub fn drives(chain: &RigidChain, joints: &[String]) -> Table {
+pub fn drives(chain: &RigidChain, joints: &[String], selection: &Selection) -> Table {
     let mut table = vec![vec!["on".to_owned(), "what".to_owned(), "value".to_owned()]];
     for (k, drive) in chain.drives.iter().enumerate() {
         let error = std_error(chain, PER_BODY * chain.links.len() + k);
@@ -145,7 +185,7 @@ pub fn drives(chain: &RigidChain, joints: &[String]) -> Table {
                 (term.place.name(), term.function.name(), *coefficient)
             }
         };
-        table.push(vec![on, what, with_error(value, error)]);
+        table.push(vec![on, what, shown(value, error, selection)]);
     }
     table
 }

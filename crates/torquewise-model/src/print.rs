@@ -105,7 +105,8 @@ pub fn text(model: &Model, selection: &Selection) -> String {
     if left_out > 0 {
         lines.push(String::new());
         let (terms, are) = if left_out == 1 { ("term", "is") } else { ("terms", "are") };
-        lines.push(format!("{left_out} {terms} {are} not shown; --all shows every term"));
+        let why = if selection.top.is_some() { "" } else { ", below 2 standard errors" };
+        lines.push(format!("{left_out} {terms} {are} not shown{why}; --all shows every term"));
     }
     lines.join("\n") + "\n"
 }
@@ -125,14 +126,8 @@ fn energy_lines(energies: &[Equation], share: &str) -> Vec<String> {
 /// M and V, and how many of their terms are left out; none of a model of torques.
 fn energies(model: &Model, selection: &Selection) -> (Vec<Equation>, usize) {
     let Form::Energy(terms) = &model.form else { return (Vec::new(), 0) };
-    let is_wanted = |place: Place| match place {
-        Place::Potential => selection.has_part(Kind::Gravity),
-        Place::Inertia(i, j) => {
-            selection.has_part(Kind::Inertia) && (selection.has_joint(i) || selection.has_joint(j))
-        }
-    };
     let mut left_out = 0;
-    let groups = by_place(terms).into_iter().filter(|(place, _)| is_wanted(*place));
+    let groups = by_place(terms).into_iter().filter(|(place, _)| selection.has_energy(*place));
     let equations = groups
         .map(|(place, terms)| {
             let function = |w: &Weighted<EnergyTerm>| Weighted {

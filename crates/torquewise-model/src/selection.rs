@@ -1,9 +1,11 @@
 //! Which terms of an equation are printed, and in which form.
 
+use crate::energy::Place;
 use crate::harmonic::sum_of_product;
-use crate::term::{Kind, Term};
+use crate::term::{Factor, Kind, Term};
 use crate::weighted::Weighted;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Coefficients below so many standard errors cannot be told from zero.
 const LEAST_T: f64 = 2.0;
@@ -32,6 +34,16 @@ impl Selection {
     /// Whether a part of the torque is printed.
     pub fn has_part(&self, part: Kind) -> bool {
         self.part.is_none_or(|wanted| wanted == part)
+    }
+
+    /// Whether an energy is printed: M of a joint, or V.
+    pub fn has_energy(&self, place: Place) -> bool {
+        match place {
+            Place::Potential => self.has_part(Kind::Gravity),
+            Place::Inertia(i, j) => {
+                self.has_part(Kind::Inertia) && (self.has_joint(i) || self.has_joint(j))
+            }
+        }
     }
 
     /// The terms that are printed, and how many were left out.
@@ -83,21 +95,33 @@ pub fn shortest(terms: Vec<Weighted<Term>>, correlated: bool) -> Vec<Weighted<Te
         let largest = largest(terms);
         terms.iter().filter(|weighted| is_resolved(weighted, largest)).count()
     };
-    let shorter = |own: Vec<Weighted<Term>>| match summed(&own, correlated) {
-        Some(summed) if resolved(&summed) < resolved(&own) => summed,
-        _ => own,
+    // The range of joints whose angles are added that leaves the fewest terms.
+    let shorter = |own: Vec<Weighted<Term>>| {
+        let n = own[0].term.n_joints();
+        let ranges = (0..n).flat_map(|first| (first + 2..=n).map(move |end| first..end));
+        let summed = ranges.filter_map(|joints| summed(&own, &joints, correlated));
+        let shortest = summed.map(|sum| (resolved(&sum), sum)).min_by_key(|(count, _)| *count);
+        shortest.filter(|(count, _)| *count < resolved(&own)).map_or(own, |(_, sum)| sum)
     };
     groups.into_iter().flat_map(shorter).collect()
 }
 
-/// The same sum with all products of sines and cosines as functions of summed angles; `None` where
-/// a multiple of an angle is too large for a term.
-fn summed(terms: &[Weighted<Term>], correlated: bool) -> Option<Vec<Weighted<Term>>> {
+/// The same sum with products of sines and cosines of a range of joints as functions of summed
+/// angles; `None` where a multiple of an angle is too large for a term.
+fn summed(
+    terms: &[Weighted<Term>],
+    joints: &Range<usize>,
+    correlated: bool,
+) -> Option<Vec<Weighted<Term>>> {
     // Coefficient, sum of errors or of their squares, least share of resampled logs.
     let mut sums: BTreeMap<Term, (f64, f64, Option<f64>)> = BTreeMap::new();
     for Weighted { term, coefficient, std_error, inclusion } in terms {
-        for (share, harmonic) in sum_of_product(&term.factors, term.n_joints()) {
-            let function = Term { factors: harmonic.factors()?, ..term.clone() };
+        let (inside, outside) = parted(&term.factors, joints);
+        for (share, harmonic) in sum_of_product(&inside, term.n_joints()) {
+            let mut factors = outside.clone();
+            factors.extend(harmonic.factors()?);
+            factors.sort();
+            let function = Term { factors, ..term.clone() };
             let sum = sums.entry(function).or_insert((0.0, 0.0, *inclusion));
             let error = (share * std_error).abs();
             sum.0 += share * coefficient;
@@ -110,6 +134,15 @@ fn summed(terms: &[Weighted<Term>], correlated: bool) -> Option<Vec<Weighted<Ter
         Weighted { term, coefficient, std_error, inclusion }
     };
     Some(sums.into_iter().map(weighted).collect())
+}
+
+/// Factors of the angles of some joints alone, and the others.
+pub fn parted(factors: &[Factor], joints: &Range<usize>) -> (Vec<Factor>, Vec<Factor>) {
+    let is_inside = |factor: &Factor| {
+        let turned = factor.multiples.iter().enumerate().filter(|(_, multiple)| **multiple != 0);
+        turned.into_iter().all(|(joint, _)| joints.contains(&joint))
+    };
+    factors.iter().cloned().partition(is_inside)
 }
 
 #[cfg(test)]
@@ -152,7 +185,7 @@ mod tests {
             weighted(0.3, 0.0, one().times(Sin, 0, 1, 1).times(Cos, 0, 1, 1).times_dq(1)),
             weighted(2.0, 0.0, one().times(Sin, 1, 2, 1)),
         ];
-        let other = summed(&terms, true).unwrap();
+        let other = summed(&terms, &(0..2), true).unwrap();
 
         for k in 0..50 {
             let q = [0.37 * f64::from(k), 1.0 - 0.61 * f64::from(k)];

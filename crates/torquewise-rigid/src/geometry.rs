@@ -234,6 +234,24 @@ impl Geometry {
     }
 }
 
+impl Geometry {
+    /// The axis of each joint at q = 0 in a frame with z up, against gravity: its direction, and
+    /// the origin of the joint \[m\], n.
+    pub fn upright(&self) -> Vec<([f64; 3], [f64; 3])> {
+        let up = -Vector3::from(self.gravity());
+        let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
+        let mut rotation =
+            Rotation3::rotation_between(&up, &Vector3::z()).unwrap_or_else(half_turn).into_inner();
+        let mut origin = Vector3::zeros();
+        let frame = |placement: Placement| {
+            origin += rotation * placement.origin;
+            rotation *= placement.rotation;
+            (rotation.column(2).into_owned().into(), origin.into())
+        };
+        self.placements().into_iter().map(frame).collect()
+    }
+}
+
 fn turn(w: [f64; 2]) -> Matrix3<f64> {
     *Rotation3::new(Vector3::new(w[0], w[1], 0.0)).matrix()
 }

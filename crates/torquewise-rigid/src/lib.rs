@@ -10,6 +10,7 @@ pub mod coupling;
 pub mod geometry;
 pub mod recursion;
 pub mod inertia;
+pub mod base_parameters;
 pub mod feasible;
 pub mod rows;
 mod inertial_fit;

@@ -149,16 +149,16 @@ impl Arguments {
 /// What was learned of the arm: geometry, inertial parameters, rotors and springs, friction.
 fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
     let mut text = Vec::new();
-    if let (Some(chain), true) = (&model.chain, selection.part != Some(Kind::Friction)) {
+    if let (Some(chain), true) = (&model.chain, selection.part.is_none()) {
         let joints = &model.joints;
         let geometry = Table::of(learned::geometry(chain, joints, selection)?);
         text.push(format!("{GEOMETRY}\n{}\n", geometry.text()));
         if selection.joint.is_none() {
             text.push(learned::drawing(chain)? + "\n");
         }
-        let links = Table::of(learned::links(chain, joints, selection));
+        let links = Table::of(learned::links(chain, joints, selection)?);
         text.push(format!("{LINKS}\n{}\n", links.text()));
-        let drives = learned::drives(chain, joints);
+        let drives = learned::drives(chain, joints, selection);
         if drives.len() > 1 && selection.joint.is_none() {
             text.push(format!("Rotors and springs\n\n{}\n", Table::of(drives).text()));
         }
@@ -182,13 +182,13 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
 }
 
 /// How the geometry is to be read.
-const GEOMETRY: &str = "Geometry: z of the base lies along the first axis; no torque tells where \
-                        a joint lies along its own axis\n";
+const GEOMETRY: &str = "Geometry at q = 0, z up; no torque tells where a joint lies along its own \
+                        axis\n";
 
 /// How the inertial parameters are to be read.
-const LINKS: &str = "Links: mass [kg], first moments [kg·m], moments of inertia about the origin \
-                     of the joint [kg·m²], ± standard error;\n– where the log determines them in \
-                     sums with others only\n";
+const LINKS: &str = "Links, ± standard error, – where it is not resolved: first moments [kg·m] and \
+                     moments of inertia\nabout the origin of the joint [kg·m²]; mass, m·z and Iyy \
+                     are counted into the link before\n";
 
 /// How the friction is to be read.
 const FRICTION: &str = "Friction, ± standard error, – where it is not resolved\n\
@@ -241,6 +241,7 @@ fn json(
         Form::Torque(_) => Value::Null,
         Form::Energy(terms) => terms
             .iter()
+            .filter(|weighted| selection.has_energy(weighted.term.place))
             .map(|weighted| {
                 json!({
                     "place": weighted.term.place.name(),
@@ -252,6 +253,12 @@ fn json(
             })
             .collect(),
     };
+    let turns = |shaft: &[f64]| {
+        let mut joints = shaft.iter().enumerate().filter(|(_, share)| **share != 0.0);
+        selection.has_part(Kind::Friction) && joints.any(|(joint, _)| selection.has_joint(joint))
+    };
+    let shafts = ShaftFriction::all(model).into_iter().filter(|shaft| turns(shaft.shaft()));
+    let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
     let axes = model.chain.as_ref().map(learned::axes).transpose()?;
     let axes = axes.map(|axes| {
         let axis = |axis: &Axis| json!({ "point": axis.point, "direction": axis.direction });
@@ -261,8 +268,8 @@ fn json(
         "axes": axes,
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
-        "friction_parameters": ShaftFriction::all(model).iter().map(shaft_json).collect::<Vec<_>>(),
-        "friction": model.friction.iter().map(friction_json).collect::<Vec<_>>(),
+        "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
+        "friction": laws.map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
         "omitted": model.training.omitted,
         "conditioning": object(&AllRepairs::of(&model.training.conditioning)),

@@ -1,0 +1,70 @@
+//! The inertial parameters of a chain that torque determines.
+
+use crate::geometry::Geometry;
+use crate::inertia::{inertial_of, pseudo_inertia};
+use crate::recursion::PER_BODY;
+use nalgebra::Matrix4;
+
+/// The same chain with mass, first moment along the axis and Iyy of each link counted into the link
+/// before it, which does not notice the turn between the two; those of the first link turn nothing.
+/// What is left of a link are first moments across its axis, Ixx − Iyy, Izz, Ixy, Ixz and Iyz.
+///
+/// The map is linear in the parameters.
+///
+/// - `inertial`: ten parameters of each link, 10n
+/// - returns: the same number, zeros where nothing is left
+///
+/// Source: M. Gautier, W. Khalil, *Direct calculation of minimum set of inertial parameters of
+/// serial robots*, IEEE T-RA (1990).
+pub fn base_parameters(geometry: &Geometry, inertial: &[f64]) -> Vec<f64> {
+    let mut base = inertial.to_vec();
+    let placements = geometry.placements();
+    for link in (0..placements.len()).rev() {
+        let own = PER_BODY * link;
+        let [m, mz, yy] = [base[own], base[own + 3], base[own + 5]];
+        let round = [m, 0.0, 0.0, mz, yy, yy, 0.0, 0.0, 0.0, 0.0];
+        base[own..].iter_mut().zip(round).for_each(|(own, round)| *own -= round);
+        if let Some(before) = own.checked_sub(PER_BODY) {
+            let mut place = Matrix4::identity();
+            place.fixed_view_mut::<3, 3>(0, 0).copy_from(&placements[link].rotation);
+            place.fixed_view_mut::<3, 1>(0, 3).copy_from(&placements[link].origin);
+            let moved = inertial_of(&(place * pseudo_inertia(&round) * place.transpose()));
+            base[before..].iter_mut().zip(moved).for_each(|(own, moved)| *own += moved);
+        }
+    }
+    base
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recursion::{Kinematics, Moved, State};
+
+    #[test]
+    fn the_torque_is_the_same_with_fewer_parameters() {
+        let geometry =
+            Geometry::new(&[0.3, -0.2, 1.2, 0.4, 0.3, -0.1, -0.5, 0.9, 0.1, 0.25]).unwrap();
+        let inertial: Vec<f64> = (0..30).map(|k| (1.7 * f64::from(k)).sin() + 1.5).collect();
+        let torque = |inertial: &[f64]| -> Vec<f64> {
+            let state =
+                State { q: &[0.4, -1.1, 2.0], dq: &[0.7, 1.9, -0.8], ddq: &[2.0, -3.0, 0.5] };
+            let mut torque = vec![0.0; 3];
+            Kinematics::new(&geometry).inverse_dynamics(
+                state,
+                inertial,
+                &mut Moved::default(),
+                &mut torque,
+            );
+            torque
+        };
+
+        let base = base_parameters(&geometry, &inertial);
+
+        for link in base.chunks(PER_BODY) {
+            assert!(link[0].abs() + link[3].abs() + link[5].abs() < 1e-12, "{link:?}");
+        }
+        for (whole, fewer) in torque(&inertial).into_iter().zip(torque(&base)) {
+            assert!((whole - fewer).abs() < 1e-11 * whole.abs().max(1.0), "{whole} {fewer}");
+        }
+    }
+}
