@@ -3,11 +3,11 @@
 use crate::error::CliError;
 use crate::selection::{Friction, SelectionArguments};
 use clap::{Args, ValueEnum};
+use torquewise::FitOptions;
 use torquewise::dynamics::Noise;
 use torquewise::identify::PatternPlan;
 use torquewise::identify::plan::Regression;
 use torquewise::stepwise::activation::Scaling;
-use torquewise::{FitOptions, options as fit};
 
 /// Constants of the activation index.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -92,9 +92,9 @@ impl PlanArguments {
         let patterns = self.patterns.plan();
         self.selection.apply_to(FitOptions {
             library: self.library.map(|library| match library {
-                Library::Energy => fit::Library::Energy,
-                Library::Product => fit::Library::Product,
-                Library::Chain => fit::Library::Chain,
+                Library::Energy => torquewise::Library::Energy,
+                Library::Product => torquewise::Library::Product,
+                Library::Chain => torquewise::Library::Chain,
             }),
             regression,
             friction: self.friction.map(Into::into),

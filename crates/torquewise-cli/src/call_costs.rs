@@ -5,7 +5,7 @@ use crate::table::Table;
 use serde_json::{Value, json};
 use torquewise::export::{Cost, ExportError, torque_costs};
 use torquewise::model::Model;
-use torquewise::number::number;
+use torquewise::model::number;
 use torquewise::report::CallCost;
 use torquewise::report::fit_report::call_cost::RATES;
 

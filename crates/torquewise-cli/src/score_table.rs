@@ -1,8 +1,8 @@
 //! Errors of a model, joint by joint.
 
 use crate::table::Table;
-use torquewise::number::number;
-use torquewise::{Evaluation, JointEvaluation};
+use torquewise::evaluate::{Evaluation, JointEvaluation};
+use torquewise::model::number;
 
 /// One line per joint: errors in the band of the model, and against raw torque if it was filtered.
 pub(crate) fn text(evaluation: &Evaluation) -> String {

@@ -4,9 +4,9 @@ use crate::files::read_model;
 use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
+use torquewise::log::Prepared;
 use torquewise::log::Rows;
 use torquewise::logs::{Clock, Options, Profile};
-use torquewise::prepared::Prepared;
 use torquewise::{Filter, Log};
 
 /// How the columns of a file become signals.

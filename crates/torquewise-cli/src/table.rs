@@ -48,7 +48,7 @@ pub(crate) fn counts(values: &[usize]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use torquewise::number::number;
+    use torquewise::model::number;
 
     #[test]
     fn names_stand_left_and_numbers_right() {

@@ -6,6 +6,7 @@
 //! [`file`](mod@file) keeps it.
 
 pub mod error;
+pub mod number;
 pub mod term;
 pub mod friction;
 pub mod harmonic;
@@ -31,6 +32,7 @@ pub use error::ModelError;
 pub use file::{from_json, to_json};
 pub use friction::FrictionTerm;
 pub use model::{Form, Model, Stage, Training, Weighted};
+pub use number::number;
 pub use rigid_chain::{Drive, RigidChain};
 pub use term::{Kind, Term, Trig};
 pub use torque::{Parts, Torque};

@@ -26,9 +26,9 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::Arm;
 use torquewise::identify::score;
+use torquewise::log::Prepared;
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::motion::{Motion, Recording, Signals};
-use torquewise::prepared::Prepared;
 use torquewise::signals::ConditionReport;
 use torquewise::{Fit, FitOptions, FitResult, Library, Log, Model};
 

@@ -1,11 +1,10 @@
 //! How well a model predicts the torque of a log.
 
 use crate::error::Error;
-use crate::log::{Log, Rows};
+use crate::log::{Log, Rows, Source};
 use crate::observe::{NOBODY, Observer, Watched};
+use crate::predict::MotionRange;
 use crate::prepared::Prepared;
-use crate::range::MotionRange;
-use crate::source::Source;
 use serde::Serialize;
 use torquewise_diagnose::score::{JointScore, score, score_along};
 use torquewise_model::Model;

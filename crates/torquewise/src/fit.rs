@@ -2,11 +2,10 @@
 
 use crate::error::Error;
 use crate::evaluate::{Evaluation, evaluate};
-use crate::log::{Filter, Log, Rows};
+use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
 use crate::options::{Facts, FitOptions};
 use crate::prepared::Prepared;
-use crate::source::Source;
 use std::ops::Deref;
 use std::time::Instant;
 use torquewise_diagnose::disagreement::disagreements;

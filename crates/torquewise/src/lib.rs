@@ -26,30 +26,25 @@
 //! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
 //! truth and controllers, `figures` for reports, exported code and the experiments of the paper.
 
-pub mod error;
-pub mod number;
+mod error;
 pub mod observe;
-pub mod options;
-pub mod prepared;
+mod options;
+mod prepared;
 pub mod log;
-pub mod source;
-pub mod range;
-pub mod interval;
+pub mod predict;
 pub mod physics;
 pub mod evaluate;
-pub mod fit;
+mod fit;
 pub mod summary;
 pub mod compare;
 pub mod sums;
 
-pub use compare::{Comparison, compare};
 pub use error::Error;
-pub use evaluate::{Evaluation, JointEvaluation, evaluate};
+pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
 pub use log::{Filter, Log};
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
-pub use summary::FitSummary;
 #[cfg(feature = "simulation")]
 pub use torquewise_control as control;
 pub use torquewise_diagnose as diagnose;

@@ -2,12 +2,14 @@
 
 use crate::error::Error;
 use crate::options::Facts;
-use crate::prepared::Prepared;
 use std::path::{Path, PathBuf};
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs, Options};
 use torquewise_model::model::Filter as FilterUsed;
+use torquewise_motion::Recording;
 use torquewise_signals::{Conditioning, Cutoff, Trim};
+
+pub use crate::prepared::Prepared;
 
 /// Log files of one arm, opened: each is a trajectory or several.
 ///
@@ -149,5 +151,25 @@ impl Log {
             (asked, _, _) => asked.unwrap_or_default(),
         };
         Self { filter, delay: Some(delay), ..self.clone() }.prepare(rows)
+    }
+}
+
+/// What a model is fitted to, or judged by: log files, or motion at hand.
+pub enum Source<'a> {
+    /// Files, conditioned as they ask for.
+    Log(&'a Log),
+    /// Rows that are clean: q, q̇, q̈, τ in SI units.
+    Recording(&'a dyn Recording),
+}
+
+impl<'a> From<&'a Log> for Source<'a> {
+    fn from(log: &'a Log) -> Self {
+        Self::Log(log)
+    }
+}
+
+impl<'a, R: Recording> From<&'a R> for Source<'a> {
+    fn from(recording: &'a R) -> Self {
+        Self::Recording(recording)
     }
 }

@@ -1,12 +1,12 @@
 //! Whether a model is the physics of an arm: random states, and a verdict on each property.
 
-use crate::number::number;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Serialize, Serializer};
 use std::f64::consts::PI;
 use std::fmt;
 use torquewise_model::checks::{DrivingFriction, driving_friction, weakest_state};
+use torquewise_model::number;
 use torquewise_model::{Checks, Model, ModelError, check};
 
 /// States looked at in each range unless another number is asked for.

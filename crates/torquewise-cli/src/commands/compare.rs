@@ -11,8 +11,8 @@ use std::path::PathBuf;
 use torquewise::compare::{Contender, compare};
 use torquewise::identify::plan::Regression;
 use torquewise::log::Rows;
+use torquewise::model::number;
 use torquewise::motion::Recording;
-use torquewise::number::number;
 
 /// Compare stepwise reconstruction with one-shot SINDy
 #[derive(Args, Debug)]

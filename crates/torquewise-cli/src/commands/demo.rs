@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise::logs::write_motion;
+use torquewise::model::number;
 use torquewise::model::print;
 use torquewise::model::selection::Selection;
 use torquewise::motion::{Motion, Pattern};
-use torquewise::number::number;
 use torquewise::report::torque_figure;
 use torquewise::{Evaluation, Fit, FitOptions, FitResult, Library, Torque};
 

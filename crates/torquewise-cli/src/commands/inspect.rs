@@ -14,12 +14,12 @@ use std::path::PathBuf;
 use torquewise::Error;
 use torquewise::diagnose::excitation::findings;
 use torquewise::identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
+use torquewise::log::Prepared;
 use torquewise::log::Rows;
 use torquewise::logs::{LogError, Logs, UnitWarning, suggest, unit_warnings};
+use torquewise::model::number;
 use torquewise::motion::{Pattern, Recording};
-use torquewise::number::number;
 use torquewise::observe::Watched;
-use torquewise::prepared::Prepared;
 use torquewise::summary::AllRepairs;
 use torquewise::survey::NoiseFloor;
 

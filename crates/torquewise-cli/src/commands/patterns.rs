@@ -12,11 +12,11 @@ use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::identify::{Patterns, find_patterns, survey};
+use torquewise::log::Prepared;
 use torquewise::log::Rows;
+use torquewise::model::number;
 use torquewise::motion::Recording;
-use torquewise::number::number;
 use torquewise::observe::Watched;
-use torquewise::prepared::Prepared;
 
 /// Tell standstill, uniform and variable velocity apart
 #[derive(Args, Debug)]

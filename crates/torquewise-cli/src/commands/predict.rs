@@ -12,14 +12,14 @@ use clap::Args;
 use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::interval::Interval;
 use torquewise::log::Rows;
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
+use torquewise::model::number;
 use torquewise::model::{Model, Torque};
 use torquewise::motion::{Motion, ReadError, Recording};
-use torquewise::number::number;
 use torquewise::observe::Watched;
-use torquewise::range::MotionRange;
+use torquewise::predict::Interval;
+use torquewise::predict::MotionRange;
 use torquewise::summary::AllRepairs;
 
 /// Predict the torque of a log, with or without measured torque

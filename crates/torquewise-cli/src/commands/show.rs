@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::model::learned::{self, Axis};
 use torquewise::model::model::Choice;
+use torquewise::model::number;
 use torquewise::model::selection::Selection;
 use torquewise::model::shaft_friction::ShaftFriction;
 use torquewise::model::{Form, FrictionTerm, Kind, Model, ModelError, Weighted, print};
-use torquewise::number::number;
 use torquewise::physics::{PhysicsCheck, STATES};
 use torquewise::summary::AllRepairs;
 

@@ -6,7 +6,7 @@ use crate::table::Table;
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use torquewise::control::Law;
-use torquewise::number::number;
+use torquewise::model::number;
 
 /// What is said about the controllers.
 pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {

@@ -5,7 +5,7 @@ use crate::outcome::Outcome;
 use crate::table::Table;
 use serde_json::{Value, json};
 use torquewise::excite::{Bounds, Criterion, Excitation, Limits, Peaks};
-use torquewise::number::number;
+use torquewise::model::number;
 
 /// What a plan cannot know.
 const UNKNOWN: &str = "Collisions are not checked: neither the shape of the arm nor its \
