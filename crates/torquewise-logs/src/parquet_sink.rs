@@ -38,9 +38,10 @@ impl ParquetSink {
     pub(crate) fn create(
         file: &Path,
         columns: &[Column],
-        joints: Option<String>,
+        joints: Option<&str>,
     ) -> std::result::Result<Self, LogError> {
-        let metadata = joints.map(|joints| vec![KeyValue::new(PARQUET_KEY.to_owned(), joints)]);
+        let metadata =
+            joints.map(|names| vec![KeyValue::new(PARQUET_KEY.to_owned(), names.to_owned())]);
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
             .set_dictionary_enabled(false)

@@ -38,12 +38,12 @@ impl TableWriter {
         columns: &[Column],
         joints: &[String],
     ) -> Result<Self, LogError> {
-        Self::start(file, columns, Some(joints::join(joints)?))
+        Self::start(file, columns, Some(&joints::join(joints)?))
     }
 
-    fn start(file: &Path, columns: &[Column], joints: Option<String>) -> Result<Self, LogError> {
+    fn start(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self, LogError> {
         let sink: Box<dyn Sink> = match Format::of(file)? {
-            Format::Csv => Box::new(CsvSink::create(file, columns, joints.as_deref())?),
+            Format::Csv => Box::new(CsvSink::create(file, columns, joints)?),
             #[cfg(feature = "parquet")]
             Format::Parquet => Box::new(ParquetSink::create(file, columns, joints)?),
             _ => return Err(LogError::NotWritten { file: file.into() }),
