@@ -35,10 +35,10 @@ pub(crate) struct Learned {
 }
 
 /// Pulls to right angles that are tried, the strongest first.
-const PULLS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
+const PRIORS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
 /// No axis is farther \[rad\] than this from the nearest right angle.
 const ANY_ANGLE: f64 = 1.0;
-/// Parts of the pull that are tried once axes are at right angles.
+/// Parts of that prior that are tried once axes are at right angles.
 const RELEASED: [f64; 3] = [1.0, 0.1, 0.01];
 /// Ridges that are tried, the strongest first.
 const RIDGES: [f64; 3] = [1e-2, 1e-3, 1e-4];
@@ -164,27 +164,27 @@ fn attempt<'a>(
     Ok(Attempt { school, spec, chain, choices })
 }
 
-const PRIOR: &str = "prior to right angles";
+const PRIOR: &str = "prior of right angles";
 
 /// A label, what is fitted, and from where.
 type Way = (String, ChainSpec, Chain);
 
 /// Each start with its axes held at right angles, as those of nearly all arms are, then with each
-/// pull: on a short log, an axis that may lie anywhere follows the noise.
-fn pulls(spec: &ChainSpec, starts: &[Chain]) -> Vec<Way> {
+/// prior: on a short log, an axis that may lie anywhere follows the noise.
+fn priors(spec: &ChainSpec, starts: &[Chain]) -> Vec<Way> {
     let held = starts.iter().map(|start| {
         let (geometry, free) = start.geometry.snapped(ANY_ANGLE, 0.0);
-        let search = Search { prior: PULLS[0], ..spec.search.clone() };
+        let search = Search { prior: PRIORS[0], ..spec.search.clone() };
         let spec = ChainSpec { search, free, ..spec.clone() };
         ("held".to_owned(), spec, Chain { geometry, ..start.clone() })
     });
-    let pulled = PULLS.iter().flat_map(|&prior| {
+    let softly = PRIORS.iter().flat_map(|&prior| {
         starts.iter().map(move |start| {
             let search = Search { prior, ..spec.search.clone() };
             (format!("{prior}"), ChainSpec { search, ..spec.clone() }, start.clone())
         })
     });
-    held.chain(pulled).collect()
+    held.chain(softly).collect()
 }
 
 /// The log in the hands of the learner.
@@ -220,7 +220,7 @@ impl<'a> ChainLearner<'a> {
         if moves { 1.0 } else { SHARE_AT_REST }
     }
 
-    /// Searches the geometry, then chooses how strongly it is pulled to right angles.
+    /// Searches the geometry, then chooses how strongly it is held to right angles.
     fn geometry(
         &self,
         spec: &mut ChainSpec,
@@ -231,7 +231,7 @@ impl<'a> ChainLearner<'a> {
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
         let rows = self.rows(spec, TRIAL_ROWS)?;
-        let ways = pulls(spec, &starts);
+        let ways = priors(spec, &starts);
         let trials = ways
             .par_iter()
             .map(|(label, spec, start)| trial(label.clone(), spec, &rows, start, ROUNDS))
@@ -293,7 +293,7 @@ impl<'a> ChainLearner<'a> {
         let place = record_best("right angles", &trials, sources.len(), choices);
         let (_, chosen, chain) = ways.swap_remove(place);
         *spec = chosen;
-        // What is left free lies where it lies: the pull has done its work.
+        // What is left free lies where it lies: the prior has done its work.
         let ways = RELEASED.map(|part| {
             let prior = part * spec.search.prior;
             let search = Search { prior, ..spec.search.clone() };

@@ -17,7 +17,7 @@ pub(crate) struct Target<'a> {
     pub(crate) weights: &'a [f64],
     /// Ridge of the masses, relative to the mean square of a column.
     pub(crate) ridge: f64,
-    /// What the geometry is pulled to.
+    /// What the prior holds the geometry to.
     pub(crate) prior: Prior,
 }
 
@@ -25,7 +25,7 @@ pub(crate) struct Target<'a> {
 #[derive(Clone, Debug)]
 pub(crate) struct Prior {
     strength: f64,
-    /// What each parameter is pulled to.
+    /// What the prior holds each parameter to.
     anchor: Vec<f64>,
 }
 
@@ -77,7 +77,7 @@ const PLACE_SPREAD: f64 = 1.0;
 pub(crate) struct Fitted {
     pub(crate) geometry: Geometry,
     pub(crate) masses: InertialFit,
-    /// Mean square of the weighted residual, ridge and pull counted in.
+    /// Mean square of the weighted residual, ridge and prior counted in.
     pub(crate) cost: f64,
 }
 

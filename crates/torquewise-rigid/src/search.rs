@@ -31,7 +31,7 @@ pub struct Search {
     pub weighings: usize,
     /// Ridge of the masses, relative to the mean square of a column.
     pub ridge: f64,
-    /// How strongly axes are pulled to right angles and to each other.
+    /// How strongly axes are held to right angles and to each other.
     pub prior: f64,
     /// Seed of the starts.
     pub seed: u64,

@@ -54,7 +54,7 @@ impl Equations {
 
     /// The equations of some parameters, the others as they were.
     ///
-    /// - `prior`: equations that a pull of the geometry to right angles counts as
+    /// - `prior`: equations that the prior of right angles counts as
     /// - `damping`: what a step of the geometry costs, in parts of its curvature
     pub(super) fn of(
         &self,
@@ -103,13 +103,13 @@ impl Equations {
     }
 }
 
-/// Where the geometry is pulled to.
+/// What the prior of the geometry holds it to.
 fn anchor(at: &Linearisation) -> Vec<f64> {
     Geometry::new(&at.geometry)
         .map_or_else(|_| at.geometry.clone(), |geometry| right_angles_near(&geometry))
 }
 
-/// What a pull of the geometry to right angles costs at parameters.
+/// What the prior of right angles costs at parameters.
 pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], prior: f64) -> f64 {
     let (linear, anchor) = (at.linear.len(), anchor(at));
     let cost = |&k: &usize| {

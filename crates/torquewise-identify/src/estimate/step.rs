@@ -27,7 +27,7 @@ const CLOSE: f64 = 0.1;
 pub(crate) struct Tuning {
     /// Strength of the prior.
     pub(super) strength: f64,
-    /// What the pull on the geometry counts as, in equations.
+    /// What the prior of the geometry counts as, in equations.
     pub(super) prior: f64,
     /// How the strength was chosen; nothing where a log has too few folds.
     pub(super) choice: Option<Choice>,
@@ -47,7 +47,7 @@ pub(super) struct Step<'a> {
     pub(super) start: Vec<f64>,
     /// Parameters of the linearisation.
     pub(super) before: Vec<f64>,
-    /// Without the pull on the geometry.
+    /// Without the prior of the geometry.
     pub(super) all: Equations,
     /// Rows that tell as much as one independent one: neighbours err alike.
     pub(super) repeats: f64,
@@ -87,7 +87,7 @@ impl<'a> Step<'a> {
         Ok(self.whole(&linear, &self.minimum(&equations, &linear, tuning)?))
     }
 
-    /// Half the sum of squares at parameters in the linearisation, with what prior and pull add:
+    /// Half the sum of squares at parameters in the linearisation, with what the priors add:
     /// infinite where the prior does not allow them.
     pub(super) fn cost(&self, x: &[f64], tuning: &Tuning) -> f64 {
         let prior = if self.at.structure.physical {

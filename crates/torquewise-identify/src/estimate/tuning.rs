@@ -1,4 +1,4 @@
-//! From held-out folds to how strong the prior is, and how strongly the geometry is pulled (E14).
+//! From held-out folds to how strong the prior is, and how strong that of the geometry is (E14).
 
 use super::equations::Equations;
 use super::step::{Step, Tuning};
@@ -21,11 +21,11 @@ const WEAKER: [f64; 3] = [0.01, 0.003, 0.001];
 const WORTH: f64 = 0.01;
 /// The strength where a log is too short to choose one.
 const USUAL_STRENGTH: f64 = 10.0;
-/// Parts of the pull on the geometry that are tried once the prior is as strong as it should be.
-const PULLS: [f64; 5] = [1.0, 0.1, 1e-2, 1e-3, 1e-4];
+/// Parts of the prior of the geometry that are tried once the prior is as strong as it should be.
+const PRIORS: [f64; 5] = [1.0, 0.1, 1e-2, 1e-3, 1e-4];
 /// Fewer folds with rows are too few to choose by.
 const LEAST_FOLDS: usize = 3;
-/// Equations that the pull on the geometry counts as at most: it must not grow with the log.
+/// Equations that the prior of the geometry counts as at most: it must not grow with the log.
 const MOST_PULLED: f64 = 20_000.0;
 
 /// The place of the best of some ways to fit, and the errors of each on each fold.
@@ -33,7 +33,7 @@ type Judged = (usize, Vec<Vec<f64>>);
 
 impl Step<'_> {
     /// Chooses how strong the prior is at the geometry as it is, and then how strongly the geometry
-    /// is pulled, on held-out folds.
+    /// is held, on held-out folds.
     ///
     /// A weaker prior makes no model longer: the best is taken, not the strongest near it.
     pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
@@ -73,16 +73,16 @@ impl Step<'_> {
         if active.len() == self.at.linear.len() {
             return Ok(tuning);
         }
-        let pulls = PULLS.map(|share| (strength, share * prior));
-        Ok(match self.best_of(active, &pulls)? {
+        let priors = PRIORS.map(|share| (strength, share * prior));
+        Ok(match self.best_of(active, &priors)? {
             Some((place, errors)) => {
-                Tuning { prior: pulls[place].1, errors: errors[place].clone(), ..tuning }
+                Tuning { prior: priors[place].1, errors: errors[place].clone(), ..tuning }
             }
             None => tuning,
         })
     }
 
-    /// Which of some pairs of strength and pull does best on held-out folds, and the errors of each
+    /// Which of some pairs of strength and prior does best on held-out folds, and the errors of each
     /// on each fold; nothing if folds are few.
     fn best_of(
         &self,

@@ -180,7 +180,7 @@ fn every_choice_is_on_record_with_its_errors() {
     let choices = &REFERENCE.model.choices;
 
     let whats: Vec<&str> = choices.iter().map(|choice| choice.what.as_str()).collect();
-    for what in ["prior to right angles", "friction", "ridge", "right angles"] {
+    for what in ["prior of right angles", "friction", "ridge", "right angles"] {
         assert!(whats.contains(&what), "{what} in {whats:?}");
     }
     for choice in choices {
@@ -188,7 +188,11 @@ fn every_choice_is_on_record_with_its_errors() {
         let least = choice.from.iter().fold(f64::INFINITY, |least, c| least.min(c.error));
         assert!(choice.from.len() > 1 && chosen.complexity > 0, "{choice:?}");
         assert!(chosen.error.is_finite() && chosen.error < 2.0 * least, "{choice:?}");
-        let rule = if choice.what.contains("prior") { "least error" } else { "one standard error" };
+        let rule = if choice.what.contains("physical prior") {
+            "least error"
+        } else {
+            "one standard error"
+        };
         assert!(choice.rule.starts_with(rule), "{choice:?}");
     }
 }
