@@ -146,6 +146,14 @@ impl Planned {
         Ok(peaks)
     }
 
+    /// All rows at once.
+    ///
+    /// # Errors
+    /// [`ExciteError::Motion`] if a number overflows.
+    pub fn motion(&self) -> Result<Motion, ExciteError> {
+        self.rows(0..self.n_rows())
+    }
+
     /// The named rows.
     fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, ExciteError> {
         let (m, n) = (rows.len(), self.joints.len());

@@ -2,7 +2,8 @@
 //! order.
 
 use crate::error::ExperimentError;
-use crate::scenario::outside;
+use crate::method::MethodPlan;
+use crate::scenario::{Scenario, outside};
 use crate::trial::{Trial, TrialPlan, attempt};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -11,7 +12,7 @@ use torquewise_motion::Motion;
 
 /// Where a trial stands in an agenda.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct TrialId(usize);
+pub(crate) struct TrialId(usize);
 
 /// How far the work is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,26 +27,26 @@ pub struct Progress {
 
 /// Trials to be done; one that several experiments ask for is done once.
 #[derive(Clone, Debug, Default)]
-pub struct Agenda {
+pub(crate) struct Agenda {
     plans: Vec<TrialPlan>,
     /// Whether time is to be measured with nothing else at work.
     timed: Vec<bool>,
 }
 
 /// Told what was done, and how much work it was.
-pub type Advance<'a> = &'a (dyn Fn(&'static str, usize) + Sync);
+pub(crate) type Advance<'a> = &'a (dyn Fn(&'static str, usize) + Sync);
 
 /// Trials done so far.
 #[derive(Clone, Debug)]
-pub struct Done(Vec<Option<Trial>>);
+pub(crate) struct Done(Vec<Option<Trial>>);
 
 /// The results of an agenda.
 #[derive(Clone, Debug)]
-pub struct Trials(Vec<Trial>);
+pub(crate) struct Trials(Vec<Trial>);
 
 impl Agenda {
     /// Asks for a trial.
-    pub fn ask(&mut self, plan: TrialPlan) -> TrialId {
+    pub(crate) fn ask(&mut self, plan: TrialPlan) -> TrialId {
         if let Some(place) = self.plans.iter().position(|known| *known == plan) {
             return TrialId(place);
         }
@@ -54,23 +55,38 @@ impl Agenda {
         TrialId(self.plans.len() - 1)
     }
 
-    /// Asks for a trial whose cost is to be measured undisturbed.
-    pub fn ask_timed(&mut self, plan: TrialPlan) -> TrialId {
-        let id = self.ask(plan);
-        self.timed[id.0] = true;
-        id
+    /// Asks for a trial with each of some seeds, from that of the scenario on.
+    pub(crate) fn ask_seeds(
+        &mut self,
+        from: &Scenario,
+        plan: &MethodPlan,
+        seeds: u64,
+    ) -> Vec<TrialId> {
+        let trial = |step| {
+            let scenario = Scenario { seed: from.seed.wrapping_add(step), ..from.clone() };
+            self.ask(TrialPlan { scenario, plan: plan.clone() })
+        };
+        (0..seeds).map(trial).collect()
+    }
+
+    /// Has the cost of trials measured with nothing else at work.
+    pub(crate) fn time(&mut self, trials: &[TrialId]) {
+        for id in trials {
+            self.timed[id.0] = true;
+        }
     }
 
     /// The work of all trials, in units of a small reconstruction.
-    pub fn work(&self) -> usize {
+    pub(crate) fn work(&self) -> usize {
         self.plans.iter().map(work_of).sum()
     }
 
     /// Does the trials to be timed, one by one in a pool of one thread.
-    ///
-    /// # Errors
-    /// The first error of any trial.
-    pub fn run_timed(&self, seed: u64, advance: Advance<'_>) -> Result<Done, ExperimentError> {
+    pub(crate) fn run_timed(
+        &self,
+        seed: u64,
+        advance: Advance<'_>,
+    ) -> Result<Done, ExperimentError> {
         let tests = self.tests(seed)?;
         let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         let mut done: Vec<Option<Trial>> = vec![None; self.plans.len()];
@@ -86,10 +102,7 @@ impl Agenda {
     ///
     /// Each runs in a pool of one thread, so that results depend neither on the number of cores nor
     /// on the order, and the time of a trial is that of one thread.
-    ///
-    /// # Errors
-    /// The first error of any trial.
-    pub fn run_rest(
+    pub(crate) fn run_rest(
         &self,
         seed: u64,
         Done(mut done): Done,
@@ -105,14 +118,6 @@ impl Agenda {
         let all = done.into_iter().enumerate();
         let all = all.map(|(trial, done)| done.ok_or(ExperimentError::NotDone { trial }));
         Ok(Trials(all.collect::<Result<_, _>>()?))
-    }
-
-    /// Does all trials.
-    ///
-    /// # Errors
-    /// The first error of any trial.
-    pub fn run(&self, seed: u64, advance: Advance<'_>) -> Result<Trials, ExperimentError> {
-        self.run_rest(seed, self.run_timed(seed, advance)?, advance)
     }
 
     fn places(&self, timed: bool) -> Vec<usize> {
@@ -191,12 +196,13 @@ fn work_of(plan: &TrialPlan) -> usize {
 }
 
 impl Trials {
-    /// The result of a trial.
-    ///
-    /// # Errors
-    /// [`ExperimentError::NotDone`] if it was asked of another agenda.
-    pub fn get(&self, id: TrialId) -> Result<&Trial, ExperimentError> {
+    pub(crate) fn get(&self, id: TrialId) -> Result<&Trial, ExperimentError> {
         self.0.get(id.0).ok_or(ExperimentError::NotDone { trial: id.0 })
+    }
+
+    /// The results of some trials.
+    pub(crate) fn all(&self, ids: &[TrialId]) -> Result<Vec<&Trial>, ExperimentError> {
+        ids.iter().map(|&id| self.get(id)).collect()
     }
 }
 
@@ -205,6 +211,13 @@ mod tests {
     use super::*;
     use crate::method::Method;
     use crate::scenario::{Decibels, Scenario};
+
+    impl Agenda {
+        /// Does all trials.
+        pub(crate) fn run(&self, seed: u64) -> Result<Trials, ExperimentError> {
+            self.run_rest(seed, self.run_timed(seed, &|_, _| {})?, &|_, _| {})
+        }
+    }
 
     fn plan(seed: u64) -> TrialPlan {
         let noise = Decibels::case(3);
@@ -216,7 +229,8 @@ mod tests {
     fn a_trial_asked_for_twice_is_done_once() {
         let mut agenda = Agenda::default();
 
-        let ids = [agenda.ask(plan(1)), agenda.ask_timed(plan(1)), agenda.ask(plan(2))];
+        let ids = [plan(1), plan(1), plan(2)].map(|plan| agenda.ask(plan));
+        agenda.time(&ids[1..2]);
 
         assert_eq!(ids[0], ids[1]);
         assert_eq!((agenda.plans.len(), agenda.places(true)), (2, vec![0]));
@@ -228,7 +242,7 @@ mod tests {
         let ids: Vec<TrialId> = (1..=4).map(|seed| agenda.ask(plan(seed))).collect();
         let errors = |threads: usize| -> Vec<Vec<f64>> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let trials = pool.install(|| agenda.run(1, &|_, _| {})).unwrap();
+            let trials = pool.install(|| agenda.run(1)).unwrap();
             ids.iter().map(|&id| trials.get(id).unwrap().nrmse_percent.clone()).collect()
         };
 
@@ -242,7 +256,7 @@ mod tests {
         short.scenario.seconds = 0.1;
         agenda.ask(short);
 
-        let failed = agenda.run(1, &|_, _| {});
+        let failed = agenda.run(1);
 
         assert!(matches!(failed, Err(ExperimentError::Identify { .. })), "{failed:?}");
     }

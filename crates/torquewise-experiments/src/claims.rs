@@ -22,7 +22,7 @@ const ABOUT: f64 = 0.2;
 const FEWER: f64 = 0.5;
 
 /// Judges every claim of the paper that can be simulated.
-pub fn judge_claims(results: &Results) -> Vec<Claim> {
+pub(crate) fn judge_claims(results: &Results) -> Vec<Claim> {
     [
         patterns,
         orders,
@@ -191,7 +191,7 @@ fn fewer_terms(results: &Results) -> Option<Claim> {
 }
 
 /// The error of the worst joint \[%\], median over the seeds.
-pub fn worst(results: &MethodResults) -> f64 {
+pub(crate) fn worst(results: &MethodResults) -> f64 {
     results.nrmse_percent.iter().map(|spread: &Spread| spread.median).fold(0.0, f64::max)
 }
 
@@ -252,7 +252,7 @@ fn steps(results: &Results) -> Option<Claim> {
 }
 
 /// The error of a controller as a share of that of PID, the worst joint.
-pub fn worst_share(results: &ControlResults, controller: &str) -> Option<f64> {
+pub(crate) fn worst_share(results: &ControlResults, controller: &str) -> Option<f64> {
     let of = |name: &str| -> Option<&ControllerResults> {
         results.tracking.iter().find(|found| found.name == name)
     };

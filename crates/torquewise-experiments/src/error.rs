@@ -42,3 +42,10 @@ pub enum ExperimentError {
     #[error("the results cannot be written as JSON")]
     Json(#[from] serde_json::Error),
 }
+
+/// Names the experiment in which a reconstruction failed.
+pub(crate) fn within(
+    experiment: impl Into<String>,
+) -> impl FnOnce(IdentifyError) -> ExperimentError {
+    |source| ExperimentError::Identify { experiment: experiment.into(), source }
+}

@@ -1,6 +1,6 @@
 //! From results to figures: those of the paper, and those beyond it.
 
-pub mod looks;
+pub(crate) mod looks;
 mod patterns;
 mod orders;
 mod cost;

@@ -11,26 +11,26 @@
 //! # Ok::<(), torquewise_experiments::ExperimentError>(())
 //! ```
 
-pub mod error;
-pub mod spread;
-pub mod truth;
-pub mod scenario;
-pub mod method;
-pub mod trial;
-pub mod agenda;
-pub mod settings;
-pub mod study;
-pub mod results;
-pub mod claims;
-pub mod reproduce;
-pub mod figures;
-pub mod page;
+mod error;
+mod spread;
+mod truth;
+mod scenario;
+mod method;
+mod trial;
+mod agenda;
+mod settings;
+mod study;
+mod results;
+mod claims;
+mod reproduce;
+mod figures;
+mod page;
 
 pub use agenda::Progress;
 pub use error::ExperimentError;
 pub use figures::{Figure, figures};
 pub use page::page;
 pub use reproduce::reproduce;
-pub use results::Results;
+pub use results::{Claim, Results, Verdict};
 pub use settings::Settings;
 pub use truth::true_energies;

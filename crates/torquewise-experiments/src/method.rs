@@ -9,7 +9,7 @@ use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_stepwise::activation::Scaling;
 
 /// A coefficient larger than this counts as active in the paper.
-pub const ACTIVE: f64 = 0.1;
+pub(crate) const ACTIVE: f64 = 0.1;
 
 /// The methods compared in every experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -79,36 +79,36 @@ impl Method {
 }
 
 /// LASSO, the point of its path by the Bayesian information criterion, refitted.
-pub fn lasso() -> Selector {
+pub(crate) fn lasso() -> Selector {
     Selector::Lasso(Lasso::default())
 }
 
 /// The paper's rule for active terms, |coefficient| > 0.1.
-pub fn threshold() -> Selector {
+pub(crate) fn threshold() -> Selector {
     Selector::Stlsq(Stlsq { threshold: ACTIVE, ..Stlsq::default() })
 }
 
 /// The same plan with another rule for which terms stay.
-pub fn selecting(plan: &MethodPlan, selector: Selector) -> MethodPlan {
+pub(crate) fn selecting(plan: &MethodPlan, selector: Selector) -> MethodPlan {
     let mut plan = plan.clone();
     plan.options.selector = selector;
     plan
 }
 
 /// The same plan in a single step on all rows.
-pub fn in_one_step(mut plan: MethodPlan) -> MethodPlan {
+pub(crate) fn in_one_step(mut plan: MethodPlan) -> MethodPlan {
     plan.options.regression = Regression::OneShot;
     plan
 }
 
 /// The same plan with or without the correction for noise in q, q̇ and q̈ \[E7\].
-pub fn correcting_noise(mut plan: MethodPlan, noise_correction: bool) -> MethodPlan {
+pub(crate) fn correcting_noise(mut plan: MethodPlan, noise_correction: bool) -> MethodPlan {
     plan.options.noise_correction = noise_correction;
     plan
 }
 
 /// The same plan with the activation index as printed, in place of the scaled one \[E1\].
-pub fn with_printed_index(mut plan: MethodPlan) -> MethodPlan {
+pub(crate) fn with_printed_index(mut plan: MethodPlan) -> MethodPlan {
     plan.patterns.scaling = Scaling::Paper;
     plan.patterns.clusters = Some(3);
     plan

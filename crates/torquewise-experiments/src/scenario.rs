@@ -6,9 +6,9 @@ use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, Simulation, add_no
 use torquewise_motion::Motion;
 
 /// Rows per second of every log \[Hz\].
-pub const RATE: f64 = 100.0;
+pub(crate) const RATE: f64 = 100.0;
 /// Length of the motion that models are judged by \[s\].
-pub const TEST_SECONDS: f64 = 20.0;
+pub(crate) const TEST_SECONDS: f64 = 20.0;
 /// Added to the seed of the results, so that no training log shares the seed of the test.
 const TEST_SEED: u64 = 1_000;
 
@@ -53,7 +53,7 @@ impl Decibels {
 
 /// A log to learn from.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Scenario {
+pub(crate) struct Scenario {
     /// Name of a reference arm.
     pub arm: &'static str,
     /// Recorded time \[s\].
@@ -67,10 +67,7 @@ pub struct Scenario {
 
 impl Scenario {
     /// Positioning and sorting moves without noise, and the pattern that each row truly shows.
-    ///
-    /// # Errors
-    /// [`ExperimentError::Dynamics`] for an unknown arm or a length out of bounds.
-    pub fn simulate(&self) -> Result<Simulation, ExperimentError> {
+    pub(crate) fn simulate(&self) -> Result<Simulation, ExperimentError> {
         let arm = Arm::builtin(self.arm)?;
         let kind = MotionKind::Moves;
         let plan = MotionPlan { kind, seconds: self.seconds, rate: RATE, seed: self.seed };
@@ -78,19 +75,13 @@ impl Scenario {
     }
 
     /// What the sensors of such an arm record.
-    ///
-    /// # Errors
-    /// Those of [`Scenario::simulate`].
-    pub fn record(&self, simulation: &Simulation) -> Result<Motion, ExperimentError> {
+    pub(crate) fn record(&self, simulation: &Simulation) -> Result<Motion, ExperimentError> {
         Ok(add_noise(&simulation.motion, &self.noise.noise()?, self.seed)?)
     }
 }
 
 /// Twenty seconds of smooth sines without noise: the motion outside the training log.
-///
-/// # Errors
-/// [`ExperimentError::Dynamics`] for an unknown arm.
-pub fn outside(arm: &str, seed: u64) -> Result<Motion, ExperimentError> {
+pub(crate) fn outside(arm: &str, seed: u64) -> Result<Motion, ExperimentError> {
     let kind = MotionKind::Sines;
     let seed = seed.wrapping_add(TEST_SEED);
     let plan = MotionPlan { kind, seconds: TEST_SECONDS, rate: RATE, seed };

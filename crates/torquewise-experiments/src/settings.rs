@@ -1,7 +1,7 @@
 //! From how much is done to settings: which arm, how many seeds, how long the logs.
 
 use crate::error::ExperimentError;
-use crate::scenario::Decibels;
+use crate::scenario::{Decibels, Scenario};
 use serde::Serialize;
 
 /// How much is done.
@@ -83,15 +83,14 @@ impl Settings {
         }
     }
 
-    /// The seeds.
-    pub fn seeds(&self) -> impl Iterator<Item = u64> {
-        self.first_seeds(self.seeds)
+    /// A log of the arm and the length of most experiments.
+    pub(crate) fn scenario(&self, noise: Decibels, seed: u64) -> Scenario {
+        Scenario { arm: self.arm, seconds: self.seconds, noise, seed }
     }
 
-    /// The first of the seeds.
-    pub fn first_seeds(&self, count: u64) -> impl Iterator<Item = u64> {
+    pub(crate) fn seeds(&self) -> impl Iterator<Item = u64> {
         let first = self.seed;
-        (0..count).map(move |step| first.wrapping_add(step))
+        (0..self.seeds).map(move |step| first.wrapping_add(step))
     }
 
     /// Whether every experiment has something to do.

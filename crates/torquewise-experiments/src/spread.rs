@@ -7,9 +7,7 @@ use serde::Serialize;
 pub struct Spread {
     /// The value in the middle; the mean of the two there if the count is even.
     pub median: f64,
-    /// The least.
     pub least: f64,
-    /// The greatest.
     pub greatest: f64,
 }
 

@@ -1,15 +1,15 @@
 //! From settings to studies: each asks for its trials, and turns them into numbers when they are
 //! done.
 
-pub mod patterns;
-pub mod order_curves;
-pub mod cost;
-pub mod cases;
-pub mod steps;
-pub mod recorded;
-pub mod control;
-pub mod coefficients;
-pub mod ablation;
-pub mod sweeps;
-pub mod arms;
-pub mod indicators;
+pub(crate) mod patterns;
+pub(crate) mod order_curves;
+pub(crate) mod cost;
+pub(crate) mod cases;
+pub(crate) mod steps;
+pub(crate) mod recorded;
+pub(crate) mod control;
+pub(crate) mod coefficients;
+pub(crate) mod ablation;
+pub(crate) mod sweeps;
+pub(crate) mod arms;
+pub(crate) mod indicators;

@@ -1,6 +1,6 @@
 //! From scenario, plan to trial: one reconstruction, its cost, its terms and its error elsewhere.
 
-use crate::error::ExperimentError;
+use crate::error::{ExperimentError, within};
 use crate::method::{ACTIVE, MethodPlan};
 use crate::scenario::Scenario;
 use cpu_time::ThreadTime;
@@ -12,8 +12,7 @@ use torquewise_survey::Progress;
 
 /// What is to be tried.
 #[derive(Clone, Debug, PartialEq)]
-pub struct TrialPlan {
-    /// The log.
+pub(crate) struct TrialPlan {
     pub scenario: Scenario,
     /// How it becomes a model.
     pub plan: MethodPlan,
@@ -21,7 +20,7 @@ pub struct TrialPlan {
 
 /// CPU time of a reconstruction \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Cost {
+pub(crate) struct Cost {
     /// Survey and clusters.
     pub patterns: f64,
     /// Normal equations and the selection of terms: the regression.
@@ -32,17 +31,16 @@ pub struct Cost {
 
 impl Cost {
     /// All of it \[s\].
-    pub fn total(&self) -> f64 {
+    pub(crate) fn total(&self) -> f64 {
         self.patterns + self.regression + self.refit
     }
 }
 
 /// What came of it.
 #[derive(Clone, Debug)]
-pub struct Trial {
+pub(crate) struct Trial {
     /// What was found.
     pub model: Model,
-    /// Candidates in all.
     pub candidates: usize,
     /// Candidates offered in each step.
     pub candidates_by_step: Vec<usize>,
@@ -62,16 +60,13 @@ pub struct Trial {
 ///
 /// The cost is that of the calling thread: it counts all of the work if that runs in a pool of one
 /// thread.
-///
-/// # Errors
-/// [`ExperimentError`] if the log cannot be made or reconstructed.
-pub fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, ExperimentError> {
+pub(crate) fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, ExperimentError> {
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
-    let named = |source| ExperimentError::Identify { experiment: name_of(trial), source };
+    let named = || within(name_of(trial));
     let mut stopwatch = Stopwatch::start();
     let plan = trial.plan.clone().into();
-    let found = reconstruct(&log, &plan, &mut |stage| stopwatch.enter(stage)).map_err(named)?;
-    let scores = score(&found.model, test).map_err(named)?;
+    let found = reconstruct(&log, &plan, &mut |stage| stopwatch.enter(stage)).map_err(named())?;
+    let scores = score(&found.model, test).map_err(named())?;
     let coefficients = coefficients(&found.model.form);
     Ok(Trial {
         candidates: found.candidates,
@@ -99,17 +94,11 @@ fn name_of(trial: &TrialPlan) -> String {
 }
 
 /// The same model judged after each of its steps, without the last fit: NRMSE \[%\], n each.
-///
-/// # Errors
-/// [`ExperimentError`] if the test motion is of another arm.
-pub fn judge_steps(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>, ExperimentError> {
+pub(crate) fn judge_steps(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>, ExperimentError> {
     (1..=model.stages.len())
         .map(|step| {
             let stage = model.after_step(step)?;
-            let scores = score(&stage, test).map_err(|source| ExperimentError::Identify {
-                experiment: format!("step {step}"),
-                source,
-            })?;
+            let scores = score(&stage, test).map_err(within(format!("step {step}")))?;
             Ok(scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect())
         })
         .collect()

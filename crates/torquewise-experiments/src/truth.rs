@@ -64,7 +64,7 @@ fn project(arm: &Arm, place: Place, terms: &[EnergyTerm], states: &[Vec<f64>]) -
 
 /// The torque of each joint in the functions of the product library \[E2\], n sums: what a perfect
 /// regression over that library finds.
-pub fn true_torques(energies: &BTreeMap<EnergyTerm, f64>, n_joints: usize) -> Vec<Sum> {
+pub(crate) fn true_torques(energies: &BTreeMap<EnergyTerm, f64>, n_joints: usize) -> Vec<Sum> {
     (0..n_joints)
         .map(|joint| {
             let mut products: BTreeMap<Product, f64> = BTreeMap::new();

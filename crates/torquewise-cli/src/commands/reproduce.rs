@@ -8,8 +8,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
-use torquewise::experiments::results::Claim;
-use torquewise::experiments::{Results, Settings, figures, page, reproduce};
+
+use torquewise::experiments::{Claim, Results, Settings, figures, page, reproduce};
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
 #[derive(Args, Debug)]

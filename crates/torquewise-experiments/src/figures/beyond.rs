@@ -1,7 +1,7 @@
 //! From sweeps, arms, coefficients to figures beyond the paper.
 
 use crate::figures::Figure;
-use crate::figures::looks::{colour, places, spread_series, worst_joint};
+use crate::figures::looks::{colour, noise_axis, places, spread_series, worst_joint};
 use crate::method::Method;
 use crate::results::Results;
 use crate::study::arms::ArmResults;
@@ -17,22 +17,13 @@ pub(crate) fn figures(results: &Results) -> Vec<Figure> {
 }
 
 fn sweeps(results: &Results) -> Figure {
-    let mut levels: Vec<String> = Vec::new();
-    for point in &results.noise_sweep {
-        if !levels.contains(&point.noise.name()) {
-            levels.push(point.noise.name());
-        }
-    }
-    let place = |point: &Point| {
-        let name = point.noise.name();
-        levels.iter().position(|level| *level == name).unwrap_or(0) as f64
-    };
+    let (x, place) = noise_axis(results.noise_sweep.iter().map(|point| point.noise));
     let y = || Axis::log("RMSE / std(torque), worst joint [%]");
     let noise = Chart {
         title: "More and more noise".into(),
-        x: places("signal-to-noise ratio of q/dq/ddq", levels.iter().cloned()),
+        x,
         y: y(),
-        series: lines(&results.noise_sweep, place),
+        series: lines(&results.noise_sweep, |point| place(point.noise) as f64),
         ..Chart::default()
     };
     let lengths = Chart {

@@ -1,11 +1,11 @@
 //! From cases to Fig. 7 and 8: terms kept, torque outside the training log, its error.
 
 use crate::figures::Figure;
-use crate::figures::looks::{beside, colour, places, spread_series};
+use crate::figures::looks::{beside, colour, places, spread_series, torque_chart};
 use crate::results::Results;
 use crate::spread::Spread;
 use crate::study::cases::{CaseResults, MethodResults, Prediction};
-use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use torquewise_report::html::{Axis, Chart, Guide, Mark, Series};
 
 /// Terms, then the torque of each case, then the errors.
 pub(crate) fn figures(results: &Results) -> Vec<Figure> {
@@ -83,22 +83,12 @@ fn by_method(
 fn torque(case: &CaseResults) -> Figure {
     let Prediction { t, needed, predicted } = &case.prediction;
     let chart = |joint: usize| {
-        let line = |values: &[f64]| t.iter().zip(values).map(|(&t, &tau)| [t, tau]).collect();
-        let measured =
-            Series::new("needed", Mark::BroadLine, Colour::Measured, line(&needed[joint]));
         // The method to look at lies on top.
         let others = case.methods.iter().zip(predicted).rev().map(|(method, torque)| {
-            let (name, colour) = (method.method.name(), colour(method.method));
-            Series::new(name, Mark::Line, colour, line(&torque[joint]))
+            (method.method.name().into(), colour(method.method), torque[joint].as_slice())
         });
-        Chart {
-            title: format!("Joint {}", joint + 1),
-            x: Axis::named("time [s]"),
-            y: Axis { range: Some(range(&needed[joint])), ..Axis::named("torque [N·m]") },
-            series: std::iter::once(measured).chain(others).collect(),
-            linked: Some(format!("case {}", case.case)),
-            ..Chart::default()
-        }
+        let title = format!("Joint {}", joint + 1);
+        torque_chart(title, t, ("needed", &needed[joint]), others, &format!("case {}", case.case))
     };
     Figure {
         name: format!("fig8_case{}", case.case),
@@ -112,14 +102,6 @@ fn torque(case: &CaseResults) -> Figure {
         charts: (0..needed.len()).map(chart).collect(),
         columns: 1,
     }
-}
-
-/// Range of the needed torque and a margin, so that a bad prediction does not flatten it.
-pub(crate) fn range(needed: &[f64]) -> [f64; 2] {
-    let low = needed.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = needed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let margin = (0.15 * (high - low)).max(1e-6);
-    [low - margin, high + margin]
 }
 
 fn errors(results: &Results) -> Figure {

@@ -1,7 +1,7 @@
 //! From an arm with friction under control to Fig. 10 and 11, and its Stribeck curves.
 
 use crate::figures::Figure;
-use crate::figures::cases::range;
+use crate::figures::looks::{after_step, torque_chart};
 use crate::study::control::{ControlResults, DEAD_ZONE};
 use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
 
@@ -40,22 +40,12 @@ fn friction(results: &ControlResults) -> Figure {
 
 fn steps(results: &ControlResults) -> Figure {
     let charts = (0..results.needed.len()).map(|joint| {
-        let needed = &results.needed[joint];
-        let line = |tau: &[f64]| results.t.iter().zip(tau).map(|(&t, &x)| [t, x]).collect();
-        let plant = Series::new("plant", Mark::BroadLine, Colour::Measured, line(needed));
         let after = results.steps.iter().enumerate().map(|(place, step)| {
-            let label = format!("after step {}: {}", place + 1, step.name);
-            let colour = [Colour::Series(5), Colour::Series(2), Colour::Series(1)][place.min(2)];
-            Series::new(label, Mark::Line, colour, line(&step.torque[joint]))
+            let (label, colour) = after_step(place, &step.name);
+            (label, colour, step.torque[joint].as_slice())
         });
-        Chart {
-            title: format!("Joint {}: torque", joint + 1),
-            x: Axis::named("time [s]"),
-            y: Axis { range: Some(range(needed)), ..Axis::named("torque [N·m]") },
-            series: std::iter::once(plant).chain(after).collect(),
-            linked: Some("control".into()),
-            ..Chart::default()
-        }
+        let title = format!("Joint {}: torque", joint + 1);
+        torque_chart(title, &results.t, ("plant", &results.needed[joint]), after, "control")
     });
     Figure {
         name: "fig10_control".into(),

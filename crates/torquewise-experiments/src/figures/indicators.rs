@@ -1,24 +1,20 @@
 //! From indicators to figure: the error of every way to sort and weight rows, against noise.
 
 use crate::figures::Figure;
-use crate::figures::looks::{beside, places, spread_series, worst_joint};
+use crate::figures::looks::{beside, noise_axis, spread_series, worst_joint};
 use crate::method::Method;
+use crate::scenario::Decibels;
 use crate::study::indicators::{IndicatorResults, IndicatorRow, Sorting};
 use torquewise_report::html::{Axis, Chart, Colour, Mark, Series};
 
 /// One chart for each library, with the noise correction.
 pub(super) fn figure(results: &IndicatorResults) -> Figure {
-    let mut levels: Vec<String> = Vec::new();
-    for row in &results.rows {
-        if !levels.contains(&row.noise.name()) {
-            levels.push(row.noise.name());
-        }
-    }
+    let (x, place) = noise_axis(results.rows.iter().map(|row| row.noise));
     let chart = |method: Method, title: &str| Chart {
         title: title.into(),
-        x: places("signal-to-noise ratio of q/dq/ddq", levels.iter().cloned()),
+        x: x.clone(),
         y: Axis::log("RMSE / std(torque), worst joint [%]"),
-        series: series(results, method, &levels),
+        series: series(results, method, &place),
         ..Chart::default()
     };
     Figure {
@@ -37,18 +33,21 @@ pub(super) fn figure(results: &IndicatorResults) -> Figure {
     }
 }
 
-fn series(results: &IndicatorResults, method: Method, levels: &[String]) -> Vec<Series> {
-    let of = |(place, sorting): (usize, Sorting)| {
+fn series(
+    results: &IndicatorResults,
+    method: Method,
+    place: &impl Fn(Decibels) -> usize,
+) -> Vec<Series> {
+    let of = |(k, sorting): (usize, Sorting)| {
         let own = results
             .rows
             .iter()
             .filter(|row| row.method == method && row.sorting == sorting && row.noise_correction);
         let point = |row: &IndicatorRow| {
-            let name = row.noise.name();
-            let level = levels.iter().position(|level| *level == name).unwrap_or(0);
-            (beside(level, place, Sorting::ALL.len()), worst_joint(&row.nrmse_percent))
+            let x = beside(place(row.noise), k, Sorting::ALL.len());
+            (x, worst_joint(&row.nrmse_percent))
         };
-        spread_series(sorting.name(), Colour::Series(place), Mark::Rings, own.map(point))
+        spread_series(sorting.name(), Colour::Series(k), Mark::Rings, own.map(point))
     };
     Sorting::ALL.into_iter().enumerate().map(of).collect()
 }

@@ -1,16 +1,23 @@
 //! From steps to Fig. 10: torque predicted after each of them.
 
 use crate::figures::Figure;
-use crate::figures::cases::range;
+use crate::figures::looks::{after_step, torque_chart};
 use crate::results::Results;
 use crate::study::cases::Prediction;
-use crate::study::steps::StepResults;
-use torquewise_report::html::{Axis, Chart, Colour, Mark, Series};
 
 /// The torque after each step of the first method; `None` if no case was judged.
 pub(crate) fn figure(results: &Results) -> Option<Figure> {
     let (steps, case) = (results.steps.first()?, results.case(2)?);
-    let joints = 0..case.prediction.needed.len();
+    let Prediction { t, needed, .. } = &case.prediction;
+    let joints = 0..needed.len();
+    let chart = |joint: usize| {
+        let after = steps.torque.iter().zip(&steps.names).enumerate().map(|(step, own)| {
+            let (label, colour) = after_step(step, own.1);
+            (label, colour, own.0[joint].as_slice())
+        });
+        let title = format!("Joint {}", joint + 1);
+        torque_chart(title, t, ("needed", &needed[joint]), after, "steps")
+    };
     Some(Figure {
         name: "fig10_steps".into(),
         title: format!(
@@ -23,27 +30,7 @@ pub(crate) fn figure(results: &Results) -> Option<Figure> {
              which no torque of a moving arm is right.",
             steps.method.name()
         ),
-        charts: joints.map(|joint| chart(steps, &case.prediction, joint)).collect(),
+        charts: joints.map(chart).collect(),
         columns: 1,
     })
-}
-
-fn chart(steps: &StepResults, prediction: &Prediction, joint: usize) -> Chart {
-    let t = &prediction.t;
-    let line = |values: &[f64]| t.iter().zip(values).map(|(&t, &tau)| [t, tau]).collect();
-    let needed = &prediction.needed[joint];
-    let measured = Series::new("needed", Mark::BroadLine, Colour::Measured, line(needed));
-    let after = steps.torque.iter().enumerate().map(|(step, torque)| {
-        let label = format!("after step {}: {}", step + 1, steps.names[step]);
-        let colour = [Colour::Series(5), Colour::Series(2), Colour::Series(1)][step.min(2)];
-        Series::new(label, Mark::Line, colour, line(&torque[joint]))
-    });
-    Chart {
-        title: format!("Joint {}", joint + 1),
-        x: Axis::named("time [s]"),
-        y: Axis { range: Some(range(needed)), ..Axis::named("torque [N·m]") },
-        series: std::iter::once(measured).chain(after).collect(),
-        linked: Some("steps".into()),
-        ..Chart::default()
-    }
 }

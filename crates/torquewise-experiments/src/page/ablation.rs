@@ -1,7 +1,7 @@
 //! From variants to what each choice buys.
 
 use crate::figures::looks::worst_joint;
-use crate::page::cells::{count, joints, table, with_range};
+use crate::page::cells::{columns, count, joints, table, with_range};
 use crate::results::Results;
 use crate::study::ablation::Variant;
 use torquewise_report::html::{BarRow, Bars, Colour, Column, Item, Section};
@@ -10,7 +10,7 @@ use torquewise_report::html::{BarRow, Bars, Colour, Column, Item, Section};
 pub(super) fn section(results: &Results) -> Section {
     let variants = &results.ablation;
     let n = variants.first().map_or(0, |variant| variant.nrmse_percent.len());
-    let mut columns = ["method", "changed", "tests"].map(Column::words).to_vec();
+    let mut columns = columns("method;changed;tests");
     columns.extend([Column::numbers("runs"), Column::words("terms")]);
     columns.extend(joints("error [%], joint", n));
     let row = |variant: &Variant| {

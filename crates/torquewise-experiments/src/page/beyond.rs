@@ -1,13 +1,13 @@
 //! From sweeps, arms, coefficients to sections beyond the paper.
 
 use crate::page::Drawn;
-use crate::page::cells::{count, table, with_range};
+use crate::page::cells::{columns, count, table, with_range};
 use crate::results::Results;
 use crate::study::arms::ArmResults;
 use crate::study::coefficients::{CoefficientResults, CoefficientRow};
 use crate::study::sweeps::Point;
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Column, Item, Section};
+use torquewise_report::html::{Item, Section};
 
 /// Noise and data, arms, coefficients.
 pub(super) fn sections(results: &Results, drawn: &Drawn) -> Vec<Section> {
@@ -45,14 +45,7 @@ fn points(caption: &str, points: &[Point]) -> Item {
         row.push(point.nrmse_percent.iter().map(with_range).collect::<Vec<_>>().join(" / "));
         row
     };
-    let columns = vec![
-        Column::words("method"),
-        Column::words("noise"),
-        Column::numbers("log [s]"),
-        Column::numbers("runs"),
-        Column::words("terms"),
-        Column::words("error [%], joint 1 / 2 / …"),
-    ];
+    let columns = columns("method;noise;#log [s];#runs;terms;error [%], joint 1 / 2 / …");
     table(caption, columns, points.iter().map(row).collect())
 }
 
@@ -72,17 +65,11 @@ fn arm_table(arms: &[ArmResults]) -> Item {
             significant(arm.seconds, 2),
         ]
     };
-    let columns = vec![
-        Column::words("arm"),
-        Column::numbers("log [s]"),
-        Column::numbers("energy library"),
-        Column::numbers("product library"),
-        Column::numbers("one-shot SINDy"),
-        Column::words("true terms found"),
-        Column::numbers("other terms"),
-        Column::words("error [%], joint 1 / 2 / …"),
-        Column::numbers("CPU time [s]"),
-    ];
+    let columns = columns(
+        "arm;#log [s];#energy library;#product library;#one-shot SINDy;\
+         true terms found;#other terms;error [%], joint 1 / 2 / …;\
+         #CPU time [s]",
+    );
     let caption = "Candidates of each library, and what the energy library finds in one log with \
                    the noise of case 3. Where terms are missed or false, the error says \
                    how much they matter.";
@@ -100,14 +87,10 @@ fn coverage(results: &[CoefficientResults]) -> Item {
             significant(found.coverage_percent(), 3),
         ]
     };
-    let columns = vec![
-        Column::numbers("case"),
-        Column::words("runs with exactly the true terms"),
-        Column::numbers("true terms missed"),
-        Column::numbers("other terms found"),
-        Column::words("intervals that hold the truth"),
-        Column::numbers("share [%]"),
-    ];
+    let columns = columns(
+        "#case;runs with exactly the true terms;#true terms missed;\
+         #other terms found;intervals that hold the truth;#share [%]",
+    );
     let caption = "Energy models of all seeds: are the true terms found, and do the intervals of \
                    ±1.645 standard errors hold the true coefficients in 90 % of the cases, as they \
                    should?";
@@ -125,13 +108,7 @@ fn coefficient_table(results: &CoefficientResults) -> Item {
             format!("{} of {}", row.covered, row.found),
         ]
     };
-    let columns = vec![
-        Column::words("term"),
-        Column::numbers("truth"),
-        Column::numbers("found, first seed"),
-        Column::numbers("standard error"),
-        Column::words("intervals that hold"),
-    ];
+    let columns = columns("term;#truth;#found, first seed;#standard error;intervals that hold");
     let caption = format!(
         "Coefficients of M(q) [kg·m²] and V(q) [J], case {}: what is true and what is found.",
         results.case

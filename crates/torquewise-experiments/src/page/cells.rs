@@ -26,6 +26,15 @@ pub(super) fn listed(counts: &[usize]) -> String {
     counts.iter().map(usize::to_string).collect::<Vec<_>>().join(" + ")
 }
 
+/// Columns from headings between semicolons; one of numbers begins with #.
+pub(super) fn columns(headings: &str) -> Vec<Column> {
+    let column = |heading: &str| match heading.strip_prefix('#') {
+        Some(heading) => Column::numbers(heading),
+        None => Column::words(heading),
+    };
+    headings.split(';').map(column).collect()
+}
+
 /// Headings of the joints with a unit.
 pub(super) fn joints(what: &str, count: usize) -> Vec<Column> {
     (1..=count).map(|joint| Column::words(format!("{what} {joint}"))).collect()

@@ -1,10 +1,10 @@
 //! From an arm with friction under control to section: recorded, learned, predicted, tracked.
 
 use crate::page::Drawn;
-use crate::page::cells::{joints, table};
+use crate::page::cells::{columns, joints, table};
 use crate::study::control::{ControlResults, DEAD_ZONE};
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Column, Item, Section};
+use torquewise_report::html::{Item, Section};
 
 /// Fig. 10 and 11 on an arm with friction.
 pub(super) fn section(results: &ControlResults, drawn: &Drawn) -> Section {
@@ -33,7 +33,7 @@ fn friction(results: &ControlResults) -> Item {
 }
 
 fn steps(results: &ControlResults) -> Item {
-    let mut columns = vec![Column::words("after")];
+    let mut columns = columns("after");
     columns.extend(joints("error [%], joint", results.needed.len()));
     let rows = results.steps.iter().enumerate().map(|(place, step)| {
         let mut row = vec![format!("step {}: {}", place + 1, step.name)];
@@ -44,7 +44,7 @@ fn steps(results: &ControlResults) -> Item {
 }
 
 fn tracking(results: &ControlResults) -> Item {
-    let mut columns = vec![Column::words("controller")];
+    let mut columns = columns("controller");
     columns.extend(joints("RMS error [mrad], joint", results.needed.len()));
     columns.extend(joints("of PID [%], joint", results.needed.len()));
     let pid = results.tracking.first().map_or(&[][..], |pid| &pid.rms_error_rad);

@@ -1,7 +1,7 @@
 //! From indicators to section: what noise and leverage of rows buy.
 
 use crate::page::Drawn;
-use crate::page::cells::{count, table, with_range};
+use crate::page::cells::{columns, count, table, with_range};
 use crate::scenario::Decibels;
 use crate::study::indicators::{IndicatorResults, IndicatorRow, PossibleGain, Sorting};
 use torquewise_report::html::{Column, Item, Section};
@@ -43,16 +43,11 @@ fn rows(results: &IndicatorResults, noise_correction: bool) -> Item {
             better,
         ]
     };
-    let columns = vec![
-        Column::words("method"),
-        Column::words("noise"),
-        Column::words("rows sorted by"),
-        Column::words("true terms found"),
-        Column::words("other terms"),
-        Column::words("error [%], joint 1 / 2 / …"),
-        Column::words("error over activation alone, worst joint"),
-        Column::words("logs on which it is better"),
-    ];
+    let columns = columns(
+        "method;noise;rows sorted by;true terms found;other terms;\
+         error [%], joint 1 / 2 / …;error over activation alone, worst joint;\
+         logs on which it is better",
+    );
     let shown = results.rows.iter().filter(|row| row.noise_correction == noise_correction);
     let caption = "Median and range over the seeds; the ratio is that of the same log.";
     table(caption, columns, shown.map(row).collect())
@@ -79,7 +74,7 @@ fn gains(gains: &[PossibleGain]) -> Item {
         let names = [(*method).to_owned(), noise.name()];
         names.into_iter().chain(steps.iter().map(cell)).collect()
     };
-    let mut columns = vec![Column::words("method"), Column::words("noise")];
+    let mut columns = columns("method;noise");
     columns.extend(steps.iter().map(|step| Column::words(*step)));
     let caption = "How unequal the rows of a step are: mean(v)·mean(1/v), the largest of the \
                    joints. So many times smaller the variance of the coefficients could be with \

@@ -1,7 +1,7 @@
 //! From results to the figures of the paper with what is seen in them.
 
 use crate::page::Drawn;
-use crate::page::cells::{count, joints, listed, table, with_range};
+use crate::page::cells::{columns, count, joints, listed, table, with_range};
 use crate::results::Results;
 use crate::study::cost::MethodCost;
 use crate::study::patterns::PatternStudy;
@@ -56,16 +56,10 @@ fn purities(studies: &[PatternStudy]) -> Item {
             ]
         })
     });
-    let columns = vec![
-        Column::words("noise on q/dq/ddq"),
-        Column::words("index"),
-        Column::numbers("k at the elbow"),
-        Column::words("pattern"),
-        Column::numbers("rows, true"),
-        Column::numbers("rows, labelled"),
-        Column::numbers("purity [%]"),
-        Column::numbers("found [%]"),
-    ];
+    let columns = columns(
+        "noise on q/dq/ddq;index;#k at the elbow;pattern;#rows, true;\
+         #rows, labelled;#purity [%];#found [%]",
+    );
     let caption = "Purity: share of the labelled rows that truly show the pattern. Found: share of \
                    the true rows that are labelled so. Three clusters in every row of the table.";
     table(caption, columns, rows.collect())
@@ -88,14 +82,10 @@ fn orders(results: &Results) -> Item {
             ]
         })
     });
-    let columns = vec![
-        Column::words("noise"),
-        Column::words("library"),
-        Column::numbers("N₁ or angles in a term"),
-        Column::numbers("N₂"),
-        Column::numbers("candidates"),
-        Column::numbers("held-out residual, worst joint [%]"),
-    ];
+    let columns = columns(
+        "noise;library;#N₁ or angles in a term;#N₂;#candidates;\
+         #held-out residual, worst joint [%]",
+    );
     table("The orders that the rule chooses.", columns, rows.collect())
 }
 
@@ -110,14 +100,10 @@ fn costs(results: &Results) -> Item {
             significant(cost.seconds.evaluated, 2),
         ]
     };
-    let columns = vec![
-        Column::words("method"),
-        Column::words("which terms stay"),
-        Column::words("candidates"),
-        Column::words("regression [s]"),
-        Column::words("whole [s]"),
-        Column::numbers("normal equations, columns evaluated [s]"),
-    ];
+    let columns = columns(
+        "method;which terms stay;candidates;regression [s];whole [s];\
+         #normal equations, columns evaluated [s]",
+    );
     let caption = "CPU time of one thread, median and range over the timed runs, done one by \
                    one. Compare rows with the same rule: the rule decides as much about the \
                    time as the steps do.";
@@ -152,14 +138,14 @@ fn terms(results: &Results) -> Item {
         truth.active_products.iter().sum::<usize>().to_string(),
         truth.products.iter().sum::<usize>().to_string(),
     ]);
-    let columns = ["", "", "|coefficient| > 0.1", "kept"].map(Column::words);
-    table("Terms of all joints together, median and range over the seeds.", columns.into(), rows)
+    let columns = columns(";;|coefficient| > 0.1;kept");
+    table("Terms of all joints together, median and range over the seeds.", columns, rows)
 }
 
 fn torque(results: &Results, drawn: &Drawn) -> Section {
     let mut items = drawn.items("fig8_errors");
     let count = results.cases.first().map_or(0, |case| case.prediction.needed.len());
-    let mut columns = ["case", "method"].map(Column::words).to_vec();
+    let mut columns = columns("case;method");
     columns.push(Column::numbers("runs"));
     columns.extend(joints("error [%], joint", count));
     columns.extend(joints("RMSE [N·m], joint", count));
@@ -182,7 +168,7 @@ fn torque(results: &Results, drawn: &Drawn) -> Section {
 
 fn steps(results: &Results) -> Item {
     let count = results.steps.first().map_or(0, |steps| steps.refitted_nrmse_percent.len());
-    let mut columns = ["method", "after"].map(Column::words).to_vec();
+    let mut columns = columns("method;after");
     columns.extend(joints("error [%], joint", count));
     let mut rows = Vec::new();
     for steps in &results.steps {

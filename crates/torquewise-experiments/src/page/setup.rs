@@ -1,10 +1,10 @@
 //! From settings to what was done, and what was not.
 
 use crate::method::Method;
-use crate::page::cells::table;
+use crate::page::cells::{columns, table};
 use crate::results::Results;
 use crate::scenario::{RATE, TEST_SECONDS};
-use torquewise_report::html::{Column, Item, Section};
+use torquewise_report::html::{Item, Section};
 
 /// How the numbers come about.
 pub(super) fn section(results: &Results) -> Section {
@@ -32,13 +32,12 @@ pub(super) fn section(results: &Results) -> Section {
     let rows = rows.map(|(method, library, steps, rule)| {
         vec![method.name().into(), library.into(), steps.into(), rule.into()]
     });
-    let columns = ["method", "library", "steps", "which terms stay"].map(Column::words);
     Section {
         heading: "What was done".into(),
         items: vec![
             Item::Text(learn),
             Item::Text(judge),
-            table("The methods.", columns.into(), rows.into()),
+            table("The methods.", columns("method;library;steps;which terms stay"), rows.into()),
             Item::Text(
                 "Not done here: the experiments on the real arm, Fig. 9 and 11, and its friction \
                  (17). Fig. 10 is done on the simulated arm. The paper does not name its arm, the \

@@ -3,10 +3,10 @@
 use crate::claims::worst;
 use crate::figures::looks::worst_joint;
 use crate::method::Method;
-use crate::page::cells::table;
+use crate::page::cells::{columns, table};
 use crate::results::{Claim, Results, Verdict};
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Callout, Column, Fact, Item, Section, Tone};
+use torquewise_report::html::{Callout, Fact, Item, Section, Tone};
 
 /// One paragraph below the title.
 pub(super) fn lead(results: &Results) -> String {
@@ -100,14 +100,13 @@ fn harder(results: &Results) -> String {
 }
 
 fn claims(results: &Results) -> Item {
-    let columns = ["the paper says", "where", "measured here", "verdict"];
     let row = |claim: &Claim| {
         let verdict = claim.verdict().name().into();
         vec![claim.claim.into(), claim.source.into(), claim.measurement(), verdict]
     };
     table(
         "The claims of the paper, judged.",
-        columns.map(Column::words).into(),
+        columns("the paper says;where;measured here;verdict"),
         results.claims.iter().map(row).collect(),
     )
 }

@@ -6,15 +6,15 @@ use crate::method::{
     Method, MethodPlan, correcting_noise, in_one_step, lasso, selecting, threshold,
     with_printed_index,
 };
-use crate::scenario::{Decibels, Scenario, outside};
+use crate::scenario::{Decibels, outside};
 use crate::settings::Settings;
 use crate::spread::Spread;
-use crate::trial::{TrialPlan, judge_steps};
+use crate::trial::judge_steps;
 use serde::Serialize;
 
 /// One row of the ablation.
 #[derive(Clone, Debug)]
-pub struct VariantPlan {
+pub(crate) struct VariantPlan {
     family: &'static str,
     change: &'static str,
     equation: &'static str,
@@ -41,7 +41,7 @@ pub struct Variant {
 }
 
 /// A row that changes nothing.
-pub const AS_IT_IS: &str = "as it is";
+pub(crate) const AS_IT_IS: &str = "as it is";
 /// The row with the paper's constants of the activation index.
 const PRINTED: &str = "activation index as printed";
 
@@ -77,18 +77,13 @@ fn rows() -> Vec<Row> {
 
 /// Every variant in case 3. The printed index leaves the product library with so many terms that
 /// its refit takes longest of all: one seed says it.
-pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<VariantPlan> {
+pub(crate) fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<VariantPlan> {
     rows()
         .into_iter()
         .map(|(family, change, equation, plan, before_refit)| {
-            let Settings { arm, seconds, .. } = *settings;
-            let trial = |seed| {
-                let scenario = Scenario { arm, seconds, noise: Decibels::case(3), seed };
-                TrialPlan { scenario, plan: plan.clone() }
-            };
+            let scenario = settings.scenario(Decibels::case(3), settings.seed);
             let count = if change == PRINTED { 1 } else { settings.sweep_seeds };
-            let seeds = settings.first_seeds(count);
-            let trials = seeds.map(|seed| agenda.ask(trial(seed))).collect();
+            let trials = agenda.ask_seeds(&scenario, &plan, count);
             VariantPlan { family, change, equation, trials, before_refit }
         })
         .collect()
@@ -96,10 +91,11 @@ pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<VariantPlan> {
 
 impl VariantPlan {
     /// How the variant does, once its trials are done.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if a trial is missing.
-    pub fn result(&self, settings: &Settings, trials: &Trials) -> Result<Variant, ExperimentError> {
+    pub(crate) fn result(
+        &self,
+        settings: &Settings,
+        trials: &Trials,
+    ) -> Result<Variant, ExperimentError> {
         let test = outside(settings.arm, settings.seed)?;
         let (mut errors, mut terms) = (Vec::new(), Vec::new());
         for &id in &self.trials {

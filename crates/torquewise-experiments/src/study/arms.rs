@@ -20,7 +20,7 @@ const GRAVITY_ORDER: u8 = 2;
 
 /// The trial of one arm.
 #[derive(Clone, Debug)]
-pub struct ArmPlan {
+pub(crate) struct ArmPlan {
     scenario: Scenario,
     trial: TrialId,
 }
@@ -53,7 +53,7 @@ pub struct ArmResults {
 }
 
 /// Every arm with the noise of case 3.
-pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<ArmPlan> {
+pub(crate) fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<ArmPlan> {
     let plan = |&(arm, seconds): &(&'static str, f64)| {
         let scenario = Scenario { arm, seconds, noise: Decibels::case(3), seed: settings.seed };
         let trial = TrialPlan { scenario: scenario.clone(), plan: Method::Energy.plan() };
@@ -64,10 +64,7 @@ pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<ArmPlan> {
 
 impl ArmPlan {
     /// How the arm fares, once its trial is done.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if the trial is missing.
-    pub fn result(&self, trials: &Trials) -> Result<ArmResults, ExperimentError> {
+    pub(crate) fn result(&self, trials: &Trials) -> Result<ArmResults, ExperimentError> {
         let arm = Arm::builtin(self.scenario.arm)?;
         let (n, trial) = (arm.n_joints(), trials.get(self.trial)?);
         let truth: BTreeSet<EnergyTerm> = true_energies(&arm).into_keys().collect();
@@ -124,7 +121,7 @@ mod tests {
         let settings = Settings { arms: vec![("puma560-3", 60.0)], ..Settings::quick(1) };
         let plans = ask(&mut agenda, &settings);
 
-        let trials = agenda.run(1, &|_, _| {}).unwrap();
+        let trials = agenda.run(1).unwrap();
         let found = plans[0].result(&trials).unwrap();
 
         assert_eq!(

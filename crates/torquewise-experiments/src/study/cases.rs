@@ -3,10 +3,9 @@
 use crate::agenda::{Agenda, TrialId, Trials};
 use crate::error::ExperimentError;
 use crate::method::{ACTIVE, Method};
-use crate::scenario::{Decibels, Scenario, outside};
+use crate::scenario::{Decibels, outside};
 use crate::settings::Settings;
 use crate::spread::Spread;
-use crate::trial::TrialPlan;
 use crate::truth::{true_energies, true_torques};
 use serde::Serialize;
 use torquewise_dynamics::Arm;
@@ -15,7 +14,7 @@ use torquewise_motion::Motion;
 
 /// The trials of one case: those of each method, one per seed.
 #[derive(Clone, Debug)]
-pub struct CasePlan {
+pub(crate) struct CasePlan {
     /// 1, 2 or 3.
     pub case: u8,
     trials: Vec<(Method, Vec<TrialId>)>,
@@ -26,9 +25,7 @@ pub struct CasePlan {
 pub struct CaseResults {
     /// 1, 2 or 3.
     pub case: u8,
-    /// Its noise.
     pub noise: Decibels,
-    /// One per method.
     pub methods: Vec<MethodResults>,
     /// Torque outside the training log, needed and predicted.
     pub prediction: Prediction,
@@ -37,7 +34,6 @@ pub struct CaseResults {
 /// How one method does in one case.
 #[derive(Clone, Debug, Serialize)]
 pub struct MethodResults {
-    /// Which.
     pub method: Method,
     /// Runs, each with another motion and other noise.
     pub runs: usize,
@@ -79,44 +75,37 @@ pub struct TrueTerms {
 const STRIDE: usize = 5;
 
 /// Cases 1, 2 and 3 for every method.
-pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CasePlan> {
+pub(crate) fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CasePlan> {
     ask_methods(agenda, settings, &Method::ALL)
 }
 
 /// Cases 1, 2 and 3 for some methods. Without noise one run says all.
-pub fn ask_methods(agenda: &mut Agenda, settings: &Settings, methods: &[Method]) -> Vec<CasePlan> {
+pub(crate) fn ask_methods(
+    agenda: &mut Agenda,
+    settings: &Settings,
+    methods: &[Method],
+) -> Vec<CasePlan> {
     (1..=3)
         .map(|case| {
             let seeds = if case == 1 { 1 } else { settings.seeds };
-            let trials = methods.iter().map(|&method| {
-                let seeds = settings.first_seeds(seeds);
-                let trials =
-                    seeds.map(|seed| agenda.ask(trial(settings, case, seed, method))).collect();
-                (method, trials)
-            });
+            let scenario = settings.scenario(Decibels::case(case), settings.seed);
+            let trials = methods
+                .iter()
+                .map(|&method| (method, agenda.ask_seeds(&scenario, &method.plan(), seeds)));
             CasePlan { case, trials: trials.collect() }
         })
         .collect()
 }
 
-fn trial(settings: &Settings, case: u8, seed: u64, method: Method) -> TrialPlan {
-    let Settings { arm, seconds, .. } = *settings;
-    let scenario = Scenario { arm, seconds, noise: Decibels::case(case), seed };
-    TrialPlan { scenario, plan: method.plan() }
-}
-
 impl CasePlan {
     /// The trials of a method, one per seed.
-    pub fn trials(&self, wanted: Method) -> &[TrialId] {
+    pub(crate) fn trials(&self, wanted: Method) -> &[TrialId] {
         let found = self.trials.iter().find(|(method, _)| *method == wanted);
         found.map_or(&[], |(_, trials)| trials)
     }
 
     /// What the case shows, once the trials are done.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if a trial is missing.
-    pub fn results(
+    pub(crate) fn results(
         &self,
         settings: &Settings,
         trials: &Trials,
@@ -125,7 +114,7 @@ impl CasePlan {
         let mut methods = Vec::with_capacity(self.trials.len());
         let mut predicted = Vec::with_capacity(self.trials.len());
         for (method, ids) in &self.trials {
-            let done = ids.iter().map(|&id| trials.get(id)).collect::<Result<Vec<_>, _>>()?;
+            let done = trials.all(ids)?;
             if let Some(first) = done.first() {
                 predicted.push(predict(&first.model, &test)?);
             }
@@ -148,15 +137,12 @@ impl CasePlan {
 }
 
 /// Torque of a model over the shown rows of a motion \[N·m\], n×m.
-///
-/// # Errors
-/// [`ExperimentError::Model`] if the motion is of another arm.
-pub fn predict(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>, ExperimentError> {
+pub(crate) fn predict(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>, ExperimentError> {
     Ok(columns(Torque::new(model).over(test)?.as_ref(), test))
 }
 
 /// Rows of a motion that are shown.
-pub fn shown_rows(motion: &Motion) -> impl Iterator<Item = usize> {
+pub(crate) fn shown_rows(motion: &Motion) -> impl Iterator<Item = usize> {
     (0..motion.n_rows()).step_by(STRIDE)
 }
 
@@ -167,10 +153,7 @@ fn columns(torque: faer::MatRef<'_, f64>, motion: &Motion) -> Vec<Vec<f64>> {
 }
 
 /// Counts the terms of the truth.
-///
-/// # Errors
-/// [`ExperimentError::Dynamics`] for an unknown arm.
-pub fn true_terms(arm: &str) -> Result<TrueTerms, ExperimentError> {
+pub(crate) fn true_terms(arm: &str) -> Result<TrueTerms, ExperimentError> {
     let arm = Arm::builtin(arm)?;
     let energies = true_energies(&arm);
     let torques = true_torques(&energies, arm.n_joints());

@@ -13,14 +13,13 @@ use torquewise_dynamics::Arm;
 use torquewise_model::{EnergyTerm, Form, Model};
 
 /// A normal variable is within this many standard deviations in 90 of 100 cases.
-pub const NINETY_PERCENT: f64 = 1.645;
+pub(crate) const NINETY_PERCENT: f64 = 1.645;
 
 /// The coefficients of one case.
 #[derive(Clone, Debug, Serialize)]
 pub struct CoefficientResults {
     /// 1, 2 or 3.
     pub case: u8,
-    /// Runs.
     pub runs: usize,
     /// Runs in which exactly the true terms were found.
     pub exact_runs: usize,
@@ -46,7 +45,6 @@ impl CoefficientResults {
 /// One true term.
 #[derive(Clone, Debug, Serialize)]
 pub struct CoefficientRow {
-    /// Its name.
     pub name: String,
     /// Its true coefficient, SI units.
     pub truth: f64,
@@ -63,20 +61,14 @@ pub struct CoefficientRow {
 type Found = BTreeMap<EnergyTerm, (f64, f64)>;
 
 /// Judges the coefficients of the energy models of a case.
-///
-/// # Errors
-/// [`ExperimentError`] if a trial is missing.
-pub fn judge_coefficients(
+pub(crate) fn judge_coefficients(
     case: &CasePlan,
     settings: &Settings,
     trials: &Trials,
 ) -> Result<CoefficientResults, ExperimentError> {
     let truth = true_energies(&Arm::builtin(settings.arm)?);
-    let runs = case
-        .trials(Method::Energy)
-        .iter()
-        .map(|&id| Ok(coefficients_of(&trials.get(id)?.model)))
-        .collect::<Result<Vec<Found>, ExperimentError>>()?;
+    let done = trials.all(case.trials(Method::Energy))?;
+    let runs: Vec<Found> = done.iter().map(|trial| coefficients_of(&trial.model)).collect();
     let terms: Vec<CoefficientRow> =
         truth.iter().map(|(term, &truth)| row(term, truth, &runs)).collect();
     let true_terms: BTreeSet<&EnergyTerm> = truth.keys().collect();
@@ -118,6 +110,8 @@ fn row(term: &EnergyTerm, truth: f64, runs: &[Found]) -> CoefficientRow {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::agenda::Agenda;
+    use crate::study::cases::ask_methods;
     use torquewise_model::library::energy_library;
 
     #[test]
@@ -129,5 +123,27 @@ mod tests {
         let row = row(&term, 1.0, &runs);
 
         assert_eq!((row.found, row.covered, row.estimate), (3, 2, Some(1.16)));
+    }
+
+    /// The energy model of the reference arm over five logs: terms, error and intervals.
+    #[test]
+    fn in_noise_the_true_terms_are_found_and_the_intervals_hold_the_truth() {
+        let settings = Settings { seconds: 200.0, seeds: 5, ..Settings::full(1) };
+        let mut agenda = Agenda::default();
+        let cases = ask_methods(&mut agenda, &settings, &[Method::Energy]);
+        let trials = agenda.run(settings.seed).unwrap();
+
+        for case in cases.iter().filter(|case| case.case > 1) {
+            let found = judge_coefficients(case, &settings, &trials).unwrap();
+            assert_eq!((found.runs, found.exact_runs), (5, 5), "case {}", case.case);
+            // 115 intervals of 90 %, 23 of each log sharing its noise.
+            let share = found.coverage_percent();
+            assert!((80.0..=98.0).contains(&share), "case {}: {share}", case.case);
+
+            let errors = case.results(&settings, &trials).unwrap().methods[0].nrmse_percent.clone();
+            for (error, limit) in errors.iter().zip([0.3, 0.1, 0.1]) {
+                assert!(error.median < limit, "case {}: {errors:?}", case.case);
+            }
+        }
     }
 }

@@ -14,7 +14,7 @@ const BANDWIDTH: f64 = 15.0;
 /// Speeds at which friction is judged, a decade and a half of them \[rad/s\].
 const SPEEDS: usize = 60;
 /// Below this speed \[rad/s\] friction is not judged: there the learner smooths its reversal.
-pub const DEAD_ZONE: f64 = 0.06;
+pub(crate) const DEAD_ZONE: f64 = 0.06;
 /// Highest of those speeds \[rad/s\].
 const FASTEST: f64 = 1.2;
 /// Every so many ticks one is kept for figures.
@@ -75,10 +75,7 @@ pub struct ControllerResults {
 }
 
 /// Records, learns, predicts and controls.
-///
-/// # Errors
-/// [`ExperimentError`] that says which part failed.
-pub fn study_control(settings: &Settings) -> Result<ControlResults, ExperimentError> {
+pub(crate) fn study_control(settings: &Settings) -> Result<ControlResults, ExperimentError> {
     let plant = plant(settings)?;
     let recordings = recordings(&plant, settings)?;
     let model = learn(&recordings)?.model;

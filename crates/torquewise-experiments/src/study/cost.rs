@@ -1,12 +1,12 @@
 //! From timed trials to candidates and computing time of each method (Fig. 6).
 
 use crate::agenda::{Agenda, TrialId, Trials};
-use crate::error::ExperimentError;
+use crate::error::{ExperimentError, within};
 use crate::method::{Method, MethodPlan, lasso, selecting, threshold};
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use crate::spread::Spread;
-use crate::trial::{Cost, TrialPlan, now};
+use crate::trial::{Cost, now};
 use serde::Serialize;
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_motion::{Motion, Pattern};
@@ -17,7 +17,7 @@ use torquewise_stepwise::evidence::{one_shot, plan_steps};
 
 /// A method whose time is measured.
 #[derive(Clone, Debug)]
-pub struct CostPlan {
+pub(crate) struct CostPlan {
     name: &'static str,
     rule: &'static str,
     plan: MethodPlan,
@@ -33,7 +33,6 @@ pub struct MethodCost {
     pub rule: &'static str,
     /// Candidates offered in each step.
     pub candidates_by_step: Vec<usize>,
-    /// Candidates in all.
     pub candidates: usize,
     /// CPU time on one thread.
     pub seconds: SecondsOf,
@@ -42,7 +41,6 @@ pub struct MethodCost {
 /// CPU time on one thread \[s\].
 #[derive(Clone, Debug, Serialize)]
 pub struct SecondsOf {
-    /// Runs.
     pub runs: usize,
     /// Normal equations and selection.
     pub regression: Spread,
@@ -54,7 +52,7 @@ pub struct SecondsOf {
 }
 
 /// The three methods of the figure, and LASSO and the threshold for all, like with like.
-pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CostPlan> {
+pub(crate) fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CostPlan> {
     let [energy, product, sindy] =
         [Method::Energy, Method::Product, Method::Sindy].map(Method::plan);
     let rows = [
@@ -68,43 +66,38 @@ pub fn ask(agenda: &mut Agenda, settings: &Settings) -> Vec<CostPlan> {
     ];
     rows.into_iter()
         .map(|(name, rule, plan)| {
-            let trial = |seed| TrialPlan { scenario: scenario(settings, seed), plan: plan.clone() };
-            let seeds = settings.first_seeds(settings.timed_seeds);
-            let trials = seeds.map(|seed| agenda.ask_timed(trial(seed))).collect();
+            let scenario = settings.scenario(Decibels::case(3), settings.seed);
+            let trials = agenda.ask_seeds(&scenario, &plan, settings.timed_seeds);
+            agenda.time(&trials);
             CostPlan { name, rule, plan, trials }
         })
         .collect()
 }
 
 /// Name of the energy library in these results.
-pub const ENERGY: &str = "stepwise, energy";
+pub(crate) const ENERGY: &str = "stepwise, energy";
 /// Name of the product library.
-pub const PRODUCT: &str = "stepwise, product";
+pub(crate) const PRODUCT: &str = "stepwise, product";
 /// Name of one-shot SINDy.
-pub const SINDY: &str = "one-shot SINDy";
+pub(crate) const SINDY: &str = "one-shot SINDy";
 /// A term stays for what it explains \[E5\].
-pub const CRITERION: &str = "criterion";
+pub(crate) const CRITERION: &str = "criterion";
 /// LASSO, information criterion, refit.
-pub const LASSO: &str = "LASSO";
+pub(crate) const LASSO: &str = "LASSO";
 /// |coefficient| > 0.1.
-pub const THRESHOLD: &str = "|c| > 0.1";
+pub(crate) const THRESHOLD: &str = "|c| > 0.1";
 
 /// The part of the log on which every column is evaluated.
 const PART: f64 = 10.0;
 
-fn scenario(settings: &Settings, seed: u64) -> Scenario {
-    let Settings { arm, seconds, .. } = *settings;
-    Scenario { arm, seconds, noise: Decibels::case(3), seed }
-}
-
 /// CPU time \[s\] of the normal equations of each plan, column by column: what the shortcut over
 /// moments \[E3\] saves. Measured on a part of the log in a pool of one thread; plans of one
 /// library share it. The time is proportional to the rows.
-///
-/// # Errors
-/// [`ExperimentError`] if the log cannot be made.
-pub fn evaluate(plans: &[CostPlan], settings: &Settings) -> Result<Vec<f64>, ExperimentError> {
-    let whole = scenario(settings, settings.seed);
+pub(crate) fn evaluate(
+    plans: &[CostPlan],
+    settings: &Settings,
+) -> Result<Vec<f64>, ExperimentError> {
+    let whole = settings.scenario(Decibels::case(3), settings.seed);
     let scenario = Scenario { seconds: (whole.seconds / PART).max(10.0), ..whole };
     let times = settings.seconds / scenario.seconds;
     let simulation = scenario.simulate()?;
@@ -127,17 +120,14 @@ pub fn evaluate(plans: &[CostPlan], settings: &Settings) -> Result<Vec<f64>, Exp
 /// The costs, once the trials are done.
 ///
 /// - `evaluated`: what [`evaluate`] measured
-///
-/// # Errors
-/// [`ExperimentError::NotDone`] if a trial is missing.
-pub fn costs(
+pub(crate) fn costs(
     plans: &[CostPlan],
     evaluated: &[f64],
     trials: &Trials,
 ) -> Result<Vec<MethodCost>, ExperimentError> {
     let mut costs = Vec::with_capacity(plans.len());
     for (CostPlan { name, rule, trials: ids, .. }, &evaluated) in plans.iter().zip(evaluated) {
-        let done = ids.iter().map(|&id| trials.get(id)).collect::<Result<Vec<_>, _>>()?;
+        let done = trials.all(ids)?;
         let Some(first) = done.first() else { continue };
         let spread =
             |part: fn(&Cost) -> f64| Spread::of(done.iter().map(|trial| part(&trial.cost)));
@@ -163,10 +153,9 @@ fn evaluate_all(
     truth: &[Pattern],
     options: &LibraryOptions,
 ) -> Result<f64, ExperimentError> {
-    let named = |source| ExperimentError::Identify { experiment: "cost".into(), source };
     let n = log.n_joints();
     let LibraryOptions { library, regression, .. } = *options;
-    let candidates = Candidates::new(n, library, regression).map_err(named)?;
+    let candidates = Candidates::new(n, library, regression).map_err(within("cost"))?;
     let steps = match regression {
         Regression::Stepwise => plan_steps(&candidates, &Pattern::ALL).0,
         Regression::OneShot => one_shot(&candidates),
@@ -186,7 +175,8 @@ fn evaluate_all(
     Ok(now().saturating_sub(start).as_secs_f64())
 }
 
-fn samples_of(motion: &Motion) -> Result<Samples, ExperimentError> {
+/// The rows of a motion in the words of a regression.
+pub(super) fn samples_of(motion: &Motion) -> Result<Samples, ExperimentError> {
     let (n, dq, ddq) = (motion.n_joints(), motion.dq(), motion.ddq());
     let rate = |row, j| if j < n { dq[(row, j)] } else { ddq[(row, j - n)] };
     Ok(Samples {
@@ -206,7 +196,7 @@ mod tests {
         let mut agenda = Agenda::default();
         let plans = ask(&mut agenda, &settings);
 
-        let trials = agenda.run(1, &|_, _| {}).unwrap();
+        let trials = agenda.run(1).unwrap();
         let costs = costs(&plans, &evaluate(&plans, &settings).unwrap(), &trials).unwrap();
 
         assert_eq!(costs.len(), 7);

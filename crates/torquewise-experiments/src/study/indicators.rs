@@ -1,16 +1,16 @@
 //! From settings to what noise and leverage of rows buy as indicators beside activation \[E17\].
 
 mod first_fit;
-pub mod variance;
+pub(crate) mod variance;
 mod steps;
 mod refit;
 mod leverage;
-pub mod clusters;
+pub(crate) mod clusters;
 mod sorting;
 
-pub use sorting::Sorting;
+pub(crate) use sorting::Sorting;
 
-use crate::error::ExperimentError;
+use crate::error::{ExperimentError, within};
 use crate::method::Method;
 use crate::scenario::{Decibels, Scenario, outside};
 use crate::settings::Settings;
@@ -24,7 +24,7 @@ use sorting::Indicators;
 use std::collections::BTreeSet;
 use steps::take_steps;
 use torquewise_dynamics::Arm;
-use torquewise_identify::{IdentifyError, score};
+use torquewise_identify::score;
 use torquewise_model::{EnergyTerm, Form, Model, Term, Weighted};
 use torquewise_motion::Motion;
 
@@ -53,7 +53,6 @@ pub struct IndicatorResults {
 pub struct IndicatorRow {
     /// Which library.
     pub method: Method,
-    /// Noise of the logs.
     pub noise: Decibels,
     /// How rows are sorted and weighted.
     pub sorting: Sorting,
@@ -61,7 +60,6 @@ pub struct IndicatorRow {
     pub noise_correction: bool,
     /// Runs, each with another motion and other noise.
     pub runs: usize,
-    /// True terms.
     pub true_terms: usize,
     /// True terms found.
     pub right: Spread,
@@ -80,7 +78,6 @@ pub struct IndicatorRow {
 pub struct PossibleGain {
     /// Which library.
     pub method: Method,
-    /// Noise of the logs.
     pub noise: Decibels,
     /// Name of the step; all rows under the whole model last.
     pub step: &'static str,
@@ -113,10 +110,7 @@ struct Truth {
 }
 
 /// Does every sorting on every log.
-///
-/// # Errors
-/// [`ExperimentError`] if a log cannot be made or reconstructed.
-pub fn study_indicators(settings: &Settings) -> Result<IndicatorResults, ExperimentError> {
+pub(crate) fn study_indicators(settings: &Settings) -> Result<IndicatorResults, ExperimentError> {
     let seconds = settings.seconds.min(MOST_SECONDS);
     let truth = Truth::of(&Arm::builtin(settings.arm)?);
     let test = outside(settings.arm, settings.seed)?;
@@ -169,16 +163,12 @@ fn run(
         for (noise_correction, found) in [true, false].into_iter().zip(fits) {
             let model = first.model_with(&found);
             let (right, other) = truth.judge(&model);
-            let scores = score(&model, test).map_err(named)?;
+            let scores = score(&model, test).map_err(within("indicators"))?;
             let nrmse_percent = scores.joints.iter().map(|joint| joint.nrmse_percent).collect();
             judged.push(Judged { sorting, noise_correction, right, other, nrmse_percent });
         }
     }
     Ok(Run { judged, gains: indicators.gains(), elbows: indicators.elbows() })
-}
-
-fn named(source: IdentifyError) -> ExperimentError {
-    ExperimentError::Identify { experiment: "indicators".into(), source }
 }
 
 fn worst(nrmse_percent: &[f64]) -> f64 {

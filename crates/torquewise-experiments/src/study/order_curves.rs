@@ -1,8 +1,8 @@
 //! From log to residual against order for one-shot SINDy, each step and the energy library (Fig.
 //! 5).
 
-use crate::error::ExperimentError;
-use crate::scenario::{Decibels, Scenario};
+use crate::error::{ExperimentError, within};
+use crate::scenario::Decibels;
 use crate::settings::Settings;
 use serde::Serialize;
 use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
@@ -10,17 +10,13 @@ use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
 /// Residuals against order at one level of noise.
 #[derive(Clone, Debug, Serialize)]
 pub struct OrderResults {
-    /// Noise of the log.
     pub noise: Decibels,
     /// One curve per library.
     pub curves: Vec<OrderCurve>,
 }
 
 /// Residuals without noise and with that of case 2.
-///
-/// # Errors
-/// [`ExperimentError`] if a log cannot be made or fitted.
-pub fn study_orders(settings: &Settings) -> Result<Vec<OrderResults>, ExperimentError> {
+pub(crate) fn study_orders(settings: &Settings) -> Result<Vec<OrderResults>, ExperimentError> {
     let plan = OrderPlan {
         trig_order: settings.trig_order,
         whole_order: settings.whole_order,
@@ -30,13 +26,9 @@ pub fn study_orders(settings: &Settings) -> Result<Vec<OrderResults>, Experiment
         .into_iter()
         .map(|case| {
             let noise = Decibels::case(case);
-            let Settings { arm, seconds, seed, .. } = *settings;
-            let scenario = Scenario { arm, seconds, noise, seed };
+            let scenario = settings.scenario(noise, settings.seed);
             let log = scenario.record(&scenario.simulate()?)?;
-            let curves = orders(&log, &plan).map_err(|source| ExperimentError::Identify {
-                experiment: "orders".into(),
-                source,
-            })?;
+            let curves = orders(&log, &plan).map_err(within("orders"))?;
             Ok(OrderResults { noise, curves })
         })
         .collect()

@@ -1,11 +1,11 @@
 //! From noisy motions to purity of the patterns, with the scaled and with the printed index (Fig.
 //! 1–3).
 
-use crate::error::ExperimentError;
-use crate::scenario::{Decibels, Scenario};
+use crate::error::{ExperimentError, within};
+use crate::scenario::Decibels;
 use crate::settings::Settings;
 use serde::Serialize;
-use torquewise_identify::{IdentifyError, PatternPlan, Patterns, Survey, find_patterns, survey};
+use torquewise_identify::{PatternPlan, Patterns, Survey, find_patterns, survey};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_stepwise::activation::Scaling;
 
@@ -34,7 +34,6 @@ pub struct PatternResults {
 pub struct PatternStudy {
     /// `scaled` or `printed`.
     pub index: &'static str,
-    /// Noise of the log.
     pub noise: Decibels,
     /// Clusters at the elbow.
     pub elbow: usize,
@@ -92,19 +91,11 @@ pub struct ShownMotion {
 }
 
 /// Finds and judges the patterns at three levels of noise.
-///
-/// # Errors
-/// [`ExperimentError`] if a log cannot be made or clustered.
-pub fn study_patterns(settings: &Settings) -> Result<PatternResults, ExperimentError> {
-    let mut scenario = Scenario {
-        arm: settings.arm,
-        seconds: settings.seconds,
-        noise: Decibels::CLUSTERING,
-        seed: settings.seed,
-    };
+pub(crate) fn study_patterns(settings: &Settings) -> Result<PatternResults, ExperimentError> {
+    let mut scenario = settings.scenario(Decibels::CLUSTERING, settings.seed);
     let simulation = scenario.simulate()?;
     let log = scenario.record(&simulation)?;
-    let look = survey(&log).map_err(named)?;
+    let look = survey(&log).map_err(within("patterns"))?;
     let scaled = clustered(&look, Scaling::Scaled)?;
     let printed = clustered(&look, Scaling::Paper)?;
     let truth = &simulation.truth;
@@ -118,7 +109,7 @@ pub fn study_patterns(settings: &Settings) -> Result<PatternResults, ExperimentE
     for noise in [Decibels::case(2), Decibels::case(3)] {
         scenario.noise = noise;
         let log = scenario.record(&simulation)?;
-        let look = survey(&log).map_err(named)?;
+        let look = survey(&log).map_err(within("patterns"))?;
         for (index, scaling) in [("scaled", Scaling::Scaled), ("printed", Scaling::Paper)] {
             studies.push(judged(index, noise, &clustered(&look, scaling)?, &log, truth));
         }
@@ -126,20 +117,16 @@ pub fn study_patterns(settings: &Settings) -> Result<PatternResults, ExperimentE
     Ok(PatternResults { studies, scaled: scaled_plane, printed: printed_plane, shown })
 }
 
-fn named(source: IdentifyError) -> ExperimentError {
-    ExperimentError::Identify { experiment: "patterns".into(), source }
-}
-
 /// Three clusters, and how many the elbow asks for.
 fn clustered(look: &Survey, scaling: Scaling) -> Result<(Patterns, usize), ExperimentError> {
     let plan = PatternPlan { scaling, ..PatternPlan::default() };
-    let free = find_patterns(look, &plan).map_err(named)?;
+    let free = find_patterns(look, &plan).map_err(within("patterns"))?;
     let elbow = free.n_clusters();
     if elbow == CLUSTERS {
         return Ok((free, elbow));
     }
     let three = PatternPlan { clusters: Some(CLUSTERS), ..plan };
-    Ok((find_patterns(look, &three).map_err(named)?, elbow))
+    Ok((find_patterns(look, &three).map_err(within("patterns"))?, elbow))
 }
 
 fn judged(

@@ -1,14 +1,14 @@
 //! Arm with friction nobody tells of → three recordings in velocity mode → model.
 
-use crate::error::ExperimentError;
+use crate::error::{ExperimentError, within};
 use crate::settings::Settings;
-use faer::Mat;
+use rayon::prelude::*;
 use torquewise_control::{Plant, Sensors, record};
 use torquewise_dynamics::{Arm, Friction, Stribeck};
 use torquewise_excite::{self as excite, Planned, Wishes};
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::{Plan, Reconstruction, reconstruct};
-use torquewise_motion::{Motion, Signals};
+use torquewise_motion::Motion;
 use torquewise_signals::{Conditioning, Raw, condition};
 
 /// Friction of the joints, the first of an arm that has fewer.
@@ -24,17 +24,14 @@ const DELAY: f64 = 1e-3;
 /// White noise in the recorded torque \[N·m\].
 const TORQUE_NOISE: f64 = 0.05;
 /// Rate of the drives and of their recordings \[Hz\].
-pub const RATE: f64 = 1000.0;
+pub(crate) const RATE: f64 = 1000.0;
 /// Bandwidth of the drives in velocity mode \[rad/s\].
 const VELOCITY_BANDWIDTH: f64 = 60.0;
 /// Speed and acceleration that recordings keep to.
 const LIMITS: [f64; 2] = [1.5, 4.0];
 
 /// The arm of the settings with friction, rotors, drives and encoders.
-///
-/// # Errors
-/// [`ExperimentError::Dynamics`] for an unknown arm.
-pub fn plant(settings: &Settings) -> Result<Plant, ExperimentError> {
+pub(crate) fn plant(settings: &Settings) -> Result<Plant, ExperimentError> {
     let arm = Arm::builtin(settings.arm)?;
     let n = arm.n_joints();
     let first = |place: usize| place % FRICTION.len();
@@ -49,15 +46,15 @@ pub fn plant(settings: &Settings) -> Result<Plant, ExperimentError> {
 }
 
 /// How the recordings become a model.
-pub fn plan() -> Plan {
+pub(crate) fn plan() -> Plan {
     LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() }.into()
 }
 
 /// What was recorded, cleaned for the learner: very slow, uniform and variable velocity.
-///
-/// # Errors
-/// [`ExperimentError`] if the motions cannot be planned, followed or cleaned.
-pub fn recordings(plant: &Plant, settings: &Settings) -> Result<Vec<Motion>, ExperimentError> {
+pub(crate) fn recordings(
+    plant: &Plant,
+    settings: &Settings,
+) -> Result<Vec<Motion>, ExperimentError> {
     let all = |value| excite::PerJoint(vec![(None, value)]);
     let [velocity, acceleration] = LIMITS.map(all);
     let wishes = Wishes { velocity, acceleration, speed_scale: 1.0, ..Wishes::default() };
@@ -72,47 +69,19 @@ pub fn recordings(plant: &Plant, settings: &Settings) -> Result<Vec<Motion>, Exp
         ..excite::Plan::default()
     };
     let planned = excite::excite(&limits, &plan, &mut |_, _| {})?;
-    std::thread::scope(|scope| {
-        let recordings = planned.recordings.iter();
-        let running: Vec<_> =
-            recordings.map(|planned| scope.spawn(move || recorded(plant, planned))).collect();
-        let join = running
-            .into_iter()
-            .map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        join.collect()
-    })
+    planned.recordings.par_iter().map(|planned| recorded(plant, planned)).collect()
 }
 
 /// One recording: moved, measured, cleaned.
 fn recorded(plant: &Plant, planned: &Planned) -> Result<Motion, ExperimentError> {
-    let log = record(plant, &desired(plant, planned)?, VELOCITY_BANDWIDTH)?;
+    let log = record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?;
     let raw =
         Raw { joints: log.joints, t: log.t, q: log.q, dq: None, ddq: None, tau: Some(log.tau) };
     Ok(condition(&raw, &Conditioning::default())?.motion)
 }
 
-/// Every row of a plan.
-fn desired(plant: &Plant, planned: &Planned) -> Result<Motion, ExperimentError> {
-    let (m, n) = (planned.n_rows(), plant.arm.n_joints());
-    let [mut q, mut dq, mut ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
-    let t: Vec<f64> = (0..m).map(|row| row as f64 / RATE).collect();
-    for (row, &t) in t.iter().enumerate() {
-        let state = planned.state_at(t);
-        for i in 0..n {
-            (q[(row, i)], dq[(row, i)], ddq[(row, i)]) = (state.q[i], state.dq[i], state.ddq[i]);
-        }
-    }
-    let joints = plant.arm.joints().to_vec();
-    Ok(Motion::new(Signals { joints, t, q, dq, ddq, tau: None })?)
-}
-
 /// The model that the recordings lead to.
-///
-/// # Errors
-/// [`ExperimentError::Identify`] if there is none.
-pub fn learn(recordings: &[Motion]) -> Result<Reconstruction, ExperimentError> {
-    reconstruct(recordings, &plan(), &mut |_| {}).map_err(|source| ExperimentError::Identify {
-        experiment: "on the recordings of an arm with friction".into(),
-        source,
-    })
+pub(crate) fn learn(recordings: &[Motion]) -> Result<Reconstruction, ExperimentError> {
+    let experiment = "on the recordings of an arm with friction";
+    reconstruct(recordings, &plan(), &mut |_| {}).map_err(within(experiment))
 }

@@ -12,7 +12,6 @@ use serde::Serialize;
 /// What each step of a method adds.
 #[derive(Clone, Debug, Serialize)]
 pub struct StepResults {
-    /// Which method.
     pub method: Method,
     /// Names of the steps: the patterns of their rows.
     pub names: Vec<String>,
@@ -25,10 +24,7 @@ pub struct StepResults {
 }
 
 /// The steps of both libraries, on the first log of a case.
-///
-/// # Errors
-/// [`ExperimentError`] if a trial is missing.
-pub fn study_steps(
+pub(crate) fn study_steps(
     case: &CasePlan,
     settings: &Settings,
     trials: &Trials,

@@ -6,12 +6,11 @@ use crate::method::Method;
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use crate::spread::Spread;
-use crate::trial::TrialPlan;
 use serde::Serialize;
 
 /// The trials of one method at one point.
 #[derive(Clone, Debug)]
-pub struct PointPlan {
+pub(crate) struct PointPlan {
     scenario: Scenario,
     method: Method,
     trials: Vec<TrialId>,
@@ -20,9 +19,7 @@ pub struct PointPlan {
 /// How one method does at one point.
 #[derive(Clone, Debug, Serialize)]
 pub struct Point {
-    /// Which method.
     pub method: Method,
-    /// Noise of the log.
     pub noise: Decibels,
     /// Length of the log \[s\].
     pub log_length: f64,
@@ -35,7 +32,7 @@ pub struct Point {
 }
 
 /// Each level of noise.
-pub fn ask_noise(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
+pub(crate) fn ask_noise(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
     let levels = settings.noise_levels.iter();
     levels
         .flat_map(|&noise| ask(agenda, settings, &Method::SWEPT, noise, settings.seconds))
@@ -43,7 +40,7 @@ pub fn ask_noise(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
 }
 
 /// Each length of the log, with the noise of case 3, for the methods that are not ruined by it.
-pub fn ask_lengths(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
+pub(crate) fn ask_lengths(agenda: &mut Agenda, settings: &Settings) -> Vec<PointPlan> {
     let lengths = settings.lengths.iter();
     let methods = [Method::Energy, Method::Product, Method::SindyCriterion];
     lengths.flat_map(|&length| ask(agenda, settings, &methods, Decibels::case(3), length)).collect()
@@ -57,27 +54,19 @@ fn ask(
     noise: Decibels,
     seconds: f64,
 ) -> Vec<PointPlan> {
-    let scenario = Scenario { arm: settings.arm, seconds, noise, seed: settings.seed };
-    let mut plans = Vec::with_capacity(methods.len());
-    for &method in methods {
+    let scenario = Scenario { seconds, ..settings.scenario(noise, settings.seed) };
+    let mut plan = |&method: &Method| {
         let seeds = if method == Method::Sindy { 1 } else { settings.sweep_seeds };
-        let mut trials = Vec::new();
-        for seed in settings.first_seeds(seeds) {
-            let scenario = Scenario { seed, ..scenario.clone() };
-            trials.push(agenda.ask(TrialPlan { scenario, plan: method.plan() }));
-        }
-        plans.push(PointPlan { scenario: scenario.clone(), method, trials });
-    }
-    plans
+        let trials = agenda.ask_seeds(&scenario, &method.plan(), seeds);
+        PointPlan { scenario: scenario.clone(), method, trials }
+    };
+    methods.iter().map(&mut plan).collect()
 }
 
 impl PointPlan {
     /// How the method does, once its trials are done.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if a trial is missing.
-    pub fn result(&self, trials: &Trials) -> Result<Point, ExperimentError> {
-        let done = self.trials.iter().map(|&id| trials.get(id)).collect::<Result<Vec<_>, _>>()?;
+    pub(crate) fn result(&self, trials: &Trials) -> Result<Point, ExperimentError> {
+        let done = trials.all(&self.trials)?;
         Ok(Point {
             method: self.method,
             noise: self.scenario.noise,

@@ -1,6 +1,5 @@
 //! The experiments as a whole.
 
-mod coverage;
 mod report;
 mod same_seed;
 

@@ -15,7 +15,7 @@ const LEAST: f64 = 1e-4;
 
 /// Rows of one equation sorted by what they say.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Informative {
+pub(crate) struct Informative {
     /// Clusters at the elbow.
     pub elbow: usize,
     /// Whether each row is in a cluster that carries information, m.
@@ -23,7 +23,7 @@ pub struct Informative {
 }
 
 /// The points \[ln v, ln h\] of some rows, each axis divided by its standard deviation.
-pub fn indicators(variance: &[f64], leverage: &[f64]) -> Vec<[f64; 2]> {
+pub(crate) fn indicators(variance: &[f64], leverage: &[f64]) -> Vec<[f64; 2]> {
     let logarithms = |x: &[f64]| -> Vec<f64> {
         let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
         let least = (LEAST * mean).max(f64::MIN_POSITIVE);
@@ -43,10 +43,10 @@ pub fn indicators(variance: &[f64], leverage: &[f64]) -> Vec<[f64; 2]> {
 /// are made; rows without any leverage are all kept.
 ///
 /// - `variance`, `leverage`: v and h of each row, m
-///
-/// # Errors
-/// [`ExperimentError::Sparse`] if the points cannot be clustered.
-pub fn informative(variance: &[f64], leverage: &[f64]) -> Result<Informative, ExperimentError> {
+pub(crate) fn informative(
+    variance: &[f64],
+    leverage: &[f64],
+) -> Result<Informative, ExperimentError> {
     let m = variance.len();
     if m <= MOST_CLUSTERS || leverage.iter().all(|h| *h <= 0.0) {
         return Ok(Informative { elbow: 1, kept: vec![true; m] });
@@ -80,10 +80,7 @@ pub fn informative(variance: &[f64], leverage: &[f64]) -> Result<Informative, Ex
 
 /// Sorts rows into as many clusters of (noise, leverage) as there are patterns, the quietest
 /// first: cluster of each row, m.
-///
-/// # Errors
-/// [`ExperimentError::Sparse`] if the points cannot be clustered.
-pub fn by_noise(variance: &[f64], leverage: &[f64]) -> Result<Vec<usize>, ExperimentError> {
+pub(crate) fn by_noise(variance: &[f64], leverage: &[f64]) -> Result<Vec<usize>, ExperimentError> {
     let points = indicators(variance, leverage);
     let settings = KMeans { restarts: 4, ..KMeans::default() };
     let clustering = kmeans(&points, USUAL, &settings)?;

@@ -1,8 +1,9 @@
 //! From scenario to first fit: patterns, noise, settled choices and an estimate to rest on \[E17\].
 
-use crate::error::ExperimentError;
+use crate::error::{ExperimentError, within};
 use crate::method::Method;
 use crate::scenario::Scenario;
+use crate::study::cost::samples_of;
 use std::collections::BTreeSet;
 use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::model::Choice;
@@ -38,19 +39,15 @@ pub(super) struct FirstFit {
 
 impl FirstFit {
     /// Records a log and reconstructs it.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if the log cannot be made or reconstructed.
     pub(super) fn new(scenario: &Scenario, method: Method) -> Result<Self, ExperimentError> {
-        let experiment = || format!("indicators, noise {}", scenario.noise.name());
-        let named = |source| ExperimentError::Identify { experiment: experiment(), source };
+        let named = || within(format!("indicators, noise {}", scenario.noise.name()));
         let log = scenario.record(&scenario.simulate()?)?;
         let options = method.plan().options;
         let plan = Plan::from(method.plan());
-        let found = reconstruct(&log, &plan, &mut |_| {}).map_err(named)?;
+        let found = reconstruct(&log, &plan, &mut |_| {}).map_err(named())?;
         let (n, choices) = (log.n_joints(), &found.model.choices);
         let library = settled_library(options.library, choices);
-        let candidates = Candidates::new(n, library, options.regression).map_err(named)?;
+        let candidates = Candidates::new(n, library, options.regression).map_err(named())?;
         Ok(Self {
             samples: samples_of(&log)?,
             groups: candidates.groups(),
@@ -142,16 +139,6 @@ fn limited<T: Ord + Clone>(
 ) -> Vec<Weighted<T>> {
     let known: BTreeSet<&T> = columns.iter().map(|&column| &terms[column]).collect();
     found.iter().filter(|weighted| known.contains(&weighted.term)).cloned().collect()
-}
-
-fn samples_of(log: &Motion) -> Result<Samples, ExperimentError> {
-    let (n, dq, ddq) = (log.n_joints(), log.dq(), log.ddq());
-    let variable = |row: usize, j: usize| if j < n { dq[(row, j)] } else { ddq[(row, j - n)] };
-    Ok(Samples {
-        angles: log.q().to_owned(),
-        variables: faer::Mat::from_fn(log.n_rows(), 2 * n, variable),
-        responses: log.require_tau()?.to_owned(),
-    })
 }
 
 /// The number that held-out rows chose.

@@ -1,8 +1,9 @@
 //! From rows of a step to leverage: how much each alone decides of the coefficients \[E17\].
 
 use crate::error::ExperimentError;
+use crate::study::cost::samples_of;
 use crate::study::indicators::first_fit::FirstFit;
-use crate::study::indicators::steps::{add_gram, pick};
+use crate::study::indicators::steps::add_gram;
 use faer::Mat;
 use torquewise_regression::problem::Problem;
 use torquewise_regression::samples::Evaluator;
@@ -14,16 +15,13 @@ use torquewise_stepwise::evidence::Step;
 /// - `rows`: which rows of the log
 /// - `variance`: effective variance of the same rows \[(N·m)²\], rows×n
 /// - returns: rows×n; each group of equations sums to its number of columns
-///
-/// # Errors
-/// [`ExperimentError::Sparse`] if a regression cannot be made.
 pub(super) fn leverage(
     first: &FirstFit,
     step: &Step,
     rows: &[usize],
     variance: &Mat<f64>,
 ) -> Result<Mat<f64>, ExperimentError> {
-    let samples = pick(&first.samples, rows);
+    let samples = samples_of(&first.log.select(rows))?;
     let mut leverage = Mat::zeros(rows.len(), first.n_joints());
     for group in &first.groups {
         let mut kept = first.kept_columns(group, step);

@@ -25,9 +25,6 @@ pub(super) type Coefficients = Vec<Vec<(usize, f64)>>;
 ///
 /// - `weights`: weight of each row in the equation of each joint, m×n
 /// - returns: the fit with the bias of noise in q, q̇, q̈ taken out, and the plain one
-///
-/// # Errors
-/// [`ExperimentError::Sparse`] if a regression cannot be made.
 pub(super) fn refit(
     first: &FirstFit,
     selected: &Selected,

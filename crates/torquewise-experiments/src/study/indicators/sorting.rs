@@ -71,9 +71,6 @@ impl Sorting {
 
 impl Indicators {
     /// Noise and leverage of every row, step by step and under the whole model.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if a regression cannot be made.
     pub(super) fn new(first: &FirstFit) -> Result<Self, ExperimentError> {
         let all: Vec<usize> = (0..first.candidates.len()).collect();
         let whole = Step { pattern: None, offered: all.clone(), columns: all };
@@ -101,9 +98,6 @@ impl Indicators {
     }
 
     /// Sorts and weights the rows.
-    ///
-    /// # Errors
-    /// [`ExperimentError::Sparse`] if rows cannot be clustered.
     pub(super) fn sort(&self, sorting: Sorting) -> Result<Sorted, ExperimentError> {
         let ones = |step: usize| Mat::full(self.parts[step].rows.len(), self.n_joints(), 1.0);
         match sorting {

@@ -1,6 +1,7 @@
 //! From steps with a weight for every row of every equation to terms selected \[E17\].
 
 use crate::error::ExperimentError;
+use crate::study::cost::samples_of;
 use crate::study::indicators::first_fit::FirstFit;
 use faer::Mat;
 use torquewise_regression::problem::{Problem, Selection};
@@ -33,9 +34,6 @@ pub(super) struct Selected {
 }
 
 /// Takes the steps in turn: each regresses what those before it leave unexplained.
-///
-/// # Errors
-/// [`ExperimentError::Sparse`] if a regression cannot be made.
 pub(super) fn take_steps(
     first: &FirstFit,
     steps: &[WeightedStep],
@@ -138,7 +136,7 @@ fn normal_equations(
     let asked = |row: &usize| (0..n).any(|joint| step.weights[(*row, joint)] > 0.0);
     let rows: Vec<usize> = (0..first.n_rows()).filter(asked).collect();
     for rows in rows.chunks(BLOCK_ROWS) {
-        let block = pick(&first.samples, rows);
+        let block = samples_of(&first.log.select(rows))?;
         let columns = offered.columns(&block)?;
         for (group, known) in first.groups.iter().zip(known) {
             let residual = unexplained(first, group, known, &block)?;
@@ -195,16 +193,6 @@ fn unexplained(
         left
     };
     Ok(group.equations.iter().map(left).collect())
-}
-
-/// Some rows of the samples.
-pub(super) fn pick(samples: &Samples, rows: &[usize]) -> Samples {
-    let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |r, c| x[(rows[r], c)]);
-    Samples {
-        angles: pick(&samples.angles),
-        variables: pick(&samples.variables),
-        responses: pick(&samples.responses),
-    }
 }
 
 /// Σ a b w

@@ -14,10 +14,7 @@ const MOST: f64 = 100.0;
 ///
 /// σ_τᵢ² is what the propagated noise leaves of the mean squared residual of the model, zero at
 /// least. No row has less than a hundredth of the mean.
-///
-/// # Errors
-/// [`ExperimentError`] if the motion is of another arm or without torque.
-pub fn effective_variance(
+pub(crate) fn effective_variance(
     model: &Model,
     motion: &Motion,
     noise: &NoiseFloor,
@@ -41,7 +38,7 @@ pub fn effective_variance(
 
 /// Weights 1/v of rows, scaled to a mean of one; ones where v is the same in all rows, as it is
 /// without noise.
-pub fn inverse_weights(variance: &[f64]) -> Vec<f64> {
+pub(crate) fn inverse_weights(variance: &[f64]) -> Vec<f64> {
     let alike = variance.windows(2).all(|pair| pair[0].to_bits() == pair[1].to_bits());
     if alike || variance.iter().any(|v| *v <= 0.0) {
         return vec![1.0; variance.len()];
@@ -52,7 +49,7 @@ pub fn inverse_weights(variance: &[f64]) -> Vec<f64> {
 
 /// How many times the variance of a regression with equal weights is that with weights 1/v, if a
 /// row's leverage has nothing to do with its v: mean(v) · mean(1/v), one or more.
-pub fn possible_gain(variance: &[f64]) -> f64 {
+pub(crate) fn possible_gain(variance: &[f64]) -> f64 {
     let mean = variance.iter().sum::<f64>() / variance.len().max(1) as f64;
     let weights = variance.iter().map(|v| v.recip()).sum::<f64>() / variance.len().max(1) as f64;
     if mean > 0.0 && weights.is_finite() { mean * weights } else { 1.0 }
