@@ -163,7 +163,7 @@ fn text(fine: &Motion, rows: &Rows) -> String {
 }
 
 /// Cases that would mislead the search of a chain most: it is made anew in these.
-const SEARCHED: [&str; 3] = ["dropped rows", "12 bits", "spikes"];
+const SEARCHED: [&str; 2] = ["dropped rows", "spikes"];
 
 /// Fits a log; with a chain that was searched before, from there.
 fn fit(fine: &Motion, rows: &Rows, searched: Option<Request>) -> (Model, Request) {
