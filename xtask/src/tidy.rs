@@ -23,7 +23,7 @@ const LAYERS: [Layer; 19] = [
     ("diagnose", "motion model survey stepwise", "dynamics"),
     ("identify", "motion regression model rigid survey stepwise diagnose", "dynamics signals logs"),
     ("report", "motion model stepwise diagnose identify", "dynamics"),
-    ("export", "model", "dynamics"),
+    ("export", "rigid model dynamics", ""),
     ("excite", "motion regression model dynamics stepwise identify", ""),
     ("control", "motion model dynamics", ""),
     (

@@ -1,13 +1,17 @@
 //! Settings that several commands share.
 
 use crate::error::CliError;
+use crate::files::read_text;
 use crate::selection::{Friction, SelectionArguments};
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
+use std::path::PathBuf;
 use torquewise::FitOptions;
 use torquewise::dynamics::Noise;
 use torquewise::identify::PatternPlan;
-use torquewise::identify::plan::Regression;
+use torquewise::identify::plan::{KnownGeometry, Regression};
 use torquewise::stepwise::activation::Scaling;
+use torquewise::urdf::known_geometry;
 
 /// Constants of the activation index.
 #[derive(Clone, Copy, Debug, Default, ValueEnum)]
@@ -17,6 +21,50 @@ pub(crate) enum Activation {
     Scaled,
     /// The constants printed in the paper
     Paper,
+}
+
+/// What is known of an arm before its log is read.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct RobotArguments {
+    /// Take the joint axes from a URDF instead of searching them: joints go by name, in its order
+    /// where it has none of the names; those that the log does not have are held at 0
+    #[arg(long, value_name = "ROBOT.urdf")]
+    urdf: Option<PathBuf>,
+    /// Joints of the URDF that are held at 0, where names do not tell
+    #[arg(long, value_name = "JOINT", value_delimiter = ',', requires = "urdf")]
+    lock: Vec<String>,
+    /// Where things fall in the frame of the base of the URDF, of any length [default: 0,0,-1]
+    #[arg(long, value_name = "X,Y,Z", requires = "urdf", allow_hyphen_values = true)]
+    #[arg(value_parser = direction)]
+    gravity: Option<Direction>,
+}
+
+/// Three components.
+#[derive(Clone, Copy, Debug)]
+struct Direction([f64; 3]);
+
+impl RobotArguments {
+    /// Where the axes of the joints of a log lie, if a file says so.
+    pub(crate) fn geometry(&self, joints: &[String]) -> Result<Option<KnownGeometry>> {
+        let Some(file) = &self.urdf else { return Ok(None) };
+        let gravity = self.gravity.map(|Direction(gravity)| gravity);
+        let known = known_geometry(&read_text(file)?, joints, &self.lock, gravity);
+        Ok(Some(known.with_context(|| format!("{} does not help", file.display()))?))
+    }
+
+    /// The file, if one is named.
+    pub(crate) fn file(&self) -> &[PathBuf] {
+        self.urdf.as_slice()
+    }
+}
+
+fn direction(text: &str) -> Result<Direction, String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|x| x.trim().parse().ok()).collect();
+    let finite = |numbers: &Vec<f64>| numbers.iter().all(|x: &f64| x.is_finite());
+    match Some(numbers).filter(finite).as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().any(|x| *x != 0.0) => Ok(Direction([x, y, z])),
+        _ => Err("expected three numbers, not all 0, such as 0,0,-1".to_owned()),
+    }
 }
 
 /// A number of clusters, or the elbow.

@@ -13,6 +13,7 @@ mod solve;
 mod show;
 mod predict;
 mod evaluate;
+mod payload;
 mod compare;
 mod export;
 mod control;
@@ -57,6 +58,7 @@ pub(crate) enum Command {
     Show(show::Arguments),
     Predict(predict::Arguments),
     Evaluate(evaluate::Arguments),
+    Payload(payload::Arguments),
     Compare(compare::Arguments),
     Export(export::Arguments),
     Control(control::Arguments),
@@ -82,6 +84,7 @@ impl Command {
             Self::Show(arguments) => show::run(arguments),
             Self::Predict(arguments) => predict::run(arguments),
             Self::Evaluate(arguments) => evaluate::run(arguments),
+            Self::Payload(arguments) => payload::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Export(arguments) => export::run(arguments),
             Self::Control(arguments) => control::run(arguments),

@@ -20,12 +20,12 @@ pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
     let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
     let in_file = || format!("no arm in {arm}");
     match extension.as_deref() {
-        Some("urdf") => Arm::from_urdf(&read(file)?, locked).with_context(in_file),
+        Some("urdf") => Arm::from_urdf(&read_text(file)?, locked).with_context(in_file),
         _ if !locked.is_empty() => {
             let message = "--lock is for arms from a .urdf file: leave it out".to_owned();
             Err(CliError::Usage(message).into())
         }
-        Some("toml") => Arm::from_dh_toml(&read(file)?).with_context(in_file),
+        Some("toml") => Arm::from_dh_toml(&read_text(file)?).with_context(in_file),
         _ => Ok(Arm::builtin(arm)?),
     }
 }
@@ -34,7 +34,7 @@ pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
 pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> {
     match file {
         None => Ok(Friction::none(arm.n_joints())),
-        Some(file) => Friction::from_toml(&read(file)?, arm.joints())
+        Some(file) => Friction::from_toml(&read_text(file)?, arm.joints())
             .with_context(|| format!("no friction in {}", file.display())),
     }
 }
@@ -44,7 +44,8 @@ pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, CliError> {
     fs::read(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
-fn read(file: &Path) -> Result<String, CliError> {
+/// Reads a file of text.
+pub(crate) fn read_text(file: &Path) -> Result<String, CliError> {
     fs::read_to_string(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 

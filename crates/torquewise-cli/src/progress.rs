@@ -27,7 +27,7 @@ fn words(stage: Progress) -> String {
         Progress::Survey => "looking through the log".to_owned(),
         Progress::Patterns => "clustering".to_owned(),
         Progress::Geometry => "learning the geometry".to_owned(),
-        Progress::Evidence => "summing".to_owned(),
+        Progress::Sums => "summing".to_owned(),
         Progress::Step(step) => format!("selecting terms, step {step}"),
         Progress::Refit => "fitting all rows".to_owned(),
         Progress::OmittedTerms => "testing omitted terms".to_owned(),

@@ -36,6 +36,18 @@ pub enum DynamicsError {
     UnsupportedJoints { joints: String },
     #[error("the arm branches at link `{link}`: to keep one serial chain, lock {lock}")]
     Branches { link: String, lock: String },
+    #[error(
+        "the URDF has no joint `{unknown}`: it has {known}; name the joints of the log after \
+         them, by `joints` in a profile"
+    )]
+    UnknownJoints { unknown: String, known: String },
+    #[error(
+        "the joints of the log are {found}, the URDF has them in the order {expected}: put them \
+         in that order, by `joints` in a profile"
+    )]
+    JointOrder { expected: String, found: String },
+    #[error("gravity has no direction: give three numbers that are not all 0")]
+    NoGravity,
     #[error("no joint is left that moves: an arm needs at least one, lock fewer or add one")]
     NoJoints,
 

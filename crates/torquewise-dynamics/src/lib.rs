@@ -38,3 +38,4 @@ pub use friction::{Friction, Stribeck};
 pub use noise::{Noise, add_noise};
 pub use plan::{MotionKind, MotionPlan};
 pub use simulate::{SimulatedLog, Simulation, simulate};
+pub use urdf::{UrdfChain, UrdfInertial, UrdfJoint};

@@ -84,6 +84,15 @@ impl Body {
         Self { mass, com: com.into(), inertia }
     }
 
+    /// The body of inertial parameters m, m·c and moments about the origin; the mass is not zero.
+    pub(crate) fn of_parameters(p: &[f64; PER_BODY]) -> Self {
+        let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *p;
+        let com = Vector3::new(x, y, z) / mass;
+        let about_origin = Self::new(mass, [0.0; 3], [xx, yy, zz, xy, xz, yz]).inertia;
+        let shift = Matrix3::identity() * com.norm_squared() - com * com.transpose();
+        Self { mass, com, inertia: about_origin - mass * shift }
+    }
+
     /// The same body, given in B, seen from A.
     pub(crate) fn seen_from(&self, X_AB: &Pose) -> Self {
         Self {
@@ -101,6 +110,15 @@ impl Body {
         }
         let com = (self.com * self.mass + other.com * other.mass) / mass;
         Self { mass, com, inertia: self.inertia_about(&com) + other.inertia_about(&com) }
+    }
+
+    /// What is left once another is taken away, all in one frame; it may be no body.
+    pub(crate) fn without(&self, other: &Self) -> Self {
+        let (whole, part) = (self.inertial_parameters(), other.inertial_parameters());
+        if part.iter().all(|x| *x == 0.0) {
+            return *self;
+        }
+        Self::of_parameters(&std::array::from_fn(|k| whole[k] - part[k]))
     }
 
     /// Inertia \[kg·m²\] about a point of the frame (Huygens–Steiner).

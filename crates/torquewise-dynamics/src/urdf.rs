@@ -1,6 +1,8 @@
 //! An arm from the text of a URDF: the serial chain left when the locked joints are welded.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
+mod chain;
+pub mod edit;
 mod robot;
 mod tree;
 
@@ -8,6 +10,8 @@ use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, at_most_one_turn, di
 use crate::error::DynamicsError;
 use robot::Robot;
 use tree::Tree;
+
+pub use chain::{UrdfChain, UrdfInertial, UrdfJoint};
 
 impl Arm {
     /// Reads an arm from URDF text, its base fixed in the world, gravity −9.81 m/s² along z.
@@ -25,9 +29,10 @@ impl Arm {
     pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self, DynamicsError> {
         let robot = Robot::read(text)?;
         let tree = Tree::new(&robot, locked)?;
-
         let mut joints = Vec::new();
         let mut before = tree.welded(tree.root())?;
+        // The base does not move, its mass must be one all the same.
+        tree.body(&before)?;
         while let Some((joint, X_PJ)) = tree.only_exit(&before)? {
             let after = tree.welded(&joint.child)?;
             let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
@@ -35,7 +40,7 @@ impl Arm {
             let moved = Joint {
                 X_PJ,
                 axis: direction(&joint.name, joint.axis)?,
-                body: after.body,
+                body: tree.body(&after)?,
                 rotor: 0.0,
                 range: at_most_one_turn(range),
                 limits: JointLimits::new(range, velocity, acceleration),

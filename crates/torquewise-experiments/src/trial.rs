@@ -121,10 +121,7 @@ impl Stopwatch {
         let spent = now.saturating_sub(self.since).as_secs_f64();
         match self.stage {
             Progress::Survey | Progress::Patterns => self.cost.patterns += spent,
-            Progress::Geometry
-            | Progress::OmittedTerms
-            | Progress::Evidence
-            | Progress::Step(_) => {
+            Progress::Geometry | Progress::OmittedTerms | Progress::Sums | Progress::Step(_) => {
                 self.cost.regression += spent;
             }
             Progress::Refit | Progress::Done => self.cost.refit += spent,
@@ -163,7 +160,7 @@ mod tests {
     #[test]
     fn time_counts_for_the_stage_it_is_spent_in() {
         let mut stopwatch = Stopwatch::start();
-        stopwatch.enter(Progress::Evidence);
+        stopwatch.enter(Progress::Sums);
         let before = stopwatch.cost;
         let sum: f64 = (0..2_000_000).map(|k| f64::from(k).sqrt()).sum();
         assert!(sum > 0.0);

@@ -21,6 +21,25 @@ pub enum ExportError {
     NotSingle { constant: f64 },
     #[error("{name:?} names no function: begin with a letter, then letters, digits and _")]
     Name { name: String },
+    #[error("a robot file is made of links: fit the log with --library chain, or with --urdf")]
+    NoChain,
+    #[error(
+        "a joint of the model is turned by the coordinates of several, which a robot file cannot \
+         say: log the joint angles themselves"
+    )]
+    Coupled,
+    #[error(
+        "the link of {joint} is no body that can be, no simulator takes it: fit without \
+         --unconstrained"
+    )]
+    Infeasible { joint: String },
+    #[error("the URDF cannot take up the model")]
+    Urdf(#[from] torquewise_dynamics::DynamicsError),
+    #[error(
+        "the axis of {joint} lies elsewhere in the URDF than in the model: fit the log with --urdf \
+         and this file"
+    )]
+    OtherGeometry { joint: String },
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),
     #[error("the archive cannot be filled")]

@@ -18,8 +18,8 @@ pub fn to_latex(model: &Model, version: &str) -> String {
         Form::Torque(_) => (print::latex(model, &Selection::default()), ""),
     };
     let memory = if elements(&model.friction).is_empty() { "" } else { DAHL };
-    let feels_load = model.friction.iter().any(|weighted| weighted.term.load);
-    let load = if feels_load { LOAD } else { "" };
+    let is_load_dependent = model.friction.iter().any(|weighted| weighted.term.load);
+    let load = if is_load_dependent { LOAD } else { "" };
     format!(
         "\\documentclass[a4paper]{{article}}\n\\usepackage[margin=2cm]{{geometry}}\n\
          \\usepackage[utf8]{{inputenc}}\n\\usepackage[T1]{{fontenc}}\n\

@@ -1,4 +1,4 @@
-//! Torque models as source code: C, Rust, Python, LaTeX, an FMU, a ROS 2 package.
+//! Torque models as source code: C, Rust, Python, LaTeX, an FMU, a ROS 2 package; and as robots: URDF, MJCF.
 //!
 //! A [`Program`] holds the functions of a model as one graph of operations, each sine and cosine
 //! once and common factors shared; one printer per language writes it down. Nothing here touches a
@@ -45,6 +45,10 @@ pub mod latex;
 pub mod vectors;
 pub mod fmu;
 pub mod ros;
+mod robot;
+mod xml;
+pub mod urdf;
+pub mod mjcf;
 
 pub use c::to_c;
 pub use cost::Cost;
@@ -52,8 +56,10 @@ pub use error::ExportError;
 pub use fmu::{fmu_archive, fmu_sources};
 pub use latex::to_latex;
 pub use members::torque_costs;
+pub use mjcf::to_mjcf;
 pub use program::{Precision, Program, Quantity};
 pub use python::to_python;
 pub use ros::ros_package;
 pub use rust::to_rust;
+pub use urdf::{RobotFile, onto_urdf, to_urdf};
 pub use vectors::test_vectors;

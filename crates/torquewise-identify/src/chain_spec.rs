@@ -20,7 +20,7 @@ pub(crate) struct ChainSpec {
 }
 
 impl ChainSpec {
-    /// Lets gears bear the weight that a chain has, which was fitted to this recipe.
+    /// Lets gears bear the weight that a chain has, which was fitted to this specification.
     pub(crate) fn bear(&mut self, chain: &Chain) {
         self.gravity = Some(Gravity::of(chain, &self.drive));
     }
@@ -34,7 +34,7 @@ impl ChainSpec {
 /// Errors below this are rounding.
 const LEAST_ERROR: f64 = 1e-12;
 
-/// Fits a recipe with each block left out, and scores it there; without rounds the geometry stays.
+/// Fits a specification with each block left out, and scores it there; without rounds the geometry stays.
 pub(crate) fn trial(
     label: String,
     spec: &ChainSpec,

@@ -7,7 +7,7 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Kinematics};
-use torquewise_survey::friction::Dictionary;
+use torquewise_survey::friction::FrictionLibrary;
 
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ impl DriveTerm {
     }
 
     /// Makes friction reverse as sharply as laws of these widths do.
-    pub(crate) fn reverse_within(&mut self, laws: &Dictionary) {
+    pub(crate) fn reverse_within(&mut self, laws: &FrictionLibrary) {
         if let Self::Friction(term) = self {
             term.law = term.law.with_width(laws.width_of(&term.shaft));
         }
@@ -84,7 +84,7 @@ impl DriveTerm {
     }
 
     /// Whether it is friction that depends on the load of a gear.
-    pub(crate) fn feels_load(&self) -> bool {
+    pub(crate) fn is_load_dependent(&self) -> bool {
         self.law().is_some_and(|term| term.load)
     }
 
@@ -176,7 +176,7 @@ pub(crate) fn columns(
     gravity: Option<&Gravity>,
 ) -> Vec<Mat<f64>> {
     let mut states = States::of(motion);
-    if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::feels_load), gravity) {
+    if let (true, Some(gravity)) = (drive.iter().any(DriveTerm::is_load_dependent), gravity) {
         let gravity = gravity.over(motion, &states);
         states = states.under(gravity);
     }

@@ -134,8 +134,9 @@ fn parameters(
         Mat::from_fn(order.len(), order.len(), |i, j| covariance[(order[i], order[j])]);
     let (geometry, fitted) = (at.geometry.clone(), at.structure.free.clone());
     let coupling = at.structure.coupling.clone();
+    let robot = at.structure.robot.clone();
     let mut chain =
-        RigidChain { geometry, fitted, links, drives, coupling, covariance: Vec::new() };
+        RigidChain { geometry, fitted, links, drives, coupling, robot, covariance: Vec::new() };
     chain.set_covariance(&covariance);
     (chain, friction)
 }

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::search::all_parameters;
-use torquewise_rigid::{Chain, Rows, Search, refine, search};
+use torquewise_rigid::{Chain, Geometry, Rows, Search, refine, search};
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::Dictionary;
+use torquewise_survey::friction::FrictionLibrary;
 use torquewise_survey::held_out::CvScore;
 use torquewise_survey::survey::thinned;
 
@@ -31,7 +31,7 @@ pub(crate) struct Learned {
     /// Rows on which terms that are not the chain's are tried.
     pub(crate) rows: Rows,
     /// Friction that may be offered.
-    pub(crate) laws: Dictionary,
+    pub(crate) laws: FrictionLibrary,
 }
 
 /// Pulls to right angles that are tried, the strongest first.
@@ -72,7 +72,8 @@ const SAME: f64 = 1e-3;
 
 /// Learns the chain of an arm, choosing on held-out blocks of time.
 ///
-/// Where the log is short, several searches are made, each from another seed.
+/// Where the log is short, several searches are made, each from another seed; where the geometry is
+/// given, none.
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
@@ -82,9 +83,9 @@ pub(crate) fn learn(
     options: &ChainOptions,
     seed: u64,
 ) -> Result<Learned, IdentifyError> {
-    if motion.n_rows() >= SHORT {
-        let Attempt { school, spec, chain, choices } = attempt(motion, options, seed)?;
-        return school.finish(spec, &chain, choices);
+    if motion.n_rows() >= SHORT || options.geometry.is_some() {
+        let Attempt { learner, spec, chain, choices } = attempt(motion, options, seed)?;
+        return learner.finish(spec, &chain, choices);
     }
     let (mut found, mut failed) = (Vec::new(), None);
     for more in 0..SEARCHES {
@@ -103,14 +104,14 @@ pub(crate) fn learn(
     let trials: Vec<CvScore> = found.iter().map(|(judged, _)| judged.clone()).collect();
     let mut choices = Vec::new();
     let place = record("seed of the search", &trials, &mut choices);
-    let Attempt { school, spec, chain, choices: made } = found.swap_remove(place).1;
+    let Attempt { learner, spec, chain, choices: made } = found.swap_remove(place).1;
     choices.extend(made);
-    school.finish(spec, &chain, choices)
+    learner.finish(spec, &chain, choices)
 }
 
 /// What one search came to.
 struct Attempt<'a> {
-    school: ChainLearner<'a>,
+    learner: ChainLearner<'a>,
     spec: ChainSpec,
     chain: Chain,
     choices: Vec<Choice>,
@@ -119,7 +120,7 @@ struct Attempt<'a> {
 impl Attempt<'_> {
     /// How it does on held-out rows, and how many numbers it takes.
     fn judged(&self, seed: u64) -> Result<CvScore, IdentifyError> {
-        let rows = self.school.rows(&self.spec, TRIAL_ROWS)?;
+        let rows = self.learner.rows(&self.spec, TRIAL_ROWS)?;
         let judged = trial(seed.to_string(), &self.spec, &rows, &self.chain, ROUNDS)?;
         let complexity = self.spec.free.len() + self.spec.drive.len();
         Ok(CvScore { complexity, ..judged })
@@ -134,34 +135,40 @@ fn attempt<'a>(
 ) -> Result<Attempt<'a>, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = loads::balanced(motion, &options.counterbalanced)?;
-    let mut school = ChainLearner::new(motion);
+    let mut learner = ChainLearner::new(motion);
     let mut drive = DriveTerm::rotors(n);
     let has_friction = friction != FrictionKind::None;
     if has_friction {
-        drive.extend(DriveTerm::friction(school.laws.linear()));
+        drive.extend(DriveTerm::friction(learner.laws.linear()));
     }
     let search = Search { seed, ..Search::default() };
     let spec = ChainSpec { drive, search, free: all_parameters(n), gravity: None };
     let mut choices = Vec::new();
 
-    let Searched { mut spec, mut chain, mut starts } =
-        school.coupled_geometry(&spec, &mut choices)?;
-    if has_friction && school.shafts(&mut spec, &chain, &mut choices)? {
+    let is_given = options.geometry.is_some();
+    let Searched { mut spec, mut chain, mut starts } = match &options.geometry {
+        Some(known) => learner.at_geometry(spec, &known.geometry)?,
+        None => learner.coupled_geometry(&spec, &mut choices)?,
+    };
+    let shares = has_friction && learner.shafts(&mut spec, &chain, &mut choices)?;
+    if shares && !is_given {
         choices.retain(|choice: &Choice| choice.what != PRIOR);
-        (chain, starts) = school.geometry(&mut spec, Some(chain), &mut choices)?;
+        (chain, starts) = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
-    school.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
+    learner.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
     if has_friction {
-        school.reversal(&mut spec, &chain, friction, &mut choices)?;
+        learner.reversal(&mut spec, &chain, friction, &mut choices)?;
     }
-    school.friction(&mut spec, &chain, friction, &mut choices)?;
+    learner.friction(&mut spec, &chain, friction, &mut choices)?;
     if friction == FrictionKind::Auto && spec.has_friction() {
-        school.joint_friction(&mut spec, &chain, &mut choices)?;
-        school.ripple(&mut spec, &chain, &mut choices)?;
+        learner.joint_friction(&mut spec, &chain, &mut choices)?;
+        learner.ripple(&mut spec, &chain, &mut choices)?;
     }
-    school.ridge(&mut spec, &chain, &mut choices)?;
-    chain = school.right_angles(&mut spec, &chain, &starts, &mut choices)?;
-    Ok(Attempt { school, spec, chain, choices })
+    learner.ridge(&mut spec, &chain, &mut choices)?;
+    if !is_given {
+        chain = learner.right_angles(&mut spec, &chain, &starts, &mut choices)?;
+    }
+    Ok(Attempt { learner, spec, chain, choices })
 }
 
 const PRIOR: &str = "prior of right angles";
@@ -191,7 +198,7 @@ fn priors(spec: &ChainSpec, starts: &[Chain]) -> Vec<Way> {
 struct ChainLearner<'a> {
     motion: &'a Motion,
     /// Friction that is offered.
-    laws: Dictionary,
+    laws: FrictionLibrary,
 }
 
 impl<'a> ChainLearner<'a> {
@@ -199,7 +206,7 @@ impl<'a> ChainLearner<'a> {
         let speed = |joint: usize| {
             motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
         };
-        let laws = Dictionary::new((0..motion.n_joints()).map(speed).collect());
+        let laws = FrictionLibrary::new((0..motion.n_joints()).map(speed).collect());
         Self { motion, laws }
     }
 
@@ -218,6 +225,15 @@ impl<'a> ChainLearner<'a> {
     fn share(&self, motion: &Motion, row: usize, joint: usize) -> f64 {
         let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
         if moves { 1.0 } else { SHARE_AT_REST }
+    }
+
+    /// The chain at a given geometry, which stays.
+    fn at_geometry(&self, spec: ChainSpec, geometry: &Geometry) -> Result<Searched, IdentifyError> {
+        let spec = ChainSpec { free: Vec::new(), ..spec };
+        let rows = self.rows(&spec, spec.search.final_rows)?;
+        let start = Chain::at(geometry.clone());
+        let chain = refine(&rows, &start, &spec.free, &spec.search)?;
+        Ok(Searched { spec, chain, starts: Vec::new() })
     }
 
     /// Searches the geometry, then chooses how strongly it is held to right angles.
@@ -304,7 +320,7 @@ impl<'a> ChainLearner<'a> {
         Ok(chain)
     }
 
-    /// Fits the chosen recipe on a sample of many rows.
+    /// Fits the chosen specification on a sample of many rows.
     fn finish(
         &self,
         spec: ChainSpec,

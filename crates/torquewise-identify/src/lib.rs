@@ -26,6 +26,7 @@ pub mod summary;
 mod summary_file;
 pub mod reconstruct;
 pub mod bandwidth;
+pub mod payload;
 pub mod verdict;
 
 pub use plan::{Method, Plan};

@@ -1,5 +1,7 @@
 //! From what the user wants to plan: a method with its own options, clusters and a seed.
 
+use torquewise_model::RobotNames;
+use torquewise_rigid::Geometry;
 use torquewise_stepwise::patterns::PatternPlan;
 
 pub use torquewise_stepwise::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
@@ -8,6 +10,8 @@ pub use torquewise_survey::friction::FrictionKind;
 /// How a chain of rigid bodies is learned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChainOptions {
+    /// Where the joint axes lie, if that is known, as from a URDF; else it is learned too.
+    pub geometry: Option<KnownGeometry>,
     /// Friction beside M, C and G (17).
     pub friction: FrictionKind,
     /// Names of joints that a spring or a weight is known to balance: they are given functions of
@@ -19,6 +23,15 @@ pub struct ChainOptions {
     /// Whether all parameters must be such that a physical arm has them (E14); without, for
     /// comparison, they are those of least squares alone.
     pub physical: bool,
+}
+
+/// Where the joint axes of an arm lie, known beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownGeometry {
+    /// The axes, those of the joints of the log in their order.
+    pub geometry: Geometry,
+    /// What the file it stands in calls the parts of the arm.
+    pub robot: Option<RobotNames>,
 }
 
 /// The two ways from rows to equations, each with what it may be told.
@@ -46,6 +59,7 @@ impl Default for ChainOptions {
     /// mostly of real arms.
     fn default() -> Self {
         Self {
+            geometry: None,
             friction: FrictionKind::Auto,
             counterbalanced: Vec::new(),
             noise_correction: true,

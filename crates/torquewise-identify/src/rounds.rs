@@ -72,7 +72,10 @@ impl Request {
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, (survey, &sizes), options, (filtered, seed))?;
         let at = cut_for(refine(&sample, &start, &sizes)?, survey.rows);
-        let passes = Passes::over_all(at, MOST_PASSES);
+        let mut passes = Passes::over_all(at, MOST_PASSES);
+        if options.geometry.is_some() {
+            passes = passes.with_given_geometry();
+        }
         let choices = learned.choices;
         let joints = survey.joints.clone();
         Ok(Self { joints, passes, sizes, choices, omitted: certificate, warning })
@@ -144,8 +147,7 @@ impl Request {
                 let spread = residual_rms.iter().zip(&self.sizes.torque);
                 if self.passes.at.corrects_noise() && spread.clone().any(|(rms, std)| rms > std) {
                     // So much noise that correcting for it leaves nothing to solve.
-                    let at = self.passes.at.without_noise_correction();
-                    let passes = Passes::over_all(at, MOST_PASSES);
+                    let passes = self.passes.without_noise_correction(MOST_PASSES);
                     return Ok(Round::Again(Box::new(Self { passes, ..self })));
                 }
                 let Self { choices, omitted, warning, .. } = self;
@@ -177,6 +179,7 @@ fn linearised(
     let structure = Structure {
         drive: spec.drive.clone(),
         coupling: chain.geometry.coupling().clone(),
+        robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),
         physical: options.physical,
         prior: spec.search.prior,

@@ -13,7 +13,7 @@ use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::row_sums::RowSums;
 use torquewise_stepwise::library::{Basis, SummedLibrary};
 use torquewise_stepwise::patterns::find_patterns;
-use torquewise_stepwise::sums::{LibrarySums, Sorter};
+use torquewise_stepwise::sums::{LibrarySums, PatternAccumulator};
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseSum;
 use torquewise_survey::survey::{Survey, SurveySum};
@@ -97,8 +97,8 @@ pub fn summarise(
         if let Some(basis) = &basis {
             progress(Progress::Patterns);
             let patterns = find_patterns(&survey, &all.settings.patterns)?;
-            progress(Progress::Evidence);
-            let mut sorter = Sorter::new(basis, &patterns, &all.settings.parts());
+            progress(Progress::Sums);
+            let mut sorter = PatternAccumulator::new(basis, &patterns, &all.settings.parts());
             recording
                 .read_log(log, &mut |_, block| sorter.add(block))
                 .map_err(IdentifyError::Read)?;
@@ -130,6 +130,11 @@ pub fn summarise_again(
 }
 
 impl Summary {
+    /// Joint names, base to tip.
+    pub fn joints(&self) -> &[String] {
+        self.survey.joints()
+    }
+
     fn new(settings: Settings, basis: Option<&Basis>) -> Self {
         let n = settings.joints.len();
         let none = |basis: &Basis| vec![basis.no_rows(); settings.parts().len()];

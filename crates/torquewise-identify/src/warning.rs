@@ -28,10 +28,10 @@ pub enum Warning {
         /// Its name.
         joint: String,
     },
-    /// Rows of a pattern are missing, its terms were asked of the next one.
+    /// Rows of a pattern are missing, its terms were fitted with the rows of the next.
     PatternMissing(Pattern),
     /// Candidates that no row can tell of.
-    NotAsked {
+    UnassignedCandidates {
         /// How many.
         candidates: usize,
     },
@@ -111,7 +111,7 @@ impl Warning {
         let mut warnings = Self::of_survey(survey);
         warnings.extend(fit.missing.iter().copied().map(Self::PatternMissing));
         if fit.unassigned > 0 {
-            warnings.push(Self::NotAsked { candidates: fit.unassigned });
+            warnings.push(Self::UnassignedCandidates { candidates: fit.unassigned });
         }
         if !fit.dependent.is_empty() {
             warnings.push(Self::Dependent { terms: fit.dependent.clone() });
@@ -186,13 +186,13 @@ impl fmt::Display for Warning {
             }
             Self::PatternMissing(pattern) => write!(
                 f,
-                "the log shows no {}: its terms were asked of the next pattern; \
+                "the log shows no {}: its terms were fitted with the rows of the next pattern; \
                  record dwells and strokes of constant speed for a stepwise fit",
                 pattern.name()
             ),
-            Self::NotAsked { candidates } => write!(
+            Self::UnassignedCandidates { candidates } => write!(
                 f,
-                "{candidates} candidates were not asked for, since no row accelerates: \
+                "{candidates} candidates were not fitted, since no row accelerates: \
                  the model has no inertia"
             ),
             Self::Dependent { terms } => write!(

@@ -33,6 +33,6 @@ pub use file::{from_json, to_json};
 pub use friction::FrictionTerm;
 pub use model::{Form, Model, Stage, Training, Weighted};
 pub use number::number;
-pub use rigid_chain::{Drive, RigidChain};
+pub use rigid_chain::{Drive, LinkFrame, RigidChain, RobotNames};
 pub use term::{Kind, Term, Trig};
 pub use torque::{Parts, Torque};

@@ -32,10 +32,47 @@ pub struct RigidChain {
     /// How the logged coordinates turn the joints of the chain \[E18\].
     #[serde(default, skip_serializing_if = "Coupling::is_none")]
     pub coupling: Coupling,
+    /// What a URDF calls its parts, where one gave the geometry.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub robot: Option<RobotNames>,
     /// Covariance of all parameters, its lower triangle row by row: inertial parameters, drives,
     /// friction of the model, fitted geometry. Empty where it is not known.
     #[serde(with = "rows", default)]
     pub covariance: Vec<Vec<f64>>,
+}
+
+/// What a URDF calls an arm and its parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotNames {
+    /// The robot.
+    pub robot: String,
+    /// The link that does not move.
+    pub base: String,
+    /// The joints, base to tip, n.
+    pub joints: Vec<String>,
+    /// The links that they turn, n.
+    pub links: Vec<String>,
+    /// The frame of each link of the chain in that of the file, n.
+    pub frames: Vec<LinkFrame>,
+}
+
+/// A frame in another.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LinkFrame {
+    /// Rotation, row by row.
+    pub rotation: [[f64; 3]; 3],
+    /// Origin \[m\].
+    pub origin: [f64; 3],
+}
+
+impl RobotNames {
+    fn is_of(&self, n: usize) -> bool {
+        let frames = self.frames.iter().flat_map(|f| f.rotation.iter().flatten().chain(&f.origin));
+        [self.joints.len(), self.links.len(), self.frames.len()] == [n; 3]
+            && frames.into_iter().all(|x| x.is_finite())
+    }
 }
 
 /// A part of the energy that no link has.
@@ -276,6 +313,9 @@ impl RigidChain {
         let numbers = self.geometry.iter().chain(self.links.iter().flatten());
         if !numbers.chain(self.covariance.iter().flatten()).all(|x| x.is_finite()) {
             return fail("a number of it is not finite");
+        }
+        if self.robot.as_ref().is_some_and(|robot| !robot.is_of(n)) {
+            return fail("its robot has other joints");
         }
         if self.fitted.iter().any(|&k| k >= self.geometry.len()) {
             return fail("a fitted parameter is not of its geometry");

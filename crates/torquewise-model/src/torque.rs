@@ -67,7 +67,7 @@ pub struct Torque {
     /// Travels of the elements by which friction remembers the path \[rad\].
     travels: Vec<f64>,
     /// Whether friction depends on the load of a gear.
-    feels_load: bool,
+    is_load_dependent: bool,
     /// The links, where a chain was learned; the terms are then those of its drives.
     links: Option<Links>,
 }
@@ -87,8 +87,8 @@ impl Torque {
         let mass = Mass::of(equations, model.n_joints());
         let friction = model.friction.clone();
         let (n_joints, travels) = (model.n_joints(), model.travels());
-        let feels_load = friction.iter().any(|weighted| weighted.term.load);
-        Self { n_joints, factors, joints, mass, friction, travels, feels_load, links }
+        let is_load_dependent = friction.iter().any(|weighted| weighted.term.load);
+        Self { n_joints, factors, joints, mass, friction, travels, is_load_dependent, links }
     }
 
     /// Elements by which friction remembers the path, before the first sample. Feed them every
@@ -299,7 +299,7 @@ impl Torque {
         for row in 0..motion.n_rows() {
             let [q, dq] = signals.map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
             let memory = |joint, travel| motion.memory()?.state(row, joint, travel);
-            let gravity = if self.feels_load { self.gravity(&q)? } else { Vec::new() };
+            let gravity = if self.is_load_dependent { self.gravity(&q)? } else { Vec::new() };
             self.visit_laws((&gravity, &dq), &memory, |k, value| laws[(row, k)] = value);
         }
         Ok(laws)
@@ -344,7 +344,7 @@ impl Torque {
                 }
             }
         }
-        if let (true, Some(links)) = (self.feels_load, &self.links) {
+        if let (true, Some(links)) = (self.is_load_dependent, &self.links) {
             links.add_part(Kind::Gravity, State { q, dq, ddq }, &mut gravity);
         }
         self.visit_laws((&gravity, dq), memory, |k, value| {

@@ -58,6 +58,8 @@ pub const RIGHT_ANGLES: [[f64; 2]; 6] = [
     [0.0, -FRAC_PI_2],
     [PI, 0.0],
 ];
+/// Components of a unit vector below this are none: files give angles to so many digits.
+const ROUNDING: f64 = 1e-12;
 /// Place of −z among the right angles.
 const HALF_TURN: usize = 5;
 
@@ -81,6 +83,39 @@ impl Geometry {
             return Err(ChainError::Shape { what: "geometry", found, expected });
         }
         Ok(Self { parameters: parameters.to_vec(), coupling: Coupling::default() })
+    }
+
+    /// The geometry of a chain whose joint frames are given, z of each the axis; and the frame of
+    /// each of its links, seen from the given one.
+    ///
+    /// The base is the first frame at q = 0; a frame of the geometry has the axis of the given one
+    /// and differs from it by a turn about z and a shift along it.
+    ///
+    /// - `placements`: each in the frame before, at q = 0, the first in the world; n ≥ 1
+    /// - `down`: where things fall in the world, of any length but zero
+    pub fn of_frames(placements: &[Placement], down: [f64; 3]) -> (Self, Vec<Placement>) {
+        let mut geometry = Self::straight(placements.len());
+        let zero = Vector3::zeros();
+        let mut own = Placement { rotation: Matrix3::identity(), origin: zero };
+        let mut frames = vec![own];
+        if let Some(first) = placements.first() {
+            let up = -first.rotation.tr_mul(&Vector3::from(down)).normalize();
+            geometry.set_tilt(turn_to(&up));
+        }
+        for (joint, given) in placements.iter().enumerate().skip(1) {
+            // The given frame, in the frame of the geometry before.
+            let rotation = own.rotation.tr_mul(&given.rotation);
+            let origin = own.rotation.tr_mul(&(given.origin - own.origin));
+            let direction = turn_to(&rotation.column(2).into_owned());
+            let turned = turn(direction);
+            let place = turned.tr_mul(&origin);
+            geometry.set_direction(joint, direction);
+            geometry.set_place(joint, [place.x, place.y]);
+            let along = Vector3::new(0.0, 0.0, -place.z);
+            own = Placement { rotation: rotation.tr_mul(&turned), origin: along };
+            frames.push(own);
+        }
+        (geometry, frames)
     }
 
     /// The same axes, turned by logged coordinates as a coupling says \[E18\].
@@ -254,6 +289,16 @@ impl Geometry {
 
 fn turn(w: [f64; 2]) -> Matrix3<f64> {
     *Rotation3::new(Vector3::new(w[0], w[1], 0.0)).matrix()
+}
+
+/// The rotation vector (w₁, w₂) that turns z to a unit vector; components that are rounding are 0.
+fn turn_to(axis: &Vector3<f64>) -> [f64; 2] {
+    let across = axis.x.hypot(axis.y);
+    let angle = across.atan2(axis.z);
+    if across < ROUNDING {
+        return [if axis.z < 0.0 { PI } else { 0.0 }, 0.0];
+    }
+    [-axis.y, axis.x].map(|x| if x.abs() < ROUNDING { 0.0 } else { angle * x / across })
 }
 
 /// Rotation \[rad\] that follows turning by (w₁, w₂, 0), per unit of w₁ and of w₂: two columns of

@@ -1,6 +1,7 @@
 //! Inertial parameters that a rigid body can have: pseudo-inertia, log-Cholesky parameters, and the
 //! divergence from a nominal body (E14).
 
+use crate::geometry::Placement;
 use crate::recursion::PER_BODY;
 use nalgebra::{Cholesky, Matrix4, Vector3};
 
@@ -45,6 +46,15 @@ pub fn inertial_of(p: &Matrix4<f64>) -> Inertial {
         -p[(0, 2)],
         -p[(1, 2)],
     ]
+}
+
+/// The inertial parameters of a body seen from another frame, in which its own lies as `placement`
+/// says.
+pub fn seen_from(inertial: &[f64], placement: &Placement) -> Inertial {
+    let mut transform = Matrix4::identity();
+    transform.fixed_view_mut::<3, 3>(0, 0).copy_from(&placement.rotation);
+    transform.fixed_view_mut::<3, 1>(0, 3).copy_from(&placement.origin);
+    inertial_of(&(transform * pseudo_inertia(inertial) * transform.transpose()))
 }
 
 /// Whether a body can have these inertial parameters.

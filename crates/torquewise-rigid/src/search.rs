@@ -75,6 +75,13 @@ pub struct Chain {
 }
 
 impl Chain {
+    /// A chain of which the geometry alone is known.
+    pub fn at(geometry: Geometry) -> Self {
+        let inertial = vec![0.0; PER_BODY * geometry.n_joints()];
+        let (drive, residual_rms) = (Vec::new(), Vec::new());
+        Self { geometry, inertial, drive, residual_rms, cost: f64::INFINITY }
+    }
+
     pub(crate) fn new(fitted: &Fitted, rows: &Rows, weights: &[f64]) -> Self {
         let of_bodies = PER_BODY * fitted.geometry.n_joints();
         let (inertial, drive) = fitted.masses.coefficients.split_at(of_bodies);

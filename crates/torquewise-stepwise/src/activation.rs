@@ -18,7 +18,7 @@ pub enum Scaling {
 
 /// The index of one vector: I(a) = tanh(h‖a′‖₁) + W‖a′‖₁ sign(Σ a′ᵢ), a′ⱼ = aⱼ/sⱼ.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Index {
+pub struct ActivationIndex {
     /// sⱼ, n; ones in the paper.
     pub scale: Vec<f64>,
     /// h
@@ -30,10 +30,10 @@ pub struct Index {
 /// The pair \[I(q̇) I(q̈)\] that rows are clustered by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Activation {
-    /// Index of the velocities.
-    pub velocity: Index,
-    /// Index of the accelerations.
-    pub acceleration: Index,
+    /// ActivationIndex of the velocities.
+    pub velocity: ActivationIndex,
+    /// ActivationIndex of the accelerations.
+    pub acceleration: ActivationIndex,
 }
 
 /// A joint moves with all its might at this quantile of its speeds: the largest may be an outlier.
@@ -45,7 +45,7 @@ const HALF_ON: f64 = 0.549_306_144_334_054_8;
 /// n·W: how far the signed term spreads a cluster along its axis.
 const SPREAD: f64 = 0.25;
 
-impl Index {
+impl ActivationIndex {
     /// I(a) of one vector, n.
     pub fn of(&self, a: &[f64]) -> f64 {
         let (mut norm, mut sum) = (0.0, 0.0);
@@ -88,13 +88,17 @@ impl Index {
 impl Activation {
     /// The constants of the paper: h = 60, W₁ = 0.6, W₂ = 0.32, no scaling.
     pub fn paper(n_joints: usize) -> Self {
-        let index = |weight| Index { scale: vec![1.0; n_joints], sensitivity: 60.0, weight };
+        let index =
+            |weight| ActivationIndex { scale: vec![1.0; n_joints], sensitivity: 60.0, weight };
         Self { velocity: index(0.6), acceleration: index(0.32) }
     }
 
     /// Constants from a sample of the log (E1).
     pub fn scaled(sample: &Motion) -> Self {
-        Self { velocity: Index::scaled(sample.dq()), acceleration: Index::scaled(sample.ddq()) }
+        Self {
+            velocity: ActivationIndex::scaled(sample.dq()),
+            acceleration: ActivationIndex::scaled(sample.ddq()),
+        }
     }
 
     /// \[I(q̇) I(q̈)\] of each row of a motion, m.

@@ -39,7 +39,7 @@ pub struct Group {
     /// (equation of the design, response) pairs.
     pub equations: Vec<(usize, usize)>,
     /// Columns it has no use for: friction of other joints.
-    pub foreign: Vec<usize>,
+    pub of_other_joints: Vec<usize>,
 }
 
 impl Candidates {
@@ -149,17 +149,20 @@ impl Candidates {
         let n = self.n_joints;
         match self.terms {
             Terms::Torque(_) => (0..n)
-                .map(|joint| Group { equations: vec![(0, joint)], foreign: self.foreign(joint) })
+                .map(|joint| Group {
+                    equations: vec![(0, joint)],
+                    of_other_joints: self.of_other_joints(joint),
+                })
                 .collect(),
             Terms::Energy(_) => {
                 let equations = (0..n).map(|joint| (joint, joint)).collect();
-                vec![Group { equations, foreign: Vec::new() }]
+                vec![Group { equations, of_other_joints: Vec::new() }]
             }
         }
     }
 
     /// Columns of friction that do not load a joint.
-    fn foreign(&self, joint: usize) -> Vec<usize> {
+    fn of_other_joints(&self, joint: usize) -> Vec<usize> {
         let first = self.terms.len();
         let elsewhere = self.friction.iter().enumerate().filter(|(_, law)| !law.acts_on(joint));
         elsewhere.map(|(place, _)| first + place).collect()

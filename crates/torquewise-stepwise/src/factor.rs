@@ -16,7 +16,7 @@ use torquewise_survey::noise::NoiseFloor;
 
 /// The terms of one group to be fitted together.
 #[derive(Clone, Debug)]
-pub(crate) struct Kept {
+pub(crate) struct ActiveSet {
     pub(crate) group: Group,
     /// Columns of the library, ascending.
     pub(crate) columns: Vec<usize>,
@@ -28,9 +28,9 @@ pub(crate) struct Kept {
 /// hold, and so is what they leave where torque is explained but for rounding.
 const LARGEST: f64 = 4_294_967_296.0;
 
-impl Kept {
+impl ActiveSet {
     /// The same with weights in a unit of their own, which changes no fit.
-    pub(crate) fn counted(&self) -> Self {
+    pub(crate) fn with_normalised_weights(&self) -> Self {
         let most = self.weights.iter().fold(f64::MIN_POSITIVE, |most, weight| most.max(*weight));
         let weights = self.weights.iter().map(|weight| weight / most * LARGEST).collect();
         Self { weights, ..self.clone() }
@@ -40,7 +40,7 @@ impl Kept {
 /// A group with its columns ready to be evaluated.
 #[derive(Clone, Copy)]
 pub(crate) struct Fit<'a> {
-    pub(crate) kept: &'a Kept,
+    pub(crate) kept: &'a ActiveSet,
     pub(crate) evaluator: &'a Evaluator,
     /// Laws of friction whose values are among the variables.
     pub(crate) friction: &'a [FrictionTerm],

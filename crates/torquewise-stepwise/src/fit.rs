@@ -22,11 +22,11 @@ pub struct LibraryFit {
     pub steps: Vec<StepReport>,
     /// Terms that did not stay though resampled logs kept them, the likeliest first.
     pub dropped: Vec<Dropped>,
-    /// Patterns that the log does not show, whose terms were asked of the next one.
+    /// Patterns that the log does not show, whose terms were fitted with the rows of the next.
     pub missing: Vec<Pattern>,
-    /// Candidates that no row can tell of.
+    /// Candidates that the motion of the log does not excite.
     pub unassigned: usize,
-    /// Names of the terms left out of the last fit because others say the same in this log.
+    /// Names of the terms left out of the last fit because they depend linearly on others in this log.
     pub dependent: Vec<String>,
 }
 

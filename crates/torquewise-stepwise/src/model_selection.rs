@@ -2,10 +2,10 @@
 //! blocks.
 
 use crate::candidates::{Candidates, Group};
-use crate::evidence::{Evidence, Step};
 use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step;
+use crate::step_equations::{Step, StepEquations};
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
@@ -14,7 +14,7 @@ use torquewise_regression::gram::Gram;
 use torquewise_regression::select::Selector;
 use torquewise_survey::error::IdentifyError;
 use torquewise_survey::friction::{
-    Dictionary, FrictionKind, REVERSAL, WIDTHS, WORTH, reversal_label,
+    FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label,
 };
 use torquewise_survey::held_out::{BLOCKS, CvScore, choose, choose_worth, split};
 use torquewise_survey::survey::Survey;
@@ -49,7 +49,7 @@ pub(crate) fn choose_laws(
         FrictionKind::Auto => FrictionKind::Linear,
         asked => asked,
     };
-    let friction = Dictionary::new(survey.dq_peak.clone()).of(kind);
+    let friction = FrictionLibrary::new(survey.dq_peak.clone()).of(kind);
     let mut settled = SelectedModel::start(options, friction);
     if is_short(survey) {
         return Ok((settled.friction, settled.choices));
@@ -59,9 +59,9 @@ pub(crate) fn choose_laws(
         // It is chosen, and recorded, once more when the laws are known.
         settled.choices.clear();
     }
-    let (school, laws) = settled.choose_reversal(survey, options)?;
+    let (validation, laws) = settled.choose_reversal(survey, options)?;
     if options.friction == FrictionKind::Auto {
-        settled.choose_friction(&school, &laws)?;
+        settled.choose_friction(&validation, &laws)?;
     }
     Ok((settled.friction, settled.choices))
 }
@@ -84,18 +84,18 @@ pub(crate) fn select_model(
     if options.regression != Regression::Stepwise || is_short(survey) {
         return Ok(settled);
     }
-    let mut school = None;
+    let mut validation = None;
     if options.library == (LibraryKind::Energy { interaction: None }) {
-        school = settled.grow(survey, options)?;
+        validation = settled.grow(survey, options)?;
     }
     if matches!(options.selector, Selector::Criterion(_)) {
-        let school = match school {
-            Some(school) => school,
+        let validation = match validation {
+            Some(validation) => validation,
             None => {
                 CrossValidation::new(survey, options, settled.library, settled.friction.clone())?
             }
         };
-        settled.choose_strictness(&school)?;
+        settled.choose_ebic_gamma(&validation)?;
     }
     Ok(settled)
 }
@@ -117,7 +117,7 @@ impl SelectedModel {
         options: &LibraryOptions,
     ) -> Result<Option<CrossValidation<'a>>, IdentifyError> {
         let laws = self.friction.clone();
-        let (mut trials, mut schools) = (Vec::<CvScore>::new(), Vec::new());
+        let (mut trials, mut validations) = (Vec::<CvScore>::new(), Vec::new());
         for order in 1..=survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
             let candidates = Candidates::with_friction(
@@ -129,10 +129,10 @@ impl SelectedModel {
             if order > 1 && candidates.len() > MOST_CANDIDATES {
                 break;
             }
-            let school = CrossValidation::of(survey, candidates)?;
-            let all: Vec<usize> = (0..school.candidates.len()).collect();
-            trials.push(school.trial(format!("{order}"), &all, &options.selector)?);
-            schools.push(school);
+            let validation = CrossValidation::of(survey, candidates)?;
+            let all: Vec<usize> = (0..validation.candidates.len()).collect();
+            trials.push(validation.trial(format!("{order}"), &all, &options.selector)?);
+            validations.push(validation);
             // One more look: a pair of orders may help where one alone does not.
             let best = |trials: &[CvScore]| {
                 trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min)
@@ -146,7 +146,7 @@ impl SelectedModel {
         };
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
         self.choices.push(choice);
-        Ok(Some(schools.swap_remove(place)))
+        Ok(Some(validations.swap_remove(place)))
     }
 
     /// Chooses how sharply friction reverses, with all laws of its kind.
@@ -154,30 +154,30 @@ impl SelectedModel {
         &mut self,
         survey: &'a Survey,
         options: &LibraryOptions,
-    ) -> Result<(CrossValidation<'a>, Dictionary), IdentifyError> {
+    ) -> Result<(CrossValidation<'a>, FrictionLibrary), IdentifyError> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
-            let laws = Dictionary::with_width(survey.dq_peak.clone(), part);
-            let school =
+            let laws = FrictionLibrary::with_width(survey.dq_peak.clone(), part);
+            let validation =
                 CrossValidation::new(survey, options, self.library, laws.of(options.friction))?;
-            let all: Vec<usize> = (0..school.candidates.len()).collect();
-            trials.push(school.trial(reversal_label(part), &all, &self.selector)?);
-            ways.push((school, laws));
+            let all: Vec<usize> = (0..validation.candidates.len()).collect();
+            trials.push(validation.trial(reversal_label(part), &all, &self.selector)?);
+            ways.push((validation, laws));
         }
         let chosen = choose(REVERSAL, &trials);
         let place = chosen.map_or(0, |(place, choice)| {
             self.choices.push(choice);
             place
         });
-        let (school, laws) = ways.swap_remove(place);
+        let (validation, laws) = ways.swap_remove(place);
         self.friction = laws.of(options.friction);
-        Ok((school, laws))
+        Ok((validation, laws))
     }
 
     fn choose_friction(
         &mut self,
-        school: &CrossValidation<'_>,
-        laws: &Dictionary,
+        validation: &CrossValidation<'_>,
+        laws: &FrictionLibrary,
     ) -> Result<(), IdentifyError> {
         let stribeck = laws.of(FrictionKind::Stribeck);
         let alike = stribeck.iter().filter(|law| law.direction.is_both()).cloned().collect();
@@ -190,8 +190,8 @@ impl SelectedModel {
         let trials = ways
             .iter()
             .map(|(label, laws)| {
-                let offered = school.with_laws(laws);
-                school.trial((*label).into(), &offered, &self.selector)
+                let offered = validation.with_laws(laws);
+                validation.trial((*label).into(), &offered, &self.selector)
             })
             .collect::<Result<Vec<_>, _>>()?;
         if let Some((place, choice)) = choose_worth("friction", &trials, WORTH) {
@@ -201,9 +201,9 @@ impl SelectedModel {
         Ok(())
     }
 
-    fn choose_strictness(&mut self, school: &CrossValidation<'_>) -> Result<(), IdentifyError> {
+    fn choose_ebic_gamma(&mut self, validation: &CrossValidation<'_>) -> Result<(), IdentifyError> {
         let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
-        let offered = school.with_laws(&self.friction);
+        let offered = validation.with_laws(&self.friction);
         let mut ways = Vec::new();
         for times in STRICTER {
             let mut stricter = criterion;
@@ -213,9 +213,11 @@ impl SelectedModel {
         let trials = ways
             .iter()
             .zip(STRICTER)
-            .map(|(way, times)| school.trial(format!("{}", times * criterion.gamma), &offered, way))
+            .map(|(way, times)| {
+                validation.trial(format!("{}", times * criterion.gamma), &offered, way)
+            })
             .collect::<Result<Vec<_>, _>>()?;
-        if let Some((place, choice)) = choose("strictness of selection (gamma)", &trials) {
+        if let Some((place, choice)) = choose("EBIC gamma", &trials) {
             self.selector = ways[place].clone();
             self.choices.push(choice);
         }
@@ -285,8 +287,8 @@ impl<'a> CrossValidation<'a> {
 
     /// Geometric mean over the joints of RMSE on a block over the spread of the torque.
     fn error(&self, block: usize, step: &Step, selector: &Selector) -> Result<f64, IdentifyError> {
-        let rest = self.evidence((0..BLOCKS).filter(|&other| other != block))?;
-        let judge = self.evidence(std::iter::once(block))?;
+        let rest = self.equations((0..BLOCKS).filter(|&other| other != block))?;
+        let judge = self.equations(std::iter::once(block))?;
         let errors: Vec<f64> = self
             .groups
             .par_iter()
@@ -312,7 +314,10 @@ impl<'a> CrossValidation<'a> {
     }
 
     /// The normal equations of some blocks together.
-    fn evidence(&self, blocks: impl Iterator<Item = usize>) -> Result<Evidence, IdentifyError> {
+    fn equations(
+        &self,
+        blocks: impl Iterator<Item = usize>,
+    ) -> Result<StepEquations, IdentifyError> {
         let mut grams: Vec<Gram> = Vec::new();
         for block in blocks {
             match &mut grams[..] {
@@ -325,6 +330,6 @@ impl<'a> CrossValidation<'a> {
             }
         }
         let rows = grams.first().map_or(0, |gram| gram.rows);
-        Ok(Evidence { grams, route: torquewise_regression::accumulate::Route::Direct, rows })
+        Ok(StepEquations { grams, route: torquewise_regression::accumulate::Route::Direct, rows })
     }
 }

@@ -97,13 +97,13 @@ pub fn orders(
     let halves = accumulate(recording, &patterns, &ladders, survey.rows)?;
     let mut curves = Vec::with_capacity(ladders.len());
     for (ladder, halves) in ladders.iter().zip(&halves) {
-        curves.push(ladder.climb(halves, &survey.torque_std)?);
+        curves.push(ladder.sweep(halves, &survey.torque_std)?);
     }
     Ok(curves)
 }
 
 /// A library with the columns of each of its orders.
-struct Ladder {
+struct OrderSweep {
     name: String,
     pattern: Option<Pattern>,
     design: Design,
@@ -111,7 +111,11 @@ struct Ladder {
     rungs: Vec<(u8, u8, Vec<usize>)>,
 }
 
-fn ladders(n: usize, plan: &OrderPlan, patterns: &Patterns) -> Result<Vec<Ladder>, IdentifyError> {
+fn ladders(
+    n: usize,
+    plan: &OrderPlan,
+    patterns: &Patterns,
+) -> Result<Vec<OrderSweep>, IdentifyError> {
     let mut ladders = vec![whole_ladder(n, plan.whole_order)?];
     for &pattern in &patterns.present {
         ladders.push(step_ladder(n, plan.trig_order, pattern)?);
@@ -135,7 +139,7 @@ fn feasible<T>(largest: u8, library: impl Fn(u8) -> Vec<T>) -> (u8, Vec<T>) {
 }
 
 /// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
-fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+fn whole_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
     let (largest, terms) = feasible(largest, |order| product_library(n, order, &Degree::up_to(2)));
     let rungs = (1..=2_u8)
         .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
@@ -145,12 +149,12 @@ fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
         })
         .collect();
     let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
-    Ok(Ladder { name: "SINDy".into(), pattern: None, design, rungs })
+    Ok(OrderSweep { name: "SINDy".into(), pattern: None, design, rungs })
 }
 
 /// One step: its own part of the library at N₁, beside the parts of the steps before at the
 /// largest.
-fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, IdentifyError> {
+fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<OrderSweep, IdentifyError> {
     let kinds: &[Kind] = match pattern {
         Pattern::Standstill => &[Kind::Gravity],
         Pattern::UniformVelocity => &[Kind::Gravity, Kind::Coriolis],
@@ -172,10 +176,10 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, Identi
         })
         .collect();
     let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
-    Ok(Ladder { name: pattern.name().into(), pattern: Some(pattern), design, rungs })
+    Ok(OrderSweep { name: pattern.name().into(), pattern: Some(pattern), design, rungs })
 }
 
-fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
+fn energy_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
     let (largest, terms) = feasible(largest, |order| energy_library(n, Some(order.into())));
     let rungs = (1..=largest)
         .map(|order| {
@@ -184,7 +188,7 @@ fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
         })
         .collect();
     let design = Design::new(n, 2 * n, &columns_of_energies(&terms, n))?;
-    Ok(Ladder { name: "energy".into(), pattern: None, design, rungs })
+    Ok(OrderSweep { name: "energy".into(), pattern: None, design, rungs })
 }
 
 fn places(terms: &[Term], fits: impl Fn(&Term) -> bool) -> Vec<usize> {
@@ -205,7 +209,7 @@ type Halves = [Vec<Gram>; 2];
 fn accumulate(
     recording: &(impl Recording + ?Sized),
     patterns: &Patterns,
-    ladders: &[Ladder],
+    ladders: &[OrderSweep],
     rows: usize,
 ) -> Result<Vec<Halves>, IdentifyError> {
     let n = recording.joints().len();
@@ -244,8 +248,8 @@ fn accumulate(
     Ok(sums)
 }
 
-impl Ladder {
-    fn climb(&self, halves: &Halves, torque_std: &[f64]) -> Result<OrderCurve, IdentifyError> {
+impl OrderSweep {
+    fn sweep(&self, halves: &Halves, torque_std: &[f64]) -> Result<OrderCurve, IdentifyError> {
         let mut points = Vec::with_capacity(self.rungs.len());
         for (order, motion_order, columns) in &self.rungs {
             let mut squares = [vec![0.0; torque_std.len()], vec![0.0; torque_std.len()]];

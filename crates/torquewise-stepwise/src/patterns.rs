@@ -45,7 +45,7 @@ pub struct Patterns {
     pub names: Vec<Pattern>,
     /// Where I(q̇) and I(q̈) switch on; `None` with the printed index.
     pub switches: Option<[f64; 2]>,
-    /// Inertia for 1, 2, … clusters: the elbow curve.
+    /// Squares within clusters for 1, 2, … of them, the inertia of k-means: the elbow curve.
     pub inertia: Vec<f64>,
     /// Patterns that are there: of some rows, and truly at rest or without acceleration.
     pub present: Vec<Pattern>,
@@ -133,7 +133,7 @@ fn is_genuine(
 }
 
 /// Place of a pattern in [`Pattern::ALL`].
-pub(crate) fn place_of(pattern: Pattern) -> usize {
+pub(crate) fn index_of(pattern: Pattern) -> usize {
     match pattern {
         Pattern::Standstill => 0,
         Pattern::UniformVelocity => 1,

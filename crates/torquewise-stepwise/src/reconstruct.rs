@@ -1,8 +1,7 @@
 //! From sums of a library to equations of motion: the method of the paper on one page.
 
 use crate::candidates::{Candidates, Group};
-use crate::evidence::{Evidence, Step, one_shot, plan_steps};
-use crate::factor::Kept;
+use crate::factor::ActiveSet;
 use crate::fit::{LibraryFit, StepReport};
 use crate::form::{dependent, dropped, form, friction_of};
 use crate::library::Basis;
@@ -11,6 +10,7 @@ use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{LibraryOptions, Regression};
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step;
+use crate::step_equations::{Step, StepEquations, one_shot, plan_steps};
 use crate::sums::LibrarySums;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -53,7 +53,8 @@ pub fn reconstruct(
         patterns.present = sums.assign_patterns(&basis, &patterns.present, survey.rows)?;
     }
 
-    // Gravity at standstill (8), Coriolis at uniform velocity (9), inertia at variable one (10).
+    // Gravity at standstill (14), Coriolis at uniform velocity (15), inertia at variable one (16);
+    // the last fits all terms of M(q) anew, of which the second had a part.
     let candidates = &basis.candidates;
     let (steps, unassigned) = match options.regression {
         Regression::Stepwise => plan_steps(candidates, &patterns.present),
@@ -62,7 +63,7 @@ pub fn reconstruct(
     let mut model = PartialModel::new(candidates, survey.rows, choices);
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
-        model.take_step(step, &sums.evidence(&basis, step), &options.selector)?;
+        model.take_step(step, &sums.equations(&basis, step), &options.selector)?;
     }
 
     // All kept terms on all rows (E6), less the bias that noise leaves (E7).
@@ -110,12 +111,12 @@ impl<'a> PartialModel<'a> {
     fn take_step(
         &mut self,
         step: &Step,
-        evidence: &Evidence,
+        equations: &StepEquations,
         selector: &Selector,
     ) -> Result<(), IdentifyError> {
         // Joints with coefficients of their own are independent regressions.
         let found: Vec<_> = (self.groups.par_iter().zip(&self.weights))
-            .map(|(group, known)| step::select(step, evidence, group, known, selector))
+            .map(|(group, known)| step::select(step, equations, group, known, selector))
             .collect::<Result<_, _>>()
             .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
         for (place, found) in found.into_iter().enumerate() {
@@ -127,7 +128,7 @@ impl<'a> PartialModel<'a> {
                 known[column] = weight;
             }
             let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-            self.row_weights[place] = step::noise_weights(evidence, &self.groups[place], &total);
+            self.row_weights[place] = step::noise_weights(equations, &self.groups[place], &total);
         }
         let terms = self.terms();
         let form = form(self.candidates, &terms);
@@ -138,14 +139,14 @@ impl<'a> PartialModel<'a> {
         }
         self.reports.push(StepReport {
             name: step.name(),
-            rows: evidence.rows,
+            rows: equations.rows,
             candidates: step.offered.len(),
             active,
-            route: evidence.route,
+            route: equations.route,
         });
         self.stages.push(Stage {
             name: step.name().into(),
-            rows: evidence.rows,
+            rows: equations.rows,
             candidates: step.offered.len(),
             form,
             friction,
@@ -192,11 +193,11 @@ impl<'a> PartialModel<'a> {
         survey: &Survey,
         plan: &RefitPlan<'_>,
     ) -> Result<Vec<Refitted>, IdentifyError> {
-        let kept: Vec<Kept> = self
+        let kept: Vec<ActiveSet> = self
             .terms()
             .iter()
             .zip(self.groups.iter().zip(&self.row_weights))
-            .map(|(found, (group, weights))| Kept {
+            .map(|(found, (group, weights))| ActiveSet {
                 group: group.clone(),
                 columns: found.iter().map(|term| term.column).collect(),
                 weights: weights.clone(),

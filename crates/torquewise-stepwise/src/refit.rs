@@ -1,11 +1,11 @@
 //! From kept terms, normal equations, a sample to coefficients, standard errors, inclusion (E6)
 //! (E7).
 
-use crate::base::Base;
 use crate::candidates::Candidates;
-use crate::factor::{FactorSum, Fit, Kept, PartSum};
+use crate::factor::{ActiveSet, FactorSum, Fit, PartSum};
+use crate::normal_equations::NormalEquations;
 use crate::rows::{clear_of_reversals, cut, samples_of};
-use crate::step::{residual_energy, response_place};
+use crate::step::{residual_energy, response_index};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -85,11 +85,11 @@ const MOST_DRAWS: f64 = 16.0;
 pub(crate) fn refit(
     sample: &Motion,
     candidates: &Candidates,
-    kept: &[Kept],
+    kept: &[ActiveSet],
     whole: &[Vec<Gram>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
-    let kept = &kept.iter().map(Kept::counted).collect::<Vec<Kept>>()[..];
+    let kept = &kept.iter().map(ActiveSet::with_normalised_weights).collect::<Vec<ActiveSet>>()[..];
     let evaluators = kept
         .iter()
         .map(|kept| Ok(Evaluator::new(candidates.design.subset(&kept.columns)?)))
@@ -121,7 +121,7 @@ pub(crate) fn refit(
         .zip(sums.into_iter().zip(whole))
         .map(|((fit, base), (sums, grams))| {
             let parts = sums.into_iter().map(|part| Part::new(&part.sums)).collect();
-            Group { fit, base, grams, parts, scale }.finish(plan)
+            GroupRefit { fit, base, grams, parts, scale }.finish(plan)
         })
         .collect()
 }
@@ -133,8 +133,8 @@ fn base(
     grams: &[Gram],
     log: (&Motion, &[FrictionTerm]),
     (parts, scale): (usize, f64),
-) -> Result<Base, IdentifyError> {
-    let base = Base::new(fit.kept, grams)?;
+) -> Result<NormalEquations, IdentifyError> {
+    let base = NormalEquations::new(fit.kept, grams)?;
     if !base.is_explained(fit.kept, grams) {
         return Ok(base);
     }
@@ -152,7 +152,7 @@ fn draws(scale: f64) -> usize {
 }
 
 /// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
-fn parts(kept: &[Kept]) -> usize {
+fn parts(kept: &[ActiveSet]) -> usize {
     // Half of each of three matrices in exact numbers, and all of it in plain ones.
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
@@ -199,9 +199,9 @@ impl Part {
 }
 
 /// All that is known of one group.
-struct Group<'a> {
+struct GroupRefit<'a> {
     fit: &'a Fit<'a>,
-    base: &'a Base,
+    base: &'a NormalEquations,
     /// Normal equations of all rows, of each equation.
     grams: &'a [Gram],
     /// What the parts of the sample say.
@@ -210,7 +210,7 @@ struct Group<'a> {
     scale: f64,
 }
 
-impl Group<'_> {
+impl GroupRefit<'_> {
     fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
         let p = self.fit.n_columns();
         let mut equations = self.equations(&vec![1.0; self.parts.len()]);
@@ -250,7 +250,7 @@ impl Group<'_> {
         Ok(Refitted { terms, dropped, dependent, residual_rms })
     }
 
-    /// Estimating equations of all rows as they would be if the parts of the sample counted as
+    /// Estimating equations of all rows as they would be if the parts of the sample with_normalised_weights as
     /// often as `weights` says.
     ///
     /// What a part more or less changes in sums over m rows is what it changes in sums over the
@@ -347,7 +347,7 @@ impl Group<'_> {
         let mut all = vec![0.0; self.fit.n_columns()];
         active.iter().zip(coefficients).for_each(|(&j, c)| all[j] = *c);
         let of_equation = |&(equation, response): &(usize, usize)| {
-            let (own, gram) = (response_place(self.grams.len(), response), &self.grams[equation]);
+            let (own, gram) = (response_index(self.grams.len(), response), &self.grams[equation]);
             (residual_energy(gram, own, &all).max(0.0) / gram.rows.max(1) as f64).sqrt()
         };
         if self.base.r.is_none() {

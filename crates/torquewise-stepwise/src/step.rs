@@ -1,7 +1,7 @@
-//! From evidence of one step to coefficients: regressing what the earlier steps leave unexplained.
+//! From equations of one step to coefficients: regressing what the earlier steps leave unexplained.
 
 use crate::candidates::Group;
-use crate::evidence::{Evidence, Step};
+use crate::step_equations::{Step, StepEquations};
 use faer::Mat;
 use torquewise_regression::SparseError;
 use torquewise_regression::gram::Gram;
@@ -20,7 +20,7 @@ const ROUNDS: usize = 2;
 /// first the unexplained torque, then the residual of the first fit stands for it.
 pub(crate) fn select(
     step: &Step,
-    evidence: &Evidence,
+    equations: &StepEquations,
     group: &Group,
     known: &[f64],
     selector: &Selector,
@@ -28,23 +28,27 @@ pub(crate) fn select(
     let before: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
     // What is offered is found anew; only the rest of what is known counts as explained.
     let mut fixed = before.clone();
-    let offered: Vec<usize> =
-        step.offered.iter().copied().filter(|column| !group.foreign.contains(column)).collect();
+    let offered: Vec<usize> = step
+        .offered
+        .iter()
+        .copied()
+        .filter(|column| !group.of_other_joints.contains(column))
+        .collect();
     let places: Vec<usize> =
         offered.iter().filter_map(|column| step.columns.binary_search(column).ok()).collect();
     for &place in &places {
         fixed[place] = 0.0;
     }
-    let mut weights = noise_weights(evidence, group, &fixed);
+    let mut weights = noise_weights(equations, group, &fixed);
     let mut found = None;
     for _ in 0..if group.equations.len() > 1 { ROUNDS } else { 1 } {
-        let problem = weighted_problem(evidence, group, &weights, &fixed, &places)?;
+        let problem = weighted_problem(equations, group, &weights, &fixed, &places)?;
         let selection = selector.select(&problem)?;
         let mut total = fixed.clone();
         for (&place, &weight) in places.iter().zip(&selection.coefficients) {
             total[place] = weight;
         }
-        weights = noise_weights(evidence, group, &total);
+        weights = noise_weights(equations, group, &total);
         found = Some(selection);
     }
     let Some(selection) = found else { return Ok(Vec::new()) };
@@ -54,7 +58,7 @@ pub(crate) fn select(
 
 /// Normal equations of the offered columns for the unexplained torque, joints weighted.
 fn weighted_problem(
-    evidence: &Evidence,
+    equations: &StepEquations,
     group: &Group,
     weights: &[f64],
     fixed: &[f64],
@@ -64,8 +68,8 @@ fn weighted_problem(
     let (mut gram, mut cross) = (Mat::<f64>::zeros(p, p), vec![0.0; p]);
     let (mut energy, mut rows) = (0.0, 0.0);
     for (&(equation, response), &weight) in group.equations.iter().zip(weights) {
-        let part = &evidence.grams[equation];
-        let own = response_place(evidence.grams.len(), response);
+        let part = &equations.grams[equation];
+        let own = response_index(equations.grams.len(), response);
         for (j, &column) in places.iter().enumerate() {
             let from = part.gram.col_as_slice(column);
             for (out, &row) in gram.col_as_slice_mut(j).iter_mut().zip(places) {
@@ -74,20 +78,20 @@ fn weighted_problem(
             let explained: f64 = from.iter().zip(fixed).map(|(g, c)| g * c).sum();
             cross[j] += weight * (part.cross[(column, own)] - explained);
         }
-        energy += weight * unexplained(evidence, equation, response, fixed);
+        energy += weight * unexplained(equations, equation, response, fixed);
         rows += part.rows as f64;
     }
     Problem::new(gram, cross, energy, rows)
 }
 
 /// One over the unexplained variance of each joint of a group.
-pub(crate) fn noise_weights(evidence: &Evidence, group: &Group, total: &[f64]) -> Vec<f64> {
+pub(crate) fn noise_weights(equations: &StepEquations, group: &Group, total: &[f64]) -> Vec<f64> {
     group
         .equations
         .iter()
         .map(|&(equation, response)| {
-            let rows = evidence.grams[equation].rows as f64;
-            let left = unexplained(evidence, equation, response, total);
+            let rows = equations.grams[equation].rows as f64;
+            let left = unexplained(equations, equation, response, total);
             if left > 0.0 { rows / left } else { 1.0 }
         })
         .collect()
@@ -95,13 +99,13 @@ pub(crate) fn noise_weights(evidence: &Evidence, group: &Group, total: &[f64]) -
 
 /// ‖τ − Y c‖² of one equation, at least what rounding leaves of it.
 pub(crate) fn unexplained(
-    evidence: &Evidence,
+    equations: &StepEquations,
     equation: usize,
     response: usize,
     total: &[f64],
 ) -> f64 {
-    let place = response_place(evidence.grams.len(), response);
-    residual_energy(&evidence.grams[equation], place, total)
+    let place = response_index(equations.grams.len(), response);
+    residual_energy(&equations.grams[equation], place, total)
 }
 
 /// The same of one response of normal equations.
@@ -118,6 +122,6 @@ pub(crate) fn residual_energy(part: &Gram, own: usize, total: &[f64]) -> f64 {
 const ROUNDING: f64 = 1e-13;
 
 /// Place of a response in the cross products of its equation.
-pub(crate) fn response_place(n_equations: usize, response: usize) -> usize {
+pub(crate) fn response_index(n_equations: usize, response: usize) -> usize {
     if n_equations == 1 { response } else { 0 }
 }

@@ -1,9 +1,9 @@
 //! From rows of each pattern to sums of a library: what a step is asked, and its answer.
 
-use crate::evidence::{Evidence, Step};
 use crate::library::{Basis, SummedLibrary};
-use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, place_of};
+use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, index_of};
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
+use crate::step_equations::{Step, StepEquations};
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
@@ -45,10 +45,10 @@ impl LibrarySums {
             return Ok(together.to_vec());
         }
         let least = LEAST_SHARE * rows as f64;
-        let last = place_of(Pattern::VariableVelocity);
+        let last = index_of(Pattern::VariableVelocity);
         let mut present = Vec::new();
         for pattern in Pattern::ALL {
-            let place = place_of(pattern);
+            let place = index_of(pattern);
             let is_shown = place == last || together.contains(&pattern);
             if is_shown && self.sums[place].rows() as f64 > least {
                 present.push(pattern);
@@ -61,10 +61,10 @@ impl LibrarySums {
     }
 
     /// What the rows of a step say of its columns.
-    pub(crate) fn evidence(&self, basis: &Basis, step: &Step) -> Evidence {
-        let sums = &self.sums[step.pattern.map_or(0, place_of)];
+    pub(crate) fn equations(&self, basis: &Basis, step: &Step) -> StepEquations {
+        let sums = &self.sums[step.pattern.map_or(0, index_of)];
         let grams = basis.grams(sums, &step.columns);
-        Evidence { grams, route: basis.route, rows: sums.rows() }
+        StepEquations { grams, route: basis.route, rows: sums.rows() }
     }
 
     /// All rows as one.
@@ -76,7 +76,7 @@ impl LibrarySums {
 }
 
 /// Hands each row of a log to the sums of its pattern.
-pub struct Sorter<'a> {
+pub struct PatternAccumulator<'a> {
     patterns: &'a Patterns,
     friction: &'a [FrictionTerm],
     noise: NoiseSum,
@@ -90,7 +90,7 @@ struct Bin<'a> {
     adder: RowAdder<'a>,
 }
 
-impl<'a> Sorter<'a> {
+impl<'a> PatternAccumulator<'a> {
     /// Empty sums of each part.
     ///
     /// - `parts`: the patterns whose rows are summed apart; `None` stands for all rows

@@ -45,7 +45,9 @@ pub enum IdentifyError {
          --library energy or product, or learn a chain"
     )]
     NoLibrary,
-    #[error("joint {name} is said to be balanced, the log has {joints}: name one of these")]
+    #[error(
+        "the counterbalanced joint {name} is not in the log, which has {joints}: name one of these"
+    )]
     NoSuchJoint { name: String, joints: String },
     #[error("no chain of rigid bodies could be learned: {0}")]
     Chain(#[from] torquewise_rigid::ChainError),

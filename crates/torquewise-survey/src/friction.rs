@@ -54,14 +54,14 @@ pub const WORTH: f64 = 0.03;
 
 /// Laws of friction by the speeds that joints reach.
 #[derive(Clone, Debug)]
-pub struct Dictionary {
+pub struct FrictionLibrary {
     /// Peak speed of each joint \[rad/s\], n.
     pub peak: Vec<f64>,
     /// Half width of the smooth sign of each joint \[rad/s\], n.
     pub width: Vec<f64>,
 }
 
-impl Dictionary {
+impl FrictionLibrary {
     /// - `peak`: peak speed of each joint \[rad/s\], n
     pub fn new(peak: Vec<f64>) -> Self {
         Self::with_width(peak, WIDTH)
@@ -147,7 +147,7 @@ fn rounded(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Dictionary, FrictionKind, rounded};
+    use super::{FrictionKind, FrictionLibrary, rounded};
 
     #[test]
     fn speeds_are_decimals_of_two_digits() {
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn every_kind_holds_the_simpler_ones() {
-        let dictionary = Dictionary::new(vec![1.0, 2.0]);
+        let dictionary = FrictionLibrary::new(vec![1.0, 2.0]);
         let [none, linear, stribeck] =
             [FrictionKind::None, FrictionKind::Linear, FrictionKind::Stribeck]
                 .map(|kind| dictionary.of(kind));

@@ -4,7 +4,7 @@
 //! laws of friction that the speeds allow, and cross-validation on blocks of time.
 
 pub mod error;
-mod even;
+mod systematic_sample;
 pub mod quantile;
 pub mod noise;
 pub mod survey;

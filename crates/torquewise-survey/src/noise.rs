@@ -1,7 +1,7 @@
 //! From motion blocks to noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
 
-use crate::even::Even;
 use crate::quantile::quantile;
+use crate::systematic_sample::SystematicSample;
 use faer::{ColRef, Mat};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -103,7 +103,7 @@ impl NoiseFloor {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NoiseSum {
     /// Variance of each signal of each joint, signal by signal, of an even sample of the blocks.
-    blocks: Even,
+    blocks: SystematicSample,
     /// Largest size seen of each signal of each joint, in the same order.
     peaks: Vec<f64>,
     /// Blocks of this log so far.
@@ -134,7 +134,7 @@ impl NoiseSum {
     /// Nothing of n joints yet.
     pub fn new(n_joints: usize) -> Self {
         let width = SIGNALS * n_joints;
-        Self { blocks: Even::new(width, MOST_BLOCKS), peaks: vec![0.0; width], seen: 0 }
+        Self { blocks: SystematicSample::new(width, MOST_BLOCKS), peaks: vec![0.0; width], seen: 0 }
     }
 
     /// Adds the rows of a block that are among five in a row of which `still` is true.
@@ -146,7 +146,7 @@ impl NoiseSum {
         }
         let place = self.seen;
         self.seen += 1;
-        if !self.blocks.wants(place) {
+        if !self.blocks.is_sampled(place) {
             return;
         }
         let places = block.n_rows().saturating_sub(FOURTH_DIFFERENCE.len() - 1);
@@ -193,7 +193,7 @@ impl NoiseSum {
 
     fn floor(&self, accept: impl Fn(f64, f64) -> f64) -> NoiseFloor {
         let deviation = |(place, &peak): (usize, &f64)| {
-            let mut variances: Vec<f64> = self.blocks.things().map(|block| block[place]).collect();
+            let mut variances: Vec<f64> = self.blocks.records().map(|block| block[place]).collect();
             let sigma = quantile(&mut variances, 0.5).sqrt();
             accept(if sigma > NEGLIGIBLE * peak { sigma } else { 0.0 }, peak)
         };

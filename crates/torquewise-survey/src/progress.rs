@@ -10,7 +10,7 @@ pub enum Progress {
     /// The geometry of the arm is learned (E8).
     Geometry,
     /// Normal equations are summed.
-    Evidence,
+    Sums,
     /// Terms are selected in a step, counted from 1.
     Step(usize),
     /// The kept terms are fitted on all rows.

@@ -1,8 +1,8 @@
 //! From recording to survey: one look at the whole log, and an even sample of it, in fixed memory.
 
 use crate::error::IdentifyError;
-use crate::even::Even;
 use crate::noise::{NoiseFloor, NoiseSum};
+use crate::systematic_sample::SystematicSample;
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -75,7 +75,7 @@ pub struct SurveySum {
     has_torque: bool,
     noise: NoiseSum,
     /// t q₁…qₙ dq₁… ddq₁… tau₁… of each sampled row, then what friction remembers there.
-    sampled: Even,
+    sampled: SystematicSample,
     /// What friction remembers of the path.
     #[serde(skip)]
     path: Option<Path>,
@@ -97,7 +97,7 @@ impl SurveySum {
             sums: ExactSums::zeros(1 + 2 * n),
             has_torque: true,
             noise: NoiseSum::new(n),
-            sampled: Even::new(width(n), SAMPLE_ROWS),
+            sampled: SystematicSample::new(width(n), SAMPLE_ROWS),
             path: None,
             last: None,
         }
@@ -134,7 +134,7 @@ impl SurveySum {
         let block = path.follow(trajectory, block);
         for row in 0..block.n_rows() {
             let place = (self.rows + row) as u64;
-            if self.sampled.wants(place) {
+            if self.sampled.is_sampled(place) {
                 self.sampled.push(place, row_of(&block, row));
             }
         }
@@ -213,7 +213,7 @@ impl SurveySum {
     /// [`IdentifyError::Motion`] if there are no joints.
     pub fn finish(&self) -> Result<Survey, IdentifyError> {
         let n = self.joints.len();
-        let rows: Vec<&[f64]> = self.sampled.things().collect();
+        let rows: Vec<&[f64]> = self.sampled.records().collect();
         let columns = |first: usize, count: usize| {
             Mat::from_fn(rows.len(), count, |row, k| rows[row][first + k])
         };

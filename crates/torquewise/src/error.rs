@@ -18,6 +18,9 @@ pub enum Error {
     Model(#[from] ModelError),
     #[error(transparent)]
     Read(#[from] ReadError),
+    #[cfg(feature = "simulation")]
+    #[error("the URDF does not give the geometry of the arm of the log")]
+    Urdf(#[from] torquewise_dynamics::DynamicsError),
     #[error(
         "{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
          choose {user}"

@@ -37,7 +37,10 @@ pub mod evaluate;
 mod fit;
 pub mod summary;
 pub mod compare;
+pub mod payload;
 pub mod sums;
+#[cfg(feature = "simulation")]
+pub mod urdf;
 
 pub use error::Error;
 pub use evaluate::{Evaluation, evaluate};

@@ -1,7 +1,9 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
 use crate::error::Error;
-use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
+use torquewise_identify::plan::{
+    ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Regression,
+};
 use torquewise_identify::settings::Settings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
 use torquewise_regression::select::Selector;
@@ -44,6 +46,9 @@ pub struct FitOptions {
     pub threshold: Option<f64>,
     /// Resampled logs to count in how many each term of a library stays.
     pub bags: Option<usize>,
+    /// Where the axes of a chain lie, as [`crate::urdf::known_geometry`] reads it; else it is
+    /// learned too.
+    pub geometry: Option<KnownGeometry>,
     /// Joints of a chain that a spring or a weight is known to balance.
     pub counterbalanced: Vec<String>,
     /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
@@ -68,6 +73,7 @@ impl Default for FitOptions {
             selector: None,
             threshold: None,
             bags: None,
+            geometry: None,
             counterbalanced: Vec::new(),
             noise_correction: true,
             physical: true,
@@ -168,6 +174,9 @@ impl FitOptions {
             Some(Library::Energy) if many && stepwise => (Library::Chain, too_many),
             Some(library) => (library, "the library was chosen".into()),
             None if !stepwise => (Library::Product, "SINDy was chosen".into()),
+            None if self.geometry.is_some() => {
+                (Library::Chain, "the geometry of the arm is given".into())
+            }
             None if log.filtered => (Library::Chain, "the log is filtered".into()),
             None if self.has_friction() => (Library::Chain, "friction was asked for".into()),
             None if many => (Library::Chain, too_many),
@@ -204,6 +213,7 @@ impl FitOptions {
             ),
             ("select", self.selector.is_some(), !is_chain, of_terms),
             ("threshold", self.threshold.is_some(), !is_chain, of_terms),
+            ("urdf", self.geometry.is_some(), is_chain, chain),
             ("counterbalance", !self.counterbalanced.is_empty(), is_chain, chain),
             ("bags", self.bags.is_some(), !is_chain, of_terms),
             ("unconstrained", !self.physical, is_chain, chain),
@@ -229,6 +239,7 @@ impl FitOptions {
             Fitted::Chain => {
                 let usual = ChainOptions::default();
                 Method::Chain(ChainOptions {
+                    geometry: self.geometry.clone(),
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,

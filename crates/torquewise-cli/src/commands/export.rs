@@ -3,7 +3,7 @@
 use crate::compiler::binary;
 use crate::error::CliError;
 use crate::files::{
-    check_distinct, check_ending, check_output, create_folder, read_model, write_whole,
+    check_distinct, check_ending, check_output, create_folder, read_model, read_text, write_whole,
 };
 use crate::outcome::Outcome;
 use crate::table::Table;
@@ -13,13 +13,16 @@ use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 use torquewise::export::{
-    Precision, Program, Quantity, fmu_archive, fmu_sources, ros_package, test_vectors, to_c,
-    to_latex, to_python, to_rust,
+    Precision, Program, Quantity, fmu_archive, fmu_sources, onto_urdf, ros_package, test_vectors,
+    to_c, to_latex, to_mjcf, to_python, to_rust, to_urdf,
 };
 use torquewise::model::Model;
 use torquewise::physics::MassMatrix;
 
-/// Write a model as code for a controller: torque, gravity, coriolis, inertia, friction
+/// Write a model as code for a controller, or as a robot for a simulator
+///
+/// Code holds torque, gravity, coriolis, inertia and friction; robot files hold links, rotors and
+/// friction.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
     /// Model file
@@ -33,6 +36,12 @@ pub(crate) struct Arguments {
     /// Precision of the numbers, for c and rust
     #[arg(long, value_enum, default_value_t)]
     precision: Digits,
+    /// URDF of the arm to put inertia and friction into, all else of it kept, for urdf
+    #[arg(long, value_name = "ROBOT.urdf")]
+    onto: Option<PathBuf>,
+    /// Joints of that URDF that are held at 0, where names do not tell
+    #[arg(long, value_name = "JOINT", value_delimiter = ',', requires = "onto")]
+    lock: Vec<String>,
     /// What the functions begin with, for c, fmu and ros2 [default: the name of the file]
     #[arg(long, value_name = "NAME")]
     name: Option<String>,
@@ -71,6 +80,10 @@ enum Target {
     Fmu,
     /// Sources of a ROS 2 package
     Ros2,
+    /// A robot for ROS, Pinocchio, Drake, Gazebo
+    Urdf,
+    /// A robot for MuJoCo
+    Mjcf,
 }
 
 /// Precision of the numbers.
@@ -99,6 +112,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
     let program = Program::of(&model)?;
+    if matches!(to, Target::Urdf | Target::Mjcf) {
+        return robot(arguments, &model, &program.version(), flaw);
+    }
     let (name, precision) = (name(arguments), precision(arguments.precision));
 
     match to {
@@ -108,6 +124,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Target::Latex => write_whole(output, to_latex(&model, &program.version()))?,
         Target::Fmu => write_whole(output, unit(&program, &name, arguments.no_binary)?)?,
         Target::Ros2 => write_package(output, &ros_package(&program, &name)?)?,
+        Target::Urdf | Target::Mjcf => {}
     }
     if let Some(file) = &vectors {
         write_whole(file, test_vectors(&model, TEST_STATES, arguments.seed)?)?;
@@ -115,6 +132,35 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let outcome = outcome(arguments, &model, &program, vectors.as_deref());
     let warnings = flaw.map(|flaw| format!("{flaw}: do not let this code move an arm there"));
     Ok(Outcome { warnings: warnings.into_iter().collect(), ..outcome })
+}
+
+/// Writes a robot file, and says what it has no room for.
+fn robot(
+    arguments: &Arguments,
+    model: &Model,
+    version: &str,
+    flaw: Option<String>,
+) -> Result<Outcome> {
+    let file = match (&arguments.to, &arguments.onto) {
+        (Target::Urdf, Some(onto)) => onto_urdf(model, &read_text(onto)?, &arguments.lock)?,
+        (Target::Urdf, None) => to_urdf(model, version)?,
+        _ => to_mjcf(model, version)?,
+    };
+    write_whole(&arguments.output, &file.text)?;
+    let notes = file.left_out.iter().map(|part| format!("not in the file: {part}")).collect();
+    let text = format!(
+        "{version}\n{} joints: links, rotors, viscous and dry friction\n\nwritten: {}\n",
+        model.n_joints(),
+        arguments.output.display()
+    );
+    let json = json!({
+        "version": version,
+        "joints": model.joints,
+        "left_out": file.left_out,
+        "output": arguments.output,
+    });
+    let warnings = flaw.map(|flaw| format!("{flaw}: do not let this model move an arm there"));
+    Ok(Outcome { notes, text, json, warnings: warnings.into_iter().collect() })
 }
 
 fn width(text: &str) -> Result<f64, String> {
@@ -133,8 +179,12 @@ fn check_usage(arguments: &Arguments) -> Result<(), CliError> {
         _ if *precision == Digits::Float => Some("--precision float is for --to c and rust"),
         _ => None,
     };
-    let named = name.is_some() && matches!(to, Target::Rust | Target::Python | Target::Latex);
+    let is_code = matches!(to, Target::C | Target::Fmu | Target::Ros2);
+    let named = name.is_some() && !is_code;
+    let is_robot = matches!(to, Target::Urdf | Target::Mjcf);
     let misplaced = misplaced
+        .or((arguments.onto.is_some() && *to != Target::Urdf).then_some("--onto is for --to urdf"))
+        .or((arguments.test_vectors && is_robot).then_some("--test-vectors is for code"))
         .or(named.then_some("--name is for --to c, fmu and ros2"))
         .or((*no_binary && *to != Target::Fmu).then_some("--no-binary is for --to fmu"));
     match misplaced {
@@ -160,7 +210,12 @@ fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<(), C
         Target::Python => check_ending(output, &["py"])?,
         Target::Latex => check_ending(output, &["tex"])?,
         Target::Fmu => check_ending(output, &["fmu"])?,
+        Target::Urdf => check_ending(output, &["urdf"])?,
+        Target::Mjcf => check_ending(output, &["xml", "mjcf"])?,
         Target::Ros2 => {}
+    }
+    if let Some(onto) = &arguments.onto {
+        check_output(output, std::slice::from_ref(onto))?;
     }
     if let Some(file) = vectors {
         check_output(file, inputs)?;

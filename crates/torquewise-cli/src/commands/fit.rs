@@ -1,6 +1,6 @@
 //! The main job: logs to a model file.
 
-use crate::arguments::PlanArguments;
+use crate::arguments::{PlanArguments, RobotArguments};
 use crate::call_costs::CallCosts;
 use crate::conditioning;
 use crate::files::{check_distinct, check_ending, check_output, write_whole};
@@ -53,6 +53,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     plan: PlanArguments,
     #[command(flatten)]
+    robot: RobotArguments,
+    #[command(flatten)]
     profile: ProfileArguments,
     #[command(flatten)]
     signals: SignalArguments,
@@ -81,10 +83,11 @@ impl MethodName {
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_outputs(arguments)?;
-    let options = arguments.plan.options(arguments.method.regression());
+    let mut options = arguments.plan.options(arguments.method.regression());
     // Wrong usage is told before the log is read.
     options.check()?;
     let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    options.geometry = arguments.robot.geometry(log.joints())?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
     let test = test.map(|test| arguments.profile.open(test, &arguments.signals)).transpose()?;
     if let Some(test) = &test {
@@ -129,6 +132,7 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
     for file in outputs() {
         check_output(file, &arguments.logs)?;
         check_output(file, &arguments.test)?;
+        check_output(file, arguments.robot.file())?;
     }
     check_distinct(outputs())?;
     if let Some(report) = &arguments.report {

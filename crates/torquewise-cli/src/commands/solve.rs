@@ -1,5 +1,6 @@
 //! The model that fitting all logs of a moments file together gives.
 
+use crate::arguments::RobotArguments;
 use crate::commands::fit;
 use crate::files::{check_output, write_whole};
 use crate::moments_file::read_moments;
@@ -34,6 +35,8 @@ pub(crate) struct Arguments {
     #[arg(long)]
     seed: Option<u64>,
     #[command(flatten)]
+    robot: RobotArguments,
+    #[command(flatten)]
     selection: SelectionArguments,
 }
 
@@ -43,11 +46,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let request = request.unwrap_or_else(|| arguments.output.with_extension("request"));
     for output in [&arguments.output, &request] {
         check_output(output, std::slice::from_ref(&arguments.moments))?;
+        check_output(output, arguments.robot.file())?;
     }
     let summary = read_moments(&arguments.moments)?;
     let seed = arguments.seed.unwrap_or(summary.settings().patterns.seed);
     let friction = arguments.friction.map(Into::into);
-    let options = FitOptions { seed, friction, ..FitOptions::default() };
+    let geometry = arguments.robot.geometry(summary.joints())?;
+    let options = FitOptions { seed, friction, geometry, ..FitOptions::default() };
     match solve_sums(summary, &arguments.selection.apply_to(options), &watch())? {
         Solved::Model(fit) => {
             fit.model.save(&arguments.output)?;

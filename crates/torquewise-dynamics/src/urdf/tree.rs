@@ -17,9 +17,10 @@ pub(crate) struct Tree<'a> {
 
 /// Links that move as one body, and the moving joints that leave it.
 pub(crate) struct Welded<'a> {
-    first: &'a str,
-    /// Their masses, in the frame of the first link.
-    pub(crate) body: Body,
+    /// The links with their frames in that of the first.
+    pub(crate) links: Vec<(&'a str, Pose)>,
+    /// Whether all joints between a link and the first are fixed.
+    fixed: Vec<bool>,
     exits: Vec<(&'a Joint, Pose)>,
 }
 
@@ -51,25 +52,48 @@ impl<'a> Tree<'a> {
         self.root
     }
 
-    /// All links welded to `first`, its own frame being the body's.
+    /// All links welded to `first`.
     pub(crate) fn welded(&self, first: &'a str) -> Result<Welded<'a>, DynamicsError> {
-        let mut body = Body::none();
-        let mut exits = Vec::new();
-        let mut open = vec![(first, Pose::identity())];
-        while let Some((link, X_GL)) = open.pop() {
-            if let Some(link) = self.links.get(link) {
-                body = body.welded_to(&body_of(link)?.seen_from(&X_GL));
-            }
+        let (mut links, mut fixed, mut exits) = (Vec::new(), Vec::new(), Vec::new());
+        let mut open = vec![(first, Pose::identity(), true)];
+        while let Some((link, X_GL, is_fixed)) = open.pop() {
+            links.push((link, X_GL));
+            fixed.push(is_fixed);
             for &joint in self.joints_below(link) {
                 let X_GJ = X_GL * pose(&joint.name, &joint.origin)?;
                 if self.moves(joint) {
                     exits.push((joint, X_GJ));
                 } else {
-                    open.push((joint.child.as_str(), X_GJ));
+                    open.push((joint.child.as_str(), X_GJ, is_fixed && joint.kind == "fixed"));
                 }
             }
         }
-        Ok(Welded { first, body, exits })
+        Ok(Welded { links, fixed, exits })
+    }
+
+    /// Links with a body beside the first: name, body in its frame, if there can be one, and whether
+    /// all joints to it are fixed.
+    pub(crate) fn others(
+        &self,
+        welded: &Welded<'a>,
+    ) -> impl Iterator<Item = (String, Option<Body>, bool)> {
+        let all = welded.links.iter().zip(&welded.fixed).skip(1);
+        all.filter_map(|((name, X_GL), is_fixed)| {
+            let link = self.links.get(name).filter(|link| link.inertial.is_some())?;
+            let body = body_of(link).ok().map(|body| body.seen_from(X_GL));
+            Some(((*name).to_owned(), body, *is_fixed))
+        })
+    }
+
+    /// The masses of welded links, in the frame of the first.
+    pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body, DynamicsError> {
+        let mut body = Body::none();
+        for (link, X_GL) in &welded.links {
+            if let Some(link) = self.links.get(link) {
+                body = body.welded_to(&body_of(link)?.seen_from(X_GL));
+            }
+        }
+        Ok(body)
     }
 
     /// The one joint that leaves the body, if any.
@@ -85,7 +109,8 @@ impl<'a> Tree<'a> {
         // The branch with the most joints is taken for the arm.
         branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
         let lock = branches[1..].concat().join(", ");
-        Err(DynamicsError::Branches { link: welded.first.into(), lock })
+        let link = welded.links.first().map_or(self.root, |(link, _)| link);
+        Err(DynamicsError::Branches { link: link.into(), lock })
     }
 
     fn joints_below(&self, link: &str) -> &[&'a Joint] {

@@ -4,3 +4,4 @@ mod identities;
 mod motions;
 mod noise;
 mod oracles;
+mod urdf_chain;

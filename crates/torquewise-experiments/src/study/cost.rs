@@ -13,7 +13,7 @@ use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::accumulate::{Accumulate, Prepared, Route};
 use torquewise_regression::samples::Samples;
 use torquewise_stepwise::candidates::Candidates;
-use torquewise_stepwise::evidence::{one_shot, plan_steps};
+use torquewise_stepwise::step_equations::{one_shot, plan_steps};
 
 /// A method whose time is measured.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
 };
 use torquewise_motion::{Motion, Signals};
-use torquewise_survey::friction::Dictionary;
+use torquewise_survey::friction::FrictionLibrary;
 
 const N: usize = 3;
 
@@ -149,7 +149,7 @@ fn linear_friction_is_offset_viscous_and_dry() {
     let width = [0.1, 0.2, 0.3];
 
     let columns = columns(
-        &friction(Dictionary { width: width.to_vec(), peak: vec![1.0; N] }.linear()),
+        &friction(FrictionLibrary { width: width.to_vec(), peak: vec![1.0; N] }.linear()),
         &motion,
         None,
     );
@@ -167,7 +167,7 @@ fn linear_friction_is_offset_viscous_and_dry() {
 #[test]
 fn the_stribeck_dictionary_tells_directions_apart() {
     let width = 0.01;
-    let all = friction(Dictionary { width: vec![width; N], peak: vec![2.0; N] }.stribeck());
+    let all = friction(FrictionLibrary { width: vec![width; N], peak: vec![2.0; N] }.stribeck());
     let motion = states();
 
     let columns = columns(&all, &motion, None);
@@ -189,7 +189,7 @@ fn the_stribeck_dictionary_tells_directions_apart() {
 
 #[test]
 fn a_joint_that_never_moves_has_columns_all_the_same() {
-    let drive = friction(Dictionary::new(vec![0.0; N]).stribeck());
+    let drive = friction(FrictionLibrary::new(vec![0.0; N]).stribeck());
 
     let columns = columns(&drive, &states(), None);
 

@@ -3,6 +3,7 @@
 use crate::drive_terms::{DriveTerm, Gravity, columns};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
+use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::{Chain, Coupling, Geometry, Rows};
@@ -16,6 +17,8 @@ pub(crate) struct Structure {
     pub(crate) drive: Vec<DriveTerm>,
     /// How logged coordinates turn the joints.
     pub(crate) coupling: Coupling,
+    /// What a URDF calls its parts, where one gave the geometry.
+    pub(crate) robot: Option<RobotNames>,
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
     /// together ask for their release.
     pub(crate) free: Vec<usize>,
@@ -203,7 +206,7 @@ impl Linearisation {
     /// The rows of a block, those of joints at rest with little weight.
     fn weighed(&self, block: &Motion, seen: &Motion) -> Result<Rows, IdentifyError> {
         let drive = &self.structure.drive;
-        let gravity = if drive.iter().any(DriveTerm::feels_load) {
+        let gravity = if drive.iter().any(DriveTerm::is_load_dependent) {
             Some(Gravity::of(&self.chain()?, drive))
         } else {
             None

@@ -55,10 +55,21 @@ pub(crate) enum Next {
 }
 
 impl Passes {
+    /// The same where the geometry is given: nothing of it is released.
+    pub(crate) fn with_given_geometry(self) -> Self {
+        Self { may_release: false, ..self }
+    }
+
     /// Passes over all rows, `most` at most.
     pub(crate) fn over_all(at: Linearisation, most: usize) -> Self {
         let (tuning, best, reach) = (None, None, REACH[0]);
         Self { at, tuning, best, reach, is_last: false, made: 0, most, may_release: true }
+    }
+
+    /// The same from the start with rows taken as they are, `most` passes at most.
+    pub(crate) fn without_noise_correction(self, most: usize) -> Self {
+        let (at, may_release) = (self.at.without_noise_correction(), self.may_release);
+        Self { may_release, ..Self::over_all(at, most) }
     }
 
     fn over_sample(at: Linearisation) -> Self {

@@ -21,13 +21,13 @@ impl Learned {
         term: &EnergyTerm,
         motion: &Motion,
     ) -> Result<bool, IdentifyError> {
-        let school = ChainLearner { motion, laws: self.laws.clone() };
+        let learner = ChainLearner { motion, laws: self.laws.clone() };
         let mut with = self.spec.clone();
         with.drive.push(DriveTerm::Energy(term.clone()));
         // The geometry was learned without the term and may be bent to stand for it: with it, the
         // chain is fitted first, and the other as well, so that both start alike.
         let refined = |spec: &ChainSpec| {
-            let rows = school.rows(spec, LAST_ROWS)?;
+            let rows = learner.rows(spec, LAST_ROWS)?;
             Ok::<Chain, IdentifyError>(refine(&rows, &self.chain, &spec.free, &spec.search)?)
         };
         let (without, chain) = (refined(&self.spec)?, refined(&with)?);
@@ -35,7 +35,7 @@ impl Learned {
         let trials = ways
             .into_iter()
             .map(|(label, spec, start)| {
-                trial(label, spec, &school.rows(spec, TRIAL_ROWS)?, start, SNAP_ROUNDS)
+                trial(label, spec, &learner.rows(spec, TRIAL_ROWS)?, start, SNAP_ROUNDS)
             })
             .collect::<Result<Vec<_>, IdentifyError>>()?;
         // One joint gains, as was seen on its held-out rows: what scatters would hide it.
@@ -47,7 +47,7 @@ impl Learned {
             from: listed(&trials),
         });
         if taken {
-            *self = school.finish(with, &chain, std::mem::take(&mut self.choices))?;
+            *self = learner.finish(with, &chain, std::mem::take(&mut self.choices))?;
         }
         Ok(taken)
     }

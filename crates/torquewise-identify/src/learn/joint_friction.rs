@@ -2,7 +2,7 @@
 //! with or without load (17) (E13).
 
 use super::ChainLearner;
-use super::residual::{LeftOver, WORTH, refuse};
+use super::residual::{FrictionResidual, WORTH, refuse};
 use crate::chain_spec::ChainSpec;
 use crate::drive_terms::{DriveTerm, columns};
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ impl ChainLearner<'_> {
         chain: &Chain,
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
-        let left = LeftOver::of(self, spec, chain)?;
+        let left = FrictionResidual::of(self, spec, chain)?;
         let gravity = spec.gravity.as_ref();
         let judged = |joint: usize| -> Option<Offer> {
             let now = laws_of(spec, joint);
@@ -121,7 +121,7 @@ impl ChainLearner<'_> {
     }
 }
 
-/// The friction of a joint in a recipe.
+/// The friction of a joint in a specification.
 fn laws_of(spec: &ChainSpec, joint: usize) -> Vec<FrictionTerm> {
     let own = spec.drive.iter().filter(|drive| drive.is_friction_of(joint));
     own.filter_map(DriveTerm::law).cloned().collect()

@@ -1,4 +1,4 @@
-//! From chain, rows to recipe: shafts, counterbalances and friction, chosen beside a known
+//! From chain, rows to specification: shafts, counterbalances and friction, chosen beside a known
 //! geometry.
 
 use super::{ChainLearner, TRIAL_ROWS};
@@ -9,7 +9,7 @@ use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::Chain;
 use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::{Dictionary, REVERSAL, WIDTHS, WORTH, reversal_label};
+use torquewise_survey::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 
 /// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
 const SHAFT_GAIN: f64 = 0.85;
@@ -118,19 +118,19 @@ impl ChainLearner<'_> {
     ) -> Result<(), IdentifyError> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
-            let laws = Dictionary::with_width(self.laws.peak.clone(), part);
-            let school = ChainLearner { laws, ..*self };
+            let laws = FrictionLibrary::with_width(self.laws.peak.clone(), part);
+            let learner = ChainLearner { laws, ..*self };
             let mut sharp = spec.clone();
             for drive in &mut sharp.drive {
-                drive.reverse_within(&school.laws);
+                drive.reverse_within(&learner.laws);
             }
             let mut all = sharp.clone();
             if kind != FrictionKind::Linear {
-                all.drive.extend(DriveTerm::friction(school.laws.stribeck()));
+                all.drive.extend(DriveTerm::friction(learner.laws.stribeck()));
             }
-            let rows = school.rows(&all, TRIAL_ROWS)?;
+            let rows = learner.rows(&all, TRIAL_ROWS)?;
             trials.push(trial(reversal_label(part), &all, &rows, chain, 0)?);
-            ways.push((school.laws, sharp));
+            ways.push((learner.laws, sharp));
         }
         let place = record(REVERSAL, &trials, choices);
         (self.laws, *spec) = ways.swap_remove(place);

@@ -19,7 +19,7 @@ pub(super) const WORTH: f64 = 0.02;
 const RIDGES: [f64; 4] = [1e-4, 1e-3, 1e-2, 1e-1];
 
 /// The torque of each joint without its friction, which any law may be fitted to.
-pub(super) struct LeftOver {
+pub(super) struct FrictionResidual {
     chain: Chain,
     pub(super) motion: Motion,
     /// Torque \[N·m\] of each joint, n×m.
@@ -30,18 +30,18 @@ pub(super) struct LeftOver {
     spread: Vec<f64>,
 }
 
-impl LeftOver {
-    /// What a fit of a recipe leaves.
+impl FrictionResidual {
+    /// What a fit of a specification leaves.
     pub(super) fn of(
-        school: &ChainLearner<'_>,
+        learner: &ChainLearner<'_>,
         spec: &mut ChainSpec,
         chain: &Chain,
     ) -> Result<Self, IdentifyError> {
-        let chain = fit(&school.rows(spec, TRIAL_ROWS)?, chain, &spec.search)?;
+        let chain = fit(&learner.rows(spec, TRIAL_ROWS)?, chain, &spec.search)?;
         spec.bear(&chain);
-        let rows = school.rows(spec, LAST_ROWS)?;
+        let rows = learner.rows(spec, LAST_ROWS)?;
         let (m, predicted) = (rows.len(), chain.torque(&rows));
-        let motion = thinned(school.motion, LAST_ROWS);
+        let motion = thinned(learner.motion, LAST_ROWS);
         let own = columns(&spec.drive, &motion, spec.gravity.as_ref());
         let left = |joint: usize, row: usize| -> f64 {
             let has_friction = (chain.drive.iter().zip(&spec.drive).enumerate())
@@ -55,7 +55,7 @@ impl LeftOver {
                 .collect()
         };
         let torque = over(&left);
-        let shares = over(&|joint, row| school.share(&motion, row, joint));
+        let shares = over(&|joint, row| learner.share(&motion, row, joint));
         let spread = (0..rows.n_joints()).map(|joint| rows.deviation_of(joint)).collect();
         Ok(Self { chain, motion, torque, shares, spread })
     }
@@ -117,16 +117,16 @@ impl LeftOver {
 }
 
 impl ChainLearner<'_> {
-    /// Takes another recipe for one joint where the whole chain agrees on held-out rows: a longer
+    /// Takes another specification for one joint where the whole chain agrees on held-out rows: a longer
     /// one must be better by the share of the joint, a shorter one may be so much worse.
     ///
-    /// - `now`: error of the recipe as it is
+    /// - `now`: error of the specification as it is
     /// - returns: whether it was taken
     pub(super) fn agree(
         &self,
         (spec, now): (&mut ChainSpec, &mut f64),
         with: ChainSpec,
-        left: &LeftOver,
+        left: &FrictionResidual,
     ) -> Result<bool, IdentifyError> {
         let is_longer = with.drive.len() > spec.drive.len();
         let part = WORTH / self.motion.n_joints() as f64;
@@ -139,8 +139,12 @@ impl ChainLearner<'_> {
         Ok(agrees)
     }
 
-    /// Error of a recipe on held-out rows.
-    pub(super) fn error(&self, spec: &ChainSpec, left: &LeftOver) -> Result<f64, IdentifyError> {
+    /// Error of a specification on held-out rows.
+    pub(super) fn error(
+        &self,
+        spec: &ChainSpec,
+        left: &FrictionResidual,
+    ) -> Result<f64, IdentifyError> {
         Ok(self.trials(&[(String::new(), spec.clone())], &left.chain, 0)?[0].error())
     }
 }

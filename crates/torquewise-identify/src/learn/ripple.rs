@@ -2,7 +2,7 @@
 //! of its motor.
 
 use super::ChainLearner;
-use super::residual::{LeftOver, refuse};
+use super::residual::{FrictionResidual, refuse};
 use crate::chain_spec::{ChainSpec, record};
 use crate::drive_terms::{DriveTerm, columns};
 use std::f64::consts::TAU;
@@ -30,7 +30,7 @@ impl ChainLearner<'_> {
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
         let n = self.motion.n_joints();
-        let left = LeftOver::of(self, spec, chain)?;
+        let left = FrictionResidual::of(self, spec, chain)?;
         let mut now = self.error(spec, &left)?;
         for joint in 0..n {
             let own = spec.drive.iter().filter(|drive| drive.is_friction_of(joint));
@@ -72,7 +72,7 @@ impl ChainLearner<'_> {
 }
 
 /// Periods in a turn of the harmonic that explains most of a residual.
-fn strongest(left: &LeftOver, joint: usize, residual: &[(f64, f64)]) -> Option<i8> {
+fn strongest(left: &FrictionResidual, joint: usize, residual: &[(f64, f64)]) -> Option<i8> {
     let q = left.motion.q().col(joint);
     let (low, high) = q.iter().fold((f64::MAX, f64::MIN), |(a, b), q| (a.min(*q), b.max(*q)));
     let power = |period: &i8| -> f64 {

@@ -14,7 +14,7 @@ use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, T
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Geometry, Rows, Search};
-use torquewise_survey::friction::Dictionary;
+use torquewise_survey::friction::FrictionLibrary;
 use torquewise_survey::survey::{Survey, survey, thinned};
 
 const N: usize = 3;
@@ -103,7 +103,7 @@ fn learned(survey: &Survey) -> Learned {
     let none = vec![Mat::zeros(motion.n_rows(), 0); N];
     let tau = motion.require_tau().unwrap();
     let rows = Rows::new([motion.q(), motion.dq(), motion.ddq(), tau], &none).unwrap();
-    let laws = Dictionary::new(vec![2.0; N]);
+    let laws = FrictionLibrary::new(vec![2.0; N]);
     let (search, free) = (Search::default(), all_parameters(N));
     let spec = ChainSpec { drive: vec![], search, free, gravity: None };
     Learned { chain: chain(), spec, choices: vec![], rows, laws }

@@ -22,7 +22,8 @@ fn model() -> Model {
     ];
     let links = [3.0, 2.0, 1.0].map(link).to_vec();
     let (coupling, covariance) = (Coupling::default(), vec![]);
-    let chain = RigidChain { geometry, fitted: vec![], links, drives, coupling, covariance };
+    let chain =
+        RigidChain { geometry, fitted: vec![], links, drives, coupling, robot: None, covariance };
     Model {
         joints: ["a", "b", "c"].map(String::from).to_vec(),
         form: Form::Energy(vec![]),

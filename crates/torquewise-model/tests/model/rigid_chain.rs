@@ -25,6 +25,7 @@ fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
 /// Two links at odd angles, a rotor of a shared shaft and a spring.
 fn chain() -> RigidChain {
     RigidChain {
+        robot: None,
         geometry: vec![0.1, -0.2, 1.4, 0.05, 0.3, -0.1],
         fitted: vec![0, 2, 4],
         links: vec![LINK; 2],

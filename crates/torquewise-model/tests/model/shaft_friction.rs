@@ -125,6 +125,7 @@ fn what_is_not_resolved_has_no_number() {
 /// A chain whose covariance is that of its friction alone, L Lᵀ.
 fn with_covariance(mut model: Model, root: &Mat<f64>) -> Model {
     let mut chain = RigidChain {
+        robot: None,
         geometry: vec![0.1, -0.2, 1.4, 0.05, 0.3, -0.1],
         fitted: vec![0, 2],
         links: vec![[0.0; 10]; 2],

@@ -21,6 +21,7 @@ fn model(joints: &[String]) -> Model {
     let link = [1.0, 0.1, 0.0, 0.0, 0.1, 0.1, 0.1, 0.0, 0.0, 0.0];
     let across = [[FRAC_PI_2, 0.0, 0.3, 0.0]; JOINTS - 1];
     let chain = RigidChain {
+        robot: None,
         geometry: [0.0, 0.0].into_iter().chain(across.concat()).collect(),
         fitted: vec![4],
         links: vec![link; JOINTS],

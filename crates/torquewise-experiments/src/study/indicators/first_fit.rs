@@ -12,7 +12,7 @@ use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::samples::Samples;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_stepwise::candidates::{Candidates, Group, Terms};
-use torquewise_stepwise::evidence::{Step, plan_steps};
+use torquewise_stepwise::step_equations::{Step, plan_steps};
 use torquewise_survey::NoiseFloor;
 
 /// A log with its stepwise reconstruction, ready to be regressed again with other weights.

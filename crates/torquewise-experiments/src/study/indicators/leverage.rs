@@ -7,7 +7,7 @@ use crate::study::indicators::steps::add_gram;
 use faer::Mat;
 use torquewise_regression::problem::Problem;
 use torquewise_regression::samples::Evaluator;
-use torquewise_stepwise::evidence::Step;
+use torquewise_stepwise::step_equations::Step;
 
 /// Leverage of rows in the regression of a step, over the offered columns that the first fit kept:
 /// hᵢ(t) = wᵢ yᵢ(t) (Σ wᵢ YᵢᵀYᵢ)⁻¹ yᵢ(t)ᵀ, with wᵢ one over the mean of the variance of equation i.

@@ -8,7 +8,7 @@ use crate::study::indicators::steps::WeightedStep;
 use crate::study::indicators::variance::{effective_variance, inverse_weights, possible_gain};
 use faer::Mat;
 use serde::Serialize;
-use torquewise_stepwise::evidence::Step;
+use torquewise_stepwise::step_equations::Step;
 
 /// How rows are sorted and weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -1,35 +1,35 @@
-//! From things in order to every k-th of them, k a power of two: even samples of logs that add up.
+//! From records in order to every k-th of them, k a power of two: even samples of logs that add up.
 
 use serde::{Deserialize, Serialize};
 
-/// Every k-th thing of each log, k the least power of two that keeps all logs together within a
+/// Every k-th record of each log, k the least power of two that keeps all logs together within a
 /// limit.
 ///
 /// What is kept depends on the logs alone, not on the order in which they come or are merged. As
-/// the first thing of a log always stays, there are more than the limit once there are more logs.
+/// the first record of a log always stays, there are more than the limit once there are more logs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Even {
+pub(crate) struct SystematicSample {
     most: usize,
-    /// Numbers that a thing is made of.
+    /// Numbers that a record is made of.
     width: usize,
     stride: u64,
     logs: Vec<Kept>,
 }
 
-/// The things of one log.
+/// The records of one log.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Kept {
     places: Vec<u64>,
     values: Vec<f64>,
 }
 
-impl Even {
+impl SystematicSample {
     /// Nothing of one log.
     pub(crate) fn new(width: usize, most: usize) -> Self {
         Self { most, width, stride: 1, logs: vec![Kept::default()] }
     }
 
-    /// Hands over the thing at a place of the log, if it is to be kept.
+    /// Hands over the record at a place of the log, if it is to be kept.
     pub(crate) fn push(&mut self, place: u64, values: impl IntoIterator<Item = f64>) {
         if !place.is_multiple_of(self.stride) {
             return;
@@ -41,8 +41,8 @@ impl Even {
         self.thin();
     }
 
-    /// Whether a thing at this place is kept so far.
-    pub(crate) fn wants(&self, place: u64) -> bool {
+    /// Whether a record at this place is kept so far.
+    pub(crate) fn is_sampled(&self, place: u64) -> bool {
         place.is_multiple_of(self.stride)
     }
 
@@ -94,12 +94,12 @@ impl Even {
         });
     }
 
-    /// The things of all logs, one after the other.
-    pub(crate) fn things(&self) -> impl Iterator<Item = &[f64]> {
+    /// The records of all logs, one after the other.
+    pub(crate) fn records(&self) -> impl Iterator<Item = &[f64]> {
         self.logs.iter().flat_map(|log| log.values.chunks_exact(self.width.max(1)))
     }
 
-    /// Whether it is of things of this many numbers and holds what it should.
+    /// Whether it is of records of this many numbers and holds what it should.
     pub(crate) fn is_sound(&self, width: usize, most: usize) -> bool {
         let whole = |log: &Kept| log.values.len() == width * log.places.len();
         let finite = |log: &Kept| log.values.iter().all(|value| value.is_finite());
@@ -112,10 +112,10 @@ impl Even {
 
 #[cfg(test)]
 mod tests {
-    use super::Even;
+    use super::SystematicSample;
 
-    fn log(first: f64, count: u32) -> Even {
-        let mut even = Even::new(2, 100);
+    fn log(first: f64, count: u32) -> SystematicSample {
+        let mut even = SystematicSample::new(2, 100);
         (0..count).for_each(|k| even.push(k.into(), [first + f64::from(k), 0.5]));
         even
     }
@@ -138,14 +138,14 @@ mod tests {
         right.merge(&left);
         right.sort();
         assert_eq!(one, right);
-        // 998 things: every 16th of each log, 63 and a bit.
+        // 998 records: every 16th of each log, 63 and a bit.
         assert_eq!((one.stride, one.len()), (16, 6 + 1 + 49 + 9));
     }
 
     #[test]
     fn a_single_log_keeps_its_order() {
         let even = log(0.0, 101);
-        let firsts: Vec<f64> = even.things().map(|thing| thing[0]).collect();
+        let firsts: Vec<f64> = even.records().map(|record| record[0]).collect();
         assert_eq!(firsts.len(), 51);
         assert!(firsts.windows(2).all(|pair| (pair[1] - pair[0] - 2.0).abs() < 1e-12));
     }

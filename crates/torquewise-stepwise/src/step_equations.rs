@@ -2,7 +2,7 @@
 //! say.
 
 use crate::candidates::Candidates;
-use crate::patterns::place_of;
+use crate::patterns::index_of;
 use torquewise_motion::Pattern;
 use torquewise_regression::accumulate::Route;
 use torquewise_regression::gram::Gram;
@@ -27,7 +27,7 @@ impl Step {
 
 /// What the rows of a step say.
 #[derive(Clone, Debug)]
-pub struct Evidence {
+pub struct StepEquations {
     /// Normal equations of each equation of the design, in the columns of the step.
     pub grams: Vec<Gram>,
     /// Which route computed them.
@@ -43,7 +43,7 @@ pub fn plan_steps(candidates: &Candidates, present: &[Pattern]) -> (Vec<Step>, V
     let mut steps: Vec<Step> = Vec::new();
     let (mut waiting, mut known) = (Vec::new(), Vec::new());
     for pattern in Pattern::ALL {
-        waiting.extend(&candidates.offered[place_of(pattern)]);
+        waiting.extend(&candidates.offered[index_of(pattern)]);
         if present.contains(&pattern) {
             let offered = ascending(std::mem::take(&mut waiting));
             known.extend(&offered);

@@ -1,7 +1,7 @@
 //! From normal equations of all rows to plain least squares: where the refit begins (E6).
 
-use crate::factor::Kept;
-use crate::step::{residual_energy, response_place};
+use crate::factor::ActiveSet;
+use crate::step::{residual_energy, response_index};
 use faer::Mat;
 use torquewise_regression::SparseError;
 use torquewise_regression::gram::Gram;
@@ -12,29 +12,29 @@ use torquewise_regression::problem::Problem;
 const EXPLAINED: f64 = 1e-10;
 
 /// The normal equations of a group over all rows, its equations weighted and added up.
-pub(crate) struct Base {
+pub(crate) struct NormalEquations {
     /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
     pub(crate) gram: Mat<f64>,
     rows: f64,
-    pub(crate) start: Start,
+    pub(crate) start: OlsStart,
     /// R of \[Y τ\] of the sample, where the torque is explained but for rounding.
     pub(crate) r: Option<Mat<f64>>,
 }
 
 /// The plain least-squares fit, with the columns that depend on others found out.
-pub(crate) struct Start {
+pub(crate) struct OlsStart {
     pub(crate) coefficients: Vec<f64>,
     pub(crate) dependent: Vec<usize>,
 }
 
-impl Base {
+impl NormalEquations {
     /// - `grams`: of each equation over all rows
-    pub(crate) fn new(kept: &Kept, grams: &[Gram]) -> Result<Self, SparseError> {
+    pub(crate) fn new(kept: &ActiveSet, grams: &[Gram]) -> Result<Self, SparseError> {
         let p = kept.columns.len();
         let mut gram = Mat::<f64>::zeros(p + 1, p + 1);
         let mut rows = 0.0;
         for (&(equation, response), &weight) in kept.group.equations.iter().zip(&kept.weights) {
-            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
+            let (own, part) = (response_index(grams.len(), response), &grams[equation]);
             for j in 0..p {
                 for i in 0..p {
                     gram[(i, j)] += weight * part.gram[(i, j)];
@@ -45,14 +45,14 @@ impl Base {
             gram[(p, p)] += weight * part.energy[own];
             rows += part.rows as f64;
         }
-        let start = Start::solve(&gram, rows)?;
+        let start = OlsStart::solve(&gram, rows)?;
         Ok(Self { gram, rows, start, r: None })
     }
 
     /// Whether the torque is explained but for rounding.
-    pub(crate) fn is_explained(&self, kept: &Kept, grams: &[Gram]) -> bool {
+    pub(crate) fn is_explained(&self, kept: &ActiveSet, grams: &[Gram]) -> bool {
         kept.group.equations.iter().all(|&(equation, response)| {
-            let (own, part) = (response_place(grams.len(), response), &grams[equation]);
+            let (own, part) = (response_index(grams.len(), response), &grams[equation]);
             residual_energy(part, own, &self.start.coefficients) <= EXPLAINED * part.energy[own]
         })
     }
@@ -60,12 +60,12 @@ impl Base {
     /// The same from R of a sample, a row of which stands for `scale` rows.
     pub(crate) fn sharpened(self, r: Mat<f64>, scale: f64) -> Result<Self, SparseError> {
         let gram = faer::Scale(scale) * (r.transpose() * &r);
-        let start = Start::solve(&gram, self.rows)?;
+        let start = OlsStart::solve(&gram, self.rows)?;
         Ok(Self { gram, start, r: Some(r), ..self })
     }
 }
 
-impl Start {
+impl OlsStart {
     fn solve(gram: &Mat<f64>, rows: f64) -> Result<Self, SparseError> {
         let p = gram.ncols().saturating_sub(1);
         let right = (0..p).map(|j| gram[(j, p)]).collect();

@@ -1,0 +1,99 @@
+//! What hangs on the last link of an arm whose model is known.
+
+use crate::files::{check_output, read_model};
+use crate::outcome::Outcome;
+use crate::progress::watch;
+use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::table::Table;
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use torquewise::model::number;
+use torquewise::model::shaft_friction::Estimated;
+use torquewise::payload::payload;
+
+/// Estimate the load on the last link from seconds of motion, with a model of the bare arm
+#[derive(Args, Debug)]
+pub(crate) struct Arguments {
+    /// Model of the arm without the load
+    model: PathBuf,
+    /// Logs of the arm with the load
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+    /// Model to write: the arm that carries the load
+    #[arg(short, long, value_name = "MODEL.json")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    profile: ProfileArguments,
+    #[command(flatten)]
+    signals: SignalArguments,
+}
+
+/// Names of the components, and their unit.
+const ROWS: [(&str, &str); 10] = [
+    ("mass", "kg"),
+    ("centre x", "m"),
+    ("centre y", "m"),
+    ("centre z", "m"),
+    ("Ixx", "kg m2"),
+    ("Iyy", "kg m2"),
+    ("Izz", "kg m2"),
+    ("Ixy", "kg m2"),
+    ("Ixz", "kg m2"),
+    ("Iyz", "kg m2"),
+];
+
+/// Estimates and prints, and writes the arm with its load.
+pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
+    if let Some(output) = &arguments.output {
+        check_output(output, &arguments.logs)?;
+        check_output(output, std::slice::from_ref(&arguments.model))?;
+    }
+    let model = read_model(&arguments.model)?;
+    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let found = payload(&model, &log, &watch())?;
+    let mut table = Table::new(&["load", "value", "±", "unit"]);
+    let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
+    for ((name, unit), estimated) in ROWS.iter().zip(all) {
+        let Estimated { value, std_error } = estimated;
+        table.row(name, [number(value), number(std_error), (*unit).to_owned()]);
+    }
+    let frame = found.link.as_ref().map_or_else(
+        || "z along the last axis, origin where it is next to the axis before".to_owned(),
+        |link| format!("frame of {link}"),
+    );
+    let mut text = format!(
+        "{} rows; {frame}; ± is one standard error, moments are about the centre\n\n{}\n",
+        found.rows,
+        table.text()
+    );
+    let mut left = Table::new(&["torque left [N m]", "without load", "with load"]);
+    let pairs = found.residual_without.iter().zip(&found.residual_with);
+    for (joint, (without, with)) in model.joints.iter().zip(pairs) {
+        left.row(joint, [number(*without), number(*with)]);
+    }
+    text += &left.text();
+    let mut json = json!({
+        "mass": estimate(&found.mass),
+        "center": found.center.iter().map(estimate).collect::<Vec<_>>(),
+        "inertia": found.inertia.iter().map(estimate).collect::<Vec<_>>(),
+        "link": found.link,
+        "rows": found.rows,
+        "residual_without": found.residual_without,
+        "residual_with": found.residual_with,
+    });
+    if let Some(output) = &arguments.output {
+        found.added_to(&model)?.save(output)?;
+        let file = output.display().to_string();
+        writeln!(text, "\nmodel of the arm with its load: {file}")?;
+        json["file"] = json!(file);
+    }
+    let warnings = found.hints().into_iter().map(str::to_owned).collect();
+    Ok(Outcome { notes: Vec::new(), text, json, warnings })
+}
+
+fn estimate(Estimated { value, std_error }: &Estimated) -> Value {
+    json!({ "value": value, "std_error": std_error })
+}

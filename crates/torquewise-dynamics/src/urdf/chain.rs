@@ -1,0 +1,236 @@
+//! The joints of a URDF that move, base to tip, and the links that hang on them.
+#![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
+
+use crate::arm::{STANDARD_GRAVITY, check_finite, direction};
+use crate::error::DynamicsError;
+use crate::spatial::{Body, Pose};
+use crate::urdf::robot::{self, Robot};
+use crate::urdf::tree::{Tree, Welded};
+use torquewise_rigid::Geometry;
+use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::recursion::PER_BODY;
+
+/// Where the axes of an arm lie, as its URDF says it; its masses are not read.
+///
+/// It gives a fit the geometry that would else be searched, and takes back what was found of the
+/// links in the frames of the file.
+#[derive(Clone, Debug)]
+pub struct UrdfChain {
+    name: String,
+    base: Vec<String>,
+    joints: Vec<UrdfJoint>,
+    geometry: Geometry,
+}
+
+/// A joint of a [`UrdfChain`].
+#[derive(Clone, Debug)]
+pub struct UrdfJoint {
+    /// Its name.
+    pub name: String,
+    /// The link that it turns, then those that are welded to it.
+    pub links: Vec<String>,
+    /// The frame of the geometry in that of the first link.
+    X_LG: Pose,
+    /// Bodies of the file that are welded to the first link, in its frame; those whose joint could
+    /// move, then those whose joint is fixed.
+    welded: Vec<WeldedLink>,
+}
+
+/// A link that is welded to another.
+#[derive(Clone, Debug)]
+struct WeldedLink {
+    name: String,
+    /// In the frame of the first link; `None` where the file has no body that can be.
+    body: Option<Body>,
+    /// Whether its joint is fixed, rather than locked.
+    is_fixed: bool,
+}
+
+/// A body as a URDF has it, in the frame of its link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UrdfInertial {
+    /// \[kg\]
+    pub mass: f64,
+    /// Centre of mass \[m\].
+    pub center: [f64; 3],
+    /// Moments about the centre of mass, axes those of the link: xx, yy, zz, xy, xz, yz \[kg·m²\].
+    pub moments: [f64; 6],
+}
+
+impl UrdfChain {
+    /// The chain of all joints that may move but those to lock, as [`crate::Arm::from_urdf`] has
+    /// it; joints that mimic others are locked.
+    ///
+    /// - `gravity`: where things fall in the frame of the base, of any length; −z without
+    ///
+    /// # Errors
+    /// As [`crate::Arm::from_urdf`], but for masses.
+    pub fn new(
+        text: &str,
+        locked: &[String],
+        gravity: Option<[f64; 3]>,
+    ) -> Result<Self, DynamicsError> {
+        Self::of(&Robot::read(text)?, |joint| !locked.contains(&joint.name), locked, gravity)
+    }
+
+    /// The chain of the named joints: all others are locked. Where the file has none of the names,
+    /// as of a log whose columns have numbers alone, joints are taken in the order of the file.
+    ///
+    /// - `gravity`: as for [`Self::new`]
+    ///
+    /// # Errors
+    /// As [`Self::new`]; [`DynamicsError::UnknownJoints`] if some of the names are not joints,
+    /// [`DynamicsError::JointOrder`] if they do not follow each other from base to tip.
+    pub fn of_joints(
+        text: &str,
+        joints: &[String],
+        locked: &[String],
+        gravity: Option<[f64; 3]>,
+    ) -> Result<Self, DynamicsError> {
+        let robot = Robot::read(text)?;
+        let is_known = |name: &String| robot.joints.iter().any(|joint| joint.name == *name);
+        if !joints.iter().any(is_known) {
+            let chain = Self::of(&robot, |joint| !locked.contains(&joint.name), locked, gravity)?;
+            if chain.joints.len() == joints.len() {
+                return Ok(chain);
+            }
+            let (unknown, known) = (joints.join(", "), names(&chain.joints));
+            return Err(DynamicsError::UnknownJoints { unknown, known });
+        }
+        if let Some(unknown) = joints.iter().find(|name| !is_known(name)) {
+            let known: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
+            let (unknown, known) = (unknown.clone(), known.join(", "));
+            return Err(DynamicsError::UnknownJoints { unknown, known });
+        }
+        let moves = |joint: &robot::Joint| joints.contains(&joint.name);
+        let chain = Self::of(&robot, moves, locked, gravity)?;
+        let found: Vec<&String> = chain.joints.iter().map(|joint| &joint.name).collect();
+        if found.iter().copied().eq(joints) {
+            return Ok(chain);
+        }
+        Err(DynamicsError::JointOrder { expected: names(&chain.joints), found: joints.join(", ") })
+    }
+
+    fn of(
+        robot: &Robot,
+        moves: impl Fn(&robot::Joint) -> bool,
+        named: &[String],
+        gravity: Option<[f64; 3]>,
+    ) -> Result<Self, DynamicsError> {
+        let held = |joint: &&robot::Joint| {
+            joint.kind != "fixed" && (joint.mimics || !moves(joint)) && !named.contains(&joint.name)
+        };
+        let mut locked: Vec<String> =
+            robot.joints.iter().filter(held).map(|joint| joint.name.clone()).collect();
+        locked.extend_from_slice(named);
+        let tree = Tree::new(robot, &locked)?;
+        let links = |welded: &Welded<'_>| -> Vec<String> {
+            welded.links.iter().map(|(link, _)| (*link).to_owned()).collect()
+        };
+        let mut before = tree.welded(tree.root())?;
+        let base = links(&before);
+        let (mut joints, mut placements) = (Vec::new(), Vec::new());
+        // The frame whose z is the axis of the joint before, in that of its link.
+        let mut X_LZ = Pose::identity();
+        while let Some((joint, X_PL)) = tree.only_exit(&before)? {
+            let after = tree.welded(&joint.child)?;
+            let axis = direction(&joint.name, joint.axis)?;
+            let own = Pose::with_z_along(&axis);
+            let X_ZZ = X_LZ.inverse() * X_PL * own;
+            placements.push(Placement { rotation: X_ZZ.R_AB, origin: X_ZZ.p_AB });
+            let (name, links) = (joint.name.clone(), links(&after));
+            let welded = tree.others(&after);
+            let welded = welded.map(|(name, body, is_fixed)| WeldedLink { name, body, is_fixed });
+            joints.push(UrdfJoint { name, links, X_LG: own, welded: welded.collect() });
+            (X_LZ, before) = (own, after);
+        }
+        if joints.is_empty() {
+            return Err(DynamicsError::NoJoints);
+        }
+        let gravity = gravity.unwrap_or(STANDARD_GRAVITY);
+        check_finite("gravity", &robot.name, &gravity)?;
+        if gravity.iter().all(|g| *g == 0.0) {
+            return Err(DynamicsError::NoGravity);
+        }
+        let (geometry, frames) = Geometry::of_frames(&placements, gravity);
+        for (joint, frame) in joints.iter_mut().zip(frames) {
+            joint.X_LG = joint.X_LG * Pose { R_AB: frame.rotation, p_AB: frame.origin };
+        }
+        Ok(Self { name: robot.name.clone(), base, joints, geometry })
+    }
+
+    /// What the robot is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The links that do not move.
+    pub fn base(&self) -> &[String] {
+        &self.base
+    }
+
+    /// The joints that move, base to tip, n.
+    pub fn joints(&self) -> &[UrdfJoint] {
+        &self.joints
+    }
+
+    /// Where their axes lie.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+}
+
+impl UrdfJoint {
+    /// The frame of the geometry in that of the link.
+    pub fn frame(&self) -> Placement {
+        Placement { rotation: self.X_LG.R_AB, origin: self.X_LG.p_AB }
+    }
+
+    /// A body given by its inertial parameters in the frame of the geometry, as the file has it.
+    ///
+    /// - `inertial`: m, m·c, and the moments about the origin, as [`torquewise_rigid::recursion`]
+    pub fn inertial(&self, inertial: &[f64; PER_BODY]) -> UrdfInertial {
+        UrdfInertial::of(&Body::of_parameters(inertial).seen_from(&self.X_LG))
+    }
+
+    /// The same body, shared out among the links that are welded together: what is to be changed of
+    /// each, and whether all others keep what they have. They do where what is left for the first
+    /// is a body; else those whose joint could move do; else the first carries all.
+    pub fn distributed(
+        &self,
+        inertial: &[f64; PER_BODY],
+    ) -> (Vec<(String, Option<UrdfInertial>)>, bool) {
+        let whole = Body::of_parameters(inertial).seen_from(&self.X_LG);
+        let others = &self.welded;
+        let stays: [&dyn Fn(&WeldedLink) -> bool; 3] =
+            [&|_| true, &|link| !link.is_fixed, &|_| false];
+        for stay in stays {
+            let kept = others.iter().filter(|link| stay(link)).filter_map(|link| link.body);
+            let kept = kept.fold(Body::none(), |sum, body| sum.welded_to(&body));
+            let rest = whole.without(&kept);
+            let is_last = !others.iter().any(stay);
+            if !(is_last || torquewise_rigid::inertia::is_feasible(&rest.inertial_parameters())) {
+                continue;
+            }
+            let first = self.links.first().cloned().unwrap_or_default();
+            let mut changes = vec![(first, Some(UrdfInertial::of(&rest)))];
+            let emptied = others.iter().filter(|link| !stay(link));
+            changes.extend(emptied.map(|link| (link.name.clone(), None)));
+            let all_stay = changes.len() == 1;
+            return (changes, all_stay);
+        }
+        (Vec::new(), true)
+    }
+}
+
+impl UrdfInertial {
+    fn of(Body { mass, com, inertia }: &Body) -> Self {
+        let [xx, yy, zz] = [inertia.m11, inertia.m22, inertia.m33];
+        let moments = [xx, yy, zz, inertia.m12, inertia.m13, inertia.m23];
+        Self { mass: *mass, center: (*com).into(), moments }
+    }
+}
+
+fn names(joints: &[UrdfJoint]) -> String {
+    joints.iter().map(|joint| joint.name.as_str()).collect::<Vec<_>>().join(", ")
+}

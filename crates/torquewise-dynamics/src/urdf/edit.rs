@@ -1,0 +1,140 @@
+//! Inertia and friction put into the text of a URDF; every other byte stays.
+
+use crate::error::DynamicsError;
+use crate::urdf::chain::UrdfInertial;
+use roxmltree::{Document, Node};
+use std::ops::Range;
+
+/// What is changed in a URDF.
+#[derive(Clone, Debug)]
+pub enum Change {
+    /// The `<inertial>` of a link; without a body it is taken away.
+    Inertial {
+        /// Name of the link.
+        link: String,
+        /// Its new body.
+        body: Option<UrdfInertial>,
+    },
+    /// The `<dynamics>` of a joint.
+    Dynamics {
+        /// Name of the joint.
+        joint: String,
+        /// Its new friction.
+        dynamics: Dynamics,
+    },
+}
+
+/// Friction and rotor of a joint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dynamics {
+    /// Inertia of the rotor as felt at the joint \[kg·m²\], an attribute that most readers pass
+    /// over.
+    pub armature: f64,
+    /// Viscous friction \[N·m·s/rad\].
+    pub damping: f64,
+    /// Dry friction \[N·m\].
+    pub friction: f64,
+}
+
+/// The text with all changes made.
+///
+/// # Errors
+/// [`DynamicsError::Urdf`] if the text is no XML, [`DynamicsError::UnknownJoints`] if it has no
+/// link or joint of that name.
+pub fn edited(text: &str, changes: &[Change]) -> Result<String, DynamicsError> {
+    let document = Document::parse(text).map_err(|source| DynamicsError::Urdf { source })?;
+    let root = document.root_element();
+    let named = |kind: &str, name: &str| {
+        let mut all = root.children().filter(|node| node.has_tag_name(kind));
+        all.find(|node| node.attribute("name") == Some(name)).ok_or_else(|| {
+            let known = root.children().filter(|node| node.has_tag_name(kind));
+            let known: Vec<&str> = known.filter_map(|node| node.attribute("name")).collect();
+            DynamicsError::UnknownJoints { unknown: name.to_owned(), known: known.join(", ") }
+        })
+    };
+    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    for change in changes {
+        edits.extend(match change {
+            Change::Inertial { link, body } => {
+                let node = named("link", link)?;
+                put(text, node, "inertial", body.as_ref().map(inertial))
+            }
+            Change::Dynamics { joint, dynamics } => {
+                let node = named("joint", joint)?;
+                put(text, node, "dynamics", Some(friction(dynamics)))
+            }
+        });
+    }
+    edits.sort_by_key(|(range, _)| range.start);
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for (range, new) in edits {
+        out.push_str(&text[at..range.start]);
+        out.push_str(&new);
+        at = range.end;
+    }
+    out.push_str(&text[at..]);
+    Ok(out)
+}
+
+/// Replaces the first child of a name, takes the others away, or adds one at the end.
+fn put(
+    text: &str,
+    node: Node<'_, '_>,
+    name: &str,
+    new: Option<Vec<String>>,
+) -> Vec<(Range<usize>, String)> {
+    let margin = margin_of(text, node.range().start);
+    let lines = new.map(|lines| {
+        let inner = format!("\n{margin}  ");
+        lines.join(&inner)
+    });
+    let old: Vec<Range<usize>> = (node.children())
+        .filter(|child| child.has_tag_name(name))
+        .map(|child| child.range())
+        .collect();
+    if let Some((first, others)) = old.split_first() {
+        let mut edits = vec![(first.clone(), lines.unwrap_or_default())];
+        edits.extend(others.iter().map(|range| (range.clone(), String::new())));
+        return edits;
+    }
+    let Some(lines) = lines else { return Vec::new() };
+    let range = node.range();
+    let whole = &text[range.clone()];
+    if whole.ends_with("/>") {
+        let end = range.end - 2;
+        let tag = node.tag_name().name();
+        return vec![(end..range.end, format!(">\n{margin}  {lines}\n{margin}</{tag}>"))];
+    }
+    // Before the end tag, behind the last element.
+    let end = range.start + whole.rfind("</").unwrap_or(whole.len());
+    let behind = text[..end].trim_end().len();
+    vec![(behind..behind, format!("\n{margin}  {lines}"))]
+}
+
+/// White space that the line of a place begins with.
+fn margin_of(text: &str, place: usize) -> String {
+    let line = text[..place].rfind('\n').map_or(0, |end| end + 1);
+    text[line..place].chars().take_while(|c| *c == ' ' || *c == '\t').collect()
+}
+
+fn inertial(body: &UrdfInertial) -> Vec<String> {
+    let [x, y, z] = body.center;
+    let [xx, yy, zz, xy, xz, yz] = body.moments;
+    vec![
+        "<inertial>".to_owned(),
+        format!("  <origin xyz=\"{x:?} {y:?} {z:?}\" rpy=\"0 0 0\"/>"),
+        format!("  <mass value=\"{:?}\"/>", body.mass),
+        format!(
+            "  <inertia ixx=\"{xx:?}\" ixy=\"{xy:?}\" ixz=\"{xz:?}\" iyy=\"{yy:?}\" \
+             iyz=\"{yz:?}\" izz=\"{zz:?}\"/>"
+        ),
+        "</inertial>".to_owned(),
+    ]
+}
+
+fn friction(Dynamics { armature, damping, friction }: &Dynamics) -> Vec<String> {
+    vec![format!(
+        "<dynamics damping=\"{damping:?}\" friction=\"{friction:?}\" armature=\"{armature:?}\"/>"
+    )]
+}

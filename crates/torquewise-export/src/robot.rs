@@ -1,0 +1,320 @@
+//! From model to what a robot file holds of it: links, joints, rotors, friction, and what is left
+//! out.
+
+use crate::error::ExportError;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::shaft_friction::ShaftFriction;
+use torquewise_model::{Drive, Model, RigidChain, Torque};
+
+/// An arm as robot files describe it.
+#[derive(Clone, Debug)]
+pub(crate) struct Robot {
+    pub(crate) name: String,
+    pub(crate) base: String,
+    pub(crate) joints: Vec<RobotJoint>,
+    /// Rotors and friction on shafts that several joints turn.
+    pub(crate) shared: Vec<SharedShaft>,
+    /// Parts of the model that no robot file has room for.
+    pub(crate) left_out: Vec<String>,
+}
+
+/// A joint with the link that it turns, the axis z of its frame.
+#[derive(Clone, Debug)]
+pub(crate) struct RobotJoint {
+    pub(crate) name: String,
+    pub(crate) link: String,
+    /// Its frame at q = 0 in the one before; of the first in the world, z up.
+    pub(crate) rotation: Matrix3<f64>,
+    /// \[m\]
+    pub(crate) origin: Vector3<f64>,
+    /// m, m·c and moments about the origin.
+    pub(crate) inertial: [f64; 10],
+    pub(crate) losses: Losses,
+    /// Positions \[rad\] of the log.
+    pub(crate) range: [f64; 2],
+    /// Largest speed of the log \[rad/s\].
+    pub(crate) speed: f64,
+    /// Largest torque \[N·m\] that the model asks for within the motion of the log.
+    pub(crate) effort: f64,
+}
+
+/// What turns with a shaft and rubs on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Losses {
+    /// Inertia of the rotor as felt at the joint \[kg·m²\].
+    pub(crate) armature: f64,
+    /// Viscous friction \[N·m·s/rad\].
+    pub(crate) damping: f64,
+    /// Dry friction \[N·m\].
+    pub(crate) friction: f64,
+}
+
+/// A shaft that several joints turn.
+#[derive(Clone, Debug)]
+pub(crate) struct SharedShaft {
+    /// Its speed per speed of each joint, n.
+    pub(crate) shaft: Vec<f64>,
+    pub(crate) losses: Losses,
+}
+
+/// A body by its centre of mass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Central {
+    pub(crate) mass: f64,
+    pub(crate) center: Vector3<f64>,
+    /// About the centre of mass.
+    pub(crate) inertia: Matrix3<f64>,
+}
+
+/// States that the largest torque is looked for at.
+const EFFORT_STATES: usize = 2_000;
+/// Speeds up to the peak that a curve of friction is read at, and those left out for its reversal.
+const SPEEDS: u32 = 50;
+const SLOW_SPEEDS: u32 = 5;
+
+impl Robot {
+    /// What of a model a robot file can hold.
+    ///
+    /// # Errors
+    /// [`ExportError::NoChain`] without a rigid chain, [`ExportError::Coupled`] where a joint is
+    /// turned by several coordinates, [`ExportError::Infeasible`] where a link is no body.
+    pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
+        let chain = model.chain.as_ref().ok_or(ExportError::NoChain)?;
+        if !chain.coupling.is_none() {
+            return Err(ExportError::Coupled);
+        }
+        if let Some(link) = infeasible(chain) {
+            let joint = model.joints.get(link).cloned().unwrap_or_default();
+            return Err(ExportError::Infeasible { joint });
+        }
+        let axes = chain.axes()?;
+        let mut placements = axes.placements();
+        if let Some(first) = placements.first_mut() {
+            let down = Vector3::from(axes.gravity());
+            first.rotation = upright(&-down);
+        }
+        let (own, shared, left_out) = losses(model, chain);
+        let efforts = efforts(model)?;
+        let training = &model.training;
+        let joints = placements.iter().enumerate().map(|(k, placement)| {
+            let name =
+                robot_names(model, |names| names.joints[k].clone(), || model.joints[k].clone());
+            let link = robot_names(
+                model,
+                |names| names.links[k].clone(),
+                || format!("{}_link", model.joints[k]),
+            );
+            RobotJoint {
+                name,
+                link,
+                rotation: placement.rotation,
+                origin: placement.origin,
+                inertial: chain.links[k],
+                losses: own[k],
+                range: training.q_range.get(k).copied().unwrap_or([-PI, PI]),
+                speed: training.dq_peak.get(k).copied().unwrap_or(0.0),
+                effort: efforts[k],
+            }
+        });
+        Ok(Self {
+            name: robot_names(model, |names| names.robot.clone(), || "arm".to_owned()),
+            base: robot_names(model, |names| names.base.clone(), || "base_link".to_owned()),
+            joints: joints.collect(),
+            shared,
+            left_out,
+        })
+    }
+}
+
+/// A name that a URDF gave, or another.
+fn robot_names(
+    model: &Model,
+    given: impl Fn(&torquewise_model::RobotNames) -> String,
+    other: impl Fn() -> String,
+) -> String {
+    let robot = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
+    robot.map_or_else(other, given)
+}
+
+/// The first link that is no body.
+fn infeasible(chain: &RigidChain) -> Option<usize> {
+    let alone =
+        |link: &[f64; 10]| RigidChain { links: vec![*link], drives: vec![], ..chain.clone() };
+    chain.links.iter().position(|link| !alone(link).is_feasible())
+}
+
+/// The turn that brings a direction to z.
+fn upright(up: &Vector3<f64>) -> Matrix3<f64> {
+    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
+    *Rotation3::rotation_between(up, &Vector3::z()).unwrap_or_else(half_turn).matrix()
+}
+
+/// Rotors and friction of each joint, those of shared shafts, and what is left out.
+fn losses(model: &Model, chain: &RigidChain) -> (Vec<Losses>, Vec<SharedShaft>, Vec<String>) {
+    let n = model.n_joints();
+    let mut own = vec![Losses::default(); n];
+    let (mut shared, mut left_out): (Vec<SharedShaft>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut at = |shaft: &[f64], change: &dyn Fn(&mut Losses)| {
+        let mut turning = (0..n).filter(|&joint| shaft[joint] != 0.0);
+        if let (Some(joint), None) = (turning.next(), turning.next())
+            && shaft[joint].abs().to_bits() == 1.0_f64.to_bits()
+        {
+            change(&mut own[joint]);
+            return;
+        }
+        let place = shared.iter().position(|known| known.shaft == shaft).unwrap_or_else(|| {
+            shared.push(SharedShaft { shaft: shaft.to_vec(), losses: Losses::default() });
+            shared.len() - 1
+        });
+        change(&mut shared[place].losses);
+    };
+    for drive in &chain.drives {
+        match drive {
+            Drive::Rotor { shaft, inertia } => at(shaft, &|own| own.armature += inertia),
+            Drive::Energy { term, .. } => left_out.push(format!("the energy term {}", term.name())),
+        }
+    }
+    for shaft in ShaftFriction::all(model) {
+        let (damping, friction) = linear(model, &shaft);
+        at(shaft.shaft(), &|own| (own.damping, own.friction) = (damping, friction));
+        let laws = || shaft.laws().map(|(_, term)| term);
+        let name = shaft.name();
+        if laws().any(|term| term.load) {
+            left_out.push(format!("friction of {name} under load"));
+        }
+        if laws().any(|term| term.law == FrictionLaw::Offset) {
+            left_out.push(format!("the offset torque of {name}"));
+        }
+        let bends = |law: FrictionLaw| {
+            matches!(law, FrictionLaw::Stribeck { .. } | FrictionLaw::Dahl { .. })
+        };
+        if laws().any(|term| bends(term.law) || !term.direction.is_both()) {
+            left_out.push(format!(
+                "the curve of the friction of {name}: dry and viscous friction are nearest to it"
+            ));
+        }
+    }
+    (own, shared, left_out)
+}
+
+/// Viscous \[N·m·s/rad\] and dry friction \[N·m\] nearest to the curve of a shaft, mean of both
+/// directions, none negative.
+fn linear(model: &Model, shaft: &ShaftFriction<'_>) -> (f64, f64) {
+    let peak: f64 =
+        shaft.shaft().iter().zip(&model.training.dq_peak).map(|(s, v)| s.abs() * v).sum();
+    let peak = if peak > 0.0 { peak } else { 1.0 };
+    let at = |speed: f64| -> f64 {
+        let laws = shaft.laws().filter(|(_, t)| !t.load && t.law != FrictionLaw::Offset);
+        laws.map(|(k, term)| model.friction[k].coefficient * term.at_speed(speed)).sum()
+    };
+    let (mut m, mut sums) = (0.0, [0.0; 4]);
+    for k in SLOW_SPEEDS..=SPEEDS {
+        let speed = peak * f64::from(k) / f64::from(SPEEDS);
+        let torque = 0.5 * (at(speed) - at(-speed));
+        m += 1.0;
+        for (sum, x) in sums.iter_mut().zip([speed, torque, speed * speed, speed * torque]) {
+            *sum += x;
+        }
+    }
+    let [v, f, vv, vf] = sums.map(|sum| sum / m);
+    let damping = (vf - v * f) / (vv - v * v);
+    if damping <= 0.0 {
+        return (0.0, f.max(0.0));
+    }
+    let friction = f - damping * v;
+    if friction >= 0.0 { (damping, friction) } else { ((vf / vv).max(0.0), 0.0) }
+}
+
+/// Largest torque of each joint over states within those of the log \[N·m\], n.
+fn efforts(model: &Model) -> Result<Vec<f64>, ExportError> {
+    let (n, training) = (model.n_joints(), &model.training);
+    let torque = Torque::new(model);
+    let mut random = ChaCha8Rng::seed_from_u64(0);
+    let mut largest = vec![0.0_f64; n];
+    let peak = |peaks: &[f64], joint: usize| peaks.get(joint).copied().unwrap_or(1.0);
+    for _ in 0..EFFORT_STATES {
+        let mut draw = || -> f64 { random.random_range(-1.0..1.0) };
+        let position = |joint: usize, unit: f64| {
+            let [low, high] = training.q_range.get(joint).copied().unwrap_or([-PI, PI]);
+            f64::midpoint(low, high) + 0.5 * (high - low) * unit
+        };
+        let q: Vec<f64> = (0..n).map(|joint| position(joint, draw())).collect();
+        let [dq, ddq] = [&training.dq_peak, &training.ddq_peak]
+            .map(|peaks| (0..n).map(|joint| peak(peaks, joint) * draw()).collect::<Vec<f64>>());
+        for (largest, tau) in largest.iter_mut().zip(torque.at(&q, &dq, &ddq)?) {
+            *largest = largest.max(tau.abs());
+        }
+    }
+    Ok(largest)
+}
+
+impl RobotJoint {
+    /// Its link by the centre of mass.
+    pub(crate) fn central(&self) -> Central {
+        let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = self.inertial;
+        let center = Vector3::new(x, y, z) / mass;
+        let about_origin = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        let shift = Matrix3::identity() * center.norm_squared() - center * center.transpose();
+        Central { mass, center, inertia: about_origin - mass * shift }
+    }
+
+    /// Fixed-axis roll, pitch and yaw \[rad\] of its frame, exact where pitch is a right angle too.
+    pub(crate) fn rpy(&self) -> [f64; 3] {
+        let r = &self.rotation;
+        let pitch = (-r[(2, 0)]).atan2(r[(2, 1)].hypot(r[(2, 2)]));
+        let roll =
+            if r[(2, 1)] == 0.0 && r[(2, 2)] == 0.0 { 0.0 } else { r[(2, 1)].atan2(r[(2, 2)]) };
+        let (sine, cosine) = roll.sin_cos();
+        // What is left once the roll is taken back is a yaw and a pitch.
+        let yaw =
+            (sine * r[(0, 2)] - cosine * r[(0, 1)]).atan2(cosine * r[(1, 1)] - sine * r[(1, 2)]);
+        [roll, pitch, yaw]
+    }
+
+    /// Its frame as a unit quaternion w, x, y, z.
+    pub(crate) fn quaternion(&self) -> [f64; 4] {
+        let rotation = Rotation3::from_matrix_unchecked(self.rotation);
+        let q = UnitQuaternion::from_rotation_matrix(&rotation);
+        [q.w, q.i, q.j, q.k]
+    }
+}
+
+/// Numbers with all their digits, separated by spaces.
+pub(crate) fn numbers<const N: usize>(values: [f64; N]) -> String {
+    // Rounding of a turn is no number to read.
+    let clean = |x: f64| if x.abs() < 1e-16 { 0.0 } else { x };
+    values.map(|x| format!("{:?}", clean(x))).join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roll_pitch_and_yaw_give_the_frame_back_near_right_angles_too() {
+        let half = std::f64::consts::FRAC_PI_2;
+        for pitch in [0.3, half, half - 1e-9, -half, half + 1e-8, -2.0] {
+            for (roll, yaw) in [(0.0, 0.0), (0.4, -1.1), (2.8, 3.0)] {
+                let rotation = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+                let joint = RobotJoint {
+                    name: String::new(),
+                    link: String::new(),
+                    rotation,
+                    origin: Vector3::zeros(),
+                    inertial: [0.0; 10],
+                    losses: Losses::default(),
+                    range: [0.0; 2],
+                    speed: 0.0,
+                    effort: 0.0,
+                };
+                let [roll, pitch, yaw] = joint.rpy();
+                let back = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
+                assert!((back - rotation).norm() < 1e-14, "{roll} {pitch} {yaw}");
+            }
+        }
+    }
+}

@@ -1,0 +1,482 @@
+//! From a model of the arm and a log with a load on its last link to the load (E15).
+
+use faer::{ColRef, Mat};
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::shaft_friction::Estimated;
+use torquewise_model::{LinkFrame, Model, ModelError, RigidChain, Torque};
+use torquewise_motion::Recording;
+use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
+use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::inertia::{plain_link, seen_from};
+use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_survey::error::IdentifyError;
+
+/// A body on the last link of an arm.
+///
+/// It is in the frame of that link: as the URDF has it, where one gave the geometry; else z is the
+/// last axis and the origin where that is next to the axis before.
+#[derive(Clone, Debug)]
+pub struct Payload {
+    /// The link, as a URDF calls it.
+    pub link: Option<String>,
+    /// \[kg\]
+    pub mass: Estimated,
+    /// Centre of mass \[m\].
+    pub center: [Estimated; 3],
+    /// Moments about the centre of mass xx, yy, zz, xy, xz, yz \[kg·m²\].
+    pub inertia: [Estimated; 6],
+    /// Rows it was found on.
+    pub rows: usize,
+    /// RMS of what the model without it leaves of the torque of each joint \[N·m\], n.
+    pub residual_without: Vec<f64>,
+    /// The same with it.
+    pub residual_with: Vec<f64>,
+    inertial: [f64; PER_BODY],
+    /// Covariance that the log makes, 10×10.
+    own: Mat<f64>,
+    /// How the load follows from errors of the parameters of the arm, 10×p.
+    followed: Mat<f64>,
+}
+
+/// Equations of some time, to tell how much the log scatters.
+struct Block {
+    information: Mat<f64>,
+    right: Vec<f64>,
+}
+
+/// Blocks of time at most: neighbours are joined where there are more.
+const MOST_BLOCKS: usize = 256;
+/// Rows between two at which the uncertainty of the arm is taken in.
+const SPARSE: usize = 8;
+/// A joint slower than so many half widths of its reversal is at rest: its friction may be anything.
+const AT_REST: f64 = 3.0;
+/// What the square of such a row counts.
+const SHARE_AT_REST: f64 = 0.1;
+/// Spread of a nominal load \[m\], and its least mass \[kg\].
+const NOMINAL: (f64, f64) = (0.05, 1e-3);
+/// How strongly a load is held at the nominal one, in squares of the noise: next to nothing.
+const STRENGTH: f64 = 1.0;
+/// A mass is told where its standard error is below this part of it, a centre where it is below so
+/// many \[m\].
+const TOLD: (f64, f64) = (0.3, 0.02);
+/// A step of the inertial parameters to differentiate by, in standard errors.
+const STEP: f64 = 1e-4;
+
+impl Payload {
+    /// Estimates the load by what a model leaves of the torque: τ − τ̂ = Yₙ(q, q̇, q̈) β, linear in
+    /// the ten inertial parameters β of the load, solved as \[E11\] among the bodies that can be
+    /// \[E14\]. Errors count the scatter over blocks of time and what is uncertain of the arm.
+    ///
+    /// - `recording`: rows filtered as those of the model were
+    ///
+    /// # Errors
+    /// [`IdentifyError::Model`] if the model is no rigid chain or of another arm,
+    /// [`IdentifyError::Chain`] if the rows do not suffice, and those of reading.
+    pub fn find(
+        model: &Model,
+        recording: &(impl Recording + ?Sized),
+    ) -> Result<Self, IdentifyError> {
+        let chain = chain_of(model)?;
+        model.check_joints(recording.joints())?;
+        let sums = Sums::over(model, chain, recording)?;
+        let information = sums.total();
+        let right: Vec<f64> =
+            (0..PER_BODY).map(|k| sums.blocks.iter().map(|block| block.right[k]).sum()).collect();
+        let cost = Quadratic { hessian: &information, right: &right };
+        let prior = Prior { bodies: vec![nominal(&information, &right)], ..Prior::default() };
+        let solution = minimise(cost, &prior, STRENGTH, &prior.bodies[0])?;
+        let factor = curvature(cost, &prior, STRENGTH, &solution)?;
+
+        let mut middle = sums.scatter(&solution);
+        prior.add_slopes(&solution, STRENGTH, &mut [0.0; PER_BODY], &mut middle);
+        let half = factor.solve_matrix(&middle);
+        let own = factor.solve_matrix(&half.transpose().to_owned());
+        let followed = factor.solve_matrix(&sums.arm);
+        let inertial: [f64; PER_BODY] = std::array::from_fn(|k| solution[k]);
+        let mut covariance = own.clone();
+        if !chain.covariance.is_empty() {
+            covariance += &followed * chain.covariance_matrix() * followed.transpose();
+        }
+        let robot = chain.robot.as_ref();
+        let (link, frame) = robot
+            .map(|robot| (robot.links.last().cloned(), robot.frames.last().copied()))
+            .unwrap_or_default();
+        let [mass, center, inertia] = central(&inertial, &covariance, frame);
+        let rms = |squares: &[f64]| -> Vec<f64> {
+            squares.iter().map(|sum| (sum / sums.rows.max(1) as f64).sqrt()).collect()
+        };
+        let with = rms(&squares_with(model, chain, recording, &inertial)?);
+        Ok(Self {
+            link,
+            mass: mass[0],
+            center: std::array::from_fn(|k| center[k]),
+            inertia: std::array::from_fn(|k| inertia[k]),
+            rows: sums.rows,
+            residual_without: rms(&sums.squares),
+            residual_with: with,
+            inertial,
+            own,
+            followed,
+        })
+    }
+
+    /// What the log tells too little of, and which motion would tell it.
+    pub fn hints(&self) -> Vec<&'static str> {
+        let mut hints = Vec::new();
+        let is_told = self.mass.std_error < TOLD.0 * self.mass.value;
+        if !is_told {
+            hints.push(
+                "the mass is not told from zero: hold the load in many poses, with the arm \
+                 stretched and folded",
+            );
+        }
+        if is_told && self.center.iter().any(|center| center.std_error > TOLD.1) {
+            hints.push(
+                "the centre of mass is uncertain by more than 2 cm: turn the last joints, so that \
+                 gravity pulls at the load from three sides",
+            );
+        }
+        hints
+    }
+
+    /// The model of the arm that carries the load; its equations to read are those of the arm alone.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Model`] if the model is no rigid chain.
+    pub fn added_to(&self, model: &Model) -> Result<Model, IdentifyError> {
+        let mut model = model.clone();
+        chain_of(&model)?;
+        let Some(chain) = &mut model.chain else { return Ok(model) };
+        let first = PER_BODY * (chain.n_joints() - 1);
+        if let Some(link) = chain.links.last_mut() {
+            link.iter_mut().zip(self.inertial).for_each(|(own, load)| *own += load);
+        }
+        if !chain.covariance.is_empty() {
+            let covariance = chain.covariance_matrix();
+            let p = covariance.nrows();
+            // What the load is taken for too large, the arm is too small.
+            let change = Mat::from_fn(p, p, |i, j| {
+                let is_own = f64::from(u8::from(i == j));
+                let load = i.checked_sub(first).filter(|k| *k < PER_BODY);
+                is_own - load.map_or(0.0, |k| self.followed[(k, j)])
+            });
+            let mut whole = &change * covariance * change.transpose();
+            for i in 0..PER_BODY {
+                for j in 0..PER_BODY {
+                    whole[(first + i, first + j)] += self.own[(i, j)];
+                }
+            }
+            chain.set_covariance(&whole);
+        }
+        Ok(model)
+    }
+}
+
+fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
+    let reason = "it has none: a load hangs on a link, fit the arm with --library chain or --urdf";
+    let chain = model.chain.as_ref();
+    Ok(chain.ok_or_else(|| ModelError::Chain { reason: reason.to_owned() })?)
+}
+
+/// What one pass over the rows adds up to.
+struct Sums {
+    blocks: Vec<Block>,
+    /// Rows of a block that are not joined yet.
+    joined: usize,
+    /// Σ Yᵀ W J, J the derivatives of the torque by the parameters of the arm, 10×p.
+    arm: Mat<f64>,
+    /// Squares of what the model leaves of each joint, n.
+    squares: Vec<f64>,
+    rows: usize,
+}
+
+/// One over the noise of each joint, and its speed at rest.
+struct Weights {
+    weight: Vec<f64>,
+    rest: Vec<f64>,
+}
+
+impl Weights {
+    fn of(model: &Model) -> Self {
+        let rest = |joint: usize| {
+            let widths = model.friction.iter().filter(|own| own.term.acts_on(joint)).map(|own| {
+                match own.term.law {
+                    FrictionLaw::Coulomb { width } => width,
+                    _ => 0.0,
+                }
+            });
+            AT_REST * widths.fold(0.0_f64, f64::max)
+        };
+        let training = &model.training;
+        let noise = if training.held_out_rms.is_empty() {
+            &training.residual_rms
+        } else {
+            &training.held_out_rms
+        };
+        let one = |joint: usize| match noise.get(joint) {
+            Some(rms) if *rms > 0.0 => 1.0 / rms,
+            _ => 1.0,
+        };
+        let n = model.n_joints();
+        Self { weight: (0..n).map(one).collect(), rest: (0..n).map(rest).collect() }
+    }
+
+    /// The weight of the square of a row of a joint.
+    fn square(&self, joint: usize, speed: f64) -> f64 {
+        let share = if speed.abs() < self.rest[joint] { SHARE_AT_REST } else { 1.0 };
+        share * self.weight[joint].powi(2)
+    }
+}
+
+/// Columns of the last body at a state, n×10.
+struct Columns<'a> {
+    kinematics: Kinematics,
+    inertial: Vec<f64>,
+    chain: &'a RigidChain,
+    moved: Moved<f64>,
+    torque: Vec<f64>,
+}
+
+impl<'a> Columns<'a> {
+    fn of(chain: &'a RigidChain) -> Result<Self, IdentifyError> {
+        let kinematics = Kinematics::new(&chain.axes()?);
+        let (inertial, torque) = (chain.inertial(), vec![0.0; chain.n_joints()]);
+        Ok(Self { kinematics, inertial, chain, moved: Moved::default(), torque })
+    }
+
+    fn at(&mut self, [q, dq, ddq]: [&[f64]; 3], out: &mut Mat<f64>) {
+        let state = State { q, dq, ddq };
+        self.kinematics.inverse_dynamics(state, &self.inertial, &mut self.moved, &mut self.torque);
+        out.fill(0.0);
+        let first = PER_BODY * (self.chain.n_joints() - 1);
+        self.moved.regressor(|joint, parameter, value| {
+            if let Some(own) = parameter.checked_sub(first) {
+                out[(joint, own)] = value;
+            }
+        });
+    }
+}
+
+impl Sums {
+    fn over(
+        model: &Model,
+        chain: &RigidChain,
+        recording: &(impl Recording + ?Sized),
+    ) -> Result<Self, IdentifyError> {
+        let n = model.n_joints();
+        let (weights, mut columns) = (Weights::of(model), Columns::of(chain)?);
+        let p = chain.n_parameters(model.friction.len());
+        let mut sums = Self {
+            blocks: Vec::new(),
+            joined: 1,
+            arm: Mat::zeros(PER_BODY, p),
+            squares: vec![0.0; n],
+            rows: 0,
+        };
+        let mut y = Mat::zeros(n, PER_BODY);
+        let mut path_laws = Vec::new();
+        visit(model, recording, &mut |block, left, laws| {
+            let mut own =
+                Block { information: Mat::zeros(PER_BODY, PER_BODY), right: vec![0.0; PER_BODY] };
+            for row in 0..block.n_rows() {
+                let state = state_of(block, row);
+                columns.at(state.each_ref().map(Vec::as_slice), &mut y);
+                let weight: Vec<f64> =
+                    (0..n).map(|joint| weights.square(joint, state[1][joint])).collect();
+                for joint in 0..n {
+                    let error = left[(row, joint)];
+                    sums.squares[joint] += error * error;
+                    for i in 0..PER_BODY {
+                        let weighed = weight[joint] * y[(joint, i)];
+                        own.right[i] += weighed * error;
+                        for j in 0..PER_BODY {
+                            own.information[(i, j)] += weighed * y[(joint, j)];
+                        }
+                    }
+                }
+                if (sums.rows + row).is_multiple_of(SPARSE) && !chain.covariance.is_empty() {
+                    path_laws.clear();
+                    path_laws.extend((0..laws.ncols()).map(|law| laws[(row, law)]));
+                    let of_arm = chain.sensitivities(
+                        (&model.friction, &path_laws),
+                        state.each_ref().map(Vec::as_slice),
+                    )?;
+                    for j in 0..p {
+                        for i in 0..PER_BODY {
+                            let across = (0..n)
+                                .map(|joint| weight[joint] * y[(joint, i)] * of_arm[(joint, j)]);
+                            sums.arm[(i, j)] += SPARSE as f64 * across.sum::<f64>();
+                        }
+                    }
+                }
+            }
+            sums.rows += block.n_rows();
+            sums.push(own);
+            Ok(())
+        })?;
+        Ok(sums)
+    }
+
+    /// Takes a block in; where there are many, each two become one.
+    fn push(&mut self, block: Block) {
+        self.blocks.push(block);
+        if self.blocks.len() > MOST_BLOCKS {
+            let mut halved: Vec<Block> = Vec::with_capacity(MOST_BLOCKS / 2 + 1);
+            for (k, block) in self.blocks.drain(..).enumerate() {
+                match halved.last_mut() {
+                    Some(last) if k % 2 == 1 => last.add(&block),
+                    _ => halved.push(block),
+                }
+            }
+            self.blocks = halved;
+            self.joined *= 2;
+        }
+    }
+
+    fn total(&self) -> Mat<f64> {
+        let none = Mat::zeros(PER_BODY, PER_BODY);
+        self.blocks.iter().fold(none, |sum, block| sum + &block.information)
+    }
+
+    /// Σ s sᵀ of the scores of blocks of time, since neighbouring rows are alike.
+    fn scatter(&self, solution: &[f64]) -> Mat<f64> {
+        let mut sum = Mat::<f64>::zeros(PER_BODY, PER_BODY);
+        let count = self.blocks.len() as f64;
+        for block in &self.blocks {
+            let known = &block.information * ColRef::from_slice(solution);
+            let score: Vec<f64> =
+                block.right.iter().zip(known.iter()).map(|(b, k)| b - k).collect();
+            for i in 0..PER_BODY {
+                for j in 0..PER_BODY {
+                    sum[(i, j)] += score[i] * score[j];
+                }
+            }
+        }
+        // Few blocks scatter less than many would.
+        sum * faer::Scale(count / (count - 1.0).max(1.0))
+    }
+}
+
+/// Squares of what is left of each joint with the load, n.
+fn squares_with(
+    model: &Model,
+    chain: &RigidChain,
+    recording: &(impl Recording + ?Sized),
+    load: &[f64; PER_BODY],
+) -> Result<Vec<f64>, IdentifyError> {
+    let n = model.n_joints();
+    let mut columns = Columns::of(chain)?;
+    let (mut y, mut squares) = (Mat::zeros(n, PER_BODY), vec![0.0; n]);
+    visit(model, recording, &mut |block, left, _| {
+        for row in 0..block.n_rows() {
+            columns.at(state_of(block, row).each_ref().map(Vec::as_slice), &mut y);
+            let loads = &y * ColRef::from_slice(load);
+            for joint in 0..n {
+                squares[joint] += (left[(row, joint)] - loads[joint]).powi(2);
+            }
+        }
+        Ok(())
+    })?;
+    Ok(squares)
+}
+
+impl Block {
+    fn add(&mut self, other: &Self) {
+        self.information = &self.information + &other.information;
+        self.right.iter_mut().zip(&other.right).for_each(|(own, b)| *own += b);
+    }
+}
+
+/// Rows of a block of time: shorter than those of a reader, as a log for a load is short.
+const BLOCK_ROWS: usize = 128;
+
+/// Blocks of a log, what a model leaves of their torque, and what each of its laws of friction is.
+type Visit<'a> =
+    dyn FnMut(&torquewise_motion::Motion, &Mat<f64>, &Mat<f64>) -> Result<(), IdentifyError> + 'a;
+
+fn visit(
+    model: &Model,
+    recording: &(impl Recording + ?Sized),
+    see: &mut Visit<'_>,
+) -> Result<(), IdentifyError> {
+    let torque = Torque::new(model);
+    let mut path = torque.path();
+    recording
+        .read(&mut |trajectory, block| {
+            let followed = path.follow(trajectory, block);
+            let laws = torque.laws(&followed)?;
+            let left = block.require_tau()? - torque.over(&followed)?;
+            for first in (0..block.n_rows()).step_by(BLOCK_ROWS) {
+                let rows: Vec<usize> = (first..block.n_rows().min(first + BLOCK_ROWS)).collect();
+                let part = block.select(&rows);
+                let of = |x: &Mat<f64>| x.subrows(first, rows.len()).to_owned();
+                see(&part, &of(&left), &of(&laws))?;
+            }
+            Ok(())
+        })
+        .map_err(IdentifyError::Read)
+}
+
+fn state_of(block: &torquewise_motion::Motion, row: usize) -> [Vec<f64>; 3] {
+    [block.q(), block.dq(), block.ddq()].map(|x| x.row(row).iter().copied().collect())
+}
+
+/// A load that may well be: of the mass and centre that least squares say, if they say any.
+fn nominal(information: &Mat<f64>, right: &[f64]) -> [f64; PER_BODY] {
+    // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
+    let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
+    let first =
+        Mat::from_fn(4, 4, |i, j| information[(i, j)] + if i == j { ridge(i) } else { 0.0 });
+    let own = Quadratic { hessian: &first, right: &right[..4] };
+    let found = curvature(own, &Prior::default(), 0.0, &[0.0; 4]).map(|f| f.solve(&right[..4]));
+    let found = found.unwrap_or_default();
+    let mass = found.first().copied().unwrap_or(0.0).max(NOMINAL.1);
+    let center = |k: usize| (found.get(k).copied().unwrap_or(0.0) / mass).clamp(-1.0, 1.0);
+    let origin = nalgebra::Vector3::new(center(1), center(2), center(3));
+    let spread = NOMINAL.0;
+    let round = plain_link(mass, &nalgebra::Vector3::zeros(), spread);
+    seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
+}
+
+/// Mass, centre and moments about the centre with their standard errors, seen from a frame.
+fn central(
+    inertial: &[f64; PER_BODY],
+    covariance: &Mat<f64>,
+    frame: Option<LinkFrame>,
+) -> [Vec<Estimated>; 3] {
+    let frame = frame.map(|LinkFrame { rotation, origin }| Placement {
+        rotation: nalgebra::Matrix3::from_fn(|i, j| rotation[i][j]),
+        origin: origin.into(),
+    });
+    let values = |p: &[f64]| -> [f64; PER_BODY] {
+        let p = frame.as_ref().map_or_else(|| p.to_vec(), |frame| seen_from(p, frame).to_vec());
+        let [m, hx, hy, hz] = [p[0], p[1], p[2], p[3]];
+        let [x, y, z] = [hx / m, hy / m, hz / m];
+        [
+            m,
+            x,
+            y,
+            z,
+            p[4] - m * (y * y + z * z),
+            p[5] - m * (x * x + z * z),
+            p[6] - m * (x * x + y * y),
+            p[7] + m * x * y,
+            p[8] + m * x * z,
+            p[9] + m * y * z,
+        ]
+    };
+    let slopes = Mat::from_fn(PER_BODY, PER_BODY, |i, j| {
+        let step = STEP * covariance[(j, j)].max(f64::MIN_POSITIVE).sqrt();
+        let at = |by: f64| {
+            let mut moved = *inertial;
+            moved[j] += by;
+            values(&moved)[i]
+        };
+        if step > 0.0 { (at(step) - at(-step)) / (2.0 * step) } else { 0.0 }
+    });
+    let spread = &slopes * covariance * slopes.transpose();
+    let all = values(inertial);
+    let one = |k: usize| Estimated { value: all[k], std_error: spread[(k, k)].max(0.0).sqrt() };
+    [vec![one(0)], (1..4).map(one).collect(), (4..PER_BODY).map(one).collect()]
+}

@@ -1,0 +1,32 @@
+//! The load on the last link of an arm whose model is known.
+
+use crate::error::Error;
+use crate::evaluate::prepare;
+use crate::log::Log;
+use crate::observe::{Observer, Watched};
+use torquewise_model::Model;
+
+pub use torquewise_identify::payload::Payload;
+
+/// Estimates the load on the last link from a log with it, by a model of the arm without it (E15).
+///
+/// # Errors
+/// [`Error::Model`] if the model is no chain of rigid bodies or of another arm,
+/// [`Error::Identify`] if the rows do not suffice, and those of reading.
+///
+/// ```no_run
+/// # fn main() -> Result<(), torquewise::Error> {
+/// use torquewise::{Log, Model, observe::NOBODY, payload::payload};
+///
+/// let arm = Model::load("arm.json")?;
+/// let load = payload(&arm, &Log::open("with_tool.csv")?, NOBODY)?;
+/// println!("{:.3} ± {:.3} kg", load.mass.value, load.mass.std_error);
+/// load.added_to(&arm)?.save("arm_with_tool.json")?;
+/// # Ok(())
+/// # }
+/// ```
+pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Payload, Error> {
+    let log = prepare(model, log)?;
+    let watched = Watched::new(&log, observer, "weighing", (log.rows_hint(), 2));
+    Ok(Payload::find(model, &watched)?)
+}
