@@ -1,7 +1,7 @@
 //! From model to MJCF, the format of MuJoCo.
 
 use crate::error::ExportError;
-use crate::robot::{Central, Losses, Robot, RobotJoint, numbers};
+use crate::robot::{Losses, Robot, RobotJoint, numbers, quaternion};
 use crate::urdf::{RobotFile, radius};
 use crate::xml::Xml;
 use torquewise_model::Model;
@@ -65,13 +65,18 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
 
 /// Begins a body, which the next is in.
 fn body(xml: &mut Xml, joint: &RobotJoint, end: [f64; 3], radius: f64) {
-    let (pos, quat) = (numbers(joint.origin.into()), numbers(joint.quaternion()));
+    let (pos, quat) = (numbers(joint.origin.into()), numbers(quaternion(joint.rotation)));
     xml.open("body", &[("name", &joint.link), ("pos", &pos), ("quat", &quat)]);
-    let Central { mass, center, inertia: i } = joint.central();
-    let moments = numbers([i.m11, i.m22, i.m33, i.m12, i.m13, i.m23]);
+    let central = joint.central();
+    let (moments, axes) = central.principal();
     xml.leaf(
         "inertial",
-        &[("pos", &numbers(center.into())), ("mass", &numbers([mass])), ("fullinertia", &moments)],
+        &[
+            ("pos", &numbers(central.center.into())),
+            ("quat", &numbers(quaternion(axes))),
+            ("mass", &numbers([central.mass])),
+            ("diaginertia", &numbers(moments)),
+        ],
     );
     let [armature, damping, friction] = losses(&joint.losses);
     xml.leaf(

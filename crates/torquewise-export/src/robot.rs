@@ -274,13 +274,25 @@ impl RobotJoint {
             (sine * r[(0, 2)] - cosine * r[(0, 1)]).atan2(cosine * r[(1, 1)] - sine * r[(1, 2)]);
         [roll, pitch, yaw]
     }
+}
 
-    /// Its frame as a unit quaternion w, x, y, z.
-    pub(crate) fn quaternion(&self) -> [f64; 4] {
-        let rotation = Rotation3::from_matrix_unchecked(self.rotation);
-        let q = UnitQuaternion::from_rotation_matrix(&rotation);
-        [q.w, q.i, q.j, q.k]
+impl Central {
+    /// Its principal moments and their axes: a reader need not find them itself, to fewer digits.
+    pub(crate) fn principal(&self) -> ([f64; 3], Matrix3<f64>) {
+        let eigen = self.inertia.symmetric_eigen();
+        let mut axes = eigen.eigenvectors;
+        if axes.determinant() < 0.0 {
+            axes.column_mut(2).neg_mut();
+        }
+        (eigen.eigenvalues.into(), axes)
     }
+}
+
+/// A rotation as a unit quaternion w, x, y, z.
+pub(crate) fn quaternion(rotation: Matrix3<f64>) -> [f64; 4] {
+    let rotation = Rotation3::from_matrix_unchecked(rotation);
+    let q = UnitQuaternion::from_rotation_matrix(&rotation);
+    [q.w, q.i, q.j, q.k]
 }
 
 /// Numbers with all their digits, separated by spaces.
