@@ -14,6 +14,7 @@ mod show;
 mod predict;
 mod evaluate;
 mod payload;
+mod residuals;
 mod compare;
 mod export;
 mod control;
@@ -59,6 +60,7 @@ pub(crate) enum Command {
     Predict(predict::Arguments),
     Evaluate(evaluate::Arguments),
     Payload(payload::Arguments),
+    Residuals(residuals::Arguments),
     Compare(compare::Arguments),
     Export(export::Arguments),
     Control(control::Arguments),
@@ -85,6 +87,7 @@ impl Command {
             Self::Predict(arguments) => predict::run(arguments),
             Self::Evaluate(arguments) => evaluate::run(arguments),
             Self::Payload(arguments) => payload::run(arguments),
+            Self::Residuals(arguments) => residuals::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Export(arguments) => export::run(arguments),
             Self::Control(arguments) => control::run(arguments),

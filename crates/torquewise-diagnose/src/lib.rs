@@ -7,6 +7,7 @@ pub mod drift;
 pub mod score;
 mod turning;
 pub mod diagnose;
+pub mod contacts;
 
 pub use diagnose::{Diagnosis, diagnose};
 pub use disagreement::{Disagreement, disagreements};

@@ -20,6 +20,7 @@ pub mod shaft_friction;
 mod links;
 mod products;
 pub mod torque;
+pub mod momentum_observer;
 pub mod checks;
 pub mod file;
 pub mod selection;

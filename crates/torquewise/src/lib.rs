@@ -38,6 +38,7 @@ mod fit;
 pub mod summary;
 pub mod compare;
 pub mod payload;
+pub mod external;
 pub mod sums;
 #[cfg(feature = "simulation")]
 pub mod urdf;

@@ -25,7 +25,7 @@ pub enum Event {
 pub type Observer<'a> = &'a (dyn Fn(Event) -> ControlFlow<()> + 'a);
 
 /// Nobody watches.
-pub(crate) const NOBODY: Observer<'static> = &|_| ControlFlow::Continue(());
+pub const NOBODY: Observer<'static> = &|_| ControlFlow::Continue(());
 
 /// A recording whose rows are counted as they are read.
 pub struct Watched<'a, R: Recording + ?Sized> {

@@ -6,6 +6,7 @@ mod terminal;
 mod whole_way;
 mod moments;
 mod reports;
+mod robots;
 mod json_contract;
 mod excite;
 mod control;

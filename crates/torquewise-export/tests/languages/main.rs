@@ -7,6 +7,7 @@ mod models;
 mod witness;
 mod run;
 mod ros;
+mod robots;
 
 use models::{
     chain, coupled, energies, loaded, parallel, products, remembers, remembers_all, states,

@@ -1,0 +1,124 @@
+//! From a log and a URDF to a URDF, and what hangs on the arm.
+
+use crate::terminal::Terminal;
+
+/// Two joints and a tool, as a URDF has them; the tool may be heavier.
+fn robot(tool: f64) -> String {
+    let inertial = |mass: f64, z: f64| {
+        format!(
+            "<inertial><origin xyz=\"0 0.02 {z}\"/><mass value=\"{mass}\"/><inertia ixx=\"0.05\" \
+             ixy=\"0\" ixz=\"0\" iyy=\"0.05\" iyz=\"0\" izz=\"0.02\"/></inertial>"
+        )
+    };
+    let joint = |name: &str, parent: &str, child: &str, z: f64, axis: &str| {
+        format!(
+            "<joint name=\"{name}\" type=\"revolute\"><parent link=\"{parent}\"/><child \
+             link=\"{child}\"/><origin xyz=\"0 0 {z}\" rpy=\"0 0.2 0\"/><axis xyz=\"{axis}\"/>\
+             <limit lower=\"-2\" upper=\"2\" effort=\"100\" velocity=\"2\"/></joint>\n"
+        )
+    };
+    format!(
+        "<robot name=\"pair\"><!-- kept -->\n<link name=\"base\"/>\n{}<link name=\"upper\">{}</link>\n\
+         {}<link name=\"fore\">{}</link>\n<joint name=\"flange\" type=\"fixed\"><parent \
+         link=\"fore\"/><child link=\"tool\"/><origin xyz=\"0 0 0.3\"/></joint>\n<link \
+         name=\"tool\"><inertial><mass value=\"{tool}\"/><inertia ixx=\"1e-4\" ixy=\"0\" \
+         ixz=\"0\" iyy=\"1e-4\" iyz=\"0\" izz=\"1e-4\"/></inertial></link>\n</robot>\n",
+        joint("shoulder", "base", "upper", 0.4, "0 1 0"),
+        inertial(4.0, 0.2),
+        joint("elbow", "upper", "fore", 0.5, "1 0 0.1"),
+        inertial(2.0, 0.1),
+    )
+}
+
+/// The arm, a log of it, and a model that was told where its axes lie.
+fn fitted() -> Terminal {
+    let terminal = Terminal::new();
+    terminal.write("arm.urdf", &robot(0.1));
+    terminal.done("simulate arm.urdf -o log.csv --seconds 40 --rate 50 --case 2 --seed 1");
+    terminal.done("fit log.csv --urdf arm.urdf -o arm.json");
+    terminal
+}
+
+#[test]
+fn a_urdf_comes_back_with_what_was_learned_and_all_else_as_it_was() {
+    let terminal = fitted();
+
+    terminal.done("export arm.json --to urdf --onto arm.urdf -o new.urdf");
+    terminal.done("export arm.json --to urdf -o own.urdf");
+    terminal.done("export arm.json --to mjcf -o own.xml");
+
+    // The learned robot moves as the true one, whose log the model has not seen.
+    for file in ["arm", "new", "own"] {
+        let motion = "--seconds 10 --rate 50 --seed 5 --motion sines";
+        terminal.done(&format!("simulate {file}.urdf -o {file}.csv {motion}"));
+    }
+    let scores = terminal.json("evaluate arm.json arm.csv");
+    for joint in scores["joints"].as_array().unwrap() {
+        assert!(joint["nrmse_percent"].as_f64().unwrap() < 1.0, "{scores}");
+    }
+    let (old, new) = (terminal.read("arm.urdf"), terminal.read("new.urdf"));
+    let without = |text: &str, name: &str| -> String {
+        let mut rest = text.to_owned();
+        while let Some(start) = rest.find(&format!("<{name}")) {
+            let (end, length) = [format!("</{name}>"), "/>".to_owned()]
+                .iter()
+                .find_map(|end| Some((rest[start..].find(end.as_str())?, end.len())))
+                .unwrap();
+            rest.replace_range(start..start + end + length, "");
+        }
+        rest.split_whitespace().collect()
+    };
+    let bare = |text: &str| without(&without(text, "inertial"), "dynamics");
+    assert_eq!(bare(&old), bare(&new));
+    assert!(new.contains("<mass value=\"0.1\"/>") && new.contains("armature="), "{new}");
+    terminal.refused("export arm.json --to urdf --onto log.csv -o x.urdf", &["no XML"]);
+    let misplaced = terminal.run("export arm.json --to c --onto arm.urdf -o x.c");
+    assert!(misplaced.code == 2 && misplaced.stderr.contains("--onto is for --to urdf"));
+}
+
+#[test]
+fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
+    let terminal = fitted();
+    terminal.write("loaded.urdf", &robot(0.6));
+    terminal.done("simulate loaded.urdf -o loaded.csv --seconds 20 --rate 50 --case 2 --seed 3");
+    let before = terminal.read("arm.json");
+
+    let load = terminal.json("payload arm.json loaded.csv -o both.json");
+
+    let [mass, error] = ["value", "std_error"].map(|key| load["mass"][key].as_f64().unwrap());
+    assert!((mass - 0.5).abs() < 0.01 && (mass - 0.5).abs() < 4.0 * error, "{load}");
+    let center: Vec<f64> =
+        load["center"].as_array().unwrap().iter().map(|x| x["value"].as_f64().unwrap()).collect();
+    for (found, truth) in center.iter().zip([0.0, 0.0, 0.3]) {
+        assert!((found - truth).abs() < 0.005, "{load}");
+    }
+    assert_eq!(load["link"], "fore");
+    assert_eq!(terminal.read("arm.json"), before);
+    terminal
+        .done("simulate loaded.urdf -o test.csv --seconds 10 --rate 50 --seed 5 --motion sines");
+    for joint in terminal.json("evaluate both.json test.csv")["joints"].as_array().unwrap() {
+        assert!(joint["nrmse_percent"].as_f64().unwrap() < 1.0, "{joint}");
+    }
+    let nothing = terminal.run("payload arm.json log.csv");
+    assert_eq!(nothing.code, 3, "{nothing:?}");
+    assert!(nothing.stderr.contains("the mass is not told from zero"), "{nothing:?}");
+}
+
+#[test]
+fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
+    let terminal = fitted();
+    terminal.done("simulate puma560-3 -o three.csv --seconds 10 --rate 50");
+
+    terminal.refused("fit three.csv --urdf arm.urdf -o x.json", &["shoulder, elbow", "profile"]);
+    for (line, word) in [
+        ("fit log.csv --gravity 0,0,-1 -o x.json", "--urdf"),
+        ("fit log.csv --urdf arm.urdf --gravity 0,0,0 -o x.json", "not all 0"),
+        ("fit log.csv --urdf arm.urdf --library product -o x.json", "--urdf is not used by"),
+    ] {
+        let said = terminal.run(line);
+        assert!(said.code == 2 && said.stderr.contains(word), "{line}: {said:?}");
+    }
+    terminal.done("fit three.csv -o library.json");
+    terminal.refused("export library.json --to urdf -o x.urdf", &["--library chain"]);
+    terminal.refused("payload library.json three.csv", &["--library chain"]);
+}

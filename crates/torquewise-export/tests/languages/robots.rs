@@ -1,0 +1,186 @@
+//! Robot files, read back by others than their writer: they move as the model does.
+
+use crate::models::{chain, coupled, energies, states};
+use approx::assert_relative_eq;
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use roxmltree::{Document, Node};
+use torquewise_dynamics::Arm;
+use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
+use torquewise_model::{Drive, Model, Torque};
+use torquewise_rigid::geometry::Placement;
+use torquewise_rigid::{Kinematics, Moved, State};
+
+/// The arm without what no robot file holds.
+fn bare(n: usize, skew: bool, seed: u64) -> Model {
+    let mut model = chain(n, skew, seed);
+    model.friction.clear();
+    if let Some(chain) = &mut model.chain {
+        chain.drives.retain(|drive| matches!(drive, Drive::Rotor { .. }));
+        let sigma = 0.3;
+        for link in &mut chain.links {
+            link.iter_mut().skip(4).take(3).for_each(|moment| *moment += sigma);
+        }
+    }
+    model
+}
+
+fn number(node: Node<'_, '_>, name: &str) -> f64 {
+    node.attribute(name).unwrap().parse().unwrap()
+}
+
+fn vector(node: Node<'_, '_>, name: &str) -> Vec<f64> {
+    node.attribute(name).unwrap().split(' ').map(|x| x.parse().unwrap()).collect()
+}
+
+fn elements<'a, 'i>(node: Node<'a, 'i>, name: &'static str) -> Vec<Node<'a, 'i>> {
+    node.descendants().filter(|node| node.has_tag_name(name)).collect()
+}
+
+/// Torque of the model less its rotors on shared shafts, which URDF leaves out.
+fn without_shared(model: &Model) -> Model {
+    let mut model = model.clone();
+    let alone = |drive: &Drive| match drive {
+        Drive::Rotor { shaft, .. } => shaft.iter().filter(|part| **part != 0.0).count() == 1,
+        Drive::Energy { .. } => true,
+    };
+    model.chain.as_mut().unwrap().drives.retain(alone);
+    model
+}
+
+#[test]
+fn a_urdf_moves_as_the_model() {
+    for (n, skew) in [(3, false), (6, true), (7, false)] {
+        let model = bare(n, skew, 11);
+        let file = to_urdf(&model, "a test").unwrap();
+        let document = Document::parse(&file.text).unwrap();
+        let rotors: Vec<f64> = elements(document.root_element(), "dynamics")
+            .into_iter()
+            .map(|node| number(node, "armature"))
+            .collect();
+        let arm = Arm::from_urdf(&file.text, &[]).unwrap().with_rotors(&rotors).unwrap();
+
+        assert_eq!(arm.joints(), model.joints);
+        assert_eq!(file.left_out.len(), 1, "{:?}", file.left_out);
+        let torque = Torque::new(&without_shared(&model));
+        for [q, dq, ddq] in states(n, 200, 1) {
+            let expected = torque.at(&q, &dq, &ddq).unwrap();
+            for (file, model) in arm.inverse_dynamics(&q, &dq, &ddq).iter().zip(&expected) {
+                assert_relative_eq!(file, model, epsilon = 1e-9, max_relative = 1e-11);
+            }
+        }
+    }
+}
+
+/// Reads the bodies of an MJCF, one within the other, as MuJoCo does.
+fn kinematics(text: &str) -> (Kinematics, Vec<f64>) {
+    let document = Document::parse(text).unwrap();
+    let rotation = |w: Vec<f64>| -> Matrix3<f64> {
+        let unit = UnitQuaternion::from_quaternion(Quaternion::new(w[0], w[1], w[2], w[3]));
+        *unit.to_rotation_matrix().matrix()
+    };
+    let (mut placements, mut inertial) = (Vec::new(), Vec::new());
+    for body in elements(document.root_element(), "body") {
+        let origin = Vector3::from_column_slice(&vector(body, "pos"));
+        placements.push(Placement { rotation: rotation(vector(body, "quat")), origin });
+        let own = body.children().find(|node| node.has_tag_name("inertial")).unwrap();
+        let center = Vector3::from_column_slice(&vector(own, "pos"));
+        let turned = rotation(vector(own, "quat"));
+        let moments =
+            Matrix3::from_diagonal(&Vector3::from_column_slice(&vector(own, "diaginertia")));
+        let mass = number(own, "mass");
+        let shift = Matrix3::identity() * center.norm_squared() - center * center.transpose();
+        let i = turned * moments * turned.transpose() + mass * shift;
+        let first = mass * center;
+        inertial.extend([mass, first.x, first.y, first.z, i.m11, i.m22, i.m33]);
+        inertial.extend([i.m12, i.m13, i.m23]);
+    }
+    (Kinematics::of_frames(placements, [0.0, 0.0, -9.81]), inertial)
+}
+
+#[test]
+fn an_mjcf_moves_as_the_model() {
+    for (n, skew) in [(3, true), (6, false), (7, true)] {
+        let model = bare(n, skew, 12);
+        let file = to_mjcf(&model, "a test").unwrap();
+        let (kinematics, inertial) = kinematics(&file.text);
+        let document = Document::parse(&file.text).unwrap();
+        let hinges: Vec<Node<'_, '_>> = elements(document.root_element(), "joint")
+            .into_iter()
+            .filter(|joint| joint.has_attribute("axis"))
+            .collect();
+        let tendon = elements(document.root_element(), "fixed")[0];
+
+        assert!(file.left_out.is_empty());
+        let torque = Torque::new(&model);
+        for [q, dq, ddq] in states(n, 200, 1) {
+            let mut found = vec![0.0; n];
+            let state = State { q: &q, dq: &dq, ddq: &ddq };
+            kinematics.inverse_dynamics(state, &inertial, &mut Moved::default(), &mut found);
+            for joint in 0..n {
+                found[joint] += number(hinges[joint], "armature") * ddq[joint];
+            }
+            let turned: Vec<(usize, f64)> = (tendon.children())
+                .filter(|node| node.has_tag_name("joint"))
+                .map(|node| {
+                    let joint = node.attribute("joint").unwrap();
+                    let place = model.joints.iter().position(|name| name == joint).unwrap();
+                    (place, number(node, "coef"))
+                })
+                .collect();
+            let turning: f64 = turned.iter().map(|(joint, coef)| coef * ddq[*joint]).sum();
+            for (joint, coef) in turned {
+                found[joint] += number(tendon, "armature") * coef * turning;
+            }
+            let expected = torque.at(&q, &dq, &ddq).unwrap();
+            for (file, model) in found.iter().zip(&expected) {
+                assert_relative_eq!(file, model, epsilon = 1e-9, max_relative = 1e-11);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_no_robot_file_holds_is_named() {
+    let model = chain(3, false, 5);
+    let file = to_urdf(&bare_links(model), "a test").unwrap();
+
+    let all = file.left_out.join("; ");
+    for part in ["the energy term V: cos(q2)", "the offset torque of", "the curve of the friction"]
+    {
+        assert!(all.contains(part), "{part} in {all}");
+    }
+    assert!(matches!(to_urdf(&energies(3, 25, 1), ""), Err(ExportError::NoChain)));
+    let parallel = bare_links(coupled(3, true, 8));
+    assert!(matches!(to_mjcf(&parallel, ""), Err(ExportError::Coupled)));
+    let mut weightless = bare(3, false, 1);
+    weightless.chain.as_mut().unwrap().links[1][0] = -1.0;
+    let refused = to_urdf(&weightless, "").unwrap_err().to_string();
+    assert!(refused.contains(&weightless.joints[1]), "{refused}");
+}
+
+/// The same with links that can be.
+fn bare_links(mut model: Model) -> Model {
+    let links = bare(model.n_joints(), false, 5).chain.unwrap().links;
+    model.chain.as_mut().unwrap().links = links;
+    model
+}
+
+#[test]
+fn a_urdf_whose_axes_lie_elsewhere_is_refused() {
+    let model = bare(3, false, 11);
+    let text = to_urdf(&model, "").unwrap().text;
+    let other = to_urdf(&bare(3, true, 12), "").unwrap().text;
+
+    let onto = onto_urdf(&without_shared(&model), &text, &[]).unwrap();
+
+    // Its own file takes up the same numbers: a turn about an axis and back is rounding.
+    let [old, new] = [&text, &onto.text].map(|text| Arm::from_urdf(text, &[]).unwrap());
+    for [q, dq, ddq] in states(3, 20, 1) {
+        let pairs = new.inverse_dynamics(&q, &dq, &ddq);
+        for (new, old) in pairs.iter().zip(old.inverse_dynamics(&q, &dq, &ddq)) {
+            assert_relative_eq!(*new, old, epsilon = 1e-9, max_relative = 1e-11);
+        }
+    }
+    let refused = onto_urdf(&model, &other, &[]).unwrap_err();
+    assert!(matches!(refused, ExportError::OtherGeometry { .. }), "{refused}");
+}

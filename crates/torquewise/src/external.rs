@@ -1,0 +1,71 @@
+//! Torque that others put on an arm, and when it is a contact (E16).
+
+use crate::error::Error;
+use crate::log::{Log, Prepared, Rows};
+use crate::observe::{Observer, Watched};
+use torquewise_diagnose::contacts::external_torques;
+use torquewise_model::Model;
+use torquewise_motion::ReadError;
+
+pub use torquewise_diagnose::contacts::{Contact, ContactDetector, Thresholds};
+
+/// How external torque is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExternalOptions {
+    /// Bandwidth of the momentum observer \[Hz\].
+    pub bandwidth: f64,
+    /// False alarms of the whole arm in an hour of free motion.
+    pub false_alarms_per_hour: f64,
+}
+
+impl Default for ExternalOptions {
+    fn default() -> Self {
+        Self { bandwidth: 10.0, false_alarms_per_hour: 1.0 }
+    }
+}
+
+/// What is done with each row: time \[s\], external torque of each joint \[N·m\], n; NaN while the
+/// observer settles.
+pub type SeeRow<'a> = dyn FnMut(f64, &[f64]) -> Result<(), ReadError> + 'a;
+
+/// External torque of a log, row by row, and the contacts that it shows.
+///
+/// - `free`: a log of the same arm that nothing touches, which sets the thresholds; without, the log
+///   itself sets them, contacts being the exception
+/// - `see`: is handed each row
+///
+/// # Errors
+/// [`Error::Model`] if the log is of another arm, and those of reading it.
+pub fn contacts(
+    model: &Model,
+    log: &Log,
+    free: Option<&Log>,
+    options: ExternalOptions,
+    observer: Observer<'_>,
+    see: &mut SeeRow<'_>,
+) -> Result<(Thresholds, Vec<Contact>), Error> {
+    let prepared = |log: &Log| -> Result<Prepared, Error> {
+        model.check_joints(log.joints())?;
+        log.files().require_tau()?;
+        log.prepare_as(model.training.filter, Rows::Every)
+    };
+    let rows = prepared(log)?;
+    let free = free.map(prepared).transpose()?;
+    let is_free = free.is_some();
+    let calm = free.as_ref().unwrap_or(&rows);
+    let watched = Watched::new(calm, observer, "setting thresholds", (calm.rows_hint(), 2));
+    let numbers = (options.bandwidth, options.false_alarms_per_hour);
+    let thresholds = Thresholds::of_free_motion(model, &watched, numbers, is_free)?;
+    let mut detector = ContactDetector::new(model, &thresholds);
+    let watched = Watched::new(&rows, observer, "looking for contacts", (rows.rows_hint(), 1));
+    let mut last = None;
+    external_torques(model, &watched, options.bandwidth, &mut |trajectory, t, external| {
+        if last.is_some_and(|own| own != trajectory) {
+            detector.separate();
+        }
+        last = Some(trajectory);
+        detector.take(t, external);
+        see(t, external)
+    })?;
+    Ok((thresholds, detector.contacts().to_vec()))
+}
