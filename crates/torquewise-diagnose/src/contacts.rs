@@ -52,6 +52,9 @@ pub type SeeTorque<'a> = dyn FnMut(usize, f64, &[f64]) -> Result<(), ReadError> 
 const APART: f64 = 0.2;
 /// Part of the rows of a free log below the level that peaks are counted from.
 const LEVEL: f64 = 0.95;
+/// Peaks that the tail is made of at most, and one in how many of all: those of a reversal of friction
+/// are larger than all others, and few.
+const TAIL: (usize, usize) = (100, 3);
 /// Rows that the level is found from at most: more are thinned evenly.
 const MOST_ROWS: usize = 65_536;
 /// So many half-lives of an observer pass before it is believed.
@@ -155,10 +158,10 @@ impl Thresholds {
         let hours = seconds / 3_600.0;
         let own_rate = false_alarms_per_hour / n as f64;
         let threshold = |(peaks, level): (&mut Peaks, &f64)| {
-            let (count, mean) = peaks.tail(is_free);
+            let (begin, count, mean) = peaks.tail(is_free);
             // Its own standard error, that few peaks may not promise too little.
             let mean = mean * (1.0 + 1.0 / count.sqrt());
-            level + mean * (count / hours / own_rate).ln().max(0.0)
+            level + begin + mean * (count / hours / own_rate).ln().max(0.0)
         };
         if rows == 0 || hours <= 0.0 {
             return Err(IdentifyError::TooFewRows { rows, needed: 2, joints: n });
@@ -215,19 +218,23 @@ impl Peaks {
         }
     }
 
-    /// How many there were, at least one, and the mean excess of an exponential tail of them.
-    fn tail(&mut self, is_free: bool) -> (f64, f64) {
+    /// The exponential tail of the largest of them: the level that it begins at, how many were
+    /// beyond, at least one, and their mean excess.
+    fn tail(&mut self, is_free: bool) -> (f64, f64, f64) {
         if let Some((_, _, most)) = self.open.take() {
             self.push(most);
         }
-        let kept = self.excess.len() as f64;
-        let count = (kept * (self.left_out + 1) as f64).max(1.0);
+        self.excess.sort_unstable_by(|a, b| b.total_cmp(a));
+        let (most, part) = TAIL;
+        let kept = (self.excess.len() / part).min(most);
+        let level = self.excess.get(kept).copied().unwrap_or(0.0);
+        let mut beyond: Vec<f64> = self.excess[..kept].iter().map(|x| x - level).collect();
         let mean = if is_free {
-            self.excess.iter().sum::<f64>() / kept.max(1.0)
+            beyond.iter().sum::<f64>() / (kept as f64).max(1.0)
         } else {
-            quantile(&mut self.excess, 0.5) / std::f64::consts::LN_2
+            quantile(&mut beyond, 0.5) / std::f64::consts::LN_2
         };
-        (count, mean)
+        (level, (kept * (self.left_out + 1)).max(1) as f64, mean)
     }
 }
 
