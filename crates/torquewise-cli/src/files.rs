@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
 use torquewise::model::Model;
 use torquewise::motion::whole_file;
+use torquewise::twin;
 
 /// Reads a model file.
 pub(crate) fn read_model(file: &Path) -> Result<Model> {
     Ok(Model::load(file)?)
 }
 
-/// The built-in arm of that name, or the one in a `.urdf` or `.toml` file.
+/// The built-in arm of that name, or the one in a `.urdf`, `.toml` or model file.
 pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
     let file = Path::new(arm);
     let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
@@ -26,6 +27,7 @@ pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
             Err(CliError::Usage(message).into())
         }
         Some("toml") => Arm::from_dh_toml(&read_text(file)?).with_context(in_file),
+        Some("json") => Ok(twin::arm(&read_model(file)?)?),
         _ => Ok(Arm::builtin(arm)?),
     }
 }

@@ -6,9 +6,9 @@ use crate::spatial::{Body, Pose, is_positive_semidefinite};
 use nalgebra::{Unit, Vector3};
 use std::collections::HashSet;
 use std::f64::consts::PI;
-use torquewise_rigid::Kinematics;
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_rigid::{Geometry, Kinematics};
 
 /// Gravity \[m/s²\] where none is given: along −z of the world.
 pub(crate) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
@@ -148,6 +148,11 @@ impl Arm {
         &self.joints
     }
 
+    /// Where its axes lie, as a fit is told of them.
+    pub fn geometry(&self) -> Geometry {
+        Geometry::of_frames(&placements(&self.joints), self.gravity).0
+    }
+
     /// Frames whose z is the axis of their joint.
     pub(crate) fn kinematics(&self) -> &Kinematics {
         &self.kinematics
@@ -156,6 +161,51 @@ impl Arm {
     /// Inertial parameters of all bodies in the frames of [`Arm::kinematics`], 10n.
     pub(crate) fn inertial(&self) -> &[f64] {
         &self.inertial
+    }
+}
+
+/// An arm by its frames and bodies, as a learned model has them.
+#[derive(Clone, Debug)]
+pub struct ArmParts {
+    /// What it is called.
+    pub name: String,
+    /// Joint names, base to tip, n.
+    pub joints: Vec<String>,
+    /// The frame of each joint at q = 0 in the one before, z the axis, n.
+    pub placements: Vec<Placement>,
+    /// Gravity in the frame of the base \[m/s²\].
+    pub gravity: [f64; 3],
+    /// Inertial parameters of each body in the frame of its joint, 10n.
+    pub inertial: Vec<f64>,
+    /// Rotors as felt at their joints \[kg·m²\], n.
+    pub rotors: Vec<f64>,
+    /// Positions \[rad\] and largest speed \[rad/s\] of each joint, n.
+    pub limits: Vec<([f64; 2], f64)>,
+}
+
+impl Arm {
+    /// An arm of these parts, to simulate a learned model with.
+    ///
+    /// # Errors
+    /// The variant of [`DynamicsError`] that names the joint or number at fault.
+    pub fn from_parts(parts: ArmParts) -> Result<Self, DynamicsError> {
+        let ArmParts { name, joints, placements, gravity, inertial, rotors, limits } = parts;
+        let mut all = Vec::with_capacity(joints.len());
+        let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
+        for (((name, placement), body), (rotor, (range, velocity))) in
+            frames.zip(rotors.into_iter().zip(limits))
+        {
+            let joint = Joint {
+                X_PJ: Pose { R_AB: placement.rotation, p_AB: placement.origin },
+                axis: Vector3::z_axis(),
+                body: Body::of_parameters(&std::array::from_fn(|k| body[k])),
+                rotor,
+                range: at_most_one_turn(range),
+                limits: JointLimits::new(range, velocity, 0.0),
+            };
+            all.push((name, joint));
+        }
+        Self::new(name, gravity, all)
     }
 }
 

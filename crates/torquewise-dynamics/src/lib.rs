@@ -31,7 +31,7 @@ mod trajectory;
 pub mod simulate;
 pub mod noise;
 
-pub use arm::{Arm, JointLimits};
+pub use arm::{Arm, ArmParts, JointLimits};
 pub use arms::{ArmSummary, arms};
 pub use error::DynamicsError;
 pub use friction::{Friction, Stribeck};

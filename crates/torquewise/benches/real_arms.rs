@@ -25,12 +25,13 @@ use sets::Set;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::Arm;
+use torquewise::identify::plan::KnownGeometry;
 use torquewise::identify::score;
 use torquewise::log::Prepared;
 use torquewise::logs::{Clock, ConditionedLogs, Logs, Options, Profile};
 use torquewise::motion::{Motion, Recording, Signals};
 use torquewise::signals::ConditionReport;
-use torquewise::{Fit, FitOptions, FitResult, Library, Log, Model};
+use torquewise::{Filter, Fit, FitOptions, FitResult, Library, Log, Model};
 
 /// What is put down of one set.
 struct Outcome {
@@ -47,6 +48,9 @@ struct Run {
     model: Model,
     seconds: f64,
     ours: Errors,
+    /// Ours, told where the axes lie, in the same band.
+    told: Errors,
+    told_seconds: f64,
     peer: Errors,
 }
 
@@ -140,6 +144,16 @@ fn fitted(
     Ok((fit, filtered.ok_or("the log is not filtered")?))
 }
 
+impl Errors {
+    fn of(model: &Model, test: &ConditionedLogs) -> Result<Self, Box<dyn Error + Send + Sync>> {
+        let joints = score(model, test)?.joints;
+        Ok(Self {
+            rmse: joints.iter().map(|joint| joint.rmse).collect(),
+            nrmse: joints.iter().map(|joint| joint.nrmse_percent / 100.0).collect(),
+        })
+    }
+}
+
 /// Fits one training part, and judges it on the other.
 fn one(
     set: &Set,
@@ -149,11 +163,14 @@ fn one(
 ) -> Result<Run, Box<dyn Error + Send + Sync>> {
     let (fit, recording) = fitted(train, options)?;
     let test = ConditionedLogs::new(Logs::open(test)?, recording.settings(), false)?;
-    let scores = score(&fit.model, &test)?;
-    let ours = Errors {
-        rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
-        nrmse: scores.joints.iter().map(|joint| joint.nrmse_percent / 100.0).collect(),
-    };
+    let ours = Errors::of(&fit.model, &test)?;
+    let mut same_band = Log::open_all(train, &Options::default())?;
+    same_band.filter = recording.report().cutoff.map_or(Filter::Auto, Filter::Hz);
+    same_band.delay = Some(recording.settings().delay);
+    let geometry = Some(KnownGeometry { geometry: arm.geometry(), robot: None });
+    let options = FitOptions { geometry, ..options.clone() };
+    let told = Fit::new(&same_band).options(options).run()?;
+    let (told, told_seconds) = (Errors::of(&told.model, &test)?, told.seconds);
     let (train, test) = (whole(&recording)?, whole(&test)?);
     let peer = Peer::fit(arm, set.shafts, set.counterbalanced, &train)?.errors(&test)?;
     Ok(Run {
@@ -162,6 +179,8 @@ fn one(
         model: fit.model.clone(),
         seconds: fit.seconds,
         ours,
+        told,
+        told_seconds,
         peer,
     })
 }

@@ -19,8 +19,8 @@ pub enum Error {
     #[error(transparent)]
     Read(#[from] ReadError),
     #[cfg(feature = "simulation")]
-    #[error("the URDF does not give the geometry of the arm of the log")]
-    Urdf(#[from] torquewise_dynamics::DynamicsError),
+    #[error("the arm could not be built")]
+    Arm(#[from] torquewise_dynamics::DynamicsError),
     #[error(
         "{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
          choose {user}"

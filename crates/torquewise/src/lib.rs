@@ -42,6 +42,8 @@ pub mod external;
 pub mod sums;
 #[cfg(feature = "simulation")]
 pub mod urdf;
+#[cfg(feature = "simulation")]
+pub mod twin;
 
 pub use error::Error;
 pub use evaluate::{Evaluation, evaluate};

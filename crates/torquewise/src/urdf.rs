@@ -16,7 +16,7 @@ use torquewise_model::{LinkFrame, RobotNames};
 /// - `gravity`: where things fall in the frame of the base, of any length; −z without
 ///
 /// # Errors
-/// [`Error::Urdf`], with what to change in the file, the names or the order of the joints.
+/// [`Error::Arm`], with what to change in the file, the names or the order of the joints.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,7 +1,8 @@
 //! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::files::{check_distinct, check_output, read_arm, read_friction};
+use crate::error::CliError;
+use crate::files::{check_distinct, check_output, read_arm, read_friction, read_model};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json};
@@ -13,13 +14,16 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::logs::{Contents, LogWriter};
+use torquewise::model::Model;
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
+use torquewise::twin::TwinLog;
 
 /// Move an arm and write a log whose truth is known
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Built-in arm (see `torquewise arms`), .urdf file, or .toml file with a DH table
+    /// Built-in arm (see `torquewise arms`), .urdf file, .toml file with a DH table, or a model
+    /// file: the twin of the robot it was learned from, friction included
     arm: String,
     /// Log to write, .csv or .parquet
     #[arg(short, long, value_name = "LOG")]
@@ -86,6 +90,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     check_distinct(std::iter::once(&arguments.output).chain(&arguments.truth))?;
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
+    let twin = twin_of(arguments)?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };
     let friction = read_friction(arguments.friction.as_deref(), &arm)?;
@@ -95,19 +100,39 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         (None, case) => Some(Noise::case(case)?),
         (noise, _) => noise,
     };
+    let twin = twin.map(|model| TwinLog::new(&model, &plan)).transpose()?;
     match noise {
         // The level of the noise is relative to the whole log, which therefore has to be held.
         Some(noise) => {
-            let noisy = add_noise(&clean.whole()?.motion, &noise, seed)?;
-            write_log(&arguments.output, &noisy)?;
+            let whole = match &twin {
+                Some(twin) => twin.whole()?,
+                None => clean.whole()?.motion,
+            };
+            write_log(&arguments.output, &add_noise(&whole, &noise, seed)?)?;
         }
-        None => write_log(&arguments.output, &clean)?,
+        None => match &twin {
+            Some(twin) => write_log(&arguments.output, twin)?,
+            None => write_log(&arguments.output, &clean)?,
+        },
     }
     let patterns = write_truth(arguments.truth.as_deref(), &clean)?;
     Ok(outcome(arguments, arm.joints(), clean.n_rows(), patterns))
 }
 
-fn write_log(file: &Path, recording: &impl Recording) -> Result<()> {
+/// The model that is the arm, if it is one.
+fn twin_of(arguments: &Arguments) -> Result<Option<Model>> {
+    let file = Path::new(&arguments.arm);
+    if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
+        return Ok(None);
+    }
+    if arguments.friction.is_some() {
+        let message = "--friction is not for a model, which has its own: leave it out";
+        return Err(CliError::Usage(message.to_owned()).into());
+    }
+    Ok(Some(read_model(file)?))
+}
+
+fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
     let _shield = Shield::new();
     let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
     let shown = watch();

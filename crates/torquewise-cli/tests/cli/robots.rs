@@ -122,3 +122,66 @@ fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
     terminal.refused("export library.json --to urdf -o x.urdf", &["--library chain"]);
     terminal.refused("payload library.json three.csv", &["--library chain"]);
 }
+
+/// A log whose second motor does less for a time, because somebody pushes.
+fn pushed(log: &str, (begin, end): (f64, f64), torque: f64) -> String {
+    let mut lines = log.lines();
+    let (note, head) = (lines.next().unwrap(), lines.next().unwrap());
+    let column = head.split(',').position(|name| name == "tau2").unwrap();
+    let rows = lines.map(|line| {
+        let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        if (begin..end).contains(&cells[0]) {
+            cells[column] -= torque;
+        }
+        cells.iter().map(|cell| format!("{cell:?}")).collect::<Vec<_>>().join(",")
+    });
+    [note, head].map(str::to_owned).into_iter().chain(rows).map(|line| line + "\n").collect()
+}
+
+#[test]
+fn a_push_is_found_when_and_where_it_was() {
+    let terminal = fitted();
+    let motion = "--rate 100 --case 2";
+    terminal.done(&format!("simulate arm.urdf -o free.csv --seconds 120 {motion} --seed 7"));
+    terminal.done(&format!("simulate arm.urdf -o calm.csv --seconds 20 {motion} --seed 8"));
+    terminal.write("push.csv", &pushed(&terminal.read("calm.csv"), (9.0, 9.4), 4.0));
+
+    let line = "residuals arm.json push.csv --free free.csv -o external.csv --figure external.svg";
+    let found = terminal.json(line);
+
+    let contacts = found["contacts"].as_array().unwrap();
+    assert_eq!(contacts.len(), 1, "{found}");
+    let number = |key: &str| contacts[0][key].as_f64().unwrap();
+    assert!((9.0..9.05).contains(&number("begin")) && number("end") < 9.6, "{found}");
+    assert_eq!(contacts[0]["joint"], "elbow");
+    assert!((3.5..4.5).contains(&number("torque")), "{found}");
+    assert!(terminal.read("external.csv").starts_with("t,tau_external1,tau_external2"));
+    assert!(terminal.read("external.svg").contains("threshold"));
+    let calm = terminal.json("residuals arm.json calm.csv --free free.csv -o calm_external.csv");
+    assert_eq!(calm["contacts"].as_array().unwrap().len(), 0, "{calm}");
+}
+
+#[test]
+fn a_learned_model_is_the_arm_of_a_simulation() {
+    let terminal = fitted();
+    terminal.write(
+        "friction.toml",
+        "[shoulder]\ncoulomb = 3.0\nviscous = 2.0\n[elbow]\ncoulomb = 1.0\nviscous = 1.0\n",
+    );
+    terminal.done(
+        "simulate arm.urdf -o rubs.csv --seconds 60 --rate 100 --case 2 --friction friction.toml",
+    );
+    terminal.run("fit rubs.csv --urdf arm.urdf -o rubs.json");
+
+    terminal.done("simulate rubs.json -o twin.csv --seconds 20 --rate 100 --seed 4");
+
+    // The torque is the model's own, friction included.
+    for joint in terminal.json("evaluate rubs.json twin.csv")["joints"].as_array().unwrap() {
+        assert!(joint["nrmse_percent"].as_f64().unwrap() < 1e-6, "{joint}");
+    }
+    terminal.done("simulate rubs.json -o noisy.csv --seconds 20 --rate 100 --case 2");
+    let said = terminal.run("simulate rubs.json --friction friction.toml -o x.csv");
+    assert!(said.code == 2 && said.stderr.contains("has its own"), "{said:?}");
+    let control = terminal.run("control arm.json --arm arm.json --seconds 2");
+    assert!(control.code == 0, "{control:?}");
+}

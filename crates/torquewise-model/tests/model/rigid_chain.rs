@@ -4,6 +4,7 @@
 
 use faer::Mat;
 use torquewise_model::friction::FrictionLaw;
+use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_model::rigid_chain::Coupling;
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Training, Trig,
@@ -178,4 +179,39 @@ fn the_model_file_keeps_the_chain() {
     };
 
     assert_eq!(from_json(&to_json(&model).unwrap()).unwrap(), model);
+}
+
+#[test]
+fn the_momentum_observer_follows_external_torque_as_a_low_pass_of_first_order() {
+    let chain = chain();
+    let terms = chain.energy_terms().unwrap();
+    let model = Model {
+        joints: vec!["one".into(), "two".into()],
+        form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
+        chain: Some(chain),
+        friction: friction(),
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
+    };
+    let torque = Torque::new(&model);
+    let (gain, dt, begin) = (20.0, 1e-3, 1.0);
+    let mut observer = MomentumObserver::new(&model, gain);
+
+    for row in 0..2_000 {
+        let t = f64::from(row) * dt;
+        let q = [(1.3 * t).sin(), 0.8 * (2.1 * t).cos()];
+        let dq = [1.3 * (1.3 * t).cos(), -1.68 * (2.1 * t).sin()];
+        let ddq = [-1.69 * (1.3 * t).sin(), -3.528 * (2.1 * t).cos()];
+        let since = (t - begin).max(0.0);
+        let pushed = if since > 0.0 { [3.0, -2.0] } else { [0.0; 2] };
+        // What the motors need not do, the push does.
+        let needed = torque.at(&q, &dq, &ddq).unwrap();
+        let motors = [needed[0] - pushed[0], needed[1] - pushed[1]];
+        let external = observer.step(dt, [&q, &dq, &motors]).unwrap();
+        for (found, pushed) in external.iter().zip(pushed) {
+            let expected = pushed * (1.0 - (-gain * since).exp());
+            assert!((found - expected).abs() < 0.05, "{found} at {t} s, expected {expected}");
+        }
+    }
 }

@@ -19,7 +19,8 @@ The data are public (sources in `profiles/`, and in the last section) and not pa
 NRMSE is RMSE over the standard deviation of the torque on the test rows, in the band of the filter;
 the mean of three ways to cut the log, ± their standard deviation. *ratio* is ours over the
 regressor's; below 1 the model that was told nothing predicts better than the one that knows the
-kinematics.
+kinematics. *With URDF* is ours once it is told the axes too, as by `fit --urdf`, on the same rows: its
+ratio to the regressor, geometric mean and worst joint, and the seconds of its fit.
 ";
 
 /// The whole page.
@@ -54,29 +55,37 @@ pub(crate) fn parts(delan: Option<&Parts>) -> String {
 
 fn summary(outcomes: &[Outcome]) -> String {
     let mut lines = vec![
-        "| set | joints | rows | cut-off [Hz] | ratio, geometric mean | worst | asked | fit [s] |\n"
+        "| set | joints | rows | cut-off [Hz] | ratio, geometric mean | worst | asked | fit [s] | with \
+         URDF | worst | fit [s] |\n"
             .to_owned(),
-        "|---|---|---|---|---|---|---|---|\n".to_owned(),
+        "|---|---|---|---|---|---|---|---|---|---|---|\n".to_owned(),
     ];
     for outcome in outcomes {
         let Outcome { set, joints, runs } = outcome;
         let ratios: Vec<f64> = (0..set.counted).map(|joint| ratio(outcome, joint)).collect();
-        let logs: f64 = ratios.iter().map(|ratio| ratio.ln()).sum();
+        let told: Vec<f64> = (0..set.counted).map(|joint| told_ratio(outcome, joint)).collect();
+        let mean = |ratios: &[f64]| {
+            (ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / ratios.len() as f64).exp()
+        };
+        let worst = |ratios: &[f64]| ratios.iter().copied().fold(0.0, f64::max);
         let cutoffs: Vec<String> = runs
             .iter()
             .map(|run| format!("{:.1}", run.report.cutoff.unwrap_or_default()))
             .collect();
         lines.push(format!(
-            "| {} | {} | {} + {} | {} | {:.2} | {:.2} | {:.2} | {:.0} |\n",
+            "| {} | {} | {} + {} | {} | {:.2} | {:.2} | {:.2} | {:.0} | {:.2} | {:.2} | {:.0} |\n",
             set.name,
             joints.len(),
             runs[0].rows[0],
             runs[0].rows[1],
             cutoffs.join(", "),
-            (logs / ratios.len() as f64).exp(),
-            ratios.iter().copied().fold(0.0, f64::max),
+            mean(&ratios),
+            worst(&ratios),
             set.limit,
-            runs.iter().map(|run| run.seconds).sum::<f64>() / runs.len() as f64,
+            over_runs(outcome, |run| run.seconds).0,
+            mean(&told),
+            worst(&told),
+            over_runs(outcome, |run| run.told_seconds).0,
         ));
     }
     lines.concat()
@@ -99,6 +108,12 @@ fn ratio(outcome: &Outcome, joint: usize) -> f64 {
     of(&|run| run.ours.nrmse[joint]) / of(&|run| run.peer.nrmse[joint])
 }
 
+/// The same of ours that was told where the axes lie.
+fn told_ratio(outcome: &Outcome, joint: usize) -> f64 {
+    let of = |of: &dyn Fn(&Run) -> f64| over_runs(outcome, of).0;
+    of(&|run| run.told.nrmse[joint]) / of(&|run| run.peer.nrmse[joint])
+}
+
 /// One set.
 pub(crate) fn section(outcome: &Outcome) -> String {
     let split = match outcome.set.split {
@@ -112,8 +127,9 @@ pub(crate) fn section(outcome: &Outcome) -> String {
         format!("\n## {}\n\n", outcome.set.name),
         format!("{} training rows, {} test rows ({split}).\n\n", first.rows[0], first.rows[1]),
         format!("```text\n{}\n```\n\n", first.report),
-        "| joint | RMSE ours [N·m] | regressor | NRMSE ours | regressor | ratio |\n".to_owned(),
-        "|---|---|---|---|---|---|\n".to_owned(),
+        "| joint | RMSE ours [N·m] | regressor | NRMSE ours | regressor | ratio | ratio with URDF |\n"
+            .to_owned(),
+        "|---|---|---|---|---|---|---|\n".to_owned(),
     ];
     for (joint, name) in outcome.joints.iter().enumerate() {
         let with_error = |of: &dyn Fn(&Run) -> f64| {
@@ -121,13 +137,14 @@ pub(crate) fn section(outcome: &Outcome) -> String {
             format!("{mean:.3} ± {deviation:.3}")
         };
         lines.push(format!(
-            "| {name} | {:.3} | {:.3} | {} | {} | {:.2}{} |\n",
+            "| {name} | {:.3} | {:.3} | {} | {} | {:.2}{} | {:.2} |\n",
             over_runs(outcome, |run| run.ours.rmse[joint]).0,
             over_runs(outcome, |run| run.peer.rmse[joint]).0,
             with_error(&|run| run.ours.nrmse[joint]),
             with_error(&|run| run.peer.nrmse[joint]),
             ratio(outcome, joint),
             if joint < outcome.set.counted { "" } else { " (not counted)" },
+            told_ratio(outcome, joint),
         ));
     }
     lines.push(format!(

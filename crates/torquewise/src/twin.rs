@@ -1,0 +1,89 @@
+//! A learned model as the arm of a simulation: a twin of the robot that was logged.
+
+use crate::error::Error;
+use torquewise_dynamics::arm::ArmParts;
+use torquewise_dynamics::{Arm, MotionPlan, SimulatedLog};
+use torquewise_model::{Drive, Model, ModelError, Torque};
+use torquewise_motion::{Motion, ReadError, Recording};
+
+/// The rigid part of a model as an arm: links, and rotors of single joints; positions and speeds are
+/// those of the log it was learned from.
+///
+/// # Errors
+/// [`Error::Model`] if the model is no chain of rigid bodies, [`Error::Arm`] if a link is none that
+/// can be.
+pub fn arm(model: &Model) -> Result<Arm, Error> {
+    let reason = || "it has none: fit the log with --library chain, or with --urdf".to_owned();
+    let none = || ModelError::Chain { reason: reason() };
+    let chain = model.chain.as_ref().ok_or_else(none)?;
+    let axes = chain.axes()?;
+    let n = model.n_joints();
+    let mut rotors = vec![0.0; n];
+    for drive in &chain.drives {
+        if let Drive::Rotor { shaft, inertia } = drive
+            && let [joint] = (0..n).filter(|&j| shaft[j] != 0.0).collect::<Vec<_>>()[..]
+        {
+            rotors[joint] += inertia * shaft[joint] * shaft[joint];
+        }
+    }
+    let training = &model.training;
+    let limits = training.q_range.iter().copied().zip(training.dq_peak.iter().copied());
+    Ok(Arm::from_parts(ArmParts {
+        name: "twin".to_owned(),
+        joints: model.joints.clone(),
+        placements: axes.placements(),
+        gravity: axes.gravity(),
+        inertial: chain.inertial(),
+        rotors,
+        limits: limits.collect(),
+    })?)
+}
+
+/// A log of the twin: motion as planned within the range of the log the model was learned from,
+/// torque as the model says it, friction with its memory included.
+#[derive(Clone, Debug)]
+pub struct TwinLog {
+    motion: SimulatedLog,
+    torque: Torque,
+}
+
+impl TwinLog {
+    /// The log of a plan.
+    ///
+    /// # Errors
+    /// As [`arm`]; [`Error::Arm`] for a plan out of bounds.
+    pub fn new(model: &Model, plan: &MotionPlan) -> Result<Self, Error> {
+        Ok(Self { motion: SimulatedLog::new(&arm(model)?, plan)?, torque: Torque::new(model) })
+    }
+
+    /// All rows at once.
+    ///
+    /// # Errors
+    /// [`Error::Arm`] if a torque overflows.
+    pub fn whole(&self) -> Result<Motion, Error> {
+        let motion = self.motion.whole()?.motion;
+        let tau = self.torque.over(&self.torque.path().follow(0, &motion))?;
+        let mut signals = motion.into_signals();
+        signals.tau = Some(tau);
+        Ok(Motion::new(signals).map_err(torquewise_dynamics::DynamicsError::from)?)
+    }
+}
+
+impl Recording for TwinLog {
+    fn joints(&self) -> &[String] {
+        self.motion.joints()
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let mut path = self.torque.path();
+        self.motion.read(&mut |trajectory, block| {
+            let tau = self.torque.over(&path.follow(trajectory, block))?;
+            let mut signals = block.clone().into_signals();
+            signals.tau = Some(tau);
+            visit(trajectory, &Motion::new(signals)?)
+        })
+    }
+}
