@@ -7,6 +7,8 @@ use rayon::ThreadPoolBuilder;
 use torquewise_regression::accumulate::{
     Accumulate, GramSum, Lanes, Prepared, Route, cheaper_route,
 };
+use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
+use torquewise_regression::design::Design;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::gram::Gram;
 use torquewise_regression::samples::{Evaluator, Samples};
@@ -275,4 +277,19 @@ fn the_direct_route_serves_few_rows_and_moments_serve_many() {
 
     assert_eq!(route(1), Route::Direct);
     assert_eq!(route(100_000), Route::Moments);
+}
+
+#[test]
+fn the_cost_of_a_row_is_what_a_hand_counts() {
+    let atom = |multiples: [i8; 2], phase, power| {
+        let (weight, wave) = Wave::canonical(multiples.to_vec(), phase).expect("not sin 0");
+        Atom { weight, wave, monomial: Monomial::new(vec![power]) }
+    };
+    let first = vec![atom([1, 0], Phase::Cos, 1), atom([1, 1], Phase::Cos, 2)];
+    let second = vec![atom([1, 0], Phase::Sin, 1)];
+
+    let evaluator = Evaluator::new(Design::new(2, 1, &[vec![first, second]]).unwrap());
+
+    // Harmonics 0, q1 and q1+q2 at four products each, x and x², three atoms at two each.
+    assert_eq!(evaluator.cost(), 3.0 * 4.0 + 2.0 + 3.0 * 2.0);
 }
