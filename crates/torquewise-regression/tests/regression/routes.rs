@@ -291,5 +291,5 @@ fn the_cost_of_a_row_is_what_a_hand_counts() {
     let evaluator = Evaluator::new(Design::new(2, 1, &[vec![first, second]]).unwrap());
 
     // Harmonics 0, q1 and q1+q2 at four products each, x and x², three atoms at two each.
-    assert_eq!(evaluator.cost(), 3.0 * 4.0 + 2.0 + 3.0 * 2.0);
+    assert!((evaluator.cost() - (3.0 * 4.0 + 2.0 + 3.0 * 2.0)).abs() < 0.5);
 }
