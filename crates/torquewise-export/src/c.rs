@@ -25,6 +25,7 @@ impl Language for C {
             Function::Sign => format!("sign({argument})"),
             Function::Positive => format!("positive({argument})"),
             Function::Abs => format!("fabs{suffix}({argument})"),
+            Function::Reciprocal => format!("{}/({argument})", self.constant(1.0)),
         }
     }
 }
@@ -59,6 +60,7 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     if let Some(memory) = &program.memory {
         put(&memory_declarations(program, memory, name, real));
     }
+    put(&observer_declarations(program, name, real));
     put("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
     put(&format!("#ifndef {upper}_DECLARATIONS_ONLY\n\n#include <math.h>\n"));
     put(&identity(program, name));
@@ -69,6 +71,7 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
     if let Some(memory) = &program.memory {
         put(&memory_functions(program, memory, name, precision));
     }
+    put(&observer_functions(program, name, precision));
     put("#endif");
     Ok(text)
 }
@@ -104,8 +107,11 @@ fn step_signature(program: &Program, name: &str, real: &str) -> String {
 fn after_signature(program: &Program, name: &str, quantity: Quantity, real: &str) -> String {
     let n = program.n_joints();
     let signals = Memory::signals(quantity).map(|signal| format!("const {real} {signal}[{n}], "));
-    let (quantity, signals) = (quantity.name(), signals.collect::<String>());
-    format!("void {name}_{quantity}_after(const {name}_state *state, {signals}{real} tau[{n}])")
+    let (result, signals) = (quantity.result(), signals.collect::<String>());
+    let quantity = quantity.name();
+    format!(
+        "void {name}_{quantity}_after(const {name}_state *state, {signals}{real} {result}[{n}])"
+    )
 }
 
 fn memory_functions(
@@ -133,9 +139,89 @@ fn memory_functions(
         let arguments: Vec<&str> =
             ["state"].into_iter().chain(Memory::signals(*quantity)).collect();
         lines.push(format!("{}\n{{", after_signature(program, name, *quantity, real)));
-        lines.extend(statements(&body, precision, &arguments, "tau"));
+        lines.extend(statements(&body, precision, &arguments, quantity.result()));
         lines.push("}\n".into());
     }
+    lines.join("\n")
+}
+
+/// The momentum observer and the declarations of its functions.
+fn observer_declarations(program: &Program, name: &str, real: &str) -> String {
+    let n = program.n_joints();
+    let friction = match program.memory {
+        Some(_) => format!("    {name}_state friction;\n"),
+        None => String::new(),
+    };
+    format!(
+        "\n/* External torque by the momentum observer: call {name}_observer_reset once and\n   \
+         {name}_observer_step at every sample, dt [s] after the last, with the torque of the \
+         motors.\n   external [N m] follows what others put on the joints as a low-pass; gain \
+         [1/s] is 2 pi times\n   its bandwidth [Hz].\n\n   \
+         observer_step                   {} */\n\
+         typedef struct {{\n{friction}    {real} last[{}];\n    {real} external[{n}];\n    \
+         int started;\n}} {name}_observer;\n\
+         void {name}_observer_reset({name}_observer *observer);\n{};",
+        program.cost_of(&program.momentum),
+        2 * n,
+        observer_signature(program, name, real)
+    )
+}
+
+fn observer_signature(program: &Program, name: &str, real: &str) -> String {
+    let n = program.n_joints();
+    format!(
+        "void {name}_observer_step(\n    {name}_observer *observer, {real} gain, {real} dt, \
+         const {real} q[{n}], const {real} dq[{n}],\n    const {real} tau[{n}], {real} \
+         external[{n}])"
+    )
+}
+
+fn observer_functions(program: &Program, name: &str, precision: Precision) -> String {
+    let (real, language, n) = (real(precision), C(precision), program.n_joints());
+    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| language.constant(number));
+    let exp = language.call(Function::Exp, "-gain*dt");
+    let body = Body::of(&program.graph, &program.momentum, &language);
+    let (parameter, argument, mut arguments) = match program.memory {
+        Some(_) => (format!("const {name}_state *state, "), "&observer->friction, ", vec!["state"]),
+        None => (String::new(), "", vec![]),
+    };
+    arguments.extend(["q", "dq"]);
+    let mut lines = vec![format!(
+        "static void {name}_momentum(\n    {parameter}const {real} q[{n}], const {real} dq[{n}], \
+         {real} now[{}])\n{{",
+        2 * n
+    )];
+    lines.extend(statements(&body, precision, &arguments, "now"));
+    lines.push(format!("}}\n\nvoid {name}_observer_reset({name}_observer *observer)\n{{"));
+    if program.memory.is_some() {
+        lines.push(format!("    {name}_reset(&observer->friction);"));
+    }
+    lines.push(format!(
+        "    for (int k = 0; k < {}; k++) observer->last[k] = {zero};\n    \
+         for (int j = 0; j < {n}; j++) observer->external[j] = {zero};\n    \
+         observer->started = 0;\n}}\n\n{}\n{{\n    {real} now[{}];",
+        2 * n,
+        observer_signature(program, name, real),
+        2 * n
+    ));
+    if program.memory.is_some() {
+        lines.push(format!("    {name}_step(&observer->friction, q);"));
+    }
+    lines.push(format!(
+        "    {name}_momentum({argument}q, dq, now);\n    \
+         for (int j = 0; j < {n}; j++) now[{n} + j] += tau[j];\n    \
+         if (observer->started && dt > {zero}) {{\n        \
+         const {real} stays = {exp};\n        \
+         for (int j = 0; j < {n}; j++) {{\n            \
+         const {real} rate = (now[j] - observer->last[j])/dt;\n            \
+         const {real} own = {half}*(now[{n} + j] + observer->last[{n} + j]);\n            \
+         observer->external[j] = stays*observer->external[j] + ({one} - stays)*(rate - own);\n        \
+         }}\n    }}\n    \
+         for (int k = 0; k < {}; k++) observer->last[k] = now[k];\n    \
+         for (int j = 0; j < {n}; j++) external[j] = observer->external[j];\n    \
+         observer->started = 1;\n}}\n",
+        2 * n
+    ));
     lines.join("\n")
 }
 
@@ -179,7 +265,7 @@ fn introduction(program: &Program, name: &str) -> String {
         // Writing to a String cannot fail.
         let _ = write!(
             text,
-            "\n   {:10}{:22}{}",
+            "\n   {:18}{:24}{}",
             quantity.name(),
             quantity.formula(),
             program.cost(quantity)
@@ -192,10 +278,8 @@ fn introduction(program: &Program, name: &str) -> String {
 fn signature(program: &Program, name: &str, quantity: Quantity, real: &str) -> String {
     let n = program.n_joints();
     let signals = quantity.signals().iter().map(|signal| format!("const {real} {signal}[{n}]"));
-    let result = match quantity {
-        Quantity::Inertia => format!("{real} m[{}]", n * n),
-        _ => format!("{real} tau[{n}]"),
-    };
+    let count = if quantity.is_matrix() { n * n } else { n };
+    let result = format!("{real} {}[{count}]", quantity.result());
     let arguments: Vec<String> = signals.chain([result]).collect();
     format!("void {name}_{}({})", quantity.name(), arguments.join(", "))
 }
@@ -242,9 +326,8 @@ fn function(
     precision: Precision,
 ) -> String {
     let body = Body::of(&program.graph, roots, &C(precision));
-    let result = if quantity == Quantity::Inertia { "m" } else { "tau" };
     let mut lines = vec![signature(program, name, quantity, real(precision)), "{".into()];
-    lines.extend(statements(&body, precision, quantity.signals(), result));
+    lines.extend(statements(&body, precision, quantity.signals(), quantity.result()));
     lines.push("}\n".into());
     lines.join("\n")
 }

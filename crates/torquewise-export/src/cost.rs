@@ -14,7 +14,7 @@ const PER_FUNCTION: f64 = 5e-9;
 /// How much a function computes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Cost {
-    /// Additions, subtractions, multiplications and absolute values.
+    /// Additions, subtractions, multiplications, divisions and absolute values.
     pub operations: usize,
     /// Sines, cosines, exponentials and hyperbolic tangents.
     pub functions: usize,
@@ -30,7 +30,7 @@ impl Cost {
                 Node::Add(..) | Node::Sub(..) | Node::Mul(..) | Node::Neg(_) => {
                     cost.operations += 1;
                 }
-                Node::Call(Function::Abs, _) => cost.operations += 1,
+                Node::Call(Function::Abs | Function::Reciprocal, _) => cost.operations += 1,
                 Node::Sin(_) | Node::Cos(_) | Node::Call(..) => cost.functions += 1,
             }
         }
@@ -51,6 +51,6 @@ impl Cost {
 
 impl fmt::Display for Cost {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(to, "{} + - *, {} sin cos exp tanh", self.operations, self.functions)
+        write!(to, "{} + - * /, {} sin cos exp tanh", self.operations, self.functions)
     }
 }

@@ -7,15 +7,26 @@
 use crate::graph::{Graph, Id, Input, Node};
 use std::collections::BTreeMap;
 
-/// d/dt of nodes of q alone as q moves with q̇.
+/// What moves while all else is held fixed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Along {
+    /// q, with q̇.
+    Motion,
+    /// The velocity of one joint, with 1.
+    Velocity(usize),
+}
+
+/// Derivatives of nodes of q and q̇ along what moves.
 ///
 /// - returns: one node for each of `roots`
-pub(crate) fn rates(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+pub(crate) fn rates(graph: &mut Graph, roots: &[Id], along: Along) -> Vec<Id> {
     let mut rates: BTreeMap<Id, Id> = BTreeMap::new();
-    let zero = graph.constant(0.0);
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
     for id in graph.reachable(roots) {
         let rate_of = |operand: Id| rates.get(&operand).copied().unwrap_or(zero);
         let rate = match graph.node(id).clone() {
+            Node::Sin(_) | Node::Cos(_) if along != Along::Motion => zero,
+            Node::Input(Input::Dq(joint)) if along == Along::Velocity(joint) => one,
             Node::Sin(multiples) => {
                 let (slope, speed) = (graph.cos(&multiples), angle_rate(graph, &multiples));
                 graph.mul(slope, speed)

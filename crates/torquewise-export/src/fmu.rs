@@ -12,8 +12,10 @@ const WRAPPER: &str = include_str!("assets/fmu.c");
 
 /// The files of a unit but its binary: path within the unit and text.
 ///
-/// Inputs are `q[i]`, `dq[i]`, `ddq[i]`, outputs `tau[i]`, `gravity[i]`, `coriolis[i]`,
-/// `inertia[i,j]`, `friction[i]`, `step1[i]`, joints from 1, SI units. `sources/NAME_fmu.c` and
+/// Inputs are `q[i]`, `dq[i]`, `ddq[i]` and the torque of the motors `effort[i]`, the parameter is
+/// `bandwidth` \[Hz\] of the momentum observer; outputs are `tau[i]`, `gravity[i]`, `coriolis[i]`,
+/// `inertia[i,j]`, `friction[i]`, `step1[i]`, `coriolis_matrix[i,j]`, `inverse_inertia[i,j]`,
+/// `forward_dynamics[i]` and the external torque `external[i]`; joints from 1, SI units. `sources/NAME_fmu.c` and
 /// `sources/NAME.c`, compiled together as C99, make the binary.
 ///
 /// # Errors
@@ -63,12 +65,15 @@ fn guid(program: &Program) -> String {
 }
 
 /// Units of the signals: name, and exponents of their base units.
-const UNITS: [(&str, &str); 5] = [
+const UNITS: [(&str, &str); 8] = [
     ("rad", r#"rad="1""#),
     ("rad/s", r#"s="-1" rad="1""#),
     ("rad/s2", r#"s="-2" rad="1""#),
     ("N.m", r#"kg="1" m="2" s="-2""#),
     ("kg.m2", r#"kg="1" m="2""#),
+    ("kg.m2/s", r#"kg="1" m="2" s="-1""#),
+    ("1/(kg.m2)", r#"kg="-1" m="-2""#),
+    ("Hz", r#"s="-1""#),
 ];
 
 fn description(program: &Program, name: &str) -> String {
@@ -83,7 +88,8 @@ fn description(program: &Program, name: &str) -> String {
     let units = units.concat();
     let (variables, outputs) = variables(program);
     let mut unknowns = String::new();
-    for index in 3 * n + 1..=3 * n + outputs {
+    // Counted from 1, after four inputs of each joint and the parameter.
+    for index in 4 * n + 2..=4 * n + 1 + outputs {
         // Writing to a String cannot fail.
         let _ = writeln!(unknowns, "      <Unknown index=\"{index}\"/>");
     }
@@ -108,34 +114,46 @@ fn variables(program: &Program) -> (String, usize) {
     let n = program.n_joints();
     let mut rows: Vec<(String, &str, String)> = Vec::new();
     let of_joint = |joint: usize| format!("joint {}", escaped(&program.joints[joint]));
-    for (signal, unit) in [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2")] {
+    for (signal, unit) in [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2"), ("effort", "N.m")] {
         rows.extend((0..n).map(|j| (format!("{signal}[{}]", j + 1), unit, of_joint(j))));
     }
+    rows.push(("bandwidth".into(), "Hz", "of external torque".into()));
     for quantity in Quantity::ALL {
         let name = if quantity == Quantity::Torque { "tau" } else { quantity.name() };
-        if quantity == Quantity::Inertia {
+        let unit = match quantity {
+            Quantity::Inertia => "kg.m2",
+            Quantity::CoriolisMatrix => "kg.m2/s",
+            Quantity::InverseInertia => "1/(kg.m2)",
+            Quantity::ForwardDynamics => "rad/s2",
+            _ => "N.m",
+        };
+        if quantity.is_matrix() {
             rows.extend((0..n * n).map(|place| {
                 let (i, j) = (place / n, place % n);
-                let text = format!("{} by acceleration of {}", of_joint(i), of_joint(j));
-                (format!("{name}[{},{}]", i + 1, j + 1), "kg.m2", text)
+                let text = format!("{} by {}", of_joint(i), of_joint(j));
+                (format!("{name}[{},{}]", i + 1, j + 1), unit, text)
             }));
         } else {
-            rows.extend((0..n).map(|j| (format!("{name}[{}]", j + 1), "N.m", of_joint(j))));
+            rows.extend((0..n).map(|j| (format!("{name}[{}]", j + 1), unit, of_joint(j))));
         }
     }
+    rows.extend((0..n).map(|j| (format!("external[{}]", j + 1), "N.m", of_joint(j))));
     let mut text = String::new();
     for (place, (name, unit, description)) in rows.iter().enumerate() {
-        let (causality, start) =
-            if place < 3 * n { ("input", " start=\"0\"") } else { ("output", "") };
+        let (causality, variability, start) = match place {
+            _ if place < 4 * n => ("input", "continuous", " start=\"0\""),
+            _ if place == 4 * n => ("parameter", "tunable", " start=\"10\""),
+            _ => ("output", "continuous", ""),
+        };
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
             "    <ScalarVariable name=\"{name}\" valueReference=\"{place}\" \
-             causality=\"{causality}\" variability=\"continuous\" description=\"{description}\">\n\
+             causality=\"{causality}\" variability=\"{variability}\" description=\"{description}\">\n\
              \x20     <Real unit=\"{unit}\"{start}/>\n    </ScalarVariable>"
         );
     }
-    (text, rows.len() - 3 * n)
+    (text, rows.len() - 4 * n - 1)
 }
 
 /// Text in which XML finds no tags.

@@ -20,6 +20,8 @@ pub(crate) enum Input {
     Ddq(usize),
     /// Its position one sample before \[rad\].
     Last(usize),
+    /// Torque of its motor \[N·m\].
+    Tau(usize),
     /// State of a Dahl element, counted from 0.
     Element(usize),
 }
@@ -37,6 +39,8 @@ pub(crate) enum Function {
     Positive,
     /// |x|
     Abs,
+    /// 1/x
+    Reciprocal,
 }
 
 /// One operation.

@@ -35,6 +35,7 @@ mod lower;
 mod base_chain;
 mod recursion;
 mod ways;
+mod momentum;
 pub mod program;
 pub mod members;
 mod text;

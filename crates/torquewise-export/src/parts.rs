@@ -1,6 +1,6 @@
 //! From model to nodes of its parts: M(q), C(q, q̇)q̇, G(q), F(q, q̇).
 
-use crate::derivative::{rates, slopes};
+use crate::derivative::{Along, rates, slopes};
 use crate::graph::{Function, Graph, Id, Input};
 use crate::polynomial::{Monomial, Order, angles, motions, polynomial};
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ pub(crate) fn from_energies(
     }
     let one = graph.constant(1.0);
     let gravity = slopes(graph, &[(potential, one)], n);
-    let matrix_rates = rates(graph, &matrix);
+    let matrix_rates = rates(graph, &matrix, Along::Motion);
     let kinetic = kinetic_weights(graph, &matrix, n);
     let kinetic_slopes = slopes(graph, &kinetic, n);
     let (mut coriolis, mut motion) = (Vec::new(), Vec::new());
@@ -69,7 +69,7 @@ pub(crate) fn from_energies(
 }
 
 /// One row of a matrix, each entry times the rate of its joint.
-fn products(graph: &mut Graph, row: &[Id], rate: fn(usize) -> Input) -> Vec<Id> {
+pub(crate) fn products(graph: &mut Graph, row: &[Id], rate: fn(usize) -> Input) -> Vec<Id> {
     let mut products = Vec::new();
     for (joint, &entry) in row.iter().enumerate() {
         let rate = graph.input(rate(joint));

@@ -5,6 +5,7 @@ use crate::cost::Cost;
 use crate::error::ExportError;
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
+use crate::momentum::{Factors, coriolis_matrix, momentum};
 use crate::parts::{elements, friction, next_states};
 use crate::ways::{Frictionless, frictionless, gravity_of, sums};
 use torquewise_model::{Form, Model, to_json};
@@ -25,14 +26,30 @@ pub enum Quantity {
     /// G(q) \[N·m\] as the first step of the reconstruction found it, n; G(q) of the whole model
     /// where that was not found stepwise.
     Step1,
+    /// C(q, q̇) \[N·m·s\] by Christoffel symbols, n×n.
+    CoriolisMatrix,
+    /// M(q)⁻¹ \[1/(kg·m²)\], n×n.
+    InverseInertia,
+    /// q̈ \[rad/s²\] of q, q̇ and the torque of the motors, n.
+    ForwardDynamics,
 }
 
 impl Quantity {
     /// All, in the order in which they are written.
-    pub const ALL: [Self; 6] =
-        [Self::Torque, Self::Gravity, Self::Coriolis, Self::Inertia, Self::Friction, Self::Step1];
+    pub const ALL: [Self; 9] = [
+        Self::Torque,
+        Self::Gravity,
+        Self::Coriolis,
+        Self::Inertia,
+        Self::Friction,
+        Self::Step1,
+        Self::CoriolisMatrix,
+        Self::InverseInertia,
+        Self::ForwardDynamics,
+    ];
 
-    /// `torque`, `gravity`, `coriolis`, `inertia`, `friction` or `step1`.
+    /// `torque`, `gravity`, `coriolis`, `inertia`, `friction`, `step1`, `coriolis_matrix`,
+    /// `inverse_inertia` or `forward_dynamics`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Torque => "torque",
@@ -41,20 +58,36 @@ impl Quantity {
             Self::Inertia => "inertia",
             Self::Friction => "friction",
             Self::Step1 => "step1",
+            Self::CoriolisMatrix => "coriolis_matrix",
+            Self::InverseInertia => "inverse_inertia",
+            Self::ForwardDynamics => "forward_dynamics",
         }
     }
 
-    /// The signals it is a function of, of q, q̇ and q̈: `q`, `dq`, `ddq`.
+    /// Whether its results are a matrix, n×n.
+    pub fn is_matrix(self) -> bool {
+        matches!(self, Self::Inertia | Self::CoriolisMatrix | Self::InverseInertia)
+    }
+
+    /// The signals it is a function of, of q, q̇, q̈ and τ: `q`, `dq`, `ddq`, `tau`.
     pub fn signals(self) -> &'static [&'static str] {
         match self {
             Self::Torque => &["q", "dq", "ddq"],
-            Self::Coriolis | Self::Friction => &["q", "dq"],
-            Self::Gravity | Self::Inertia | Self::Step1 => &["q"],
+            Self::ForwardDynamics => &["q", "dq", "tau"],
+            Self::Coriolis | Self::Friction | Self::CoriolisMatrix => &["q", "dq"],
+            Self::Gravity | Self::Inertia | Self::Step1 | Self::InverseInertia => &["q"],
         }
     }
-}
 
-impl Quantity {
+    /// What its results are called: `tau`, `ddq`, or `m` for a matrix.
+    pub(crate) fn result(self) -> &'static str {
+        match self {
+            Self::ForwardDynamics => "ddq",
+            _ if self.is_matrix() => "m",
+            _ => "tau",
+        }
+    }
+
     /// What it computes, in ASCII.
     pub(crate) fn formula(self) -> &'static str {
         match self {
@@ -64,6 +97,9 @@ impl Quantity {
             Self::Inertia => "M(q), row by row",
             Self::Friction => "F(q, dq)",
             Self::Step1 => "G(q) of step 1",
+            Self::CoriolisMatrix => "C(q, dq), row by row",
+            Self::InverseInertia => "1/M(q), row by row",
+            Self::ForwardDynamics => "(tau - C dq - G - F)/M",
         }
     }
 }
@@ -88,6 +124,8 @@ pub struct Program {
     symmetric: bool,
     /// What friction remembers of the path, if it does.
     pub(crate) memory: Option<Memory>,
+    /// p and Cᵀq̇ − G − F, friction at its states, 2n.
+    pub(crate) momentum: Vec<Id>,
     pub(crate) fingerprint: u64,
 }
 
@@ -96,20 +134,31 @@ pub struct Program {
 pub(crate) struct Memory {
     /// States after a step from the last q to the next, one for each element.
     pub(crate) states: Vec<Id>,
-    /// Torque and friction at these states, n each.
+    /// Torque, friction and forward dynamics at these states, n each.
     pub(crate) after: Vec<(Quantity, Vec<Id>)>,
 }
 
 impl Memory {
-    fn of(graph: &mut Graph, model: &Model, parts: &Frictionless) -> Option<Self> {
+    /// Also the friction at these states, n.
+    fn of(
+        graph: &mut Graph,
+        model: &Model,
+        parts: &Frictionless,
+        factors: &Factors,
+    ) -> Option<(Self, Vec<Id>)> {
         let elements = elements(&model.friction);
         if elements.is_empty() {
             return None;
         }
         let own = friction(graph, &model.friction, &parts.gravity, &elements);
         let torque = sums(graph, &parts.torque, &own);
-        let after = vec![(Quantity::Torque, torque), (Quantity::Friction, own)];
-        Some(Self { states: next_states(graph, &elements), after })
+        let accelerations = factors.accelerations(graph, parts, &own);
+        let after = vec![
+            (Quantity::Torque, torque),
+            (Quantity::Friction, own.clone()),
+            (Quantity::ForwardDynamics, accelerations),
+        ];
+        Some((Self { states: next_states(graph, &elements), after }, own))
     }
 
     fn roots(&mut self) -> impl Iterator<Item = &mut Id> {
@@ -138,8 +187,13 @@ impl Program {
             (0, None) => gravity_of(&mut graph, &model.form, n),
             _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
         };
-        let mut memory = Memory::of(&mut graph, model, &parts);
+        let factors = Factors::of(&mut graph, &parts.matrix, n);
         let own = friction(&mut graph, &model.friction, &parts.gravity, &[]);
+        let (mut memory, after) = Memory::of(&mut graph, model, &parts, &factors).unzip();
+        let mut momentum = momentum(&mut graph, &parts, after.as_ref().unwrap_or(&own));
+        let coriolis_matrix = coriolis_matrix(&mut graph, &parts.coriolis);
+        let inverse = factors.inverse(&mut graph);
+        let accelerations = factors.accelerations(&mut graph, &parts, &own);
         let mut functions = vec![
             (Quantity::Torque, sums(&mut graph, &parts.torque, &own)),
             (Quantity::Gravity, parts.gravity),
@@ -147,9 +201,13 @@ impl Program {
             (Quantity::Inertia, parts.matrix),
             (Quantity::Friction, own),
             (Quantity::Step1, first),
+            (Quantity::CoriolisMatrix, coriolis_matrix),
+            (Quantity::InverseInertia, inverse),
+            (Quantity::ForwardDynamics, accelerations),
         ];
         let roots = functions.iter_mut().flat_map(|(_, roots)| roots);
-        let roots: Vec<&mut Id> = roots.chain(memory.iter_mut().flat_map(Memory::roots)).collect();
+        let roots: Vec<&mut Id> =
+            roots.chain(memory.iter_mut().flat_map(Memory::roots)).chain(&mut momentum).collect();
         let (graph, lower) = lowered(&graph, &roots.iter().map(|root| **root).collect::<Vec<Id>>());
         roots.into_iter().zip(lower).for_each(|(root, lower)| *root = lower);
         let constants = (0..graph.len()).filter_map(|id| graph.value(id));
@@ -163,6 +221,7 @@ impl Program {
             steps: model.stages.len(),
             symmetric: model.chain.is_some() || matches!(model.form, Form::Energy(_)),
             memory,
+            momentum,
             fingerprint: fingerprint(&text),
         })
     }

@@ -19,6 +19,7 @@ impl Language for Python {
             Function::Sign => format!("_sign({argument})"),
             Function::Positive => format!("_positive({argument})"),
             Function::Abs => format!("abs({argument})"),
+            Function::Reciprocal => format!("1.0/({argument})"),
         }
     }
 }
@@ -40,6 +41,7 @@ pub fn to_python(program: &Program) -> String {
     if program.memory.is_some() {
         text += "    \"State\",\n";
     }
+    text += "    \"Observer\",\n";
     let names: Vec<String> =
         program.joints.iter().map(|joint| format!("    {},\n", quoted(joint))).collect();
     let _ = write!(
@@ -62,7 +64,7 @@ pub fn to_python(program: &Program) -> String {
     if let Some(memory) = &program.memory {
         text += &state(program, memory);
     }
-    text
+    text + &observer(program)
 }
 
 fn function(program: &Program, quantity: Quantity, roots: &[Id]) -> String {
@@ -72,7 +74,7 @@ fn function(program: &Program, quantity: Quantity, roots: &[Id]) -> String {
         format!("    \"\"\"{}: {}\"\"\"", quantity.formula(), program.cost(quantity)),
     ];
     let unpacked = quantity.signals().iter().map(|signal| unpacked(signal, n, signal));
-    let columns = if quantity == Quantity::Inertia { Some(n) } else { None };
+    let columns = quantity.is_matrix().then_some(n);
     let results = body.listed("return ", columns);
     lines.extend(unpacked.chain(steps(&body)).chain(results).map(|line| format!("    {line}")));
     lines.push(String::new());
@@ -125,6 +127,49 @@ fn state(program: &Program, memory: &Memory) -> String {
          What ends in `_after` is at the last sample; `torque` and `friction` have no memory \
          and are as\n    after a long way in the direction of dq.\n    \"\"\"\n\n{}",
         methods.join("\n")
+    )
+}
+
+/// The momentum observer, as a class.
+fn observer(program: &Program) -> String {
+    let n = program.n_joints();
+    let body = Body::of(&program.graph, &program.momentum, &Python);
+    let mut lines = vec![unpacked("q", n, "q"), unpacked("dq", n, "dq")];
+    let [memory, start, step, call] = match &program.memory {
+        Some(memory) => {
+            lines.push(unpacked("x", memory.states.len(), "x"));
+            [
+                ", x",
+                "\n        self._friction = State()",
+                "\n        self._friction.step(q)",
+                "q, dq, self._friction._x",
+            ]
+        }
+        None => ["", "", "", "q, dq"],
+    };
+    lines.extend(steps(&body).chain(body.listed("return ", Some(n))));
+    format!(
+        "\n\ndef _momentum(q, dq{memory}):\n    \
+         \"\"\"Momentum, and the part of its change that is neither motor nor external.\"\"\"\n    \
+         {}\n\n\nclass Observer:\n    \
+         \"\"\"External torque by the momentum observer: give `step` every sample.\"\"\"\n\n    \
+         def __init__(self):\n        \"\"\"Has seen nothing.\"\"\"\n        self.reset()\n\n    \
+         def reset(self):\n        \"\"\"Forgets the samples so far.\"\"\"\n        \
+         self._last = None\n        self._external = [0.0] * {n}{start}\n\n    \
+         def step(self, gain, dt, q, dq, tau):\n        \
+         \"\"\"What others put on the joints [N m], low-passed: {}\n\n        \
+         `gain` [1/s] is 2 pi times the bandwidth [Hz], `dt` [s] the time since the last sample,\n\
+         \x20       `tau` the torque of the motors.\n        \"\"\"{step}\n        \
+         momentum, change = _momentum({call})\n        \
+         change = [change[j] + tau[j] for j in range({n})]\n        \
+         if self._last is not None and dt > 0.0:\n            \
+         stays = exp(-gain * dt)\n            for j in range({n}):\n                \
+         rate = (momentum[j] - self._last[0][j]) / dt\n                \
+         own = 0.5 * (change[j] + self._last[1][j])\n                \
+         self._external[j] = stays * self._external[j] + (1.0 - stays) * (rate - own)\n        \
+         self._last = (momentum, change)\n        return list(self._external)\n",
+        lines.join("\n    "),
+        program.cost_of(&program.momentum)
     )
 }
 

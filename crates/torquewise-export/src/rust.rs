@@ -24,6 +24,7 @@ impl Language for Rust {
             Function::Sign => format!("sign({argument})"),
             Function::Positive => format!("positive({argument})"),
             Function::Abs => format!("abs({argument})"),
+            Function::Reciprocal => format!("1.0/({argument})"),
         }
     }
 }
@@ -84,6 +85,7 @@ pub fn to_rust(program: &Program, precision: Precision) -> Result<String, Export
     if let Some(memory) = &program.memory {
         text += &state(program, memory, precision, real);
     }
+    text += &observer(program, precision, real);
     Ok(text)
 }
 
@@ -123,9 +125,10 @@ fn function(
 ) -> String {
     let body = Body::of(&program.graph, roots, &Rust(precision));
     let row = format!("[{real}; JOINTS]");
-    let (result, columns) = match quantity {
-        Quantity::Inertia => (format!("[{row}; JOINTS]"), Some(program.n_joints())),
-        _ => (row, None),
+    let (result, columns) = if quantity.is_matrix() {
+        (format!("[{row}; JOINTS]"), Some(program.n_joints()))
+    } else {
+        (row, None)
     };
     let (name, signals) =
         (quantity.name(), signals(quantity.signals().iter().copied(), &body, real));
@@ -211,6 +214,59 @@ fn state(program: &Program, memory: &Memory, precision: Precision, real: &str) -
         text += &method(&doc, &head, &statements(&body, &arguments, None));
     }
     text + "}\n"
+}
+
+/// The momentum observer, as a struct.
+fn observer(program: &Program, precision: Precision, real: &str) -> String {
+    let body = Body::of(&program.graph, &program.momentum, &Rust(precision));
+    let inner = statements(&body, &["q", "dq"], Some(program.n_joints()));
+    let (signals, cost) =
+        (signals(["q", "dq"].into_iter(), &body, real), program.cost_of(&program.momentum));
+    let result = format!("[[{real}; JOINTS]; 2]");
+    let (momentum, [field, start, step, now]) = if program.memory.is_some() {
+        let doc = "Momentum, and the part of its change that is neither motor nor external.";
+        let head = format!("momentum<F: Math>(&self, {signals}) -> {result}");
+        let method = method(doc, &head, &inner).replace("    pub fn", "    fn");
+        let own = [
+            "    friction: State,\n",
+            "friction: State::default(), ",
+            "self.friction.step::<F>(q);\n        ",
+            "self.friction.momentum::<F>(q, dq)",
+        ];
+        (format!("\nimpl State {{{}}}\n", method.trim_start_matches('\n').to_owned()), own)
+    } else {
+        let lines = inner.join("\n    ");
+        let function = format!(
+            "\n/// Momentum, and the part of its change that is neither motor nor external.\n\
+             fn momentum<F: Math>({signals}) -> {result} {{\n    {lines}\n}}\n"
+        );
+        (function, ["", "", "", "momentum::<F>(q, dq)"])
+    };
+    let row = format!("[{real}; JOINTS]");
+    format!(
+        "{momentum}\n/// External torque by the momentum observer: give `step` every sample.\n\
+         #[derive(Clone, Copy, Debug, PartialEq)]\npub struct Observer {{\n{field}    \
+         last: {result},\n    external: {row},\n    started: bool,\n}}\n\n\
+         impl Default for Observer {{\n    fn default() -> Self {{\n        \
+         Observer {{ {start}last: [[0.0; JOINTS]; 2], external: [0.0; JOINTS], started: false }}\n\
+         \x20   }}\n}}\n\n\
+         impl Observer {{\n    /// Forgets the samples so far.\n    pub fn reset(&mut self) {{\n\
+         \x20       *self = Self::default();\n    }}\n\n    \
+         /// What others put on the joints [N m], low-passed: {cost}\n    ///\n    \
+         /// `gain` [1/s] is 2 pi times the bandwidth [Hz], `dt` [s] the time since the last \
+         sample, `tau` the\n    /// torque of the motors.\n    \
+         pub fn step<F: Math>(\n        &mut self,\n        gain: {real},\n        dt: {real},\n\
+         \x20       q: &{row},\n        dq: &{row},\n        tau: &{row},\n    ) -> {row} {{\n\
+         \x20       {step}let mut now = {now};\n        \
+         for j in 0..JOINTS {{\n            now[1][j] += tau[j];\n        }}\n        \
+         if self.started && dt > 0.0 {{\n            let stays = F::exp(-gain * dt);\n            \
+         for j in 0..JOINTS {{\n                \
+         let rate = (now[0][j] - self.last[0][j]) / dt;\n                \
+         let own = 0.5 * (now[1][j] + self.last[1][j]);\n                \
+         self.external[j] = stays * self.external[j] + (1.0 - stays) * (rate - own);\n            \
+         }}\n        }}\n        self.last = now;\n        self.started = true;\n        \
+         self.external\n    }}\n}}\n"
+    )
 }
 
 fn method(doc: &str, head: &str, lines: &[String]) -> String {

@@ -171,12 +171,13 @@ impl Text {
     }
 }
 
-/// `q`, `dq`, `ddq` or `last` and the joint, or `x` and the Dahl element.
+/// `q`, `dq`, `ddq`, `tau` or `last` and the joint, or `x` and the Dahl element.
 pub(crate) fn signal_of(input: Input) -> (&'static str, usize) {
     match input {
         Input::Q(joint) => ("q", joint),
         Input::Dq(joint) => ("dq", joint),
         Input::Ddq(joint) => ("ddq", joint),
+        Input::Tau(joint) => ("tau", joint),
         Input::Last(joint) => ("last", joint),
         Input::Element(element) => ("x", element),
     }
@@ -199,7 +200,9 @@ fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> T
         },
         Node::Neg(a) => Text { text: format!("-{}", at(a, Level::Product)), level: Level::Product },
         Node::Call(function, a) => {
-            Text { text: language.call(*function, &at(a, Level::Sum)), level: Level::Call }
+            let level =
+                if *function == Function::Reciprocal { Level::Product } else { Level::Call };
+            Text { text: language.call(*function, &at(a, Level::Sum)), level }
         }
         Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) => {
             Text { text: String::new(), level: Level::Name }

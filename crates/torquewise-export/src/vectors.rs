@@ -2,6 +2,8 @@
 
 use crate::error::ExportError;
 use crate::program::Quantity;
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
@@ -11,7 +13,8 @@ use torquewise_model::{Model, Torque};
 /// States and expected values, one row each, computed by the model and not by exported code.
 ///
 /// Columns `q1…qn`, `dq1…`, `ddq1…`, then of each function in order `torque1…`, `gravity1…`,
-/// `coriolis1…`, `inertia1_1, inertia1_2, …`, `friction1…`, `step1_1…`; SI units, all digits.
+/// `coriolis1…`, `inertia1_1, inertia1_2, …`, `friction1…`, `step1_1…`, `coriolis_matrix1_1…`,
+/// `inverse_inertia1_1…`, and `forward_dynamics1…` of that torque; SI units, all digits.
 /// States are drawn evenly from what the model was fitted on; where that is not known, from a turn,
 /// ±1 rad/s and ±1 rad/s².
 ///
@@ -28,15 +31,21 @@ pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String, Exp
     let mut text = header(n);
     for _ in 0..rows {
         let [q, dq, ddq] = state(model, &mut rng);
+        let listed = |matrix: Mat<f64>| -> Vec<f64> {
+            (0..n * n).map(|place| matrix[(place / n, place % n)]).collect()
+        };
         let matrix = whole.mass_matrix(&q)?;
-        let inertia = (0..n * n).map(|place| matrix[(place / n, place % n)]);
+        let tau = whole.at(&q, &dq, &ddq)?;
         let mut row = [q.clone(), dq.clone(), ddq.clone()].concat();
-        row.extend(whole.at(&q, &dq, &ddq)?);
+        row.extend(&tau);
         row.extend(whole.gravity(&q)?);
         row.extend(whole.coriolis(&q, &dq)?);
-        row.extend(inertia);
+        row.extend(listed(matrix.clone()));
         row.extend(whole.friction(&q, &dq)?);
         row.extend(first.gravity(&q)?);
+        row.extend(listed(whole.coriolis_matrix(&q, &dq)?));
+        row.extend(listed(matrix.partial_piv_lu().inverse()));
+        row.extend(whole.forward_dynamics([&q, &dq, &tau])?);
         let row: Vec<String> = row.iter().map(|x| format!("{x:?}")).collect();
         // Writing to a String cannot fail.
         let _ = writeln!(text, "{}", row.join(","));
@@ -53,7 +62,7 @@ fn header(n: usize) -> String {
     for quantity in Quantity::ALL {
         let name = quantity.name();
         match quantity {
-            Quantity::Inertia => {
+            _ if quantity.is_matrix() => {
                 let places = (0..n * n).map(|place| (place / n + 1, place % n + 1));
                 names.extend(places.map(|(row, column)| format!("{name}{row}_{column}")));
             }

@@ -8,6 +8,7 @@ use crate::products::{Entry, Mass, Product, numbered};
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::term::{Factor, Kind};
 use faer::Mat;
+use faer::prelude::Solve;
 use std::borrow::Cow;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
@@ -229,6 +230,43 @@ impl Torque {
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn coriolis(&self, q: &[f64], dq: &[f64]) -> Result<Vec<f64>, ModelError> {
         self.part(Kind::Coriolis, q, dq)
+    }
+
+    /// C(q, q̇) \[N·m·s\] by Christoffel symbols, n×n, for controllers that use Ṁ − 2C being skew.
+    ///
+    /// # Errors
+    /// As [`Self::coriolis`].
+    pub fn coriolis_matrix(&self, q: &[f64], dq: &[f64]) -> Result<Mat<f64>, ModelError> {
+        let (n, whole) = (self.n_joints, self.coriolis(q, dq)?);
+        let mut matrix = Mat::zeros(n, n);
+        // C(q, v)v = B(v, v) with a symmetric B, whose columns are C: B(v, e) from v + e, v and e.
+        for column in 0..n {
+            let (mut more, mut unit) = (dq.to_vec(), vec![0.0; n]);
+            more[column] += 1.0;
+            unit[column] = 1.0;
+            let (both, own) = (self.coriolis(q, &more)?, self.coriolis(q, &unit)?);
+            for row in 0..n {
+                matrix[(row, column)] = 0.5 * (both[row] - whole[row] - own[row]);
+            }
+        }
+        Ok(matrix)
+    }
+
+    /// q̈ \[rad/s²\], n, of an arm whose motors give τ: M(q)⁻¹(τ − C(q, q̇)q̇ − G(q) − F(q, q̇)).
+    ///
+    /// - `q` \[rad\], `dq` \[rad/s\], `tau` \[N·m\]: n each
+    ///
+    /// # Errors
+    /// [`ModelError::Shape`] if one has another length than the model has joints.
+    pub fn forward_dynamics(&self, [q, dq, tau]: [&[f64]; 3]) -> Result<Vec<f64>, ModelError> {
+        let n = self.n_joints;
+        if tau.len() != n {
+            return Err(ModelError::Shape { what: "tau", found: tau.len(), expected: n });
+        }
+        let held = self.at(q, dq, &vec![0.0; n])?;
+        let free = Mat::from_fn(n, 1, |joint, _| tau[joint] - held[joint]);
+        let solved = self.mass_matrix(q)?.partial_piv_lu().solve(free);
+        Ok((0..n).map(|joint| solved[(joint, 0)]).collect())
     }
 
     /// G(q) \[N·m\], n: q \[rad\], n.

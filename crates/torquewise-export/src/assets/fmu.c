@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#define PI 3.14159265358979323846
+
 /* Much of what FMI asks for means nothing to a model without continuous states. */
 #if defined __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-parameter"
@@ -55,14 +57,21 @@ typedef struct {
 
 #define STATUS EXPORT fmi2Status
 
-/* Value references count inputs, then the outputs of one function after the other. */
-enum { Q = 0, DQ = N, DDQ = 2 * N, TORQUE = 3 * N, GRAVITY = 4 * N, CORIOLIS = 5 * N,
-       INERTIA = 6 * N, FRICTION = 6 * N + N * N, STEP1 = 7 * N + N * N, COUNT = 8 * N + N * N };
+/* Value references count inputs, the parameter, then the outputs of one function after the other. */
+enum { Q = 0, DQ = N, DDQ = 2 * N, EFFORT = 3 * N, BANDWIDTH = 4 * N, TORQUE = BANDWIDTH + 1,
+       GRAVITY = TORQUE + N, CORIOLIS = GRAVITY + N, INERTIA = CORIOLIS + N,
+       FRICTION = INERTIA + N * N, STEP1 = FRICTION + N, CORIOLIS_MATRIX = STEP1 + N,
+       INVERSE_INERTIA = CORIOLIS_MATRIX + N * N, FORWARD_DYNAMICS = INVERSE_INERTIA + N * N,
+       EXTERNAL = FORWARD_DYNAMICS + N, COUNT = EXTERNAL + N };
 
 struct instance {
     fmi2CallbackFunctions callbacks;
     /* Whether the outputs of a function are of these inputs. */
-    int torque, gravity, coriolis, inertia, friction, step1;
+    int torque, gravity, coriolis, inertia, friction, step1, coriolis_matrix, inverse_inertia,
+        forward_dynamics;
+    /* Times of model exchange [s]: now, and of the last step that was completed. */
+    double time, stepped;
+    MODEL(observer) observer;
     double values[COUNT];
 #ifdef REMEMBERS
     /* The path up to the last step. */
@@ -74,6 +83,7 @@ static void outdate(struct instance *model)
 {
     model->torque = model->gravity = model->coriolis = 0;
     model->inertia = model->friction = model->step1 = 0;
+    model->coriolis_matrix = model->inverse_inertia = model->forward_dynamics = 0;
 }
 
 /* What friction remembers of the path: nothing at the start, and of each step the q it ends at. */
@@ -82,14 +92,20 @@ static void forget(struct instance *model)
 #ifdef REMEMBERS
     MODEL(reset)(&model->memory);
 #endif
+    MODEL(observer_reset)(&model->observer);
+    memset(model->values + EXTERNAL, 0, N * sizeof(double));
     outdate(model);
 }
 
-static void keep(struct instance *model)
+/* A step that took dt seconds has come to q: friction and the observer go on from here. */
+static void keep(struct instance *model, double dt)
 {
+    double *x = model->values;
 #ifdef REMEMBERS
-    MODEL(step)(&model->memory, model->values + Q);
+    MODEL(step)(&model->memory, x + Q);
 #endif
+    MODEL(observer_step)(
+        &model->observer, 2.0 * PI * x[BANDWIDTH], dt, x + Q, x + DQ, x + EFFORT, x + EXTERNAL);
 }
 
 /* Torque and friction where the path goes on from the last step to q. */
@@ -117,6 +133,18 @@ static void friction(const struct instance *model, double tau[N])
 #endif
 }
 
+static void forward_dynamics(const struct instance *model, double ddq[N])
+{
+    const double *x = model->values;
+#ifdef REMEMBERS
+    MODEL(state) now = model->memory;
+    MODEL(step)(&now, x + Q);
+    MODEL(forward_dynamics_after)(&now, x + DQ, x + EFFORT, ddq);
+#else
+    MODEL(forward_dynamics)(x + Q, x + DQ, x + EFFORT, ddq);
+#endif
+}
+
 /* Computes the function that an output belongs to, if its inputs have changed. */
 static double value(struct instance *model, fmi2ValueReference place)
 {
@@ -138,9 +166,18 @@ static double value(struct instance *model, fmi2ValueReference place)
     } else if (place < STEP1) {
         if (!model->friction) friction(model, x + FRICTION);
         model->friction = 1;
-    } else {
+    } else if (place < CORIOLIS_MATRIX) {
         if (!model->step1) MODEL(step1)(x + Q, x + STEP1);
         model->step1 = 1;
+    } else if (place < INVERSE_INERTIA) {
+        if (!model->coriolis_matrix) MODEL(coriolis_matrix)(x + Q, x + DQ, x + CORIOLIS_MATRIX);
+        model->coriolis_matrix = 1;
+    } else if (place < FORWARD_DYNAMICS) {
+        if (!model->inverse_inertia) MODEL(inverse_inertia)(x + Q, x + INVERSE_INERTIA);
+        model->inverse_inertia = 1;
+    } else if (place < EXTERNAL) {
+        if (!model->forward_dynamics) forward_dynamics(model, x + FORWARD_DYNAMICS);
+        model->forward_dynamics = 1;
     }
     return x[place];
 }
@@ -188,6 +225,7 @@ EXPORT fmi2Component FMI(fmi2Instantiate)(
     if (!model) return 0;
     memset(model, 0, sizeof *model);
     model->callbacks = *callbacks;
+    model->values[BANDWIDTH] = 10.0;
     forget(model);
     return model;
 }
@@ -201,6 +239,7 @@ STATUS FMI(fmi2SetupExperiment)(
     fmi2Component c, fmi2Boolean bounded, fmi2Real tolerance, fmi2Real start, fmi2Boolean ends,
     fmi2Real end)
 {
+    c->time = c->stepped = start;
     return fmi2OK;
 }
 
@@ -223,6 +262,8 @@ STATUS FMI(fmi2Terminate)(fmi2Component c)
 STATUS FMI(fmi2Reset)(fmi2Component c)
 {
     memset(c->values, 0, sizeof c->values);
+    c->values[BANDWIDTH] = 10.0;
+    c->time = c->stepped = 0.0;
     forget(c);
     return fmi2OK;
 }
@@ -241,7 +282,7 @@ STATUS FMI(fmi2SetReal)(
     fmi2Component c, const fmi2ValueReference places[], size_t count, const fmi2Real values[])
 {
     for (size_t k = 0; k < count; k++) {
-        if (places[k] >= TORQUE) return complain(c, "only q, dq and ddq can be set");
+        if (places[k] >= TORQUE) return complain(c, "only q, dq, ddq, effort and bandwidth can be set");
         c->values[places[k]] = values[k];
     }
     outdate(c);
@@ -316,7 +357,8 @@ STATUS FMI(fmi2EnterContinuousTimeMode)(fmi2Component c)
 STATUS FMI(fmi2CompletedIntegratorStep)(
     fmi2Component c, fmi2Boolean final, fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
 {
-    keep(c);
+    keep(c, c->time - c->stepped);
+    c->stepped = c->time;
     *enter_event_mode = 0;
     *terminate = 0;
     return fmi2OK;
@@ -324,6 +366,7 @@ STATUS FMI(fmi2CompletedIntegratorStep)(
 
 STATUS FMI(fmi2SetTime)(fmi2Component c, fmi2Real time)
 {
+    c->time = time;
     return fmi2OK;
 }
 
@@ -352,10 +395,11 @@ STATUS FMI(fmi2GetNominalsOfContinuousStates)(fmi2Component c, fmi2Real x[], siz
     return count ? complain(c, "there are no states") : fmi2OK;
 }
 
-/* Co-simulation: a step takes time, and friction remembers it. */
+/* Co-simulation: a step takes time; friction and the observer remember it. */
 
 STATUS FMI(fmi2DoStep)(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean no_return)
 {
-    keep(c);
+    keep(c, step);
+    c->time = c->stepped = time + step;
     return fmi2OK;
 }

@@ -3,14 +3,24 @@
 
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+namespace std_msgs::msg {
+struct Header {
+  struct { std::int32_t sec; std::uint32_t nanosec; } stamp;
+  std::string frame_id;
+};
+struct Bool { bool data = false; };
+}
+
 namespace sensor_msgs::msg {
 struct JointState {
   using SharedPtr = std::shared_ptr<JointState>;
+  std_msgs::msg::Header header;
   std::vector<std::string> name;
   std::vector<double> position, velocity, effort;
 };

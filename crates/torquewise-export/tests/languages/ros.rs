@@ -10,10 +10,11 @@ use torquewise_export::{Program, ros_package};
 use torquewise_model::Model;
 
 /// Packages that the node needs, and the headers it includes.
-const HEADERS: [(&str, &str); 4] = [
+const HEADERS: [(&str, &str); 5] = [
     ("rclcpp", "rclcpp.hpp"),
     ("sensor_msgs", "msg/joint_state.hpp"),
     ("std_msgs", "msg/float64_multi_array.hpp"),
+    ("std_msgs", "msg/bool.hpp"),
     ("trajectory_msgs", "msg/joint_trajectory_point.hpp"),
 ];
 
@@ -52,9 +53,12 @@ fn the_node_compiles_against_the_names_it_uses() {
         let folder = tempfile::tempdir().unwrap();
         written(folder.path(), "arm", &model);
 
-        let mut compiler = Command::new("c++");
-        compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-Istand_in"]);
-        run::output(compiler.current_dir(folder.path()).arg("package/src/feed_forward.cpp"), "");
+        for node in ["feed_forward", "external_torque"] {
+            let mut compiler = Command::new("c++");
+            compiler.args(["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]);
+            compiler.args(["-Istand_in", &format!("package/src/{node}.cpp")]);
+            run::output(compiler.current_dir(folder.path()), "");
+        }
     }
 }
 
@@ -94,7 +98,7 @@ fn cmake_accepts_the_package_and_compiles_the_node() {
         &[&["-S", "package", "-B", "build", "-G", "Unix Makefiles", &prefix], &strict[..]].concat(),
     );
     // The stand-ins have nothing to link to: the objects are all there can be.
-    for object in ["src/feed_forward.o", "src/Arm__1.o"] {
+    for object in ["src/feed_forward.o", "src/external_torque.o", "src/Arm__1.o"] {
         cmake(&["--build", "build", "--target", object]);
     }
 

@@ -51,7 +51,7 @@ pub(crate) fn c(folder: &Path, code: &str, real: &str, states: &[State]) -> Vec<
     let main = format!(
         "#define ARM_DECLARATIONS_ONLY\n#include \"arm.c\"\n#include <stdio.h>\n\
          static int read(double *x) {{ return scanf(\"%lf\", x) == 1; }}\n\
-         int main(void) {{\n    {real} x[{}], *q = x, *dq = x + {n}, *ddq = x + {}, y[{}];\n    \
+         int main(void) {{\n    {real} x[{}], *q = x, *dq = x + {n}, *ddq = x + {}, *tau = ddq, y[{}];\n    \
          for (;;) {{\n        for (int k = 0; k < {}; k++) {{\n            double z;\n            \
          if (!read(&z)) return 0;\n            x[k] = ({real})z;\n        }}\n{calls}        \
          puts(\"\");\n    }}\n}}\n",
@@ -75,25 +75,31 @@ fn run_c(folder: &Path, code: &str, main: &str, states: &[State]) -> Vec<Vec<f64
 
 /// Samples after which a path is forgotten and followed anew.
 pub(crate) const RESET: usize = 250;
+/// K \[1/s\] of the momentum observer, and the time between samples \[s\].
+pub(crate) const OBSERVED: [f64; 2] = [60.0, 1e-3];
 
-/// Torque and friction of a C file along a path.
+/// Torque, friction, external torque and the acceleration of that torque of a C file along a path.
 pub(crate) fn c_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
     let n = way[0][0].len();
+    let [gain, dt] = OBSERVED;
     let main = format!(
         "#define ARM_DECLARATIONS_ONLY\n#include \"arm.c\"\n#include <stdio.h>\n\
-         int main(void) {{\n    arm_state state;\n    double x[3 * {n}], y[2 * {n}];\n    \
+         int main(void) {{\n    arm_state state;\n    arm_observer observer;\n    \
+         double x[3 * {n}], y[4 * {n}];\n    \
          for (int row = 0;; row++) {{\n        \
          for (int k = 0; k < 3 * {n}; k++) if (scanf(\"%lf\", x + k) != 1) return 0;\n        \
-         if (row % {RESET} == 0) arm_reset(&state);\n        \
+         if (row % {RESET} == 0) arm_reset(&state), arm_observer_reset(&observer);\n        \
          arm_step(&state, x);\n        arm_torque_after(&state, x + {n}, x + 2 * {n}, y);\n        \
          arm_friction_after(&state, x + {n}, y + {n});\n        \
-         for (int k = 0; k < 2 * {n}; k++) printf(\"%.17g \", y[k]);\n        \
+         arm_observer_step(&observer, {gain:?}, {dt:?}, x, x + {n}, x + 2 * {n}, y + 2 * {n});\n\
+         \x20       arm_forward_dynamics_after(&state, x + {n}, y, y + 3 * {n});\n        \
+         for (int k = 0; k < 4 * {n}; k++) printf(\"%.17g \", y[k]);\n        \
          puts(\"\");\n    }}\n}}\n"
     );
     run_c(folder, code, &main, way)
 }
 
-/// Torque and friction by the functions of FMI, called as an importer does, along a path.
+/// The same by the functions of FMI, called as an importer does, along a path.
 pub(crate) fn unit(folder: &Path, program: &Program, states: &[State]) -> Vec<Vec<f64>> {
     let n = states[0][0].len();
     let sources = fmu_sources(program, "arm").unwrap();
@@ -105,6 +111,8 @@ pub(crate) fn unit(folder: &Path, program: &Program, states: &[State]) -> Vec<Ve
     }
     let main = include_str!("importer.c").replace("JOINTS", &n.to_string());
     let main = main.replace("RESET", &RESET.to_string());
+    let [gain, dt] = OBSERVED.map(|number| format!("{number:?}"));
+    let main = main.replace("GAIN", &gain).replace("STEP", &dt);
     fs::write(folder.join("main.c"), main.replace("THE_GUID", guid)).unwrap();
     let mut compiler = Command::new("cc");
     compiler.args(["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O1", "main.c"]);
@@ -115,7 +123,7 @@ pub(crate) fn unit(folder: &Path, program: &Program, states: &[State]) -> Vec<Ve
 
 /// Number of results of a function.
 fn count(quantity: Quantity, n: usize) -> usize {
-    if quantity == Quantity::Inertia { n * n } else { n }
+    if quantity.is_matrix() { n * n } else { n }
 }
 
 /// Values of all functions of a Rust file at some states; compiled alone too, without `std`.
@@ -123,9 +131,10 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
     let calls: Vec<String> = Quantity::ALL
         .iter()
         .map(|quantity| {
-            let arguments: Vec<_> = quantity.signals().iter().map(|s| format!("&{s}")).collect();
+            let signal = |name: &&str| format!("&{}", name.replace("tau", "_tau"));
+            let arguments: Vec<_> = quantity.signals().iter().map(signal).collect();
             let (name, arguments) = (quantity.name(), arguments.join(", "));
-            let flat = if *quantity == Quantity::Inertia { ".concat()" } else { "" };
+            let flat = if quantity.is_matrix() { ".concat()" } else { "" };
             format!("        row.extend(arm::{name}::<Std>({arguments}){flat});\n")
         })
         .collect();
@@ -133,14 +142,18 @@ pub(crate) fn rust(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64>>
     run_rust(folder, code, ("", &calls), states)
 }
 
-/// Torque and friction of a Rust file along a path.
+/// The same of a Rust file.
 pub(crate) fn rust_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
-    let before = "    let mut state = arm::State::default();\n";
+    let [gain, dt] = OBSERVED;
+    let before = "    let mut state = arm::State::default();\n    \
+                  let mut observer = arm::Observer::default();\n";
     let calls = format!(
-        "        if _row % {RESET} == 0 {{ state.reset(); }}\n        \
+        "        if _row % {RESET} == 0 {{ state.reset(); observer.reset(); }}\n        \
          state.step::<Std>(&q);\n        \
-         row.extend(state.torque_after::<Std>(&dq, &ddq));\n        \
-         row.extend(state.friction_after::<Std>(&dq));\n"
+         let tau = state.torque_after::<Std>(&dq, &ddq);\n        row.extend(tau);\n        \
+         row.extend(state.friction_after::<Std>(&dq));\n        \
+         row.extend(observer.step::<Std>({gain:?}, {dt:?}, &q, &dq, &ddq));\n        \
+         row.extend(state.forward_dynamics_after::<Std>(&dq, &tau));\n"
     );
     run_rust(folder, code, (before, &calls), way)
 }
@@ -164,7 +177,7 @@ fn run_rust(
          let x: Vec<f64> = words.map(|x| x.parse().unwrap()).collect();\n\
          \x20       let part = |k: usize| -> [f64; {n}] {{\n\
          \x20           std::array::from_fn(|j| x[k * {n} + j])\n        }};\n\
-         \x20       let (q, dq, ddq) = (part(0), part(1), part(2));\n        \
+         \x20       let (q, dq, ddq) = (part(0), part(1), part(2));\n        let _tau = ddq;\n        \
          let mut row: Vec<f64> = Vec::new();\n{calls}        \
          row.iter().for_each(|y| print!(\"{{y:?}} \"));\n        println!();\n\
          \x20   }}\n}}\n"
@@ -188,25 +201,31 @@ pub(crate) fn python(folder: &Path, code: &str, states: &[State]) -> Vec<Vec<f64
         .iter()
         .map(|quantity| {
             let (name, arguments) = (quantity.name(), quantity.signals().join(", "));
-            if *quantity == Quantity::Inertia {
-                format!("    y += sum(arm.{name}({arguments}), [])\n")
-            } else {
-                format!("    y += arm.{name}({arguments})\n")
-            }
+            let count = count(*quantity, states[0][0].len());
+            let flat = if quantity.is_matrix() { "sum(" } else { "list(" };
+            let end = if quantity.is_matrix() { ", [])" } else { ")" };
+            format!(
+                "    try:\n        y += {flat}arm.{name}({arguments}){end}\n    \
+                 except ZeroDivisionError:\n        y += [float(\"nan\")] * {count}\n"
+            )
         })
         .collect();
     let calls = calls.concat();
     run_python(folder, code, ("", &calls), states)
 }
 
-/// Torque and friction of a Python file along a path.
+/// The same of a Python file.
 pub(crate) fn python_along(folder: &Path, code: &str, way: &[State]) -> Vec<Vec<f64>> {
-    let before = "state = arm.State()\ntry:\n    state.friction_after([0.0] * arm.JOINTS)\n    \
+    let [gain, dt] = OBSERVED;
+    let before = "state = arm.State()\nobserver = arm.Observer()\ntry:\n    state.friction_after([0.0] * arm.JOINTS)\n    \
                   raise SystemExit(\"friction of a path that has not begun\")\n\
                   except ValueError:\n    pass\n";
     let calls = format!(
-        "    if number % {RESET} == 0: state.reset()\n    state.step(q)\n    \
-         y += state.torque_after(dq, ddq) + state.friction_after(dq)\n"
+        "    if number % {RESET} == 0: state.reset(); observer.reset()\n    state.step(q)\n    \
+         tau = state.torque_after(dq, ddq)\n    y += tau + state.friction_after(dq)\n    \
+         y += observer.step({gain:?}, {dt:?}, q, dq, ddq)\n    \
+         try:\n        y += state.forward_dynamics_after(dq, tau)\n    \
+         except ZeroDivisionError:\n        y += [float(\"nan\")] * arm.JOINTS\n"
     );
     run_python(folder, code, (before, &calls), way)
 }
@@ -221,7 +240,7 @@ fn run_python(
     let n = states[0][0].len();
     let main = format!(
         "import sys\nimport arm\n\n{}\n{before}for number, line in enumerate(sys.stdin):\n    \
-         x = [Number(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    \
+         x = [Number(x) for x in line.split()]\n    q, dq, ddq = x[:{n}], x[{n}:{}], x[{}:]\n    tau = ddq\n    \
          y = []\n{calls}    print(*map(repr, y))\n",
         include_str!("number.py"),
         2 * n,

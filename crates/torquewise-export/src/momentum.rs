@@ -1,0 +1,115 @@
+//! From M(q), C(q, q̇)q̇ and G(q) to what controllers, simulators and observers need of them.
+
+use crate::derivative::{Along, rates};
+use crate::graph::{Function, Graph, Id, Input};
+use crate::parts::products;
+use crate::ways::Frictionless;
+
+/// C(q, q̇) by Christoffel symbols, row by row, n·n: half the slope of C(q, q̇)q̇ by q̇, which is of
+/// second order in q̇; Ṁ − 2C is skew where M is symmetric.
+pub(crate) fn coriolis_matrix(graph: &mut Graph, coriolis: &[Id]) -> Vec<Id> {
+    let (n, half) = (coriolis.len(), graph.constant(0.5));
+    let mut matrix = vec![half; n * n];
+    for column in 0..n {
+        for (row, slope) in rates(graph, coriolis, Along::Velocity(column)).into_iter().enumerate()
+        {
+            matrix[row * n + column] = graph.mul(half, slope);
+        }
+    }
+    matrix
+}
+
+/// p = M(q) q̇ and Cᵀq̇ − G − F, the part of ṗ that is neither τ nor external (E16); 2n.
+pub(crate) fn momentum(graph: &mut Graph, parts: &Frictionless, friction: &[Id]) -> Vec<Id> {
+    let n = friction.len();
+    let mut momentum = Vec::with_capacity(2 * n);
+    for row in parts.matrix.chunks_exact(n) {
+        let entries = products(graph, row, Input::Dq);
+        momentum.push(graph.sum(&entries));
+    }
+    // Cᵀq̇ = Ṁq̇ − Cq̇.
+    let turning = rates(graph, &momentum, Along::Motion);
+    for (joint, rate) in turning.into_iter().enumerate() {
+        let held = graph.sum(&[parts.coriolis[joint], parts.gravity[joint], friction[joint]]);
+        momentum.push(graph.sub(rate, held));
+    }
+    momentum
+}
+
+/// M = LU without pivots, which a positive definite M does not need.
+pub(crate) struct Factors {
+    n: usize,
+    /// L below the diagonal, U on it and above, row by row.
+    entries: Vec<Id>,
+    /// One over the diagonal of U, n.
+    pivots: Vec<Id>,
+}
+
+impl Factors {
+    pub(crate) fn of(graph: &mut Graph, matrix: &[Id], n: usize) -> Self {
+        let mut entries = matrix.to_vec();
+        let mut pivots = Vec::with_capacity(n);
+        for k in 0..n {
+            let pivot = graph.call(Function::Reciprocal, entries[k * n + k]);
+            pivots.push(pivot);
+            for i in k + 1..n {
+                let factor = graph.mul(entries[i * n + k], pivot);
+                entries[i * n + k] = factor;
+                for j in k + 1..n {
+                    let part = graph.mul(factor, entries[k * n + j]);
+                    entries[i * n + j] = graph.sub(entries[i * n + j], part);
+                }
+            }
+        }
+        Self { n, entries, pivots }
+    }
+
+    /// M⁻¹b, n.
+    pub(crate) fn solve(&self, graph: &mut Graph, b: &[Id]) -> Vec<Id> {
+        let (n, mut x) = (self.n, b.to_vec());
+        for i in 0..n {
+            for j in 0..i {
+                let part = graph.mul(self.entries[i * n + j], x[j]);
+                x[i] = graph.sub(x[i], part);
+            }
+        }
+        for i in (0..n).rev() {
+            for j in i + 1..n {
+                let part = graph.mul(self.entries[i * n + j], x[j]);
+                x[i] = graph.sub(x[i], part);
+            }
+            x[i] = graph.mul(x[i], self.pivots[i]);
+        }
+        x
+    }
+
+    /// M⁻¹ row by row, n·n.
+    pub(crate) fn inverse(&self, graph: &mut Graph) -> Vec<Id> {
+        let n = self.n;
+        let mut inverse = self.entries.clone();
+        for column in 0..n {
+            let unit: Vec<Id> =
+                (0..n).map(|i| graph.constant(f64::from(u8::from(i == column)))).collect();
+            for (row, entry) in self.solve(graph, &unit).into_iter().enumerate() {
+                inverse[row * n + column] = entry;
+            }
+        }
+        inverse
+    }
+
+    /// q̈ = M⁻¹(τ − Cq̇ − G − F), n.
+    pub(crate) fn accelerations(
+        &self,
+        graph: &mut Graph,
+        parts: &Frictionless,
+        friction: &[Id],
+    ) -> Vec<Id> {
+        let mut free = Vec::with_capacity(self.n);
+        for (joint, &friction) in friction.iter().enumerate() {
+            let held = graph.sum(&[parts.coriolis[joint], parts.gravity[joint], friction]);
+            let tau = graph.input(Input::Tau(joint));
+            free.push(graph.sub(tau, held));
+        }
+        self.solve(graph, &free)
+    }
+}
