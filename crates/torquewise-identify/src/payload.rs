@@ -55,8 +55,9 @@ const AT_REST: f64 = 3.0;
 const SHARE_AT_REST: f64 = 0.1;
 /// Spread of a nominal load \[m\], and its least mass \[kg\].
 const NOMINAL: (f64, f64) = (0.05, 1e-3);
-/// How strongly a load is held at the nominal one, in squares of the noise: next to nothing.
-const STRENGTH: f64 = 1.0;
+/// How strongly a load is held at the nominal one, in squares of the noise: alone it leaves a mass
+/// uncertain by more than half of it.
+const STRENGTH: f64 = 0.1;
 /// A mass is told where its standard error is below this part of it, a centre where it is below so
 /// many \[m\].
 const TOLD: (f64, f64) = (0.3, 0.02);
@@ -84,7 +85,7 @@ impl Payload {
         let right: Vec<f64> =
             (0..PER_BODY).map(|k| sums.blocks.iter().map(|block| block.right[k]).sum()).collect();
         let cost = Quadratic { hessian: &information, right: &right };
-        let prior = Prior { bodies: vec![nominal(&information, &right)], ..Prior::default() };
+        let prior = Prior { bodies: vec![sums.nominal(&information, &right)], ..Prior::default() };
         let solution = minimise(cost, &prior, STRENGTH, &prior.bodies[0])?;
         let factor = curvature(cost, &prior, STRENGTH, &solution)?;
 
@@ -356,6 +357,31 @@ impl Sums {
         // Few blocks scatter less than many would.
         sum * faer::Scale(count / (count - 1.0).max(1.0))
     }
+
+    /// A load that may well be: of the mass and centre that least squares say, if they say any, and
+    /// of no less mass than they are uncertain by.
+    fn nominal(&self, information: &Mat<f64>, right: &[f64]) -> [f64; PER_BODY] {
+        // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
+        let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
+        let first =
+            Mat::from_fn(4, 4, |i, j| information[(i, j)] + if i == j { ridge(i) } else { 0.0 });
+        let own = Quadratic { hessian: &first, right: &right[..4] };
+        let mut found = vec![0.0; PER_BODY];
+        let mut uncertain = 0.0;
+        if let Ok(factor) = curvature(own, &Prior::default(), 0.0, &[0.0; 4]) {
+            found[..4].copy_from_slice(&factor.solve(&right[..4]));
+            let scatter = self.scatter(&found).submatrix(0, 0, 4, 4).to_owned();
+            let half = factor.solve_matrix(&scatter);
+            let covariance = factor.solve_matrix(&half.transpose().to_owned());
+            uncertain = covariance[(0, 0)].max(0.0).sqrt();
+        }
+        let mass = found[0].max(uncertain).max(NOMINAL.1);
+        let center = |k: usize| (found[k] / mass).clamp(-1.0, 1.0);
+        let origin = nalgebra::Vector3::new(center(1), center(2), center(3));
+        let spread = NOMINAL.0;
+        let round = plain_link(mass, &nalgebra::Vector3::zeros(), spread);
+        seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
+    }
 }
 
 /// Squares of what is left of each joint with the load, n.
@@ -420,23 +446,6 @@ fn visit(
 
 fn state_of(block: &torquewise_motion::Motion, row: usize) -> [Vec<f64>; 3] {
     [block.q(), block.dq(), block.ddq()].map(|x| x.row(row).iter().copied().collect())
-}
-
-/// A load that may well be: of the mass and centre that least squares say, if they say any.
-fn nominal(information: &Mat<f64>, right: &[f64]) -> [f64; PER_BODY] {
-    // Gravity tells mass and first moment; a little of each keeps what it does not tell at zero.
-    let ridge = |k: usize| 1e-9 * information[(k, k)] + 1e-12 * information[(0, 0)] + 1e-30;
-    let first =
-        Mat::from_fn(4, 4, |i, j| information[(i, j)] + if i == j { ridge(i) } else { 0.0 });
-    let own = Quadratic { hessian: &first, right: &right[..4] };
-    let found = curvature(own, &Prior::default(), 0.0, &[0.0; 4]).map(|f| f.solve(&right[..4]));
-    let found = found.unwrap_or_default();
-    let mass = found.first().copied().unwrap_or(0.0).max(NOMINAL.1);
-    let center = |k: usize| (found.get(k).copied().unwrap_or(0.0) / mass).clamp(-1.0, 1.0);
-    let origin = nalgebra::Vector3::new(center(1), center(2), center(3));
-    let spread = NOMINAL.0;
-    let round = plain_link(mass, &nalgebra::Vector3::zeros(), spread);
-    seen_from(&round, &Placement { rotation: nalgebra::Matrix3::identity(), origin })
 }
 
 /// Mass, centre and moments about the centre with their standard errors, seen from a frame.
