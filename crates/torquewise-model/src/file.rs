@@ -29,7 +29,7 @@ struct Header {
 }
 
 impl Model {
-    /// Writes the model to a file, whole or not at all.
+    /// Writes the model to a file of JSON, whatever its name ends in, whole or not at all.
     ///
     /// # Errors
     /// [`ModelError::Write`], or as [`to_json`].
@@ -39,7 +39,7 @@ impl Model {
             .map_err(|source| ModelError::Write { file: file.into(), source })
     }
 
-    /// Reads a model from a file.
+    /// Reads a model from a file that [`Self::save`] or `torquewise fit` wrote.
     ///
     /// # Errors
     /// [`ModelError::Read`], or [`ModelError::InFile`] with what [`from_json`] found wrong.

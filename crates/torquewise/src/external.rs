@@ -47,7 +47,7 @@ pub fn contacts(
     let prepared = |log: &Log| -> Result<Prepared, Error> {
         model.check_joints(log.joints())?;
         log.files().require_tau()?;
-        log.prepare_as(model.training.filter, Rows::Every)
+        log.prepare_as(model.training.filter, Rows::Settled)
     };
     let rows = prepared(log)?;
     let free = free.map(prepared).transpose()?;

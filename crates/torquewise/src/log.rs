@@ -51,6 +51,8 @@ pub enum Rows {
     Filtered,
     /// Every one: none is left out.
     Every,
+    /// Every one but those at the ends, where the filter has not settled.
+    Settled,
     /// The filtered, with torque before its filter at hand.
     WithRawTorque,
 }
@@ -129,6 +131,7 @@ impl Log {
                 let trim = Trim::Seconds(0.0);
                 filtered(&Conditioning { rate: Some(f64::MAX), trim, ..settings }, logs)
             }
+            Rows::Settled => filtered(&Conditioning { rate: Some(f64::MAX), ..settings }, logs),
             Rows::WithRawTorque => {
                 Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, find_delay)?)))
             }
