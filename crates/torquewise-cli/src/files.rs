@@ -32,6 +32,19 @@ pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
     }
 }
 
+/// The model that is the arm of a simulation, if it is one.
+pub(crate) fn read_twin(arm: &str, friction: Option<&Path>) -> Result<Option<Model>> {
+    let file = Path::new(arm);
+    if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
+        return Ok(None);
+    }
+    if friction.is_some() {
+        let message = "--friction is not for a model, which has its own: leave it out";
+        return Err(CliError::Usage(message.to_owned()).into());
+    }
+    Ok(Some(read_model(file)?))
+}
+
 /// The friction in a file, for the joints of an arm; none without a file.
 pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> {
     match file {

@@ -72,9 +72,6 @@ pub(crate) struct Central {
 
 /// States that the largest torque is looked for at.
 const EFFORT_STATES: usize = 2_000;
-/// Speeds up to the peak that a curve of friction is read at, and those left out for its reversal.
-const SPEEDS: u32 = 50;
-const SLOW_SPEEDS: u32 = 5;
 
 impl Robot {
     /// What of a model a robot file can hold.
@@ -179,7 +176,7 @@ fn losses(model: &Model, chain: &RigidChain) -> (Vec<Losses>, Vec<SharedShaft>, 
         }
     }
     for shaft in ShaftFriction::all(model) {
-        let (damping, friction) = linear(model, &shaft);
+        let [damping, friction] = shaft.line();
         at(shaft.shaft(), &|own| (own.damping, own.friction) = (damping, friction));
         let laws = || shaft.laws().map(|(_, term)| term);
         let name = shaft.name();
@@ -199,34 +196,6 @@ fn losses(model: &Model, chain: &RigidChain) -> (Vec<Losses>, Vec<SharedShaft>, 
         }
     }
     (own, shared, left_out)
-}
-
-/// Viscous \[N·m·s/rad\] and dry friction \[N·m\] nearest to the curve of a shaft, mean of both
-/// directions, none negative.
-fn linear(model: &Model, shaft: &ShaftFriction<'_>) -> (f64, f64) {
-    let peak: f64 =
-        shaft.shaft().iter().zip(&model.training.dq_peak).map(|(s, v)| s.abs() * v).sum();
-    let peak = if peak > 0.0 { peak } else { 1.0 };
-    let at = |speed: f64| -> f64 {
-        let laws = shaft.laws().filter(|(_, t)| !t.load && t.law != FrictionLaw::Offset);
-        laws.map(|(k, term)| model.friction[k].coefficient * term.at_speed(speed)).sum()
-    };
-    let (mut m, mut sums) = (0.0, [0.0; 4]);
-    for k in SLOW_SPEEDS..=SPEEDS {
-        let speed = peak * f64::from(k) / f64::from(SPEEDS);
-        let torque = 0.5 * (at(speed) - at(-speed));
-        m += 1.0;
-        for (sum, x) in sums.iter_mut().zip([speed, torque, speed * speed, speed * torque]) {
-            *sum += x;
-        }
-    }
-    let [v, f, vv, vf] = sums.map(|sum| sum / m);
-    let damping = (vf - v * f) / (vv - v * v);
-    if damping <= 0.0 {
-        return (0.0, f.max(0.0));
-    }
-    let friction = f - damping * v;
-    if friction >= 0.0 { (damping, friction) } else { ((vf / vv).max(0.0), 0.0) }
 }
 
 /// Largest torque of each joint over states within those of the log \[N·m\], n.

@@ -67,6 +67,10 @@ const LEFT: f64 = 0.1;
 const STEPS: u32 = 1_000;
 const HALVINGS: u32 = 50;
 
+/// Speeds of a line, even steps up to the peak, and those that are too slow for it.
+const SPEEDS: u32 = 50;
+const SLOW_SPEEDS: u32 = 5;
+
 impl<'m> ShaftFriction<'m> {
     /// All shafts with friction: those of single joints in their order, then shared ones.
     pub fn all(model: &'m Model) -> Vec<Self> {
@@ -171,6 +175,35 @@ impl<'m> ShaftFriction<'m> {
     /// What does not depend on speed of F \[N·m\] without load, to and fro between ∓`reach`
     /// \[rad\], at a place `q` \[rad\] between them on the way forward (1) or backward (−1).
     ///
+    /// Viscous \[N·m·s/rad\] and dry friction \[N·m\] nearest to the curve without load and offset
+    /// from a tenth of the peak speed of the log on, mean of both directions, none negative: for
+    /// robot files and simulators.
+    pub fn line(&self) -> [f64; 2] {
+        let peaks = self.shaft.iter().zip(&self.model.training.dq_peak);
+        let peak: f64 = peaks.map(|(s, v)| s.abs() * v).sum();
+        let peak = if peak > 0.0 { peak } else { 1.0 };
+        let at = |speed: f64| -> f64 {
+            let laws = self.laws().filter(|(_, t)| !t.load && t.law != FrictionLaw::Offset);
+            laws.map(|(k, term)| self.model.friction[k].coefficient * term.at_speed(speed)).sum()
+        };
+        let (mut m, mut sums) = (0.0, [0.0; 4]);
+        for k in SLOW_SPEEDS..=SPEEDS {
+            let speed = peak * f64::from(k) / f64::from(SPEEDS);
+            let torque = 0.5 * (at(speed) - at(-speed));
+            m += 1.0;
+            for (sum, x) in sums.iter_mut().zip([speed, torque, speed * speed, speed * torque]) {
+                *sum += x;
+            }
+        }
+        let [v, f, vv, vf] = sums.map(|sum| sum / m);
+        let viscous = (vf - v * f) / (vv - v * v);
+        if viscous <= 0.0 {
+            return [0.0, f.max(0.0)];
+        }
+        let dry = f - viscous * v;
+        if dry >= 0.0 { [viscous, dry] } else { [(vf / vv).max(0.0), 0.0] }
+    }
+
     /// The state of an element on a closed loop: x = 1 − (1 + tanh(reach/δ)) e^(−(q + reach)/δ) on
     /// the way forward, and what is symmetric to it on the way backward.
     pub fn on_loop(&self, q: f64, reach: f64, way: f64) -> Estimated {

@@ -2,7 +2,9 @@
 
 use crate::error::Error;
 use torquewise_dynamics::arm::ArmParts;
+use torquewise_dynamics::friction::{Friction, Stribeck};
 use torquewise_dynamics::{Arm, MotionPlan, SimulatedLog};
+use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
 
@@ -37,6 +39,23 @@ pub fn arm(model: &Model) -> Result<Arm, Error> {
         rotors,
         limits: limits.collect(),
     })?)
+}
+
+/// The friction of single joints of a model, dry and viscous, nearest to the learned curves: for
+/// closed loops, whose integrator asks for curves without memory. Shafts that several joints turn
+/// have none.
+///
+/// # Errors
+/// [`Error::Arm`] if a number is out of bounds.
+pub fn friction(model: &Model) -> Result<Friction, Error> {
+    let mut joints = vec![Stribeck::NONE; model.n_joints()];
+    for shaft in ShaftFriction::all(model) {
+        if let Some(joint) = shaft.joint() {
+            let [viscous, dry] = shaft.line();
+            joints[joint] = Stribeck { coulomb: dry, stiction: dry, speed: 1.0, viscous };
+        }
+    }
+    Ok(Friction::new(&joints)?)
 }
 
 /// A log of the twin: motion as planned within the range of the log the model was learned from,

@@ -7,7 +7,8 @@ mod summary;
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
 use crate::error::CliError;
 use crate::files::{
-    check_distinct, check_ending, check_output, read_arm, read_friction, read_model, write_whole,
+    check_distinct, check_ending, check_output, read_arm, read_friction, read_model, read_twin,
+    write_whole,
 };
 use crate::outcome::Outcome;
 use anyhow::Result;
@@ -18,6 +19,7 @@ use torquewise::dynamics::Arm;
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
+use torquewise::twin;
 
 /// Close the loop with a model: PID, controller 1 and controller 2 on a simulated arm
 ///
@@ -119,7 +121,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
     let arm = read_arm(&arguments.arm, &arguments.plant.lock)?;
     check_same_joints(&model, &arm)?;
-    let friction = read_friction(arguments.plant.friction.as_deref(), &arm)?;
+    let file = arguments.plant.friction.as_deref();
+    let friction = match read_twin(&arguments.arm, file)? {
+        Some(model) => twin::friction(&model)?,
+        None => read_friction(file, &arm)?,
+    };
     let plant = arguments.plant.plant(arm, friction)?;
     let compared = compare_all(arguments, &model, &plant)?;
 

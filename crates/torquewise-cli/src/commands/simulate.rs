@@ -1,8 +1,7 @@
 //! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::error::CliError;
-use crate::files::{check_distinct, check_output, read_arm, read_friction, read_model};
+use crate::files::{check_distinct, check_output, read_arm, read_friction, read_twin};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_json};
@@ -14,7 +13,6 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
 use torquewise::logs::{Contents, LogWriter};
-use torquewise::model::Model;
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
 use torquewise::twin::TwinLog;
@@ -90,7 +88,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     check_distinct(std::iter::once(&arguments.output).chain(&arguments.truth))?;
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
-    let twin = twin_of(arguments)?;
+    let twin = read_twin(&arguments.arm, arguments.friction.as_deref())?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };
     let friction = read_friction(arguments.friction.as_deref(), &arm)?;
@@ -117,19 +115,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let patterns = write_truth(arguments.truth.as_deref(), &clean)?;
     Ok(outcome(arguments, arm.joints(), clean.n_rows(), patterns))
-}
-
-/// The model that is the arm, if it is one.
-fn twin_of(arguments: &Arguments) -> Result<Option<Model>> {
-    let file = Path::new(&arguments.arm);
-    if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
-        return Ok(None);
-    }
-    if arguments.friction.is_some() {
-        let message = "--friction is not for a model, which has its own: leave it out";
-        return Err(CliError::Usage(message.to_owned()).into());
-    }
-    Ok(Some(read_model(file)?))
 }
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
