@@ -269,7 +269,7 @@ fn outcome(
     program: &Program,
     vectors: Option<&Path>,
 ) -> Outcome {
-    let mut table = Table::new(&["function", "+ - *", "sin cos exp tanh"]);
+    let mut table = Table::new(&["function", "+ - * /", "sin cos exp tanh"]);
     let mut costs = serde_json::Map::new();
     for quantity in Quantity::ALL {
         let cost = program.cost(quantity);
