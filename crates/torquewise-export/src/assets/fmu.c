@@ -71,12 +71,9 @@ struct instance {
         forward_dynamics;
     /* Times of model exchange [s]: now, and of the last step that was completed. */
     double time, stepped;
+    /* Where friction remembers, it keeps the path up to the last step. */
     MODEL(observer) observer;
     double values[COUNT];
-#ifdef REMEMBERS
-    /* The path up to the last step. */
-    MODEL(state) memory;
-#endif
 };
 
 static void outdate(struct instance *model)
@@ -89,9 +86,6 @@ static void outdate(struct instance *model)
 /* What friction remembers of the path: nothing at the start, and of each step the q it ends at. */
 static void forget(struct instance *model)
 {
-#ifdef REMEMBERS
-    MODEL(reset)(&model->memory);
-#endif
     MODEL(observer_reset)(&model->observer);
     memset(model->values + EXTERNAL, 0, N * sizeof(double));
     outdate(model);
@@ -101,20 +95,25 @@ static void forget(struct instance *model)
 static void keep(struct instance *model, double dt)
 {
     double *x = model->values;
-#ifdef REMEMBERS
-    MODEL(step)(&model->memory, x + Q);
-#endif
     MODEL(observer_step)(
         &model->observer, 2.0 * PI * x[BANDWIDTH], dt, x + Q, x + DQ, x + EFFORT, x + EXTERNAL);
 }
 
-/* Torque and friction where the path goes on from the last step to q. */
+#ifdef REMEMBERS
+/* The path where it goes on from the last step to q. */
+static MODEL(state) ahead(const struct instance *model)
+{
+    MODEL(state) now = model->observer.friction;
+    MODEL(step)(&now, model->values + Q);
+    return now;
+}
+#endif
+
 static void torque(const struct instance *model, double tau[N])
 {
     const double *x = model->values;
 #ifdef REMEMBERS
-    MODEL(state) now = model->memory;
-    MODEL(step)(&now, x + Q);
+    const MODEL(state) now = ahead(model);
     MODEL(torque_after)(&now, x + DQ, x + DDQ, tau);
 #else
     MODEL(torque)(x + Q, x + DQ, x + DDQ, tau);
@@ -125,8 +124,7 @@ static void friction(const struct instance *model, double tau[N])
 {
     const double *x = model->values;
 #ifdef REMEMBERS
-    MODEL(state) now = model->memory;
-    MODEL(step)(&now, x + Q);
+    const MODEL(state) now = ahead(model);
     MODEL(friction_after)(&now, x + DQ, tau);
 #else
     MODEL(friction)(x + Q, x + DQ, tau);
@@ -137,8 +135,7 @@ static void forward_dynamics(const struct instance *model, double ddq[N])
 {
     const double *x = model->values;
 #ifdef REMEMBERS
-    MODEL(state) now = model->memory;
-    MODEL(step)(&now, x + Q);
+    const MODEL(state) now = ahead(model);
     MODEL(forward_dynamics_after)(&now, x + DQ, x + EFFORT, ddq);
 #else
     MODEL(forward_dynamics)(x + Q, x + DQ, x + EFFORT, ddq);

@@ -162,13 +162,10 @@ fn only_bodies_that_can_be_are_feasible() {
     }));
 }
 
-#[test]
-fn the_model_file_keeps_the_chain() {
-    let mut chain = chain();
-    let p = chain.n_parameters(1);
-    chain.set_covariance(&Mat::from_fn(p, p, |i, j| if i == j { 2e-4 } else { 1e-7 / 3.0 }));
+/// A model that is the chain, with friction.
+fn model(chain: RigidChain) -> Model {
     let terms = chain.energy_terms().unwrap();
-    let model = Model {
+    Model {
         joints: vec!["one".into(), "two".into()],
         form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
         chain: Some(chain),
@@ -176,24 +173,22 @@ fn the_model_file_keeps_the_chain() {
         stages: vec![],
         training: Training::default(),
         choices: vec![],
-    };
+    }
+}
+
+#[test]
+fn the_model_file_keeps_the_chain() {
+    let mut chain = chain();
+    let p = chain.n_parameters(1);
+    chain.set_covariance(&Mat::from_fn(p, p, |i, j| if i == j { 2e-4 } else { 1e-7 / 3.0 }));
+    let model = model(chain);
 
     assert_eq!(from_json(&to_json(&model).unwrap()).unwrap(), model);
 }
 
 #[test]
 fn the_momentum_observer_follows_external_torque_as_a_low_pass_of_first_order() {
-    let chain = chain();
-    let terms = chain.energy_terms().unwrap();
-    let model = Model {
-        joints: vec!["one".into(), "two".into()],
-        form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
-        chain: Some(chain),
-        friction: friction(),
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
-    };
+    let model = model(chain());
     let torque = Torque::new(&model);
     let (gain, dt, begin) = (20.0, 1e-3, 1.0);
     let mut observer = MomentumObserver::new(&model, gain);
