@@ -3,9 +3,10 @@
 
 use crate::table::Table;
 use serde_json::{Value, json};
-use torquewise::export::{Cost, ExportError, torque_costs};
+use torquewise::export::ExportError;
 use torquewise::model::Model;
 use torquewise::model::number;
+use torquewise::page::call_costs;
 use torquewise::report::CallCost;
 use torquewise::report::fit_report::call_cost::RATES;
 
@@ -20,16 +21,7 @@ impl CallCosts {
     pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
         let steps = model.stages.iter().map(|stage| stage.name.clone());
         let names = steps.chain(std::iter::once("refit".to_owned())).collect();
-        let call = |cost: Cost| {
-            let Cost { operations, functions } = cost;
-            CallCost { operations, functions, seconds: cost.seconds() }
-        };
-        Ok(Self { names, costs: torque_costs(model)?.into_iter().map(call).collect() })
-    }
-
-    /// Of the torque after each step and of the whole.
-    pub(crate) fn of_each(&self) -> &[CallCost] {
-        &self.costs
+        Ok(Self { names, costs: call_costs(model)? })
     }
 
     /// For people.

@@ -1,5 +1,6 @@
 //! Errors of the command line.
 
+use anyhow::anyhow;
 use std::io;
 use std::path::PathBuf;
 use torquewise::Error;
@@ -34,13 +35,6 @@ pub(crate) enum CliError {
     SameOutput(PathBuf),
     #[error("{} would not hold what its name says: expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
-    #[error(
-        "there is no C compiler {compiler:?}, and a unit holds a binary: install one, name it in \
-         the variable CC, or give --no-binary and compile the sources where it is used"
-    )]
-    NoCompiler { compiler: String, source: io::Error },
-    #[error("{compiler:?} did not compile the unit, {complaint}: try another in the variable CC")]
-    Compiler { compiler: String, complaint: String },
     #[error("{} exists and is not empty: name a new folder", .0.display())]
     NotEmpty(PathBuf),
     #[error(
@@ -48,11 +42,6 @@ pub(crate) enum CliError {
          on, or --lock the joints that the log did not move"
     )]
     ModelOfAnotherArm { model: String, arm: String },
-    #[error(
-        "{flaw}: a controller or simulation with this model goes wrong there; fit anew on more \
-         motion or with --library chain, or give --force to export it all the same"
-    )]
-    NotPositiveDefinite { flaw: String },
     #[error("{} does not add to the parts before it", file.display())]
     Part { file: PathBuf, source: IdentifyError },
     #[error("the results cannot be written to standard output: check where it is redirected to")]
@@ -61,14 +50,23 @@ pub(crate) enum CliError {
 
 /// An error of the library in the words of the command line: options are flags.
 pub(crate) fn in_flags(error: anyhow::Error) -> anyhow::Error {
-    let Some(Error::UnusedOption { option, fitted, because, user }) = error.downcast_ref() else {
-        return error;
-    };
-    let user = user.replace("the library ", "--library ").replace("the method ", "--method ");
-    let user = user.replace("an interaction order", "--interaction K");
-    CliError::Usage(format!(
-        "--{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
-         choose {user}"
-    ))
-    .into()
+    match error.downcast_ref() {
+        Some(Error::UnusedOption { option, fitted, because, user }) => {
+            let user = user.replace("the library ", "--library ");
+            let user = user.replace("the method ", "--method ");
+            let user = user.replace("an interaction order", "--interaction K");
+            CliError::Usage(format!(
+                "--{option} is not used by {fitted}, which is fitted because {because}: leave it \
+                 out or choose {user}"
+            ))
+            .into()
+        }
+        Some(Error::NotPositiveDefinite { .. } | Error::NoCompiler { .. }) => {
+            let text = error.to_string();
+            let text = text.replace("or force it", "or give --force");
+            let text = text.replace("the library chain", "--library chain");
+            anyhow!(text.replace("ask for no binary", "give --no-binary"))
+        }
+        _ => error,
+    }
 }

@@ -6,7 +6,6 @@ mod score_table;
 mod interrupt;
 mod outcome;
 mod files;
-mod compiler;
 mod moments_file;
 mod progress;
 mod signal_arguments;

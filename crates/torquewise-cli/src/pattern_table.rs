@@ -1,8 +1,8 @@
 //! From patterns of rows to counts, and a table with the number and the pattern of each row.
 
 use crate::table::Table;
-use serde_json::{Value, json};
 use std::path::Path;
+use torquewise::inspect::count_patterns;
 use torquewise::logs::{Column, ColumnKind, LogError, TableWriter, Values};
 use torquewise::motion::Pattern;
 
@@ -24,9 +24,7 @@ impl PatternTable {
 
     /// Takes the patterns of the next rows, which are counted from 1.
     pub(crate) fn append(&mut self, patterns: &[Pattern]) -> Result<(), LogError> {
-        for (count, pattern) in self.counts.iter_mut().zip(Pattern::ALL) {
-            *count += patterns.iter().filter(|&&found| found == pattern).count() as u64;
-        }
+        count_patterns(&mut self.counts, patterns);
         let names: Vec<&str> = patterns.iter().map(|pattern| pattern.name()).collect();
         let numbers: Vec<u64> = (self.rows + 1..=self.rows + names.len() as u64).collect();
         self.rows += names.len() as u64;
@@ -52,21 +50,4 @@ pub(crate) fn counts_text(counts: [u64; 3]) -> String {
         table.row(pattern.name(), [rows.to_string(), share]);
     }
     table.text()
-}
-
-/// The rows of each pattern for programs.
-pub(crate) fn counts_json(counts: [u64; 3]) -> Vec<Value> {
-    let counts = Pattern::ALL.iter().zip(counts);
-    counts.map(|(pattern, rows)| json!({ "name": pattern.name(), "rows": rows })).collect()
-}
-
-/// One warning for each pattern that is not among `present`.
-pub(crate) fn missing(present: &[Pattern]) -> Vec<String> {
-    let missing = Pattern::ALL.into_iter().filter(|pattern| !present.contains(pattern));
-    missing
-        .map(|pattern| {
-            let name = pattern.name();
-            format!("the log shows no {name}: record dwells, strokes of constant speed and brakes")
-        })
-        .collect()
 }

@@ -6,7 +6,6 @@ use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::time::Duration;
 use torquewise::Event;
-use torquewise::survey::Progress;
 
 /// Shows on the terminal what is done, and stops the work once Ctrl-C was pressed.
 pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
@@ -14,24 +13,10 @@ pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
     move |event| {
         match event {
             Event::Reading { doing, rows } => *shown.borrow_mut() = reading(doing, rows),
-            Event::Stage(stage) => shown.borrow().set_message(words(stage)),
+            Event::Stage(stage) => shown.borrow().set_message(stage.to_string()),
             Event::Rows(rows) => shown.borrow().inc(rows as u64),
         }
         if pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
-/// What is being done, in words.
-fn words(stage: Progress) -> String {
-    match stage {
-        Progress::Survey => "looking through the log".to_owned(),
-        Progress::Patterns => "clustering".to_owned(),
-        Progress::Geometry => "learning the geometry".to_owned(),
-        Progress::Sums => "summing".to_owned(),
-        Progress::Step(step) => format!("selecting terms, step {step}"),
-        Progress::Refit => "fitting all rows".to_owned(),
-        Progress::OmittedTerms => "testing omitted terms".to_owned(),
-        Progress::Done => "done".to_owned(),
     }
 }
 

@@ -229,6 +229,8 @@ pub enum LogError {
          other have the same clock"
     )]
     ClocksDiffer { place: Place, column: String, found: f64, expected: f64 },
+    #[error("{place}, column {column} cannot be read: {reason}")]
+    Frame { place: Place, column: String, reason: String },
     #[error(
         "{}: none of its {found} rows is left, {dropped} were not finite: check rows and seconds \
          of the profile, and the columns",

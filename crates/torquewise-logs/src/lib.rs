@@ -6,7 +6,7 @@
 //! joint states), NumPy archives (`.npz`) and MATLAB files (`.mat`).
 //!
 //! [`Logs`] reads several files as one [`Recording`](torquewise_motion::Recording), or as recorded
-//! with [`Logs::read_raw`]; [`LogWriter`] and [`TableWriter`] write CSV and Parquet.
+//! with [`Logs::read_raw`]; a [`Frame`] is a table in memory that is read as a file is; [`LogWriter`] and [`TableWriter`] write CSV and Parquet.
 //!
 //! ```
 //! use torquewise_logs::Logs;
@@ -55,6 +55,7 @@ mod plain;
 pub mod profile;
 mod by_profile;
 mod beside;
+pub mod frame;
 pub mod signal_rows;
 pub mod source;
 mod gaps;
@@ -79,6 +80,7 @@ pub use blocks::RawBlock;
 pub use columns::{Column, ColumnKind, Values};
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
+pub use frame::Frame;
 pub use log_writer::{Contents, LogWriter, write_motion};
 pub use logs::Logs;
 pub use profile::Profile;

@@ -2,18 +2,16 @@
 
 use crate::blocks::{Blocks, RawBlock};
 use crate::error::LogError;
+use crate::frame::Frame;
 use crate::joints;
 use crate::layout::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
-use faer::Mat;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::{
-    LocalPolynomial, Motion, MotionError, ReadError, Recording, Repairs, Signals,
-};
+use torquewise_motion::{LocalPolynomial, Motion, ReadError, Recording, Repairs};
 
 /// Log files of one arm.
 ///
@@ -63,6 +61,26 @@ impl Logs {
         let paths = paths.concat();
         let open = |path: &PathBuf| Source::open(path, options);
         let sources = paths.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        Self::of_sources(sources, paths)
+    }
+
+    /// Reads tables in memory instead of files; each has a label, which stands for the name of a
+    /// file.
+    ///
+    /// # Errors
+    /// As [`open_with`](Self::open_with).
+    pub fn of_frames(
+        frames: &[(PathBuf, Arc<dyn Frame>)],
+        options: &Options,
+    ) -> Result<Self, LogError> {
+        let open = |(label, frame): &(PathBuf, Arc<dyn Frame>)| {
+            Source::of_frame(label, frame.clone(), options)
+        };
+        let sources = frames.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        Self::of_sources(sources, frames.iter().map(|(label, _)| label.clone()).collect())
+    }
+
+    fn of_sources(sources: Vec<Source>, paths: Vec<PathBuf>) -> Result<Self, LogError> {
         let joints = agreed_joints(&sources)?;
         let polynomial = LocalPolynomial::default();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
@@ -129,7 +147,11 @@ impl Logs {
         })?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
-            joined(&self.joints, blocks).map_err(|source| LogError::Motion { file, row: 1, source })
+            Motion::joined(&self.joints, blocks).map_err(|source| LogError::Motion {
+                file,
+                row: 1,
+                source,
+            })
         };
         trajectories.iter().map(whole).collect()
     }
@@ -338,24 +360,4 @@ fn names_differ(file: &Path, found: &[String], first: &Path, expected: &[String]
         first: first.into(),
         expected: expected.join(", "),
     }
-}
-
-/// The blocks of one trajectory, one after the other.
-fn joined(joints: &[String], blocks: &[Motion]) -> Result<Motion, MotionError> {
-    let t: Vec<f64> = blocks.iter().flat_map(Motion::t).copied().collect();
-    let mut q = Mat::zeros(t.len(), joints.len());
-    let (mut dq, mut ddq, mut tau) = (q.clone(), q.clone(), q.clone());
-    let mut start = 0;
-    for block in blocks {
-        let rows = block.n_rows();
-        q.subrows_mut(start, rows).copy_from(block.q());
-        dq.subrows_mut(start, rows).copy_from(block.dq());
-        ddq.subrows_mut(start, rows).copy_from(block.ddq());
-        if let Some(measured) = block.tau() {
-            tau.subrows_mut(start, rows).copy_from(measured);
-        }
-        start += rows;
-    }
-    let tau = blocks.iter().all(|block| block.tau().is_some()).then_some(tau);
-    Motion::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })
 }

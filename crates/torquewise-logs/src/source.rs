@@ -8,6 +8,7 @@ use crate::by_profile::{Offer, by_profile};
 use crate::csv_rows::CsvRows;
 use crate::error::LogError;
 use crate::format::Format;
+use crate::frame::{Frame, FrameRows};
 use crate::joints;
 use crate::mapping::Mapping;
 #[cfg(feature = "parquet")]
@@ -20,6 +21,7 @@ use crate::signal_rows::{Clock, SignalRows};
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Bytes read from a text file at once.
 const BUFFER_BYTES: usize = 1 << 16;
@@ -51,17 +53,36 @@ pub(crate) struct Source {
 /// All that is needed to open the files of a log again.
 #[derive(Clone, Debug)]
 struct Opening {
-    format: Format,
+    origin: Origin,
     survey: Option<Survey>,
     beside: Vec<(String, PathBuf)>,
     clock_column: Option<ClockColumn>,
 }
 
+/// Where rows come from.
+#[derive(Clone, Debug)]
+enum Origin {
+    File(Format),
+    Frame(Arc<dyn Frame>),
+}
+
 impl Source {
     /// Reads the header; of a bag all messages, which say what it holds.
     pub(crate) fn open(file: &Path, options: &Options) -> Result<Self, LogError> {
+        Self::from_opening(file, Opening::new(file, options)?, options)
+    }
+
+    /// The same of a frame, which is called `label` in messages.
+    pub(crate) fn of_frame(
+        label: &Path,
+        frame: Arc<dyn Frame>,
+        options: &Options,
+    ) -> Result<Self, LogError> {
+        Self::from_opening(label, Opening::of(label, Origin::Frame(frame), None, options), options)
+    }
+
+    fn from_opening(file: &Path, opening: Opening, options: &Options) -> Result<Self, LogError> {
         let profile = options.profile.as_ref();
-        let opening = Opening::new(file, options)?;
         let rows = opening.rows(file)?;
         let is_bag = opening.survey.is_some();
         let offer = Offer { file, names: rows.names(), joints: rows.joints(), is_bag };
@@ -78,7 +99,7 @@ impl Source {
         };
         let clock = if profile.is_some() { Clock::Repair } else { options.clock };
         let names = rows.names().to_vec();
-        let is_text = opening.format == Format::Csv;
+        let is_text = matches!(opening.origin, Origin::File(Format::Csv));
         let rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
         let source = Self { file: file.into(), mapping, joints, opening, names, clock, rows_hint };
         // Columns that cannot be read are told now.
@@ -113,17 +134,25 @@ impl Opening {
         let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
         let joints = profile.map_or(&[][..], |profile| &profile.joints);
         let survey = survey(file, format, Wanted { topic, joints })?;
+        Ok(Self::of(file, Origin::File(format), survey, options))
+    }
+
+    fn of(file: &Path, origin: Origin, survey: Option<Survey>, options: &Options) -> Self {
+        let profile = options.profile.as_ref();
         let folder = file.parent().unwrap_or(Path::new(""));
         let beside = profile.map(|profile| &profile.beside).into_iter().flatten();
         let beside = beside.map(|(name, path)| (name.clone(), folder.join(path))).collect();
         let clock_column = profile
             .and_then(|profile| profile.t.as_ref())
             .map(|t| (t.column.clone(), time_factor(t.unit.as_deref()).unwrap_or(1.0)));
-        Ok(Self { format, survey, beside, clock_column })
+        Self { origin, survey, beside, clock_column }
     }
 
     fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
-        let log = rows(file, self.format, self.survey.as_ref())?;
+        let log = match &self.origin {
+            Origin::File(format) => rows(file, *format, self.survey.as_ref())?,
+            Origin::Frame(frame) => Box::new(FrameRows::new(file, frame.clone())),
+        };
         if self.beside.is_empty() {
             return Ok(log);
         }

@@ -70,6 +70,29 @@ impl Motion {
         Ok(Self { signals, memory: None })
     }
 
+    /// The blocks of one trajectory, one after the other; without what friction remembers.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn joined(joints: &[String], blocks: &[Self]) -> Result<Self, MotionError> {
+        let t: Vec<f64> = blocks.iter().flat_map(Self::t).copied().collect();
+        let mut q = Mat::zeros(t.len(), joints.len());
+        let (mut dq, mut ddq, mut tau) = (q.clone(), q.clone(), q.clone());
+        let mut start = 0;
+        for block in blocks {
+            let rows = block.n_rows();
+            q.subrows_mut(start, rows).copy_from(block.q());
+            dq.subrows_mut(start, rows).copy_from(block.dq());
+            ddq.subrows_mut(start, rows).copy_from(block.ddq());
+            if let Some(measured) = block.tau() {
+                tau.subrows_mut(start, rows).copy_from(measured);
+            }
+            start += rows;
+        }
+        let tau = blocks.iter().all(|block| block.tau().is_some()).then_some(tau);
+        Self::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })
+    }
+
     /// Number of instants m.
     pub fn n_rows(&self) -> usize {
         self.signals.t.len()

@@ -1,5 +1,7 @@
 //! From work under way to the stage it is in, for whoever watches.
 
+use std::fmt;
+
 /// A stage of the work, told when it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
@@ -19,4 +21,19 @@ pub enum Progress {
     OmittedTerms,
     /// All is done.
     Done,
+}
+
+impl fmt::Display for Progress {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Survey => out.write_str("looking through the log"),
+            Self::Patterns => out.write_str("clustering"),
+            Self::Geometry => out.write_str("learning the geometry"),
+            Self::Sums => out.write_str("summing"),
+            Self::Step(step) => write!(out, "selecting terms, step {step}"),
+            Self::Refit => out.write_str("fitting all rows"),
+            Self::OmittedTerms => out.write_str("testing omitted terms"),
+            Self::Done => out.write_str("done"),
+        }
+    }
 }

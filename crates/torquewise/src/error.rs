@@ -21,6 +21,12 @@ pub enum Error {
     #[cfg(feature = "simulation")]
     #[error("the arm could not be built")]
     Arm(#[from] torquewise_dynamics::DynamicsError),
+    #[cfg(feature = "figures")]
+    #[error(transparent)]
+    Report(#[from] torquewise_report::ReportError),
+    #[cfg(feature = "figures")]
+    #[error(transparent)]
+    Export(#[from] torquewise_export::ExportError),
     #[error(
         "{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
          choose {user}"
@@ -49,6 +55,21 @@ pub enum Error {
          chain"
     )]
     NoCovariance,
+    #[cfg(feature = "figures")]
+    #[error(
+        "{flaw}: a controller or simulation with this model goes wrong there; fit anew on more \
+         motion or with the library chain, or force it to export it all the same"
+    )]
+    NotPositiveDefinite { flaw: String },
+    #[cfg(feature = "figures")]
+    #[error(
+        "there is no C compiler {compiler:?}, and a unit holds a binary: install one, name it in \
+         the variable CC, or ask for no binary and compile the sources where it is used"
+    )]
+    NoCompiler { compiler: String, source: std::io::Error },
+    #[cfg(feature = "figures")]
+    #[error("{compiler:?} did not compile the unit, {complaint}: try another in the variable CC")]
+    Compiler { compiler: String, complaint: String },
     #[error("interrupted, no file was written: run it again")]
     Interrupted,
 }

@@ -24,7 +24,8 @@
 //! ```
 //!
 //! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
-//! truth and controllers, `figures` for reports, exported code and the experiments of the paper.
+//! truth and controllers, `figures` for reports and exported code, `experiments` for those of the
+//! paper.
 
 mod error;
 pub mod observe;
@@ -37,6 +38,12 @@ pub mod evaluate;
 mod fit;
 pub mod summary;
 pub mod compare;
+pub mod inspect;
+pub mod describe;
+#[cfg(feature = "figures")]
+pub mod page;
+#[cfg(feature = "figures")]
+pub mod exported;
 pub mod payload;
 pub mod external;
 pub mod sums;
@@ -58,7 +65,7 @@ pub use torquewise_diagnose as diagnose;
 pub use torquewise_dynamics as dynamics;
 #[cfg(feature = "simulation")]
 pub use torquewise_excite as excite;
-#[cfg(feature = "figures")]
+#[cfg(feature = "experiments")]
 pub use torquewise_experiments as experiments;
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;

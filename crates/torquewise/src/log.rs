@@ -3,8 +3,9 @@
 use crate::error::Error;
 use crate::options::Facts;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use torquewise_logs::conditioned::RawLogs;
-use torquewise_logs::{ConditionedLogs, Logs, Options};
+use torquewise_logs::{ConditionedLogs, Frame, Logs, Options};
 use torquewise_model::model::Filter as FilterUsed;
 use torquewise_motion::Recording;
 use torquewise_signals::{Conditioning, Cutoff, Trim};
@@ -74,6 +75,18 @@ impl Log {
     /// As [`Log::open`], and if they are of different arms.
     pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self, Error> {
         let logs = Logs::open_with(files, options)?;
+        Ok(Self { logs, filter: Filter::Auto, delay: None })
+    }
+
+    /// Tables in memory, each with a label for messages, read as files with the same columns.
+    ///
+    /// # Errors
+    /// As [`Log::open_all`].
+    pub fn of_frames(
+        frames: &[(PathBuf, Arc<dyn Frame>)],
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let logs = Logs::of_frames(frames, options)?;
         Ok(Self { logs, filter: Filter::Auto, delay: None })
     }
 

@@ -1,6 +1,5 @@
 //! From model to source code, an FMU or a ROS 2 package.
 
-use crate::compiler::binary;
 use crate::error::CliError;
 use crate::files::{
     check_distinct, check_ending, check_output, create_folder, read_model, read_text, write_whole,
@@ -12,12 +11,9 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
-use torquewise::export::{
-    Precision, Program, Quantity, fmu_archive, fmu_sources, onto_urdf, ros_package, test_vectors,
-    to_c, to_latex, to_mjcf, to_python, to_rust, to_urdf,
-};
+use torquewise::export::{Precision, Program, Quantity, test_vectors};
+use torquewise::exported::{self, ExportOptions, Exported, function_name};
 use torquewise::model::Model;
-use torquewise::physics::MassMatrix;
 
 /// Write a model as code for a controller, or as a robot for a simulator
 ///
@@ -106,48 +102,53 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let vectors = arguments.test_vectors.then(|| output.with_extension("vectors.csv"));
     check_paths(arguments, vectors.as_ref())?;
     let model = read_model(&arguments.model)?;
-    let flaw = MassMatrix::of(&model)?.flaw();
-    if let (Some(flaw), false) = (&flaw, arguments.force) {
-        return Err(CliError::NotPositiveDefinite { flaw: flaw.clone() }.into());
-    }
-    let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
-    let program = Program::of(&model)?;
-    if matches!(to, Target::Urdf | Target::Mjcf) {
-        return robot(arguments, &model, &program.version(), flaw);
-    }
-    let (name, precision) = (name(arguments), precision(arguments.precision));
-
-    match to {
-        Target::C => write_whole(output, to_c(&program, &name, precision)?)?,
-        Target::Rust => write_whole(output, to_rust(&program, precision)?)?,
-        Target::Python => write_whole(output, to_python(&program))?,
-        Target::Latex => write_whole(output, to_latex(&model, &program.version()))?,
-        Target::Fmu => write_whole(output, unit(&program, &name, arguments.no_binary)?)?,
-        Target::Ros2 => write_package(output, &ros_package(&program, &name)?)?,
-        Target::Urdf | Target::Mjcf => {}
+    let onto = arguments.onto.as_ref().map(|onto| read_text(onto)).transpose()?;
+    let options = ExportOptions {
+        name: &name(arguments),
+        precision: precision(arguments.precision),
+        reversal: arguments.reversal,
+        onto: onto.as_ref().map(|text| (&text[..], &arguments.lock[..])),
+        binary: !arguments.no_binary,
+        force: arguments.force,
+    };
+    let exported = exported::export(&model, to.library(), &options)?;
+    match (&exported.files[..], to) {
+        (files, Target::Ros2) => write_package(output, files)?,
+        ([(_, bytes)], _) => write_whole(output, bytes)?,
+        _ => {}
     }
     if let Some(file) = &vectors {
+        let model = arguments.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
         write_whole(file, test_vectors(&model, TEST_STATES, arguments.seed)?)?;
     }
-    let outcome = outcome(arguments, &model, &program, vectors.as_deref());
-    let warnings = flaw.map(|flaw| format!("{flaw}: do not let this code move an arm there"));
-    Ok(Outcome { warnings: warnings.into_iter().collect(), ..outcome })
+    let (outcome, what) = match &exported.program {
+        None => (robot(arguments, &model, &exported), "model"),
+        Some(program) => (outcome(arguments, &model, program, vectors.as_deref()), "code"),
+    };
+    let flaw = exported.flaw.into_iter();
+    let warnings = flaw.map(|flaw| format!("{flaw}: do not let this {what} move an arm there"));
+    Ok(Outcome { warnings: warnings.collect(), ..outcome })
 }
 
-/// Writes a robot file, and says what it has no room for.
-fn robot(
-    arguments: &Arguments,
-    model: &Model,
-    version: &str,
-    flaw: Option<String>,
-) -> Result<Outcome> {
-    let file = match (&arguments.to, &arguments.onto) {
-        (Target::Urdf, Some(onto)) => onto_urdf(model, &read_text(onto)?, &arguments.lock)?,
-        (Target::Urdf, None) => to_urdf(model, version)?,
-        _ => to_mjcf(model, version)?,
-    };
-    write_whole(&arguments.output, &file.text)?;
-    let notes = file.left_out.iter().map(|part| format!("not in the file: {part}")).collect();
+impl Target {
+    fn library(self) -> exported::Target {
+        match self {
+            Self::C => exported::Target::C,
+            Self::Rust => exported::Target::Rust,
+            Self::Python => exported::Target::Python,
+            Self::Latex => exported::Target::Latex,
+            Self::Fmu => exported::Target::Fmu,
+            Self::Ros2 => exported::Target::Ros2,
+            Self::Urdf => exported::Target::Urdf,
+            Self::Mjcf => exported::Target::Mjcf,
+        }
+    }
+}
+
+/// What is said of a robot file, and what it has no room for.
+fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
+    let Exported { version, left_out, .. } = exported;
+    let notes = left_out.iter().map(|part| format!("not in the file: {part}")).collect();
     let text = format!(
         "{version}\n{} joints: links, rotors, viscous and dry friction\n\nwritten: {}\n",
         model.n_joints(),
@@ -156,11 +157,10 @@ fn robot(
     let json = json!({
         "version": version,
         "joints": model.joints,
-        "left_out": file.left_out,
+        "left_out": left_out,
         "output": arguments.output,
     });
-    let warnings = flaw.map(|flaw| format!("{flaw}: do not let this model move an arm there"));
-    Ok(Outcome { notes, text, json, warnings: warnings.into_iter().collect() })
+    Outcome { notes, text, json, warnings: Vec::new() }
 }
 
 fn width(text: &str) -> Result<f64, String> {
@@ -227,11 +227,7 @@ fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<(), C
 /// The name given, or that of the file, with whatever C does not allow replaced.
 fn name(arguments: &Arguments) -> String {
     arguments.name.clone().unwrap_or_else(|| {
-        let stem = arguments.output.file_stem().unwrap_or_default().to_string_lossy();
-        let allowed = |letter: char| letter.is_ascii_alphanumeric();
-        let name: String = stem.chars().map(|c| if allowed(c) { c } else { '_' }).collect();
-        let plain = name.starts_with(|letter: char| letter.is_ascii_alphabetic());
-        if plain { name } else { format!("arm{name}") }
+        function_name(&arguments.output.file_stem().unwrap_or_default().to_string_lossy())
     })
 }
 
@@ -242,23 +238,14 @@ fn precision(digits: Digits) -> Precision {
     }
 }
 
-fn unit(program: &Program, name: &str, no_binary: bool) -> Result<Vec<u8>> {
-    let sources = fmu_sources(program, name)?;
-    if no_binary {
-        return Ok(fmu_archive(&sources, None)?);
-    }
-    let (path, bytes) = binary(&sources, name)?;
-    Ok(fmu_archive(&sources, Some((&path, &bytes)))?)
-}
-
-fn write_package(folder: &Path, files: &[(String, String)]) -> Result<(), CliError> {
+fn write_package(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), CliError> {
     create_folder(folder)?;
-    for (path, text) in files {
+    for (path, bytes) in files {
         let file = folder.join(path);
         if let Some(inner) = file.parent() {
             create_folder(inner)?;
         }
-        write_whole(&file, text)?;
+        write_whole(&file, bytes)?;
     }
     Ok(())
 }

@@ -17,15 +17,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
+use torquewise::identify::Warning;
 use torquewise::identify::plan::Regression;
-use torquewise::identify::{Warning, diagnose};
 use torquewise::log::Prepared;
 use torquewise::log::Rows;
 use torquewise::model::Model;
 use torquewise::model::number;
-use torquewise::observe::Watched;
-use torquewise::physics::{PhysicsCheck, STATES};
-use torquewise::report::{Findings, LogFile, Origin, fit_report};
+use torquewise::page::{LogFile, Origin, page};
 use torquewise::summary::FitSummary;
 use torquewise::{Error, Fit, FitResult, Grade};
 
@@ -119,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     write!(outcome.text, "\nmodel: {}\n", arguments.output.display())?;
     if let Some(file) = &arguments.report {
-        write_whole(file, report(arguments, &fit, test.as_ref(), &costs)?)?;
+        write_whole(file, report(arguments, &fit, test.as_ref())?)?;
         writeln!(outcome.text, "report: {}", file.display())?;
         outcome.json["costs"] = costs.json();
         outcome.json["report"] = json!(file.display().to_string());
@@ -142,23 +140,7 @@ fn check_outputs(arguments: &Arguments) -> Result<()> {
 }
 
 /// The report of a model over its logs and those of another motion.
-fn report(
-    arguments: &Arguments,
-    fit: &FitResult,
-    test: Option<&Prepared>,
-    costs: &CallCosts,
-) -> Result<String> {
-    let shown = watch();
-    let look = |log: &Prepared| {
-        let rows = (log.rows_hint(), 2);
-        let watched = Watched::new(log, &shown, "looking at the residuals", rows);
-        diagnose(&fit.model, &fit.patterns, &watched)
-    };
-    let log = fit.log.as_ref().map(look).transpose()?;
-    let (Some(diagnosis), test) = (log, test.map(look).transpose()?) else {
-        return Ok(String::new());
-    };
-    let physics = PhysicsCheck::of(&fit.model, STATES)?;
+fn report(arguments: &Arguments, fit: &FitResult, test: Option<&Prepared>) -> Result<String> {
     let [logs, tests] = [&arguments.logs, &arguments.test]
         .map(|paths| paths.iter().map(|path| log_file(path)).collect::<Vec<_>>());
     let command: Vec<String> =
@@ -171,14 +153,7 @@ fn report(
         version: env!("CARGO_PKG_VERSION"),
         date: &date(SystemTime::now()),
     };
-    Ok(fit_report(&Findings {
-        found: fit,
-        diagnosis: &diagnosis,
-        checks: Some(physics.checks()),
-        test: test.as_ref(),
-        costs: costs.of_each(),
-        origin,
-    })?)
+    Ok(page(fit, test, origin, &watch())?.unwrap_or_default())
 }
 
 /// A log by its name and age.

@@ -4,7 +4,7 @@ use crate::arguments::PatternArguments;
 use crate::files::check_output;
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
-use crate::pattern_table::{PatternTable, counts_json, counts_text, missing};
+use crate::pattern_table::{PatternTable, counts_text};
 use crate::progress::watch;
 use crate::signal_arguments::{FilterArguments, ProfileArguments};
 use anyhow::{Result, anyhow};
@@ -12,6 +12,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::identify::{Patterns, find_patterns, survey};
+use torquewise::inspect::{PatternRows, missing_patterns};
 use torquewise::log::Prepared;
 use torquewise::log::Rows;
 use torquewise::model::number;
@@ -75,8 +76,8 @@ fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome
     let json = json!({
         "clusters": found.n_clusters(),
         "inertia": found.inertia,
-        "patterns": counts_json(counts),
+        "patterns": PatternRows::of(counts),
         "file": file,
     });
-    Outcome { notes: Vec::new(), text, json, warnings: missing(&found.present) }
+    Outcome { notes: Vec::new(), text, json, warnings: missing_patterns(&found.present) }
 }

@@ -8,16 +8,15 @@ use crate::outcome::{Outcome, object};
 use crate::table::Table;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::PathBuf;
-use torquewise::model::learned::{self, Axis};
+use torquewise::describe::description;
+use torquewise::model::learned;
 use torquewise::model::model::Choice;
 use torquewise::model::number;
 use torquewise::model::selection::Selection;
-use torquewise::model::shaft_friction::ShaftFriction;
-use torquewise::model::{Form, FrictionTerm, Kind, Model, ModelError, Weighted, print};
+use torquewise::model::{Kind, Model, print};
 use torquewise::physics::{PhysicsCheck, STATES};
-use torquewise::summary::AllRepairs;
 
 /// Print what was learned of the arm, and the equations of the model
 #[derive(Args, Debug)]
@@ -103,7 +102,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let physics =
         arguments.check.then(|| PhysicsCheck::of(&model, arguments.states)).transpose()?;
     let costs = arguments.cost.then(|| CallCosts::of(&model)).transpose()?;
-    let mut json = json(&model, &selection, physics.as_ref())?;
+    let mut json = description(&model, &selection)?;
+    json["checks"] = physics.as_ref().map_or(Value::Null, object);
     json["costs"] = costs.as_ref().map_or(Value::Null, CallCosts::json);
     let mut text = match arguments.format {
         Format::Text => learned_text(&model, &selection)? + &print::text(&model, &selection),
@@ -213,95 +213,4 @@ fn choice_text(choice: &Choice) -> String {
         table.row(&candidate.label, [error, std_error, coefficients, mark.to_owned()]);
     }
     format!("\n{what}: {chosen}, chosen on held-out data ({rule})\n\n{}", table.text())
-}
-
-fn json(
-    model: &Model,
-    selection: &Selection,
-    physics: Option<&PhysicsCheck>,
-) -> Result<Value, ModelError> {
-    let equations = print::weighted_equations(model);
-    let frictions = print::weighted_friction(model);
-    let joints = model.joints.iter().zip(equations.iter().zip(&frictions)).enumerate();
-    let joints = joints.filter(|(joint, _)| selection.has_joint(*joint));
-    let joints = joints.map(|(_, (name, (equation, friction)))| {
-        let terms = equation.iter().filter(|w| selection.has_part(w.term.kind()));
-        let terms = terms.map(|w| term_json(w, &w.term.name(), w.term.kind()));
-        let friction = friction.iter().filter(|_| selection.has_part(Kind::Friction));
-        let friction = friction.map(|w| term_json(w, &w.term.formula(), Kind::Friction));
-        let mut terms: Vec<Value> = terms.chain(friction).collect();
-        if let Some(top) = selection.top {
-            let size = |term: &Value| term["coefficient"].as_f64().unwrap_or_default().abs();
-            terms.sort_by(|a, b| size(b).total_cmp(&size(a)));
-            terms.truncate(top);
-        }
-        json!({ "name": name, "terms": terms })
-    });
-    let energies = match &model.form {
-        Form::Torque(_) => Value::Null,
-        Form::Energy(terms) => terms
-            .iter()
-            .filter(|weighted| selection.has_energy(weighted.term.place))
-            .map(|weighted| {
-                json!({
-                    "place": weighted.term.place.name(),
-                    "term": weighted.term.function.name(),
-                    "coefficient": weighted.coefficient,
-                    "std_error": weighted.std_error,
-                    "inclusion": weighted.inclusion,
-                })
-            })
-            .collect(),
-    };
-    let turns = |shaft: &[f64]| {
-        let mut joints = shaft.iter().enumerate().filter(|(_, share)| **share != 0.0);
-        selection.has_part(Kind::Friction) && joints.any(|(joint, _)| selection.has_joint(joint))
-    };
-    let shafts = ShaftFriction::all(model).into_iter().filter(|shaft| turns(shaft.shaft()));
-    let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
-    let axes = model.chain.as_ref().map(learned::axes).transpose()?;
-    let axes = axes.map(|axes| {
-        let axis = |axis: &Axis| json!({ "point": axis.point, "direction": axis.direction });
-        axes.iter().map(axis).collect::<Vec<_>>()
-    });
-    Ok(json!({
-        "axes": axes,
-        "joints": joints.collect::<Vec<_>>(),
-        "energies": energies,
-        "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
-        "friction": laws.map(friction_json).collect::<Vec<_>>(),
-        "choices": model.choices,
-        "omitted": model.training.omitted,
-        "conditioning": object(&AllRepairs::of(&model.training.conditioning)),
-        "checks": physics.map(object),
-    }))
-}
-
-fn term_json<T>(weighted: &Weighted<T>, name: &str, kind: Kind) -> Value {
-    json!({
-        "term": name,
-        "kind": kind.name(),
-        "coefficient": weighted.coefficient,
-        "std_error": weighted.std_error,
-        "inclusion": weighted.inclusion,
-    })
-}
-
-/// Friction of a shaft as engineers read it.
-fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
-    let mut json = json!(shaft.parameters());
-    json["name"] = json!(shaft.name());
-    json["shaft"] = json!(shaft.shaft());
-    json
-}
-
-/// A law of friction of a shaft, before its joints share it.
-fn friction_json(weighted: &Weighted<FrictionTerm>) -> Value {
-    json!({
-        "term": weighted.term.name(),
-        "shaft": weighted.term.shaft,
-        "coefficient": weighted.coefficient,
-        "std_error": weighted.std_error,
-        "inclusion": weighted.inclusion,
-    })
 }

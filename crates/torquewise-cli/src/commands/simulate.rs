@@ -4,7 +4,7 @@ use crate::arguments::noise_levels;
 use crate::files::{check_distinct, check_output, read_arm, read_friction, read_twin};
 use crate::interrupt::Shield;
 use crate::outcome::Outcome;
-use crate::pattern_table::{PatternTable, counts_json};
+use crate::pattern_table::PatternTable;
 use crate::progress::watch;
 use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
@@ -12,6 +12,7 @@ use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
+use torquewise::inspect::PatternRows;
 use torquewise::logs::{Contents, LogWriter};
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
@@ -152,7 +153,7 @@ fn outcome(arguments: &Arguments, joints: &[String], rows: usize, counts: [u64; 
         "seconds": arguments.seconds,
         "rate_hz": arguments.rate,
         "seed": arguments.seed,
-        "patterns": counts_json(counts),
+        "patterns": PatternRows::of(counts),
         "file": file.to_string(),
         "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
     });

@@ -1,0 +1,101 @@
+//! From model to an object that other programs read.
+
+use crate::summary::AllRepairs;
+use serde_json::{Value, json};
+use torquewise_model::learned::{self, Axis};
+use torquewise_model::print;
+use torquewise_model::selection::Selection;
+use torquewise_model::shaft_friction::ShaftFriction;
+use torquewise_model::term::Kind;
+use torquewise_model::{Form, FrictionTerm, Model, ModelError, Weighted};
+
+/// What is in a model, or in a part of it, for programs: axes, terms by joint, energies, friction,
+/// what was chosen and repaired on the way.
+///
+/// # Errors
+/// [`ModelError`] if the geometry of the chain is none.
+pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelError> {
+    let equations = print::weighted_equations(model);
+    let frictions = print::weighted_friction(model);
+    let joints = model.joints.iter().zip(equations.iter().zip(&frictions)).enumerate();
+    let joints = joints.filter(|(joint, _)| selection.has_joint(*joint));
+    let joints = joints.map(|(_, (name, (equation, friction)))| {
+        let terms = equation.iter().filter(|w| selection.has_part(w.term.kind()));
+        let terms = terms.map(|w| term_json(w, &w.term.name(), w.term.kind()));
+        let friction = friction.iter().filter(|_| selection.has_part(Kind::Friction));
+        let friction = friction.map(|w| term_json(w, &w.term.formula(), Kind::Friction));
+        let mut terms: Vec<Value> = terms.chain(friction).collect();
+        if let Some(top) = selection.top {
+            let size = |term: &Value| term["coefficient"].as_f64().unwrap_or_default().abs();
+            terms.sort_by(|a, b| size(b).total_cmp(&size(a)));
+            terms.truncate(top);
+        }
+        json!({ "name": name, "terms": terms })
+    });
+    let energies = match &model.form {
+        Form::Torque(_) => Value::Null,
+        Form::Energy(terms) => terms
+            .iter()
+            .filter(|weighted| selection.has_energy(weighted.term.place))
+            .map(|weighted| {
+                json!({
+                    "place": weighted.term.place.name(),
+                    "term": weighted.term.function.name(),
+                    "coefficient": weighted.coefficient,
+                    "std_error": weighted.std_error,
+                    "inclusion": weighted.inclusion,
+                })
+            })
+            .collect(),
+    };
+    let turns = |shaft: &[f64]| {
+        let mut joints = shaft.iter().enumerate().filter(|(_, share)| **share != 0.0);
+        selection.has_part(Kind::Friction) && joints.any(|(joint, _)| selection.has_joint(joint))
+    };
+    let shafts = ShaftFriction::all(model).into_iter().filter(|shaft| turns(shaft.shaft()));
+    let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
+    let axes = model.chain.as_ref().map(learned::axes).transpose()?;
+    let axes = axes.map(|axes| {
+        let axis = |axis: &Axis| json!({ "point": axis.point, "direction": axis.direction });
+        axes.iter().map(axis).collect::<Vec<_>>()
+    });
+    Ok(json!({
+        "axes": axes,
+        "joints": joints.collect::<Vec<_>>(),
+        "energies": energies,
+        "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
+        "friction": laws.map(friction_json).collect::<Vec<_>>(),
+        "choices": model.choices,
+        "omitted": model.training.omitted,
+        "conditioning": AllRepairs::of(&model.training.conditioning),
+    }))
+}
+
+fn term_json<T>(weighted: &Weighted<T>, name: &str, kind: Kind) -> Value {
+    json!({
+        "term": name,
+        "kind": kind.name(),
+        "coefficient": weighted.coefficient,
+        "std_error": weighted.std_error,
+        "inclusion": weighted.inclusion,
+    })
+}
+
+/// Friction of a shaft as engineers read it.
+fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
+    let mut json = json!(shaft.parameters());
+    json["name"] = json!(shaft.name());
+    json["shaft"] = json!(shaft.shaft());
+    json
+}
+
+/// A law of friction of a shaft, before its joints share it.
+fn friction_json(weighted: &Weighted<FrictionTerm>) -> Value {
+    json!({
+        "term": weighted.term.name(),
+        "shaft": weighted.term.shaft,
+        "coefficient": weighted.coefficient,
+        "std_error": weighted.std_error,
+        "inclusion": weighted.inclusion,
+    })
+}

@@ -1,0 +1,213 @@
+//! A model as files for other programs: code for controllers, robots for simulators.
+
+use crate::error::Error;
+use crate::physics::MassMatrix;
+use std::env;
+use std::env::consts::{ARCH, DLL_SUFFIX, OS};
+use std::fs;
+use std::io;
+use std::process::Command;
+use torquewise_export::{
+    Precision, Program, fmu_archive, fmu_sources, onto_urdf, ros_package, to_c, to_latex, to_mjcf,
+    to_python, to_rust, to_urdf,
+};
+use torquewise_model::Model;
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// One file of C99.
+    C,
+    /// One file of Rust without std.
+    Rust,
+    /// One file of Python.
+    Python,
+    /// A LaTeX document.
+    Latex,
+    /// An FMI 2.0 unit for model exchange and co-simulation.
+    Fmu,
+    /// Sources of a ROS 2 package.
+    Ros2,
+    /// A robot for ROS, Pinocchio, Drake, Gazebo.
+    Urdf,
+    /// A robot for `MuJoCo`.
+    Mjcf,
+}
+
+impl Target {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::C,
+        Self::Rust,
+        Self::Python,
+        Self::Latex,
+        Self::Fmu,
+        Self::Ros2,
+        Self::Urdf,
+        Self::Mjcf,
+    ];
+
+    /// As the command line has it.
+    pub fn name(self) -> &'static str {
+        ["c", "rust", "python", "latex", "fmu", "ros2", "urdf", "mjcf"][self as usize]
+    }
+
+    /// Whether it is a robot, not code.
+    pub fn is_robot(self) -> bool {
+        matches!(self, Self::Urdf | Self::Mjcf)
+    }
+}
+
+/// How it is written.
+#[derive(Clone, Debug)]
+pub struct ExportOptions<'a> {
+    /// What the functions of C, an FMU or a ROS 2 package begin with.
+    pub name: &'a str,
+    /// Of the numbers of C and Rust.
+    pub precision: Precision,
+    /// Half width of the reversal of friction \[rad/s\]; as it was learned without.
+    pub reversal: Option<f64>,
+    /// Text of the URDF that inertia and friction are put into, and its joints that are held at 0.
+    pub onto: Option<(&'a str, &'a [String])>,
+    /// Whether an FMU is compiled for this machine, by the compiler in `CC`, else `cc`.
+    pub binary: bool,
+    /// Whether a model is written whose mass matrix is not positive definite.
+    pub force: bool,
+}
+
+/// Files of a model.
+#[derive(Debug)]
+pub struct Exported {
+    /// Path within the folder of a package, empty for a single file, and content.
+    pub files: Vec<(String, Vec<u8>)>,
+    /// The functions of code; none for a robot.
+    pub program: Option<Program>,
+    /// Version of the program and fingerprint of the model.
+    pub version: String,
+    /// What a robot file has no room for.
+    pub left_out: Vec<String>,
+    /// What is wrong with the mass matrix, where that was forced.
+    pub flaw: Option<String>,
+}
+
+/// Writes a model for another program.
+///
+/// # Errors
+/// [`Error::NotPositiveDefinite`] unless it is forced, [`Error::Export`], and
+/// [`Error::NoCompiler`] or [`Error::Compiler`] for a unit with a binary.
+///
+/// ```no_run
+/// # fn main() -> Result<(), torquewise::Error> {
+/// use torquewise::Model;
+/// use torquewise::exported::{ExportOptions, Target, export};
+///
+/// let arm = Model::load("arm.json")?;
+/// let code = export(&arm, Target::Rust, &ExportOptions::named("arm"))?;
+/// println!("{}", String::from_utf8_lossy(&code.files[0].1));
+/// # Ok(())
+/// # }
+/// ```
+pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<Exported, Error> {
+    let flaw = MassMatrix::of(model)?.flaw();
+    if let (Some(flaw), false) = (&flaw, options.force) {
+        return Err(Error::NotPositiveDefinite { flaw: flaw.clone() });
+    }
+    let model = &options.reversal.map_or_else(|| model.clone(), |w| model.with_reversal(w));
+    let program = Program::of(model)?;
+    let version = program.version();
+    let single = |text: String| vec![(String::new(), text.into_bytes())];
+    let (mut files, mut left_out) = (Vec::new(), Vec::new());
+    let ExportOptions { name, precision, .. } = *options;
+    match to {
+        Target::C => files = single(to_c(&program, name, precision)?),
+        Target::Rust => files = single(to_rust(&program, precision)?),
+        Target::Python => files = single(to_python(&program)),
+        Target::Latex => files = single(to_latex(model, &version)),
+        Target::Fmu => files = vec![(String::new(), unit(&program, name, options.binary)?)],
+        Target::Ros2 => {
+            let package = ros_package(&program, name)?;
+            files.extend(package.into_iter().map(|(path, text)| (path, text.into_bytes())));
+        }
+        Target::Urdf | Target::Mjcf => {
+            let robot = match (to, options.onto) {
+                (Target::Urdf, Some((onto, locked))) => onto_urdf(model, onto, locked)?,
+                (Target::Urdf, None) => to_urdf(model, &version)?,
+                _ => to_mjcf(model, &version)?,
+            };
+            (files, left_out) = (single(robot.text), robot.left_out);
+        }
+    }
+    let program = (!to.is_robot()).then_some(program);
+    Ok(Exported { files, program, version, left_out, flaw })
+}
+
+impl<'a> ExportOptions<'a> {
+    /// The usual ones, with a name for the functions.
+    pub fn named(name: &'a str) -> Self {
+        Self {
+            name,
+            precision: Precision::Double,
+            reversal: None,
+            onto: None,
+            binary: true,
+            force: false,
+        }
+    }
+}
+
+/// A name for functions from that of a file: whatever C does not allow is replaced.
+pub fn function_name(stem: &str) -> String {
+    let allowed = |letter: char| letter.is_ascii_alphanumeric();
+    let name: String = stem.chars().map(|c| if allowed(c) { c } else { '_' }).collect();
+    let plain = name.starts_with(|letter: char| letter.is_ascii_alphabetic());
+    if plain { name } else { format!("arm{name}") }
+}
+
+fn unit(program: &Program, name: &str, has_binary: bool) -> Result<Vec<u8>, Error> {
+    let sources = fmu_sources(program, name)?;
+    if !has_binary {
+        return Ok(fmu_archive(&sources, None)?);
+    }
+    let (path, bytes) = binary(&sources, name)?;
+    Ok(fmu_archive(&sources, Some((&path, &bytes)))?)
+}
+
+/// Where FMI 2.0 wants the binary of this machine, and its bytes.
+///
+/// - `sources`: path within the unit and text; those under `sources/` that end in `_fmu.c` and
+///   `.c` are compiled together
+fn binary(sources: &[(String, String)], name: &str) -> Result<(String, Vec<u8>), Error> {
+    let compiler = env::var("CC").ok().filter(|cc| !cc.is_empty()).unwrap_or_else(|| "cc".into());
+    let in_folder = |source: io::Error| Error::NoCompiler { compiler: compiler.clone(), source };
+    let folder = tempfile::tempdir().map_err(in_folder)?;
+    let mut command = Command::new(&compiler);
+    command.current_dir(folder.path()).args(["-std=c99", "-O2", "-fPIC", "-shared"]);
+    command.arg("-fvisibility=hidden");
+    for (path, text) in sources {
+        let Some(file) = path.strip_prefix("sources/") else { continue };
+        fs::write(folder.path().join(file), text).map_err(in_folder)?;
+        command.arg(file);
+    }
+    let library = format!("{name}{DLL_SUFFIX}");
+    let output = command.args(["-o", &library, "-lm"]).output().map_err(in_folder)?;
+    if !output.status.success() {
+        let complaint = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+        return Err(Error::Compiler { compiler, complaint });
+    }
+    let bytes = fs::read(folder.path().join(&library)).map_err(in_folder)?;
+    Ok((format!("binaries/{}/{library}", platform()), bytes))
+}
+
+/// The name FMI 2.0 gives this machine, which knows no others than x86.
+fn platform() -> String {
+    let system = match OS {
+        "macos" => "darwin",
+        "windows" => "win",
+        other => other,
+    };
+    match ARCH {
+        "x86" => format!("{system}32"),
+        "x86_64" => format!("{system}64"),
+        other => format!("{other}-{system}"),
+    }
+}

@@ -1,0 +1,203 @@
+//! What a log holds and what it lacks, before anything is fitted to it.
+
+use crate::error::Error;
+use crate::log::Prepared;
+use crate::observe::{Observer, Watched};
+use crate::summary::AllRepairs;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use torquewise_diagnose::excitation::findings;
+use torquewise_identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
+use torquewise_logs::{UnitWarning, unit_warnings};
+use torquewise_motion::{Pattern, Recording, Repairs};
+
+/// Rows of a pattern of motion.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct PatternRows {
+    /// `standstill`, `uniform` or `variable`.
+    pub name: &'static str,
+    /// How many rows show it.
+    pub rows: u64,
+}
+
+impl PatternRows {
+    /// Counts of all patterns, least active first.
+    pub fn of(counts: [u64; 3]) -> Vec<Self> {
+        let counts = Pattern::ALL.iter().zip(counts);
+        counts.map(|(pattern, rows)| Self { name: pattern.name(), rows }).collect()
+    }
+}
+
+/// All that is known about logs.
+#[derive(Clone, Debug)]
+pub struct Inspection {
+    /// Rows, ranges, noise.
+    pub survey: Survey,
+    /// Clusters of rows.
+    pub patterns: Patterns,
+    /// Rows of each pattern, least active first.
+    pub counts: [u64; 3],
+    /// Columns that hardly are in the unit they should be in.
+    pub units: Vec<UnitWarning>,
+    /// The files, as given.
+    pub files: Vec<String>,
+    /// Columns that are not read.
+    pub ignored_columns: Vec<String>,
+    /// Signals that are not recorded: of `dq`, `ddq`, `tau`.
+    pub missing: Vec<&'static str>,
+    repairs: BTreeMap<String, Repairs>,
+}
+
+/// A joint of an inspected log, as programs read it.
+#[derive(Serialize)]
+struct JointFacts<'a> {
+    name: &'a str,
+    q_range: [f64; 2],
+    dq_peak: f64,
+    ddq_peak: f64,
+    tau_mean: Option<f64>,
+    tau_std: Option<f64>,
+    noise: JointNoise,
+}
+
+#[derive(Serialize)]
+struct JointNoise {
+    q: f64,
+    dq: f64,
+    ddq: f64,
+}
+
+/// An inspection, as programs read it.
+#[derive(Serialize)]
+struct Facts<'a> {
+    files: &'a [String],
+    joints: Vec<JointFacts<'a>>,
+    rows: usize,
+    trajectories: usize,
+    gaps: usize,
+    seconds: f64,
+    rate_hz: f64,
+    patterns: Vec<PatternRows>,
+    missing: &'a [&'static str],
+    missing_patterns: Vec<&'static str>,
+    ignored_columns: &'a [String],
+    conditioning: AllRepairs<'a>,
+}
+
+/// Looks through a log.
+///
+/// # Errors
+/// Those of reading it.
+///
+/// ```no_run
+/// # fn main() -> Result<(), torquewise::Error> {
+/// use torquewise::{Log, inspect::inspect, log::Rows, observe::NOBODY};
+///
+/// let log = Log::open("train.csv")?.prepare(Rows::Filtered)?;
+/// for warning in inspect(&log, NOBODY)?.warnings() {
+///     println!("{warning}");
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection, Error> {
+    let watched = Watched::new(log, observer, "looking through the log", (None, 1));
+    let survey = survey(&watched)?;
+    let patterns = find_patterns(&survey, &PatternPlan::default())?;
+    let mut counts = [0; 3];
+    let mut units: BTreeMap<String, UnitWarning> = BTreeMap::new();
+    watched.read(&mut |_, block| {
+        for warning in unit_warnings(block) {
+            let known = units.entry(warning.column.clone()).or_insert(warning.clone());
+            known.value = known.value.max(warning.value);
+        }
+        count_patterns(&mut counts, &patterns.label(block));
+        Ok(())
+    })?;
+    let logs = log.logs();
+    let signals = [("dq", logs.has_dq()), ("ddq", logs.has_ddq()), ("tau", logs.has_tau())];
+    let missing = signals.into_iter().filter(|(_, present)| !present).map(|(name, _)| name);
+    Ok(Inspection {
+        survey,
+        patterns,
+        counts,
+        units: units.into_values().collect(),
+        files: logs.paths().iter().map(|path| path.display().to_string()).collect(),
+        ignored_columns: logs.ignored_columns(),
+        missing: missing.collect(),
+        repairs: log.repairs(),
+    })
+}
+
+/// Adds rows to the counts of their patterns, least active first.
+pub fn count_patterns(counts: &mut [u64; 3], rows: &[Pattern]) {
+    for (count, pattern) in counts.iter_mut().zip(Pattern::ALL) {
+        *count += rows.iter().filter(|&&found| found == pattern).count() as u64;
+    }
+}
+
+/// One warning for each pattern that is not among `present`.
+pub fn missing_patterns(present: &[Pattern]) -> Vec<String> {
+    let missing = Pattern::ALL.into_iter().filter(|pattern| !present.contains(pattern));
+    missing
+        .map(|pattern| {
+            let name = pattern.name();
+            format!("the log shows no {name}: record dwells, strokes of constant speed and brakes")
+        })
+        .collect()
+}
+
+impl Inspection {
+    /// Whether torque was recorded.
+    pub fn has_tau(&self) -> bool {
+        !self.missing.contains(&"tau")
+    }
+
+    /// Gaps at which files were split.
+    pub fn gaps(&self) -> usize {
+        self.survey.trajectories.saturating_sub(self.files.len())
+    }
+
+    /// What a fit would suffer from.
+    pub fn warnings(&self) -> Vec<String> {
+        let constant = self.survey.constant_joints().into_iter();
+        let names = constant.filter_map(|joint| self.survey.joints.get(joint).cloned());
+        let constant = names.map(|joint| Warning::ConstantJoint { joint }.to_string());
+        let units = self.units.iter().map(ToString::to_string);
+        let open = findings(&self.survey).into_iter().map(|finding| finding.to_string());
+        let patterns = missing_patterns(&self.patterns.present);
+        constant.chain(units).chain(open).chain(patterns).collect()
+    }
+}
+
+impl Serialize for Inspection {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Survey { noise, rows, trajectories, seconds, .. } = &self.survey;
+        let survey = &self.survey;
+        let joints = survey.joints.iter().enumerate().map(|(joint, name)| JointFacts {
+            name,
+            q_range: survey.q_range[joint],
+            dq_peak: survey.dq_peak[joint],
+            ddq_peak: survey.ddq_peak[joint],
+            tau_mean: self.has_tau().then_some(survey.torque_mean[joint]),
+            tau_std: self.has_tau().then_some(survey.torque_std[joint]),
+            noise: JointNoise { q: noise.q[joint], dq: noise.dq[joint], ddq: noise.ddq[joint] },
+        });
+        let absent = Pattern::ALL.iter().filter(|name| !self.patterns.present.contains(name));
+        Facts {
+            files: &self.files,
+            joints: joints.collect(),
+            rows: *rows,
+            trajectories: *trajectories,
+            gaps: self.gaps(),
+            seconds: *seconds,
+            rate_hz: survey.rate(),
+            patterns: PatternRows::of(self.counts),
+            missing: &self.missing,
+            missing_patterns: absent.map(|name| name.name()).collect(),
+            ignored_columns: &self.ignored_columns,
+            conditioning: AllRepairs::of(&self.repairs),
+        }
+        .serialize(serializer)
+    }
+}

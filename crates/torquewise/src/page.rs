@@ -1,0 +1,54 @@
+//! The page of a fit: what was found, and how far to trust it.
+
+use crate::error::Error;
+use crate::fit::FitResult;
+use crate::log::Prepared;
+use crate::observe::{Observer, Watched};
+use crate::physics::{PhysicsCheck, STATES};
+use torquewise_export::{Cost, ExportError, torque_costs};
+use torquewise_identify::diagnose;
+use torquewise_model::Model;
+use torquewise_report::{CallCost, Findings, fit_report};
+
+pub use torquewise_report::{LogFile, Origin};
+
+/// The report of a fit over its logs, and over those of another motion, as one HTML text; none for a
+/// fit to motion at hand, whose rows it did not keep.
+///
+/// # Errors
+/// [`Error::Report`], [`Error::Export`] if its cost cannot be counted, and those of reading.
+pub fn page(
+    fit: &FitResult,
+    test: Option<&Prepared>,
+    origin: Origin<'_>,
+    observer: Observer<'_>,
+) -> Result<Option<String>, Error> {
+    let look = |log: &Prepared| {
+        let rows = (log.rows_hint(), 2);
+        let watched = Watched::new(log, observer, "looking at the residuals", rows);
+        diagnose(&fit.model, &fit.patterns, &watched)
+    };
+    let Some(log) = &fit.log else { return Ok(None) };
+    let (diagnosis, test) = (look(log)?, test.map(look).transpose()?);
+    let physics = PhysicsCheck::of(&fit.model, STATES)?;
+    Ok(Some(fit_report(&Findings {
+        found: fit,
+        diagnosis: &diagnosis,
+        checks: Some(physics.checks()),
+        test: test.as_ref(),
+        costs: &call_costs(&fit.model)?,
+        origin,
+    })?))
+}
+
+/// What exported code computes for the torque after each step, and for the whole.
+///
+/// # Errors
+/// [`ExportError`] if the model cannot be exported.
+pub fn call_costs(model: &Model) -> Result<Vec<CallCost>, ExportError> {
+    let call = |cost: Cost| {
+        let Cost { operations, functions } = cost;
+        CallCost { operations, functions, seconds: cost.seconds() }
+    };
+    Ok(torque_costs(model)?.into_iter().map(call).collect())
+}

@@ -1,0 +1,85 @@
+"""From the motion log of a robot arm to its equations of motion.
+
+>>> import torquewise
+>>> fit = torquewise.fit("train.csv")                       # doctest: +SKIP
+>>> fit.verdict, fit.evaluate("test.csv").nrmse_percent     # doctest: +SKIP
+>>> fit.model.torque(q, dq, ddq)                            # doctest: +SKIP
+
+q [rad], dq [rad/s], ddq [rad/s²] and tau [N·m] are one state of n joints, or m states in rows (m×n).
+Wherever a log is wanted, a path, several paths, arrays, or a table of pandas, polars or pyarrow will
+do: see :func:`read_log`.
+"""
+
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+
+from ._core import (
+    FitError,
+    FrictionState,
+    Interrupted,
+    LogError,
+    ModelError,
+    Request,
+    TorquewiseError,
+    UsageError,
+    __version__,
+)
+from ._fit import Evaluation, Fit, compare, fit
+from ._log import Log, inspect, patterns, read_log, write_log
+from ._model import Model
+from ._observer import Contacts, Payload, payload, residuals
+from ._simulation import arms, excite, simulate
+from ._sums import Summary
+
+if _TYPE_CHECKING:
+    from . import plot
+    from ._estimators import Chain, SINDy, Stepwise
+
+__all__ = [
+    "Chain",
+    "Contacts",
+    "Evaluation",
+    "Fit",
+    "FitError",
+    "FrictionState",
+    "Interrupted",
+    "Log",
+    "LogError",
+    "Model",
+    "ModelError",
+    "Payload",
+    "Request",
+    "SINDy",
+    "Stepwise",
+    "Summary",
+    "TorquewiseError",
+    "UsageError",
+    "__version__",
+    "arms",
+    "compare",
+    "excite",
+    "fit",
+    "inspect",
+    "patterns",
+    "payload",
+    "plot",
+    "read_log",
+    "residuals",
+    "simulate",
+    "write_log",
+]
+
+# Loaded when they are asked for: they need, or are for, other packages.
+_LATE = {"Chain": "._estimators", "SINDy": "._estimators", "Stepwise": "._estimators"}
+
+
+def __getattr__(name):
+    if name in _LATE:
+        return getattr(_import_module(_LATE[name], __name__), name)
+    if name == "plot":
+        return _import_module(".plot", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__():
+    return sorted(__all__)

@@ -1,0 +1,240 @@
+"""Logs: files of any format, arrays, or tables of other packages."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import _core
+from ._progress import shown
+
+SIGNALS = ("q", "dq", "ddq", "tau")
+
+
+class Log(_core.Log):
+    """Logs of one arm, opened by :func:`read_log`: nothing is read before it is needed."""
+
+    def inspect(self, *, progress=None):
+        """What it holds and what it lacks, see :func:`inspect`."""
+        return inspect(self, progress=progress)
+
+
+def read_log(
+    log=None,
+    *,
+    t=None,
+    q=None,
+    dq=None,
+    ddq=None,
+    tau=None,
+    rate=None,
+    joints=None,
+    profile=None,
+    topic=None,
+    repair=False,
+    filter="auto",
+    delay=None,
+):
+    """Opens logs of one arm.
+
+    log
+        A path of a ``.csv``, ``.parquet``, ``.db3``, ``.mcap``, ``.npz`` or ``.mat`` file or of the
+        folder of a bag; a dict of arrays with the keys t, q, dq, ddq, tau (each m×n, or columns q1,
+        q2, …); a table of pandas, polars or pyarrow with such columns; a list of any of these, one
+        trajectory each. Arrays of float64 are not copied.
+    t, q, dq, ddq, tau
+        Arrays instead of `log`: t [s] of m numbers, the others m×n. All but q may be missing.
+    rate
+        Rows per second [Hz], where there is no t.
+    joints
+        Names of the joints of arrays, base to tip; joint1 … without.
+    profile, topic
+        File that says what other columns mean, topic of a bag that has several.
+    repair
+        Drops rows that go back in time or hold no number; else they are errors.
+    filter, delay
+        ``"auto"``, ``"none"`` or a cut-off [Hz]; seconds by which torque lags, estimated without.
+    """
+    if isinstance(log, _core.Log):
+        return log
+    if log is None:
+        if q is None:
+            raise ValueError("no log: give a path, a table, or arrays with q")
+        log = {"t": t, "q": q, "dq": dq, "ddq": ddq, "tau": tau}
+        log = {key: value for key, value in log.items() if value is not None}
+    elif any(own is not None for own in (t, q, dq, ddq, tau)):
+        raise _core.UsageError("a log and arrays: give one of them")
+    options = {
+        "profile": profile,
+        "topic": topic,
+        "repair": repair,
+        "filter": filter,
+        "delay": delay,
+    }
+    logs = log if isinstance(log, (list, tuple)) else [log]
+    if not logs:
+        raise ValueError("no log: the list is empty")
+    if all(isinstance(own, (str, os.PathLike)) for own in logs):
+        return Log([os.fspath(own) for own in logs], **options)
+    many = len(logs) > 1
+    frames = [
+        (f"table {k}" if many else "table", _frame(own, rate, joints)) for k, own in enumerate(logs, 1)
+    ]
+    return Log(frames, **options)
+
+
+def write_log(path, log, *, joints=None):
+    """Writes a trajectory, a dict with t, q, dq, ddq and perhaps tau, as ``.csv`` or ``.parquet``."""
+    missing = [key for key in ("t", "q", "dq", "ddq") if key not in log]
+    if missing:
+        raise ValueError(f"the log has no {', '.join(missing)}: see Log.trajectories")
+    n = np.shape(log["q"])[1]
+    joints = joints or log.get("joints") or [f"joint{k}" for k in range(1, n + 1)]
+    t = np.asarray(log["t"], dtype=float)
+    _core.write_log(os.fspath(path), list(joints), t, *(log[key] for key in ("q", "dq", "ddq")), log.get("tau"))
+
+
+@dataclass
+class Inspection:
+    """What a log holds and what it lacks."""
+
+    facts: dict
+    warnings: list
+
+    def __getattr__(self, name):
+        try:
+            return self.__dict__["facts"][name]
+        except KeyError:
+            raise AttributeError(f"an inspection has no {name}: it has {', '.join(self.facts)}") from None
+
+    def __repr__(self):
+        facts = self.facts
+        lines = [
+            f"{facts['rows']} rows of {len(facts['joints'])} joints, {facts['seconds']:.1f} s at"
+            f" {facts['rate_hz']:.4g} Hz"
+        ]
+        lines += [f"- {warning}" for warning in self.warnings]
+        return "\n".join(lines)
+
+
+def inspect(log, *, model=None, progress=None, **options):
+    """What a log holds and what it lacks: rows, ranges, noise, patterns, and warnings.
+
+    Options are those of :func:`read_log`; `model` says how the log is filtered. For columns that are
+    not understood, the error ends in the profile they ask for.
+    """
+    try:
+        log = read_log(log, **options)
+    except _core.LogError as error:
+        if "has no column" not in str(error) or not isinstance(log, (str, os.PathLike)):
+            raise
+        toml, reasons, _ = _core.suggest(os.fspath(log))
+        raise _core.LogError(
+            f"{error}\n\nA profile for it, to be saved, corrected and given as profile=…:\n\n{toml}\n"
+            + "\n".join(f"- {reason}" for reason in reasons)
+        ) from None
+    with shown(progress) as told:
+        facts, warnings = _core.inspect(log, model, told)
+    return Inspection(json.loads(facts), warnings)
+
+
+@dataclass
+class Patterns:
+    """The pattern of each row: 0 standstill, 1 uniform velocity, 2 variable velocity."""
+
+    labels: np.ndarray
+    inertia: list
+    warnings: list
+
+    NAMES = ("standstill", "uniform", "variable")
+
+    @property
+    def counts(self):
+        """Rows of each pattern."""
+        counts = np.bincount(self.labels, minlength=3)
+        return dict(zip(self.NAMES, (int(count) for count in counts)))
+
+
+def patterns(log, *, activation="scaled", clusters=None, seed=0, progress=None, **options):
+    """Tells standstill, uniform and variable velocity apart, row by row."""
+    log = read_log(log, **options)
+    with shown(progress) as told:
+        found = _core.patterns(
+            log, activation=activation, clusters=clusters, seed=seed, progress=told
+        )
+    return Patterns(*found)
+
+
+def _frame(table, rate, joints):
+    columns = dict(_columns(table))
+    if "t" not in columns and rate is not None:
+        if not columns:
+            raise ValueError("the table has no columns of numbers")
+        rows = sum(len(part) for part in next(iter(columns.values())))
+        columns["t"] = [np.arange(rows) / float(rate)]
+    if joints is None and isinstance(table, Mapping):
+        joints = table.get("joints")
+    return _core.ArrayFrame(list(columns.items()), list(joints) if joints is not None else None)
+
+
+def _columns(table):
+    """Names and arrays of float64 of the columns of a table, in parts where it has parts."""
+    if isinstance(table, Mapping):
+        return _of_mapping(table)
+    kind = type(table).__module__.partition(".")[0]
+    if kind == "pandas":
+        return _of_pandas(table)
+    if kind == "polars":
+        return _of_polars(table)
+    if hasattr(table, "__arrow_c_stream__") or hasattr(table, "__arrow_c_array__") or kind == "pyarrow":
+        return _of_arrow(table)
+    raise TypeError(
+        f"{type(table).__name__} is no log: give a path, a dict of arrays with t, q, …, or a table of "
+        "pandas, polars or pyarrow"
+    )
+
+
+def _of_mapping(table):
+    for name, values in table.items():
+        if values is None or name == "joints":
+            continue
+        values = np.asarray(values)
+        if values.dtype.kind not in "fiu":
+            continue
+        values = values.astype(np.float64, copy=False)
+        if values.ndim == 1:
+            yield (name if name not in SIGNALS else f"{name}1"), [values]
+        elif values.ndim == 2:
+            for k in range(values.shape[1]):
+                yield f"{name}{k + 1}", [values[:, k]]
+
+
+def _of_pandas(table):
+    for name in table.columns:
+        column = table[name]
+        if column.dtype.kind in "fiu":
+            yield str(name), [column.to_numpy(dtype=np.float64, na_value=np.nan)]
+
+
+def _of_polars(table):
+    import polars as pl
+
+    for column in table.iter_columns():
+        if column.dtype.is_numeric():
+            parts = column.cast(pl.Float64).get_chunks()
+            yield column.name, [part.to_numpy() for part in parts]
+
+
+def _of_arrow(table):
+    try:
+        import pyarrow as pa
+    except ImportError:
+        raise ImportError("tables of Arrow are read by pyarrow: pip install pyarrow") from None
+    if not isinstance(table, pa.Table):
+        table = pa.table(table)
+    for name, column in zip(table.column_names, table.columns):
+        if pa.types.is_floating(column.type) or pa.types.is_integer(column.type):
+            chunks = column.cast(pa.float64()).chunks
+            yield name, [chunk.to_numpy(zero_copy_only=False) for chunk in chunks]

@@ -1,0 +1,272 @@
+"""The learned equations of motion."""
+
+import json
+import math
+import os
+import types
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from . import _core
+from ._log import read_log
+from ._progress import shown
+
+_ENDINGS = {
+    ".c": "c",
+    ".h": "c",
+    ".rs": "rust",
+    ".py": "python",
+    ".tex": "latex",
+    ".fmu": "fmu",
+    ".urdf": "urdf",
+    ".xml": "mjcf",
+    ".mjcf": "mjcf",
+}
+
+
+class Model(_core.Model):
+    """Equations of motion of an arm: tau = M(q) ddq + C(q, dq) dq + G(q) + F(q, dq).
+
+    q [rad], dq [rad/s], ddq [rad/s²] and tau [N·m] are one state of n numbers, or m states in rows
+    (m×n); results have as many rows. Models come from :func:`torquewise.fit` and :meth:`load`, can be
+    pickled, and are equal if all their numbers are.
+    """
+
+    @classmethod
+    def load(cls, path):
+        """Reads a model file."""
+        return cls(_core.Model.load(os.fspath(path)))
+
+    @classmethod
+    def from_json(cls, text):
+        """A model from the text of a model file."""
+        return cls(_core.Model.from_json(text))
+
+    def after_step(self, step):
+        """The model after an earlier step of the reconstruction: 1 gravity, 2 Coriolis too, 3 all."""
+        return type(self)(super().after_step(step))
+
+    # What was learned.
+
+    def describe(self):
+        """Axes, terms by joint, energies, friction, choices: a dict, as ``torquewise show --json``."""
+        return json.loads(self._description())
+
+    def equations(self, precision=3):
+        """The torque of each joint as text, such as ``1.2 ddq1 + 0.3 cos(q1)``."""
+        sums = []
+        for joint in self.describe()["joints"]:
+            terms = [f"{own['coefficient']:.{precision}g} {own['term']}" for own in joint["terms"]]
+            sums.append(" + ".join(terms).replace("+ -", "- ") if terms else "0")
+        return sums
+
+    def print(self, precision=3):
+        """Prints the torque of each joint."""
+        for number, (name, own) in enumerate(zip(self.joints, self.equations(precision)), 1):
+            print(f"tau{number} = {own}   [{name}]")
+
+    def get_feature_names(self):
+        """Names of all terms that act on some joint."""
+        names = {}
+        for joint in self.describe()["joints"]:
+            names.update(dict.fromkeys(own["term"] for own in joint["terms"]))
+        return list(names)
+
+    def coefficients(self):
+        """Coefficients of those terms, n joints × terms."""
+        place = {name: k for k, name in enumerate(self.get_feature_names())}
+        found = np.zeros((len(self.joints), len(place)))
+        for row, joint in zip(found, self.describe()["joints"]):
+            for own in joint["terms"]:
+                row[place[own["term"]]] += own["coefficient"]
+        return found
+
+    def check(self, states=10_000):
+        """Whether the model is physics at random states: a dict; ``passed`` says it in a word."""
+        found, warning = self._check(states)
+        return {**json.loads(found), "warning": warning}
+
+    def __str__(self):
+        return self._text()
+
+    def _repr_latex_(self):
+        return "$$\n" + self._latex() + "\n$$" if len(self.joints) <= 3 else None
+
+    def _repr_html_(self):
+        import html
+
+        return f"<pre>{html.escape(self._text(top=12))}</pre>"
+
+    # How good it is.
+
+    def evaluate(self, log=None, *, progress=None, **options):
+        """How well it predicts the torque of a log: :class:`Evaluation`.
+
+        The log is filtered as that of the model was. `log` and options are those of
+        :func:`read_log`.
+        """
+        from ._fit import Evaluation
+
+        log = read_log(log, **options)
+        with shown(progress) as told:
+            return Evaluation._of(*self._evaluate(log, told))
+
+    def predict(self, log=None, *, parts=False, interval=None, **options):
+        """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
+
+        Where the log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis,
+        gravity and friction too; with `interval`, a percentage, tau_low and tau_high.
+        """
+        log = read_log(log, **options)
+        found = log.trajectories(model=self)
+        for own in found:
+            state = own["q"], own["dq"], own["ddq"]
+            own["tau_hat"] = self.torque(*state)
+            if parts:
+                own.update(self.parts(*state))
+            if interval is not None:
+                own["tau_low"], own["tau_high"] = self.interval(*state, percent=interval)
+        return found
+
+    # In other programs.
+
+    def export(self, path=None, to=None, **options):
+        """Writes the model for another program: the files as a dict, or written to `path`.
+
+        to
+            ``c``, ``rust``, ``python``, ``latex``, ``fmu``, ``ros2``, ``urdf`` or ``mjcf``; by
+            default as the ending of `path` says.
+        name
+            What the functions of C, an FMU or a ROS 2 package begin with; the name of the file.
+        precision, reversal, binary, force
+            ``"float"`` for 32 bits; half width of the reversal of friction [rad/s]; False for an FMU
+            of sources; True for a model whose M(q) is not positive definite.
+        onto, lock
+            URDF file that inertia and friction are put into, and its joints that are held at 0.
+        """
+        path = None if path is None else Path(path)
+        to = to or _target(path)
+        name = options.pop("name", None) or (path.stem if path is not None else "arm")
+        onto = options.pop("onto", None)
+        if onto is not None:
+            options["onto"] = Path(onto).read_text()
+        files, left_out = self._export(to, name, **options)
+        if path is None:
+            return dict(files)
+        if to == "ros2":
+            if path.exists() and any(path.iterdir()):
+                raise FileExistsError(f"{path} exists and is not empty: name a new folder")
+            for own, content in files:
+                (path / own).parent.mkdir(parents=True, exist_ok=True)
+                _core.write_whole(path / own, content)
+        else:
+            _core.write_whole(path, files[0][1])
+        return left_out
+
+    def to_urdf(self, path=None, **options):
+        """The model as a robot for ROS, Pinocchio, Drake, Gazebo: text, or written to `path`."""
+        if path is not None:
+            return self.export(path, "urdf", **options)
+        return self.export(None, "urdf", **options)[""].decode()
+
+    def to_mjcf(self, path=None, **options):
+        """The same for MuJoCo."""
+        if path is not None:
+            return self.export(path, "mjcf", **options)
+        return self.export(None, "mjcf", **options)[""].decode()
+
+    def functions(self, module=math, **options):
+        """The closed form as functions of another module's sin, cos, exp and tanh.
+
+        With ``jax.numpy`` they are traced, differentiated and batched by jax; likewise with torch,
+        casadi or sympy. They take sequences of n numbers of that module and return lists:
+        ``torque(q, dq, ddq)``, ``gravity(q)``, ``coriolis(q, dq)``, ``inertia(q)``,
+        ``friction(q, dq)``, ``forward_dynamics(q, dq, tau)``, …
+        """
+        source = self.export(None, "python", **options)[""].decode()
+        space = {"__name__": "torquewise.exported"}
+        exec(compile(source, "<exported model>", "exec"), space)
+        if module is not math:
+            space.update({own: getattr(module, own) for own in ("sin", "cos", "exp", "tanh")})
+            space["_sign"] = module.sign
+            space["_positive"] = lambda x: 0.5 * (module.sign(x) + 1)
+        return types.SimpleNamespace(**{key: space[key] for key in space["__all__"]})
+
+    def to_sympy(self, **options):
+        """The equations of motion in sympy: :class:`Symbolic`."""
+        import sympy
+
+        n = len(self.joints)
+        q, dq, ddq = (sympy.symbols(f"{own}1:{n + 1}", real=True) for own in ("q", "dq", "ddq"))
+        own = self.functions(sympy, **options)
+        vector = lambda values: sympy.Matrix([sympy.sympify(x) for x in values])  # noqa: E731
+        return Symbolic(
+            q=q,
+            dq=dq,
+            ddq=ddq,
+            torque=vector(own.torque(q, dq, ddq)),
+            mass_matrix=sympy.Matrix(own.inertia(q)),
+            coriolis=vector(own.coriolis(q, dq)),
+            gravity=vector(own.gravity(q)),
+            friction=vector(own.friction(q, dq)),
+        )
+
+    def to_casadi(self, what="torque", **options):
+        """A function of the equations of motion as a ``casadi.Function``.
+
+        what
+            ``torque`` (q, dq, ddq), ``forward_dynamics`` (q, dq, tau), ``inertia`` (q), ``coriolis``,
+            ``friction`` (q, dq) or ``gravity`` (q).
+        """
+        import casadi
+
+        inputs = {
+            "torque": ("q", "dq", "ddq"),
+            "forward_dynamics": ("q", "dq", "tau"),
+            "inertia": ("q",),
+            "gravity": ("q",),
+            "coriolis": ("q", "dq"),
+            "friction": ("q", "dq"),
+        }
+        if what not in inputs:
+            raise ValueError(f"what={what!r}: expected one of {', '.join(inputs)}")
+        own = getattr(self.functions(casadi, **options), what)
+        symbols = [casadi.SX.sym(name, len(self.joints)) for name in inputs[what]]
+        found = own(*(casadi.vertsplit(symbol) for symbol in symbols))
+        if what == "inertia":
+            result = casadi.vertcat(*(casadi.horzcat(*row) for row in found))
+        else:
+            result = casadi.vertcat(*found)
+        output = {"inertia": "M", "forward_dynamics": "ddq"}.get(what, "tau")
+        return casadi.Function(what, symbols, [result], list(inputs[what]), [output])
+
+    def plot(self, log=None, **options):
+        """Draws the arm, or with a log its torque: see :mod:`torquewise.plot`."""
+        from . import plot
+
+        return plot.arm(self) if log is None else plot.torque(self, log, **options)
+
+
+@dataclass
+class Symbolic:
+    """Equations of motion in sympy: symbols, and matrices in them."""
+
+    q: tuple
+    dq: tuple
+    ddq: tuple
+    torque: object
+    mass_matrix: object
+    coriolis: object
+    gravity: object
+    friction: object
+
+
+def _target(path):
+    if path is None:
+        raise ValueError("to: say what is wanted, such as to=\"c\"")
+    to = _ENDINGS.get(path.suffix.lower())
+    if to is None:
+        raise ValueError(f"{path} does not say what is wanted: give to=\"c\", \"urdf\", …")
+    return to

@@ -1,0 +1,114 @@
+"""Torque that others put on an arm, and the load on its last link."""
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import _core
+from ._log import read_log
+from ._model import Model
+from ._progress import shown
+
+
+@dataclass
+class Contacts:
+    """External torque of a log, and when it is more than a free arm shows."""
+
+    joints: list
+    t: np.ndarray
+    """Time [s], m."""
+    external: np.ndarray
+    """External torque of each joint [N·m], m×n."""
+    thresholds: np.ndarray
+    """Beyond which it is taken for a contact [N·m], n."""
+    seconds: float
+    """Time of free motion that the thresholds come from [s]."""
+    contacts: list
+    """A dict each: begin, end [s], joint, torque [N·m], factor of the threshold."""
+
+    def plot(self, **options):
+        """Draws it: see :func:`torquewise.plot.residuals`."""
+        from . import plot
+
+        return plot.residuals(self, **options)
+
+
+def residuals(
+    model, log=None, *, free=None, false_alarms=None, bandwidth=None, progress=None, **options
+):
+    """External torque of a log by the momentum observer, and contacts beyond a threshold.
+
+    free
+        A log of the arm that nothing touches, to set the thresholds by; without, the log itself.
+    false_alarms
+        Of the whole arm in an hour of free motion, 1 without.
+    bandwidth
+        Of the observer [Hz], 10 without.
+    """
+    log = read_log(log, **options)
+    free = None if free is None else read_log(free, **options)
+    with shown(progress) as told:
+        rows, thresholds, contacts = _core.contacts(
+            model, log, free=free, bandwidth=bandwidth, false_alarms=false_alarms, progress=told
+        )
+    thresholds = json.loads(thresholds)
+    return Contacts(
+        joints=model.joints,
+        t=rows[:, 0],
+        external=rows[:, 1:],
+        thresholds=np.array(thresholds["torque"]),
+        seconds=thresholds["seconds"],
+        contacts=json.loads(contacts),
+    )
+
+
+@dataclass
+class Payload:
+    """A body on the last link of an arm; each error is one standard error."""
+
+    mass: float
+    """[kg]"""
+    mass_error: float
+    center: np.ndarray
+    """Centre of mass [m], 3, in the frame of the link."""
+    center_error: np.ndarray
+    inertia: np.ndarray
+    """Moments about the centre [kg·m²]: xx, yy, zz, xy, xz, yz."""
+    inertia_error: np.ndarray
+    link: str
+    """As a URDF calls it, if one gave the geometry; else z is the last axis."""
+    rows: int
+    residual_without: np.ndarray
+    """RMS of what is left of the torque of each joint without the load [N·m]."""
+    residual_with: np.ndarray
+    hints: list
+    """What the motion tells too little of, and which would tell it."""
+    model: Model
+    """The arm that carries the load."""
+
+
+def payload(model, log=None, *, progress=None, **options):
+    """Mass, centre and inertia of what hangs on the last link, from seconds of motion.
+
+    model is of the arm without it, learned as a chain.
+    """
+    log = read_log(log, **options)
+    with shown(progress) as told:
+        found, hints, loaded = _core.payload(model, log, told)
+    found = json.loads(found)
+    values = lambda key, own: np.array([one[own] for one in found[key]])  # noqa: E731
+    return Payload(
+        mass=found["mass"]["value"],
+        mass_error=found["mass"]["std_error"],
+        center=values("center", "value"),
+        center_error=values("center", "std_error"),
+        inertia=values("inertia", "value"),
+        inertia_error=values("inertia", "std_error"),
+        link=found["link"],
+        rows=found["rows"],
+        residual_without=np.array(found["residual_without"]),
+        residual_with=np.array(found["residual_with"]),
+        hints=hints,
+        model=Model(loaded),
+    )

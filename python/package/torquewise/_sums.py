@@ -1,0 +1,47 @@
+"""Logs summed up apart, merged, and solved for the model that all of them give."""
+
+from . import _core
+from ._fit import OF_LOG, Fit
+from ._log import read_log
+from ._progress import shown
+
+
+class Summary(_core.Summary):
+    """Sums of logs that add up: picklable, bounded in size, the same bits in any order.
+
+    >>> sums = Summary.of("day1.csv").merge(Summary.of("day2.csv"))     # doctest: +SKIP
+    >>> found = sums.solve()                                            # doctest: +SKIP
+
+    A chain is fitted in rounds: while `solve` returns a :class:`Request`, sum up all logs again with
+    ``request=found``, merge, and solve.
+    """
+
+    @classmethod
+    def of(cls, log=None, *, request=None, progress=None, **options):
+        """Sums up a log; options are those of :func:`torquewise.fit`."""
+        of_log = {key: options.pop(key) for key in OF_LOG if key in options}
+        log = read_log(log, **of_log)
+        with shown(progress) as told:
+            return cls(_core.Summary._of(log, request, options, told))
+
+    @classmethod
+    def from_bytes(cls, data):
+        """Sums from the bytes of a moments file."""
+        return cls(_core.Summary.from_bytes(data))
+
+    def merge(self, *others):
+        """The sums of these logs and others."""
+        found = self
+        for other in others:
+            found = _core.Summary.merge(found, other)
+        return type(self)(found)
+
+    def update(self, log=None, **options):
+        """The sums of these logs and one more."""
+        return self.merge(type(self).of(log, **options))
+
+    def solve(self, *, progress=None, **options):
+        """The :class:`Fit` of a model, or the :class:`Request` of another round."""
+        with shown(progress) as told:
+            found = self._solve(options, told)
+        return found if isinstance(found, _core.Request) else Fit(found)

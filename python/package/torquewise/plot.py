@@ -1,0 +1,159 @@
+"""Figures by matplotlib: torque, friction, patterns, external torque, the arm.
+
+Each returns the figure; in a notebook it shows inline.
+"""
+
+import numpy as np
+
+from ._log import patterns as _patterns
+from ._log import read_log
+
+_COLORS = ("#4c78a8", "#f58518", "#54a24b")
+
+
+def _pyplot():
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise ImportError("figures are drawn by matplotlib: pip install matplotlib") from None
+    return plt
+
+
+def _grid(n, width=7.0, height=1.8, columns=1, **options):
+    plt = _pyplot()
+    rows = -(-n // columns)
+    figure, axes = plt.subplots(
+        rows, columns, figsize=(width, height * rows), squeeze=False, layout="constrained", **options
+    )
+    for axis in axes.flat[n:]:
+        axis.set_axis_off()
+    return figure, list(axes.flat[:n])
+
+
+def torque(model, log, *, interval=None, **options):
+    """Measured and predicted torque of each joint over time; options are those of ``read_log``."""
+    found = model.predict(log, interval=interval, **options)
+    figure, axes = _grid(len(model.joints), sharex=True)
+    for joint, (axis, name) in enumerate(zip(axes, model.joints)):
+        for k, own in enumerate(found):
+            labels = ("measured", "model") if k == 0 else (None, None)
+            if "tau" in own:
+                axis.plot(own["t"], own["tau"][:, joint], color="0.6", lw=1, label=labels[0])
+            axis.plot(own["t"], own["tau_hat"][:, joint], color=_COLORS[0], lw=1, label=labels[1])
+            if interval is not None:
+                low, high = own["tau_low"][:, joint], own["tau_high"][:, joint]
+                axis.fill_between(own["t"], low, high, color=_COLORS[0], alpha=0.2, lw=0)
+        axis.set_ylabel(f"{name}\n[N·m]")
+    axes[0].legend(loc="upper right", frameon=False)
+    axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def friction(model, *, points=401):
+    """Friction of each joint over its speed, and, where it remembers the path, loops of reversals."""
+    n = len(model.joints)
+    training = _ranges(model)
+    columns = 2 if model.has_memory else 1
+    figure, axes = _grid(n * columns, columns=columns, height=2.2)
+    for joint, name in enumerate(model.joints):
+        axis = axes[joint * columns]
+        peak = training[joint][1]
+        speed = np.zeros((points, n))
+        speed[:, joint] = np.linspace(-peak, peak, points)
+        tau = model.friction(np.zeros((points, n)), speed)
+        axis.plot(speed[:, joint], tau[:, joint], color=_COLORS[0])
+        axis.set(xlabel="speed [rad/s]", ylabel="friction [N·m]", title=name)
+        if model.has_memory:
+            _loop(model, joint, peak, axes[joint * columns + 1], points)
+    return figure
+
+
+def _loop(model, joint, peak, axis, points):
+    """Friction along three turns to and fro, ever smaller."""
+    n = len(model.joints)
+    state = model.state()
+    way, tau = [], []
+    for reach in (0.2, 0.1, 0.05):
+        phase = np.linspace(0, 2 * np.pi, points)
+        for p in phase:
+            q, dq = np.zeros(n), np.zeros(n)
+            q[joint], dq[joint] = reach * np.sin(p), 0.05 * peak * np.cos(p)
+            state.step(q)
+            way.append(q[joint])
+            tau.append(state.friction(dq)[joint])
+    axis.plot(way, tau, color=_COLORS[1], lw=1)
+    axis.set(xlabel="position [rad]", ylabel="friction [N·m]", title="reversals")
+
+
+def _ranges(model):
+    import json
+
+    training = json.loads(model.to_json())["training"]
+    n = len(model.joints)
+    ranges = training.get("q_range") or [[-np.pi, np.pi]] * n
+    peaks = training.get("dq_peak") or [1.0] * n
+    return list(zip(ranges, peaks))
+
+
+def activation(log, *, points=5000, **options):
+    """Rows of a log in the plane of how fast and how strongly they accelerate, by pattern."""
+    log = read_log(log, **options)
+    found = _patterns(log)
+    motions = log.trajectories(conditioned=log.is_filtered)
+    speed = np.concatenate([np.linalg.norm(own["dq"], axis=1) for own in motions])
+    rate = np.concatenate([np.linalg.norm(own["ddq"], axis=1) for own in motions])
+    labels = found.labels
+    if len(labels) != len(speed):
+        labels = labels[np.linspace(0, len(labels) - 1, len(speed)).astype(int)]
+    keep = np.linspace(0, len(speed) - 1, min(points, len(speed))).astype(int)
+    figure, (axis,) = _grid(1, height=4.5)
+    for k, (name, color) in enumerate(zip(found.NAMES, _COLORS)):
+        own = keep[labels[keep] == k]
+        axis.scatter(speed[own], rate[own], s=4, color=color, label=name, lw=0)
+    axis.set(xlabel="|dq| [rad/s]", ylabel="|ddq| [rad/s²]")
+    axis.legend(frameon=False, markerscale=3)
+    return figure
+
+
+def residuals(found, *, points=4000):
+    """External torque of :func:`torquewise.residuals`, with its thresholds and contacts."""
+    figure, axes = _grid(len(found.joints), sharex=True)
+    step = max(1, len(found.t) // points)
+    for joint, (axis, name) in enumerate(zip(axes, found.joints)):
+        axis.plot(found.t[::step], found.external[::step, joint], color=_COLORS[0], lw=1)
+        for sign in (-1, 1):
+            axis.axhline(sign * found.thresholds[joint], color="0.6", ls="--", lw=1)
+        for contact in found.contacts:
+            if contact["joint"] == name:
+                axis.axvspan(contact["begin"], contact["end"], color=_COLORS[1], alpha=0.3, lw=0)
+        axis.set_ylabel(f"{name}\n[N·m]")
+    axes[-1].set_xlabel("time [s]")
+    return figure
+
+
+def arm(model):
+    """Axes of the joints where they were learned to lie, at q = 0; for models of a chain."""
+    axes = model.describe()["axes"]
+    if not axes:
+        raise ValueError("the model has no geometry: fit a chain (library=\"chain\")")
+    plt = _pyplot()
+    points = np.array([own["point"] for own in axes])
+    ways = np.array([own["direction"] for own in axes])
+    size = max(np.ptp(points, axis=0).max(), 0.1)
+    figure = plt.figure(figsize=(5, 5))
+    space = figure.add_subplot(projection="3d")
+    space.plot(*np.vstack([np.zeros(3), points]).T, color="0.5", lw=3, marker="o", ms=4)
+    for name, point, way in zip(model.joints, points, ways):
+        end = point + 0.2 * size * way
+        space.plot(*np.vstack([point, end]).T, color=_COLORS[1], lw=2)
+        space.text(*end, name, fontsize=8)
+    middle, half = points.mean(axis=0), 0.75 * size
+    space.set(
+        xlim=(middle[0] - half, middle[0] + half),
+        ylim=(middle[1] - half, middle[1] + half),
+        zlim=(middle[2] - half, middle[2] + half),
+        xlabel="x [m]",
+        ylabel="y [m]",
+        zlabel="z [m]",
+    )
+    return figure

@@ -1,0 +1,48 @@
+//! torquewise for Python: the engine of the package `torquewise`, which wraps it.
+//!
+//! Long work runs in a thread of its own without the interpreter; the calling thread shows progress
+//! and listens to Ctrl-C ([`work`]). Arrays are read where they lie, a block of rows at a time
+//! ([`arrays`]).
+
+mod arrays;
+mod errors;
+mod fit;
+mod log;
+mod model;
+mod observer;
+mod robot;
+mod simulation;
+mod sums;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The engine of torquewise.
+#[pymodule]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::arrays::ArrayFrame;
+    #[pymodule_export]
+    use crate::errors::{FitError, Interrupted, LogError, ModelError, TorquewiseError, UsageError};
+    #[pymodule_export]
+    use crate::fit::{Fit, fit};
+    #[pymodule_export]
+    use crate::log::{Log, inspect, patterns, suggest, write_log};
+    #[pymodule_export]
+    use crate::model::{FrictionState, Model};
+    #[pymodule_export]
+    use crate::observer::{contacts, payload};
+    #[pymodule_export]
+    use crate::robot::write_whole;
+    #[pymodule_export]
+    use crate::simulation::{arms, excite, simulate};
+    #[pymodule_export]
+    use crate::sums::{Request, Summary};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

@@ -1,0 +1,299 @@
+//! Logs of an arm: files of any format, or arrays.
+
+use crate::arrays::{ArrayFrame, Rows as ArrayRows, Shared, array, motion};
+use crate::errors::raised;
+use crate::model::{Model, json};
+use crate::work::work;
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::path::PathBuf;
+use std::sync::Arc;
+use torquewise::Filter;
+use torquewise::identify::{PatternPlan, find_patterns, survey};
+use torquewise::inspect::missing_patterns;
+use torquewise::log::Rows;
+use torquewise::logs::{self, Clock, Frame, Options, Profile};
+use torquewise::motion::{Motion, Pattern, Recording};
+use torquewise::observe::Watched;
+use torquewise::stepwise::activation::Scaling;
+
+/// Logs of one arm; see :func:`torquewise.read_log`.
+#[pyclass(module = "torquewise", frozen, subclass)]
+#[derive(Clone, Debug)]
+pub(crate) struct Log {
+    pub(crate) log: torquewise::Log,
+}
+
+/// Files, or frames with their labels.
+#[derive(FromPyObject)]
+pub(crate) enum Sources {
+    /// Paths of files, or of folders of bags.
+    Files(Vec<PathBuf>),
+    /// Labels and columns.
+    Frames(Vec<(String, Py<ArrayFrame>)>),
+}
+
+/// `auto`, `none` or a cut-off [Hz].
+#[derive(FromPyObject)]
+pub(crate) enum FilterWord {
+    Hz(f64),
+    Word(String),
+}
+
+#[pymethods]
+impl Log {
+    #[new]
+    #[pyo3(signature = (sources, *, profile=None, topic=None, repair=false, filter=None, delay=None))]
+    fn new(
+        py: Python<'_>,
+        sources: Sources,
+        profile: Option<PathBuf>,
+        topic: Option<String>,
+        repair: bool,
+        filter: Option<FilterWord>,
+        delay: Option<f64>,
+    ) -> PyResult<Self> {
+        let profile = profile.map(|file| Profile::read(&file)).transpose().map_err(log_error)?;
+        let clock = if repair { Clock::Repair } else { Clock::Strict };
+        let options = Options { profile, topic, clock };
+        let mut log = match sources {
+            Sources::Files(files) => py.detach(|| torquewise::Log::open_all(&files, &options)),
+            Sources::Frames(frames) => {
+                let frame = |(label, frame)| -> (PathBuf, Arc<dyn Frame>) {
+                    (PathBuf::from(label), Arc::new(Shared(frame)))
+                };
+                let frames: Vec<_> = frames.into_iter().map(frame).collect();
+                py.detach(|| torquewise::Log::of_frames(&frames, &options))
+            }
+        }
+        .map_err(|error| raised(&error))?;
+        log.filter = match filter {
+            None => Filter::Auto,
+            Some(FilterWord::Word(word)) if word == "auto" => Filter::Auto,
+            Some(FilterWord::Word(word)) if word == "none" => Filter::None,
+            Some(FilterWord::Hz(hz)) if hz.is_finite() && hz > 0.0 => Filter::Hz(hz),
+            _ => {
+                let message = "filter: expected \"auto\", \"none\" or a cut-off above 0 Hz";
+                return Err(PyValueError::new_err(message));
+            }
+        };
+        if delay.is_some_and(|delay| !(delay.abs() <= 1.0)) {
+            return Err(PyValueError::new_err("delay: expected seconds within ±1"));
+        }
+        log.delay = delay;
+        Ok(Self { log })
+    }
+
+    /// Joint names, base to tip.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.log.joints().to_vec()
+    }
+
+    /// Files or labels, as given.
+    #[getter]
+    fn files(&self) -> Vec<String> {
+        self.log.files().paths().iter().map(|path| path.display().to_string()).collect()
+    }
+
+    /// Whether all files hold torque.
+    #[getter]
+    fn has_torque(&self) -> bool {
+        self.log.files().has_tau()
+    }
+
+    /// Whether its signals are filtered before anything is fitted to them.
+    #[getter]
+    fn is_filtered(&self) -> bool {
+        self.log.is_filtered()
+    }
+
+    /// Its trajectories: a list of dicts with t [s] (m), and q [rad], dq, ddq and tau [N·m] (m×n).
+    ///
+    /// - `conditioned`: as a fit sees them, filtered and thinned; else as recorded, every row, missing
+    ///   dq and ddq by differences
+    /// - `model`: filtered as its own log was
+    #[pyo3(signature = (conditioned=false, model=None))]
+    fn trajectories<'py>(
+        &self,
+        py: Python<'py>,
+        conditioned: bool,
+        model: Option<&Model>,
+    ) -> PyResult<Bound<'py, PyList>> {
+        let log = self.log.clone();
+        let known = model.map(|model| Arc::clone(&model.model));
+        let blocks = work(
+            py,
+            None,
+            Box::new(move |observer| {
+                if !conditioned && known.is_none() {
+                    return Ok(log.files().read_all()?);
+                }
+                let rows = match known {
+                    Some(model) => log.prepare_as(model.training.filter, Rows::Every)?,
+                    None => log.prepare(Rows::Filtered)?,
+                };
+                let mut all: Vec<(usize, Motion)> = Vec::new();
+                Watched::new(&rows, observer, "reading", (rows.rows_hint(), 1)).read(
+                    &mut |trajectory, block| {
+                        all.push((trajectory, block.clone()));
+                        Ok(())
+                    },
+                )?;
+                joined(all)
+            }),
+        )?;
+        let dicts = blocks.iter().map(|motion| motion_dict(py, motion));
+        PyList::new(py, dicts.collect::<PyResult<Vec<_>>>()?)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Log({}; {} joints)", self.files().join(", "), self.log.joints().len())
+    }
+}
+
+/// The blocks of each trajectory as one motion.
+fn joined(blocks: Vec<(usize, Motion)>) -> Result<Vec<Motion>, torquewise::Error> {
+    let mut all: Vec<(usize, Vec<Motion>)> = Vec::new();
+    for (trajectory, block) in blocks {
+        match all.last_mut() {
+            Some((own, blocks)) if *own == trajectory => blocks.push(block),
+            _ => all.push((trajectory, vec![block])),
+        }
+    }
+    let whole = |(_, blocks): (usize, Vec<Motion>)| {
+        let joints = blocks.first().map(|block| block.joints().to_vec()).unwrap_or_default();
+        Motion::joined(&joints, &blocks).map_err(|error| torquewise::Error::Read(Box::new(error)))
+    };
+    all.into_iter().map(whole).collect()
+}
+
+/// Arrays of a motion.
+pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("t", PyArray1::from_slice(py, motion.t()))?;
+    dict.set_item("q", array(py, motion.q()))?;
+    dict.set_item("dq", array(py, motion.dq()))?;
+    dict.set_item("ddq", array(py, motion.ddq()))?;
+    if let Some(tau) = motion.tau() {
+        dict.set_item("tau", array(py, tau))?;
+    }
+    Ok(dict)
+}
+
+fn log_error(error: logs::LogError) -> PyErr {
+    raised(&torquewise::Error::Log(error))
+}
+
+/// Writes a `.csv` or `.parquet` log, whole or not at all.
+#[pyfunction]
+#[pyo3(signature = (path, joints, t, q, dq, ddq, tau=None))]
+#[expect(clippy::too_many_arguments, reason = "signals")]
+pub(crate) fn write_log(
+    path: PathBuf,
+    joints: Vec<String>,
+    t: Vec<f64>,
+    q: ArrayRows<'_>,
+    dq: ArrayRows<'_>,
+    ddq: ArrayRows<'_>,
+    tau: Option<ArrayRows<'_>>,
+) -> PyResult<()> {
+    let [q, dq, ddq] = [&q, &dq, &ddq].map(|rows| Some(rows.view()));
+    let tau = tau.as_ref().map(ArrayRows::view);
+    let motion = motion(&joints, Some(t), [q, dq, ddq], tau)?;
+    logs::write_motion(&path, &motion).map_err(log_error)
+}
+
+/// What a log holds and what it lacks: JSON, and warnings.
+#[pyfunction]
+#[pyo3(signature = (log, model=None, progress=None))]
+pub(crate) fn inspect(
+    py: Python<'_>,
+    log: &Log,
+    model: Option<&Model>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(String, Vec<String>)> {
+    let log = log.log.clone();
+    let filter = model.map(|model| model.model.training.filter);
+    let found = work(
+        py,
+        progress,
+        Box::new(move |observer| {
+            let rows = match filter {
+                Some(filter) => log.prepare_as(filter, Rows::Filtered)?,
+                None => log.prepare(Rows::Filtered)?,
+            };
+            let found = torquewise::inspect::inspect(&rows, observer)?;
+            let warnings = found.warnings().into_iter().chain(rows.warnings()).collect();
+            Ok((found, warnings))
+        }),
+    )?;
+    let (found, warnings): (_, Vec<String>) = found;
+    Ok((json(&found)?, warnings))
+}
+
+/// The profile that the columns of a file ask for: TOML, reasons, and whether it is complete.
+#[pyfunction]
+pub(crate) fn suggest(file: PathBuf) -> PyResult<(String, Vec<String>, bool)> {
+    let found = logs::suggest(&file).map_err(log_error)?;
+    Ok((found.toml, found.reasons, found.is_complete))
+}
+
+/// The pattern of each row, of 0 standstill, 1 uniform, 2 variable; inertia of 1, 2, … clusters; and
+/// warnings.
+#[pyfunction]
+#[pyo3(signature = (log, *, activation="scaled", clusters=None, seed=0, progress=None))]
+#[expect(clippy::type_complexity, reason = "a tuple for Python")]
+pub(crate) fn patterns<'py>(
+    py: Python<'py>,
+    log: &Log,
+    activation: &str,
+    clusters: Option<usize>,
+    seed: u64,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(Bound<'py, PyArray1<u8>>, Vec<f64>, Vec<String>)> {
+    let plan = pattern_plan(activation, clusters, seed)?;
+    let log = log.log.clone();
+    let (labels, found) = work(
+        py,
+        progress,
+        Box::new(move |observer| {
+            let rows = log.prepare(Rows::Every)?;
+            let watched =
+                Watched::new(&rows, observer, "looking through the log", (rows.rows_hint(), 2));
+            let found = find_patterns(&survey(&watched)?, &plan)?;
+            let mut labels: Vec<u8> = Vec::new();
+            watched.read(&mut |_, block| {
+                let place = |own: &Pattern| Pattern::ALL.iter().position(|all| all == own);
+                let label = |own: &Pattern| place(own).and_then(|k| u8::try_from(k).ok());
+                labels.extend(found.label(block).iter().filter_map(label));
+                Ok(())
+            })?;
+            Ok((labels, found))
+        }),
+    )?;
+    let warnings = missing_patterns(&found.present);
+    Ok((PyArray1::from_vec(py, labels), found.inertia.clone(), warnings))
+}
+
+/// How rows are clustered.
+pub(crate) fn pattern_plan(
+    activation: &str,
+    clusters: Option<usize>,
+    seed: u64,
+) -> PyResult<PatternPlan> {
+    let scaling = match activation {
+        "scaled" => Scaling::Scaled,
+        "paper" => Scaling::Paper,
+        other => {
+            let message = format!("activation={other:?}: expected scaled or paper");
+            return Err(PyValueError::new_err(message));
+        }
+    };
+    if clusters.is_some_and(|k| !(1..=9).contains(&k)) {
+        return Err(PyValueError::new_err("clusters: expected a number from 1 to 9, or None"));
+    }
+    Ok(PatternPlan { scaling, clusters, slow: false, seed })
+}

@@ -1,0 +1,476 @@
+//! The learned equations of motion.
+
+use crate::arrays::{Rows, array, check_columns, mat, matrices, motion, state};
+use crate::errors::{model_error, raised};
+use crate::log::Log;
+use crate::robot;
+use crate::work::work;
+use faer::Mat;
+use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyType};
+use std::path::PathBuf;
+use std::sync::Arc;
+use torquewise::evaluate::{evaluate_prepared, prepare};
+use torquewise::model::selection::Selection;
+use torquewise::model::{self, print};
+use torquewise::motion::{Motion, path::Path};
+use torquewise::physics::{PhysicsCheck, STATES};
+use torquewise::predict::{Interval, MotionRange};
+use torquewise::{Torque, describe};
+
+/// Equations of motion of an arm: tau = M(q) ddq + C(q, dq) dq + G(q) + F(q, dq).
+///
+/// q [rad], dq [rad/s], ddq [rad/s²] and tau [N·m] are one state of n numbers, or m states in rows
+/// (m×n); results have as many rows. Made by :func:`torquewise.fit` and :meth:`Model.load`.
+#[pyclass(module = "torquewise", frozen, subclass, eq)]
+#[derive(Clone, Debug)]
+pub(crate) struct Model {
+    pub(crate) model: Arc<model::Model>,
+    torque: Arc<Torque>,
+}
+
+impl PartialEq for Model {
+    fn eq(&self, other: &Self) -> bool {
+        self.model == other.model
+    }
+}
+
+impl Model {
+    pub(crate) fn new(model: model::Model) -> Self {
+        let torque = Torque::new(&model);
+        Self { model: Arc::new(model), torque: Arc::new(torque) }
+    }
+
+    fn n(&self) -> usize {
+        self.model.n_joints()
+    }
+
+    /// A quantity of n numbers at one state, or at each of several.
+    fn at_each<'py, const K: usize>(
+        &self,
+        py: Python<'py>,
+        inputs: [(&str, &Rows<'py>); K],
+        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(one) = one_state(&inputs) {
+            let found = of(&self.torque, one.each_ref().map(Vec::as_slice)).map_err(model_error)?;
+            return Ok(PyArray1::from_vec(py, found).into_any());
+        }
+        let (rows, inputs) = self.many(inputs)?;
+        let n = self.n();
+        let found = py.detach(|| {
+            let mut all = Mat::zeros(rows, n);
+            for row in 0..rows {
+                let own = of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice))?;
+                own.iter().enumerate().for_each(|(joint, value)| all[(row, joint)] = *value);
+            }
+            Ok(all)
+        });
+        Ok(array(py, found.map_err(|error: model::ModelError| model_error(error))?.as_ref())
+            .into_any())
+    }
+
+    /// The same of n×n numbers.
+    fn matrix_at_each<'py, const K: usize>(
+        &self,
+        py: Python<'py>,
+        inputs: [(&str, &Rows<'py>); K],
+        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(one) = one_state(&inputs) {
+            let found = of(&self.torque, one.each_ref().map(Vec::as_slice)).map_err(model_error)?;
+            return Ok(array(py, found.as_ref()).into_any());
+        }
+        let (rows, inputs) = self.many(inputs)?;
+        let found = py.detach(|| {
+            let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
+            (0..rows).map(at).collect::<Result<Vec<_>, _>>()
+        });
+        Ok(matrices(py, &found.map_err(model_error)?, self.n()).into_any())
+    }
+
+    /// Copies of inputs of several states, one column for each joint.
+    fn many<const K: usize>(
+        &self,
+        inputs: [(&str, &Rows<'_>); K],
+    ) -> PyResult<(usize, [Mat<f64>; K])> {
+        let rows = inputs.first().map_or(0, |(_, rows)| rows.view().nrows());
+        for (name, own) in &inputs {
+            let view = own.view();
+            check_columns(name, &view, self.n())?;
+            if view.nrows() != rows {
+                return Err(PyValueError::new_err(format!(
+                    "{name} has {} rows, {} has {rows}: give as many states of each",
+                    view.nrows(),
+                    inputs[0].0
+                )));
+            }
+        }
+        Ok((rows, inputs.map(|(_, rows)| mat(rows.view()))))
+    }
+
+    fn motion(&self, [q, dq, ddq]: [&Rows<'_>; 3]) -> PyResult<Motion> {
+        let views = [q.view(), dq.view(), ddq.view()];
+        for (name, view) in ["q", "dq", "ddq"].iter().zip(&views) {
+            check_columns(name, view, self.n())?;
+        }
+        motion(&self.model.joints, None, views.map(Some), None)
+    }
+}
+
+/// The numbers of one state, if all inputs are of one.
+fn one_state<const K: usize>(inputs: &[(&str, &Rows<'_>); K]) -> Option<[Vec<f64>; K]> {
+    let mut all = [(); K].map(|()| Vec::new());
+    for (own, (_, rows)) in all.iter_mut().zip(inputs) {
+        let Rows::One(one) = rows else { return None };
+        *own = state(one);
+    }
+    Some(all)
+}
+
+fn state_of<const K: usize>(inputs: &[Mat<f64>; K], row: usize) -> [Vec<f64>; K] {
+    inputs.each_ref().map(|values| values.row(row).iter().copied().collect())
+}
+
+#[pymethods]
+impl Model {
+    /// The same model.
+    #[new]
+    fn of(model: &Self) -> Self {
+        model.clone()
+    }
+
+    /// Reads a model file.
+    #[classmethod]
+    fn load(_class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
+        model::Model::load(path).map(Self::new).map_err(model_error)
+    }
+
+    /// A model from the text of a model file.
+    #[classmethod]
+    fn from_json(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        model::from_json(text).map(Self::new).map_err(model_error)
+    }
+
+    /// Writes a model file, whole or not at all.
+    fn save(&self, path: PathBuf) -> PyResult<()> {
+        self.model.save(path).map_err(model_error)
+    }
+
+    /// The text of a model file.
+    fn to_json(&self) -> PyResult<String> {
+        model::to_json(&self.model).map_err(model_error)
+    }
+
+    /// Joint names, base to tip.
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        self.model.joints.clone()
+    }
+
+    /// Number of coefficients.
+    #[getter]
+    fn complexity(&self) -> usize {
+        self.model.n_coefficients()
+    }
+
+    /// Whether friction remembers the path: then rows are followed as one trajectory.
+    #[getter]
+    fn has_memory(&self) -> bool {
+        !self.model.travels().is_empty()
+    }
+
+    /// tau [N·m] of states.
+    ///
+    /// Rows are a trajectory in the order of time if friction remembers the path, which is told by
+    /// `has_memory`; with `follow=False` each row is on its own.
+    #[pyo3(signature = (q, dq, ddq, *, follow=true))]
+    fn torque<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+        ddq: Rows<'py>,
+        follow: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let inputs = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
+        if !follow || !self.has_memory() || matches!(q, Rows::One(_)) {
+            return self.at_each(py, inputs, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
+        }
+        let motion = self.motion([&q, &dq, &ddq])?;
+        let tau = py.detach(|| self.torque.over(&motion)).map_err(model_error)?;
+        Ok(array(py, tau.as_ref()).into_any())
+    }
+
+    /// M(q) [kg·m²]: n×n, or m×n×n of several states.
+    fn mass_matrix<'py>(&self, py: Python<'py>, q: Rows<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.matrix_at_each(py, [("q", &q)], |torque, [q]| torque.mass_matrix(q))
+    }
+
+    /// C(q, dq) [N·m·s] by Christoffel symbols: n×n, or m×n×n of several states.
+    fn coriolis_matrix<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let inputs = [("q", &q), ("dq", &dq)];
+        self.matrix_at_each(py, inputs, |torque, [q, dq]| torque.coriolis_matrix(q, dq))
+    }
+
+    /// G(q) [N·m].
+    fn gravity<'py>(&self, py: Python<'py>, q: Rows<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.at_each(py, [("q", &q)], |torque, [q]| torque.gravity(q))
+    }
+
+    /// C(q, dq) dq [N·m].
+    fn coriolis<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.at_each(py, [("q", &q), ("dq", &dq)], |torque, [q, dq]| torque.coriolis(q, dq))
+    }
+
+    /// F(q, dq) [N·m], as after a long way in the direction of dq; :meth:`state` follows a path.
+    fn friction<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.at_each(py, [("q", &q), ("dq", &dq)], |torque, [q, dq]| torque.friction(q, dq))
+    }
+
+    /// ddq [rad/s²] of an arm whose motors give tau.
+    fn forward_dynamics<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+        tau: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let inputs = [("q", &q), ("dq", &dq), ("tau", &tau)];
+        self.at_each(py, inputs, |torque, state| torque.forward_dynamics(state))
+    }
+
+    /// The torque of a trajectory in parts: a dict of inertia, coriolis, gravity and friction, m×n
+    /// each [N·m].
+    fn parts<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+        ddq: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let motion = self.motion([&q, &dq, &ddq])?;
+        let parts = py.detach(|| self.torque.parts(&motion)).map_err(model_error)?;
+        let dict = PyDict::new(py);
+        let all = [
+            ("inertia", &parts.inertia),
+            ("coriolis", &parts.coriolis),
+            ("gravity", &parts.gravity),
+            ("friction", &parts.friction),
+        ];
+        for (name, values) in all {
+            dict.set_item(name, array(py, values.as_ref()))?;
+        }
+        Ok(dict)
+    }
+
+    /// Bounds of the torque of a trajectory, low and high, m×n each [N·m]: `percent` of measured
+    /// torques should lie between them. For models of a chain.
+    #[pyo3(signature = (q, dq, ddq, percent=95.0))]
+    #[expect(clippy::type_complexity, reason = "a pair of arrays")]
+    fn interval<'py>(
+        &self,
+        py: Python<'py>,
+        q: Rows<'py>,
+        dq: Rows<'py>,
+        ddq: Rows<'py>,
+        percent: f64,
+    ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
+        if !(percent > 0.0 && percent < 100.0) {
+            return Err(PyValueError::new_err("percent is above 0 and below 100"));
+        }
+        let motion = self.motion([&q, &dq, &ddq])?;
+        let bounds = py.detach(|| {
+            let motion = self.torque.path().follow(0, &motion).into_owned();
+            let interval = Interval::new(&self.model, &motion, percent)?;
+            let total = self.torque.over(&motion)?;
+            Ok(interval.bounds(&motion, &total)?)
+        });
+        let [low, high] = bounds.map_err(|error| raised(&error))?;
+        Ok((array(py, low.as_ref()), array(py, high.as_ref())))
+    }
+
+    /// Where a motion leaves the range of the log that the model was learned from: sentences.
+    fn range_warnings(&self, q: Rows<'_>, dq: Rows<'_>, ddq: Rows<'_>) -> PyResult<Vec<String>> {
+        let mut range = MotionRange::new(self.n());
+        range.add(&self.motion([&q, &dq, &ddq])?);
+        Ok(range.warnings(&self.model))
+    }
+
+    /// What friction remembers, to be fed every sample of q.
+    fn state(&self) -> FrictionState {
+        FrictionState { n: self.n(), torque: Arc::clone(&self.torque), path: self.torque.path() }
+    }
+
+    /// Errors on a log, joint by joint: JSON.
+    #[pyo3(signature = (log, progress=None))]
+    fn _evaluate(
+        &self,
+        py: Python<'_>,
+        log: &Log,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<(String, Vec<String>)> {
+        let (model, log) = (Arc::clone(&self.model), log.log.clone());
+        let found = work(
+            py,
+            progress,
+            Box::new(move |observer| evaluate_prepared(&model, &prepare(&model, &log)?, observer)),
+        )?;
+        let notes = found.notes.iter().chain(&found.warnings).cloned().collect();
+        Ok((json(&found)?, notes))
+    }
+
+    /// The model after an earlier step of the reconstruction, 1 for gravity alone.
+    fn after_step(&self, step: usize) -> PyResult<Self> {
+        self.model.after_step(step).map(Self::new).map_err(model_error)
+    }
+
+    /// The equations as text; `joint` counts from 0.
+    #[pyo3(signature = (joint=None, top=None))]
+    fn _text(&self, joint: Option<usize>, top: Option<usize>) -> PyResult<String> {
+        Ok(print::text(&self.model, &self.selection(joint, top)?))
+    }
+
+    /// The same in LaTeX.
+    #[pyo3(signature = (joint=None, top=None))]
+    fn _latex(&self, joint: Option<usize>, top: Option<usize>) -> PyResult<String> {
+        Ok(print::latex(&self.model, &self.selection(joint, top)?))
+    }
+
+    /// Terms, axes, friction and choices: JSON.
+    fn _description(&self) -> PyResult<String> {
+        let found = describe::description(&self.model, &Selection::default());
+        Ok(found.map_err(model_error)?.to_string())
+    }
+
+    /// Whether the model is physics, at random states: JSON, and a warning if it is not.
+    #[pyo3(signature = (states=STATES))]
+    fn _check(&self, py: Python<'_>, states: usize) -> PyResult<(String, Option<String>)> {
+        let found = py.detach(|| PhysicsCheck::of(&self.model, states)).map_err(model_error)?;
+        Ok((json(&found)?, found.warning()))
+    }
+
+    /// Code, an FMU, a ROS 2 package or a robot file, as (path, bytes) each.
+    #[pyo3(signature = (to, name, *, precision="double", reversal=None, onto=None, lock=vec![],
+                        binary=true, force=false))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn _export(
+        &self,
+        py: Python<'_>,
+        to: &str,
+        name: &str,
+        precision: &str,
+        reversal: Option<f64>,
+        onto: Option<&str>,
+        lock: Vec<String>,
+        binary: bool,
+        force: bool,
+    ) -> PyResult<robot::Exported> {
+        let wanted = robot::Wanted { to, name, precision, reversal, onto, lock, binary, force };
+        py.detach(|| robot::export(&self.model, &wanted))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let class = py.import("torquewise")?.getattr("Model")?.getattr("from_json")?;
+        Ok((class, (self.to_json()?,)))
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Model({} joints: {}; {} coefficients)",
+            self.n(),
+            self.model.joints.join(", "),
+            self.model.n_coefficients()
+        )
+    }
+}
+
+impl Model {
+    fn selection(&self, joint: Option<usize>, top: Option<usize>) -> PyResult<Selection> {
+        if joint.is_some_and(|joint| joint >= self.n()) {
+            let message = format!("joint: the model has {} of them, counted from 0", self.n());
+            return Err(PyValueError::new_err(message));
+        }
+        Ok(Selection { joint, top, ..Selection::default() })
+    }
+}
+
+/// The text of an object for Python to parse.
+pub(crate) fn json(found: &impl serde::Serialize) -> PyResult<String> {
+    serde_json::to_string(found).map_err(crate::errors::value_error)
+}
+
+/// What friction remembers of the path: give :meth:`step` every sample of q.
+#[pyclass(module = "torquewise")]
+#[derive(Debug)]
+pub(crate) struct FrictionState {
+    n: usize,
+    torque: Arc<Torque>,
+    path: Path,
+}
+
+#[pymethods]
+impl FrictionState {
+    /// Forgets the path.
+    fn reset(&mut self) {
+        self.path.reset();
+    }
+
+    /// Takes the next sample of q [rad], n.
+    fn step(&mut self, q: Rows<'_>) -> PyResult<()> {
+        let view = q.view();
+        check_columns("q", &view, self.n)?;
+        for row in view.rows() {
+            self.path.step(&row.iter().copied().collect::<Vec<f64>>());
+        }
+        Ok(())
+    }
+
+    /// tau [N·m] at the last sample, n.
+    fn torque<'py>(
+        &self,
+        py: Python<'py>,
+        dq: Rows<'py>,
+        ddq: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (dq, ddq) = (self.one("dq", &dq)?, self.one("ddq", &ddq)?);
+        let tau = self.torque.after(&self.path, &dq, &ddq).map_err(model_error)?;
+        Ok(PyArray1::from_vec(py, tau))
+    }
+
+    /// F [N·m] at the last sample, n.
+    fn friction<'py>(&self, py: Python<'py>, dq: Rows<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let dq = self.one("dq", &dq)?;
+        let tau = self.torque.friction_after(&self.path, &dq).map_err(model_error)?;
+        Ok(PyArray1::from_vec(py, tau))
+    }
+}
+
+impl FrictionState {
+    fn one(&self, name: &str, rows: &Rows<'_>) -> PyResult<Vec<f64>> {
+        if self.path.q().len() != self.n {
+            return Err(PyValueError::new_err("give step() a sample of q first"));
+        }
+        let Rows::One(one) = rows else {
+            return Err(PyValueError::new_err(format!("{name} is one state")));
+        };
+        Ok(state(one))
+    }
+}

@@ -1,0 +1,101 @@
+//! Torque that others put on an arm, and the load on its last link.
+
+use crate::log::Log;
+use crate::model::{Model, json};
+use crate::work::work;
+use numpy::PyArray2;
+use numpy::ndarray::Array2;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::Arc;
+use torquewise::external::ExternalOptions;
+use torquewise::model::shaft_friction::Estimated;
+
+/// External torque of a log: rows of t and n torques, thresholds and contacts as JSON.
+#[pyfunction]
+#[pyo3(signature = (model, log, *, free=None, bandwidth=None, false_alarms=None, progress=None))]
+#[expect(clippy::type_complexity, reason = "a tuple for Python")]
+pub(crate) fn contacts<'py>(
+    py: Python<'py>,
+    model: &Model,
+    log: &Log,
+    free: Option<&Log>,
+    bandwidth: Option<f64>,
+    false_alarms: Option<f64>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(Bound<'py, PyArray2<f64>>, String, String)> {
+    let usual = ExternalOptions::default();
+    let options = ExternalOptions {
+        bandwidth: bandwidth.unwrap_or(usual.bandwidth),
+        false_alarms_per_hour: false_alarms.unwrap_or(usual.false_alarms_per_hour),
+    };
+    for (name, value) in
+        [("bandwidth", options.bandwidth), ("false_alarms", options.false_alarms_per_hour)]
+    {
+        if !(value > 0.0 && value <= 1e4) {
+            let message = format!("{name}: expected a number above 0, at most 10000");
+            return Err(PyValueError::new_err(message));
+        }
+    }
+    let n = model.model.n_joints();
+    let (model, log) = (Arc::clone(&model.model), log.log.clone());
+    let free = free.map(|free| free.log.clone());
+    let (rows, thresholds, found) = work(
+        py,
+        progress,
+        Box::new(move |observer| {
+            let mut rows: Vec<f64> = Vec::new();
+            let (thresholds, found) = torquewise::external::contacts(
+                &model,
+                &log,
+                free.as_ref(),
+                options,
+                observer,
+                &mut |t, external| {
+                    if external.iter().all(|x| x.is_finite()) {
+                        rows.push(t);
+                        rows.extend_from_slice(external);
+                    }
+                    Ok(())
+                },
+            )?;
+            Ok((rows, thresholds, found))
+        }),
+    )?;
+    let table = Array2::from_shape_vec((rows.len() / (n + 1), n + 1), rows)
+        .map_err(crate::errors::value_error)?;
+    Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
+}
+
+/// The load on the last link: JSON, hints, and the model of the arm that carries it.
+#[pyfunction]
+#[pyo3(signature = (model, log, progress=None))]
+pub(crate) fn payload(
+    py: Python<'_>,
+    model: &Model,
+    log: &Log,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(String, Vec<String>, Model)> {
+    let (model, log) = (Arc::clone(&model.model), log.log.clone());
+    let (found, loaded) = work(
+        py,
+        progress,
+        Box::new(move |observer| {
+            let found = torquewise::payload::payload(&model, &log, observer)?;
+            let loaded = found.added_to(&model)?;
+            Ok((found, loaded))
+        }),
+    )?;
+    let of = |own: &Estimated| serde_json::json!({"value": own.value, "std_error": own.std_error});
+    let object = serde_json::json!({
+        "mass": of(&found.mass),
+        "center": found.center.iter().map(of).collect::<Vec<_>>(),
+        "inertia": found.inertia.iter().map(of).collect::<Vec<_>>(),
+        "link": found.link,
+        "rows": found.rows,
+        "residual_without": found.residual_without,
+        "residual_with": found.residual_with,
+    });
+    let hints = found.hints().into_iter().map(str::to_owned).collect();
+    Ok((object.to_string(), hints, Model::new(loaded)))
+}

@@ -1,0 +1,184 @@
+//! Arms of known truth, and motions to record.
+
+use crate::errors::value_error;
+use crate::log::motion_dict;
+use crate::model::Model;
+use crate::work::work;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use std::path::Path;
+use std::sync::Arc;
+use torquewise::dynamics::{
+    Arm, Friction, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms as builtin_arms,
+};
+use torquewise::excite::{Limits, PerJoint, Plan, Wishes, excite as plan_motions, limits};
+use torquewise::twin::{self, TwinLog};
+
+/// An arm: a name of a built-in one, a path of a `.urdf` or a `.toml` with a DH table, or a model.
+#[derive(FromPyObject)]
+pub(crate) enum ArmSource<'py> {
+    Model(Bound<'py, Model>),
+    Name(String),
+}
+
+/// An arm, and the model that it is a twin of, if it is one.
+fn arm_of(
+    source: &ArmSource<'_>,
+    lock: &[String],
+) -> PyResult<(Arm, Option<Arc<torquewise::Model>>)> {
+    match source {
+        ArmSource::Model(model) => {
+            let model = Arc::clone(&model.get().model);
+            let arm = twin::arm(&model).map_err(|error| crate::errors::raised(&error))?;
+            Ok((arm, Some(model)))
+        }
+        ArmSource::Name(name) => {
+            let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase());
+            let arm = match ending.as_deref() {
+                Some("urdf") => Arm::from_urdf(&std::fs::read_to_string(name)?, lock),
+                Some("toml") => Arm::from_dh_toml(&std::fs::read_to_string(name)?),
+                _ => Arm::builtin(name),
+            };
+            Ok((arm.map_err(value_error)?, None))
+        }
+    }
+}
+
+/// Names and joints of the built-in arms.
+#[pyfunction]
+pub(crate) fn arms() -> Vec<(String, usize)> {
+    builtin_arms().iter().map(|arm| (arm.name.to_owned(), arm.joints)).collect()
+}
+
+/// A motion of an arm with its torque: joint names, and a dict of t, q, dq, ddq and tau.
+#[pyfunction]
+#[pyo3(signature = (arm, *, motion="moves", seconds=None, rate=None, seed=0, noise_db=None,
+                    friction=None, lock=vec![]))]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn simulate<'py>(
+    py: Python<'py>,
+    arm: ArmSource<'py>,
+    motion: &str,
+    seconds: Option<f64>,
+    rate: Option<f64>,
+    seed: u64,
+    noise_db: Option<[f64; 3]>,
+    friction: Option<&str>,
+    lock: Vec<String>,
+) -> PyResult<(Vec<String>, Bound<'py, PyDict>)> {
+    let kind = match motion {
+        "moves" => MotionKind::Moves,
+        "sines" => MotionKind::Sines,
+        "staged" => MotionKind::Staged,
+        other => {
+            let message = format!("motion={other:?}: expected moves, sines or staged");
+            return Err(PyValueError::new_err(message));
+        }
+    };
+    let usual = MotionPlan::default();
+    let plan = MotionPlan {
+        kind,
+        seconds: seconds.unwrap_or(usual.seconds),
+        rate: rate.unwrap_or(usual.rate),
+        seed,
+    };
+    let (arm, twin) = arm_of(&arm, &lock)?;
+    if twin.is_some() && friction.is_some() {
+        return Err(PyValueError::new_err("friction is not for a model, which has its own"));
+    }
+    let noise = noise_db.map(|[q, dq, ddq]| Noise::from_db(q, dq, ddq)).transpose();
+    let noise = noise.map_err(value_error)?;
+    let friction = friction.map(|text| Friction::from_toml(text, arm.joints())).transpose();
+    let friction = friction.map_err(value_error)?;
+    let made = py.detach(|| -> PyResult<_> {
+        let clean = match &twin {
+            Some(model) => TwinLog::new(model, &plan).and_then(|twin| twin.whole()),
+            None => SimulatedLog::new(&arm, &plan)
+                .and_then(|log| match friction {
+                    Some(friction) => log.with_friction(friction),
+                    None => Ok(log),
+                })
+                .and_then(|log| log.whole())
+                .map(|log| log.motion)
+                .map_err(Into::into),
+        };
+        let clean = clean.map_err(value_error)?;
+        match noise {
+            Some(noise) => add_noise(&clean, &noise, seed).map_err(value_error),
+            None => Ok(clean),
+        }
+    })?;
+    Ok((arm.joints().to_vec(), motion_dict(py, &made)?))
+}
+
+/// Wishes per joint: a name, or none for all, and the value.
+type Wish<T> = Vec<(Option<String>, T)>;
+
+/// The recordings of standstill, uniform and variable velocity: a list of three dicts, each with t,
+/// q, dq and ddq, and the name of the pattern and the `JointTrajectory` of ROS 2 as text.
+#[pyfunction]
+#[pyo3(signature = (arm, *, seconds=None, dwell=None, slow_sweeps=false, range=vec![], margin=None,
+                    max_velocity=vec![], max_acceleration=vec![], speed_scale=None, home=None,
+                    lock=vec![], interaction=None, tries=None, rate=None, ros_rate=20.0, seed=0,
+                    progress=None))]
+#[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+pub(crate) fn excite<'py>(
+    py: Python<'py>,
+    arm: ArmSource<'py>,
+    seconds: Option<[f64; 3]>,
+    dwell: Option<f64>,
+    slow_sweeps: bool,
+    range: Wish<[f64; 2]>,
+    margin: Option<f64>,
+    max_velocity: Wish<f64>,
+    max_acceleration: Wish<f64>,
+    speed_scale: Option<f64>,
+    home: Option<Vec<f64>>,
+    lock: Vec<String>,
+    interaction: Option<usize>,
+    tries: Option<usize>,
+    rate: Option<f64>,
+    ros_rate: f64,
+    seed: u64,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyList>> {
+    let (arm, _) = arm_of(&arm, &lock)?;
+    let (usual, wishes) = (Plan::default(), Wishes::default());
+    let wishes = Wishes {
+        range: PerJoint(range),
+        velocity: PerJoint(max_velocity),
+        acceleration: PerJoint(max_acceleration),
+        speed_scale: speed_scale.unwrap_or(wishes.speed_scale),
+        margin: margin.unwrap_or(wishes.margin),
+    };
+    let limits: Vec<Limits> = limits(&arm, &wishes).map_err(value_error)?;
+    let plan = Plan {
+        seconds: seconds.unwrap_or(usual.seconds),
+        dwell: dwell.unwrap_or(usual.dwell),
+        slow_sweeps,
+        rate: rate.unwrap_or(usual.rate),
+        home,
+        interaction,
+        tries: tries.unwrap_or(usual.tries),
+        seed,
+    };
+    let found = work(
+        py,
+        progress,
+        Box::new(move |_| {
+            plan_motions(&limits, &plan, &mut |_, _| {})
+                .map_err(|error| torquewise::Error::Read(Box::new(error)))
+        }),
+    )?;
+    let dicts = PyList::empty(py);
+    for (recording, name) in found.recordings.iter().zip(["standstill", "uniform", "variable"]) {
+        let dict = motion_dict(py, &recording.motion().map_err(value_error)?)?;
+        let text =
+            torquewise::excite::joint_trajectory(recording, ros_rate).map_err(value_error)?;
+        dict.set_item("name", name)?;
+        dict.set_item("joint_trajectory", text)?;
+        dicts.append(dict)?;
+    }
+    Ok(dicts)
+}

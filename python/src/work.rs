@@ -1,0 +1,143 @@
+//! Long work in a thread of its own: the calling thread shows its progress and listens to Ctrl-C.
+
+use crate::errors::raised;
+use pyo3::prelude::*;
+use std::ops::ControlFlow;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+use torquewise::{Error, Event};
+
+/// How often the calling thread looks for Ctrl-C.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// How often the bar is moved: once in so many milliseconds.
+const SHOW: Duration = Duration::from_millis(100);
+
+/// What the worker is told to do, with an observer to be handed to the engine.
+pub(crate) type Job<T> = dyn FnOnce(&dyn Fn(Event) -> ControlFlow<()>) -> Result<T, Error> + Send;
+
+enum Told<T> {
+    Event(Event),
+    Done(Result<T, Error>),
+}
+
+/// Does work without the interpreter, and shows it.
+///
+/// - `progress`: is called with what is done, rows since the last call and rows in all, the last
+///   two if they are known
+///
+/// # Errors
+/// Those of the work; what Python raises on Ctrl-C, at once: the worker then ends at its next block
+/// of rows.
+pub(crate) fn work<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    job: Box<Job<T>>,
+) -> PyResult<T> {
+    let (sender, mut receiver) = channel();
+    let stopped = Arc::new(AtomicBool::new(false));
+    let worker = {
+        let stopped = Arc::clone(&stopped);
+        thread::spawn(move || run(&sender, &stopped, job))
+    };
+    let (mut bar, mut looked) = (Bar::new(progress), Instant::now());
+    let found = loop {
+        let told;
+        (told, receiver) = py.detach(move || {
+            let told = receiver.recv_timeout(LOOK);
+            (told, receiver)
+        });
+        match told {
+            Ok(Told::Event(event)) => {
+                if let Err(error) = bar.show(event) {
+                    stopped.store(true, Ordering::Relaxed);
+                    return Err(error);
+                }
+            }
+            Ok(Told::Done(found)) => break Some(found),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => break None,
+        }
+        if looked.elapsed() >= LOOK {
+            looked = Instant::now();
+            if let Err(pressed) = py.check_signals() {
+                stopped.store(true, Ordering::Relaxed);
+                return Err(pressed);
+            }
+        }
+    };
+    bar.finish()?;
+    match (found, worker.join()) {
+        (Some(found), _) => found.map_err(|error| raised(&error)),
+        (None, Err(panic)) => resume_unwind(panic),
+        (None, Ok(())) => Err(raised(&Error::Interrupted)),
+    }
+}
+
+/// The worker: tells each event, and stops where it is told to.
+fn run<T: Send>(sender: &Sender<Told<T>>, stopped: &AtomicBool, job: Box<Job<T>>) {
+    let found = job(&|event| {
+        // Whoever does not listen any more has stopped the work.
+        let is_heard = sender.send(Told::Event(event)).is_ok();
+        if is_heard && !stopped.load(Ordering::Relaxed) {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    // The same.
+    let _ = sender.send(Told::Done(found));
+}
+
+/// Calls a function of Python with what is done, not too often.
+struct Bar<'a, 'py> {
+    progress: Option<&'a Bound<'py, PyAny>>,
+    doing: String,
+    rows: usize,
+    total: Option<u64>,
+    shown: Instant,
+}
+
+impl<'a, 'py> Bar<'a, 'py> {
+    fn new(progress: Option<&'a Bound<'py, PyAny>>) -> Self {
+        Self { progress, doing: String::new(), rows: 0, total: None, shown: Instant::now() }
+    }
+
+    fn show(&mut self, event: Event) -> PyResult<()> {
+        match event {
+            Event::Rows(rows) => {
+                self.rows += rows;
+                if self.shown.elapsed() < SHOW { Ok(()) } else { self.call() }
+            }
+            Event::Reading { doing, rows } => {
+                self.call()?;
+                (self.doing, self.total) = (doing.to_owned(), rows);
+                self.call()
+            }
+            Event::Stage(stage) => {
+                self.call()?;
+                self.doing = stage.to_string();
+                self.call()
+            }
+        }
+    }
+
+    fn call(&mut self) -> PyResult<()> {
+        let rows = std::mem::take(&mut self.rows);
+        self.shown = Instant::now();
+        match self.progress {
+            Some(progress) if !self.doing.is_empty() => {
+                progress.call1((&self.doing, rows, self.total)).map(drop)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn finish(&mut self) -> PyResult<()> {
+        if self.rows > 0 { self.call() } else { Ok(()) }
+    }
+}

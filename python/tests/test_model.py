@@ -1,0 +1,198 @@
+"""A model from Python: shapes, identities, files, other packages."""
+
+import copy
+import pickle
+import time
+
+import numpy as np
+import pytest
+
+import torquewise
+
+RNG = np.random.default_rng(0)
+
+
+def states(n, m=50):
+    return [RNG.uniform(-1, 1, (m, n)) for _ in range(3)]
+
+
+def test_rows_are_the_states_one_by_one(model):
+    q, dq, ddq = states(2)
+    one_by_one = [model.torque(*state) for state in zip(q, dq, ddq)]
+
+    assert np.allclose(model.torque(q, dq, ddq), one_by_one, rtol=0, atol=1e-12)
+    assert model.mass_matrix(q).shape == (50, 2, 2)
+    assert np.array_equal(model.mass_matrix(q)[7], model.mass_matrix(q[7]))
+
+
+def test_the_parts_make_the_whole(model):
+    q, dq, ddq = states(2)
+    parts = model.parts(q, dq, ddq)
+
+    assert sorted(parts) == ["coriolis", "friction", "gravity", "inertia"]
+    assert np.allclose(sum(parts.values()), model.torque(q, dq, ddq))
+    assert np.allclose(parts["inertia"], np.einsum("mij,mj->mi", model.mass_matrix(q), ddq))
+    assert np.allclose(parts["coriolis"], np.einsum("mij,mj->mi", model.coriolis_matrix(q, dq), dq))
+    assert np.allclose(parts["gravity"], model.gravity(q))
+
+
+def test_forward_dynamics_is_the_inverse(model):
+    q, dq, ddq = states(2)
+
+    assert np.allclose(model.forward_dynamics(q, dq, model.torque(q, dq, ddq)), ddq)
+
+
+def test_the_truth_of_the_arm_is_found(model):
+    """M and V of the built-in arm, as README gives them."""
+    mass = model.mass_matrix([0.3, 0.7])
+    truth = 0.94 + 0.4 * np.cos(0.7), 0.11 + 0.2 * np.cos(0.7)
+
+    assert np.allclose(mass, [[truth[0], truth[1]], [truth[1], 0.11]], atol=1e-6)
+
+
+def test_a_held_out_motion_is_predicted(fit, test):
+    found = fit.evaluate(test)
+
+    assert max(found.nrmse_percent) < 0.01 and min(found.r2) > 0.999_999
+    assert found.rows == 1000 and "joint1" in repr(found)
+
+
+def test_predict_gives_the_rows_of_the_log(model, test):
+    (own,) = model.predict(test, parts=True)
+
+    assert np.allclose(own["tau_hat"], own["tau"], atol=1e-3)
+    assert np.allclose(own["gravity"], model.gravity(own["q"]))
+
+
+def test_intervals_of_a_chain_hold_the_torque(chain):
+    log = torquewise.simulate("puma560-3", motion="sines", seconds=10, rate=100, seed=5)
+    low, high = chain.interval(log["q"], log["dq"], log["ddq"], percent=95)
+
+    assert (low < high).all()
+    assert np.mean((low <= log["tau"]) & (log["tau"] <= high)) > 0.9
+
+
+def test_a_library_has_no_intervals(model):
+    with pytest.raises(torquewise.UsageError, match="covariance"):
+        model.interval(*states(2))
+
+
+def test_a_model_is_pickled_copied_saved_and_equal(tmp_path, model, chain):
+    model.save(tmp_path / "model.json")
+
+    for own in (
+        torquewise.Model.load(tmp_path / "model.json"),
+        torquewise.Model.from_json(model.to_json()),
+        pickle.loads(pickle.dumps(model)),
+        copy.deepcopy(model),
+    ):
+        assert own == model and type(own) is torquewise.Model
+    assert model != chain
+
+
+def test_equations_in_the_words_of_pysindy(model, capsys):
+    names, coefficients = model.get_feature_names(), model.coefficients()
+
+    assert coefficients.shape == (2, len(names))
+    assert model.complexity == 8
+    assert coefficients[0, names.index("cos(q1)")] == pytest.approx(19.62, rel=1e-6)
+    assert "19.6 cos(q1)" in model.equations()[0]
+    model.print()
+    assert capsys.readouterr().out.startswith("tau1 = ")
+    assert "M11" in str(model) and "M11" in model._repr_html_()
+
+
+def test_sympy_has_the_same_torque(model):
+    sympy = pytest.importorskip("sympy")
+    own = model.to_sympy()
+    q, dq, ddq = (values[0] for values in states(2))
+    values = dict(zip((*own.q, *own.dq, *own.ddq), (*q, *dq, *ddq)))
+
+    assert np.allclose(np.array(own.torque.subs(values), dtype=float).ravel(), model.torque(q, dq, ddq))
+    assert sympy.simplify(own.mass_matrix[0, 1] - own.mass_matrix[1, 0]) == 0
+
+
+def test_casadi_has_the_same_torque(chain):
+    pytest.importorskip("casadi")
+    torque, forward, inertia = (
+        chain.to_casadi(what) for what in ("torque", "forward_dynamics", "inertia")
+    )
+    for q, dq, ddq in zip(*states(3, 10)):
+        tau = chain.torque(q, dq, ddq)
+        assert np.allclose(np.array(torque(q, dq, ddq)).ravel(), tau)
+        assert np.allclose(np.array(forward(q, dq, tau)).ravel(), ddq)
+        assert np.allclose(np.array(inertia(q)), chain.mass_matrix(q))
+
+
+def test_jax_differentiates_the_closed_form(model):
+    jax = pytest.importorskip("jax")
+    jax.config.update("jax_enable_x64", True)
+    own = model.functions(jax.numpy)
+    q, dq, ddq = (jax.numpy.array(values[0]) for values in states(2))
+    torque = jax.jit(lambda ddq: jax.numpy.stack(own.torque(q, dq, ddq)))
+
+    assert np.allclose(torque(ddq), model.torque(np.array(q), np.array(dq), np.array(ddq)))
+    assert np.allclose(jax.jacobian(torque)(ddq), model.mass_matrix(np.array(q)))
+
+
+@pytest.mark.parametrize("ending", ["c", "rs", "py", "tex", "urdf", "xml"])
+def test_files_for_other_programs_are_written(ending, tmp_path, chain):
+    path = tmp_path / f"arm.{ending}"
+    chain.export(path)
+
+    assert path.stat().st_size > 500
+
+
+def test_a_package_for_ros_is_a_folder(tmp_path, chain):
+    chain.export(tmp_path / "arm_model", to="ros2")
+
+    assert (tmp_path / "arm_model" / "package.xml").exists()
+    with pytest.raises(FileExistsError):
+        chain.export(tmp_path / "arm_model", to="ros2")
+
+
+def test_an_exported_module_computes_the_torque(tmp_path, model):
+    namespace = model.functions()
+    q, dq, ddq = (values[0] for values in states(2))
+
+    assert np.allclose(namespace.torque(q, dq, ddq), model.torque(q, dq, ddq))
+
+
+def test_the_urdf_of_the_arm_names_its_joints(chain):
+    assert chain.to_urdf().count("<joint") >= 3
+    assert "<mujoco" in chain.to_mjcf()
+
+
+def test_friction_that_remembers_is_followed():
+    """A model whose friction has memory: rows are a path, and a state follows the same path."""
+    n, text = 1, torquewise.fit(
+        torquewise.simulate("planar-2", seconds=60, rate=100, seed=3), progress=False
+    ).model.to_json()
+    model = torquewise.Model.from_json(text)
+    assert not model.has_memory and n == 1
+    state = model.state()
+    q, dq, ddq = states(2, 5)
+    for own in zip(q, dq, ddq):
+        state.step(own[0])
+        assert np.allclose(state.torque(own[1], own[2]), model.torque(*own))
+    state.reset()
+    with pytest.raises(ValueError, match="step"):
+        state.friction(dq[0])
+
+
+def test_a_call_costs_microseconds(model):
+    """Measured beside a call of numpy that does as little, in one run."""
+    q, dq, ddq = (values[0] for values in states(2))
+    calls = 20_000
+
+    def cost(call):
+        best = np.inf
+        for _ in range(5):
+            begin = time.perf_counter()
+            for _ in range(calls):
+                call()
+            best = min(best, time.perf_counter() - begin)
+        return best / calls
+
+    own, least = cost(lambda: model.torque(q, dq, ddq)), cost(lambda: np.add(q, dq))
+    assert own < 20 * least
