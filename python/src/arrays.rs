@@ -1,7 +1,7 @@
 //! Between arrays of NumPy and the engine.
 
 use faer::{Mat, MatRef};
-use numpy::ndarray::{Array2, Array3, ArrayView2, Axis, Slice};
+use numpy::ndarray::{Array2, Array3, ArrayView1, ArrayView2, Axis, Slice};
 use numpy::{
     AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayLike2, PyArrayMethods,
     PyUntypedArrayMethods,
@@ -99,7 +99,7 @@ impl logs::Frame for Shared {
 /// One state, or rows of states.
 pub(crate) enum Rows<'py> {
     /// n numbers.
-    One(PyArrayLike1<'py, f64, AllowTypeChange>),
+    One(Vec<f64>),
     /// m×n numbers.
     Many(PyArrayLike2<'py, f64, AllowTypeChange>),
 }
@@ -108,8 +108,14 @@ impl<'py> FromPyObject<'_, 'py> for Rows<'py> {
     type Error = PyErr;
 
     fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
-        if let Ok(one) = object.extract() {
-            return Ok(Self::One(one));
+        // What a controller gives a thousand times a second.
+        if let Ok(one) = object.cast::<PyArray1<f64>>()
+            && let Ok(numbers) = one.to_vec()
+        {
+            return Ok(Self::One(numbers));
+        }
+        if let Ok(one) = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
+            return Ok(Self::One(one.as_array().iter().copied().collect()));
         }
         object.extract().map(Self::Many).map_err(|_| {
             PyValueError::new_err(
@@ -124,7 +130,7 @@ impl Rows<'_> {
     /// The rows, one where there is one state.
     pub(crate) fn view(&self) -> ArrayView2<'_, f64> {
         match self {
-            Self::One(one) => one.as_array().insert_axis(Axis(0)),
+            Self::One(one) => ArrayView1::from(one).insert_axis(Axis(0)),
             Self::Many(many) => many.as_array(),
         }
     }
@@ -133,11 +139,6 @@ impl Rows<'_> {
 /// A copy for the engine, m×n.
 pub(crate) fn mat(view: ArrayView2<'_, f64>) -> Mat<f64> {
     Mat::from_fn(view.nrows(), view.ncols(), |row, column| view[(row, column)])
-}
-
-/// The numbers of one state.
-pub(crate) fn state(one: &PyArrayLike1<'_, f64, AllowTypeChange>) -> Vec<f64> {
-    one.as_array().iter().copied().collect()
 }
 
 /// An array of the values of a matrix, m×n.

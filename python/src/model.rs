@@ -1,6 +1,6 @@
 //! The learned equations of motion.
 
-use crate::arrays::{Rows, array, check_columns, mat, matrices, motion, state};
+use crate::arrays::{Rows, array, check_columns, mat, matrices, motion};
 use crate::errors::{model_error, raised};
 use crate::log::Log;
 use crate::robot;
@@ -55,7 +55,7 @@ impl Model {
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         if let Some(one) = one_state(&inputs) {
-            let found = of(&self.torque, one.each_ref().map(Vec::as_slice)).map_err(model_error)?;
+            let found = of(&self.torque, one).map_err(model_error)?;
             return Ok(PyArray1::from_vec(py, found).into_any());
         }
         let (rows, inputs) = self.many(inputs)?;
@@ -80,7 +80,7 @@ impl Model {
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         if let Some(one) = one_state(&inputs) {
-            let found = of(&self.torque, one.each_ref().map(Vec::as_slice)).map_err(model_error)?;
+            let found = of(&self.torque, one).map_err(model_error)?;
             return Ok(array(py, found.as_ref()).into_any());
         }
         let (rows, inputs) = self.many(inputs)?;
@@ -121,11 +121,11 @@ impl Model {
 }
 
 /// The numbers of one state, if all inputs are of one.
-fn one_state<const K: usize>(inputs: &[(&str, &Rows<'_>); K]) -> Option<[Vec<f64>; K]> {
-    let mut all = [(); K].map(|()| Vec::new());
+fn one_state<'a, const K: usize>(inputs: &'a [(&str, &Rows<'_>); K]) -> Option<[&'a [f64]; K]> {
+    let mut all = [&[][..]; K];
     for (own, (_, rows)) in all.iter_mut().zip(inputs) {
         let Rows::One(one) = rows else { return None };
-        *own = state(one);
+        *own = one;
     }
     Some(all)
 }
@@ -471,6 +471,6 @@ impl FrictionState {
         let Rows::One(one) = rows else {
             return Err(PyValueError::new_err(format!("{name} is one state")));
         };
-        Ok(state(one))
+        Ok(one.clone())
     }
 }

@@ -166,11 +166,9 @@ pub(crate) fn excite<'py>(
     let found = work(
         py,
         progress,
-        Box::new(move |_| {
-            plan_motions(&limits, &plan, &mut |_, _| {})
-                .map_err(|error| torquewise::Error::Read(Box::new(error)))
-        }),
+        Box::new(move |_| Ok(plan_motions(&limits, &plan, &mut |_, _| {}))),
     )?;
+    let found = found.map_err(value_error)?;
     let dicts = PyList::empty(py);
     for (recording, name) in found.recordings.iter().zip(["standstill", "uniform", "variable"]) {
         let dict = motion_dict(py, &recording.motion().map_err(value_error)?)?;

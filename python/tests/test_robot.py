@@ -1,0 +1,153 @@
+"""Loads, contacts, twins, plans, inspection, figures and reports."""
+
+import numpy as np
+import pytest
+
+import torquewise
+
+
+def test_inspect_says_what_a_log_holds(train):
+    found = torquewise.inspect(train)
+
+    assert found.rows == 6000 and found.rate_hz == pytest.approx(100.0)
+    assert [joint["name"] for joint in found.joints] == ["joint1", "joint2"]
+    assert "6000 rows of 2 joints" in repr(found)
+    with pytest.raises(AttributeError, match="has no"):
+        found.nothing
+
+
+def test_patterns_label_every_row(train):
+    found = torquewise.patterns(train)
+
+    assert len(found.labels) == 6000 and sum(found.counts.values()) == 6000
+    assert all(count > 100 for count in found.counts.values())
+
+
+def test_a_twin_moves_as_its_model_says(chain):
+    own = torquewise.simulate(chain, seconds=5, rate=100, motion="sines", seed=4)
+
+    assert np.allclose(own["tau"], chain.torque(own["q"], own["dq"], own["ddq"]))
+    assert own["joints"] == chain.joints
+
+
+def test_arms_are_listed_and_unknown_ones_refused():
+    assert torquewise.arms()["planar-2"] == 2
+    with pytest.raises(ValueError, match="no arm is called"):
+        torquewise.simulate("robby")
+
+
+def test_noise_is_as_loud_as_asked_for():
+    clean, noisy = (torquewise.simulate("planar-2", seconds=20, case=case) for case in (1, 2))
+    noise = noisy["q"] - clean["q"]
+
+    db = 10 * np.log10((clean["q"] ** 2).mean(axis=0) / (noise**2).mean(axis=0))
+    assert np.allclose(db, 70.0, atol=3.0)
+
+
+def test_motions_are_planned_within_limits():
+    found = torquewise.excite(
+        "planar-2", seconds=(10, 30, 40), tries=1, max_velocity={"joint1": 0.5, "joint2": 1.0}
+    )
+
+    assert [own["name"] for own in found] == ["standstill", "uniform", "variable"]
+    for own in found:
+        assert np.abs(own["dq"][:, 0]).max() <= 0.5
+        assert "joint_names" in own["joint_trajectory"]
+
+
+def test_a_load_is_weighed(chain):
+    """A log of the arm that carries 1 kg, made by adding it to the twin."""
+    free = torquewise.simulate(chain, seconds=20, rate=100, seed=7)
+    mass, center = 1.0, np.array([0.05, 0.0, 0.02])
+    text = __import__("json").loads(chain.to_json())
+    link = text["chain"]["links"][-1]
+    x, y, z = center
+    spread = 1e-3
+    load = [
+        mass,
+        *(mass * center),
+        mass * (y * y + z * z) + spread,
+        mass * (x * x + z * z) + spread,
+        mass * (x * x + y * y) + spread,
+        -mass * x * y,
+        -mass * x * z,
+        -mass * y * z,
+    ]
+    text["chain"]["links"][-1] = [own + extra for own, extra in zip(link, load)]
+    loaded = torquewise.Model.from_json(__import__("json").dumps(text))
+    log = {**free, "tau": loaded.torque(free["q"], free["dq"], free["ddq"])}
+
+    found = torquewise.payload(chain, log, filter="none")
+
+    assert found.mass == pytest.approx(1.0, rel=0.02)
+    assert np.allclose(found.center, center, atol=5e-3)
+    assert max(found.residual_with) < max(found.residual_without)
+    assert np.allclose(
+        found.model.torque(free["q"], free["dq"], free["ddq"]), log["tau"], atol=0.05
+    )
+
+
+def test_a_push_is_found_and_free_motion_is_quiet(chain):
+    free, pushed = (
+        torquewise.simulate(chain, motion="sines", seconds=seconds, rate=200, seed=seed)
+        for seed, seconds in ((8, 120), (9, 30))
+    )
+    noise = np.random.default_rng(0)
+    for log in (free, pushed):
+        log["tau"] = log["tau"] + 0.02 * noise.standard_normal(log["tau"].shape)
+    push = (pushed["t"] > 15.0) & (pushed["t"] < 15.5)
+    pushed["tau"][push, 1] -= 3.0
+
+    found = torquewise.residuals(chain, pushed, free=free, filter="none")
+
+    (contact,) = [own for own in found.contacts if own["factor"] > 2]
+    assert contact["joint"] == chain.joints[1] and contact["begin"] == pytest.approx(15.0, abs=0.05)
+    assert found.external.shape == (len(found.t), 3) and (found.thresholds > 0).all()
+    assert found.plot().axes
+
+
+def test_a_report_is_a_page_for_a_notebook(fit, test, tmp_path):
+    fit.report(tmp_path / "report.html", test=test)
+
+    page = (tmp_path / "report.html").read_text()
+    assert page.startswith("<!") and "joint2" in page
+    assert fit._repr_html_().startswith("<iframe srcdoc=")
+    assert fit.summary()["joints"] == ["joint1", "joint2"]
+
+
+def test_figures_are_drawn(model, chain, test, train):
+    pytest.importorskip("matplotlib")
+    from matplotlib.figure import Figure
+
+    log = torquewise.simulate("puma560-3", seconds=5, rate=100, seed=5)
+    for own in (
+        torquewise.plot.torque(model, test),
+        torquewise.plot.torque(chain, log, interval=95),
+        torquewise.plot.friction(chain),
+        torquewise.plot.activation(train),
+        torquewise.plot.arm(chain),
+    ):
+        assert isinstance(own, Figure) and own.axes
+    with pytest.raises(ValueError, match="no geometry"):
+        torquewise.plot.arm(model)
+
+
+def test_both_methods_beside_each_other(test):
+    train = torquewise.simulate("planar-2", seconds=60, rate=100, case=3, seed=1)
+    found = torquewise.compare(train, test, trig_order=2, library="product")
+
+    assert max(found.stepwise_test.nrmse_percent) < max(found.sindy_test.nrmse_percent)
+    assert "sindy" in repr(found)
+
+
+def test_nothing_else_is_imported():
+    import subprocess
+    import sys
+
+    program = (
+        "import sys, torquewise; "
+        "print([own for own in ('sklearn', 'pandas', 'matplotlib', 'pyarrow', 'sympy', 'tqdm')"
+        " if own in sys.modules])"
+    )
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert found.stdout == "[]\n"
