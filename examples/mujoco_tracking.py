@@ -2,28 +2,24 @@
 """The whole way on a plant that torquewise knows nothing of: MuJoCo.
 
 Builds an arm from a URDF, adds rotors, dry and viscous friction, and moves it by velocity
-controllers along motions that `torquewise excite` plans. From the recorded positions and torques
-`torquewise fit` learns a model, `torquewise export` writes it as C, and the compiled C drives the
-arm along a periodic motion: PID, controller 1 (gravity and friction) and controller 2 (all), with
-the same gains.
+controllers along motions that `torquewise.excite` plans. From the recorded positions and torques
+`torquewise.fit` learns a model, which drives the arm along a periodic motion: PID, controller 1
+(gravity and friction) and controller 2 (all), with the same gains.
 
-    pip install mujoco numpy
-    cargo build --release
-    python examples/mujoco_tracking.py --torquewise target/release/torquewise
+    pip install ./python mujoco
+    python examples/mujoco_tracking.py
 
-Needs a C compiler called cc. Everything is seeded: the same numbers on every run.
+Everything is seeded: the same numbers on every run.
 """
 
 import argparse
-import ctypes
 import json
-import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 import mujoco
 import numpy as np
+import torquewise
 
 RATE = 1000  # of the controllers [Hz]
 SUBSTEPS = 4  # of MuJoCo to a tick
@@ -37,16 +33,6 @@ REVERSAL = 0.002  # of friction, as sharp as a desired velocity without noise al
 ARMATURE = [0.5, 0.6, 0.2]
 DRY = [4.0, 5.0, 2.0]
 VISCOUS = [3.0, 4.0, 1.5]
-
-
-def run(*words):
-    """What a program says, or the end of this one."""
-    words = [str(word) for word in words]
-    done = subprocess.run(words, capture_output=True, text=True)
-    # torquewise exits with 3 where it is done but has warnings.
-    if done.returncode not in (0, 3):
-        sys.exit(f"{' '.join(words)}\n{done.stderr}")
-    return done.stdout
 
 
 class Arm:
@@ -106,12 +92,9 @@ class Slope:
         return self.slope
 
 
-def record(arm, plan, log):
-    """Follows the velocities of a plan and writes positions and torques as a log."""
-    # The first line names the joints, the second the columns.
-    table = np.genfromtxt(plan, delimiter=",", skip_header=1, names=True)
-    column = lambda signal: np.stack([table[f"{signal}{i + 1}"] for i in range(arm.n)], 1)
-    q_ref, dq_ref = column("q"), column("dq")
+def record(arm, plan):
+    """Follows the velocities of a plan; positions and torques as a log."""
+    q_ref, dq_ref = plan["q"], plan["dq"]
     arm.start(q_ref[0], dq_ref[0])
     inertia, integral, slope = arm.inertia(), np.zeros(arm.n), Slope(dq_ref[0])
     q, tau, before = np.zeros_like(q_ref), np.zeros_like(q_ref), None
@@ -125,26 +108,7 @@ def record(arm, plan, log):
         tau[row] = command if before is None else (before + command) / 2
         before = command
         arm.tick(command)
-    header = ["# joints: " + ",".join(arm.names)]
-    header.append(",".join(["t"] + [f"{s}{i + 1}" for s in ("q", "tau") for i in range(arm.n)]))
-    rows = np.column_stack([np.arange(len(q)) / RATE, q, tau])
-    np.savetxt(log, rows, delimiter=",", header="\n".join(header), comments="")
-
-
-class Exported:
-    """A model that was exported as C, compiled and loaded."""
-
-    def __init__(self, source, name, n):
-        library = source.with_suffix(".so")
-        run("cc", "-O2", "-std=c99", "-shared", "-fPIC", source, "-o", library, "-lm")
-        self.library, self.name, self.n = ctypes.CDLL(str(library)), name, n
-
-    def __call__(self, quantity, *signals, size=None):
-        vector = ctypes.c_double * self.n
-        result = (ctypes.c_double * (size or self.n))()
-        signals = [vector(*signal) for signal in signals]
-        getattr(self.library, f"{self.name}_{quantity}")(*signals, result)
-        return np.array(result)
+    return {"t": np.arange(len(q)) / RATE, "q": q, "tau": tau, "joints": arm.names}
 
 
 def periodic(arm, seed):
@@ -185,55 +149,47 @@ def track(arm, states, gains, forward):
     return np.sqrt((errors[len(errors) // 2 :] ** 2).mean(0))
 
 
-def learn(arguments, arm, folder):
-    """Plans, records, fits and exports; returns the compiled model."""
-    seconds = arguments.seconds
-    plan = ["--standstill", seconds[0], "--uniform", seconds[1], "--variable", seconds[2]]
-    limits = ["--max-velocity", 1.5, "--max-acceleration", 4, "--speed-scale", 1]
-    program = arguments.torquewise
-    excite = [program, "excite", arguments.urdf, "-o", folder / "plan", "--slow-sweeps"]
-    run(*excite, "--dwell", 1, "--rate", RATE, *plan, *limits)
-    logs = []
-    for name in ("standstill", "uniform", "variable"):
-        logs.append(folder / f"{name}.csv")
-        record(arm, folder / "plan" / f"{name}.csv", logs[-1])
-    model = folder / "model.json"
-    options = ["--friction", arguments.friction]
-    print(run(program, "fit", *logs, "-o", model, *options), file=sys.stderr)
-    source = folder / "arm.c"
-    sharp = ["--reversal", REVERSAL]
-    run(program, "export", model, "--to", "c", "--name", "arm", *sharp, "-o", source)
-    return Exported(source, "arm", arm.n)
+def learn(arguments, arm):
+    """Plans, records and fits."""
+    plans = torquewise.excite(
+        arguments.urdf,
+        seconds=arguments.seconds,
+        slow_sweeps=True,
+        dwell=1.0,
+        rate=float(RATE),
+        max_velocity=1.5,
+        max_acceleration=4.0,
+        speed_scale=1.0,
+    )
+    fit = torquewise.fit([record(arm, plan) for plan in plans], friction=arguments.friction)
+    print(f"{fit.verdict}: {'; '.join(fit.because)}", *fit.warnings, sep="\n", file=sys.stderr)
+    if arguments.keep:
+        arguments.keep.mkdir(parents=True, exist_ok=True)
+        fit.save(arguments.keep / "model.json")
+    return fit.model.with_reversal(REVERSAL)
 
 
 def main():
     here = Path(__file__).parent
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--urdf", type=Path, default=here / "three-joint.urdf")
-    parser.add_argument("--torquewise", default="torquewise", help="the program")
     parser.add_argument("--friction", default="auto", help="friction that is looked for")
     parser.add_argument("--seconds", type=float, nargs=3, default=[120, 120, 60])
     parser.add_argument("--seed", type=int, default=1, help="of the motion that is tracked")
-    parser.add_argument("--keep", type=Path, help="folder for logs, model and code")
+    parser.add_argument("--keep", type=Path, help="folder for the model")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = arguments.keep or Path(temporary)
-        folder.mkdir(parents=True, exist_ok=True)
-        arm = Arm(arguments.urdf)
-        model = learn(arguments, arm, folder)
-        states = periodic(arm, arguments.seed)
-        diagonal = [
-            np.diag(model("inertia", q, size=arm.n**2).reshape(arm.n, arm.n))
-            for q in states[0][::80]
-        ]
-        inertia, w = np.mean(diagonal, 0), BANDWIDTH
-        gains = 3 * inertia * w**2, inertia * w**3, 3 * inertia * w
-        laws = {
-            "pid": lambda q, dq, ddq: np.zeros(arm.n),
-            "controller1": lambda q, dq, ddq: model("gravity", q) + model("friction", q, dq),
-            "controller2": lambda q, dq, ddq: model("torque", q, dq, ddq),
-        }
-        found = {name: track(arm, states, gains, law).tolist() for name, law in laws.items()}
+    arm = Arm(arguments.urdf)
+    model = learn(arguments, arm)
+    states = periodic(arm, arguments.seed)
+    inertia = np.mean([np.diag(mass) for mass in model.mass_matrix(states[0][::80])], axis=0)
+    w = BANDWIDTH
+    gains = 3 * inertia * w**2, inertia * w**3, 3 * inertia * w
+    laws = {
+        "pid": lambda q, dq, ddq: np.zeros(arm.n),
+        "controller1": lambda q, dq, ddq: model.gravity(q) + model.friction(q, dq),
+        "controller2": model.torque,
+    }
+    found = {name: track(arm, states, gains, law).tolist() for name, law in laws.items()}
     print(json.dumps({name: {"rms_error_rad": rms} for name, rms in found.items()}, indent=1))
     for name in ("controller1", "controller2"):
         shares = np.array(found[name]) / np.array(found["pid"])

@@ -163,11 +163,8 @@ pub(crate) fn excite<'py>(
         tries: tries.unwrap_or(usual.tries),
         seed,
     };
-    let found = work(
-        py,
-        progress,
-        Box::new(move |_| Ok(plan_motions(&limits, &plan, &mut |_, _| {}))),
-    )?;
+    let found =
+        work(py, progress, Box::new(move |_| Ok(plan_motions(&limits, &plan, &mut |_, _| {}))))?;
     let found = found.map_err(value_error)?;
     let dicts = PyList::empty(py);
     for (recording, name) in found.recordings.iter().zip(["standstill", "uniform", "variable"]) {

@@ -9,7 +9,7 @@ use std::path::Path;
 type Layer = (&'static str, &'static str, &'static str);
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 19] = [
+const LAYERS: [Layer; 20] = [
     ("motion", "", ""),
     ("regression", "", ""),
     ("rigid", "regression", "motion model dynamics"),
@@ -38,6 +38,7 @@ const LAYERS: [Layer; 19] = [
         "",
     ),
     ("cli", "torquewise", "dynamics logs"),
+    ("python", "torquewise", ""),
     ("xtask", "", ""),
 ];
 
@@ -58,7 +59,7 @@ fn check(root: &Path) -> Result<Vec<String>> {
     let mut folders: Vec<_> = fs::read_dir(root.join("crates"))?
         .map(|entry| entry.map(|entry| entry.path()))
         .collect::<std::io::Result<_>>()?;
-    folders.push(root.join("xtask"));
+    folders.extend(["python", "xtask"].map(|folder| root.join(folder)));
     for folder in folders {
         let manifest = read(&folder.join("Cargo.toml"))?;
         broken.extend(edges(&manifest.parse().context("a Cargo.toml is no TOML")?));

@@ -48,6 +48,14 @@ class Model(_core.Model):
         """The model after an earlier step of the reconstruction: 1 gravity, 2 Coriolis too, 3 all."""
         return type(self)(super().after_step(step))
 
+    def with_reversal(self, width):
+        """The model with friction that reverses over another half width [rad/s].
+
+        A learner smooths reversals for the noise of measured velocities. A desired velocity has none:
+        0.002 tracks better.
+        """
+        return type(self)(super().with_reversal(width))
+
     # What was learned.
 
     def describe(self):

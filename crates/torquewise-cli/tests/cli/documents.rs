@@ -78,3 +78,42 @@ fn every_command_and_flag_that_guides_name_exists() {
         }
     }
 }
+
+/// What `--help` of all commands prints, as a page.
+fn reference(terminal: &Terminal) -> String {
+    let help = |line: &str| {
+        let printed = terminal.run(line).stdout;
+        printed.lines().map(str::trim_end).collect::<Vec<_>>().join("\n").trim_end().to_owned()
+    };
+    let all = help("--help");
+    let commands = all.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let commands = commands.take_while(|line| !line.is_empty());
+    let names = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let names = names.filter_map(|line| line.split_whitespace().next());
+    let mut page = format!(
+        "# The command line\n\nWhat `torquewise --help` prints, and that of each command. \
+         [Your robot](your-robot.md) leads through them.\n\n```text\n{all}\n```\n"
+    );
+    for name in names.filter(|name| *name != "help") {
+        let text = help(&format!("{name} --help"));
+        page += &format!("\n## {name}\n\n```text\n{text}\n```\n");
+    }
+    page
+}
+
+#[test]
+fn the_reference_of_the_command_line_is_what_help_prints() {
+    let found = reference(&Terminal::new());
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/command-line.md");
+    if std::env::var_os("TORQUEWISE_WRITE_DOCUMENTS").is_some() {
+        std::fs::write(&file, &found).unwrap();
+    }
+
+    let kept = document("docs/command-line.md");
+
+    assert!(
+        kept == found,
+        "docs/command-line.md is out of date: run this test with TORQUEWISE_WRITE_DOCUMENTS=1"
+    );
+    assert!(found.contains("\n## fit\n") && found.contains("\n## export\n"));
+}
