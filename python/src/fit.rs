@@ -120,18 +120,20 @@ pub(crate) fn fit_options(
     if found.threshold.is_some_and(|x| !(x >= 0.0 && x.is_finite())) {
         return Err(PyValueError::new_err("threshold: expected a number that is zero or more"));
     }
-    let unknown: Vec<String> = options.keys().iter().map(|key| key.to_string()).collect();
-    match unknown
-        .iter()
-        .find(|name| options.get_item(name).is_ok_and(|own| own.is_some_and(|v| !v.is_none())))
-    {
-        None => Ok(found),
-        Some(name) => Err(UsageError::new_err(format!(
-            "{name} is no option of a fit: expected library, method, friction, interaction, \
-             trig_order, gravity_order, select, threshold, bags, urdf, lock, gravity, \
-             counterbalance, noise_correction, physical, activation, clusters or seed"
-        ))),
-    }
+    refuse_unknown(options)?;
+    Ok(found)
+}
+
+/// Fails where keywords are left that nothing has taken.
+fn refuse_unknown(options: &Bound<'_, PyDict>) -> PyResult<()> {
+    let Some((name, _)) = options.iter().find(|(_, value)| !value.is_none()) else {
+        return Ok(());
+    };
+    Err(UsageError::new_err(format!(
+        "{name} is no option of a fit: expected library, method, friction, interaction, trig_order, \
+         gravity_order, select, threshold, bags, urdf, lock, gravity, counterbalance, \
+         noise_correction, physical, activation, clusters or seed"
+    )))
 }
 
 fn bounded(options: &Bound<'_, PyDict>, name: &str, most: usize) -> PyResult<Option<usize>> {

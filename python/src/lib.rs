@@ -3,6 +3,7 @@
 //! Long work runs in a thread of its own without the interpreter; the calling thread shows progress
 //! and listens to Ctrl-C ([`work`]). Arrays are read where they lie, a block of rows at a time
 //! ([`arrays`]).
+#![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
 mod errors;

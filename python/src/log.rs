@@ -79,7 +79,7 @@ impl Log {
                 return Err(PyValueError::new_err(message));
             }
         };
-        if delay.is_some_and(|delay| !(delay.abs() <= 1.0)) {
+        if delay.is_some_and(|delay| delay.is_nan() || delay.abs() > 1.0) {
             return Err(PyValueError::new_err("delay: expected seconds within ±1"));
         }
         log.delay = delay;
@@ -190,7 +190,6 @@ fn log_error(error: logs::LogError) -> PyErr {
 /// Writes a `.csv` or `.parquet` log, whole or not at all.
 #[pyfunction]
 #[pyo3(signature = (path, joints, t, q, dq, ddq, tau=None))]
-#[expect(clippy::too_many_arguments, reason = "signals")]
 pub(crate) fn write_log(
     path: PathBuf,
     joints: Vec<String>,

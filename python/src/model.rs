@@ -254,7 +254,7 @@ impl Model {
         tau: Rows<'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let inputs = [("q", &q), ("dq", &dq), ("tau", &tau)];
-        self.at_each(py, inputs, |torque, state| torque.forward_dynamics(state))
+        self.at_each(py, inputs, Torque::forward_dynamics)
     }
 
     /// The torque of a trajectory in parts: a dict of inertia, coriolis, gravity and friction, m×n

@@ -14,7 +14,6 @@ use torquewise::model::shaft_friction::Estimated;
 /// External torque of a log: rows of t and n torques, thresholds and contacts as JSON.
 #[pyfunction]
 #[pyo3(signature = (model, log, *, free=None, bandwidth=None, false_alarms=None, progress=None))]
-#[expect(clippy::type_complexity, reason = "a tuple for Python")]
 pub(crate) fn contacts<'py>(
     py: Python<'py>,
     model: &Model,

@@ -1,6 +1,6 @@
 //! Everything a change must pass, cheapest first.
 
-use crate::tidy;
+use crate::{python, tidy};
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::fs;
@@ -39,14 +39,21 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     )?;
     cargo(root, "test --workspace --doc")?;
     // With the features of the workspace, so that nothing is compiled again.
-    cargo(root, "build --workspace --examples")?;
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
+    cargo(root, "build --workspace --lib --examples")?;
+    let target = target(root);
     for example in examples(root)? {
         announce(&format!("example {example}"));
         run_example(root, &target.join("debug/examples").join(&example))?;
     }
+    announce("python");
+    python::run(root, &target)?;
     announce("all passed");
     Ok(())
+}
+
+/// The folder that cargo builds into.
+pub(crate) fn target(root: &Path) -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
 /// Runs an example that was built.

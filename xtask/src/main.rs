@@ -1,6 +1,7 @@
 //! Chores of the workspace: `cargo xtask ci` and `cargo xtask tidy`.
 
 mod tidy;
+mod python;
 mod ci;
 
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ const USAGE: &str = "\
 usage: cargo xtask <chore>
 
   ci     everything a change must pass, the same for people and machines
+  python the suite of the Python package, on what `cargo build --workspace --lib` built
   tidy   which crate may import which, and that ARCHITECTURE.md names what exists";
 
 fn main() -> ExitCode {
@@ -17,6 +19,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let done = match words.as_slice() {
         ["ci"] => ci::run(&root()),
+        ["python"] => python::run(&root(), &ci::target(&root())),
         ["tidy"] => tidy::run(&root()),
         _ => {
             eprintln!("{USAGE}");

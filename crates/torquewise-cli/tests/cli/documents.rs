@@ -1,6 +1,7 @@
 //! What documents show of the command line is what it prints.
 
 use crate::terminal::Terminal;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 /// A command of a document, and the lines that stand below it.
@@ -96,7 +97,7 @@ fn reference(terminal: &Terminal) -> String {
     );
     for name in names.filter(|name| *name != "help") {
         let text = help(&format!("{name} --help"));
-        page += &format!("\n## {name}\n\n```text\n{text}\n```\n");
+        write!(page, "\n## {name}\n\n```text\n{text}\n```\n").unwrap();
     }
     page
 }

@@ -1,0 +1,101 @@
+"""Guides and notebooks run as they stand, and the pages are built from them."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import torquewise
+
+ROOT = Path(__file__).parents[2]
+NOTEBOOKS = sorted((ROOT / "python/examples").glob("*.ipynb"))
+
+
+def blocks(name):
+    return re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(), re.S | re.M)
+
+
+@pytest.mark.parametrize("name", ["docs/python.md", "README.md"])
+def test_the_programs_of_a_guide_run(name, tmp_path, monkeypatch):
+    for module in ("jax", "sklearn"):
+        pytest.importorskip(module)
+    monkeypatch.chdir(tmp_path)
+    for log, seed, motion in (("train.csv", 1, "moves"), ("test.csv", 2, "sines")):
+        torquewise.simulate("planar-2", seconds=60, rate=100, seed=seed, motion=motion, path=log)
+    found, space = blocks(name), {}
+
+    assert found
+    for program in found:
+        exec(compile(program, name, "exec"), space)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(path, tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    nbclient = pytest.importorskip("nbclient")
+    for module in {"2_bag_to_urdf": ["rosbags"], "3_for_pysindy_users": ["pysindy", "sklearn"]}.get(path.stem, []):
+        pytest.importorskip(module)
+    notebook = nbformat.read(path, as_version=4)
+
+    nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": tmp_path}}).execute()
+
+    kinds = {own.output_type for cell in notebook.cells if cell.cell_type == "code" for own in cell.outputs}
+    assert "error" not in kinds and len(NOTEBOOKS) == 4
+    kept = nbformat.read(path, as_version=4)
+    assert not any(cell.get("outputs") for cell in kept.cells), "keep notebooks without outputs"
+
+
+def test_the_pages_are_built(tmp_path):
+    pytest.importorskip("mkdocs")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", tmp_path / "site"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "site/python/index.html").exists()
+
+
+def test_the_stub_names_what_the_engine_has():
+    import ast
+
+    tree = ast.parse((Path(torquewise.__file__).parent / "_core.pyi").read_text())
+    core = sys.modules["torquewise._core"]
+    stub = {own.name: own for own in tree.body if isinstance(own, (ast.ClassDef, ast.FunctionDef))}
+    missing = {name for name in dir(core) if not name.startswith("_")} ^ {*stub}
+
+    assert not missing
+    for name, own in stub.items():
+        if isinstance(own, ast.ClassDef) and not issubclass(getattr(core, name), BaseException):
+            methods = {inner.name for inner in own.body if isinstance(inner, ast.FunctionDef)} - {"__new__"}
+            real = {key for key in vars(getattr(core, name)) if not key.startswith("__")}
+            assert methods == real, name
+
+
+def test_the_engine_keeps_to_the_stable_interface():
+    pytest.importorskip("abi3audit")
+    engine = sys.modules["torquewise._core"].__file__
+    done = subprocess.run(
+        [sys.executable, "-m", "abi3audit", "--strict", "--assume-minimum-abi3", "3.10", engine],
+        capture_output=True,
+        text=True,
+    )
+
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_cold_import_is_short():
+    """Beside an import of NumPy, which it needs: what comes on top."""
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": ""}
+
+    def microseconds(module):
+        found = []
+        for _ in range(5):
+            command = [sys.executable, "-X", "importtime", "-c", f"import numpy, {module}"]
+            done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+            lines = [line.split("|") for line in done.stderr.splitlines() if line.startswith("import time:")]
+            found.append(sum(int(line[1]) for line in lines[1:] if line[2].strip() == module))
+        return min(found)
+
+    assert 0 < microseconds("torquewise") < 100_000

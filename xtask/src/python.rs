@@ -1,0 +1,102 @@
+//! The suite of the Python package, on the engine that the workspace was built with.
+
+use anyhow::{Context, Result, bail};
+use std::env;
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Runs the suite: package and engine are put side by side as an installed wheel has them, which
+/// spares building everything a second time, beside what the suite needs in an environment of its own.
+///
+/// - `target`: folder that cargo built into
+///
+/// # Errors
+/// What could not be installed, or that a test failed.
+pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
+    let python = env::var_os("TORQUEWISE_PYTHON").unwrap_or_else(|| "python3".into());
+    if !is_there(&python) {
+        if env::var_os("TORQUEWISE_PYTHON_REQUIRED").is_some() {
+            bail!("no {}: install Python 3.10 or newer", python.display());
+        }
+        eprintln!("skipped: no {}, name one in TORQUEWISE_PYTHON", python.display());
+        return Ok(());
+    }
+    let folder = target.join("python");
+    let site = folder.join("site");
+    lay_out(root, target, &site)?;
+    let environment = folder.join("environment");
+    let inside = environment.join(if cfg!(windows) { "Scripts/python" } else { "bin/python" });
+    let needs = requirements(&root.join("python/pyproject.toml"))?;
+    if !is_there(inside.as_os_str()) {
+        call(Command::new(&python).args(["-m", "venv"]).arg(&environment), root)?;
+    }
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    call(Command::new(&inside).args(install).args(needs), root)?;
+    let mut suite = Command::new(&inside);
+    suite
+        .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
+        .arg(root.join("python/tests"));
+    call(suite.env("PYTHONPATH", &site), &folder)
+}
+
+/// Copies the package, and the engine under the name that Python loads.
+fn lay_out(root: &Path, target: &Path, site: &Path) -> Result<()> {
+    let package = site.join("torquewise");
+    if package.exists() {
+        fs::remove_dir_all(&package)?;
+    }
+    fs::create_dir_all(&package)?;
+    for entry in fs::read_dir(root.join("python/package/torquewise"))? {
+        let entry = entry?;
+        if entry.file_type()?.is_file() {
+            fs::copy(entry.path(), package.join(entry.file_name()))?;
+        }
+    }
+    let engine: PathBuf = target.join(format!("debug/{DLL_PREFIX}_core{DLL_SUFFIX}"));
+    let name = if cfg!(windows) { "_core.pyd" } else { "_core.abi3.so" };
+    fs::copy(&engine, package.join(name)).with_context(|| format!("no {}", engine.display()))?;
+    Ok(())
+}
+
+/// What the package needs, and its suite.
+fn requirements(file: &Path) -> Result<Vec<String>> {
+    let text = fs::read_to_string(file).with_context(|| format!("no {}", file.display()))?;
+    let table: toml::Table = text.parse().context("pyproject.toml is no TOML")?;
+    let project = table.get("project").context("pyproject.toml has no project")?;
+    let own = project.get("dependencies");
+    let suite = project.get("optional-dependencies").and_then(|extras| extras.get("test"));
+    let all = [own, suite].into_iter().flatten().filter_map(toml::Value::as_array).flatten();
+    Ok(all.filter_map(toml::Value::as_str).map(str::to_owned).collect())
+}
+
+fn is_there(program: &OsStr) -> bool {
+    let mut command = Command::new(program);
+    command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.status().is_ok_and(|status| status.success())
+}
+
+fn call(command: &mut Command, folder: &Path) -> Result<()> {
+    let name = command.get_program().display().to_string();
+    let status = command.current_dir(folder).stdin(Stdio::null()).status();
+    let status = status.with_context(|| format!("cannot start {name}"))?;
+    if status.success() { Ok(()) } else { bail!("{name} failed: see above") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_suite_needs_what_the_project_says() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../python/pyproject.toml");
+
+        let needs = requirements(&file).unwrap();
+
+        assert!(
+            ["numpy", "pytest"].iter().all(|own| needs.iter().any(|need| need.starts_with(own)))
+        );
+    }
+}
