@@ -19,6 +19,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+
 import torquewise
 
 RATE = 1000  # of the controllers [Hz]

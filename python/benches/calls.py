@@ -1,7 +1,7 @@
 """What a call from Python costs, beside PySINDy; and the memory of a fit to arrays.
 
-    pip install ./python pysindy
-    python python/benches/calls.py
+pip install ./python pysindy
+python python/benches/calls.py
 """
 
 import resource
@@ -33,7 +33,9 @@ def pysindy(train):
     def factors(log):
         return np.hstack([np.sin(log["q"]), np.cos(log["q"]), log["dq"], log["ddq"]])
 
-    model = ps.SINDy(optimizer=ps.STLSQ(threshold=0.1), feature_library=ps.PolynomialLibrary(degree=3))
+    model = ps.SINDy(
+        optimizer=ps.STLSQ(threshold=0.1), feature_library=ps.PolynomialLibrary(degree=3)
+    )
     model.fit(factors(train), t=0.01, x_dot=train["tau"])
     row = factors(train)[:1]
     return microseconds(lambda: model.predict(row), 200)
@@ -70,7 +72,9 @@ def main():
     arrays = sum(own.nbytes for own in log.values()) / 2**20
     before = peak()
     seconds = torquewise.fit(log, library="energy", progress=False).seconds
-    print(f"{ROWS} rows in arrays of {arrays:.0f} MiB: peak {before:.0f} MiB before a fit, {peak():.0f} after it, {seconds:.1f} s")
+    print(
+        f"{ROWS} rows in arrays of {arrays:.0f} MiB: peak {before:.0f} MiB before a fit, {peak():.0f} after it, {seconds:.1f} s"
+    )
 
 
 if __name__ == "__main__":

@@ -69,7 +69,9 @@ def test_strides_and_order_in_memory_do_not_matter(train, model):
 
 
 def test_single_precision_and_whole_numbers_are_converted():
-    log = torquewise.read_log(q=np.zeros((9, 2), dtype=np.float32), t=np.arange(9), tau=np.ones((9, 2)))
+    log = torquewise.read_log(
+        q=np.zeros((9, 2), dtype=np.float32), t=np.arange(9), tau=np.ones((9, 2))
+    )
 
     (own,) = log.trajectories()
     assert own["q"].dtype == np.float64 and own["t"][-1] == 8.0

@@ -36,13 +36,22 @@ def test_the_programs_of_a_guide_run(name, tmp_path, monkeypatch):
 def test_a_notebook_runs(path, tmp_path):
     nbformat = pytest.importorskip("nbformat")
     nbclient = pytest.importorskip("nbclient")
-    for module in {"2_bag_to_urdf": ["rosbags"], "3_for_pysindy_users": ["pysindy", "sklearn"]}.get(path.stem, []):
+    for module in {"2_bag_to_urdf": ["rosbags"], "3_for_pysindy_users": ["pysindy", "sklearn"]}.get(
+        path.stem, []
+    ):
         pytest.importorskip(module)
     notebook = nbformat.read(path, as_version=4)
 
-    nbclient.NotebookClient(notebook, timeout=600, resources={"metadata": {"path": tmp_path}}).execute()
+    nbclient.NotebookClient(
+        notebook, timeout=600, resources={"metadata": {"path": tmp_path}}
+    ).execute()
 
-    kinds = {own.output_type for cell in notebook.cells if cell.cell_type == "code" for own in cell.outputs}
+    kinds = {
+        own.output_type
+        for cell in notebook.cells
+        if cell.cell_type == "code"
+        for own in cell.outputs
+    }
     assert "error" not in kinds and len(NOTEBOOKS) == 4
     kept = nbformat.read(path, as_version=4)
     assert not any(cell.get("outputs") for cell in kept.cells), "keep notebooks without outputs"
@@ -50,7 +59,16 @@ def test_a_notebook_runs(path, tmp_path):
 
 def test_the_pages_are_built(tmp_path):
     pytest.importorskip("mkdocs")
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", tmp_path / "site"]
+    command = [
+        sys.executable,
+        "-m",
+        "mkdocs",
+        "build",
+        "--strict",
+        "--quiet",
+        "--site-dir",
+        tmp_path / "site",
+    ]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
 
     assert done.returncode == 0, done.stderr
@@ -68,7 +86,9 @@ def test_the_stub_names_what_the_engine_has():
     assert not missing
     for name, own in stub.items():
         if isinstance(own, ast.ClassDef) and not issubclass(getattr(core, name), BaseException):
-            methods = {inner.name for inner in own.body if isinstance(inner, ast.FunctionDef)} - {"__new__"}
+            methods = {inner.name for inner in own.body if isinstance(inner, ast.FunctionDef)} - {
+                "__new__"
+            }
             real = {key for key in vars(getattr(core, name)) if not key.startswith("__")}
             assert methods == real, name
 
@@ -93,8 +113,14 @@ def test_a_cold_import_is_short():
         found = []
         for _ in range(5):
             command = [sys.executable, "-X", "importtime", "-c", f"import numpy, {module}"]
-            done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-            lines = [line.split("|") for line in done.stderr.splitlines() if line.startswith("import time:")]
+            done = subprocess.run(
+                command, capture_output=True, text=True, check=True, env=environment
+            )
+            lines = [
+                line.split("|")
+                for line in done.stderr.splitlines()
+                if line.startswith("import time:")
+            ]
             found.append(sum(int(line[1]) for line in lines[1:] if line[2].strip() == module))
         return min(found)
 

@@ -92,7 +92,12 @@ def test_columns_that_are_not_understood_get_a_profile(tmp_path):
 
 
 def test_all_exceptions_are_of_one_family():
-    for own in (torquewise.LogError, torquewise.FitError, torquewise.ModelError, torquewise.UsageError):
+    for own in (
+        torquewise.LogError,
+        torquewise.FitError,
+        torquewise.ModelError,
+        torquewise.UsageError,
+    ):
         assert issubclass(own, torquewise.TorquewiseError)
     assert issubclass(torquewise.Interrupted, KeyboardInterrupt)
 

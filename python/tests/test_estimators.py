@@ -10,11 +10,11 @@ from torquewise import Chain, SINDy, Stepwise
 
 pytest.importorskip("sklearn")
 
-from sklearn.base import clone, is_regressor  # noqa: E402
-from sklearn.exceptions import NotFittedError  # noqa: E402
-from sklearn.model_selection import GridSearchCV, GroupKFold, cross_val_score  # noqa: E402
-from sklearn.pipeline import make_pipeline  # noqa: E402
-from sklearn.utils.estimator_checks import estimator_checks_generator  # noqa: E402
+from sklearn.base import clone, is_regressor
+from sklearn.exceptions import NotFittedError
+from sklearn.model_selection import GridSearchCV, GroupKFold, cross_val_score
+from sklearn.pipeline import make_pipeline
+from sklearn.utils.estimator_checks import estimator_checks_generator
 
 
 def table(log):
@@ -40,7 +40,10 @@ def test_all_ways_to_give_a_motion_are_one(kind, train, test):
 
 
 def test_trajectories_are_told_apart_by_groups(train):
-    halves = [{key: train[key][own] for key in ("t", "q", "dq", "ddq", "tau")} for own in (slice(3000), slice(3000, None))]
+    halves = [
+        {key: train[key][own] for key in ("t", "q", "dq", "ddq", "tau")}
+        for own in (slice(3000), slice(3000, None))
+    ]
     groups = np.repeat([0, 1], 3000)
     by_list = Stepwise(bags=0).fit(halves)
     by_groups = Stepwise(bags=0).fit(*table(train), t=train["t"], groups=groups)
@@ -51,7 +54,13 @@ def test_trajectories_are_told_apart_by_groups(train):
 def test_parameters_are_read_set_and_cloned():
     own = SINDy(threshold=0.05, rate=200.0)
 
-    assert own.get_params() == {"threshold": 0.05, "trig_order": None, "select": None, "seed": 0, "rate": 200.0}
+    assert own.get_params() == {
+        "threshold": 0.05,
+        "trig_order": None,
+        "select": None,
+        "seed": 0,
+        "rate": 200.0,
+    }
     assert clone(own).get_params() == own.get_params()
     assert own.set_params(threshold=0.2).threshold == 0.2
     assert repr(own) == "SINDy(rate=200.0, threshold=0.2)"
@@ -68,7 +77,10 @@ def test_grouped_folds_choose_a_threshold(train):
     search.fit(rows, truth, groups=groups)
 
     assert search.best_params_ == {"threshold": 0.01}
-    assert cross_val_score(SINDy(trig_order=2), rows, truth, cv=GroupKFold(3), groups=groups).min() > 0.5
+    assert (
+        cross_val_score(SINDy(trig_order=2), rows, truth, cv=GroupKFold(3), groups=groups).min()
+        > 0.5
+    )
 
 
 def test_it_ends_a_pipeline(train):
@@ -191,4 +203,7 @@ def test_what_the_others_check_holds_for_motions(train, tmp_path):
 
 
 def test_the_estimators_are_those_of_the_functions(train):
-    assert Stepwise().fit(train).model_ == torquewise.fit(train, library="energy", filter="none", progress=False).model
+    assert (
+        Stepwise().fit(train).model_
+        == torquewise.fit(train, library="energy", filter="none", progress=False).model
+    )

@@ -108,7 +108,9 @@ def test_sympy_has_the_same_torque(model):
     q, dq, ddq = (values[0] for values in states(2))
     values = dict(zip((*own.q, *own.dq, *own.ddq), (*q, *dq, *ddq)))
 
-    assert np.allclose(np.array(own.torque.subs(values), dtype=float).ravel(), model.torque(q, dq, ddq))
+    assert np.allclose(
+        np.array(own.torque.subs(values), dtype=float).ravel(), model.torque(q, dq, ddq)
+    )
     assert sympy.simplify(own.mass_matrix[0, 1] - own.mass_matrix[1, 0]) == 0
 
 
@@ -165,9 +167,12 @@ def test_the_urdf_of_the_arm_names_its_joints(chain):
 
 def test_friction_that_remembers_is_followed():
     """A model whose friction has memory: rows are a path, and a state follows the same path."""
-    n, text = 1, torquewise.fit(
-        torquewise.simulate("planar-2", seconds=60, rate=100, seed=3), progress=False
-    ).model.to_json()
+    n, text = (
+        1,
+        torquewise.fit(
+            torquewise.simulate("planar-2", seconds=60, rate=100, seed=3), progress=False
+        ).model.to_json(),
+    )
     model = torquewise.Model.from_json(text)
     assert not model.has_memory and n == 1
     state = model.state()

@@ -13,7 +13,7 @@ def test_inspect_says_what_a_log_holds(train):
     assert [joint["name"] for joint in found.joints] == ["joint1", "joint2"]
     assert "6000 rows of 2 joints" in repr(found)
     with pytest.raises(AttributeError, match="has no"):
-        found.nothing
+        found.nothing  # noqa: B018
 
 
 def test_patterns_label_every_row(train):
@@ -149,5 +149,7 @@ def test_nothing_else_is_imported():
         "print([own for own in ('sklearn', 'pandas', 'matplotlib', 'pyarrow', 'sympy', 'tqdm')"
         " if own in sys.modules])"
     )
-    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    found = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert found.stdout == "[]\n"

@@ -28,7 +28,7 @@ class ArrayFrame:
 class Log:
     def __new__(
         cls,
-        sources: list[_Path] | list[tuple[str, ArrayFrame]],
+        sources: Sequence[_Path] | Sequence[tuple[str, ArrayFrame]],
         *,
         profile: _Path | None = None,
         topic: str | None = None,
@@ -132,7 +132,9 @@ class Summary:
         progress: _Told = None,
     ) -> Summary: ...
     def merge(self, other: Summary) -> Summary: ...
-    def _solve(self, options: dict[str, Any] | None = None, progress: _Told = None) -> Fit | Request: ...
+    def _solve(
+        self, options: dict[str, Any] | None = None, progress: _Told = None
+    ) -> Fit | Request: ...
     @property
     def rows(self) -> int: ...
     @property
@@ -184,7 +186,7 @@ def simulate(
     noise_db: Sequence[float] | None = None,
     friction: str | None = None,
     lock: Sequence[str] = (),
-) -> tuple[list[str], dict[str, _Array]]: ...
+) -> tuple[list[str], dict[str, Any]]: ...
 def excite(arm: str | Model, **options: Any) -> list[dict[str, Any]]: ...
 def write_log(
     path: _Path,

@@ -15,7 +15,7 @@ from ._log import Log
 class _Estimator:
     """What all estimators share; the parameters are those of `__init__`."""
 
-    _fixed = {}
+    _fixed: dict[str, str] = {}
 
     @classmethod
     def _names(cls):
@@ -50,7 +50,9 @@ class _Estimator:
         """
         log, n_features = self._log(motion, t, groups)
         options = {name: value for name, value in self.get_params().items() if name != "rate"}
-        found = fit(log, filter="none" if n_features else "auto", progress=False, **options, **self._fixed)
+        found = fit(
+            log, filter="none" if n_features else "auto", progress=False, **options, **self._fixed
+        )
         self.fit_ = found
         self.model_ = found.model
         self.n_joints_ = len(self.model_.joints)
@@ -223,15 +225,21 @@ def _are_motions(own):
 
 def _rows(values):
     if hasattr(values, "toarray"):
-        raise TypeError("Sparse data was passed, but dense data is required: q, dq and ddq are dense")
+        raise TypeError(
+            "Sparse data was passed, but dense data is required: q, dq and ddq are dense"
+        )
     values = np.asarray(values)
     if np.iscomplexobj(values):
         raise ValueError("Complex data not supported: angles are real")
     values = values.astype(float, copy=False)
     if values.ndim == 0 or values.size == 0:
-        raise ValueError(f"Found array with {values.size} sample(s) while a minimum of 1 is required.")
+        raise ValueError(
+            f"Found array with {values.size} sample(s) while a minimum of 1 is required."
+        )
     if values.ndim == 1:
-        raise ValueError("Expected 2D array, got 1D array instead. Reshape your data: one row a state")
+        raise ValueError(
+            "Expected 2D array, got 1D array instead. Reshape your data: one row a state"
+        )
     if not np.isfinite(values).all():
         raise ValueError("Input contains NaN, infinity or a value too large: drop such rows")
     return values

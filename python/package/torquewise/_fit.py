@@ -1,12 +1,15 @@
 """From logs to a model."""
 
+from __future__ import annotations
+
 import html
 import json
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
+from typing import Any
 
 from . import _core
-from ._log import read_log
+from ._log import Path, Progress, read_log
 from ._model import Model
 from ._progress import shown
 
@@ -31,21 +34,21 @@ OF_LOG = (
 class Evaluation:
     """Errors of a model on a log, joint by joint."""
 
-    joints: list
+    joints: list[str]
     rows: int
-    rmse: list
+    rmse: list[float]
     """RMSE [N·m] of each joint, in the band of the model."""
-    nrmse_percent: list
+    nrmse_percent: list[float]
     """RMSE of each joint, of the standard deviation of its torque [%]."""
-    r2: list
-    raw_nrmse_percent: list
+    r2: list[float]
+    raw_nrmse_percent: list[float]
     """The same against torque as it was measured."""
-    notes: list = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     @classmethod
     def _of(cls, text, notes):
         found = json.loads(text)
-        of = lambda key: [joint.get(key) for joint in found["joints"]]  # noqa: E731
+        of = lambda key: [joint.get(key) for joint in found["joints"]]
         return cls(
             of("name"),
             found["rows"],
@@ -71,44 +74,54 @@ def _number(value):
 class Fit:
     """A model, how it was found, and how far to trust it."""
 
-    def __init__(self, core):
+    model: Model
+    """The learned equations of motion."""
+
+    def __init__(self, core: _core.Fit):
         self._core = core
         self.model = Model(core.model)
 
     @property
-    def verdict(self):
+    def verdict(self) -> str | None:
         """``good``, ``usable`` or ``unusable``, from held-out blocks of the log; None if not known."""
         return self._core.verdict
 
     @property
-    def because(self):
+    def because(self) -> list[str]:
         """Why, in sentences."""
         return self._core.because
 
     @property
-    def warnings(self):
+    def warnings(self) -> list[str]:
         """What to know before the model is used, in sentences."""
         return self._core.warnings
 
     @property
-    def notes(self):
+    def notes(self) -> list[str]:
         """What is good to know and changes nothing."""
         return self._core.notes
 
     @property
-    def seconds(self):
+    def seconds(self) -> float:
         """Time it took [s]."""
         return self._core.seconds
 
-    def summary(self):
+    def summary(self) -> dict[str, Any]:
         """All numbers, as a dict: what ``torquewise fit --json`` prints."""
         return json.loads(self._core._summary())
 
-    def evaluate(self, log=None, *, progress=None, **options):
+    def evaluate(self, log: Any = None, *, progress: Progress = None, **options: Any) -> Evaluation:
         """How well the model predicts another log, see :meth:`Model.evaluate`."""
         return self.model.evaluate(log, progress=progress, **options)
 
-    def report(self, path=None, *, test=None, progress=None, **options):
+    def report(
+        self,
+        path: Path | None = None,
+        *,
+        test: Any = None,
+        progress: Progress = None,
+        **options: Any,
+    ) -> str:
         """The report as one page of HTML: the text, or written to `path`.
 
         `test` is a log of another motion to judge the model by.
@@ -122,9 +135,9 @@ class Fit:
         if path is None:
             return page.decode()
         _core.write_whole(path, page)
-        return path
+        return str(path)
 
-    def save(self, path):
+    def save(self, path: Path) -> None:
         """Writes the model to a file."""
         self.model.save(path)
 
@@ -142,7 +155,7 @@ class Fit:
         )
 
 
-def fit(log=None, *, progress=None, **options):
+def fit(log: Any = None, *, progress: Progress = None, **options: Any) -> Fit:
     """Reconstructs the equations of motion from logs of one arm.
 
     log
@@ -188,14 +201,17 @@ class Comparison:
 
     def __repr__(self):
         lines = [f"{'method':<10} {'terms':>6} {'seconds':>8}  NRMSE [%] of each joint"]
-        rows = [("stepwise", self.stepwise, self.stepwise_test), ("sindy", self.sindy, self.sindy_test)]
+        rows = [
+            ("stepwise", self.stepwise, self.stepwise_test),
+            ("sindy", self.sindy, self.sindy_test),
+        ]
         for name, found, test in rows:
             errors = "  ".join(f"{error:.4g}" for error in test.nrmse_percent)
             lines.append(f"{name:<10} {found.model.complexity:>6} {found.seconds:>8.2f}  {errors}")
         return "\n".join(lines)
 
 
-def compare(log, test, *, progress=None, **options):
+def compare(log: Any, test: Any, *, progress: Progress = None, **options: Any) -> Comparison:
     """Fits stepwise reconstruction and one-shot SINDy to a log, and judges both by another."""
     of_log = {key: options.pop(key) for key in OF_LOG if key in options}
     options.pop("method", None)

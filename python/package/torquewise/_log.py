@@ -1,42 +1,49 @@
 """Logs: files of any format, arrays, or tables of other packages."""
 
+from __future__ import annotations
+
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._progress import shown
 
 SIGNALS = ("q", "dq", "ddq", "tau")
 
+Path = str | os.PathLike
+Progress = bool | Callable[[str, int, int | None], object] | None
+
 
 class Log(_core.Log):
     """Logs of one arm, opened by :func:`read_log`: nothing is read before it is needed."""
 
-    def inspect(self, *, progress=None):
+    def inspect(self, *, progress: Progress = None) -> Inspection:
         """What it holds and what it lacks, see :func:`inspect`."""
         return inspect(self, progress=progress)
 
 
 def read_log(
-    log=None,
+    log: Any = None,
     *,
-    t=None,
-    q=None,
-    dq=None,
-    ddq=None,
-    tau=None,
-    rate=None,
-    joints=None,
-    profile=None,
-    topic=None,
-    repair=False,
-    filter="auto",
-    delay=None,
-):
+    t: ArrayLike | None = None,
+    q: ArrayLike | None = None,
+    dq: ArrayLike | None = None,
+    ddq: ArrayLike | None = None,
+    tau: ArrayLike | None = None,
+    rate: float | None = None,
+    joints: Sequence[str] | None = None,
+    profile: Path | None = None,
+    topic: str | None = None,
+    repair: bool = False,
+    filter: str | float = "auto",
+    delay: float | None = None,
+) -> Log:
     """Opens logs of one arm.
 
     log
@@ -57,7 +64,7 @@ def read_log(
     filter, delay
         ``"auto"``, ``"none"`` or a cut-off [Hz]; seconds by which torque lags, estimated without.
     """
-    if isinstance(log, _core.Log):
+    if isinstance(log, Log):
         return log
     if log is None:
         if q is None:
@@ -66,7 +73,7 @@ def read_log(
         log = {key: value for key, value in log.items() if value is not None}
     elif any(own is not None for own in (t, q, dq, ddq, tau)):
         raise _core.UsageError("a log and arrays: give one of them")
-    options = {
+    options: dict[str, Any] = {
         "profile": profile,
         "topic": topic,
         "repair": repair,
@@ -80,12 +87,13 @@ def read_log(
         return Log([os.fspath(own) for own in logs], **options)
     many = len(logs) > 1
     frames = [
-        (f"table {k}" if many else "table", _frame(own, rate, joints)) for k, own in enumerate(logs, 1)
+        (f"table {k}" if many else "table", _frame(own, rate, joints))
+        for k, own in enumerate(logs, 1)
     ]
     return Log(frames, **options)
 
 
-def write_log(path, log, *, joints=None):
+def write_log(path: Path, log: Mapping[str, Any], *, joints: Sequence[str] | None = None) -> None:
     """Writes a trajectory, a dict with t, q, dq, ddq and perhaps tau, as ``.csv`` or ``.parquet``."""
     missing = [key for key in ("t", "q", "dq", "ddq") if key not in log]
     if missing:
@@ -93,21 +101,25 @@ def write_log(path, log, *, joints=None):
     n = np.shape(log["q"])[1]
     joints = joints or log.get("joints") or [f"joint{k}" for k in range(1, n + 1)]
     t = np.asarray(log["t"], dtype=float)
-    _core.write_log(os.fspath(path), list(joints), t, *(log[key] for key in ("q", "dq", "ddq")), log.get("tau"))
+    _core.write_log(
+        os.fspath(path), list(joints), t, log["q"], log["dq"], log["ddq"], log.get("tau")
+    )
 
 
 @dataclass
 class Inspection:
     """What a log holds and what it lacks."""
 
-    facts: dict
-    warnings: list
+    facts: dict[str, Any]
+    warnings: list[str]
 
     def __getattr__(self, name):
         try:
             return self.__dict__["facts"][name]
         except KeyError:
-            raise AttributeError(f"an inspection has no {name}: it has {', '.join(self.facts)}") from None
+            raise AttributeError(
+                f"an inspection has no {name}: it has {', '.join(self.facts)}"
+            ) from None
 
     def __repr__(self):
         facts = self.facts
@@ -119,7 +131,9 @@ class Inspection:
         return "\n".join(lines)
 
 
-def inspect(log, *, model=None, progress=None, **options):
+def inspect(
+    log: Any, *, model: _core.Model | None = None, progress: Progress = None, **options: Any
+) -> Inspection:
     """What a log holds and what it lacks: rows, ranges, noise, patterns, and warnings.
 
     Options are those of :func:`read_log`; `model` says how the log is filtered. For columns that are
@@ -144,20 +158,28 @@ def inspect(log, *, model=None, progress=None, **options):
 class Patterns:
     """The pattern of each row: 0 standstill, 1 uniform velocity, 2 variable velocity."""
 
-    labels: np.ndarray
-    inertia: list
-    warnings: list
+    labels: NDArray[np.uint8]
+    inertia: list[float]
+    warnings: list[str]
 
     NAMES = ("standstill", "uniform", "variable")
 
     @property
-    def counts(self):
+    def counts(self) -> dict[str, int]:
         """Rows of each pattern."""
         counts = np.bincount(self.labels, minlength=3)
         return dict(zip(self.NAMES, (int(count) for count in counts)))
 
 
-def patterns(log, *, activation="scaled", clusters=None, seed=0, progress=None, **options):
+def patterns(
+    log: Any,
+    *,
+    activation: str = "scaled",
+    clusters: int | None = None,
+    seed: int = 0,
+    progress: Progress = None,
+    **options: Any,
+) -> Patterns:
     """Tells standstill, uniform and variable velocity apart, row by row."""
     log = read_log(log, **options)
     with shown(progress) as told:
@@ -188,7 +210,11 @@ def _columns(table):
         return _of_pandas(table)
     if kind == "polars":
         return _of_polars(table)
-    if hasattr(table, "__arrow_c_stream__") or hasattr(table, "__arrow_c_array__") or kind == "pyarrow":
+    if (
+        hasattr(table, "__arrow_c_stream__")
+        or hasattr(table, "__arrow_c_array__")
+        or kind == "pyarrow"
+    ):
         return _of_arrow(table)
     raise TypeError(
         f"{type(table).__name__} is no log: give a path, a dict of arrays with t, q, …, or a table of "

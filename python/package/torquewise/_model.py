@@ -1,17 +1,24 @@
 """The learned equations of motion."""
 
+from __future__ import annotations
+
 import json
 import math
 import os
 import types
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
-from ._log import read_log
+from ._log import Path as _Path
+from ._log import Progress, read_log
 from ._progress import shown
+
+if TYPE_CHECKING:
+    from ._fit import Evaluation
 
 _ENDINGS = {
     ".c": "c",
@@ -35,20 +42,20 @@ class Model(_core.Model):
     """
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: _Path) -> Model:
         """Reads a model file."""
         return cls(_core.Model.load(os.fspath(path)))
 
     @classmethod
-    def from_json(cls, text):
+    def from_json(cls, text: str) -> Model:
         """A model from the text of a model file."""
         return cls(_core.Model.from_json(text))
 
-    def after_step(self, step):
+    def after_step(self, step: int) -> Model:
         """The model after an earlier step of the reconstruction: 1 gravity, 2 Coriolis too, 3 all."""
         return type(self)(super().after_step(step))
 
-    def with_reversal(self, width):
+    def with_reversal(self, width: float) -> Model:
         """The model with friction that reverses over another half width [rad/s].
 
         A learner smooths reversals for the noise of measured velocities. A desired velocity has none:
@@ -58,11 +65,11 @@ class Model(_core.Model):
 
     # What was learned.
 
-    def describe(self):
+    def describe(self) -> dict[str, Any]:
         """Axes, terms by joint, energies, friction, choices: a dict, as ``torquewise show --json``."""
         return json.loads(self._description())
 
-    def equations(self, precision=3):
+    def equations(self, precision: int = 3) -> list[str]:
         """The torque of each joint as text, such as ``1.2 ddq1 + 0.3 cos(q1)``."""
         sums = []
         for joint in self.describe()["joints"]:
@@ -70,19 +77,19 @@ class Model(_core.Model):
             sums.append(" + ".join(terms).replace("+ -", "- ") if terms else "0")
         return sums
 
-    def print(self, precision=3):
+    def print(self, precision: int = 3) -> None:
         """Prints the torque of each joint."""
         for number, (name, own) in enumerate(zip(self.joints, self.equations(precision)), 1):
             print(f"tau{number} = {own}   [{name}]")
 
-    def get_feature_names(self):
+    def get_feature_names(self) -> list[str]:
         """Names of all terms that act on some joint."""
         names = {}
         for joint in self.describe()["joints"]:
             names.update(dict.fromkeys(own["term"] for own in joint["terms"]))
         return list(names)
 
-    def coefficients(self):
+    def coefficients(self) -> np.ndarray:
         """Coefficients of those terms, n joints × terms."""
         place = {name: k for k, name in enumerate(self.get_feature_names())}
         found = np.zeros((len(self.joints), len(place)))
@@ -91,7 +98,7 @@ class Model(_core.Model):
                 row[place[own["term"]]] += own["coefficient"]
         return found
 
-    def check(self, states=10_000):
+    def check(self, states: int = 10_000) -> dict[str, Any]:
         """Whether the model is physics at random states: a dict; ``passed`` says it in a word."""
         found, warning = self._check(states)
         return {**json.loads(found), "warning": warning}
@@ -109,7 +116,7 @@ class Model(_core.Model):
 
     # How good it is.
 
-    def evaluate(self, log=None, *, progress=None, **options):
+    def evaluate(self, log: Any = None, *, progress: Progress = None, **options: Any) -> Evaluation:
         """How well it predicts the torque of a log: :class:`Evaluation`.
 
         The log is filtered as that of the model was. `log` and options are those of
@@ -121,7 +128,9 @@ class Model(_core.Model):
         with shown(progress) as told:
             return Evaluation._of(*self._evaluate(log, told))
 
-    def predict(self, log=None, *, parts=False, interval=None, **options):
+    def predict(
+        self, log: Any = None, *, parts: bool = False, interval: float | None = None, **options: Any
+    ) -> list[dict[str, np.ndarray]]:
         """The torque of each trajectory of a log: a list of dicts with t, q, dq, ddq and tau_hat.
 
         Where the log has torque, tau is it, filtered as the motion. With `parts`, inertia, coriolis,
@@ -140,12 +149,12 @@ class Model(_core.Model):
 
     # In other programs.
 
-    def export(self, path=None, to=None, **options):
-        """Writes the model for another program: the files as a dict, or written to `path`.
+    def export(self, path: _Path, to: str | None = None, **options: Any) -> list[str]:
+        """Writes the model for another program; returns what the file has no room for.
 
         to
             ``c``, ``rust``, ``python``, ``latex``, ``fmu``, ``ros2``, ``urdf`` or ``mjcf``; by
-            default as the ending of `path` says.
+            default as the ending of `path` says. For ros2 `path` is a new folder.
         name
             What the functions of C, an FMU or a ROS 2 package begin with; the name of the file.
         precision, reversal, binary, force
@@ -154,38 +163,43 @@ class Model(_core.Model):
         onto, lock
             URDF file that inertia and friction are put into, and its joints that are held at 0.
         """
-        path = None if path is None else Path(path)
+        path = Path(path)
         to = to or _target(path)
-        name = options.pop("name", None) or (path.stem if path is not None else "arm")
-        onto = options.pop("onto", None)
-        if onto is not None:
-            options["onto"] = Path(onto).read_text()
-        files, left_out = self._export(to, name, **options)
-        if path is None:
-            return dict(files)
-        if to == "ros2":
-            if path.exists() and any(path.iterdir()):
-                raise FileExistsError(f"{path} exists and is not empty: name a new folder")
-            for own, content in files:
-                (path / own).parent.mkdir(parents=True, exist_ok=True)
-                _core.write_whole(path / own, content)
-        else:
-            _core.write_whole(path, files[0][1])
+        options.setdefault("name", path.stem)
+        files, left_out = self._files(to, **options)
+        if to != "ros2":
+            _core.write_whole(path, files[""])
+            return left_out
+        if path.exists() and any(path.iterdir()):
+            raise FileExistsError(f"{path} exists and is not empty: name a new folder")
+        for own, content in files.items():
+            (path / own).parent.mkdir(parents=True, exist_ok=True)
+            _core.write_whole(path / own, content)
         return left_out
 
-    def to_urdf(self, path=None, **options):
-        """The model as a robot for ROS, Pinocchio, Drake, Gazebo: text, or written to `path`."""
-        if path is not None:
-            return self.export(path, "urdf", **options)
-        return self.export(None, "urdf", **options)[""].decode()
+    def _files(
+        self, to: str, name: str = "arm", onto: _Path | None = None, **options: Any
+    ) -> tuple[dict[str, bytes], list[str]]:
+        """Files by their path in a package, a single one by no path; what they have no room for."""
+        text = None if onto is None else Path(onto).read_text()
+        files, left_out = self._export(to, name, onto=text, **options)
+        return dict(files), left_out
 
-    def to_mjcf(self, path=None, **options):
+    def to_urdf(self, path: _Path | None = None, **options: Any) -> str:
+        """The model as a robot for ROS, Pinocchio, Drake, Gazebo: the text, and a file if asked for."""
+        return self._robot("urdf", path, options)
+
+    def to_mjcf(self, path: _Path | None = None, **options: Any) -> str:
         """The same for MuJoCo."""
-        if path is not None:
-            return self.export(path, "mjcf", **options)
-        return self.export(None, "mjcf", **options)[""].decode()
+        return self._robot("mjcf", path, options)
 
-    def functions(self, module=math, **options):
+    def _robot(self, to: str, path: _Path | None, options: dict[str, Any]) -> str:
+        files, _ = self._files(to, **options)
+        if path is not None:
+            _core.write_whole(path, files[""])
+        return files[""].decode()
+
+    def functions(self, module: Any = math, **options: Any) -> types.SimpleNamespace:
         """The closed form as functions of another module's sin, cos, exp and tanh.
 
         With ``jax.numpy`` they are traced, differentiated and batched by jax; likewise with torch,
@@ -193,8 +207,8 @@ class Model(_core.Model):
         ``torque(q, dq, ddq)``, ``gravity(q)``, ``coriolis(q, dq)``, ``inertia(q)``,
         ``friction(q, dq)``, ``forward_dynamics(q, dq, tau)``, …
         """
-        source = self.export(None, "python", **options)[""].decode()
-        space = {"__name__": "torquewise.exported"}
+        source = self._files("python", **options)[0][""].decode()
+        space: dict[str, Any] = {"__name__": "torquewise.exported"}
         exec(compile(source, "<exported model>", "exec"), space)
         if module is not math:
             space.update({own: getattr(module, own) for own in ("sin", "cos", "exp", "tanh")})
@@ -202,14 +216,14 @@ class Model(_core.Model):
             space["_positive"] = lambda x: 0.5 * (module.sign(x) + 1)
         return types.SimpleNamespace(**{key: space[key] for key in space["__all__"]})
 
-    def to_sympy(self, **options):
+    def to_sympy(self, **options: Any) -> Symbolic:
         """The equations of motion in sympy: :class:`Symbolic`."""
         import sympy
 
         n = len(self.joints)
         q, dq, ddq = (sympy.symbols(f"{own}1:{n + 1}", real=True) for own in ("q", "dq", "ddq"))
         own = self.functions(sympy, **options)
-        vector = lambda values: sympy.Matrix([sympy.sympify(x) for x in values])  # noqa: E731
+        vector = lambda values: sympy.Matrix([sympy.sympify(x) for x in values])
         return Symbolic(
             q=q,
             dq=dq,
@@ -221,7 +235,7 @@ class Model(_core.Model):
             friction=vector(own.friction(q, dq)),
         )
 
-    def to_casadi(self, what="torque", **options):
+    def to_casadi(self, what: str = "torque", **options: Any) -> Any:
         """A function of the equations of motion as a ``casadi.Function``.
 
         what
@@ -250,7 +264,7 @@ class Model(_core.Model):
         output = {"inertia": "M", "forward_dynamics": "ddq"}.get(what, "tau")
         return casadi.Function(what, symbols, [result], list(inputs[what]), [output])
 
-    def plot(self, log=None, **options):
+    def plot(self, log: Any = None, **options: Any) -> Any:
         """Draws the arm, or with a log its torque: see :mod:`torquewise.plot`."""
         from . import plot
 
@@ -271,10 +285,8 @@ class Symbolic:
     friction: object
 
 
-def _target(path):
-    if path is None:
-        raise ValueError("to: say what is wanted, such as to=\"c\"")
+def _target(path: Path) -> str:
     to = _ENDINGS.get(path.suffix.lower())
     if to is None:
-        raise ValueError(f"{path} does not say what is wanted: give to=\"c\", \"urdf\", …")
+        raise ValueError(f'{path} does not say what is wanted: give to="c", "urdf", …')
     return to

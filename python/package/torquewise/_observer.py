@@ -1,12 +1,15 @@
 """Torque that others put on an arm, and the load on its last link."""
 
+from __future__ import annotations
+
 import json
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import _core
-from ._log import read_log
+from ._log import Progress, read_log
 from ._model import Model
 from ._progress import shown
 
@@ -15,7 +18,7 @@ from ._progress import shown
 class Contacts:
     """External torque of a log, and when it is more than a free arm shows."""
 
-    joints: list
+    joints: list[str]
     t: np.ndarray
     """Time [s], m."""
     external: np.ndarray
@@ -24,10 +27,10 @@ class Contacts:
     """Beyond which it is taken for a contact [N·m], n."""
     seconds: float
     """Time of free motion that the thresholds come from [s]."""
-    contacts: list
+    contacts: list[dict[str, Any]]
     """A dict each: begin, end [s], joint, torque [N·m], factor of the threshold."""
 
-    def plot(self, **options):
+    def plot(self, **options: Any) -> Any:
         """Draws it: see :func:`torquewise.plot.residuals`."""
         from . import plot
 
@@ -35,8 +38,15 @@ class Contacts:
 
 
 def residuals(
-    model, log=None, *, free=None, false_alarms=None, bandwidth=None, progress=None, **options
-):
+    model: Model,
+    log: Any = None,
+    *,
+    free: Any = None,
+    false_alarms: float | None = None,
+    bandwidth: float | None = None,
+    progress: Progress = None,
+    **options: Any,
+) -> Contacts:
     """External torque of a log by the momentum observer, and contacts beyond a threshold.
 
     free
@@ -76,19 +86,19 @@ class Payload:
     inertia: np.ndarray
     """Moments about the centre [kg·m²]: xx, yy, zz, xy, xz, yz."""
     inertia_error: np.ndarray
-    link: str
+    link: str | None
     """As a URDF calls it, if one gave the geometry; else z is the last axis."""
     rows: int
     residual_without: np.ndarray
     """RMS of what is left of the torque of each joint without the load [N·m]."""
     residual_with: np.ndarray
-    hints: list
+    hints: list[str]
     """What the motion tells too little of, and which would tell it."""
     model: Model
     """The arm that carries the load."""
 
 
-def payload(model, log=None, *, progress=None, **options):
+def payload(model: Model, log: Any = None, *, progress: Progress = None, **options: Any) -> Payload:
     """Mass, centre and inertia of what hangs on the last link, from seconds of motion.
 
     model is of the arm without it, learned as a chain.
@@ -97,7 +107,7 @@ def payload(model, log=None, *, progress=None, **options):
     with shown(progress) as told:
         found, hints, loaded = _core.payload(model, log, told)
     found = json.loads(found)
-    values = lambda key, own: np.array([one[own] for one in found[key]])  # noqa: E731
+    values = lambda key, own: np.array([one[own] for one in found[key]])
     return Payload(
         mass=found["mass"]["value"],
         mass_error=found["mass"]["std_error"],

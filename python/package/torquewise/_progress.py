@@ -44,7 +44,9 @@ class _Bar:
         if doing != self._doing:
             self.close()
             self._doing = doing
-            self._own = self._tqdm(desc=doing, total=total, unit=" rows", unit_scale=True, leave=False)
+            self._own = self._tqdm(
+                desc=doing, total=total, unit=" rows", unit_scale=True, leave=False
+            )
         self._own.update(rows)
 
     def close(self):

@@ -1,31 +1,36 @@
 """Arms of known truth, and motions to record."""
 
+from __future__ import annotations
+
 import os
+from collections.abc import Sequence
+from typing import Any
 
 from . import _core
-from ._log import write_log
+from ._log import Path, write_log
+from ._model import Model
 
 CASES = {2: (70.0, 50.0, 30.0), 3: (60.0, 40.0, 30.0)}
 
 
-def arms():
+def arms() -> dict[str, int]:
     """The built-in arms: a dict from name to number of joints."""
     return dict(_core.arms())
 
 
 def simulate(
-    arm,
+    arm: Path | Model,
     *,
-    motion="moves",
-    seconds=None,
-    rate=None,
-    seed=0,
-    case=1,
-    noise_db=None,
-    friction=None,
-    lock=(),
-    path=None,
-):
+    motion: str = "moves",
+    seconds: float | None = None,
+    rate: float | None = None,
+    seed: int = 0,
+    case: int = 1,
+    noise_db: Sequence[float] | None = None,
+    friction: Path | None = None,
+    lock: Sequence[str] = (),
+    path: Path | None = None,
+) -> dict[str, Any]:
     """Moves an arm and records its torque: a dict with t, q, dq, ddq, tau and joints.
 
     arm
@@ -63,7 +68,7 @@ def simulate(
     return found
 
 
-def excite(arm, **options):
+def excite(arm: Path | Model, **options: Any) -> list[dict[str, Any]]:
     """Plans the recordings from which a model can be reconstructed: a list of three dicts.
 
     Each has a name, t, q, dq, ddq, and joint_trajectory, the text of a ROS 2 message. Options are

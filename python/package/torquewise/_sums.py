@@ -1,8 +1,12 @@
 """Logs summed up apart, merged, and solved for the model that all of them give."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from . import _core
 from ._fit import OF_LOG, Fit
-from ._log import read_log
+from ._log import Progress, read_log
 from ._progress import shown
 
 
@@ -17,7 +21,14 @@ class Summary(_core.Summary):
     """
 
     @classmethod
-    def of(cls, log=None, *, request=None, progress=None, **options):
+    def of(
+        cls,
+        log: Any = None,
+        *,
+        request: _core.Request | None = None,
+        progress: Progress = None,
+        **options: Any,
+    ) -> Summary:
         """Sums up a log; options are those of :func:`torquewise.fit`."""
         of_log = {key: options.pop(key) for key in OF_LOG if key in options}
         log = read_log(log, **of_log)
@@ -25,22 +36,22 @@ class Summary(_core.Summary):
             return cls(_core.Summary._of(log, request, options, told))
 
     @classmethod
-    def from_bytes(cls, data):
+    def from_bytes(cls, data: bytes) -> Summary:
         """Sums from the bytes of a moments file."""
         return cls(_core.Summary.from_bytes(data))
 
-    def merge(self, *others):
+    def merge(self, *others: _core.Summary) -> Summary:
         """The sums of these logs and others."""
-        found = self
+        found: _core.Summary = self
         for other in others:
             found = _core.Summary.merge(found, other)
         return type(self)(found)
 
-    def update(self, log=None, **options):
+    def update(self, log: Any = None, **options: Any) -> Summary:
         """The sums of these logs and one more."""
         return self.merge(type(self).of(log, **options))
 
-    def solve(self, *, progress=None, **options):
+    def solve(self, *, progress: Progress = None, **options: Any) -> Fit | _core.Request:
         """The :class:`Fit` of a model, or the :class:`Request` of another round."""
         with shown(progress) as told:
             found = self._solve(options, told)

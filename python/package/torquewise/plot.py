@@ -23,7 +23,12 @@ def _grid(n, width=7.0, height=1.8, columns=1, **options):
     plt = _pyplot()
     rows = -(-n // columns)
     figure, axes = plt.subplots(
-        rows, columns, figsize=(width, height * rows), squeeze=False, layout="constrained", **options
+        rows,
+        columns,
+        figsize=(width, height * rows),
+        squeeze=False,
+        layout="constrained",
+        **options,
     )
     for axis in axes.flat[n:]:
         axis.set_axis_off()
@@ -135,7 +140,7 @@ def arm(model):
     """Axes of the joints where they were learned to lie, at q = 0; for models of a chain."""
     axes = model.describe()["axes"]
     if not axes:
-        raise ValueError("the model has no geometry: fit a chain (library=\"chain\")")
+        raise ValueError('the model has no geometry: fit a chain (library="chain")')
     plt = _pyplot()
     points = np.array([own["point"] for own in axes])
     ways = np.array([own["direction"] for own in axes])
