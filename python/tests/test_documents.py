@@ -57,6 +57,25 @@ def test_a_notebook_runs(path, tmp_path):
     assert not any(cell.get("outputs") for cell in kept.cells), "keep notebooks without outputs"
 
 
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["ruff", "check", "python", "examples/mujoco_tracking.py"],
+        ["ruff", "format", "--check", "python", "examples/mujoco_tracking.py"],
+        ["mypy", "--ignore-missing-imports", "python/package/torquewise"],
+    ],
+    ids=" ".join,
+)
+def test_the_package_is_clean(command, tmp_path):
+    pytest.importorskip(command[0])
+    environment = {**os.environ, "RUFF_CACHE_DIR": str(tmp_path), "MYPY_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-m", *command], cwd=ROOT, capture_output=True, text=True, env=environment
+    )
+
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 def test_the_pages_are_built(tmp_path):
     pytest.importorskip("mkdocs")
     command = [

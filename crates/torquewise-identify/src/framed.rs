@@ -5,7 +5,7 @@ use serde::de::DeserializeOwned;
 use torquewise_survey::error::IdentifyError;
 
 /// Raised whenever what is summed, or how it is written, changes.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 /// Magic, version, length and checksum of what follows.
 const HEADER_BYTES: usize = 24;
 

@@ -3,6 +3,7 @@
 use crate::plan::Plan;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
+use torquewise_model::model::Filter;
 use torquewise_motion::{Pattern, Recording};
 use torquewise_stepwise::library::{Basis, SummedLibrary};
 use torquewise_stepwise::patterns::PatternPlan;
@@ -21,6 +22,8 @@ pub struct Settings {
     pub signals: String,
     /// Whether they were filtered at all.
     pub filtered: bool,
+    /// The filter that the model keeps, if there was one.
+    pub filter: Option<Filter>,
 }
 
 impl Settings {
@@ -38,6 +41,7 @@ impl Settings {
             patterns: PatternPlan { slow, ..plan.patterns },
             signals: signals.to_owned(),
             filtered: recording.is_filtered(),
+            filter: None,
         }
     }
 

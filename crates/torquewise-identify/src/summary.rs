@@ -8,6 +8,7 @@ use crate::rounds::Request;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
+use torquewise_model::model::Filter;
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::row_sums::RowSums;
@@ -130,6 +131,12 @@ pub fn summarise_again(
 }
 
 impl Summary {
+    /// The same sums, with the filter that their rows went through.
+    pub fn filtered_by(mut self, filter: Option<Filter>) -> Self {
+        self.settings.filter = filter;
+        self
+    }
+
     /// Joint names, base to tip.
     pub fn joints(&self) -> &[String] {
         self.survey.joints()

@@ -10,7 +10,8 @@ use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
-use torquewise_identify::{Method, Plan, Summary, solve, summarise};
+use torquewise_identify::{Method, Plan, Reconstruction, Summary, solve, summarise};
+use torquewise_model::model::Filter;
 
 /// What solving sums of logs came to.
 #[derive(Debug)]
@@ -56,7 +57,7 @@ pub fn sum_up(
         None => summarise(&watched, &plan, &conditioning(&log), &mut told)?,
         Some(request) => summarise_again(&watched, &plan, &conditioning(&log), request, &mut told)?,
     };
-    Ok((summary, log))
+    Ok((summary.filtered_by(log.filter()), log))
 }
 
 /// How the signals were filtered: parts that were filtered otherwise do not add up.
@@ -77,12 +78,19 @@ pub fn solve_sums(
     observer: Observer<'_>,
 ) -> Result<Solved, Error> {
     let plan = options.plan_for_sums(summary.settings())?;
+    let filter = summary.settings().filter;
     let timed = timed(observer, |progress| solve(summary, &plan, progress))?;
     let (solution, times) = timed.split();
     Ok(match solution {
         Solution::Request(request) => Solved::Request(request),
         Solution::Model(found) => {
-            Solved::Model(Box::new(FitResult::from(times.map(|()| (None, *found)))))
+            let found = (None, with_filter(*found, filter));
+            Solved::Model(Box::new(FitResult::from(times.map(|()| found))))
         }
     })
+}
+
+fn with_filter(mut found: Reconstruction, filter: Option<Filter>) -> Reconstruction {
+    found.model.training.filter = filter;
+    found
 }

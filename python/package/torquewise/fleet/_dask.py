@@ -1,0 +1,135 @@
+"""Rounds of a fleet on Dask: only sums travel, and they are merged on the workers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from ._core import File, Part, Plan, merge, summarise
+
+#: Files of one task, parts of one merge.
+FILES = 8
+FAN_IN = 8
+
+
+@contextmanager
+def connected(client: Any) -> Iterator[Any]:
+    """A client: as given, of an address, or of processes of this machine while this lasts."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise ImportError("fleets are fitted by Dask: pip install 'torquewise[dask]'") from None
+    if client is None:
+        with LocalCluster(threads_per_worker=1, processes=True) as cluster, Client(cluster) as own:
+            yield own
+    elif isinstance(client, str):
+        with Client(client) as own:
+            yield own
+    else:
+        yield client
+
+
+def reduced(
+    client: Any,
+    batches: Sequence[Sequence[str]],
+    plan: Plan,
+    request: bytes | None,
+    known: dict[str, str],
+    told: Callable[[int], None],
+    retries: int,
+) -> Any:
+    """A future of the :class:`Part` of all batches, by a tree of merges on the workers."""
+    waiting = list(reversed(batches))
+    suspects: list[str] = []
+    alone: set[str] = set()
+    running: dict[Any, Sequence[str]] = {}
+    merging: set[Any] = set()
+    ready: list[Any] = []
+    room = 2 * max(1, len(client.scheduler_info()["workers"]))
+
+    def submit(batch: Sequence[str]) -> None:
+        own = {path: known[path] for path in batch if path in known}
+        future = client.submit(
+            summarise, tuple(batch), plan, request, own, pure=False, retries=retries
+        )
+        running[future] = batch
+
+    def join(some: list[Any]) -> None:
+        merging.add(client.submit(merge, *some, pure=False, priority=10, retries=retries))
+
+    try:
+        while waiting or suspects or running or merging or len(ready) > 1:
+            while waiting and len(running) < room:
+                submit(waiting.pop())
+            if suspects and not (waiting or running or merging):
+                # Alone, so that nothing else is blamed for a worker that dies.
+                alone.add(suspects[-1])
+                submit([suspects.pop()])
+            is_last = not (waiting or suspects or running or merging)
+            if len(ready) >= FAN_IN or (len(ready) > 1 and is_last):
+                join([ready.pop() for _ in range(min(FAN_IN, len(ready)))])
+                continue
+            for future in _finished([*running, *merging]):
+                if future in merging:
+                    merging.discard(future)
+                    ready.append(_checked(future))
+                    continue
+                batch = running.pop(future)
+                if future.status == "finished":
+                    told(len(batch))
+                    ready.append(future)
+                elif batch[0] in alone:
+                    told(1)
+                    ready.append(_left_out(client, future, batch[0]))
+                else:
+                    suspects.extend(batch)
+        return ready[0] if ready else client.scatter(Part(None, ()))
+    except BaseException:
+        client.cancel([*running, *merging, *ready], force=True)
+        raise
+
+
+def joined(client: Any, parts: Sequence[Any], retries: int) -> Any:
+    """A future of several as one, merged on the workers; those merged stay as they are."""
+    parts = list(parts)
+    while len(parts) > 1:
+        groups = [parts[first : first + FAN_IN] for first in range(0, len(parts), FAN_IN)]
+        parts = [
+            own[0] if len(own) == 1 else client.submit(merge, *own, pure=False, retries=retries)
+            for own in groups
+        ]
+    return parts[0]
+
+
+def files_of(part: Part) -> tuple[File, ...]:
+    """What became of the files of a part."""
+    return part.files
+
+
+def _finished(futures: list[Any]) -> list[Any]:
+    from distributed import wait
+
+    return list(wait(futures, return_when="FIRST_COMPLETED").done)
+
+
+def _checked(future: Any) -> Any:
+    if future.status != "finished":
+        raise future.exception()
+    return future
+
+
+def _left_out(client: Any, future: Any, path: str) -> Any:
+    """A file whose worker dies or fails where nothing else runs."""
+    reason = f"its worker died or failed: {future.exception()!r}"
+    return client.scatter(Part(None, (File(path, reason=reason),)))
+
+
+def called(client: Any, function: Callable, *arguments: Any, retries: int = 3) -> Any:
+    """What a function returns on a worker."""
+    future = client.submit(function, *arguments, pure=False, retries=retries)
+    try:
+        return future.result()
+    except BaseException:
+        client.cancel([future], force=True)
+        raise
