@@ -200,7 +200,7 @@ def test_logs_without_accelerations_are_filtered_alike(client, tmp_path):
     one = torquewise.fit(paths, progress=False, friction="none", **own).model
     # Noise of filtered logs is measured file by file, not in all together.
     state = [np.random.default_rng(0).uniform(-1, 1, (9, 2)) for _ in range(3)]
-    assert np.allclose(found.model.torque(*state), one.torque(*state), rtol=1e-6, atol=1e-6)
+    assert np.allclose(found.model.torque(*state), one.torque(*state), rtol=1e-4, atol=1e-3)
     filters = [json.loads(model.to_json())["training"]["filter"] for model in (found.model, one)]
     assert filters[0] == filters[1] and filters[0]["cutoff_hz"] == own["filter"]
 
