@@ -83,7 +83,12 @@ class Watch(threading.Thread):
 
 def run(paths, workers, kills=0, **options):
     with (
-        LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster,
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            dashboard_address=None,
+            env={"RAYON_NUM_THREADS": "1"},
+        ) as cluster,
         Client(cluster) as client,
     ):
         watch = Watch(cluster, kills)

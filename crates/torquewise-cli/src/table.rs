@@ -1,5 +1,8 @@
 //! From rows of words and numbers to text in columns.
 
+/// Letters of a cell at most.
+const WIDEST: usize = 250;
+
 /// A table for the terminal: names to the left, numbers to the right.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
@@ -22,11 +25,17 @@ impl Table {
         self.rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
     }
 
-    /// One line per row, each ended.
+    /// One line per row, each ended; cells beyond any terminal are cut.
     pub(crate) fn text(&self) -> String {
-        let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
+        let cut = |cell: &String| match cell.char_indices().nth(WIDEST) {
+            None => cell.clone(),
+            Some((end, _)) => cell[..end].to_owned() + "…",
+        };
+        let rows: Vec<Vec<String>> =
+            self.rows.iter().map(|row| row.iter().map(cut).collect()).collect();
+        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
-            let cells = self.rows.iter().filter_map(|row| row.get(column));
+            let cells = rows.iter().filter_map(|row| row.get(column));
             cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
         };
         let widths: Vec<usize> = (0..columns).map(width).collect();
@@ -36,7 +45,7 @@ impl Table {
             });
             cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
         };
-        self.rows.iter().map(line).collect()
+        rows.iter().map(line).collect()
     }
 }
 
@@ -49,6 +58,14 @@ pub(crate) fn counts(values: &[usize]) -> String {
 mod tests {
     use super::*;
     use torquewise::model::number;
+
+    #[test]
+    fn a_cell_beyond_any_terminal_is_cut() {
+        let mut table = Table::new(&["joint"]);
+        table.row(&"é".repeat(70_000), []);
+
+        assert_eq!(table.text(), format!("joint\n{}…\n", "é".repeat(WIDEST)));
+    }
 
     #[test]
     fn names_stand_left_and_numbers_right() {

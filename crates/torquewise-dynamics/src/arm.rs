@@ -4,8 +4,8 @@
 use crate::error::DynamicsError;
 use crate::spatial::{Body, Pose, is_positive_semidefinite};
 use nalgebra::{Unit, Vector3};
-use std::collections::HashSet;
 use std::f64::consts::PI;
+use torquewise_motion::unfit_joint_name;
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Geometry, Kinematics};
@@ -77,14 +77,16 @@ impl Arm {
             return Err(DynamicsError::NoJoints);
         }
         check_finite("gravity", &name, &gravity)?;
-        let mut seen = HashSet::new();
-        for (joint_name, joint) in &joints {
-            if !seen.insert(joint_name) {
-                let name = joint_name.clone();
-                return Err(DynamicsError::DuplicateName { kind: "joint", name });
-            }
-            joint.check(joint_name)?;
+        let names: Vec<String> = joints.iter().map(|(name, _)| name.clone()).collect();
+        if let Some(name) = unfit_joint_name(&names) {
+            let start = name.chars().take(20).flat_map(char::escape_debug).collect();
+            return Err(if names.iter().filter(|own| *own == name).count() > 1 {
+                DynamicsError::DuplicateName { kind: "joint", name: start }
+            } else {
+                DynamicsError::JointName { name: start }
+            });
         }
+        joints.iter().try_for_each(|(name, joint)| joint.check(name))?;
         let (joint_names, joints): (_, Vec<Joint>) = joints.into_iter().unzip();
         let kinematics = Kinematics::of_frames(placements(&joints), gravity);
         let inertial = joints.iter().flat_map(Joint::inertial_parameters).collect();

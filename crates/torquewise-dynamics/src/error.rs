@@ -20,6 +20,11 @@ pub enum DynamicsError {
     // Tree of links and joints
     #[error("{kind} `{name}` appears twice: give each {kind} its own name")]
     DuplicateName { kind: &'static str, name: String },
+    #[error(
+        "a joint is called \"{name}\": take a name of 1 to 200 bytes without comma, control character \
+         or outer space"
+    )]
+    JointName { name: String },
     #[error("joint `{joint}` names link `{link}`, which is not defined: add it or mend the name")]
     UnknownLink { joint: String, link: String },
     #[error("joints `{first}` and `{second}` both carry link `{link}`: remove one of them")]

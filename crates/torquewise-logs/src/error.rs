@@ -244,8 +244,8 @@ pub enum LogError {
     )]
     JointNameCount { file: PathBuf, found: usize, expected: usize },
     #[error(
-        "joint name \"{name}\" cannot be kept in a log: take a name that occurs once and has no \
-         comma, line break or outer space"
+        "joint name \"{name}\" cannot be kept in a log: take a name that occurs once, has at most 200 \
+         bytes and no comma, control character or outer space"
     )]
     JointName { name: String },
     #[error(

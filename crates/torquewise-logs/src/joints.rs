@@ -1,8 +1,8 @@
 //! Joint names → text → joint names: how a log file keeps them.
 
 use crate::error::{LogError, shown};
-use std::collections::HashSet;
 use std::path::Path;
+use torquewise_motion::unfit_joint_name;
 
 /// Key of the joint names in the metadata of a Parquet file.
 pub(crate) const PARQUET_KEY: &str = "torquewise.joints";
@@ -37,16 +37,8 @@ pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<S
 
 /// Makes sure that [`join`] can keep them.
 pub(crate) fn check(names: &[String]) -> Result<(), LogError> {
-    let mut seen = HashSet::new();
-    let keepable = |name: &str| {
-        !name.is_empty()
-            && name.trim() == name
-            && !name.contains(|c: char| c == ',' || c.is_control())
-    };
-    match names.iter().find(|name| !keepable(name) || !seen.insert(name.as_str())) {
-        Some(name) => Err(LogError::JointName { name: shown(name.as_bytes()) }),
-        None => Ok(()),
-    }
+    unfit_joint_name(names)
+        .map_or(Ok(()), |name| Err(LogError::JointName { name: shown(name.as_bytes()) }))
 }
 
 #[cfg(test)]

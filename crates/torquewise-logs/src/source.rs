@@ -94,7 +94,7 @@ impl Source {
         let n = mapping.layout.n_joints();
         let own = |names: &[String]| joints::checked(file, names.to_vec(), n);
         let joints = match &mapping.joints {
-            Some(names) => Some(names.clone()),
+            Some(names) => Some(own(names)?),
             None => rows.joints().map(own).transpose()?,
         };
         let clock = if profile.is_some() { Clock::Repair } else { options.clock };

@@ -7,6 +7,7 @@ use crate::term::Term;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::path::Path;
+use torquewise_motion::unfit_joint_name;
 use torquewise_motion::whole_file::write_whole;
 
 /// Version of the file format this program writes, and the newest it reads. Version 1 had neither
@@ -96,6 +97,14 @@ fn check(model: &Model) -> Result<(), ModelError> {
     let n = model.n_joints();
     if n == 0 {
         return Err(ModelError::NotAModel { reason: "it has no joints".into() });
+    }
+    if let Some(name) = unfit_joint_name(&model.joints) {
+        let start: String = name.chars().take(20).flat_map(char::escape_debug).collect();
+        let reason = format!(
+            "a joint is called \"{start}\": names occur once, have 1 to 200 bytes and no comma, \
+             control character or outer space"
+        );
+        return Err(ModelError::NotAModel { reason });
     }
     let stages = model.stages.iter().map(|stage| (&stage.form, &stage.friction));
     for (form, friction) in std::iter::once((&model.form, &model.friction)).chain(stages) {

@@ -22,6 +22,7 @@
 //! ```
 
 pub mod error;
+mod joint_names;
 pub mod memory;
 pub mod motion;
 pub mod path;
@@ -33,6 +34,7 @@ pub mod whole_file;
 
 pub use differentiate::{LocalPolynomial, derivative};
 pub use error::MotionError;
+pub use joint_names::unfit_joint_name;
 pub use motion::{Motion, Signals};
 pub use pattern::Pattern;
 pub use recording::{BLOCK_ROWS, RawRecording, ReadError, Recording};

@@ -21,7 +21,9 @@ def connected(client: Any) -> Iterator[Any]:
     except ImportError:
         raise ImportError("fleets are fitted by Dask: pip install 'torquewise[dask]'") from None
     if client is None:
-        with LocalCluster(threads_per_worker=1, processes=True) as cluster, Client(cluster) as own:
+        # One thread each: there is a process for each processor.
+        alone = {"threads_per_worker": 1, "processes": True, "env": {"RAYON_NUM_THREADS": "1"}}
+        with LocalCluster(**alone) as cluster, Client(cluster) as own:
             yield own
     elif isinstance(client, str):
         with Client(client) as own:
