@@ -9,7 +9,6 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use torquewise::external::ExternalOptions;
-use torquewise::model::shaft_friction::Estimated;
 
 /// External torque of a log: rows of t and n torques, thresholds and contacts as JSON.
 #[pyfunction]
@@ -85,16 +84,6 @@ pub(crate) fn payload(
             Ok((found, loaded))
         }),
     )?;
-    let of = |own: &Estimated| serde_json::json!({"value": own.value, "std_error": own.std_error});
-    let object = serde_json::json!({
-        "mass": of(&found.mass),
-        "center": found.center.iter().map(of).collect::<Vec<_>>(),
-        "inertia": found.inertia.iter().map(of).collect::<Vec<_>>(),
-        "link": found.link,
-        "rows": found.rows,
-        "residual_without": found.residual_without,
-        "residual_with": found.residual_with,
-    });
     let hints = found.hints().into_iter().map(str::to_owned).collect();
-    Ok((object.to_string(), hints, Model::new(loaded)))
+    Ok((json(&found)?, hints, Model::new(loaded)))
 }

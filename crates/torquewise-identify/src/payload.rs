@@ -1,6 +1,7 @@
 //! From a model of the arm and a log with a load on its last link to the load (E15).
 
 use faer::{ColRef, Mat};
+use serde::Serialize;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::shaft_friction::Estimated;
 use torquewise_model::{LinkFrame, Model, ModelError, RigidChain, Torque};
@@ -16,7 +17,7 @@ use torquewise_survey::error::IdentifyError;
 ///
 /// It is in the frame of that link: as the URDF has it, where one gave the geometry; else z is the
 /// last axis and the origin where that is next to the axis before.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Payload {
     /// The link, as a URDF calls it.
     pub link: Option<String>,
@@ -32,10 +33,13 @@ pub struct Payload {
     pub residual_without: Vec<f64>,
     /// The same with it.
     pub residual_with: Vec<f64>,
+    #[serde(skip)]
     inertial: [f64; PER_BODY],
     /// Covariance that the log makes, 10×10.
+    #[serde(skip)]
     own: Mat<f64>,
     /// How the load follows from errors of the parameters of the arm, 10×p.
+    #[serde(skip)]
     followed: Mat<f64>,
 }
 

@@ -76,6 +76,9 @@ impl SystematicSample {
                 stays[(place - 1) / width]
             });
             log.places.retain(|place| place.is_multiple_of(stride));
+            // A thousand logs would keep the room that each once took.
+            log.values.shrink_to(2 * log.values.len());
+            log.places.shrink_to(2 * log.places.len());
         }
     }
 
@@ -140,6 +143,17 @@ mod tests {
         assert_eq!(one, right);
         // 998 records: every 16th of each log, 63 and a bit.
         assert_eq!((one.stride, one.len()), (16, 6 + 1 + 49 + 9));
+    }
+
+    #[test]
+    fn many_logs_take_no_more_room_than_is_kept() {
+        let mut all = log(0.0, 100);
+        (1..200).for_each(|k| all.merge(&log(f64::from(k), 100)));
+
+        let room: usize = all.logs.iter().map(|log| log.values.capacity()).sum();
+
+        assert_eq!(all.len(), 200);
+        assert!(room <= 4 * 2 * all.len(), "{room} numbers");
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! What hangs on the last link of an arm whose model is known.
 
 use crate::files::{check_output, read_model};
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use crate::table::Table;
 use anyhow::Result;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 use torquewise::model::number;
@@ -75,15 +75,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         left.row(joint, [number(*without), number(*with)]);
     }
     text += &left.text();
-    let mut json = json!({
-        "mass": estimate(&found.mass),
-        "center": found.center.iter().map(estimate).collect::<Vec<_>>(),
-        "inertia": found.inertia.iter().map(estimate).collect::<Vec<_>>(),
-        "link": found.link,
-        "rows": found.rows,
-        "residual_without": found.residual_without,
-        "residual_with": found.residual_with,
-    });
+    let mut json = object(&found);
     if let Some(output) = &arguments.output {
         found.added_to(&model)?.save(output)?;
         let file = output.display().to_string();
@@ -92,8 +84,4 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let warnings = found.hints().into_iter().map(str::to_owned).collect();
     Ok(Outcome { notes: Vec::new(), text, json, warnings })
-}
-
-fn estimate(Estimated { value, std_error }: &Estimated) -> Value {
-    json!({ "value": value, "std_error": std_error })
 }
