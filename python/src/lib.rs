@@ -1,8 +1,8 @@
 //! torquewise for Python: the engine of the package `torquewise`, which wraps it.
 //!
 //! Long work runs in a thread of its own without the interpreter; the calling thread shows progress
-//! and listens to Ctrl-C ([`work`]). Arrays are read where they lie, a block of rows at a time
-//! ([`arrays`]).
+//! and listens to Ctrl-C (`work`). Arrays are read where they lie, a block of rows at a time
+//! (`arrays`).
 #![expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
 
 mod arrays;
