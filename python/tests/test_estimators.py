@@ -168,7 +168,7 @@ def _checks():
             )
 
 
-@pytest.mark.parametrize("estimator, check", _checks())
+@pytest.mark.parametrize("estimator, check", list(_checks()))
 def test_checks_of_scikit_learn(estimator, check):
     check(estimator)
 

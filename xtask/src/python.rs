@@ -48,16 +48,25 @@ fn lay_out(root: &Path, target: &Path, site: &Path) -> Result<()> {
     if package.exists() {
         fs::remove_dir_all(&package)?;
     }
-    fs::create_dir_all(&package)?;
-    for entry in fs::read_dir(root.join("python/package/torquewise"))? {
-        let entry = entry?;
-        if entry.file_type()?.is_file() {
-            fs::copy(entry.path(), package.join(entry.file_name()))?;
-        }
-    }
+    copy(&root.join("python/package/torquewise"), &package)?;
     let engine: PathBuf = target.join(format!("debug/{DLL_PREFIX}_core{DLL_SUFFIX}"));
     let name = if cfg!(windows) { "_core.pyd" } else { "_core.abi3.so" };
     fs::copy(&engine, package.join(name)).with_context(|| format!("no {}", engine.display()))?;
+    Ok(())
+}
+
+/// Copies a folder and those in it, but for what Python keeps beside its files.
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    fs::create_dir_all(to)?;
+    for entry in fs::read_dir(from)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        if entry.file_type()?.is_file() {
+            fs::copy(entry.path(), to.join(name))?;
+        } else if name != "__pycache__" {
+            copy(&entry.path(), &to.join(name))?;
+        }
+    }
     Ok(())
 }
 
