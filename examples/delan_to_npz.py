@@ -5,6 +5,7 @@
 
 Unpickle only files you trust. `m`, `c` and `g` are the true parts of the torque.
 """
+
 import pathlib
 import sys
 
@@ -18,11 +19,17 @@ def main(source: str, target: str) -> None:
     with open(source, "rb") as file:
         data = dill.load(file)
     for place, label in enumerate(data["labels"]):
-        of = lambda key: numpy.asarray(data[key][place], dtype=float)
+        of = lambda key, place=place: numpy.asarray(data[key][place], dtype=float)
         numpy.savez(
             folder / f"{place:02}-{label}.npz",
-            t=of("t"), q=of("qp"), dq=of("qv"), ddq=of("qa"), tau=of("tau"),
-            m=of("m"), c=of("c"), g=of("g"),
+            t=of("t"),
+            q=of("qp"),
+            dq=of("qv"),
+            ddq=of("qa"),
+            tau=of("tau"),
+            m=of("m"),
+            c=of("c"),
+            g=of("g"),
         )
 
 

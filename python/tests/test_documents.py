@@ -60,8 +60,8 @@ def test_a_notebook_runs(path, tmp_path):
 @pytest.mark.parametrize(
     "command",
     [
-        ["ruff", "check", "python", "examples/mujoco_tracking.py"],
-        ["ruff", "format", "--check", "python", "examples/mujoco_tracking.py"],
+        ["ruff", "check", "--config", "python/pyproject.toml", "python", "examples"],
+        ["ruff", "format", "--check", "--config", "python/pyproject.toml", "python", "examples"],
         ["mypy", "--ignore-missing-imports", "python/package/torquewise"],
     ],
     ids=" ".join,
