@@ -6,7 +6,9 @@ python python/examples/fleet_spark.py 'logs/*.parquet'
 
 import argparse
 import glob
+import os
 import pickle
+import sys
 import time
 
 import pyarrow as pa
@@ -40,6 +42,8 @@ def main():
     arguments = parser.parse_args()
     paths = sorted(glob.glob(arguments.logs, recursive=True))
     options = {"library": "chain", "friction": "linear"}
+    # Workers of this machine run in the environment of this program.
+    os.environ.setdefault("PYSPARK_PYTHON", sys.executable)
     spark = SparkSession.builder.master(arguments.master).appName("torquewise").getOrCreate()
     spark.sparkContext.setLogLevel("ERROR")
     begin = time.monotonic()
