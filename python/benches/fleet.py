@@ -18,10 +18,11 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import psutil
-from distributed import Client, LocalCluster
+from distributed import Client
 
 import torquewise
 from torquewise import fleet
+from torquewise.fleet import _dask
 
 OPTIONS = {"library": "chain", "friction": "linear"}
 COULOMB, VISCOUS = (4.0, 5.0, 2.0), (3.0, 4.0, 1.5)
@@ -82,15 +83,7 @@ class Watch(threading.Thread):
 
 
 def run(paths, workers, kills=0, **options):
-    with (
-        LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            dashboard_address=None,
-            env={"RAYON_NUM_THREADS": "1"},
-        ) as cluster,
-        Client(cluster) as client,
-    ):
+    with _dask.processes(workers) as cluster, Client(cluster) as client:
         watch = Watch(cluster, kills)
         idle = sum(psutil.Process(pid).cpu_times().user for pid in watch.pids())
         own = resource.getrusage(resource.RUSAGE_SELF)
