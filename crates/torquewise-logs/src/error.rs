@@ -133,6 +133,12 @@ pub enum LogError {
     #[cfg(feature = "parquet")]
     #[error("{}: a row group cannot be decoded: copy or convert the file again", file.display())]
     RowGroup { file: PathBuf, source: ParquetError },
+    #[error(
+        "{}: the pages of one row group take {megabytes} MB, at most {limit} are held: write it \
+         with pages of 1 MB (data_page_size) or fewer rows in a row group",
+        file.display()
+    )]
+    LargePages { file: PathBuf, megabytes: u64, limit: u64 },
     #[error("{} is damaged beyond decoding: copy or convert it again", file.display())]
     Damaged { file: PathBuf },
     #[error("{} cannot be decoded: copy or convert it again", file.display())]

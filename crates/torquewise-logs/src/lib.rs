@@ -43,6 +43,10 @@ mod rows;
 mod lines;
 mod csv_rows;
 #[cfg(feature = "parquet")]
+mod compact;
+#[cfg(feature = "parquet")]
+mod parquet_checks;
+#[cfg(feature = "parquet")]
 mod parquet_column;
 #[cfg(feature = "parquet")]
 mod parquet_rows;

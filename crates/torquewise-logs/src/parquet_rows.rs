@@ -3,6 +3,7 @@
 use crate::error::{LogError, Place};
 use crate::guarded::guarded;
 use crate::joints::{self, PARQUET_KEY};
+use crate::parquet_checks::{self, MOST_PAGE_BYTES};
 use crate::parquet_column::{NumberColumn, foreign_type};
 use crate::rows::Rows;
 use parquet::file::metadata::{ParquetMetaData, RowGroupMetaData};
@@ -18,6 +19,8 @@ pub(crate) struct ParquetRows {
     names: Vec<String>,
     joints: Option<Vec<String>>,
     reader: SerializedFileReader<File>,
+    /// The file once more, for the headers of its pages.
+    pages: File,
     /// Columns of the file that are read.
     chosen: Vec<usize>,
     /// The chosen columns of the row group at hand.
@@ -34,14 +37,16 @@ pub(crate) struct ParquetRows {
 impl ParquetRows {
     /// Opens a file and reads its footer.
     pub(crate) fn open(file: &Path) -> Result<Self, LogError> {
-        let input = File::open(file).map_err(LogError::read(file))?;
+        let mut input = File::open(file).map_err(LogError::read(file))?;
         if input.metadata().map_err(LogError::read(file))?.len() == 0 {
             return Err(LogError::Empty { file: file.into() });
         }
+        parquet_checks::check_footer(file, &mut input)?;
         guarded(file, || Self::new(file, input))
     }
 
     fn new(file: &Path, input: File) -> Result<Self, LogError> {
+        let pages = input.try_clone().map_err(LogError::read(file))?;
         let reader = SerializedFileReader::new(input).map_err(LogError::parquet(file))?;
         let metadata = reader.metadata();
         if !chunks_are_in_the_file(metadata) {
@@ -53,6 +58,7 @@ impl ParquetRows {
             names: names.map(|column| column.path().string().trim().to_owned()).collect(),
             joints: joint_names(metadata),
             reader,
+            pages,
             chosen: Vec::new(),
             group: Vec::new(),
             groups: 0,
@@ -87,7 +93,25 @@ impl ParquetRows {
         }
     }
 
+    /// Makes sure that the pages of the next row group that are held at once fit into memory.
+    fn check_pages(&mut self) -> Result<(), LogError> {
+        let group = self.reader.metadata().row_group(self.groups);
+        let mut bytes = 0_u64;
+        for &column in &self.chosen {
+            let (start, length) = group.column(column).byte_range();
+            let own = parquet_checks::page_bytes(&mut self.pages, start, length);
+            let own = own.map_err(LogError::read(&self.file))?;
+            bytes += own.ok_or_else(|| LogError::Damaged { file: self.file.clone() })?;
+        }
+        if bytes > MOST_PAGE_BYTES {
+            let (file, limit) = (self.file.clone(), MOST_PAGE_BYTES >> 20);
+            return Err(LogError::LargePages { file, megabytes: bytes >> 20, limit });
+        }
+        Ok(())
+    }
+
     fn next_group(&mut self) -> Result<(), LogError> {
+        self.check_pages()?;
         let refused = LogError::row_group(&self.file);
         let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
         let column = |&column: &usize| {

@@ -2,13 +2,15 @@
 #![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use faer::Mat;
-use parquet::basic::{LogicalType, Repetition, TimeUnit, Type as Stored};
+use parquet::basic::{Compression, LogicalType, Repetition, TimeUnit, Type as Stored, ZstdLevel};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, FloatType, Int32Type};
+use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
 use parquet::schema::types::{Type, TypePtr};
 use proptest::prelude::*;
 use std::fs::File;
 use std::path::PathBuf;
+use std::process::Command;
 use std::sync::{Arc, LazyLock};
 use tempfile::TempDir;
 use torquewise_logs::{LogError, Logs, write_motion};
@@ -171,7 +173,125 @@ fn files_without_rows_or_content_are_refused() {
     assert!(matches!(none, Err(LogError::NoRows { .. })));
     assert!(matches!(read_bytes(b""), Err(LogError::Empty { .. })));
     assert!(matches!(read_bytes(b"t,q1\n0,1\n"), Err(LogError::Parquet { .. })));
-    assert!(matches!(read_bytes(b"PAR1\0\0\0\0PAR1"), Err(LogError::Parquet { .. })));
+    assert!(matches!(read_bytes(b"PAR1\0\0\0\0PAR1"), Err(LogError::Damaged { .. })));
+}
+
+/// Metadata with elements of a schema: a name, and the number of children.
+fn with_schema(elements: &[(&str, Option<u32>)], rest: &[u8]) -> Vec<u8> {
+    let mut footer = vec![0x15, 2, 0x19, 0xfc];
+    footer.extend(varint(elements.len() as u64));
+    for (name, children) in elements {
+        match children {
+            // Field 4, a name; field 5, children.
+            Some(n) => {
+                footer.extend([&[0x48, name.len() as u8], name.as_bytes(), &[0x15]].concat())
+            }
+            // Fields 1, a double; 3, required; 4, a name.
+            None => footer
+                .extend([&[0x15, 10, 0x25, 0, 0x18, name.len() as u8], name.as_bytes()].concat()),
+        }
+        footer.extend(children.map(|n| varint(2 * u64::from(n))).unwrap_or_default());
+        footer.push(0);
+    }
+    footer.extend([0x16, 0]);
+    footer.extend(rest);
+    let length = (footer.len() as u32).to_le_bytes();
+    [&b"PAR1"[..], &footer, &length, b"PAR1"].concat()
+}
+
+fn varint(mut number: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    while number > 0x7f {
+        bytes.push(number as u8 | 0x80);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+    bytes
+}
+
+/// No row groups, and the end.
+const NO_GROUPS: &[u8] = &[0x19, 0x0c, 0];
+
+#[test]
+fn a1_row_groups_that_the_file_cannot_hold_are_refused() {
+    let columns = [("schema", Some(2)), ("t", None), ("q1", None)];
+    assert!(matches!(read_bytes(&with_schema(&columns, NO_GROUPS)), Err(LogError::NoRows { .. })));
+
+    let many = [&[0x19, 0xfc][..], &varint((1 << 31) - 1), &[0]].concat();
+    assert!(matches!(read_bytes(&with_schema(&columns, &many)), Err(LogError::Damaged { .. })));
+}
+
+#[test]
+fn a2_a_schema_that_is_nested_too_deeply_is_refused() {
+    let nested = |depth: usize| {
+        let groups = vec![("g", Some(1)); depth];
+        with_schema(&[groups, vec![("t", None)]].concat(), NO_GROUPS)
+    };
+    assert!(matches!(read_bytes(&nested(5_000)), Err(LogError::Damaged { .. })));
+    assert!(!matches!(read_bytes(&nested(20)), Err(LogError::Damaged { .. })));
+}
+
+#[test]
+fn a3_children_that_a_schema_does_not_have_are_refused() {
+    let columns = [("schema", Some(1_870_000_000)), ("t", None), ("q1", None)];
+    assert!(matches!(read_bytes(&with_schema(&columns, NO_GROUPS)), Err(LogError::Damaged { .. })));
+}
+
+/// Columns of one page of zeros each, compressed.
+fn zeros(names: &[&str], rows: usize) -> Result<Vec<Motion>, LogError> {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("log.parquet");
+    let zeros = Foreign::Double(Vec::new());
+    let fields = names.iter().map(|name| zeros.schema(name)).collect();
+    let schema = Type::group_type_builder("schema").with_fields(fields).build().unwrap();
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_dictionary_enabled(false)
+        .set_data_page_size_limit(usize::MAX)
+        .set_data_page_row_count_limit(usize::MAX)
+        .build();
+    let output = File::create(&file).unwrap();
+    let mut writer = SerializedFileWriter::new(output, schema.into(), properties.into()).unwrap();
+    let mut group = writer.next_row_group().unwrap();
+    let (values, levels) = (vec![0.0; rows], vec![1; rows]);
+    while let Some(mut column) = group.next_column().unwrap() {
+        column.typed::<DoubleType>().write_batch(&values, Some(&levels), None).unwrap();
+        column.close().unwrap();
+    }
+    group.close().unwrap();
+    writer.close().unwrap();
+    read(file)
+}
+
+#[test]
+fn a4_pages_that_take_more_memory_than_stated_are_refused() {
+    let refused = zeros(&["t", "q1", "q2", "q3", "q4", "q5", "q6", "q7", "q8"], 8 << 20);
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("576 MB, at most 512 are held"), "{refused}");
+}
+
+#[test]
+fn a5_a_decoder_that_panics_says_nothing_on_its_own() {
+    // Runs itself once more, so that what is told can be read.
+    if std::env::var_os("TORQUEWISE_DAMAGED").is_some() {
+        for place in (4..VALID.len()).step_by(7) {
+            for value in [0, 0x7f, 0xff] {
+                let mut bytes = VALID.clone();
+                bytes[place] = value;
+                let _ = read_bytes(&bytes);
+            }
+        }
+        return;
+    }
+    let own = std::env::current_exe().unwrap();
+    let name = "hostile_parquet::a5_a_decoder_that_panics_says_nothing_on_its_own";
+    let child = Command::new(own)
+        .args(["--exact", name, "--nocapture"])
+        .env("TORQUEWISE_DAMAGED", "1")
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&child.stderr);
+    assert!(child.status.success() && !told.contains("panicked"), "{told}");
 }
 
 #[test]

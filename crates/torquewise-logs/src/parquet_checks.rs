@@ -1,0 +1,167 @@
+//! From a Parquet file to whether its decoder can be trusted with it: what it claims is held against
+//! the bytes there are, since the decoder allocates and recurses as it is told.
+//!
+//! Source: Apache Parquet format, parquet.thrift, 2.11.
+
+use crate::compact::{Found, walk};
+use crate::error::LogError;
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::path::Path;
+
+const MAGIC: &[u8] = b"PAR1";
+
+/// Bytes of the metadata, columns, and column chunks of all row groups at most.
+const LONGEST_FOOTER: u64 = 64 << 20;
+const MOST_COLUMNS: usize = 10_000;
+const MOST_CHUNKS: usize = 500_000;
+/// Groups of columns within each other at most.
+const DEEPEST_SCHEMA: usize = 64;
+
+/// Bytes of the header of a page that are looked at.
+const LONGEST_HEADER: u64 = 1 << 16;
+/// Bytes of the largest pages of all columns that are read at most, which are held at once.
+pub(crate) const MOST_PAGE_BYTES: u64 = 512 << 20;
+
+/// Fields of the metadata: elements of the schema, and in these the number of children; row groups,
+/// and in these chunks.
+const SCHEMA: &[i16] = &[2];
+const CHILDREN: &[i16] = &[2, 5];
+const CHUNKS: &[i16] = &[4, 1];
+
+/// Fields of the header of a page: bytes before and after compression; encoding of values, in both
+/// versions; values of a dictionary.
+const PLAIN_BYTES: &[i16] = &[2];
+const STORED_BYTES: &[i16] = &[3];
+const ENCODING: [&[i16]; 2] = [&[5, 2], &[8, 4]];
+const DICTIONARY_VALUES: &[i16] = &[7, 1];
+
+/// Encodings of texts whose decoders take the number of lengths on trust.
+const OF_TEXTS: [i64; 2] = [6, 7];
+
+/// Makes sure that the metadata at the end of a file can be decoded.
+pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<(), LogError> {
+    let footer = footer(input).map_err(LogError::damaged(file))?;
+    // The decoder says what is wrong with a file that ends otherwise.
+    let is_sound = footer.is_none_or(|footer| footer_is_sound(&footer));
+    if is_sound { Ok(()) } else { Err(LogError::Damaged { file: file.into() }) }
+}
+
+/// The bytes of the metadata, empty where they cannot be; none where the file does not end with any.
+fn footer(input: &mut File) -> io::Result<Option<Vec<u8>>> {
+    let length = input.seek(SeekFrom::End(0))?;
+    let mut end = [0; 8];
+    let Some(start_of_end) = length.checked_sub(8) else { return Ok(None) };
+    input.seek(SeekFrom::Start(start_of_end))?;
+    input.read_exact(&mut end)?;
+    let (size, magic) = end.split_at(4);
+    let size = size.try_into().map_or(u64::MAX, |size| u64::from(u32::from_le_bytes(size)));
+    if magic != MAGIC {
+        return Ok(None);
+    }
+    let start = start_of_end.checked_sub(size).filter(|_| size <= LONGEST_FOOTER);
+    let Some(start) = start else { return Ok(Some(Vec::new())) };
+    input.seek(SeekFrom::Start(start))?;
+    let mut footer = Vec::new();
+    input.take(size).read_to_end(&mut footer)?;
+    Ok(Some(footer))
+}
+
+fn footer_is_sound(footer: &[u8]) -> bool {
+    let (mut children, mut n_chunks) = (Vec::new(), 0);
+    let whole = walk(footer, &mut |path, found| match (path, found) {
+        (SCHEMA, Found::Element) => children.push(0),
+        (CHILDREN, Found::Integer(number)) => {
+            if let Some(last) = children.last_mut() {
+                *last = number;
+            }
+        }
+        (CHUNKS, Found::Element) => n_chunks += 1,
+        _ => {}
+    });
+    whole.is_some() && n_chunks <= MOST_CHUNKS && is_tree(&children)
+}
+
+/// Whether numbers of children, each element before its own, make one tree that is not too deep.
+fn is_tree(children: &[i64]) -> bool {
+    let mut open: Vec<i64> = vec![1];
+    for number in children {
+        while open.last() == Some(&0) {
+            open.pop();
+        }
+        let Some(left) = open.last_mut() else { return false };
+        *left -= 1;
+        if !(0..=MOST_COLUMNS as i64).contains(number) || open.len() > DEEPEST_SCHEMA {
+            return false;
+        }
+        open.push(*number);
+    }
+    children.len() <= 2 * MOST_COLUMNS && open.iter().all(|left| *left == 0)
+}
+
+/// Bytes that the largest page of a column chunk and its dictionary take, from the headers of its
+/// pages; none where these cannot be right.
+pub(crate) fn page_bytes(input: &mut File, start: u64, length: u64) -> io::Result<Option<u64>> {
+    let (mut at, end) = (start, start.saturating_add(length));
+    let (mut largest, mut dictionary) = (0, 0);
+    while at < end {
+        let Some(page) = page(input, at, end - at)? else { return Ok(None) };
+        if page.is_dictionary {
+            dictionary = page.bytes;
+        } else {
+            largest = largest.max(page.bytes);
+        }
+        at += page.length;
+    }
+    Ok(Some(largest + dictionary))
+}
+
+struct Page {
+    /// After decompression.
+    bytes: u64,
+    is_dictionary: bool,
+    /// With its header, in the file.
+    length: u64,
+}
+
+fn page(input: &mut File, at: u64, left: u64) -> io::Result<Option<Page>> {
+    input.seek(SeekFrom::Start(at))?;
+    let mut head = Vec::new();
+    input.take(LONGEST_HEADER.min(left)).read_to_end(&mut head)?;
+    let (mut plain, mut stored, mut values, mut is_text) = (-1, -1, None, false);
+    let header = walk(&head, &mut |path, found| {
+        let Found::Integer(number) = found else { return };
+        match path {
+            PLAIN_BYTES => plain = number,
+            STORED_BYTES => stored = number,
+            DICTIONARY_VALUES => values = Some(number),
+            path if ENCODING.contains(&path) => is_text |= OF_TEXTS.contains(&number),
+            _ => {}
+        }
+    });
+    let (Some(header), Ok(bytes), Ok(stored)) =
+        (header, u64::try_from(plain), u64::try_from(stored))
+    else {
+        return Ok(None);
+    };
+    // A value of a dictionary takes four bytes at least.
+    let fits = values.is_none_or(|values| (0..=plain / 4).contains(&values));
+    let length = header as u64 + stored;
+    let is_sound = fits && !is_text && length <= left;
+    Ok(is_sound.then_some(Page { bytes, is_dictionary: values.is_some(), length }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_tree;
+
+    #[test]
+    fn a_schema_is_one_tree_that_is_not_too_deep() {
+        assert!(is_tree(&[2, 0, 0]) && is_tree(&[2, 1, 0, 0]) && is_tree(&[0]));
+        let chain = |n: usize| [vec![1; n], vec![0]].concat();
+        assert!(is_tree(&chain(60)));
+        for wrong in [&[2, 0][..], &[1, 0, 0], &[-1], &[1_870_000_000, 0], &chain(80)] {
+            assert!(!is_tree(wrong), "{wrong:?}");
+        }
+    }
+}
