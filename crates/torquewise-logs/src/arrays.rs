@@ -1,5 +1,6 @@
 //! From file of named arrays to rows: each array read as columns, time along its longer side.
 
+mod numbers;
 mod array;
 mod npy;
 mod npz;

@@ -1,10 +1,16 @@
 //! From file of arrays to names, shapes and elements: what NumPy and MATLAB files are decoded to.
 
+use crate::arrays::numbers::Numbers;
 use crate::error::LogError;
-use std::collections::{BTreeMap, BTreeSet};
 
-/// Bytes of an array at most, 2 GB.
-pub(super) const MAX_BYTES: u64 = 1 << 31;
+/// Series of one array at most; a wider one, such as an image, is no signal of a robot.
+const MAX_SERIES: usize = 256;
+
+/// Columns of all arrays at most.
+pub(super) const MAX_COLUMNS: usize = 10_000;
+
+/// Bytes of the name of an array at most.
+pub(super) const LONGEST_NAME: usize = 4_096;
 
 /// How the elements of a matrix follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,33 +28,35 @@ pub(super) struct Array {
     pub(super) order: Order,
 }
 
-/// A file of arrays: names and shapes are known, elements are loaded when asked for.
+/// A file of arrays: names and shapes are known, elements are read when asked for.
 pub(super) trait Arrays {
     fn arrays(&self) -> &[Array];
 
-    /// The elements of some arrays, by their place in [`arrays`](Self::arrays), as stored.
-    fn load(&self, wanted: &BTreeSet<usize>) -> Result<BTreeMap<usize, Vec<f64>>, LogError>;
+    /// The elements of an array from number `first` on, as stored; `array` is its place in
+    /// [`arrays`](Self::arrays).
+    fn numbers(&self, array: usize, first: u64) -> Result<Numbers, LogError>;
 }
 
 impl Array {
+    /// Whether it holds signals: instants, and no more series than a robot has.
+    pub(super) fn is_signal(&self) -> bool {
+        let (instants, series) = self.instants_and_series();
+        instants > 1 && (1..=MAX_SERIES).contains(&series) && self.name.len() <= LONGEST_NAME
+    }
+
     /// Instants along the longer side, and series along the other; a square has rows of instants.
     pub(super) fn instants_and_series(&self) -> (usize, usize) {
         (self.rows.max(self.columns), self.rows.min(self.columns))
     }
 
-    /// The values of one series at all instants.
-    pub(super) fn series(&self, elements: &[f64], series: usize) -> Vec<f64> {
-        let (instants, _) = self.instants_and_series();
-        let is_tall = self.rows >= self.columns;
-        let element = |instant: usize| {
-            let (row, column) = if is_tall { (instant, series) } else { (series, instant) };
-            let at = match self.order {
-                Order::ByRow => row * self.columns + column,
-                Order::ByColumn => column * self.rows + row,
-            };
-            elements.get(at).copied().unwrap_or(f64::NAN)
-        };
-        (0..instants).map(element).collect()
+    /// Whether the series of one instant stand side by side, rather than the instants of a series.
+    pub(super) fn is_by_instant(&self) -> bool {
+        (self.rows >= self.columns) == (self.order == Order::ByRow)
+    }
+
+    /// Elements; `None` where they cannot be counted.
+    pub(super) fn count(&self) -> Option<u64> {
+        u64::try_from(self.rows.checked_mul(self.columns)?).ok()
     }
 }
 
@@ -59,14 +67,22 @@ mod tests {
     #[test]
     fn time_runs_along_the_longer_side_however_elements_are_stored() {
         let array = |rows, columns, order| Array { name: "q".into(), rows, columns, order };
-        let elements = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-
         let tall = array(3, 2, Order::ByRow);
         let flat = array(2, 3, Order::ByRow);
+
         assert_eq!((tall.instants_and_series(), flat.instants_and_series()), ((3, 2), (3, 2)));
-        assert_eq!(tall.series(&elements, 1), [1.0, 3.0, 5.0]);
-        assert_eq!(flat.series(&elements, 1), [3.0, 4.0, 5.0]);
-        assert_eq!(array(3, 2, Order::ByColumn).series(&elements, 1), [3.0, 4.0, 5.0]);
-        assert_eq!(array(2, 3, Order::ByColumn).series(&elements, 1), [1.0, 3.0, 5.0]);
+        assert!(tall.is_by_instant() && !flat.is_by_instant());
+        assert!(!array(3, 2, Order::ByColumn).is_by_instant());
+        assert!(array(2, 3, Order::ByColumn).is_by_instant());
+    }
+
+    #[test]
+    fn scalars_images_and_long_names_are_no_signals() {
+        let array = |name: &str, rows, columns| {
+            Array { name: name.into(), rows, columns, order: Order::ByRow }.is_signal()
+        };
+        assert!(array("q", 2, 1) && array("q", 300, 256));
+        assert!(!array("q", 1, 1) && !array("q", 0, 5) && !array("q", 300, 300));
+        assert!(!array(&"q".repeat(5_000), 2, 1));
     }
 }

@@ -1,36 +1,53 @@
 //! From MATLAB file (.mat, version 5) to arrays; fields of structures are joined to names by dots.
 
-use crate::arrays::array::{Array, Arrays, MAX_BYTES, Order};
-use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, numbers, sizes, wrong};
+use crate::arrays::array::{Array, Arrays, LONGEST_NAME, MAX_COLUMNS, Order};
+use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};
+use crate::arrays::numbers::{Element, Numbers, pass};
 use crate::error::LogError;
 use flate2::read::ZlibDecoder;
-use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 /// Structures within structures that are followed.
 const DEEPEST: usize = 16;
 
-/// Bytes of a name, and of the names of all fields, at most.
-const LONGEST_NAME: u64 = 4_096;
+/// Bytes of the names of all fields of a structure at most.
 const LONGEST_NAMES: u64 = 1 << 20;
 
-/// Arrays of a file at most.
-const MOST_ARRAYS: usize = 100_000;
+/// Variables, cells and fields of a file at most, with empty ones.
+const MOST_PARTS: usize = 1_000_000;
 
 /// A file and the shapes of its arrays.
 pub(super) struct Mat {
     file: PathBuf,
     arrays: Vec<Array>,
+    /// For each array, where its elements are.
+    bodies: Vec<Body>,
+}
+
+/// Where the elements of an array stand in a file.
+#[derive(Clone, Copy, Debug)]
+struct Body {
+    /// Where the element that it is compressed in begins, if it is in one.
+    compressed: Option<u64>,
+    /// Where it begins, in the file or in what is inflated.
+    start: u64,
+    /// What it holds, or why it cannot be read.
+    element: Result<Element, &'static str>,
 }
 
 impl Mat {
     /// Goes through the file for names and shapes.
     pub(super) fn open(file: &Path) -> Result<Self, LogError> {
-        let none = BTreeSet::new();
-        let arrays = Walk::through(file, &none)?.arrays;
-        Ok(Self { file: file.into(), arrays })
+        let input = File::open(file).map_err(LogError::read(file))?;
+        if input.metadata().map_err(LogError::read(file))?.len() == 0 {
+            return Err(LogError::Empty { file: file.into() });
+        }
+        let mut walk = Walk::default();
+        let walked = walk.file(&mut BufReader::new(input));
+        walked.map_err(|source| LogError::Mat { file: file.into(), source })?;
+        Ok(Self { file: file.into(), arrays: walk.arrays, bodies: walk.bodies })
     }
 }
 
@@ -39,34 +56,35 @@ impl Arrays for Mat {
         &self.arrays
     }
 
-    fn load(&self, wanted: &BTreeSet<usize>) -> Result<BTreeMap<usize, Vec<f64>>, LogError> {
-        let found = Walk::through(&self.file, wanted)?;
-        if found.arrays != self.arrays {
-            return Err(LogError::Changed { file: self.file.clone() });
-        }
-        Ok(found.loaded)
+    fn numbers(&self, array: usize, first: u64) -> Result<Numbers, LogError> {
+        let (file, body) = (&self.file, self.bodies[array]);
+        let open = || -> io::Result<Numbers> {
+            let element = body.element.map_err(wrong)?;
+            let before = body.start + first * element.size() as u64;
+            let mut input = File::open(file)?;
+            input.seek(SeekFrom::Start(body.compressed.unwrap_or(before)))?;
+            let mut input: Box<dyn Read + Send> = Box::new(BufReader::new(input));
+            if body.compressed.is_some() {
+                input = Box::new(ZlibDecoder::new(input));
+                pass(&mut input, before)?;
+            }
+            Ok(Numbers::new(input, element))
+        };
+        open().map_err(|source| LogError::Mat { file: file.clone(), source })
     }
 }
 
 /// What was found so far.
-struct Walk<'a> {
-    wanted: &'a BTreeSet<usize>,
+#[derive(Default)]
+struct Walk {
     arrays: Vec<Array>,
-    loaded: BTreeMap<usize, Vec<f64>>,
+    bodies: Vec<Body>,
+    n_parts: usize,
+    /// Where the element that is inflated begins, within one.
+    compressed: Option<u64>,
 }
 
-impl<'a> Walk<'a> {
-    fn through(file: &Path, wanted: &'a BTreeSet<usize>) -> Result<Self, LogError> {
-        let input = File::open(file).map_err(LogError::read(file))?;
-        if input.metadata().map_err(LogError::read(file))?.len() == 0 {
-            return Err(LogError::Empty { file: file.into() });
-        }
-        let mut walk = Self { wanted, arrays: Vec::new(), loaded: BTreeMap::new() };
-        let walked = walk.file(&mut BufReader::new(input));
-        walked.map_err(|source| LogError::Mat { file: file.into(), source })?;
-        Ok(walk)
-    }
-
+impl Walk {
     fn file(&mut self, input: &mut dyn Read) -> io::Result<()> {
         let mut header = [0; 128];
         input.read_exact(&mut header)?;
@@ -78,12 +96,14 @@ impl<'a> Walk<'a> {
             }
             _ => return Err(wrong("it does not begin as a MAT file of version 5 does")),
         };
-        let mut elements = Elements::new(input, u64::MAX, is_big_endian);
+        let mut elements = Elements::new(input, 128, is_big_endian);
         while let Some(tag) = elements.next()? {
             match tag.kind {
                 MATRIX => elements.within(tag, |inner| self.matrix(inner, None, 0))?,
                 COMPRESSED => {
-                    elements.bytes_within(tag, |bytes| self.compressed(bytes, is_big_endian))?;
+                    self.compressed = Some(tag.start);
+                    elements.bytes_within(tag, |bytes| self.inflated(bytes, is_big_endian))?;
+                    self.compressed = None;
                 }
                 _ => elements.skip(tag)?,
             }
@@ -91,9 +111,9 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    fn compressed(&mut self, bytes: &mut dyn Read, is_big_endian: bool) -> io::Result<()> {
+    fn inflated(&mut self, bytes: &mut dyn Read, is_big_endian: bool) -> io::Result<()> {
         let mut plain = ZlibDecoder::new(bytes);
-        let mut elements = Elements::new(&mut plain, u64::MAX, is_big_endian);
+        let mut elements = Elements::new(&mut plain, 0, is_big_endian);
         let tag = elements.require()?;
         if tag.kind == MATRIX {
             elements.within(tag, |inner| self.matrix(inner, None, 0))?;
@@ -110,6 +130,10 @@ impl<'a> Walk<'a> {
         name: Option<String>,
         depth: usize,
     ) -> io::Result<()> {
+        self.n_parts += 1;
+        if self.n_parts > MOST_PARTS {
+            return Err(wrong("it has over 1000000 variables, cells and fields"));
+        }
         let Some(tag) = elements.next()? else {
             // An empty part has no body at all.
             return Ok(());
@@ -119,15 +143,15 @@ impl<'a> Walk<'a> {
         let class = if is_big_endian { flags.get(3) } else { flags.first() };
         let class = *class.ok_or(io::ErrorKind::UnexpectedEof)?;
         let tag = elements.require()?;
-        let dimensions = elements.body(tag, LONGEST_NAME)?;
+        let dimensions = elements.body(tag, LONGEST_NAME as u64)?;
         let dimensions = sizes(&dimensions, is_big_endian);
-        let own_name = text(elements, LONGEST_NAME)?;
+        let own_name = text(elements)?;
         let name = name.unwrap_or(own_name);
         match class {
             1 if depth < DEEPEST => self.cells(elements, &name, &dimensions, depth),
             2 if depth < DEEPEST => self.structures(elements, &name, &dimensions, depth),
             3 if depth < DEEPEST => {
-                text(elements, LONGEST_NAME)?;
+                text(elements)?;
                 self.structures(elements, &name, &dimensions, depth)
             }
             6..=15 => self.numbers(elements, name, &dimensions),
@@ -192,28 +216,35 @@ impl<'a> Walk<'a> {
         name: String,
         dimensions: &[usize],
     ) -> io::Result<()> {
-        if self.arrays.len() >= MOST_ARRAYS {
-            return Err(wrong("it has over 100000 arrays"));
-        }
         let (rows, columns) = match dimensions {
             // The workspace of functions has no name.
             [rows, columns] if !name.is_empty() => (*rows, *columns),
-            _ => (0, 0),
+            _ => return Ok(()),
         };
-        let place = self.arrays.len();
-        self.arrays.push(Array { name, rows, columns, order: Order::ByColumn });
-        if !self.wanted.contains(&place) {
+        let array = Array { name, rows, columns, order: Order::ByColumn };
+        if !array.is_signal() {
             return Ok(());
         }
-        let tag = elements.require()?;
-        let body = elements.body(tag, MAX_BYTES)?;
-        let values = numbers(tag.kind, &body, elements.is_big_endian())
-            .ok_or_else(|| wrong("an array of numbers holds something else"))?;
-        if Some(values.len()) != rows.checked_mul(columns) {
-            return Err(wrong("an array has not as many numbers as its size says"));
+        if self.arrays.len() >= MAX_COLUMNS {
+            return Err(wrong("it has over 10000 arrays of several numbers"));
         }
-        self.loaded.insert(place, values);
+        let tag = elements.require()?;
+        let element = element(tag, &array, elements.is_big_endian());
+        self.bodies.push(Body { compressed: self.compressed, start: tag.start, element });
+        self.arrays.push(array);
         Ok(())
+    }
+}
+
+/// What the element with this tag holds, as the body of an array.
+fn element(tag: Tag, array: &Array, is_big_endian: bool) -> Result<Element, &'static str> {
+    let kind = kind_of(tag.kind).ok_or("an array of numbers holds something else")?;
+    let element = Element { kind, is_big_endian };
+    let bytes = array.count().and_then(|count| count.checked_mul(element.size() as u64));
+    if bytes == Some(tag.length) {
+        Ok(element)
+    } else {
+        Err("an array has not as many numbers as its size says")
     }
 }
 
@@ -222,9 +253,9 @@ fn count(dimensions: &[usize]) -> usize {
     dimensions.iter().fold(1, |count, n| count.saturating_mul(*n))
 }
 
-fn text(elements: &mut Elements<'_>, longest: u64) -> io::Result<String> {
+fn text(elements: &mut Elements<'_>) -> io::Result<String> {
     let tag = elements.require()?;
-    Ok(up_to_zero(&elements.body(tag, longest)?))
+    Ok(up_to_zero(&elements.body(tag, LONGEST_NAME as u64)?))
 }
 
 fn up_to_zero(bytes: &[u8]) -> String {

@@ -2,6 +2,7 @@
 //!
 //! Source: MathWorks, MAT-File Format, R2024b, chapter 1 (level 5).
 
+use crate::arrays::numbers::Kind;
 use std::io::{self, Read};
 
 /// Kinds of elements.
@@ -13,6 +14,8 @@ pub(super) const COMPRESSED: u32 = 15;
 pub(super) struct Tag {
     pub(super) kind: u32,
     pub(super) length: u64,
+    /// Where its body begins, in bytes from the start of what is read.
+    pub(super) start: u64,
     /// The body, if it stands in the tag itself.
     small: Option<[u8; 4]>,
 }
@@ -20,13 +23,16 @@ pub(super) struct Tag {
 /// Elements that follow each other in `left` bytes.
 pub(super) struct Elements<'a> {
     input: &'a mut dyn Read,
+    /// Bytes before this place.
+    at: u64,
     left: u64,
     is_big_endian: bool,
 }
 
 impl<'a> Elements<'a> {
-    pub(super) fn new(input: &'a mut dyn Read, left: u64, is_big_endian: bool) -> Self {
-        Self { input, left, is_big_endian }
+    /// Elements from place `at` to the end of `input`.
+    pub(super) fn new(input: &'a mut dyn Read, at: u64, is_big_endian: bool) -> Self {
+        Self { input, at, left: u64::MAX, is_big_endian }
     }
 
     pub(super) fn is_big_endian(&self) -> bool {
@@ -37,7 +43,7 @@ impl<'a> Elements<'a> {
     pub(super) fn next(&mut self) -> io::Result<Option<Tag>> {
         let mut head = Vec::new();
         let n_read = self.input.take(self.left.min(8)).read_to_end(&mut head)?;
-        self.left -= n_read as u64;
+        self.passed(n_read as u64);
         if head.is_empty() {
             return Ok(None);
         }
@@ -47,10 +53,11 @@ impl<'a> Elements<'a> {
             let length = u64::from(kind >> 16);
             let small = second.try_into().ok().filter(|_| length <= 4);
             let small = small.ok_or_else(|| wrong("a small element is over 4 bytes long"))?;
-            return Ok(Some(Tag { kind: kind & 0xffff, length, small: Some(small) }));
+            let start = self.at - 4;
+            return Ok(Some(Tag { kind: kind & 0xffff, length, start, small: Some(small) }));
         }
         let length = u64::from(self.word(second).ok_or(io::ErrorKind::UnexpectedEof)?);
-        Ok(Some(Tag { kind, length, small: None }))
+        Ok(Some(Tag { kind, length, start: self.at, small: None }))
     }
 
     /// The next tag, where there must be one.
@@ -70,7 +77,7 @@ impl<'a> Elements<'a> {
         let mut body = Vec::new();
         // Grows as bytes come, whatever the tag claims.
         let n_read = self.input.take(tag.length.min(self.left)).read_to_end(&mut body)? as u64;
-        self.left -= n_read;
+        self.passed(n_read);
         if n_read < tag.length {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
@@ -96,10 +103,11 @@ impl<'a> Elements<'a> {
         if tag.small.is_some() || tag.length > self.left {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
-        let mut inner = Elements::new(&mut *self.input, tag.length, self.is_big_endian);
+        let (at, is_big_endian) = (self.at, self.is_big_endian);
+        let mut inner = Elements { input: &mut *self.input, at, left: tag.length, is_big_endian };
         let done = work(&mut inner)?;
         inner.pass(inner.left)?;
-        self.left -= tag.length;
+        self.passed(tag.length);
         self.pad(tag)?;
         Ok(done)
     }
@@ -116,7 +124,7 @@ impl<'a> Elements<'a> {
         if body.limit() > 0 || tag.length > self.left {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
-        self.left -= tag.length;
+        self.passed(tag.length);
         Ok(done)
     }
 
@@ -124,13 +132,18 @@ impl<'a> Elements<'a> {
     fn pad(&mut self, tag: Tag) -> io::Result<()> {
         let padding = (tag.length.next_multiple_of(8) - tag.length).min(self.left);
         let passed = io::copy(&mut self.input.take(padding), &mut io::sink())?;
-        self.left -= passed;
+        self.passed(passed);
         Ok(())
+    }
+
+    fn passed(&mut self, length: u64) {
+        self.at += length;
+        self.left -= length;
     }
 
     fn pass(&mut self, length: u64) -> io::Result<()> {
         let passed = io::copy(&mut self.input.take(length.min(self.left)), &mut io::sink())?;
-        self.left -= passed;
+        self.passed(passed);
         if passed < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
     }
 
@@ -145,34 +158,19 @@ pub(super) fn wrong(what: &'static str) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what)
 }
 
-/// The numbers in the body of an element of this kind; `None` for a kind that holds none.
-pub(super) fn numbers(kind: u32, body: &[u8], is_big_endian: bool) -> Option<Vec<f64>> {
-    fn each<const N: usize>(
-        body: &[u8],
-        is_big_endian: bool,
-        number: impl Fn([u8; N]) -> f64,
-    ) -> Vec<f64> {
-        let (items, _) = body.as_chunks::<N>();
-        let ordered = |mut item: [u8; N]| {
-            if is_big_endian {
-                item.reverse();
-            }
-            number(item)
-        };
-        items.iter().map(|item| ordered(*item)).collect()
-    }
-    let big = is_big_endian;
+/// What an element of this kind holds; `None` for one that holds no numbers.
+pub(super) fn kind_of(kind: u32) -> Option<Kind> {
     Some(match kind {
-        1 => each(body, big, |x| f64::from(i8::from_le_bytes(x))),
-        2 => each(body, big, |x| f64::from(u8::from_le_bytes(x))),
-        3 => each(body, big, |x| f64::from(i16::from_le_bytes(x))),
-        4 => each(body, big, |x| f64::from(u16::from_le_bytes(x))),
-        5 => each(body, big, |x| f64::from(i32::from_le_bytes(x))),
-        6 => each(body, big, |x| f64::from(u32::from_le_bytes(x))),
-        7 => each(body, big, |x| f64::from(f32::from_le_bytes(x))),
-        9 => each(body, big, f64::from_le_bytes),
-        12 => each(body, big, |x| i64::from_le_bytes(x) as f64),
-        13 => each(body, big, |x| u64::from_le_bytes(x) as f64),
+        1 => Kind::I1,
+        2 => Kind::U1,
+        3 => Kind::I2,
+        4 => Kind::U2,
+        5 => Kind::I4,
+        6 => Kind::U4,
+        7 => Kind::F4,
+        9 => Kind::F8,
+        12 => Kind::I8,
+        13 => Kind::U8,
         _ => return None,
     })
 }

@@ -1,18 +1,13 @@
 //! From arrays to rows.
 
-use crate::arrays::array::{Array, Arrays};
+use crate::arrays::array::{Array, Arrays, MAX_COLUMNS};
 use crate::arrays::mat::Mat;
 use crate::arrays::npz::Npz;
+use crate::arrays::numbers::Numbers;
 use crate::error::{LogError, Place};
 use crate::rows::Rows;
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Series of one array at most; a wider one, such as an image, is no signal of a robot.
-const MAX_SERIES: usize = 256;
-
-/// Columns of all arrays at most.
-const MAX_COLUMNS: usize = 10_000;
 
 /// A format that holds arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,8 +23,20 @@ pub(crate) struct ArrayRows {
     names: Vec<String>,
     /// For each column, its array and the series in it.
     series: Vec<(usize, usize)>,
-    chosen: Vec<Vec<f64>>,
+    streams: Vec<Stream>,
+    /// Instants of the chosen columns, and rows handed out.
+    instants: usize,
     row: usize,
+}
+
+/// Elements of an array that are read side by side: all series of one instant, or one series.
+struct Stream {
+    numbers: Numbers,
+    instant: Vec<f64>,
+    /// Series of the instant, and the chosen column that each is.
+    columns: Vec<(usize, usize)>,
+    /// Whether it ends where the array does.
+    is_last: bool,
 }
 
 impl ArrayRows {
@@ -41,26 +48,44 @@ impl ArrayRows {
         };
         let (mut names, mut series) = (Vec::new(), Vec::new());
         for (k, array) in arrays.arrays().iter().enumerate() {
-            let (instants, n) = array.instants_and_series();
-            if instants < 2 || n > MAX_SERIES {
-                continue;
-            }
+            let (_, n) = array.instants_and_series();
             series.extend((0..n).map(|part| (k, part)));
             match n {
                 1 => names.push(array.name.clone()),
                 _ => names.extend((1..=n).map(|part| format!("{}{part}", array.name))),
             }
-        }
-        if names.len() > MAX_COLUMNS {
-            let (file, found) = (file.into(), names.len());
-            return Err(LogError::TooManyColumns { file, found, limit: MAX_COLUMNS });
+            if names.len() > MAX_COLUMNS {
+                let (file, found) = (file.into(), names.len());
+                return Err(LogError::TooManyColumns { file, found, limit: MAX_COLUMNS });
+            }
         }
         let file = file.into();
-        Ok(Self { file, arrays, names, series, chosen: Vec::new(), row: 0 })
+        Ok(Self { file, arrays, names, series, streams: Vec::new(), instants: 0, row: 0 })
     }
 
     fn array(&self, column: usize) -> &Array {
         &self.arrays.arrays()[self.series[column].0]
+    }
+
+    /// What is read to have the chosen columns, each array as it is stored.
+    fn streams_of(&self, columns: &[usize]) -> Result<Vec<Stream>, LogError> {
+        // By array, and by the first series of what is read together.
+        let mut wanted: BTreeMap<(usize, usize), Vec<(usize, usize)>> = BTreeMap::new();
+        for (place, column) in columns.iter().enumerate() {
+            let (array, series) = self.series[*column];
+            let (first, within) =
+                if self.array(*column).is_by_instant() { (0, series) } else { (series, 0) };
+            wanted.entry((array, first)).or_default().push((within, place));
+        }
+        let stream = |((array, first), columns): (_, Vec<_>)| {
+            let own: &Array = &self.arrays.arrays()[array];
+            let (instants, series) = own.instants_and_series();
+            let numbers = self.arrays.numbers(array, (first * instants) as u64)?;
+            let width = if own.is_by_instant() { series } else { 1 };
+            let is_last = own.is_by_instant() || first + 1 == series;
+            Ok(Stream { numbers, instant: vec![0.0; width], columns, is_last })
+        };
+        wanted.into_iter().map(stream).collect()
     }
 }
 
@@ -83,23 +108,24 @@ impl Rows for ArrayRows {
                 });
             }
         }
-        let wanted: BTreeSet<usize> = columns.iter().map(|column| self.series[*column].0).collect();
-        let loaded = self.arrays.load(&wanted)?;
-        let values = |column: &usize| {
-            let (array, part) = self.series[*column];
-            let elements = loaded.get(&array).map_or(&[][..], Vec::as_slice);
-            self.arrays.arrays()[array].series(elements, part)
-        };
-        self.chosen = columns.iter().map(values).collect();
+        self.instants = columns.first().map_or(0, |first| instants(*first));
+        self.streams = self.streams_of(columns)?;
         Ok(())
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
-        if self.chosen.first().is_none_or(|values| self.row >= values.len()) {
+        let damaged = LogError::damaged(&self.file);
+        if self.row == self.instants {
+            for stream in self.streams.iter_mut().filter(|stream| stream.is_last) {
+                stream.numbers.finish().map_err(&damaged)?;
+            }
             return Ok(false);
         }
-        for (value, values) in row.iter_mut().zip(&self.chosen) {
-            *value = values[self.row];
+        for stream in &mut self.streams {
+            stream.numbers.read(&mut stream.instant).map_err(&damaged)?;
+            for (series, column) in &stream.columns {
+                row[*column] = stream.instant[*series];
+            }
         }
         self.row += 1;
         Ok(true)

@@ -161,6 +161,93 @@ fn an_array_that_claims_more_than_it_has_allocates_nothing() {
 }
 
 #[test]
+fn a6_names_of_many_arrays_take_no_more_than_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    // 100 000 cells of a structure, whose one field has a name of 64 kB.
+    let name = vec![b'n'; 65_535];
+    let field = variable(6, [2, 1], "", &[element(9, &[0; 16])]);
+    let content = [
+        small_element(5, &65_536_i32.to_le_bytes()),
+        element(1, &[&name[..], &[0]].concat()),
+        field.repeat(100_000),
+    ];
+    let long = mat(&folder, &[compressed(&variable(2, [1, 100_000], "s", &content))]);
+    let refused = read(&long, &Options::default());
+    assert!(matches!(refused, Err(LogError::NoColumn { .. })), "{refused:?}");
+
+    // Empty cells take no time either.
+    let empty = element(14, b"").repeat(1_100_000);
+    let cells = mat(&folder, &[compressed(&variable(1, [1, 1_100_000], "c", &[empty]))]);
+    let refused = read(&cells, &Options::default()).unwrap_err();
+    assert!(format!("{refused:?}").contains("over 1000000"), "{refused:?}");
+}
+
+#[test]
+fn a7_numbers_of_a_byte_take_no_more_memory_than_a_block() {
+    let folder = tempfile::tempdir().unwrap();
+    let zeros = Array1::<i8>::zeros(4_000_000);
+    let file = npz(&folder, |file| {
+        file.add_array("t", &t()).unwrap();
+        file.add_array("q", &zeros).unwrap();
+    });
+    let options = with("rate = 1000.0\nq = { columns = \"q\" }");
+
+    let logs = Logs::open_with(&[file], &options).unwrap();
+
+    // As numbers they would take eight times the bytes.
+    let mut rows = 0;
+    logs.read_raw::<LogError>(&mut |_, block| {
+        rows += block.t.len();
+        assert!(block.t.len() <= 1_024);
+        Ok(())
+    })
+    .unwrap();
+    assert_eq!(rows, 4_000_000);
+}
+
+#[test]
+fn a8_arrays_of_long_names_and_too_many_columns_are_passed_over_or_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = npz(&folder, |file| {
+        for k in 0..50 {
+            file.add_array(format!("{k}{}", "n".repeat(60_000)), &t()).unwrap();
+        }
+    });
+    let many = npz(&folder, |_| {});
+    assert!(matches!(
+        read(&long, &Options::default()),
+        Err(LogError::NoColumn { .. } | LogError::Npz { .. })
+    ));
+
+    let file = File::create(&many).unwrap();
+    let mut writer = NpzWriter::new_compressed(file);
+    for k in 0..60 {
+        writer.add_array(format!("a{k}"), &Array2::<f64>::zeros((256, 256))).unwrap();
+    }
+    writer.finish().unwrap();
+    assert!(matches!(read(&many, &Options::default()), Err(LogError::TooManyColumns { .. })));
+}
+
+#[test]
+fn a_changed_byte_of_an_array_is_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("stored.npz");
+    let mut writer = NpzWriter::new(File::create(&file).unwrap());
+    writer.add_array("t", &t()).unwrap();
+    writer.add_array("q", &tall(2)).unwrap();
+    writer.finish().unwrap();
+    let options = with("t = { column = \"t\" }\nq = { columns = \"q\" }");
+    assert_is_read(&read(&file, &options).unwrap(), 1.0);
+
+    let mut bytes = std::fs::read(&file).unwrap();
+    let place = bytes.windows(8).position(|own| own == value(7, 1).to_le_bytes()).unwrap();
+    bytes[place] ^= 1;
+    std::fs::write(&file, bytes).unwrap();
+
+    assert!(read(&file, &options).is_err());
+}
+
+#[test]
 fn a_header_of_many_brackets_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let deep = format!("{{'descr': {}", "(".repeat(60_000));

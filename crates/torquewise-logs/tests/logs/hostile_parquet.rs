@@ -183,7 +183,7 @@ fn with_schema(elements: &[(&str, Option<u32>)], rest: &[u8]) -> Vec<u8> {
     for (name, children) in elements {
         match children {
             // Field 4, a name; field 5, children.
-            Some(n) => {
+            Some(_) => {
                 footer.extend([&[0x48, name.len() as u8], name.as_bytes(), &[0x15]].concat())
             }
             // Fields 1, a double; 3, required; 4, a name.
