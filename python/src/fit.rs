@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::identify::plan::Regression;
 use torquewise::log::{Prepared, Rows};
+use torquewise::motion::bounded_file;
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::regression::select::Selector;
 use torquewise::regression::select::criterion::Criterion;
@@ -163,7 +164,7 @@ fn geometry(
     if gravity.is_some_and(|g| g.iter().all(|x| *x == 0.0) || g.iter().any(|x| !x.is_finite())) {
         return Err(PyValueError::new_err("gravity: expected three numbers, not all 0"));
     }
-    let text = std::fs::read_to_string(&file)?;
+    let text = bounded_file::read_text(&file)?;
     let known = known_geometry(&text, joints, &lock.unwrap_or_default(), gravity);
     known.map(Some).map_err(|error| {
         PyValueError::new_err(format!(

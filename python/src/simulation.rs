@@ -13,6 +13,7 @@ use torquewise::dynamics::{
     Arm, Friction, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms as builtin_arms,
 };
 use torquewise::excite::{Limits, PerJoint, Plan, Wishes, excite as plan_motions, limits};
+use torquewise::motion::bounded_file;
 use torquewise::twin::{self, TwinLog};
 
 /// An arm: a name of a built-in one, a path of a `.urdf` or a `.toml` with a DH table, or a model.
@@ -36,8 +37,8 @@ fn arm_of(
         ArmSource::Name(name) => {
             let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase());
             let arm = match ending.as_deref() {
-                Some("urdf") => Arm::from_urdf(&std::fs::read_to_string(name)?, lock),
-                Some("toml") => Arm::from_dh_toml(&std::fs::read_to_string(name)?),
+                Some("urdf") => Arm::from_urdf(&bounded_file::read_text(name.as_ref())?, lock),
+                Some("toml") => Arm::from_dh_toml(&bounded_file::read_text(name.as_ref())?),
                 _ => Arm::builtin(name),
             };
             Ok((arm.map_err(value_error)?, None))

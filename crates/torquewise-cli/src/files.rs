@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
 use torquewise::model::Model;
-use torquewise::motion::whole_file;
+use torquewise::motion::{bounded_file, whole_file};
 use torquewise::twin;
 
 /// Reads a model file.
@@ -56,12 +56,12 @@ pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> 
 
 /// Reads a file of bytes.
 pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, CliError> {
-    fs::read(file).map_err(|source| CliError::Read { file: file.into(), source })
+    bounded_file::read(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
 /// Reads a file of text.
 pub(crate) fn read_text(file: &Path) -> Result<String, CliError> {
-    fs::read_to_string(file).map_err(|source| CliError::Read { file: file.into(), source })
+    bounded_file::read_text(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
 /// Refuses an output that cannot be written or would replace what is read, before work is done.

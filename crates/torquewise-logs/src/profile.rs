@@ -162,7 +162,8 @@ impl Profile {
     /// [`LogError::Read`], or as [`from_toml`](Self::from_toml) with the name of the file.
     #[cfg(feature = "profiles")]
     pub fn read(file: &Path) -> Result<Self, LogError> {
-        let text = std::fs::read_to_string(file).map_err(LogError::read(file))?;
+        let text =
+            torquewise_motion::bounded_file::read_text(file).map_err(LogError::read(file))?;
         Self::parse(&text, &file.display().to_string())
     }
 

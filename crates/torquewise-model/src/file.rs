@@ -7,8 +7,8 @@ use crate::term::Term;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::path::Path;
-use torquewise_motion::unfit_joint_name;
 use torquewise_motion::whole_file::write_whole;
+use torquewise_motion::{bounded_file, unfit_joint_name};
 
 /// Version of the file format this program writes, and the newest it reads. Version 1 had neither
 /// friction nor choices, version 2 no chain.
@@ -46,7 +46,7 @@ impl Model {
     /// [`ModelError::Read`], or [`ModelError::InFile`] with what [`from_json`] found wrong.
     pub fn load(file: impl AsRef<Path>) -> Result<Self, ModelError> {
         let file = file.as_ref();
-        let text = std::fs::read_to_string(file)
+        let text = bounded_file::read_text(file)
             .map_err(|source| ModelError::Read { file: file.into(), source })?;
         from_json(&text)
             .map_err(|source| ModelError::InFile { file: file.into(), source: Box::new(source) })

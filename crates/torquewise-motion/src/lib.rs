@@ -21,6 +21,7 @@
 //! # Ok::<(), torquewise_motion::MotionError>(())
 //! ```
 
+pub mod bounded_file;
 pub mod error;
 mod joint_names;
 pub mod memory;

@@ -11,17 +11,35 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Messages asked for at once.
+/// Messages asked for at once, and their bytes at most but for the last.
 const PAGE: u32 = 1_024;
+const PAGE_BYTES: usize = 16 << 20;
+
+/// Topics of a bag at most.
+const MOST_TOPICS: usize = 10_000;
 
 const MAGIC: &[u8] = b"SQLite format 3\0";
 
-const TOPICS: &str = "SELECT t.name, t.type, t.serialization_format, \
-    (SELECT COUNT(*) FROM messages m WHERE m.topic_id = t.id) FROM topics t ORDER BY t.id";
+const TOPICS: &str = "SELECT t.name, t.type, t.serialization_format, COALESCE(m.n, 0) \
+    FROM topics t LEFT JOIN (SELECT topic_id, COUNT(*) AS n FROM messages GROUP BY topic_id) m \
+    ON m.topic_id = t.id ORDER BY t.id";
 
-const MESSAGES: &str = "SELECT id, timestamp, data FROM messages \
+/// By the index on time that a recorder makes.
+const BY_TIME: &str = "SELECT id, timestamp, data FROM messages \
     WHERE topic_id IN (SELECT id FROM topics WHERE name = ?1) AND (timestamp, id) > (?2, ?3) \
     ORDER BY timestamp, id LIMIT ?4";
+
+/// Without, as they were recorded: each page would sort all messages.
+const AS_RECORDED: &str = "SELECT rowid, timestamp, data FROM messages \
+    WHERE topic_id IN (SELECT id FROM topics WHERE name = ?1) AND rowid > ?3 AND ?2 IS NOT NULL \
+    ORDER BY rowid LIMIT ?4";
+
+const INDICES: &str = "SELECT COUNT(*) FROM pragma_index_list('messages') AS list, \
+    pragma_index_info(list.name) AS part WHERE part.seqno = 0 AND part.name = 'timestamp'";
+
+/// Columns whose values the file computes, which may be any number of bytes.
+const GENERATED: &str = "SELECT (SELECT COUNT(*) FROM pragma_table_xinfo('messages') WHERE hidden) \
+    + (SELECT COUNT(*) FROM pragma_table_xinfo('topics') WHERE hidden)";
 
 /// All topics of a bag, with the number of their messages.
 pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
@@ -36,7 +54,8 @@ pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
             n_messages: u64::try_from(row.get::<_, i64>(3)?).unwrap_or(0),
         })
     });
-    topics.map_err(&refused)?.collect::<Result<_, _>>().map_err(&refused)
+    let topics = topics.map_err(&refused)?.take(MOST_TOPICS);
+    topics.collect::<Result<_, _>>().map_err(&refused)
 }
 
 /// The messages of a topic in order of the time they were received.
@@ -44,6 +63,8 @@ pub(super) struct Db3Messages {
     file: PathBuf,
     connection: Connection,
     topic: String,
+    /// The query for a page.
+    query: &'static str,
     page: VecDeque<Message>,
     /// Time and id of the last message of the page.
     last: (i64, i64),
@@ -52,10 +73,15 @@ pub(super) struct Db3Messages {
 
 impl Db3Messages {
     pub(super) fn open(file: &Path, topic: &str) -> Result<Self, LogError> {
+        let connection = open(file)?;
+        let n_indices: i64 = connection
+            .query_row(INDICES, [], |row| row.get(0))
+            .map_err(LogError::database(file))?;
         Ok(Self {
             file: file.into(),
-            connection: open(file)?,
+            connection,
             topic: topic.to_owned(),
+            query: if n_indices > 0 { BY_TIME } else { AS_RECORDED },
             page: VecDeque::new(),
             last: (i64::MIN, i64::MIN),
             ended: false,
@@ -64,14 +90,18 @@ impl Db3Messages {
 
     fn next_page(&mut self) -> Result<(), LogError> {
         let refused = LogError::database(&self.file);
-        let mut statement = self.connection.prepare_cached(MESSAGES).map_err(&refused)?;
+        let mut statement = self.connection.prepare_cached(self.query).map_err(&refused)?;
         let (received, id) = self.last;
         let mut rows =
             statement.query(params![self.topic, received, id, PAGE]).map_err(&refused)?;
-        while let Some(row) = rows.next().map_err(&refused)? {
+        let mut bytes_held = 0;
+        while bytes_held < PAGE_BYTES
+            && let Some(row) = rows.next().map_err(&refused)?
+        {
             let id = row.get(0).map_err(&refused)?;
             let received = row.get(1).map_err(&refused)?;
-            let bytes = row.get(2).map_err(&refused)?;
+            let bytes: Vec<u8> = row.get(2).map_err(&refused)?;
+            bytes_held += bytes.len();
             self.last = (received, id);
             self.page.push_back(Message { received, bytes });
         }
@@ -106,7 +136,12 @@ fn open(file: &Path) -> Result<Connection, LogError> {
     let tables = "SELECT COUNT(*) FROM sqlite_master WHERE type = 'table' AND rootpage > 0 \
         AND name IN ('topics', 'messages')";
     let n_tables: i64 = connection.query_row(tables, [], |row| row.get(0)).map_err(&refused)?;
-    if n_tables == 2 { Ok(connection) } else { Err(LogError::NoBag { file: file.into() }) }
+    if n_tables != 2 {
+        return Err(LogError::NoBag { file: file.into() });
+    }
+    let n_generated: i64 =
+        connection.query_row(GENERATED, [], |row| row.get(0)).map_err(&refused)?;
+    if n_generated == 0 { Ok(connection) } else { Err(LogError::NoBag { file: file.into() }) }
 }
 
 /// SQLite takes an empty or missing file for a new database.

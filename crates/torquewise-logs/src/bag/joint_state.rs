@@ -3,6 +3,9 @@
 //! Source: OMG CORBA 3.4, part 2, chapter 9.3 (CDR); OMG DDS-RTPS 2.5, chapter 10 (encapsulation);
 //! OMG DDS-XTypes 1.3, chapter 7.4 (alignment of version 2).
 
+/// Joints of a message at most.
+pub(crate) const MOST_JOINTS: usize = 1_000;
+
 /// One message: a time stamp, and what is known of each joint.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct JointState {
@@ -21,6 +24,7 @@ pub(crate) enum Malformed {
     Short,
     Text,
     Counts,
+    Joints,
 }
 
 impl Malformed {
@@ -30,6 +34,7 @@ impl Malformed {
             Self::Short => "it ends before its last value",
             Self::Text => "a joint name is not UTF-8 text",
             Self::Counts => "it has not one position, velocity and effort for each name",
+            Self::Joints => "it names over 1000 joints",
         }
     }
 }
@@ -42,18 +47,18 @@ impl JointState {
         let nanoseconds = i64::from(cdr.u32()?);
         // header.frame_id means nothing here.
         cdr.text()?;
-        let n_names = cdr.count(4)?;
-        let names = (0..n_names).map(|_| Ok(cdr.text()?.to_owned())).collect::<Result<_, _>>()?;
-        let state = Self {
+        let n = cdr.count(4)?;
+        if n > MOST_JOINTS {
+            return Err(Malformed::Joints);
+        }
+        let names = (0..n).map(|_| Ok(cdr.text()?.to_owned())).collect::<Result<_, _>>()?;
+        Ok(Self {
             stamp: seconds * 1_000_000_000 + nanoseconds,
             names,
-            position: cdr.numbers()?,
-            velocity: cdr.numbers()?,
-            effort: cdr.numbers()?,
-        };
-        let fits = |values: &[f64]| values.is_empty() || values.len() == state.names.len();
-        let whole = [&state.position, &state.velocity, &state.effort].into_iter().all(|x| fits(x));
-        if whole { Ok(state) } else { Err(Malformed::Counts) }
+            position: cdr.numbers(n)?,
+            velocity: cdr.numbers(n)?,
+            effort: cdr.numbers(n)?,
+        })
     }
 }
 
@@ -114,8 +119,12 @@ impl<'a> Cdr<'a> {
         std::str::from_utf8(text).map_err(|_| Malformed::Text)
     }
 
-    fn numbers(&mut self) -> Result<Vec<f64>, Malformed> {
+    /// One for each of `n` joints, or none.
+    fn numbers(&mut self, n: usize) -> Result<Vec<f64>, Malformed> {
         let count = self.count(8)?;
+        if count != 0 && count != n {
+            return Err(Malformed::Counts);
+        }
         let widest = self.widest;
         (0..count).map(|_| Ok(f64::from_le_bytes(self.little_endian(widest)?))).collect()
     }

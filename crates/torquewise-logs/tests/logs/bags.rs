@@ -328,6 +328,48 @@ fn what_is_no_bag_is_told_apart() {
 }
 
 #[test]
+fn a9_columns_that_a_bag_computes_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("generated.db3");
+    write(&bag, &[(TOPIC, KIND)], &messages(30, plain));
+    let generate = "CREATE TABLE made(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER,
+            data AS (CAST(x'00010000' || zeroblob(4000000) AS BLOB)));
+        INSERT INTO made(topic_id, timestamp) SELECT topic_id, timestamp FROM messages;
+        DROP TABLE messages;
+        ALTER TABLE made RENAME TO messages";
+    rusqlite::Connection::open(&bag).unwrap().execute_batch(generate).unwrap();
+
+    assert!(matches!(open(&bag, &Options::default()), Err(LogError::NoBag { .. })));
+}
+
+#[test]
+fn a14_messages_without_an_index_are_read_as_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag.db3");
+    let mut made = messages(5_000, plain);
+    made.swap(100, 150);
+    write(&bag, &[(TOPIC, KIND)], &made);
+    let sorted = read(&bag);
+    rusqlite::Connection::open(&bag).unwrap().execute_batch("DROP INDEX timestamp_idx").unwrap();
+
+    let as_recorded = read(&bag);
+
+    assert_eq!((as_recorded[0].t(), as_recorded[0].q()), (sorted[0].t(), sorted[0].q()));
+    assert_eq!(as_recorded[0].n_rows(), 5_000);
+}
+
+#[test]
+fn a14_a_message_of_too_many_joints_is_refused() {
+    let names: Vec<String> = (0..100_000).map(|k| format!("j{k}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let many = |row| joint_state(hundredths(row), &names, [&[], &[], &[]]);
+    each_storage(&messages(2, many), |file| {
+        let refused = open(file, &Options::default()).unwrap_err().to_string();
+        assert!(refused.contains("it names over 1000 joints"), "{refused}");
+    });
+}
+
+#[test]
 fn a_recording_of_a_bag_can_be_read_again() {
     each_storage(&messages(30, plain), |file| {
         let logs = open(file, &Options::default()).unwrap();
