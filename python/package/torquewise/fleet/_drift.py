@@ -153,20 +153,21 @@ def jumps(
                     continue
                 values = np.array([own.values[joint, k] for _, own in told])
                 errors = np.array([own.errors[joint, k] for _, own in told])
-                place, change, error, chance = _largest(values, errors)
-                scale = scales.get(robot, np.full((len(joints), 4), np.nan))[joint, k]
+                place, before, change, error, chance = _largest(values, errors)
+                # The model is of all logs, those after the change among them.
+                scale = scales.get(robot, np.full((len(joints), 4), np.nan))[joint, k] + before
                 percent = 100 * change / scale if np.isfinite(scale) and scale != 0 else None
                 when = told[place][0]
                 found.append(Change(robot, name, parameter, when, change, error, percent, chance))
     return _holm(found, level)
 
 
-def _largest(values: np.ndarray, errors: np.ndarray) -> tuple[int, float, float, float]:
-    """The place of the largest jump, its size and error, and the chance of one as large."""
+def _largest(values: np.ndarray, errors: np.ndarray) -> tuple[int, float, float, float, float]:
+    """The place of the largest jump, the mean before, its size and error, the chance of its like."""
     m = len(values)
     # Logs of the same motion are about as good; none counts more than its share of the whole.
     weight = 1 / (errors**2 + np.median(errors) ** 2)
-    best = (0, 0.0, math.inf, 0.0)
+    best = (0, 0.0, 0.0, math.inf, 0.0)
     for place in range(_LEAST, m - _LEAST + 1):
         before, after = slice(None, place), slice(place, None)
         sums = [weight[own].sum() for own in (before, after)]
@@ -177,11 +178,11 @@ def _largest(values: np.ndarray, errors: np.ndarray) -> tuple[int, float, float,
         spread = (weight * rest**2).sum() / (m - 2)
         error = math.sqrt(max(spread, 1e-300) * (1 / sums[0] + 1 / sums[1]))
         size = abs(means[1] - means[0]) / error
-        if size > best[3]:
-            best = (place, means[1] - means[0], error, size)
-    place, change, error, size = best
+        if size > best[4]:
+            best = (place, means[0], means[1] - means[0], error, size)
+    place, before, change, error, size = best
     places = m - 2 * _LEAST + 1
-    return place, change, error, min(1.0, places * 2 * _student(size, m - 2))
+    return place, before, change, error, min(1.0, places * 2 * _student(size, m - 2))
 
 
 def _student(t: float, freedom: int) -> float:
