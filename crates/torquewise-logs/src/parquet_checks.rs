@@ -91,7 +91,8 @@ fn is_tree(children: &[i64]) -> bool {
         }
         let Some(left) = open.last_mut() else { return false };
         *left -= 1;
-        if !(0..=MOST_COLUMNS as i64).contains(number) || open.len() > DEEPEST_SCHEMA {
+        if !usize::try_from(*number).is_ok_and(|n| n <= MOST_COLUMNS) || open.len() > DEEPEST_SCHEMA
+        {
             return false;
         }
         open.push(*number);

@@ -9,7 +9,6 @@ use std::path::Path;
 pub(super) struct Header {
     pub(super) shape: Vec<usize>,
     pub(super) is_fortran: bool,
-    pub(super) element: Element,
     /// Bytes before the first element.
     pub(super) length: usize,
 }
@@ -29,13 +28,21 @@ const KINDS: [(&str, Kind); 11] = [
     ("b1", Kind::U1),
 ];
 
-/// The header at the start of `bytes`; `None` for an array of anything but numbers.
-pub(super) fn header(file: &Path, name: &str, bytes: &[u8]) -> Result<Option<Header>, LogError> {
-    parts(bytes).ok_or_else(|| refused(file, name, "it is not a whole NumPy array"))
+/// The header at the start of `bytes` and what the elements are; `None` for an array of anything but
+/// numbers.
+pub(super) fn header(
+    file: &Path,
+    name: &str,
+    bytes: &[u8],
+) -> Result<Option<(Header, Element)>, LogError> {
+    let parts = parts(bytes);
+    let (header, element) =
+        parts.ok_or_else(|| refused(file, name, "it is not a whole NumPy array"))?;
+    Ok(element.map(|element| (header, element)))
 }
 
-/// The same; `None` where it is cut or no header.
-fn parts(bytes: &[u8]) -> Option<Option<Header>> {
+/// The same; `None` where it is cut or no header, no element where it holds no numbers.
+fn parts(bytes: &[u8]) -> Option<(Header, Option<Element>)> {
     let (start, length) = match bytes.get(..12)? {
         [magic @ .., 1, _, a, b, _, _] if magic == MAGIC => {
             (10, u32::from(u16::from_le_bytes([*a, *b])))
@@ -63,11 +70,10 @@ fn parts(bytes: &[u8]) -> Option<Option<Header>> {
     let kind = field("'descr'")?.strip_prefix('\'').unwrap_or("list'");
     let (kind, _) = kind.split_once('\'')?;
     let own = kind.trim_start_matches(['<', '>', '=', '|']);
-    let Some((_, kind_of)) = KINDS.into_iter().find(|(name, _)| *name == own) else {
-        return Some(None);
-    };
-    let element = Element { kind: kind_of, is_big_endian: kind.starts_with('>') };
-    Some(Some(Header { shape, is_fortran, element, length: start + length }))
+    let known = KINDS.into_iter().find(|(name, _)| *name == own);
+    let is_big_endian = kind.starts_with('>');
+    let element = known.map(|(_, kind)| Element { kind, is_big_endian });
+    Some((Header { shape, is_fortran, length: start + length }, element))
 }
 
 /// Why an array is not read.

@@ -2,7 +2,7 @@
 
 use crate::arrays::array::{Array, Arrays, LONGEST_NAME, Order};
 use crate::arrays::npy::{self, Header};
-use crate::arrays::numbers::{Numbers, pass};
+use crate::arrays::numbers::{Element, Numbers, pass};
 use crate::error::LogError;
 use crate::guarded::guarded;
 use flate2::CrcReader;
@@ -34,6 +34,7 @@ struct Entry {
     is_deflated: bool,
     checksum: u32,
     header: Header,
+    element: Element,
 }
 
 impl Npz {
@@ -69,15 +70,16 @@ impl Arrays for Npz {
             let reason = "it has fewer numbers than its header says";
             return Err(npy::refused(file, &self.arrays[array].name, reason));
         }
-        let element = entry.header.element;
+        let element = entry.element;
         let before = entry.header.length as u64 + first * element.size() as u64;
         let open = || -> io::Result<Numbers> {
             let mut input = File::open(file)?;
             input.seek(SeekFrom::Start(entry.start))?;
             let stored = BufReader::new(input.take(entry.stored));
-            let plain: Box<dyn Read + Send> = match entry.is_deflated {
-                true => Box::new(DeflateDecoder::new(stored)),
-                false => Box::new(stored),
+            let plain: Box<dyn Read + Send> = if entry.is_deflated {
+                Box::new(DeflateDecoder::new(stored))
+            } else {
+                Box::new(stored)
             };
             let mut checked = Checked { input: CrcReader::new(plain), checksum: entry.checksum };
             pass(&mut checked, before)?;
@@ -90,7 +92,7 @@ impl Arrays for Npz {
 impl Entry {
     /// Whether this many elements may follow the header.
     fn holds(&self, count: u64) -> bool {
-        let elements = count.checked_mul(self.header.element.size() as u64);
+        let elements = count.checked_mul(self.element.size() as u64);
         let bytes = elements.and_then(|bytes| bytes.checked_add(self.header.length as u64));
         bytes.is_some_and(|bytes| bytes <= self.plain)
     }
@@ -124,7 +126,7 @@ fn read_entry<R: Read>(
     if name.len() > LONGEST_NAME {
         return Ok(None);
     }
-    let Some(header) = npy::header(file, &name, &head)? else { return Ok(None) };
+    let Some((header, element)) = npy::header(file, &name, &head)? else { return Ok(None) };
     let is_deflated = match entry.compression() {
         CompressionMethod::Stored => false,
         CompressionMethod::Deflated => true,
@@ -133,7 +135,7 @@ fn read_entry<R: Read>(
     let stored = entry.compressed_size();
     let plain = entry.size().min(stored.saturating_mul(if is_deflated { 1_032 } else { 1 }));
     let (start, checksum) = (entry.data_start(), entry.crc32());
-    let found = Entry { start, stored, plain, is_deflated, checksum, header };
+    let found = Entry { start, stored, plain, is_deflated, checksum, header, element };
     Ok(Some((name, found)))
 }
 

@@ -181,31 +181,27 @@ fn with_schema(elements: &[(&str, Option<u32>)], rest: &[u8]) -> Vec<u8> {
     let mut footer = vec![0x15, 2, 0x19, 0xfc];
     footer.extend(varint(elements.len() as u64));
     for (name, children) in elements {
-        match children {
-            // Field 4, a name; field 5, children.
-            Some(_) => {
-                footer.extend([&[0x48, name.len() as u8], name.as_bytes(), &[0x15]].concat())
-            }
-            // Fields 1, a double; 3, required; 4, a name.
-            None => footer
-                .extend([&[0x15, 10, 0x25, 0, 0x18, name.len() as u8], name.as_bytes()].concat()),
-        }
-        footer.extend(children.map(|n| varint(2 * u64::from(n))).unwrap_or_default());
+        // A column: fields 1, a double; 3, required. Then 4, a name; 5, the number of children.
+        let head: &[u8] = if children.is_some() { &[0x48] } else { &[0x15, 10, 0x25, 0, 0x18] };
+        footer.extend([head, &varint(name.len() as u64), name.as_bytes()].concat());
+        let children = children.map(|n| [vec![0x15], varint(2 * u64::from(n))].concat());
+        footer.extend(children.unwrap_or_default());
         footer.push(0);
     }
     footer.extend([0x16, 0]);
     footer.extend(rest);
-    let length = (footer.len() as u32).to_le_bytes();
+    let length = u32::try_from(footer.len()).unwrap().to_le_bytes();
     [&b"PAR1"[..], &footer, &length, b"PAR1"].concat()
 }
 
 fn varint(mut number: u64) -> Vec<u8> {
     let mut bytes = Vec::new();
+    let lowest = |number: u64| number.to_le_bytes()[0];
     while number > 0x7f {
-        bytes.push(number as u8 | 0x80);
+        bytes.push(lowest(number) | 0x80);
         number >>= 7;
     }
-    bytes.push(number as u8);
+    bytes.push(lowest(number));
     bytes
 }
 
