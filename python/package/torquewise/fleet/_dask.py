@@ -12,6 +12,9 @@ from ._core import File, Part, Plan, merge, summarise
 FILES = 8
 FAN_IN = 8
 
+#: How many sums may be lost to dying workers before a run is given up.
+_LOSSES = 100
+
 #: Of the C library's allocator. By Dask's own setting each block of rows is returned to the system
 #: as soon as it is done with, which takes a third of the processor time.
 _ALLOCATOR = {"MALLOC_TRIM_THRESHOLD_": 256 << 20, "MALLOC_MMAP_THRESHOLD_": 32 << 20}
@@ -67,8 +70,11 @@ def reduced(
     suspects: list[str] = []
     alone: set[str] = set()
     running: dict[Any, Sequence[str]] = {}
-    merging: set[Any] = set()
-    ready: list[Any] = []
+    # What each sum stands for: done again where a dying worker takes it along.
+    merging: dict[Any, list[Sequence[str]]] = {}
+    ready: dict[Any, list[Sequence[str]]] = {}
+    seen: set[str] = set()
+    lost = 0
     room = 2 * max(1, len(client.scheduler_info()["workers"]))
 
     def submit(batch: Sequence[str]) -> None:
@@ -79,10 +85,15 @@ def reduced(
         running[future] = batch
 
     def join(some: list[Any]) -> None:
-        merging.add(client.submit(merge, *some, pure=False, priority=10, retries=retries))
+        future = client.submit(merge, *some, pure=False, priority=10, retries=retries)
+        merging[future] = [batch for own in some for batch in ready.pop(own)]
+
+    def done(batch: Sequence[str]) -> None:
+        told(len(set(batch) - seen))
+        seen.update(batch)
 
     try:
-        while waiting or suspects or running or merging or len(ready) > 1:
+        while waiting or suspects or running or merging or len(ready) != 1:
             while waiting and len(running) < room:
                 submit(waiting.pop())
             if suspects and not (waiting or running or merging):
@@ -90,24 +101,32 @@ def reduced(
                 alone.add(suspects[-1])
                 submit([suspects.pop()])
             is_last = not (waiting or suspects or running or merging)
-            if len(ready) >= FAN_IN or (len(ready) > 1 and is_last):
-                join([ready.pop() for _ in range(min(FAN_IN, len(ready)))])
-                continue
+            while len(ready) >= FAN_IN or (len(ready) > 1 and is_last):
+                join(list(ready)[:FAN_IN])
+                is_last = False
+            if not (running or merging):
+                return client.submit(Part, None, (), pure=False)
             for future in _finished([*running, *merging]):
                 if future in merging:
-                    merging.discard(future)
-                    ready.append(_checked(future))
+                    batches = merging.pop(future)
+                    if future.status == "finished":
+                        ready[future] = batches
+                    else:
+                        lost += 1
+                        if lost > _LOSSES or not _is_of_a_dead_worker(future):
+                            raise future.exception()
+                        waiting.extend(batches)
                     continue
                 batch = running.pop(future)
                 if future.status == "finished":
-                    told(len(batch))
-                    ready.append(future)
+                    done(batch)
+                    ready[future] = [batch]
                 elif batch[0] in alone:
-                    told(1)
-                    ready.append(_left_out(client, future, batch[0]))
+                    done(batch)
+                    ready[_left_out(client, future, batch[0])] = [batch]
                 else:
                     suspects.extend(batch)
-        return ready[0] if ready else client.scatter(Part(None, ()))
+        return next(iter(ready))
     except BaseException:
         client.cancel([*running, *merging, *ready], force=True)
         raise
@@ -136,16 +155,16 @@ def _finished(futures: list[Any]) -> list[Any]:
     return list(wait(futures, return_when="FIRST_COMPLETED").done)
 
 
-def _checked(future: Any) -> Any:
-    if future.status != "finished":
-        raise future.exception()
-    return future
+def _is_of_a_dead_worker(future: Any) -> bool:
+    from distributed import KilledWorker
+
+    return future.status == "error" and isinstance(future.exception(), KilledWorker)
 
 
 def _left_out(client: Any, future: Any, path: str) -> Any:
     """A file whose worker dies or fails where nothing else runs."""
     reason = f"its worker died or failed: {future.exception()!r}"
-    return client.scatter(Part(None, (File(path, reason=reason),)))
+    return client.submit(Part, None, (File(path, reason=reason),), pure=False)
 
 
 def called(client: Any, function: Callable, *arguments: Any, retries: int = 3) -> Any:

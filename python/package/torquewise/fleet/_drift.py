@@ -169,12 +169,10 @@ def _largest(values: np.ndarray, errors: np.ndarray) -> tuple[int, float, float,
     weight = 1 / (errors**2 + np.median(errors) ** 2)
     best = (0, 0.0, 0.0, math.inf, 0.0)
     for place in range(_LEAST, m - _LEAST + 1):
-        before, after = slice(None, place), slice(place, None)
-        sums = [weight[own].sum() for own in (before, after)]
-        means = [
-            (weight[own] * values[own]).sum() / total for own, total in zip((before, after), sums)
-        ]
-        rest = np.concatenate([values[own] - mean for own, mean in zip((before, after), means)])
+        parts = slice(None, place), slice(place, None)
+        sums = [weight[own].sum() for own in parts]
+        means = [(weight[own] * values[own]).sum() / total for own, total in zip(parts, sums)]
+        rest = np.concatenate([values[own] - mean for own, mean in zip(parts, means)])
         spread = (weight * rest**2).sum() / (m - 2)
         error = math.sqrt(max(spread, 1e-300) * (1 / sums[0] + 1 / sums[1]))
         size = abs(means[1] - means[0]) / error
