@@ -1,13 +1,12 @@
 //! Paths → texts, models and arms; texts → files, written whole or not at all.
 
 use crate::error::CliError;
-use crate::interrupt::Shield;
 use anyhow::{Context, Result};
-use std::fs;
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
 use torquewise::model::Model;
-use torquewise::motion::{bounded_file, whole_file};
+use torquewise::motion::whole_file::{self, Together};
+use torquewise::motion::bounded_file;
 use torquewise::twin;
 
 /// Reads a model file.
@@ -73,6 +72,8 @@ pub(crate) fn check_output(file: &Path, inputs: &[PathBuf]) -> Result<(), CliErr
     if file.is_dir() {
         return Err(CliError::OutputIsFolder(file.into()));
     }
+    let refused = |source| CliError::Write { file: file.into(), source };
+    whole_file::check(file).map_err(refused)?;
     let Ok(output) = file.canonicalize() else { return Ok(()) };
     let is_output = |input: &PathBuf| input.canonicalize().is_ok_and(|input| input == output);
     if inputs.iter().any(is_output) {
@@ -112,9 +113,16 @@ pub(crate) fn check_ending(file: &Path, endings: &[&str]) -> Result<(), CliError
 
 /// Writes bytes or a text to a file in the same folder and renames it when it is whole.
 pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
-    let _shield = Shield::new();
     whole_file::write_whole(file, bytes.as_ref())
         .map_err(|source| CliError::Write { file: file.into(), source })
+}
+
+/// Does work whose files appear together when it is done, or not at all.
+pub(crate) fn all_or_none<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let together = Together::begin();
+    let found = work()?;
+    together.appear().map_err(|(file, source)| CliError::Write { file, source })?;
+    Ok(found)
 }
 
 /// Makes a folder for results, and tries whether files can be written there.
@@ -123,7 +131,7 @@ pub(crate) fn create_folder(folder: &Path) -> Result<(), CliError> {
         return Err(CliError::NotAFolder(folder.into()));
     }
     let failed = |source| CliError::Write { file: folder.into(), source };
-    fs::create_dir_all(folder).map_err(failed)?;
+    whole_file::create_folder(folder).map_err(failed)?;
     tempfile::tempfile_in(folder).map_err(failed).map(drop)
 }
 

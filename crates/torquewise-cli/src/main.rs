@@ -21,6 +21,8 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     interrupt::listen();
-    let line = commands::CommandLine::parse();
-    outcome::report(line.command.run(), line.json)
+    match commands::CommandLine::try_parse() {
+        Ok(line) => outcome::report(files::all_or_none(|| line.command.run()), line.json),
+        Err(told) => outcome::told(&told),
+    }
 }

@@ -1,7 +1,6 @@
 //! What a command found, written to stdout and stderr, and its exit code.
 
 use crate::error::{CliError, in_flags};
-use crate::interrupt::{INTERRUPTED, pressed};
 use anyhow::Error;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -63,6 +62,15 @@ pub(crate) fn report(found: Result<Outcome, Error>, as_json: bool) -> ExitCode {
     ExitCode::from(code)
 }
 
+/// Writes what the command line itself has to say: help, the version, or wrong usage.
+pub(crate) fn told(told: &clap::Error) -> ExitCode {
+    let usual = if told.use_stderr() { WRONG_USAGE } else { 0 };
+    match quiet_if_closed(told.print().and_then(|()| io::stdout().flush())) {
+        Ok(()) => ExitCode::from(usual),
+        Err(source) => ExitCode::from(fail(&CliError::Stdout { source }.into(), false)),
+    }
+}
+
 /// A reader that has seen enough, such as `head`, is no failure.
 fn quiet_if_closed(written: io::Result<()>) -> io::Result<()> {
     match written {
@@ -97,7 +105,6 @@ fn fail(error: &Error, as_json: bool) -> u8 {
         let _ = write_stdout(&(object.to_string() + "\n"));
     }
     match error.downcast_ref() {
-        _ if pressed() => INTERRUPTED,
         Some(CliError::Usage(_)) => WRONG_USAGE,
         _ if error.downcast_ref().is_some_and(torquewise::Error::is_usage) => WRONG_USAGE,
         _ => FAILED,

@@ -1,13 +1,12 @@
 //! Bars on the terminal that show what is done and how far it is.
 
-use crate::interrupt::pressed;
 use indicatif::{ProgressBar, ProgressFinish, ProgressState, ProgressStyle};
 use std::cell::RefCell;
 use std::ops::ControlFlow;
 use std::time::Duration;
 use torquewise::Event;
 
-/// Shows on the terminal what is done, and stops the work once Ctrl-C was pressed.
+/// Shows on the terminal what is done.
 pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
     let shown = RefCell::new(bar("reading"));
     move |event| {
@@ -16,7 +15,7 @@ pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
             Event::Stage(stage) => shown.borrow().set_message(stage.to_string()),
             Event::Rows(rows) => shown.borrow().inc(rows as u64),
         }
-        if pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     }
 }
 

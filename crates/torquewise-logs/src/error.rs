@@ -43,6 +43,11 @@ pub enum LogError {
 
     #[error("{} is empty: expected a header with t, q1, …", file.display())]
     Empty { file: PathBuf },
+    #[error(
+        "{} is a pipe or a device, not a file, and a log is read several times: copy it to a file",
+        file.display()
+    )]
+    NotAFile { file: PathBuf },
     #[error("{}, trajectory {trajectory}: its signals cannot be conditioned", file.display())]
     Signals { file: PathBuf, trajectory: usize, source: torquewise_signals::SignalError },
     #[error(

@@ -13,8 +13,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type as Schema, TypePtr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tempfile::NamedTempFile;
-use torquewise_motion::whole_file::{put_in_place, temporary};
+use torquewise_motion::whole_file::Output;
 
 /// Rows of a row group at most: what a reader and a writer have to hold.
 const ROW_GROUP_ROWS: usize = 16_384;
@@ -22,7 +21,7 @@ const ROW_GROUP_ROWS: usize = 16_384;
 /// A Parquet file in the making.
 pub(crate) struct ParquetSink {
     file: PathBuf,
-    writer: SerializedFileWriter<NamedTempFile>,
+    writer: SerializedFileWriter<Output>,
     /// What is not yet written of each column.
     held: Vec<Held>,
     rows: usize,
@@ -47,9 +46,9 @@ impl ParquetSink {
             .set_dictionary_enabled(false)
             .set_key_value_metadata(metadata)
             .build();
-        let temporary = temporary(file).map_err(write_error(file))?;
+        let output = Output::create(file).map_err(write_error(file))?;
         let writer = schema(columns)
-            .and_then(|schema| SerializedFileWriter::new(temporary, schema, properties.into()))
+            .and_then(|schema| SerializedFileWriter::new(output, schema, properties.into()))
             .map_err(refused(file))?;
         let held = |column: &Column| match column.kind {
             ColumnKind::Number => Held::Numbers(Vec::new()),
@@ -114,7 +113,7 @@ impl Sink for ParquetSink {
     fn finish(mut self: Box<Self>) -> std::result::Result<(), LogError> {
         self.flush().map_err(refused(&self.file))?;
         let written = self.writer.into_inner().map_err(refused(&self.file))?;
-        put_in_place(written, &self.file).map_err(write_error(&self.file))
+        written.put_in_place().map_err(write_error(&self.file))
     }
 }
 

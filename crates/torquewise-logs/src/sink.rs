@@ -6,8 +6,7 @@ use crate::joints::CSV_COMMENT;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
-use torquewise_motion::whole_file::{put_in_place, temporary};
+use torquewise_motion::whole_file::Output;
 
 /// Where the values of a table go; they were checked before.
 pub(crate) trait Sink {
@@ -19,7 +18,7 @@ pub(crate) trait Sink {
 /// A CSV file in the making.
 pub(crate) struct CsvSink {
     file: PathBuf,
-    writer: csv::Writer<NamedTempFile>,
+    writer: csv::Writer<Output>,
     number: String,
 }
 
@@ -29,11 +28,11 @@ impl CsvSink {
         columns: &[Column],
         joints: Option<&str>,
     ) -> Result<Self, LogError> {
-        let mut temporary = temporary(file).map_err(write_error(file))?;
+        let mut output = Output::create(file).map_err(write_error(file))?;
         if let Some(joints) = joints {
-            writeln!(temporary, "{CSV_COMMENT} {joints}").map_err(write_error(file))?;
+            writeln!(output, "{CSV_COMMENT} {joints}").map_err(write_error(file))?;
         }
-        let mut writer = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(temporary);
+        let mut writer = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(output);
         let header = writer.write_record(columns.iter().map(|column| &column.name));
         header.map_err(|source| write_error(file)(source.into()))?;
         Ok(Self { file: file.into(), writer, number: String::new() })
@@ -66,7 +65,7 @@ impl Sink for CsvSink {
     fn finish(self: Box<Self>) -> Result<(), LogError> {
         let written = self.writer.into_inner().map_err(csv::IntoInnerError::into_error);
         let written = written.map_err(write_error(&self.file))?;
-        put_in_place(written, &self.file).map_err(write_error(&self.file))
+        written.put_in_place().map_err(write_error(&self.file))
     }
 }
 

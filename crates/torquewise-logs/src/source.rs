@@ -18,7 +18,7 @@ use crate::profile::Profile;
 use crate::profile::unit::time_factor;
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -183,6 +183,10 @@ pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>, LogError> {
 
 /// What a bag holds; `None` for another file.
 fn survey(file: &Path, format: Format, wanted: Wanted<'_>) -> Result<Option<Survey>, LogError> {
+    // A pipe or a device gives its bytes once; a log is read several times.
+    if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+        return Err(LogError::NotAFile { file: file.into() });
+    }
     match format {
         Format::Db3 => Survey::new(file, Storage::Db3, wanted).map(Some),
         Format::Mcap => Survey::new(file, Storage::Mcap, wanted).map(Some),

@@ -4,14 +4,19 @@ use crate::error::Error;
 use crate::physics::MassMatrix;
 use std::env;
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};
-use std::fs;
+use std::fs::{self, File};
 use std::io;
-use std::process::Command;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
 use torquewise_export::{
     Precision, Program, fmu_archive, fmu_sources, onto_urdf, ros_package, to_c, to_latex, to_mjcf,
     to_python, to_rust, to_urdf,
 };
 use torquewise_model::Model;
+use torquewise_motion::whole_file::{WorkFolder, undo_by};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,8 +184,14 @@ fn unit(program: &Program, name: &str, has_binary: bool) -> Result<Vec<u8>, Erro
 fn binary(sources: &[(String, String)], name: &str) -> Result<(String, Vec<u8>), Error> {
     let compiler = env::var("CC").ok().filter(|cc| !cc.is_empty()).unwrap_or_else(|| "cc".into());
     let in_folder = |source: io::Error| Error::NoCompiler { compiler: compiler.clone(), source };
-    let folder = tempfile::tempdir().map_err(in_folder)?;
-    let mut command = Command::new(&compiler);
+    let folder = WorkFolder::create().map_err(in_folder)?;
+    // As for make, CC may hold arguments; a path may hold spaces.
+    let mut words: Vec<&str> = compiler.split_whitespace().collect();
+    if words.is_empty() || Path::new(&compiler).exists() {
+        words = vec![&compiler];
+    }
+    let mut command = Command::new(words[0]);
+    command.args(&words[1..]);
     command.current_dir(folder.path()).args(["-std=c99", "-O2", "-fPIC", "-shared"]);
     command.arg("-fvisibility=hidden");
     for (path, text) in sources {
@@ -189,13 +200,47 @@ fn binary(sources: &[(String, String)], name: &str) -> Result<(String, Vec<u8>),
         command.arg(file);
     }
     let library = format!("{name}{DLL_SUFFIX}");
-    let output = command.args(["-o", &library, "-lm"]).output().map_err(in_folder)?;
-    if !output.status.success() {
-        let complaint = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+    let complaints = folder.path().join("complaints");
+    command.args(["-o", &library, "-lm"]).stdin(Stdio::null()).stdout(Stdio::null());
+    // What the compiler writes between goes where it is removed.
+    command.env("TMPDIR", folder.path());
+    command.stderr(File::create(&complaints).map_err(in_folder)?);
+    if !succeeds(&mut command).map_err(in_folder)? {
+        let complaint = fs::read(&complaints).map_err(in_folder)?;
+        let complaint = match String::from_utf8_lossy(&complaint).trim() {
+            "" => "it says nothing".to_owned(),
+            told => told.to_owned(),
+        };
         return Err(Error::Compiler { compiler, complaint });
     }
     let bytes = fs::read(folder.path().join(&library)).map_err(in_folder)?;
     Ok((format!("binaries/{}/{library}", platform()), bytes))
+}
+
+/// Whether a command succeeds; it ends with this program where that is abandoned.
+fn succeeds(command: &mut Command) -> io::Result<bool> {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    let child = Arc::new(Mutex::new(command.spawn()?));
+    let running = Arc::clone(&child);
+    let _cleanup = undo_by(move || end(&mut running.lock().unwrap_or_else(PoisonError::into_inner)));
+    loop {
+        let ended = child.lock().unwrap_or_else(PoisonError::into_inner).try_wait()?;
+        match ended {
+            Some(status) => return Ok(status.success()),
+            None => thread::sleep(Duration::from_millis(5)),
+        }
+    }
+}
+
+/// Ends a compiler and what it started.
+fn end(child: &mut Child) {
+    #[cfg(unix)]
+    if let Some(group) = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw) {
+        // Ignored: it has ended.
+        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+    }
+    let _ = child.kill().and_then(|()| child.wait());
 }
 
 /// The name FMI 2.0 gives this machine, which knows no others than x86.

@@ -2,7 +2,6 @@
 
 use crate::arguments::PatternArguments;
 use crate::files::check_output;
-use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_text};
 use crate::progress::watch;
@@ -54,7 +53,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 /// Labels all rows, beyond the sample that was clustered.
 fn label_rows(logs: &Prepared, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
-    let _shield = Shield::new();
     let mut table = PatternTable::create(file)?;
     Watched::new(logs, &watch(), "labelling rows", (logs.rows_hint(), 1))
         .read(&mut |_, block| Ok(table.append(&found.label(block))?))

@@ -2,7 +2,6 @@
 
 use crate::conditioning;
 use crate::files::{check_output, read_model};
-use crate::interrupt::Shield;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
@@ -64,7 +63,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     model.check_joints(log.joints())?;
     let logs = log.prepare_as(model.training.filter, Rows::Every)?;
 
-    let _shield = Shield::new();
     let interval = arguments.interval.map(|percent| Interval::new(&model, &logs, percent.into()));
     let interval = interval.transpose()?;
     let measured = logs.logs().has_tau();

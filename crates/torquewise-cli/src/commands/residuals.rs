@@ -1,7 +1,6 @@
 //! Torque that others put on an arm, and when they touched it.
 
 use crate::files::{check_distinct, check_ending, check_output, read_model, write_whole};
-use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
@@ -84,7 +83,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         bandwidth: arguments.bandwidth,
         false_alarms_per_hour: arguments.false_alarms,
     };
-    let _shield = Shield::new();
     let mut table = Written::create(&arguments.output, model.n_joints())?;
     let mut curves = Curves::new(model.n_joints());
     let (thresholds, found) =

@@ -2,7 +2,6 @@
 
 use crate::arguments::noise_levels;
 use crate::files::{check_distinct, check_output, read_arm, read_friction, read_twin};
-use crate::interrupt::Shield;
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
@@ -119,7 +118,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
-    let _shield = Shield::new();
     let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
     let shown = watch();
     let write = Watched::new(recording, &shown, "writing", (None, 1));

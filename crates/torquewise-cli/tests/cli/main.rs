@@ -17,3 +17,5 @@ mod bad_input;
 mod usage;
 mod flags;
 mod physics;
+#[cfg(unix)]
+mod faults;

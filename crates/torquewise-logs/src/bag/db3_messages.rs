@@ -7,7 +7,7 @@ use rusqlite::{Connection, OpenFlags, params};
 use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::fmt::Write;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +45,7 @@ const GENERATED: &str = "SELECT (SELECT COUNT(*) FROM pragma_table_xinfo('messag
 pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
     let refused = LogError::database(file);
     let connection = open(file)?;
-    let mut statement = connection.prepare(TOPICS).map_err(&refused)?;
+    let mut statement = connection.0.prepare(TOPICS).map_err(&refused)?;
     let topics = statement.query_map([], |row| {
         Ok(Topic {
             name: row.get(0)?,
@@ -61,7 +61,7 @@ pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
 /// The messages of a topic in order of the time they were received.
 pub(super) struct Db3Messages {
     file: PathBuf,
-    connection: Connection,
+    connection: Bag,
     topic: String,
     /// The query for a page.
     query: &'static str,
@@ -75,6 +75,7 @@ impl Db3Messages {
     pub(super) fn open(file: &Path, topic: &str) -> Result<Self, LogError> {
         let connection = open(file)?;
         let n_indices: i64 = connection
+            .0
             .query_row(INDICES, [], |row| row.get(0))
             .map_err(LogError::database(file))?;
         Ok(Self {
@@ -90,7 +91,7 @@ impl Db3Messages {
 
     fn next_page(&mut self) -> Result<(), LogError> {
         let refused = LogError::database(&self.file);
-        let mut statement = self.connection.prepare_cached(self.query).map_err(&refused)?;
+        let mut statement = self.connection.0.prepare_cached(self.query).map_err(&refused)?;
         let (received, id) = self.last;
         let mut rows =
             statement.query(params![self.topic, received, id, PAGE]).map_err(&refused)?;
@@ -119,9 +120,24 @@ impl Messages for Db3Messages {
     }
 }
 
+/// A bag opened to be read, and the file that SQLite makes beside one that was not closed.
+struct Bag(Connection, #[expect(dead_code, reason = "removes on drop")] Option<SharedMemory>);
+
+struct SharedMemory(PathBuf);
+
+impl Drop for SharedMemory {
+    fn drop(&mut self) {
+        // Where it was not made there is nothing to remove.
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
 /// Opens a bag to be read only.
-fn open(file: &Path) -> Result<Connection, LogError> {
+fn open(file: &Path) -> Result<Bag, LogError> {
     check_magic(file)?;
+    let mut shared = OsString::from(file);
+    shared.push("-shm");
+    let shared = Some(PathBuf::from(shared)).filter(|path| !path.exists()).map(SharedMemory);
     let refused = LogError::database(file);
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = match unchanging(file) {
@@ -141,7 +157,7 @@ fn open(file: &Path) -> Result<Connection, LogError> {
     }
     let n_generated: i64 =
         connection.query_row(GENERATED, [], |row| row.get(0)).map_err(&refused)?;
-    if n_generated == 0 { Ok(connection) } else { Err(LogError::NoBag { file: file.into() }) }
+    if n_generated == 0 { Ok(Bag(connection, shared)) } else { Err(LogError::NoBag { file: file.into() }) }
 }
 
 /// SQLite takes an empty or missing file for a new database.

@@ -328,6 +328,28 @@ fn what_is_no_bag_is_told_apart() {
 }
 
 #[test]
+fn c22_a_bag_that_was_not_closed_is_read_and_nothing_is_left_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = folder.path().join("made.db3");
+    write(&made, &[(TOPIC, KIND)], &messages(60, plain));
+    let recorder = rusqlite::Connection::open(&made).unwrap();
+    recorder.pragma_update(None, "journal_mode", "wal").unwrap();
+    recorder.execute_batch("DELETE FROM messages WHERE id > 40").unwrap();
+    let copy = folder.path().join("copy");
+    std::fs::create_dir(&copy).unwrap();
+    for name in ["made.db3", "made.db3-wal"] {
+        std::fs::copy(folder.path().join(name), copy.join(name)).unwrap();
+    }
+
+    assert_eq!(read(&copy.join("made.db3")).len(), 1);
+
+    let mut names: Vec<_> =
+        std::fs::read_dir(&copy).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["made.db3", "made.db3-wal"]);
+}
+
+#[test]
 fn a9_columns_that_a_bag_computes_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let bag = folder.path().join("generated.db3");
