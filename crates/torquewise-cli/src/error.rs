@@ -35,6 +35,11 @@ pub(crate) enum CliError {
     SameOutput(PathBuf),
     #[error("{} would not hold what its name says: expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
+    #[error(
+        "the torque at t = {t} s is beyond all numbers: the positions, velocities and accelerations \
+         there are no motion of an arm, check the log"
+    )]
+    NotFinite { t: f64 },
     #[error("{} exists and is not empty: name a new folder", .0.display())]
     NotEmpty(PathBuf),
     #[error(

@@ -5,8 +5,8 @@ use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
 use torquewise::model::Model;
-use torquewise::motion::whole_file::{self, Together};
 use torquewise::motion::bounded_file;
+use torquewise::motion::whole_file::{self, Together};
 use torquewise::twin;
 
 /// Reads a model file.

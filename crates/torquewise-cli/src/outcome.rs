@@ -17,6 +17,7 @@ use torquewise::model::ModelError;
 use torquewise::motion::MotionError;
 use torquewise::regression::SparseError;
 use torquewise::report::ReportError;
+use torquewise::signals::SignalError;
 
 /// What a command found.
 #[derive(Clone, Debug, Default)]
@@ -71,6 +72,20 @@ pub(crate) fn told(told: &clap::Error) -> ExitCode {
     }
 }
 
+/// A text whose control characters a terminal shows instead of obeying them.
+fn printable(text: &str) -> String {
+    let is_layout = |c| c == '\n' || c == '\t';
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() && !is_layout(c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
+}
+
 /// A reader that has seen enough, such as `head`, is no failure.
 fn quiet_if_closed(written: io::Result<()>) -> io::Result<()> {
     match written {
@@ -86,7 +101,7 @@ fn write_results(outcome: &Outcome, as_json: bool) -> io::Result<()> {
         object.insert("notes".into(), json!(outcome.notes));
         Value::Object(object).to_string() + "\n"
     } else {
-        outcome.text.clone()
+        printable(&outcome.text)
     };
     write_stdout(&text)
 }
@@ -113,6 +128,7 @@ fn fail(error: &Error, as_json: bool) -> u8 {
 
 /// Writes to stderr, its first word coloured where people look at it.
 fn complain(word: &str, colour: &str, text: &str) {
+    let text = printable(text);
     let mut stderr = io::stderr().lock();
     let plain = env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     // Ignored: stderr is gone.
@@ -141,11 +157,23 @@ fn explanation(error: &Error) -> Vec<String> {
     messages.dedup();
     let mut lines = Vec::with_capacity(messages.len() + 1);
     for (place, message) in messages.iter().enumerate() {
-        let message = message.trim_end().replace('\n', "\n    ");
+        let message: Vec<String> = message.trim_end().lines().map(cut).collect();
+        let message = message.join("\n    ");
         lines.push(if place == 0 { message } else { format!("  because: {message}") });
     }
     lines.extend(advice);
     lines
+}
+
+/// A line as long as people read: what quotes a file may be longer.
+fn cut(line: &str) -> String {
+    const LONGEST: usize = 400;
+    let mut letters = line.chars();
+    let mut cut: String = letters.by_ref().take(LONGEST).collect();
+    if letters.next().is_some() {
+        cut.push('…');
+    }
+    cut
 }
 
 fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
@@ -160,6 +188,7 @@ fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
         || cause.is::<MotionError>()
         || cause.is::<SparseError>()
         || cause.is::<ReportError>()
+        || cause.is::<SignalError>()
         || cause.is::<ExportError>()
 }
 
@@ -190,6 +219,18 @@ mod tests {
         let lines = explanation(&error.unwrap_err());
 
         assert_eq!(lines, ["no model", "  because: out is a folder: name a file in it"]);
+    }
+
+    #[test]
+    fn e29_a_terminal_shows_control_characters_and_obeys_none() {
+        assert_eq!(printable("a\n\tb\u{1b}[31m\0\u{9b}"), "a\n\tb\\u{1b}[31m\\u{0}\\u{9b}");
+    }
+
+    #[test]
+    fn d26_lines_that_quote_a_file_are_cut() {
+        let error = anyhow::anyhow!("a").context("x".repeat(20_000));
+
+        assert!(explanation(&error).iter().all(|line| line.chars().count() < 1_100));
     }
 
     #[test]

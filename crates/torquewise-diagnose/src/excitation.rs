@@ -47,6 +47,18 @@ pub enum Finding {
         /// Least correlation of the speeds of two of them.
         correlation: f64,
     },
+    /// A torque that was cut off.
+    Clipped {
+        /// Name of the joint.
+        joint: String,
+        /// Part of its motion in which the torque is at one of its ends.
+        share: f64,
+    },
+    /// A torque that fits those of the other joints with the opposite sign alone.
+    Contrary {
+        /// Name of the joint.
+        joint: String,
+    },
     /// A torque that follows from the position alone.
     Commanded {
         /// Name of the joint.
@@ -273,6 +285,18 @@ impl fmt::Display for Finding {
                 "the torque of {joint} does not follow its motion, {:.0} % of it is something \
                  else: is its motor on, and its sensor fine enough? Leave it out or drive it",
                 100.0 * residual
+            ),
+            Self::Clipped { joint, share } => write!(
+                f,
+                "the torque of {joint} is at one of its ends in {:.0} % of its motion, as if it \
+                 were cut off: check the limits of its drive and sensor, and drive it more gently",
+                100.0 * share
+            ),
+            Self::Contrary { joint } => write!(
+                f,
+                "the torque of {joint} contradicts those of the other joints, which it would fit \
+                 with the opposite sign: check the sign of its torque, gear or torque constant \
+                 against its position"
             ),
             Self::Backward { joint } => write!(
                 f,

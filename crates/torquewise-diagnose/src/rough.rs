@@ -89,6 +89,16 @@ impl Normal {
         self.unscaled(&self.scaled(moments))
     }
 
+    /// The same for several right-hand sides, p×k.
+    pub fn solve_each(&self, moments: &Mat<f64>) -> Mat<f64> {
+        let mut weights = Mat::zeros(moments.nrows(), moments.ncols());
+        for k in 0..moments.ncols() {
+            let own = self.solve(&moments.subcols(k, 1).to_owned());
+            weights.col_mut(k).copy_from(own.col(0));
+        }
+        weights
+    }
+
     /// Weights of columns of unit length.
     fn scaled(&self, moments: &Mat<f64>) -> Mat<f64> {
         let p = self.size.len();

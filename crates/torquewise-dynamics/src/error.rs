@@ -87,7 +87,7 @@ pub enum DynamicsError {
         joint + 1
     )]
     Massless { joint: usize },
-    #[error("{what} of the motion plan is {found}, expected {expected}")]
+    #[error("{what} of the motion plan is {found:?}, expected {expected}")]
     Plan { what: &'static str, found: f64, expected: &'static str },
     #[error("noise case {0} is unknown: choose 1, 2 or 3")]
     NoiseCase(u8),

@@ -26,10 +26,11 @@ pub(crate) fn summed(
     joints: &Range<usize>,
 ) -> Option<Vec<Weighted<EnergyTerm>>> {
     let mut sums: BTreeMap<EnergyTerm, f64> = BTreeMap::new();
+    let most = GROWTH * terms.len() + FEW;
     for weighted in terms {
         let Weighted { term: EnergyTerm { place, function }, coefficient, .. } = weighted;
         let (inside, outside) = parted(&function.factors, joints);
-        for (share, harmonic) in sum_of_product(&inside, function.n_joints()) {
+        for (share, harmonic) in sum_of_product(&inside, function.n_joints(), most)? {
             let mut factors = outside.clone();
             factors.extend(harmonic.factors()?);
             factors.sort();
@@ -37,7 +38,7 @@ pub(crate) fn summed(
             let term = EnergyTerm { place: *place, function };
             *sums.entry(term).or_insert(0.0) += share * coefficient;
         }
-        if sums.len() > GROWTH * terms.len() + FEW {
+        if sums.len() > most {
             return None;
         }
     }

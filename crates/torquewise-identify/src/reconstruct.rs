@@ -123,6 +123,7 @@ fn by_chain(
             let patterns = find_patterns(&survey, &settings.patterns)?;
             let mut found = fitted.report(survey, patterns, seed)?;
             Warning::retain_founded(&mut found.warnings, &found.model, options.physical);
+            found.doubt_torque();
             progress(Progress::Done);
             Ok(Solution::Model(Box::new(found)))
         }

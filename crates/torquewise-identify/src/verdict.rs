@@ -34,9 +34,12 @@ pub struct Verdict {
 
 impl Verdict {
     /// From blocks of time that were held out, and what the motion leaves open; `None` of a model
-    /// whose held-out error was not found.
+    /// whose held-out error was not found and which nothing makes useless.
     pub fn of(found: &Reconstruction) -> Option<Self> {
-        let errors = found.model.training.held_out_errors()?;
+        let Some(errors) = found.model.training.held_out_errors() else {
+            let because = grave(&found.warnings);
+            return (!because.is_empty()).then_some(Self { grade: Grade::Unusable, because });
+        };
         let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {
             let named = found.model.joints.iter().zip(&errors);
             named.filter(|(_, error)| is(**error)).map(|(name, _)| name.clone()).collect()
@@ -85,8 +88,11 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
         Warning::Excitation(Finding::Together { joints, .. }) => {
             Some(format!("{} always move together", list(joints)))
         }
-        Warning::Excitation(Finding::Backward { joint }) => {
+        Warning::Excitation(Finding::Backward { joint } | Finding::Contrary { joint }) => {
             Some(format!("the torque of {joint} has the wrong sign"))
+        }
+        Warning::Excitation(Finding::Clipped { joint, .. }) => {
+            Some(format!("the torque of {joint} is cut off"))
         }
         Warning::Excitation(Finding::Unrelated { joint, .. }) => {
             Some(format!("the torque of {joint} does not follow its motion"))

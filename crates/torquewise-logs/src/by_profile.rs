@@ -118,7 +118,7 @@ impl Build<'_> {
                 self.numbered(signal.name(), joints.len())
             }
             None if parts.is_none() && signal != Signal::Q => return Ok(None),
-            None => return Err(self.missing(&key, "one column per joint")),
+            None => return Err(self.missing(&key, &format!("{}1", signal.name()))),
         };
         if names.is_empty() {
             return Err(self.missing(&key, "columns of a signal, such as q1, q2, …"));

@@ -211,8 +211,8 @@ pub enum LogError {
     #[error("{profile}: {key} has {found}, expected {expected}")]
     ProfileKey { profile: String, key: String, found: String, expected: String },
     #[error(
-        "{} has no column {missing} for {key} of the profile, found {found}: name the columns as \
-         the file does",
+        "{} has no column {missing}, which {key} of the profile needs, found {found}: name the \
+         columns as the file does",
         file.display()
     )]
     NoProfileColumn { file: PathBuf, key: String, missing: String, found: String },

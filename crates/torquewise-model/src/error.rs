@@ -45,7 +45,10 @@ pub enum ModelError {
     Friction { what: &'static str, place: String, found: String, expected: &'static str },
     #[error(transparent)]
     Motion(#[from] torquewise_motion::MotionError),
-    #[error("the energy of {joints} joints has too many terms to list; at most {most} joints")]
+    #[error(
+        "the energy of {joints} joints has too many terms to list, those of {most} joints at most: \
+         choose fewer joints by a profile, or the product library"
+    )]
     TooManyJoints { joints: usize, most: usize },
     #[error("the chain of the model cannot be used, {reason}: take a file that is whole")]
     Chain { reason: String },

@@ -18,6 +18,15 @@ struct Grid {
     values: Vec<f64>,
 }
 
+/// Whether the energy of a chain of n joints can be listed, before work is done.
+///
+/// # Errors
+/// [`ModelError::TooManyJoints`] above eight joints.
+pub fn check_joints(n: usize) -> Result<(), ModelError> {
+    let most = MOST_JOINTS;
+    if n > most { Err(ModelError::TooManyJoints { joints: n, most }) } else { Ok(()) }
+}
+
 /// All energy terms of a chain with their coefficients, in the functions of the energy library.
 ///
 /// M(q) and V(q) of a chain are sums of products over the joints of 1, cos kq and sin kq, k up to 2
@@ -33,9 +42,7 @@ pub fn energy_terms(
     inertial: &[f64],
 ) -> Result<Vec<(EnergyTerm, f64)>, ModelError> {
     let n = geometry.n_joints();
-    if n > MOST_JOINTS {
-        return Err(ModelError::TooManyJoints { joints: n, most: MOST_JOINTS });
-    }
+    check_joints(n)?;
     let kinematics = Kinematics::new(geometry);
     let turns: Vec<usize> = (0..n).map(|joint| geometry.coupling().multiples_of(joint)).collect();
     let mut terms = potential_terms(&kinematics, inertial, turns.clone());

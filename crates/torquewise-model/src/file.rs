@@ -13,6 +13,10 @@ use torquewise_motion::{bounded_file, unfit_joint_name};
 /// Version of the file format this program writes, and the newest it reads. Version 1 had neither
 /// friction nor choices, version 2 no chain.
 pub const FILE_VERSION: u64 = 3;
+
+/// Factors of a term at most, and multiples of an angle: what a term is worked out by stays exact.
+const MOST_ORDER: u8 = 32;
+
 const FORMAT: &str = "torquewise-model";
 
 #[derive(Serialize)]
@@ -148,6 +152,10 @@ fn check_form(form: &Form, n: usize) -> Result<(), ModelError> {
             if let crate::energy::Place::Inertia(i, j) = w.term.place {
                 expect("an entry of the mass matrix", i.max(j).max(n - 1) + 1, n)?;
             }
+            if w.term.function.dq.iter().chain(&w.term.function.ddq).any(|&power| power > 0) {
+                let reason = "an energy has velocities or accelerations beside its angles";
+                return Err(ModelError::NotAModel { reason: reason.into() });
+            }
             check_weighted(w, &w.term.function, n)
         }),
     }
@@ -158,9 +166,22 @@ fn check_weighted<T>(weighted: &Weighted<T>, term: &Term, n: usize) -> Result<()
     expect("the accelerations of a term", term.ddq.len(), n)?;
     for factor in &term.factors {
         expect("the angles of a term", factor.multiples.len(), n)?;
+        if factor.power == 0 || factor.multiples.iter().any(|k| k.unsigned_abs() > MOST_ORDER) {
+            return Err(out_of_bounds("a factor"));
+        }
+    }
+    let orders = |powers: &[u8]| powers.iter().map(|&power| u64::from(power)).sum::<u64>();
+    let angles = term.factors.iter().map(|factor| u64::from(factor.power)).sum::<u64>();
+    if angles.max(orders(&term.dq)).max(orders(&term.ddq)) > u64::from(MOST_ORDER) {
+        return Err(out_of_bounds("a term"));
     }
     finite("a coefficient", weighted.coefficient, || term.name())?;
     finite("a standard error", weighted.std_error, || term.name())
+}
+
+fn out_of_bounds(what: &str) -> ModelError {
+    let reason = format!("{what} has a power or a multiple outside 1 to {MOST_ORDER}");
+    ModelError::NotAModel { reason }
 }
 
 /// Whether the shaft is one of n joints and turns, and the law is a function of its speed.

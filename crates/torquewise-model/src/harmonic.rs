@@ -38,8 +38,13 @@ impl Harmonic {
     }
 }
 
-/// A product of sines and cosines as a sum of such, each with its share.
-pub fn sum_of_product(factors: &[Factor], n_joints: usize) -> Vec<(f64, Harmonic)> {
+/// A product of sines and cosines as a sum of such, each with its share; `None` where that takes
+/// more than `most`.
+pub fn sum_of_product(
+    factors: &[Factor],
+    n_joints: usize,
+    most: usize,
+) -> Option<Vec<(f64, Harmonic)>> {
     let one = Harmonic { function: Trig::Cos, multiples: vec![0; n_joints] };
     let mut sum = BTreeMap::from([(one, 1.0)]);
     for factor in factors {
@@ -49,10 +54,13 @@ pub fn sum_of_product(factors: &[Factor], n_joints: usize) -> Vec<(f64, Harmonic
                 *longer.entry(harmonic).or_insert(0.0) += share;
             }
             longer.retain(|_, share| *share != 0.0);
+            if longer.len() > most {
+                return None;
+            }
             sum = longer;
         }
     }
-    sum.into_iter().map(|(harmonic, share)| (share, harmonic)).collect()
+    Some(sum.into_iter().map(|(harmonic, share)| (share, harmonic)).collect())
 }
 
 /// 2 cos a cos b = cos(a − b) + cos(a + b), and so on.

@@ -143,6 +143,65 @@ pub fn energy_library(n_joints: usize, interaction: Option<usize>) -> Vec<Energy
     library
 }
 
+/// How many terms [`product_library`] lists, told without listing them; at most `usize::MAX`.
+pub fn product_library_size(n_joints: usize, trig_order: u8, degrees: &[Degree]) -> usize {
+    // Of one joint: 1, and a sine or none with cosines, two of each order above.
+    let of_joint = |order: usize| if order == 0 { 1 } else { 2 };
+    let mut of_order = vec![0_usize; usize::from(trig_order) + 1];
+    of_order[0] = 1;
+    for _ in 0..n_joints {
+        of_order = (0..of_order.len())
+            .map(|order| saturating((0..=order).map(|own| (of_order[order - own], of_joint(own)))))
+            .collect();
+    }
+    let angles = saturating(of_order.into_iter().map(|count| (count, 1)));
+    let motions = degrees.iter().map(|degree| {
+        (n_monomials(n_joints, degree.velocity), n_monomials(n_joints, degree.acceleration))
+    });
+    angles.saturating_mul(saturating(motions))
+}
+
+/// How many monomials of a degree n variables have: C(n + degree − 1, degree).
+fn n_monomials(n: usize, degree: u8) -> usize {
+    let mut of_degree = vec![0_usize; usize::from(degree) + 1];
+    of_degree[0] = 1;
+    for _ in 0..n {
+        for degree in 1..of_degree.len() {
+            of_degree[degree] = of_degree[degree].saturating_add(of_degree[degree - 1]);
+        }
+    }
+    of_degree[usize::from(degree)]
+}
+
+/// How many terms [`energy_library`] lists, told without listing them; at most `usize::MAX`.
+pub fn energy_library_size(n_joints: usize, interaction: Option<usize>) -> usize {
+    let limit = interaction.unwrap_or(n_joints).min(n_joints);
+    // By how many angles a function has: of each joint two for each of its harmonics.
+    let functions = |harmonics: &dyn Fn(usize) -> usize| {
+        let mut of_angles = vec![0_usize; limit + 1];
+        of_angles[0] = 1;
+        for joint in 0..n_joints {
+            for angles in (1..=limit).rev() {
+                let more = of_angles[angles - 1].saturating_mul(2 * harmonics(joint));
+                of_angles[angles] = of_angles[angles].saturating_add(more);
+            }
+        }
+        saturating(of_angles.into_iter().map(|count| (count, 1)))
+    };
+    let mut size = functions(&|_| 1) - 1;
+    for i in 0..n_joints {
+        for j in i..n_joints {
+            let harmonics = |k: usize| usize::from(k > i) + usize::from(k > j);
+            size = size.saturating_add(functions(&harmonics));
+        }
+    }
+    size
+}
+
+fn saturating(products: impl Iterator<Item = (usize, usize)>) -> usize {
+    products.fold(0, |sum: usize, (a, b)| sum.saturating_add(a.saturating_mul(b)))
+}
+
 /// Products over the joints of {1, cos kq, sin kq : k ≤ harmonics of the joint}, the constant
 /// first, of at most `limit` joints.
 fn harmonic_functions(n_joints: usize, harmonics: &[u8], limit: usize) -> Vec<Term> {
@@ -169,6 +228,22 @@ fn harmonic_functions(n_joints: usize, harmonics: &[u8], limit: usize) -> Vec<Te
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a13_libraries_are_counted_as_they_are_listed() {
+        for n in 1..=4 {
+            for order in 1..=4 {
+                for degrees in [Degree::up_to(2), vec![Degree::of(Kind::Coriolis)]] {
+                    let listed = product_library(n, order, &degrees).len();
+                    assert_eq!(product_library_size(n, order, &degrees), listed, "{n} {order}");
+                }
+                let listed = energy_library(n, Some(order.into())).len();
+                assert_eq!(energy_library_size(n, Some(order.into())), listed, "{n} {order}");
+            }
+            assert_eq!(energy_library_size(n, None), energy_library(n, None).len(), "{n}");
+        }
+        assert_eq!(product_library_size(1000, 255, &Degree::up_to(255)), usize::MAX);
+    }
 
     #[test]
     fn angle_functions_have_the_sizes_of_the_method() {

@@ -106,8 +106,11 @@ pub fn shortest(terms: Vec<Weighted<Term>>, correlated: bool) -> Vec<Weighted<Te
     groups.into_iter().flat_map(shorter).collect()
 }
 
+/// Functions that one product may become at most.
+const MOST_SUMMED: usize = 10_000;
+
 /// The same sum with products of sines and cosines of a range of joints as functions of summed
-/// angles; `None` where a multiple of an angle is too large for a term.
+/// angles; `None` where a multiple of an angle is too large for a term, or there would be too many.
 fn summed(
     terms: &[Weighted<Term>],
     joints: &Range<usize>,
@@ -117,7 +120,7 @@ fn summed(
     let mut sums: BTreeMap<Term, (f64, f64, Option<f64>)> = BTreeMap::new();
     for Weighted { term, coefficient, std_error, inclusion } in terms {
         let (inside, outside) = parted(&term.factors, joints);
-        for (share, harmonic) in sum_of_product(&inside, term.n_joints()) {
+        for (share, harmonic) in sum_of_product(&inside, term.n_joints(), MOST_SUMMED)? {
             let mut factors = outside.clone();
             factors.extend(harmonic.factors()?);
             factors.sort();

@@ -3,7 +3,9 @@
 
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::library::{Degree, energy_library, product_library};
+use torquewise_model::library::{
+    Degree, energy_library, energy_library_size, product_library, product_library_size,
+};
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
@@ -67,6 +69,7 @@ impl Candidates {
         regression: Regression,
         mut friction: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
+        check_library(n_joints, library, regression)?;
         let terms = match library {
             LibraryKind::Energy { interaction } => Terms::Energy(match interaction {
                 Some(limit) => energy_library(n_joints, Some(limit)),
@@ -215,15 +218,32 @@ impl Terms {
 
 /// The energy library of the highest interaction order that holds at most `most` terms.
 pub fn largest_energy_library(n_joints: usize, most: usize) -> Vec<EnergyTerm> {
-    let mut largest = energy_library(n_joints, Some(1));
-    for limit in 2..=n_joints {
-        let next = energy_library(n_joints, Some(limit));
-        if next.len() > most {
-            break;
+    let fits = |limit: &usize| energy_library_size(n_joints, Some(*limit)) <= most;
+    let limit = (2..=n_joints).take_while(fits).last().unwrap_or(1);
+    energy_library(n_joints, Some(limit))
+}
+
+/// Refuses a library that is too large before it is listed.
+fn check_library(
+    n_joints: usize,
+    library: LibraryKind,
+    regression: Regression,
+) -> Result<(), IdentifyError> {
+    let size = |order, degrees: &[Degree]| product_library_size(n_joints, order, degrees);
+    match (library, regression) {
+        (LibraryKind::Energy { interaction }, _) => {
+            let limit = interaction.unwrap_or(1);
+            check_size(energy_library_size(n_joints, Some(limit)), n_joints)
         }
-        largest = next;
+        (LibraryKind::Product { trig_order, .. }, Regression::OneShot) => {
+            check_size(size(trig_order, &Degree::up_to(2)), 1)
+        }
+        (LibraryKind::Product { gravity_order, trig_order }, Regression::Stepwise) => {
+            let gravity = size(gravity_order, &[Degree::of(Kind::Gravity)]);
+            let others = [Kind::Coriolis, Kind::Inertia].map(Degree::of);
+            check_size(gravity.saturating_add(size(trig_order, &others)), 1)
+        }
     }
-    largest
 }
 
 fn product_terms(n_joints: usize, gravity: u8, order: u8, regression: Regression) -> Vec<Term> {
@@ -242,15 +262,13 @@ fn product_terms(n_joints: usize, gravity: u8, order: u8, regression: Regression
 const MOST_BYTES: usize = 4 << 30;
 
 fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> {
-    let bytes = 8 * equations * candidates * candidates;
-    if bytes <= MOST_BYTES {
+    let bytes = |p: usize| 8_usize.saturating_mul(equations).saturating_mul(p).saturating_mul(p);
+    if bytes(candidates) <= MOST_BYTES {
         return Ok(());
     }
-    let mut limit = 1;
-    while 8 * equations * (limit + 1) * (limit + 1) <= MOST_BYTES {
-        limit += 1;
-    }
-    Err(IdentifyError::LibraryTooLarge { candidates, gigabytes: bytes >> 30, limit })
+    let limit = (MOST_BYTES / (8 * equations)).isqrt();
+    let gigabytes = bytes(candidates) >> 30;
+    Err(IdentifyError::LibraryTooLarge { candidates, gigabytes, limit })
 }
 
 /// The columns of torque terms: one equation that serves all joints.

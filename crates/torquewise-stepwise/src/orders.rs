@@ -6,7 +6,9 @@ use crate::rows::{Gathering, cut, samples_of};
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
-use torquewise_model::library::{Degree, energy_library, product_library};
+use torquewise_model::library::{
+    Degree, energy_library, energy_library_size, product_library, product_library_size,
+};
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
@@ -91,6 +93,9 @@ pub fn orders(
 ) -> Result<Vec<OrderCurve>, IdentifyError> {
     let survey = survey(recording)?;
     survey.sample.require_tau()?;
+    if let Some(joint) = survey.torque_std.iter().position(|&std| std == 0.0) {
+        return Err(IdentifyError::ConstantTorque(survey.joints[joint].clone()));
+    }
     let patterns = find_patterns(&survey, &plan.patterns)?;
     let n = survey.joints.len();
     let ladders = ladders(n, plan, &patterns)?;
@@ -126,21 +131,15 @@ fn ladders(
 }
 
 /// The highest order up to `largest` whose library is small enough to be fitted whole.
-fn feasible<T>(largest: u8, library: impl Fn(u8) -> Vec<T>) -> (u8, Vec<T>) {
-    let mut best = (1, library(1));
-    for order in 2..=largest {
-        let next = library(order);
-        if next.len() > MOST_COLUMNS {
-            break;
-        }
-        best = (order, next);
-    }
-    best
+fn feasible(largest: u8, size: impl Fn(u8) -> usize) -> u8 {
+    (2..=largest).take_while(|order| size(*order) <= MOST_COLUMNS).last().unwrap_or(1)
 }
 
 /// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
 fn whole_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
-    let (largest, terms) = feasible(largest, |order| product_library(n, order, &Degree::up_to(2)));
+    let degrees = Degree::up_to(2);
+    let largest = feasible(largest, |order| product_library_size(n, order, &degrees));
+    let terms = product_library(n, largest, &degrees);
     let rungs = (1..=2_u8)
         .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
         .map(|(order, motion)| {
@@ -164,11 +163,13 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<OrderSweep, Id
     // What an order adds to the step before shows only if the step before is not short of it.
     let degrees: Vec<Degree> = kinds.iter().map(|&kind| Degree::of(kind)).collect();
     let (before, added) = degrees.split_at(degrees.len() - 1);
-    let (largest, terms) = feasible(largest, |order| {
-        let mut terms = product_library(n, order.min(BEFORE), before);
-        terms.extend(product_library(n, order, added));
-        terms
-    });
+    let size = |order: u8| {
+        let earlier = product_library_size(n, order.min(BEFORE), before);
+        earlier.saturating_add(product_library_size(n, order, added))
+    };
+    let largest = feasible(largest, size);
+    let mut terms = product_library(n, largest.min(BEFORE), before);
+    terms.extend(product_library(n, largest, added));
     let rungs = (1..=largest)
         .map(|order| {
             let fits = |term: &Term| term.kind() != own || trig_order(term) <= order;
@@ -180,7 +181,8 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<OrderSweep, Id
 }
 
 fn energy_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
-    let (largest, terms) = feasible(largest, |order| energy_library(n, Some(order.into())));
+    let largest = feasible(largest, |order| energy_library_size(n, Some(order.into())));
+    let terms = energy_library(n, Some(largest.into()));
     let rungs = (1..=largest)
         .map(|order| {
             let fits = |&column: &usize| terms[column].function.interaction() <= usize::from(order);

@@ -49,8 +49,13 @@ pub enum IdentifyError {
         "the counterbalanced joint {name} is not in the log, which has {joints}: name one of these"
     )]
     NoSuchJoint { name: String, joints: String },
+    #[error("the torque of {0} never changes: check that it is measured, or leave the joint out")]
+    ConstantTorque(String),
     #[error("no chain of rigid bodies could be learned: {0}")]
     Chain(#[from] torquewise_rigid::ChainError),
-    #[error("numerical work failed: please report this log to the authors of torquewise")]
+    #[error(
+        "the numbers of the log cannot be worked with: check that its units are rad, s and N·m and \
+         that every signal is measured"
+    )]
     Sparse(#[from] SparseError),
 }

@@ -223,7 +223,8 @@ fn succeeds(command: &mut Command) -> io::Result<bool> {
     std::os::unix::process::CommandExt::process_group(command, 0);
     let child = Arc::new(Mutex::new(command.spawn()?));
     let running = Arc::clone(&child);
-    let _cleanup = undo_by(move || end(&mut running.lock().unwrap_or_else(PoisonError::into_inner)));
+    let _cleanup =
+        undo_by(move || end(&mut running.lock().unwrap_or_else(PoisonError::into_inner)));
     loop {
         let ended = child.lock().unwrap_or_else(PoisonError::into_inner).try_wait()?;
         match ended {

@@ -6,6 +6,7 @@ use torquewise_identify::plan::{
 };
 use torquewise_identify::settings::Settings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
+use torquewise_model::expansion::check_joints;
 use torquewise_regression::select::Selector;
 
 /// Joints up to which the whole energy library is offered.
@@ -123,7 +124,10 @@ impl FitOptions {
             Library::Chain if self.regression == Regression::OneShot => {
                 return Err(Error::SindyOfChain);
             }
-            Library::Chain => Fitted::Chain,
+            Library::Chain => {
+                check_joints(log.joints)?;
+                Fitted::Chain
+            }
         };
         self.refuse_unused(fitted, &because, &[])?;
         Ok(self.plan_of(fitted))

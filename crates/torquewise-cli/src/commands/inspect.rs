@@ -84,11 +84,16 @@ fn suggested(logs: &[PathBuf], known: &ProfileArguments) -> Option<Outcome> {
     })
 }
 
+/// Names as one line shows them, whatever they hold.
+fn escaped(names: &[String]) -> String {
+    names.iter().map(|name| name.escape_debug().to_string()).collect::<Vec<_>>().join(", ")
+}
+
 fn text(inspection: &Inspection) -> String {
     let Survey { joints, rows, trajectories, seconds, .. } = &inspection.survey;
     let absent = [
         ("not recorded", inspection.missing.join(", ")),
-        ("columns not read", inspection.ignored_columns.join(", ")),
+        ("columns not read", escaped(&inspection.ignored_columns)),
     ];
     let absent = absent.iter().filter(|(_, names)| !names.is_empty());
     format!(

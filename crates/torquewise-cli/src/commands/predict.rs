@@ -1,6 +1,7 @@
 //! The torque of a log, whole and in parts.
 
 use crate::conditioning;
+use crate::error::CliError;
 use crate::files::{check_output, read_model};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
@@ -81,6 +82,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             rows += block.n_rows();
             range.add(block);
             let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
+            let is_finite = |row: &usize| tau_hat.row(*row).iter().all(|tau| tau.is_finite());
+            if let Some(row) = (0..tau_hat.nrows()).find(|row| !is_finite(row)) {
+                return Err(CliError::NotFinite { t: block.t()[row] }.into());
+            }
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
             }

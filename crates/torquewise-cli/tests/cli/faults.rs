@@ -111,7 +111,8 @@ fn c18_c19_c20_signals_at_random_moments_leave_all_or_nothing() {
                 }
                 let found: Vec<PathBuf> = tree(&folder).into_keys().collect();
                 let is_none = found.iter().eq(before.keys());
-                let is_partial_of_killed = signal == "-KILL" && found.iter().all(|f| whole.contains(f));
+                let is_partial_of_killed =
+                    signal == "-KILL" && found.iter().all(|f| whole.contains(f));
                 assert!(
                     is_none || found == whole || is_partial_of_killed,
                     "{line}: {signal} after {after:?} of {takes:.3} s: {found:?}"
@@ -207,7 +208,8 @@ fn little_memory_is_enough_and_two_writers_leave_one_whole_file() {
     let terminal = Terminal::with_model();
     let writers: Vec<_> = (0..6)
         .map(|seed| {
-            let line = format!("simulate planar-2 -o both.csv --seconds 40 --rate 100 --seed {seed}");
+            let line =
+                format!("simulate planar-2 -o both.csv --seconds 40 --rate 100 --seed {seed}");
             let mut command = Command::new(PROGRAM);
             command.args(line.split(' ')).current_dir(terminal.path("")).stdout(Stdio::null());
             command.spawn().unwrap()
@@ -217,7 +219,10 @@ fn little_memory_is_enough_and_two_writers_leave_one_whole_file() {
         assert!(writer.wait().unwrap().success());
     }
     assert_eq!(terminal.files(), ["both.csv", "log.csv", "model.json"]);
-    assert_eq!(terminal.read("both.csv").lines().count(), terminal.read("both.csv").matches('\n').count());
+    assert_eq!(
+        terminal.read("both.csv").lines().count(),
+        terminal.read("both.csv").matches('\n').count()
+    );
     terminal.done("inspect both.csv");
 
     // A gigabyte of addresses is enough, stacks of all threads among them.

@@ -553,3 +553,111 @@ fn logs_of_other_payloads_are_told_apart() {
     assert_warns(&mixed, &words);
     assert!(!alike.stderr.contains("disagree"), "{alike:?}");
 }
+
+/// A copy of a log whose torque of one joint is changed row by row.
+fn with_torque(terminal: &Terminal, log: &str, joint: usize, change: impl Fn(f64) -> f64) {
+    let text = terminal.read(log);
+    let name = format!("tau{joint}");
+    let place = text.lines().next().unwrap().split(',').position(|own| own == name).unwrap();
+    let changed = |(number, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(Into::into).collect();
+        if number > 0 {
+            cells[place] = format!("{:?}", change(cells[place].parse().unwrap()));
+        }
+        cells.join(",") + "\n"
+    };
+    terminal.write("changed.csv", &text.lines().enumerate().map(changed).collect::<String>());
+}
+
+#[test]
+fn d24_a_torque_of_the_wrong_sign_is_named_on_any_joint() {
+    for (arm, joints) in [("planar-2", 2), ("puma560-3", 3)] {
+        let terminal = Terminal::new();
+        terminal.done(&format!("simulate {arm} -o log.csv --seconds 60 --rate 100"));
+        for joint in 1..=joints {
+            with_torque(&terminal, "log.csv", joint, |tau| -tau);
+            let said = terminal.run("fit changed.csv -o m.json");
+            assert_eq!(said.code, 3, "{said:?}");
+            let verdict = format!("unusable: the torque of joint{joint} has the wrong sign");
+            assert!(said.stdout.contains(&verdict), "{said:?}");
+            assert!(said.stderr.contains("check the sign of its torque"), "{said:?}");
+        }
+    }
+}
+
+#[test]
+fn d23_a_torque_that_was_cut_off_is_named() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o log.csv --seconds 60 --rate 100");
+    for joint in 1..=3 {
+        let text = terminal.read("log.csv");
+        let place =
+            text.lines().next().unwrap().split(',').position(|n| n == format!("tau{joint}"));
+        let tau =
+            |line: &str| -> f64 { line.split(',').nth(place.unwrap()).unwrap().parse().unwrap() };
+        let values: Vec<f64> = text.lines().skip(1).map(tau).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let square = values.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
+        let limit = 0.2 * (square / values.len() as f64).sqrt();
+        with_torque(&terminal, "log.csv", joint, |tau| tau.clamp(mean - limit, mean + limit));
+
+        let said = terminal.run("fit changed.csv -o m.json");
+
+        assert_eq!(said.code, 3, "{said:?}");
+        let verdict = format!("unusable: the torque of joint{joint} is cut off");
+        assert!(said.stdout.contains(&verdict), "{said:?}");
+    }
+}
+
+#[test]
+fn d25_an_arm_of_too_many_joints_is_refused_from_the_header() {
+    let terminal = Terminal::new();
+    let signals = ["q", "dq", "ddq", "tau"];
+    for joints in [9, 12, 50] {
+        let columns = signals.iter().flat_map(|own| (1..=joints).map(move |k| format!("{own}{k}")));
+        let header: Vec<String> = std::iter::once("t".into()).chain(columns).collect();
+        let row = |k: usize| {
+            let values = (0..4 * joints).map(|own| ((own * k) as f64 * 0.01).sin().to_string());
+            format!("{},{}\n", k as f64 * 0.01, values.collect::<Vec<_>>().join(","))
+        };
+        let rows: String = (0..20).map(row).collect();
+        terminal.write("many.csv", &format!("{}\n{rows}", header.join(",")));
+
+        // Twenty rows are too few, which is told only once they were read.
+        terminal.refused("fit many.csv -o m.json", &[&joints.to_string(), "at most", "profile"]);
+        terminal.refused("moments many.csv -o m.moments", &[&joints.to_string(), "at most"]);
+    }
+}
+
+#[test]
+fn d27_a_torque_beyond_all_numbers_is_an_error() {
+    let terminal = Terminal::with_model();
+    for cell in ["1e200", "-1e300"] {
+        let mut rows: Vec<String> = terminal.read("log.csv").lines().map(Into::into).collect();
+        let mut cells: Vec<&str> = rows[9].split(',').collect();
+        cells[3] = cell;
+        rows[9] = cells.join(",");
+        terminal.write("far.csv", &rows.join("\n"));
+
+        terminal.refused("predict model.json far.csv -o p.csv", &["torque", "beyond all numbers"]);
+    }
+}
+
+#[test]
+fn e31_models_that_no_program_of_ours_wrote_are_refused() {
+    let terminal = Terminal::with_model();
+    let model = terminal.read("model.json");
+    let power = "\"power\": 1";
+    let multiple = "\"function\": \"cos\"";
+    assert!(model.contains(power) && model.contains(multiple));
+    for bad in [
+        model.replacen(power, "\"power\": 255", 1),
+        model.replacen(power, "\"power\": 0", 1),
+        model.replacen("\"multiples\": [\n", "\"multiples\": [\n -128,", 1),
+    ] {
+        assert_ne!(bad, model);
+        terminal.write("bad.json", &bad);
+        terminal.refused("show bad.json", &["bad.json"]);
+        terminal.refused("export bad.json --to c -o a.c", &["bad.json"]);
+    }
+}

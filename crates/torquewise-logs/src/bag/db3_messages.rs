@@ -157,7 +157,11 @@ fn open(file: &Path) -> Result<Bag, LogError> {
     }
     let n_generated: i64 =
         connection.query_row(GENERATED, [], |row| row.get(0)).map_err(&refused)?;
-    if n_generated == 0 { Ok(Bag(connection, shared)) } else { Err(LogError::NoBag { file: file.into() }) }
+    if n_generated == 0 {
+        Ok(Bag(connection, shared))
+    } else {
+        Err(LogError::NoBag { file: file.into() })
+    }
 }
 
 /// SQLite takes an empty or missing file for a new database.

@@ -1,6 +1,6 @@
 //! Where a motion leaves the range a model was fitted on.
 
-use torquewise_model::Model;
+use torquewise_model::{Model, number};
 use torquewise_motion::Motion;
 
 /// A position may be this part of the trained range beyond its ends.
@@ -49,7 +49,9 @@ impl MotionRange {
                 let margin = Q_MARGIN * (to - from);
                 if *low < from - margin || *high > to + margin {
                     beyond.push(format!(
-                        "q from {low:.2} to {high:.2} rad, not {from:.2} to {to:.2}"
+                        "q from {} to {} rad, not {from:.2} to {to:.2}",
+                        short(*low),
+                        short(*high)
                     ));
                 }
             }
@@ -61,7 +63,8 @@ impl MotionRange {
                 if let (Some(reached), Some(trained)) = (reached.get(joint), trained.get(joint))
                     && *reached > RATE_FACTOR * trained
                 {
-                    beyond.push(format!("{signal} to {reached:.2} {unit}, not {trained:.2}"));
+                    beyond
+                        .push(format!("{signal} to {} {unit}, not {trained:.2}", short(*reached)));
                 }
             }
             if !beyond.is_empty() {
@@ -74,4 +77,8 @@ impl MotionRange {
         }
         warnings
     }
+}
+/// Hundredths, or four digits of what no arm reaches.
+fn short(value: f64) -> String {
+    if value.abs() < 1e6 { format!("{value:.2}") } else { number(value) }
 }
