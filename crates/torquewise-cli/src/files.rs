@@ -4,7 +4,7 @@ use crate::error::CliError;
 use anyhow::{Context, Result};
 use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
-use torquewise::model::Model;
+use torquewise::model::{Model, number};
 use torquewise::motion::bounded_file;
 use torquewise::motion::whole_file::{self, Together};
 use torquewise::twin;
@@ -80,6 +80,18 @@ pub(crate) fn check_output(file: &Path, inputs: &[PathBuf]) -> Result<(), CliErr
         return Err(CliError::OutputIsInput(file.into()));
     }
     Ok(())
+}
+
+/// Refuses a motion of more rows than are to be held in memory.
+pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<(), CliError> {
+    if seconds * rate <= most {
+        return Ok(());
+    }
+    Err(CliError::Usage(format!(
+        "{} rows of motion would have to be held in memory, at most {most} are: choose a shorter \
+         time or a lower rate",
+        number(seconds * rate)
+    )))
 }
 
 /// Refuses two outputs that are one file, under whatever names.

@@ -4,6 +4,7 @@ mod error;
 mod table;
 mod score_table;
 mod interrupt;
+mod threads;
 mod outcome;
 mod files;
 mod moments_file;
@@ -21,6 +22,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     interrupt::listen();
+    threads::start();
     match commands::CommandLine::try_parse() {
         Ok(line) => outcome::report(files::all_or_none(|| line.command.run()), line.json),
         Err(told) => outcome::told(&told),

@@ -1,7 +1,7 @@
 //! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::files::{check_distinct, check_output, read_arm, read_friction, read_twin};
+use crate::files::{check_distinct, check_output, check_rows, read_arm, read_friction, read_twin};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
@@ -98,6 +98,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         (None, case) => Some(Noise::case(case)?),
         (noise, _) => noise,
     };
+    if noise.is_some() {
+        check_rows(seconds, rate, MOST_NOISY_ROWS)?;
+    }
     let twin = twin.map(|model| TwinLog::new(&model, &plan)).transpose()?;
     match noise {
         // The level of the noise is relative to the whole log, which therefore has to be held.
@@ -116,6 +119,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let patterns = write_truth(arguments.truth.as_deref(), &clean)?;
     Ok(outcome(arguments, arm.joints(), clean.n_rows(), patterns))
 }
+
+/// Rows whose noise is known from all of them at most: 200 bytes each for three joints.
+const MOST_NOISY_ROWS: f64 = 2e7;
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
     let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;

@@ -74,7 +74,9 @@ fn ended(folder: &Path, work: &Path, line: &str, signal: &str, after: Duration) 
     let _ = Command::new("kill").args([signal, &target]).stderr(Stdio::null()).status();
     let status = child.wait().unwrap();
     let code = status.code();
-    let killed = signal == "-KILL" && status.signal() == Some(9);
+    // Before it listens, any signal ends it as it ends any program.
+    let killed =
+        status.signal().is_some_and(|number| signal == "-KILL" || number == 2 || number == 15);
     assert!(matches!(code, Some(0 | 3 | 130)) || killed, "{line}: {signal}: {status:?}");
     killed || code == Some(130)
 }
@@ -252,4 +254,31 @@ fn c22_pipes_and_devices_are_no_logs() {
             terminal.refused(&format!("inspect {file}"), &[&file, "not a file", "copy"]);
         }
     }
+}
+
+#[test]
+fn b16_threads_that_cannot_be_had_are_done_without() {
+    let terminal = Terminal::with_log();
+    for (threads, limit) in [
+        ("18446744073709551615", "true"),
+        ("9223372036854775807", "true"),
+        ("500", "ulimit -v 800000"),
+    ] {
+        let line = format!("fit log.csv -o {}.json", &threads[..3]);
+        let output =
+            limited(&terminal, &format!("export RAYON_NUM_THREADS={threads}; {limit}"), &line);
+        assert!(output.status.success(), "{threads}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    terminal.done("fit log.csv -o own.json");
+    assert_eq!(terminal.read("500.json"), terminal.read("own.json"));
+}
+
+#[test]
+fn d28_motions_that_would_fill_the_memory_are_refused() {
+    let terminal = Terminal::new();
+    let said = terminal.run("demo --seconds 1000000");
+    assert!(said.code == 2 && said.stderr.contains("at most"), "{said:?}");
+    let said = terminal.run("simulate planar-2 -o a.csv --case 2 --seconds 1000000 --rate 30");
+    assert!(said.code == 2 && said.stderr.contains("held in memory"), "{said:?}");
+    assert_eq!(terminal.files(), Vec::<String>::new());
 }
