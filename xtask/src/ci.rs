@@ -10,6 +10,9 @@ use std::process::{Command, Stdio};
 /// Crates that the library without its default features may be made of.
 const MOST_LEAN_CRATES: usize = 99;
 
+/// How long mutated files are tried, by all readers together.
+const FUZZ_SECONDS: u32 = 100;
+
 /// Runs every check and stops at the first that fails.
 ///
 /// # Errors
@@ -18,6 +21,7 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     cargo(root, "fmt --all -- --check")?;
     announce("xtask tidy");
     tidy::run(root)?;
+    supply_chain(root)?;
     announce("crates of the lean library");
     lean_crates(root)?;
     cargo(root, "clippy --workspace --all-targets -- -D warnings")?;
@@ -45,6 +49,10 @@ pub(crate) fn run(root: &Path) -> Result<()> {
         announce(&format!("example {example}"));
         run_example(root, &target.join("debug/examples").join(&example))?;
     }
+    cargo(
+        root,
+        &format!("run --package torquewise-fuzz -- --cases 1000000 --seconds {FUZZ_SECONDS}"),
+    )?;
     announce("python");
     python::run(root, &target)?;
     announce("all passed");
@@ -73,6 +81,26 @@ fn examples(root: &Path) -> Result<Vec<String>> {
     }
     names.sort();
     Ok(names)
+}
+
+/// Licences, sources and versions of all crates, where `cargo deny` is installed; advisories where
+/// their database can be had.
+fn supply_chain(root: &Path) -> Result<()> {
+    let runs = |line: &str| {
+        let quiet = command(root, line).stdout(Stdio::null()).stderr(Stdio::null()).status();
+        quiet.is_ok_and(|status| status.success())
+    };
+    announce("supply chain");
+    if !runs("deny --version") {
+        eprintln!("skipped: `cargo install cargo-deny` to check licences, sources and versions");
+        return Ok(());
+    }
+    cargo(root, "deny --log-level error check licenses bans sources")?;
+    if !runs("deny fetch db") {
+        eprintln!("advisories are not checked: their database cannot be had");
+        return Ok(());
+    }
+    cargo(root, "deny --log-level error check advisories")
 }
 
 /// Fails where the lean library is made of more crates than it may.

@@ -11,7 +11,7 @@ const MOST: usize = 64;
 /// where the system does not give so many.
 pub(crate) fn start() {
     let asked = env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.trim().parse().ok());
-    let own = || available_parallelism().map_or(1, |number| number.get());
+    let own = || available_parallelism().map_or(1, std::num::NonZero::get);
     let mut threads = wanted(asked, own());
     // The one pool of all can be asked for once.
     while threads > 1 && ThreadPoolBuilder::new().num_threads(threads).build().is_err() {

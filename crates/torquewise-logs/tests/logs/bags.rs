@@ -327,6 +327,31 @@ fn what_is_no_bag_is_told_apart() {
     assert!(matches!(open(Path::new("no.db3"), &Options::default()), Err(LogError::Read { .. })));
 }
 
+/// Found by mutation: the parser took the memory that a text claims.
+#[test]
+fn a_text_that_claims_more_than_the_bag_has_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag.mcap");
+    let open_bag = mcap::WriteOptions::default()
+        .compression(None)
+        .calculate_chunk_crcs(false)
+        .calculate_data_section_crc(false);
+    write_mcap(&bag, &[(TOPIC, KIND)], &messages(30, plain), open_bag);
+    let whole = std::fs::read(&bag).unwrap();
+    for text in [TOPIC, KIND, "ros2msg", "cdr"] {
+        let length = u32::try_from(text.len()).unwrap().to_le_bytes();
+        let wanted = [&length, text.as_bytes()].concat();
+        let at = whole.windows(wanted.len()).position(|own| own == wanted).unwrap();
+        let mut claimed = whole.clone();
+        claimed[at..at + 4].copy_from_slice(&[0xf0, 0xff, 0xff, 0xff]);
+        std::fs::write(&bag, claimed).unwrap();
+
+        let refused = open(&bag, &Options::default());
+
+        assert!(matches!(refused, Err(LogError::Mcap { .. })), "{text}: {refused:?}");
+    }
+}
+
 #[test]
 fn c22_a_bag_that_was_not_closed_is_read_and_nothing_is_left_beside_it() {
     let folder = tempfile::tempdir().unwrap();
