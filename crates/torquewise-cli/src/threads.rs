@@ -13,8 +13,12 @@ pub(crate) fn start() {
     let asked = env::var("RAYON_NUM_THREADS").ok().and_then(|number| number.trim().parse().ok());
     let own = || available_parallelism().map_or(1, std::num::NonZero::get);
     let mut threads = wanted(asked, own());
-    // The one pool of all can be asked for once.
-    while threads > 1 && ThreadPoolBuilder::new().num_threads(threads).build().is_err() {
+    // The one pool of all can be asked for once; these threads have ended when that is done.
+    let can_be_had = |threads| {
+        let pool = ThreadPoolBuilder::new().num_threads(threads);
+        pool.build_scoped(|thread| thread.run(), |_| ()).is_ok()
+    };
+    while threads > 1 && !can_be_had(threads) {
         threads /= 2;
     }
     // Where not even these can be had, the first work says so.

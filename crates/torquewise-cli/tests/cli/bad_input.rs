@@ -214,6 +214,6 @@ fn an_arm_that_is_none_is_refused() {
     terminal.refused("simulate bad.urdf -o log.csv", &["no arm in bad.urdf"]);
     terminal.refused(
         "simulate planar-2 -o log.csv --seconds=-1",
-        &["length [s]", "is -1, expected more than 0"],
+        &["length [s]", "is -1.0, expected more than 0"],
     );
 }

@@ -88,7 +88,8 @@ pub(crate) fn write_mcap(
     messages: &[Made],
     options: WriteOptions,
 ) {
-    let mut bag = options.create(BufWriter::new(File::create(file).unwrap())).unwrap();
+    let mut bag =
+        options.profile("ros2").create(BufWriter::new(File::create(file).unwrap())).unwrap();
     let mut channels = BTreeMap::new();
     for (name, kind) in topics {
         let schema = bag.add_schema(kind, "ros2msg", b"").unwrap();

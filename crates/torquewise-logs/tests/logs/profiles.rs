@@ -244,7 +244,8 @@ fn columns_that_are_not_there_are_named_with_what_there_is() {
     let count =
         refused(&log, "joints = [\"a\"]\nq = { columns = [\"pos2\"] }\nleave_out = [\"a\"]");
 
-    assert!(missing.contains("no column pos3 for q.columns of the profile, found t, pos1, pos2"));
+    let expected = "no column pos3, which q.columns of the profile needs, found t, pos1, pos2";
+    assert!(missing.contains(expected), "{missing}");
     assert!(twice.contains("two columns pos1"), "{twice}");
     assert!(nothing.contains("q.columns"), "{nothing}");
     assert!(count.contains("leaves out all joints"), "{count}");
