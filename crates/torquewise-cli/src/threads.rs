@@ -16,7 +16,7 @@ pub(crate) fn start() {
     // The one pool of all can be asked for once; these threads have ended when that is done.
     let can_be_had = |threads| {
         let pool = ThreadPoolBuilder::new().num_threads(threads);
-        pool.build_scoped(|thread| thread.run(), |_| ()).is_ok()
+        pool.build_scoped(rayon::ThreadBuilder::run, |_| ()).is_ok()
     };
     while threads > 1 && !can_be_had(threads) {
         threads /= 2;
