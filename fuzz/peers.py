@@ -15,7 +15,7 @@ import sys
 
 READERS = {
     "parquet": {
-        "pyarrow": "import pyarrow.parquet as p; p.read_table(path)",
+        "pyarrow": "import pyarrow.parquet as p; import pyarrow.dataset; p.read_table(path)",
     },
     "npz": {
         "numpy": "import numpy as n; f = n.load(path); [f[k] for k in f.files]",
