@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 const MOST_LEAN_CRATES: usize = 99;
 
 /// How long mutated files are tried, by all readers together.
-const FUZZ_SECONDS: u32 = 100;
+const FUZZ_SECONDS: u32 = 60;
 
 /// Runs every check and stops at the first that fails.
 ///
