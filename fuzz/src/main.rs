@@ -2,7 +2,7 @@
 //! too much memory is told with the case that did it, which is kept.
 
 use anyhow::{Context, Result, bail};
-use clap::Parser;
+use clap::{Parser, ValueEnum};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fs;
@@ -57,8 +57,11 @@ fn main() -> Result<ExitCode> {
     if let Some(case) = &arguments.case {
         return try_cases(&arguments, case);
     }
-    let readers =
-        if arguments.reader.is_empty() { Reader::ALL.to_vec() } else { arguments.reader.clone() };
+    let readers = if arguments.reader.is_empty() {
+        Reader::value_variants().to_vec()
+    } else {
+        arguments.reader.clone()
+    };
     if let Some(folder) = &arguments.write {
         return write_cases(&arguments, &readers, folder);
     }

@@ -40,22 +40,6 @@ pub enum Reader {
 }
 
 impl Reader {
-    /// All of them.
-    pub const ALL: [Self; 12] = [
-        Self::Csv,
-        Self::Parquet,
-        Self::Db3,
-        Self::Mcap,
-        Self::Npz,
-        Self::Mat,
-        Self::Model,
-        Self::Moments,
-        Self::Profile,
-        Self::Dh,
-        Self::Friction,
-        Self::Urdf,
-    ];
-
     /// Its name, which for logs is the ending of their files.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())

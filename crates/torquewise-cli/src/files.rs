@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use torquewise::dynamics::{Arm, Friction};
 use torquewise::model::{Model, number};
 use torquewise::motion::bounded_file;
-use torquewise::motion::whole_file::{self, Together};
+use torquewise::motion::whole_file::{self, Together, folder_of};
 use torquewise::twin;
 
 /// Reads a model file.
@@ -145,11 +145,4 @@ pub(crate) fn create_folder(folder: &Path) -> Result<(), CliError> {
     let failed = |source| CliError::Write { file: folder.into(), source };
     whole_file::create_folder(folder).map_err(failed)?;
     tempfile::tempfile_in(folder).map_err(failed).map(drop)
-}
-
-fn folder_of(file: &Path) -> &Path {
-    match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
 }

@@ -22,9 +22,11 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     interrupt::listen();
-    threads::start();
     match commands::CommandLine::try_parse() {
-        Ok(line) => outcome::report(files::all_or_none(|| line.command.run()), line.json),
+        Ok(line) => {
+            threads::start();
+            outcome::report(files::all_or_none(|| line.command.run()), line.json)
+        }
         Err(told) => outcome::told(&told),
     }
 }

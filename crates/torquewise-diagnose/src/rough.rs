@@ -110,6 +110,11 @@ impl Normal {
     }
 }
 
+/// Offset, viscous and dry friction of a joint at a speed, which is slow or fast beside its peak.
+pub(crate) fn offset_and_friction(dq: f64, peak: f64) -> [f64; 3] {
+    [1.0, dq, (dq / (SLOW * peak)).tanh()]
+}
+
 /// The regressors of that model, m×p; `None` for a joint at rest.
 pub fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
     let (q, dq, ddq) = (motion.q(), motion.dq(), motion.ddq());
@@ -120,7 +125,7 @@ pub fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
     }
     let row = |row: usize| -> Vec<f64> {
         let own = dq[(row, joint)];
-        let mut values = vec![1.0, own, (own / (SLOW * peak)).tanh()];
+        let mut values = offset_and_friction(own, peak).to_vec();
         values.extend((0..n).map(|k| ddq[(row, k)]));
         for k in 0..n {
             let before = k.checked_sub(1).map(|before| q[(row, before)] + q[(row, k)]);

@@ -1,7 +1,7 @@
 //! From sample of a log to motors that are wired the wrong way round: joints share one energy, so a
 //! torque of the wrong sign contradicts those of the others.
 
-use crate::rough::Normal;
+use crate::rough::{Normal, offset_and_friction};
 use faer::Mat;
 use torquewise_model::EnergyTerm;
 use torquewise_model::energy::Place;
@@ -17,8 +17,6 @@ const MOST_TERMS: usize = 600;
 const LEAST_EQUATIONS: usize = 4;
 /// Ridge on columns of unit length.
 const RIDGE: f64 = 1e-8;
-/// Dry friction is smooth below this part of the peak speed.
-const SLOW: f64 = 0.02;
 /// Other signs must leave this part of what the torque leaves as it is, sum of squares.
 const HALVED: f64 = 0.25;
 /// Signs of more joints than this are not tried all together.
@@ -119,9 +117,9 @@ fn columns(motion: &Motion, library: &[EnergyTerm], joint: usize) -> Mat<f64> {
             columns[(row, column)] = value;
         }
         let own = library.len() + 3 * joint;
-        columns[(row, own)] = 1.0;
-        columns[(row, own + 1)] = dq[joint];
-        columns[(row, own + 2)] = (dq[joint] / (SLOW * peak)).tanh();
+        for (k, value) in offset_and_friction(dq[joint], peak).into_iter().enumerate() {
+            columns[(row, own + k)] = value;
+        }
     }
     columns
 }

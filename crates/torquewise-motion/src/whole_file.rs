@@ -356,7 +356,9 @@ fn target(file: &Path) -> io::Result<Destination> {
     Ok(Destination::File { path, before: Some(before) })
 }
 
-fn folder_of(file: &Path) -> &Path {
+/// The folder that a file lies in, `.` for a bare name.
+#[must_use]
+pub fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -26,7 +26,7 @@ pub(crate) struct Arguments {
     /// Arm to reconstruct; the default is that of the paper
     #[arg(long, default_value = "puma560-3")]
     arm: String,
-    /// Recorded time in seconds, 3600 at most
+    /// Recorded time in seconds; a million rows at most
     ///
     /// The default takes 5 s and 0.7 GB. One-shot SINDy keeps most of its 3612 candidates where the
     /// motion is short: 60 s take a minute and 3 GB.

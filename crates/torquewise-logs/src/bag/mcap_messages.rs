@@ -159,22 +159,26 @@ fn after_text(data: &[u8]) -> Option<&[u8]> {
 fn has_bad_chunk(input: &mut BufReader<File>) -> io::Result<bool> {
     let size = input.get_ref().metadata()?.len();
     let mut at = MAGIC_BYTES;
+    input.seek(SeekFrom::Start(at))?;
     let mut is_bad = false;
     while at + 9 <= size && !is_bad {
-        input.seek(SeekFrom::Start(at))?;
         let mut head = [0; 9];
         input.read_exact(&mut head)?;
         let [opcode, length @ ..] = head;
         let end = at.saturating_add(9).saturating_add(u64::from_le_bytes(length));
-        if opcode == op::DATA_END {
+        // The reader itself tells a record that is cut short.
+        if opcode == op::DATA_END || end > size {
             break;
         }
-        if opcode == op::CHUNK && end <= size {
+        if opcode == op::CHUNK {
             let mut head = Vec::new();
-            input.take(BEFORE_COMPRESSION as u64 + 4).read_to_end(&mut head)?;
+            input.by_ref().take(BEFORE_COMPRESSION as u64 + 4).read_to_end(&mut head)?;
             let name = head.get(BEFORE_COMPRESSION..).and_then(|name| name.try_into().ok());
             is_bad = name.is_some_and(|name| u32::from_le_bytes(name) > LONGEST_COMPRESSION);
         }
+        // Within what is buffered, nothing is read again.
+        let here = input.stream_position()?;
+        input.seek_relative(end.saturating_sub(here).try_into().unwrap_or(i64::MAX))?;
         at = end;
     }
     input.rewind()?;
