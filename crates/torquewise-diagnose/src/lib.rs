@@ -1,7 +1,6 @@
 //! From log, model to diagnosis: what the log leaves open, and what the model leaves unexplained.
 
 pub mod rough;
-pub mod signs;
 pub mod clipped;
 pub mod excitation;
 pub mod disagreement;

@@ -89,16 +89,6 @@ impl Normal {
         self.unscaled(&self.scaled(moments))
     }
 
-    /// The same for several right-hand sides, p×k.
-    pub fn solve_each(&self, moments: &Mat<f64>) -> Mat<f64> {
-        let mut weights = Mat::zeros(moments.nrows(), moments.ncols());
-        for k in 0..moments.ncols() {
-            let own = self.solve(&moments.subcols(k, 1).to_owned());
-            weights.col_mut(k).copy_from(own.col(0));
-        }
-        weights
-    }
-
     /// Weights of columns of unit length.
     fn scaled(&self, moments: &Mat<f64>) -> Mat<f64> {
         let p = self.size.len();
@@ -108,11 +98,6 @@ impl Normal {
     fn unscaled(&self, scaled: &Mat<f64>) -> Mat<f64> {
         Mat::from_fn(self.size.len(), 1, |k, _| scaled[(k, 0)] / self.size[k])
     }
-}
-
-/// Offset, viscous and dry friction of a joint at a speed, which is slow or fast beside its peak.
-pub(crate) fn offset_and_friction(dq: f64, peak: f64) -> [f64; 3] {
-    [1.0, dq, (dq / (SLOW * peak)).tanh()]
 }
 
 /// The regressors of that model, m×p; `None` for a joint at rest.
@@ -125,7 +110,7 @@ pub fn columns(motion: &Motion, joint: usize) -> Option<Mat<f64>> {
     }
     let row = |row: usize| -> Vec<f64> {
         let own = dq[(row, joint)];
-        let mut values = offset_and_friction(own, peak).to_vec();
+        let mut values = vec![1.0, own, (own / (SLOW * peak)).tanh()];
         values.extend((0..n).map(|k| ddq[(row, k)]));
         for k in 0..n {
             let before = k.checked_sub(1).map(|before| q[(row, before)] + q[(row, k)]);

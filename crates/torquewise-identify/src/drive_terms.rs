@@ -83,6 +83,11 @@ impl DriveTerm {
         }
     }
 
+    /// The shaft that it brakes, if it is friction that is none at rest.
+    pub(crate) fn resists(&self) -> Option<&[f64]> {
+        self.law().filter(|term| term.law != FrictionLaw::Offset).map(|term| term.shaft.as_slice())
+    }
+
     /// Whether it is friction that depends on the load of a gear.
     pub(crate) fn is_load_dependent(&self) -> bool {
         self.law().is_some_and(|term| term.load)

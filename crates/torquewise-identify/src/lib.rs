@@ -20,6 +20,7 @@ pub mod reconstruction;
 mod framed;
 mod unseen;
 mod fitted;
+mod contrary;
 pub mod rounds;
 pub mod settings;
 pub mod summary;

@@ -1,6 +1,7 @@
 //! From recording to Reconstruction: sums of its logs, then the steps of the paper or a learned
 //! chain.
 
+use crate::contrary::Found;
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::reconstruction::{Progress, Reconstruction};
 use crate::rounds::{Request, Round};
@@ -96,7 +97,8 @@ pub fn solve(
         Method::Library(options) => {
             let sums = summary.library_sums()?;
             let fit = stepwise::reconstruct(&survey, sums, options, plan.seed, progress)?;
-            Ok(Solution::Model(Box::new(Reconstruction::of_library(survey, fit))))
+            let found = Reconstruction::of_library(survey, fit, plan.seed)?;
+            Ok(Solution::Model(Box::new(found)))
         }
         Method::Chain(options) => by_chain(&summary, survey, options, plan.seed, progress),
     }
@@ -121,9 +123,10 @@ fn by_chain(
         Round::Again(request) => Ok(Solution::Request(request)),
         Round::Done(fitted) => {
             let patterns = find_patterns(&survey, &settings.patterns)?;
+            let chain = Found::at(&fitted.solved.at, options.geometry.is_some())?;
             let mut found = fitted.report(survey, patterns, seed)?;
             Warning::retain_founded(&mut found.warnings, &found.model, options.physical);
-            found.doubt_torque();
+            found.doubt_torque(|_| Ok(chain))?;
             progress(Progress::Done);
             Ok(Solution::Model(Box::new(found)))
         }

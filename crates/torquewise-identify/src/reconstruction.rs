@@ -1,15 +1,16 @@
 //! From log to Reconstruction: what was found, how, and what was said on the way.
 
+use crate::contrary::Found;
 use crate::warning::Warning;
 use torquewise_diagnose::clipped::clipped;
 use torquewise_diagnose::excitation::Finding;
-use torquewise_diagnose::signs::backward;
-use torquewise_model::Model;
+use torquewise_model::{Model, Torque};
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::form::Dropped;
 use torquewise_stepwise::patterns::Patterns;
+use torquewise_survey::error::IdentifyError;
 use torquewise_survey::noise::NoiseFloor;
-use torquewise_survey::survey::Survey;
+use torquewise_survey::survey::{Survey, thinned};
 
 pub use torquewise_stepwise::fit::StepReport;
 pub use torquewise_survey::progress::Progress;
@@ -35,23 +36,40 @@ pub struct Reconstruction {
     pub warnings: Vec<Warning>,
 }
 
+/// Rows that the inertia of a joint is looked at on.
+const INERTIA_ROWS: usize = 100;
 /// Part of the spread of a torque.
 const MUCH: f64 = 0.2;
 
 impl Reconstruction {
     /// What the steps found in a library, with what the user should know of it.
-    pub(crate) fn of_library(survey: Survey, fit: LibraryFit) -> Self {
+    ///
+    /// # Errors
+    /// [`IdentifyError`] as of [`Self::doubt_torque`].
+    pub(crate) fn of_library(
+        survey: Survey,
+        fit: LibraryFit,
+        seed: u64,
+    ) -> Result<Self, IdentifyError> {
         let warnings = Warning::of_library(&survey, &fit);
         let LibraryFit { model, patterns, noise, candidates, steps, dropped, .. } = fit;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
-        found.doubt_torque();
-        found
+        found.doubt_torque(|survey| Found::search(survey, seed))?;
+        Ok(found)
     }
 
-    /// Where a model misses much of a torque, looks whether that was cut off, or a motor wired the
-    /// wrong way round.
-    pub(crate) fn doubt_torque(&mut self) {
+    /// Where a model misses much of a torque, or turns out to be of negative inertia, looks whether
+    /// the torque was cut off, or a motor wired the wrong way round.
+    ///
+    /// - `chain`: of the arm, as far as it is known
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if the chain is of another arm, [`IdentifyError::Model`].
+    pub(crate) fn doubt_torque(
+        &mut self,
+        chain: impl FnOnce(&Survey) -> Result<Found, IdentifyError>,
+    ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
         let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
         let missed: Vec<usize> =
@@ -62,16 +80,40 @@ impl Reconstruction {
                 self.warnings.push(Warning::Excitation(Finding::Clipped { joint, share }));
             }
         }
-        let is_explained = |warning: &Warning| {
-            let Warning::Excitation(finding) = warning else { return false };
-            matches!(finding, Finding::Backward { .. } | Finding::Clipped { .. })
+        let is = |of: fn(&Finding) -> bool| {
+            self.warnings.iter().any(|own| matches!(own, Warning::Excitation(found) if of(found)))
         };
-        if missed.is_empty() || self.warnings.iter().any(is_explained) {
-            return;
+        let is_backward = |found: &Finding| matches!(found, Finding::Backward { .. });
+        if is(|found| matches!(found, Finding::Clipped { .. }))
+            || missed.is_empty() && !is(is_backward) && !self.has_negative_inertia()?
+        {
+            return Ok(());
         }
-        for joint in backward(&self.survey.sample) {
+        // An arm of which no chain is found, for rows or joints, has nothing to compare with.
+        let Ok(chain) = chain(&self.survey) else { return Ok(()) };
+        let contrary = chain.contrary(&self.survey.sample)?;
+        if !contrary.is_empty() {
+            // All joints tell more than each alone.
+            self.warnings
+                .retain(|own| !matches!(own, Warning::Excitation(found) if is_backward(found)));
+        }
+        for joint in contrary {
             let joint = self.survey.joints[joint].clone();
             self.warnings.push(Warning::Excitation(Finding::Contrary { joint }));
         }
+        Ok(())
+    }
+
+    /// Whether a joint of the model resists its own acceleration the wrong way, over its motion.
+    fn has_negative_inertia(&self) -> Result<bool, IdentifyError> {
+        let motion = thinned(&self.survey.sample, INERTIA_ROWS);
+        let torque = Torque::new(&self.model);
+        let mut inertia = vec![0.0; motion.n_joints()];
+        for row in 0..motion.n_rows() {
+            let q: Vec<f64> = motion.q().row(row).iter().copied().collect();
+            let mass = torque.mass_matrix(&q)?;
+            inertia.iter_mut().enumerate().for_each(|(joint, sum)| *sum += mass[(joint, joint)]);
+        }
+        Ok(inertia.iter().any(|sum| *sum < 0.0))
     }
 }

@@ -23,7 +23,7 @@ mod tests {
     use super::unfit_joint_name;
 
     #[test]
-    fn names_that_a_file_or_a_terminal_cannot_hold_are_found() {
+    fn b15_e30_names_that_a_file_or_a_terminal_cannot_hold_are_found() {
         let names = |bad: &str| vec!["elbow".to_owned(), bad.to_owned()];
         let long = "x".repeat(65_536);
 

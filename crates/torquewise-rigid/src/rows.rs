@@ -119,6 +119,14 @@ impl Rows {
         }
     }
 
+    /// The same rows, with the torque of a joint, counted from 0, turned round.
+    #[must_use]
+    pub fn turned(mut self, joint: usize) -> Self {
+        let m = self.len();
+        self.torque.iter_mut().skip(joint * m).take(m).for_each(|tau| *tau = -*tau);
+        self
+    }
+
     /// The rows named by `rows`, in that order.
     ///
     /// # Panics

@@ -571,15 +571,23 @@ fn with_torque(terminal: &Terminal, log: &str, joint: usize, change: impl Fn(f64
 
 #[test]
 fn d24_a_torque_of_the_wrong_sign_is_named_on_any_joint() {
-    for (arm, joints) in [("planar-2", 2), ("puma560-3", 3)] {
+    let all = [
+        ("planar-2", vec![1, 2], ""),
+        ("puma560-3", vec![1, 2, 3], ""),
+        ("puma560-3", vec![1], "--library product"),
+        ("generic-4", vec![1, 2], ""),
+        ("generic-6", vec![6], ""),
+    ];
+    for (arm, joints, how) in all {
         let terminal = Terminal::new();
         terminal.done(&format!("simulate {arm} -o log.csv --seconds 60 --rate 100"));
-        for joint in 1..=joints {
+        for joint in joints {
             with_torque(&terminal, "log.csv", joint, |tau| -tau);
-            let said = terminal.run("fit changed.csv -o m.json");
+            let said = terminal.run(&format!("fit changed.csv -o m.json {how}"));
             assert_eq!(said.code, 3, "{said:?}");
             let verdict = format!("unusable: the torque of joint{joint} has the wrong sign");
             assert!(said.stdout.contains(&verdict), "{said:?}");
+            assert_eq!(said.stdout.matches("has the wrong sign").count(), 1, "{said:?}");
             assert!(said.stderr.contains("check the sign of its torque"), "{said:?}");
         }
     }
@@ -641,6 +649,55 @@ fn d27_a_torque_beyond_all_numbers_is_an_error() {
 
         terminal.refused("predict model.json far.csv -o p.csv", &["torque", "beyond all numbers"]);
     }
+}
+
+/// A term of all powers that are taken is written at once; beyond, none is expanded.
+#[test]
+fn a12_powers_that_would_fill_the_memory_are_refused_at_once() {
+    let terminal = Terminal::new();
+    let model = |power: u8| {
+        let factor = |joint: usize| {
+            let multiples: Vec<u8> = (0..4).map(|own| u8::from(own == joint)).collect();
+            format!(r#"{{"multiples": {multiples:?}, "function": "cos", "power": {power}}}"#)
+        };
+        let factors = (0..4).map(factor).collect::<Vec<_>>().join(",");
+        let zeros = "[0, 0, 0, 0]";
+        let function = format!(r#"{{"factors": [{factors}], "dq": {zeros}, "ddq": {zeros}}}"#);
+        let term = format!(r#"{{"place": "potential", "function": {function}}}"#);
+        let ones = "[1.0, 1.0, 1.0, 1.0]";
+        let training = format!(
+            r#"{{"rows": 3000, "residual_rms": {ones}, "torque_std": {ones},
+            "q_range": [[-1, 1], [-1, 1], [-1, 1], [-1, 1]], "dq_peak": {ones}, "ddq_peak": {ones}}}"#
+        );
+        format!(
+            r#"{{"format": "torquewise-model", "version": 2, "joints": ["a", "b", "c", "d"],
+            "form": {{"energy": [{{"term": {term}, "coefficient": 1.0, "std_error": 0.0}}]}},
+            "stages": [], "training": {training}, "choices": [], "friction": []}}"#
+        )
+    };
+    terminal.write("most.json", &model(8));
+    terminal.done("show most.json --cost");
+    let said = terminal.run("export most.json --to c -o most.c --force");
+    assert!(said.code == 3 && said.stderr.contains("M(q) has the eigenvalue"), "{said:?}");
+    assert!(terminal.read("most.c").contains("most_torque"));
+    for power in [9, 60] {
+        terminal.write("powers.json", &model(power));
+        terminal.refused("export powers.json --to c -o a.c --force", &["1 to 32"]);
+        terminal.refused("show powers.json --cost", &["1 to 32"]);
+    }
+}
+
+#[test]
+fn b15_a_joint_of_a_long_name_is_refused_and_nothing_is_left() {
+    let terminal = Terminal::with_log();
+    let log = terminal.read("log.csv");
+    for length in [201, 65_536] {
+        terminal.write("long.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(length)));
+
+        terminal.refused("fit long.csv -o m.json", &["joint name", "at most 200 bytes"]);
+    }
+    terminal.write("short.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(200)));
+    terminal.done("fit short.csv -o m.json");
 }
 
 #[test]

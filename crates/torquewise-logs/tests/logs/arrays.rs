@@ -228,6 +228,45 @@ fn a8_arrays_of_long_names_and_too_many_columns_are_passed_over_or_refused() {
     assert!(matches!(read(&many, &Options::default()), Err(LogError::TooManyColumns { .. })));
 }
 
+/// Most memory that the process has held since it was asked to forget, in bytes.
+#[cfg(target_os = "linux")]
+fn peak_memory() -> usize {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap();
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    1_000 * peak.trim().trim_end_matches("kB").trim().parse::<usize>().unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a11_memory_does_not_grow_with_the_rows_of_arrays() {
+    const LONG: usize = 8_000_000;
+    let folder = tempfile::tempdir().unwrap();
+    let zeros = vec![0; LONG];
+    let archive = npz(&folder, |file| {
+        file.add_array("q", &Array1::from(zeros.iter().map(|_| 0_i8).collect::<Vec<_>>())).unwrap();
+    });
+    let matrix = variable(6, [LONG, 1], "q", &[element(1, &zeros)]);
+    let packed = compressed(&matrix);
+    drop((matrix, zeros));
+    for file in [archive, mat(&folder, &[packed])] {
+        let logs = Logs::open_with(&[file], &with("rate = 1000.0\nq = { columns = \"q\" }"));
+        // From here on the peak counts, where the system lets it be forgotten.
+        let _ = std::fs::write("/proc/self/clear_refs", "5");
+        let before = peak_memory();
+        let mut rows = 0;
+        let counted = logs.unwrap().read_raw::<LogError>(&mut |_, block| {
+            rows += block.t.len();
+            Ok(())
+        });
+
+        counted.unwrap();
+        assert_eq!(rows, LONG);
+        // The bytes alone would be 8 MB, the numbers 64 MB.
+        let grown = peak_memory() - before;
+        assert!(grown < 4_000_000, "{grown} bytes more");
+    }
+}
+
 #[test]
 fn a_changed_byte_of_an_array_is_noticed() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,0 +1,221 @@
+//! From chain, sample of a log to motors that are wired the wrong way round: with their torques
+//! turned, a chain of rigid bodies explains those of all joints far better.
+
+use crate::drive_terms::{DriveTerm, columns};
+use crate::estimate::{Linearisation, Structure};
+use faer::Mat;
+use rayon::prelude::*;
+use torquewise_model::FrictionTerm;
+use torquewise_motion::Motion;
+use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::{Chain, ChainError, Geometry, Kinematics, Rows, Search, refine, search};
+use torquewise_survey::error::IdentifyError;
+use torquewise_survey::friction::FrictionLibrary;
+use torquewise_survey::survey::{Survey, thinned};
+
+/// Rows that tell.
+const ROWS: usize = 400;
+/// Other signs must leave this part of what the torques leave as they are, product of the mean squares
+/// of all joints.
+const QUARTER: f64 = 0.25;
+/// What signs leave is alike within this factor.
+const ALIKE: f64 = 2.0;
+/// Mean squares below this part of the variance are rounding and the ridge.
+const LEAST_LEFT: f64 = 1e-6;
+/// How often all signs are tried, axes put right in between.
+const LOOKS: usize = 3;
+
+/// Where the axes of an arm lie, and what loads its joints beside the links, as far as a fit to
+/// torques of any sign has found them.
+#[derive(Debug)]
+pub(crate) struct Found {
+    geometry: Geometry,
+    /// Parameters of the geometry that may move.
+    free: Vec<usize>,
+    drive: Vec<DriveTerm>,
+}
+
+impl Found {
+    /// What a pass over all rows was made at.
+    ///
+    /// - `is_given`: whether its axes were known beforehand, and so stay
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if it has no geometry.
+    pub(crate) fn at(at: &Linearisation, is_given: bool) -> Result<Self, IdentifyError> {
+        let Structure { coupling, drive, .. } = at.structure.clone();
+        let geometry = Geometry::new(&at.geometry)?.coupled(coupling);
+        let free = if is_given { Vec::new() } else { all_parameters(geometry.n_joints()) };
+        Ok(Self { geometry, free, drive })
+    }
+
+    /// A chain that is searched on few rows.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if there is none.
+    pub(crate) fn search(survey: &Survey, seed: u64) -> Result<Self, IdentifyError> {
+        let laws = FrictionLibrary::new(survey.dq_peak.clone());
+        let rotors = DriveTerm::rotors(survey.joints.len()).into_iter();
+        let drive: Vec<DriveTerm> = rotors.chain(DriveTerm::friction(laws.linear())).collect();
+        let motion = thinned(&survey.sample, ROWS);
+        let extras = columns(&drive, &motion, None);
+        let chains = search(&rows(&motion, &extras)?, &Search { seed, ..Search::default() })?;
+        let geometry = chains.into_iter().next().map(|chain| chain.geometry);
+        let geometry = geometry.ok_or(ChainError::Singular)?;
+        Ok(Self { geometry, free: all_parameters(survey.joints.len()), drive })
+    }
+
+    /// Joints whose torque, turned round, lets a chain explain the torques of all joints far better.
+    ///
+    /// All signs are tried at these axes, and each joint alone with axes that move; then all again
+    /// where the axes are now. Friction that drives a shaft counts as left unexplained; where a set
+    /// of joints and the rest fit alike, kinetic energy is positive.
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if a chain is of another arm than the sample.
+    pub(crate) fn contrary(mut self, sample: &Motion) -> Result<Vec<usize>, IdentifyError> {
+        let motion = thinned(sample, ROWS);
+        let n = motion.n_joints();
+        self.drive.extend(mirrored(&self.drive));
+        let extras = columns(&self.drive, &motion, None);
+        let rows = rows(&motion, &extras)?;
+        let tried = |signs: u32, geometry: &Geometry, free: &[usize]| {
+            let rows = joints_of(signs).fold(rows.clone(), Rows::turned);
+            let rounds = if free.is_empty() { 0 } else { Search::default().rounds };
+            let search = Search { rounds, ..Search::default() };
+            let chain = refine(&rows, &Chain::at(geometry.clone()), free, &search).ok();
+            let left = |chain: &Chain| self.left(chain, &rows, &motion, &extras);
+            Tried { signs, left: chain.as_ref().map_or(f64::INFINITY, left), chain }
+        };
+        let as_it_is = tried(0, &self.geometry, &self.free);
+        let mut found = 0;
+        let mut geometry = self.geometry.clone();
+        for look in 0..LOOKS {
+            let all: Vec<Tried> =
+                (0..1_u32 << n).into_par_iter().map(|signs| tried(signs, &geometry, &[])).collect();
+            let best = self.best(&all, &motion).signs;
+            if look > 0 && best == found {
+                break;
+            }
+            // Axes that were found with the signs as they are may lie elsewhere.
+            let alone = (0..n).map(|joint| 1 << joint).filter(|_| look == 0);
+            let ways: Vec<u32> = std::iter::once(best).chain(alone).collect();
+            let moved: Vec<Tried> =
+                ways.into_par_iter().map(|signs| tried(signs, &geometry, &self.free)).collect();
+            let Some(Tried { signs, left, chain: Some(chain) }) = moved.into_iter().min_by(least)
+            else {
+                return Ok(Vec::new());
+            };
+            if left > QUARTER * as_it_is.left {
+                return Ok(Vec::new());
+            }
+            (found, geometry) = (signs, chain.geometry);
+        }
+        // Of several, each must tell by itself.
+        let left = |signs: u32| tried(signs, &geometry, &[]).left;
+        let whole = left(found);
+        let tells = |joint: &usize| whole <= QUARTER * left(found ^ 1 << joint);
+        Ok(joints_of(found).filter(tells).collect())
+    }
+
+    /// The signs that leave least; where others fit alike, those of fewer joints, and of a set and
+    /// the rest those with which kinetic energy is positive.
+    fn best<'a>(&self, tried: &'a [Tried], motion: &Motion) -> &'a Tried {
+        let best = tried.iter().min_by(|a, b| least(a, b)).unwrap_or(&tried[0]);
+        let rest = &tried[!(best.signs as usize) & (tried.len() - 1)];
+        let is_negative =
+            best.chain.as_ref().is_some_and(|chain| self.kinetic_energy(chain, motion) < 0.0);
+        if is_negative && rest.left <= ALIKE * best.left { rest } else { best }
+    }
+
+    /// Product over joints of the mean square that a chain leaves, or that friction adds which drives
+    /// its shaft, over the variance of the torque: a joint that nothing explains has no say.
+    fn left(&self, chain: &Chain, rows: &Rows, motion: &Motion, extras: &[Mat<f64>]) -> f64 {
+        let mut left: Vec<f64> = chain.residual_rms.iter().map(|rms| rms * rms).collect();
+        let mut shafts: Vec<&[f64]> = self.drive.iter().filter_map(DriveTerm::resists).collect();
+        shafts.sort_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
+        shafts.dedup();
+        for shaft in shafts {
+            let own = |drive: &DriveTerm| drive.resists() == Some(shaft);
+            let load = |row: usize, joint: usize| -> f64 {
+                let terms = self.drive.iter().zip(&chain.drive).enumerate();
+                let own = terms.filter(|(_, (drive, _))| own(drive));
+                own.map(|(k, (_, coefficient))| coefficient * extras[joint][(row, k)]).sum()
+            };
+            let joints: Vec<usize> = (0..shaft.len()).filter(|&j| shaft[j] != 0.0).collect();
+            let (mut power, mut squares) = (0.0, vec![0.0; shaft.len()]);
+            for row in 0..motion.n_rows() {
+                for &joint in &joints {
+                    let load = load(row, joint);
+                    power += load * motion.dq()[(row, joint)];
+                    squares[joint] += load * load / motion.n_rows() as f64;
+                }
+            }
+            if power < 0.0 {
+                left.iter_mut().zip(squares).for_each(|(left, square)| *left += square);
+            }
+        }
+        let deviation = |joint: usize| rows.deviation_of(joint).max(f64::MIN_POSITIVE);
+        let part = |(joint, left): (usize, &f64)| (left / deviation(joint).powi(2)).max(LEAST_LEFT);
+        left.iter().enumerate().map(part).product()
+    }
+
+    /// Twice that of links and rotors, summed over the rows.
+    fn kinetic_energy(&self, chain: &Chain, motion: &Motion) -> f64 {
+        let kinematics = Kinematics::new(&chain.geometry).without_gravity();
+        let (dq, mut sum) = (motion.dq(), 0.0);
+        kinematics.torques([Some(motion.q()), None, Some(dq)], &chain.inertial, |row, joint, p| {
+            sum += p * dq[(row, joint)];
+        });
+        for (drive, inertia) in self.drive.iter().zip(&chain.drive) {
+            let DriveTerm::Rotor(shaft) = drive else { continue };
+            for row in 0..motion.n_rows() {
+                let turning = shaft.iter().enumerate().map(|(joint, s)| s * dq[(row, joint)]);
+                sum += inertia * turning.sum::<f64>().powi(2);
+            }
+        }
+        sum
+    }
+}
+
+/// A chain with the torque of some joints turned round.
+struct Tried {
+    /// Bit k: joint k is turned.
+    signs: u32,
+    left: f64,
+    chain: Option<Chain>,
+}
+
+/// What leaves least first, then what turns fewer joints.
+fn least(a: &Tried, b: &Tried) -> std::cmp::Ordering {
+    a.left.total_cmp(&b.left).then(a.signs.count_ones().cmp(&b.signs.count_ones()))
+}
+
+/// The joints that signs turn.
+fn joints_of(signs: u32) -> impl Iterator<Item = usize> {
+    (0..u32::BITS as usize).filter(move |joint| signs >> joint & 1 == 1)
+}
+
+fn rows(motion: &Motion, extras: &[Mat<f64>]) -> Result<Rows, IdentifyError> {
+    let signals = [motion.q(), motion.dq(), motion.ddq(), motion.require_tau()?];
+    Ok(Rows::new(signals, extras)?)
+}
+
+/// Shafts that several joints turn, as they are with one of them turned round.
+fn mirrored(drive: &[DriveTerm]) -> Vec<DriveTerm> {
+    let mirror = |shaft: &[f64]| {
+        let last = shaft.iter().rposition(|turn| *turn != 0.0)?;
+        let mut mirrored = shaft.to_vec();
+        mirrored[last] = -mirrored[last];
+        (shaft.iter().filter(|turn| **turn != 0.0).count() > 1).then_some(mirrored)
+    };
+    let turned = |drive: &DriveTerm| match drive {
+        DriveTerm::Rotor(shaft) => mirror(shaft).map(DriveTerm::Rotor),
+        DriveTerm::Friction(term) => {
+            let shaft = mirror(&term.shaft)?;
+            Some(DriveTerm::Friction(FrictionTerm { shaft, ..term.clone() }))
+        }
+        DriveTerm::Energy(_) => None,
+    };
+    drive.iter().filter_map(turned).collect()
+}
