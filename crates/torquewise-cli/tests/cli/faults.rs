@@ -6,6 +6,8 @@ use crate::terminal::Terminal;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
+use std::fs::Permissions;
+use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -186,6 +188,45 @@ fn c20_outputs_that_find_no_room_leave_nothing() {
             let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
         }
     }
+}
+
+/// Nobody may write to the folder of somebody else; root may, so the program runs as nobody.
+#[test]
+fn c20_a_folder_that_is_read_only_stays_as_it_is() {
+    let terminal = Terminal::with_model();
+    let own = tempfile::tempdir().unwrap();
+    // Where the program was built, nobody may not look.
+    let program = own.path().join("torquewise");
+    fs::copy(PROGRAM, &program).unwrap();
+    let allow =
+        |path: &Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+    allow(own.path(), 0o755);
+    allow(&terminal.path(""), 0o555);
+    let is_root = fs::metadata(own.path()).unwrap().uid() == 0;
+    let as_nobody = |line: &str| {
+        let mut command = if is_root {
+            let mut command = Command::new("setpriv");
+            command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]).arg(&program);
+            command
+        } else {
+            Command::new(&program)
+        };
+        command.args(line.split_whitespace()).current_dir(terminal.path("")).output()
+    };
+    if as_nobody("--version").is_err() {
+        println!("skipped: there is no setpriv to be nobody by");
+        return;
+    }
+    let before = terminal.files();
+    for line in WRITING {
+        let output = as_nobody(line).unwrap();
+
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{line}: {said}");
+        assert!(said.starts_with("error: ") && said.contains("new"), "{line}: {said}");
+        assert_eq!(terminal.files(), before, "{line}: {said}");
+    }
+    allow(&terminal.path(""), 0o755);
 }
 
 #[test]
