@@ -28,14 +28,14 @@ const LOOKS: usize = 3;
 /// Where the axes of an arm lie, and what loads its joints beside the links, as far as a fit to
 /// torques of any sign has found them.
 #[derive(Debug)]
-pub(crate) struct Found {
+pub(crate) struct FoundChain {
     geometry: Geometry,
     /// Parameters of the geometry that may move.
     free: Vec<usize>,
     drive: Vec<DriveTerm>,
 }
 
-impl Found {
+impl FoundChain {
     /// What a pass over all rows was made at.
     ///
     /// - `is_given`: whether its axes were known beforehand, and so stay

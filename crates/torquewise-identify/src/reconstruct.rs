@@ -1,7 +1,7 @@
 //! From recording to Reconstruction: sums of its logs, then the steps of the paper or a learned
 //! chain.
 
-use crate::contrary::Found;
+use crate::contrary::FoundChain;
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::reconstruction::{Progress, Reconstruction};
 use crate::rounds::{Request, Round};
@@ -123,7 +123,7 @@ fn by_chain(
         Round::Again(request) => Ok(Solution::Request(request)),
         Round::Done(fitted) => {
             let patterns = find_patterns(&survey, &settings.patterns)?;
-            let chain = Found::at(&fitted.solved.at, options.geometry.is_some())?;
+            let chain = FoundChain::at(&fitted.solved.at, options.geometry.is_some())?;
             let mut found = fitted.report(survey, patterns, seed)?;
             Warning::retain_founded(&mut found.warnings, &found.model, options.physical);
             found.doubt_torque(|_| Ok(chain))?;

@@ -1,6 +1,6 @@
 //! From log to Reconstruction: what was found, how, and what was said on the way.
 
-use crate::contrary::Found;
+use crate::contrary::FoundChain;
 use crate::warning::Warning;
 use torquewise_diagnose::clipped::clipped;
 use torquewise_diagnose::excitation::Finding;
@@ -55,7 +55,7 @@ impl Reconstruction {
         let LibraryFit { model, patterns, noise, candidates, steps, dropped, .. } = fit;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
-        found.doubt_torque(|survey| Found::search(survey, seed))?;
+        found.doubt_torque(|survey| FoundChain::search(survey, seed))?;
         Ok(found)
     }
 
@@ -68,7 +68,7 @@ impl Reconstruction {
     /// [`IdentifyError::Chain`] if the chain is of another arm, [`IdentifyError::Model`].
     pub(crate) fn doubt_torque(
         &mut self,
-        chain: impl FnOnce(&Survey) -> Result<Found, IdentifyError>,
+        chain: impl FnOnce(&Survey) -> Result<FoundChain, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
         let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
