@@ -167,7 +167,7 @@ fn of_text(reader: Reader) -> Result<Vec<Seed>> {
             text("profiles/tiago_arm.toml")?,
             text("profiles/ur10.toml")?,
         ],
-        Reader::Dh => vec![text("crates/torquewise-dynamics/src/arms/planar-2.toml")?],
+        Reader::Dh => vec![text("crates/torquewise-sim/src/arms/planar-2.toml")?],
         Reader::Friction => vec![literal(
             "width = 0.01\n[joint1]\ncoulomb = 4.0\nstiction = 6.0\nspeed = 0.1\nviscous = 2.0\n\
              backward = { coulomb = 3.0, stiction = 4.0, speed = 0.1, viscous = 1.0 }\n[joint2]\ncoulomb = 1.0\nstiffness = 100\ndamping = 1\n",

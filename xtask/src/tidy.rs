@@ -9,35 +9,21 @@ use std::path::Path;
 type Layer = (&'static str, &'static str, &'static str);
 
 /// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 20] = [
+const LAYERS: [Layer; 15] = [
     ("motion", "", ""),
     ("regression", "", ""),
-    ("rigid", "regression", "motion model dynamics"),
-    ("model", "motion rigid", "dynamics"),
-    ("dynamics", "motion rigid", ""),
-    ("signals", "motion", "dynamics"),
-    ("logs", "motion signals", "dynamics"),
-    // Of rigid, survey knows the error alone, which its own holds.
-    ("survey", "motion regression model rigid", "dynamics"),
-    ("stepwise", "motion regression model survey", "dynamics"),
-    ("diagnose", "motion model survey stepwise", "dynamics"),
-    ("identify", "motion regression model rigid survey stepwise diagnose", "dynamics signals logs"),
-    ("report", "motion model stepwise diagnose identify", "dynamics"),
-    ("export", "rigid model dynamics", ""),
-    ("excite", "motion regression model dynamics stepwise identify", ""),
-    ("control", "motion model dynamics", ""),
-    (
-        "experiments",
-        "motion regression model dynamics signals survey stepwise identify report excite control",
-        "",
-    ),
-    (
-        "",
-        "motion regression model dynamics signals logs survey stepwise diagnose identify report \
-         export excite control experiments",
-        "",
-    ),
-    ("cli", "torquewise", "dynamics logs"),
+    ("rigid", "regression", "motion model sim"),
+    ("model", "motion rigid", "sim"),
+    ("logs", "motion", "sim"),
+    // Of rigid, stepwise knows the error alone, which its own holds.
+    ("stepwise", "motion regression model rigid", "sim"),
+    ("identify", "motion regression model rigid stepwise", "sim logs"),
+    ("sim", "motion regression rigid model stepwise", ""),
+    ("report", "motion model stepwise identify", "sim"),
+    ("export", "rigid model sim", ""),
+    ("experiments", "motion regression model sim stepwise identify report", ""),
+    ("", "motion regression model sim logs stepwise identify report export experiments", ""),
+    ("cli", "torquewise", "sim logs"),
     ("python", "torquewise", ""),
     ("xtask", "", ""),
 ];
@@ -139,7 +125,7 @@ mod tests {
     fn the_learner_may_not_import_true_arms_but_its_tests_may() {
         let of = |table: &str| {
             let name = "[package]\nname = 'torquewise-identify'\n";
-            broken(&format!("{name}[{table}]\ntorquewise-dynamics.workspace = true\n"))
+            broken(&format!("{name}[{table}]\ntorquewise-sim.workspace = true\n"))
         };
 
         assert!(of("dependencies")[0].starts_with("torquewise-identify must not have"));

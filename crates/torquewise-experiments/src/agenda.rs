@@ -182,7 +182,7 @@ fn work_of(plan: &TrialPlan) -> usize {
     use torquewise_identify::LibraryKind;
     use torquewise_identify::plan::Regression;
     use torquewise_regression::select::Selector;
-    let joints = torquewise_dynamics::arms()
+    let joints = torquewise_sim::arms()
         .into_iter()
         .find(|arm| arm.name == plan.scenario.arm)
         .map_or(3, |arm| arm.joints);

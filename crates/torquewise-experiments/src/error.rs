@@ -1,15 +1,15 @@
 //! What can keep an experiment from being done.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-use torquewise_control::ControlError;
-use torquewise_dynamics::DynamicsError;
-use torquewise_excite::ExciteError;
 use torquewise_identify::IdentifyError;
 use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
+use torquewise_motion::signals::SignalError;
 use torquewise_regression::SparseError;
 use torquewise_report::ReportError;
-use torquewise_signals::SignalError;
+use torquewise_sim::DynamicsError;
+use torquewise_sim::control::ControlError;
+use torquewise_sim::excite::ExciteError;
 
 /// Why there are no results, figures or report.
 #[derive(Debug, thiserror::Error)]

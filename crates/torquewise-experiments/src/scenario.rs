@@ -2,8 +2,8 @@
 
 use crate::error::ExperimentError;
 use serde::Serialize;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, Simulation, add_noise, simulate};
 use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, Simulation, add_noise, simulate};
 
 /// Rows per second of every log \[Hz\].
 pub(crate) const RATE: f64 = 100.0;

@@ -8,7 +8,7 @@ use std::time::Duration;
 use torquewise_identify::{reconstruct, score};
 use torquewise_model::{Form, Model};
 use torquewise_motion::Motion;
-use torquewise_survey::Progress;
+use torquewise_stepwise::Progress;
 
 /// What is to be tried.
 #[derive(Clone, Debug, PartialEq)]

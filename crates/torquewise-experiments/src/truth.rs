@@ -6,10 +6,10 @@ use faer::prelude::SolveLstsq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-use torquewise_dynamics::Arm;
 use torquewise_model::library::energy_library;
 use torquewise_model::term::Sum;
 use torquewise_model::{EnergyTerm, Place, Term, Trig};
+use torquewise_sim::Arm;
 
 /// Weights below this are rounding, in the units of the coefficients.
 const ROUNDING: f64 = 1e-12;

@@ -4,9 +4,9 @@ use crate::error::ExportError;
 use crate::robot::{Central, Losses, Robot, RobotJoint, numbers};
 use crate::xml::Xml;
 use nalgebra::{Rotation3, Vector3};
-use torquewise_dynamics::UrdfChain;
-use torquewise_dynamics::urdf::edit::{Change, Dynamics, edited};
 use torquewise_model::Model;
+use torquewise_sim::UrdfChain;
+use torquewise_sim::urdf::edit::{Change, Dynamics, edited};
 
 /// Radius of the links that are drawn, as a part of the length of the arm, and at least \[m\].
 const RADIUS: (f64, f64) = (0.04, 0.005);

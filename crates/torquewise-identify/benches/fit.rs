@@ -1,9 +1,9 @@
 //! From log in memory to model: the default fit, beside the libraries of the paper.
 
 use divan::Bencher;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::{Plan, reconstruct};
 use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 
 const ROWS: usize = 60_000;
 const RATE: f64 = 250.0;

@@ -2,13 +2,13 @@
 //! evaluate-then-SYRK.
 
 use divan::Bencher;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_regression::accumulate::{Lanes, Prepared, Route};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::samples::Samples;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_stepwise::candidates::Candidates;
 
 const ROWS: usize = 60_000;

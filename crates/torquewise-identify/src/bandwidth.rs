@@ -9,8 +9,8 @@ use crate::unseen::{BLOCKS, Errors, even_blocks, held_out};
 use rayon::prelude::*;
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_motion::RawRecording;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::standard_error;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::standard_error;
 
 /// Of cut-offs whose errors differ by no more than this part, the lowest is taken: it lets the
 /// least noise through.

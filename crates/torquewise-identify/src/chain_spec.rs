@@ -5,8 +5,8 @@ use crate::drive_terms::{DriveTerm, Gravity};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::{Chain, Rows, Search, fit, refine};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{BLOCKS, CvScore, choose_worth, split};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{BLOCKS, CvScore, choose_worth, split};
 
 /// What a fit is made of, beside the geometry.
 #[derive(Clone, Debug)]

@@ -9,9 +9,9 @@ use torquewise_model::FrictionTerm;
 use torquewise_motion::Motion;
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, ChainError, Geometry, Kinematics, Rows, Search, refine, search};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::FrictionLibrary;
-use torquewise_survey::survey::{Survey, thinned};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::friction::FrictionLibrary;
+use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Rows that tell.
 const ROWS: usize = 400;

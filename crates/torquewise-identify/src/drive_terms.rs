@@ -7,7 +7,7 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Kinematics};
-use torquewise_survey::friction::FrictionLibrary;
+use torquewise_stepwise::friction::FrictionLibrary;
 
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

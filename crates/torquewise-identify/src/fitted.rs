@@ -2,6 +2,7 @@
 //! told from zero (E8) (E11).
 
 use crate::basis::{Energies, joint_sums};
+use crate::drifts;
 use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
 use crate::prune::prune;
@@ -13,7 +14,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use torquewise_diagnose::drifts;
 use torquewise_model::model::{Choice, OmittedTerms};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
@@ -21,11 +21,11 @@ use torquewise_model::{
 use torquewise_motion::Motion;
 use torquewise_regression::accumulate::Route;
 use torquewise_rigid::recursion::PER_BODY;
+use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::StepReport;
+use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::patterns::Patterns;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseFloor;
-use torquewise_survey::survey::{Survey, thinned};
+use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Rows on which the error of blocks that were held out is found, at most.
 const HELD_OUT_ROWS: usize = 4_000;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Raised whenever what is summed, or how it is written, changes.
 const VERSION: u32 = 8;

@@ -9,10 +9,10 @@ use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Geometry, Rows, Search, refine, search};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::FrictionLibrary;
-use torquewise_survey::held_out::CvScore;
-use torquewise_survey::survey::thinned;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::friction::FrictionLibrary;
+use torquewise_stepwise::held_out::CvScore;
+use torquewise_stepwise::survey::thinned;
 
 mod couplings;
 mod residual;

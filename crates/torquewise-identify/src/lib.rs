@@ -6,6 +6,15 @@
 //! without rounding: those of many logs may be taken apart, saved, merged in any order, and
 //! [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
+pub mod rough;
+pub mod clipped;
+pub mod excitation;
+pub mod disagreement;
+pub mod drift;
+pub mod score;
+mod turning;
+pub mod diagnose;
+pub mod contacts;
 pub mod plan;
 mod states;
 mod drive_terms;
@@ -30,11 +39,16 @@ pub mod bandwidth;
 pub mod payload;
 pub mod verdict;
 
+pub use diagnose::{Diagnosis, diagnose};
+pub use disagreement::{Disagreement, disagreements};
+pub use drift::{Drift, drifts};
+pub use excitation::findings;
 pub use plan::{Method, Plan};
 pub use reconstruct::{Solution, reconstruct, solve};
 pub use reconstruction::Reconstruction;
+pub use score::{Scores, score};
 pub use summary::{Summary, summarise};
-pub use torquewise_diagnose::{Diagnosis, Scores, diagnose, score};
-pub use torquewise_stepwise::{LibraryKind, PatternPlan, Patterns, find_patterns};
-pub use torquewise_survey::{IdentifyError, Survey, survey};
+pub use torquewise_stepwise::{
+    IdentifyError, LibraryKind, PatternPlan, Patterns, Survey, find_patterns, survey,
+};
 pub use warning::Warning;

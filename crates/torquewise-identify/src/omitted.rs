@@ -14,9 +14,9 @@ use torquewise_model::model::{OmittedTerms, Unused};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_regression::screen::{Gain, Screen};
 use torquewise_stepwise::candidates::largest_energy_library;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{BLOCKS, mean, split, standard_error};
-use torquewise_survey::survey::{Survey, thinned};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{BLOCKS, mean, split, standard_error};
+use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Terms of the energy library at most: all of them up to seven joints.
 const MOST_TRIED: usize = 60_000;

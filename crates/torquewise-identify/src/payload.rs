@@ -11,7 +11,7 @@ use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{plain_link, seen_from};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Kinematics, Moved, State};
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// A body on the last link of an arm.
 ///

@@ -4,8 +4,8 @@ use torquewise_model::RobotNames;
 use torquewise_rigid::Geometry;
 use torquewise_stepwise::patterns::PatternPlan;
 
+pub use torquewise_stepwise::friction::FrictionKind;
 pub use torquewise_stepwise::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
-pub use torquewise_survey::friction::FrictionKind;
 
 /// How a chain of rigid bodies is learned.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,14 +5,14 @@ use crate::contrary::FoundChain;
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::reconstruction::{Progress, Reconstruction};
 use crate::rounds::{Request, Round};
+use crate::score::score;
 use crate::summary::{Pass, Summary, summarise};
 use crate::warning::Warning;
-use torquewise_diagnose::score::score;
 use torquewise_motion::Recording;
+use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::patterns::find_patterns;
 use torquewise_stepwise::reconstruct as stepwise;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::survey::Survey;
+use torquewise_stepwise::survey::Survey;
 
 /// What solving came to.
 #[derive(Debug)]

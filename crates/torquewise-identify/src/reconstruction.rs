@@ -1,19 +1,19 @@
 //! From log to Reconstruction: what was found, how, and what was said on the way.
 
+use crate::clipped::clipped;
 use crate::contrary::FoundChain;
+use crate::excitation::Finding;
 use crate::warning::Warning;
-use torquewise_diagnose::clipped::clipped;
-use torquewise_diagnose::excitation::Finding;
 use torquewise_model::{Model, Torque};
+use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::form::Dropped;
+use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::patterns::Patterns;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseFloor;
-use torquewise_survey::survey::{Survey, thinned};
+use torquewise_stepwise::survey::{Survey, thinned};
 
 pub use torquewise_stepwise::fit::StepReport;
-pub use torquewise_survey::progress::Progress;
+pub use torquewise_stepwise::progress::Progress;
 
 /// What was found, and how.
 #[derive(Clone, Debug)]

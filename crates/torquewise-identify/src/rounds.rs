@@ -14,9 +14,9 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::model::{Choice, OmittedTerms};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseFloor;
-use torquewise_survey::survey::{Survey, thinned};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::noise::NoiseFloor;
+use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Terms beyond those of a chain at most.
 const MOST_FURTHER: usize = 12;

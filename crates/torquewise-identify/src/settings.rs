@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Filter;
 use torquewise_motion::{Pattern, Recording};
+use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::library::{Basis, SummedLibrary};
 use torquewise_stepwise::patterns::PatternPlan;
-use torquewise_survey::error::IdentifyError;
 
 /// What logs are summed under. Summaries made under different settings do not add up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -6,9 +6,9 @@ use crate::summary::{Pass, Summary};
 use serde::{Deserialize, Serialize};
 use torquewise_regression::normal_sums::FOLDS;
 use torquewise_regression::row_sums::RowSums;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseSum;
-use torquewise_survey::survey::SurveySum;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::noise::NoiseSum;
+use torquewise_stepwise::survey::SurveySum;
 
 /// First bytes of a file.
 const MAGIC: [u8; 8] = *b"twmoment";

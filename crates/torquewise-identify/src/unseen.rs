@@ -5,7 +5,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::ops::Range;
 use torquewise_motion::Motion;
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Blocks of time, each held out once: many, since few agree by chance.
 pub(crate) const BLOCKS: usize = 24;

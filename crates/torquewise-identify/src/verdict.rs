@@ -1,10 +1,10 @@
 //! From reconstruction to verdict: may the model be used, and why.
 
+use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
 use crate::warning::{POOR, Warning};
 use std::fmt;
-use torquewise_diagnose::excitation::{Finding, list};
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
 /// joints.

@@ -1,15 +1,15 @@
 //! From survey, patterns, fit to warnings: what the user should know, in words.
 
+use crate::disagreement::Disagreement;
+use crate::drift::Drift;
+use crate::excitation::{Finding, findings};
 use serde::{Deserialize, Serialize};
 use std::fmt;
-use torquewise_diagnose::disagreement::Disagreement;
-use torquewise_diagnose::drift::Drift;
-use torquewise_diagnose::excitation::{Finding, findings};
 use torquewise_model::Model;
 use torquewise_motion::Pattern;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
-use torquewise_survey::survey::Survey;
+use torquewise_stepwise::survey::Survey;
 
 /// Held-out error over the spread of the torque from which a joint is predicted poorly.
 pub(crate) const POOR: f64 = 0.3;

@@ -9,14 +9,14 @@ use crate::trajectory::{Done, Trajectory};
 use faer::Mat;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::{BLOCK_ROWS, Motion, RawRecording, ReadError, Recording, Repairs, Signals};
-use torquewise_signals::bandwidth::Bandwidths;
-use torquewise_signals::cutoff::Decided;
-use torquewise_signals::{
+use torquewise_motion::signals::bandwidth::Bandwidths;
+use torquewise_motion::signals::cutoff::Decided;
+use torquewise_motion::signals::{
     ConditionReport, Conditioning, Cutoff, CutoffChoice, Raw, SignalError, condition,
 };
+use torquewise_motion::{BLOCK_ROWS, Motion, RawRecording, ReadError, Recording, Repairs, Signals};
 
-/// Logs whose signals are conditioned as they are read: [`torquewise_signals`] tells how.
+/// Logs whose signals are conditioned as they are read: [`torquewise_motion::signals`] tells how.
 ///
 /// The cut-off, and the lag of the torque if it is asked for, are chosen once, from all logs, and
 /// hold for all.

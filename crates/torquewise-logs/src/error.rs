@@ -49,7 +49,7 @@ pub enum LogError {
     )]
     NotAFile { file: PathBuf },
     #[error("{}, trajectory {trajectory}: its signals cannot be conditioned", file.display())]
-    Signals { file: PathBuf, trajectory: usize, source: torquewise_signals::SignalError },
+    Signals { file: PathBuf, trajectory: usize, source: torquewise_motion::signals::SignalError },
     #[error(
         "no trajectory is long enough to be filtered at {cutoff:.2} Hz: \
          raise the cut-off, or record longer motions"

@@ -5,7 +5,7 @@ use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
 use std::borrow::Cow;
-use torquewise_signals::{Conditioning, Raw, SignalError, torque_delay};
+use torquewise_motion::signals::{Conditioning, Raw, SignalError, torque_delay};
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;

@@ -5,7 +5,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_motion::Motion;
-use torquewise_signals::{ConditionReport, Conditioner, Derive, Plan, Raw, SignalError};
+use torquewise_motion::signals::{ConditionReport, Conditioner, Derive, Plan, Raw, SignalError};
 
 /// Standard deviations of the white noise of raw q, q̇ and q̈, n each; empty where a signal is not
 /// there or does not matter.

@@ -5,8 +5,8 @@ use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::pieces::{FIRST_ROWS, raw};
 use crate::raw_noise::{NoiseLane, RawNoise};
 use std::borrow::Cow;
+use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw, SignalError, condition};
 use torquewise_motion::{Motion, Repairs};
-use torquewise_signals::{Conditioner, Conditioning, Plan, Raw, SignalError, condition};
 
 /// Parts of motion that are done, and noise of the same rows where it is asked for.
 #[derive(Debug, Default)]

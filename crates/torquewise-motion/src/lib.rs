@@ -32,6 +32,7 @@ pub mod repairs;
 pub mod recording;
 pub mod differentiate;
 pub mod whole_file;
+pub mod signals;
 
 pub use differentiate::{LocalPolynomial, derivative};
 pub use error::MotionError;

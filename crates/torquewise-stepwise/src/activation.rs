@@ -1,10 +1,10 @@
 //! From velocity, acceleration to activation index: how hard the joints are driven (6)(7) (E1).
 
+use crate::quantile::quantile;
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 use torquewise_regression::kmeans::{KMeans, kmeans};
-use torquewise_survey::quantile::quantile;
 
 /// Which constants the index uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! From plan to candidates: the terms offered, as columns of a regression, and the step that offers
 //! each.
 
+use crate::error::IdentifyError;
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::library::{
@@ -10,7 +11,6 @@ use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig};
 use torquewise_motion::Pattern;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::{Column, Design};
-use torquewise_survey::error::IdentifyError;
 
 /// What is offered, in the order of the columns.
 #[derive(Clone, Debug)]

@@ -2,6 +2,7 @@
 //! them (E6) (E7).
 
 use crate::candidates::Group;
+use crate::noise::NoiseFloor;
 use crate::rows::fill_friction;
 use faer::Mat;
 use rand::SeedableRng;
@@ -12,7 +13,6 @@ use torquewise_regression::accumulate::Accumulate;
 use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_regression::samples::{Evaluator, Samples};
 use torquewise_regression::triangle::Triangle;
-use torquewise_survey::noise::NoiseFloor;
 
 /// The terms of one group to be fitted together.
 #[derive(Clone, Debug)]

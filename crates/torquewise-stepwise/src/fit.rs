@@ -1,11 +1,11 @@
 //! From log to library fit: what the steps found, and how.
 
 use crate::form::Dropped;
+use crate::noise::NoiseFloor;
 use crate::patterns::Patterns;
 use torquewise_model::Model;
 use torquewise_motion::Pattern;
 use torquewise_regression::accumulate::Route;
-use torquewise_survey::noise::NoiseFloor;
 
 /// What the steps found in the terms of a library, and how.
 #[derive(Clone, Debug)]

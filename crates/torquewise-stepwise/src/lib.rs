@@ -3,6 +3,14 @@
 //!
 //! Read [`reconstruct`](reconstruct::reconstruct) first; it is the method on one page.
 
+pub mod error;
+mod systematic_sample;
+pub mod quantile;
+pub mod noise;
+pub mod survey;
+pub mod held_out;
+pub mod friction;
+pub mod progress;
 pub mod activation;
 pub mod patterns;
 pub mod plan;
@@ -21,9 +29,14 @@ pub mod fit;
 pub mod reconstruct;
 pub mod orders;
 
+pub use error::IdentifyError;
 pub use fit::{LibraryFit, StepReport};
+pub use friction::FrictionKind;
 pub use library::SummedLibrary;
+pub use noise::NoiseFloor;
 pub use patterns::{PatternPlan, Patterns, find_patterns};
 pub use plan::{LibraryKind, LibraryOptions, Regression};
+pub use progress::Progress;
 pub use reconstruct::reconstruct;
 pub use sums::LibrarySums;
+pub use survey::{Survey, survey};

@@ -1,8 +1,12 @@
 //! From options, recording to summed library: which columns are summed, and these made ready.
 
 use crate::candidates::Candidates;
+use crate::error::IdentifyError;
+use crate::friction::FrictionKind;
 use crate::model_selection::choose_laws;
 use crate::plan::{LibraryKind, LibraryOptions, Regression};
+use crate::progress::Progress;
+use crate::survey::survey;
 use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
@@ -10,10 +14,6 @@ use torquewise_motion::{Pattern, Recording};
 use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::row_sums::RowSums;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::FrictionKind;
-use torquewise_survey::progress::Progress;
-use torquewise_survey::survey::survey;
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -2,22 +2,20 @@
 //! blocks.
 
 use crate::candidates::{Candidates, Group};
+use crate::error::IdentifyError;
+use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
+use crate::held_out::{BLOCKS, CvScore, choose, choose_worth, split};
 use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step;
 use crate::step_equations::{Step, StepEquations};
+use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_regression::accumulate::{Accumulate, GramSum, Prepared, cheaper_route};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::select::Selector;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::{
-    FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label,
-};
-use torquewise_survey::held_out::{BLOCKS, CvScore, choose, choose_worth, split};
-use torquewise_survey::survey::Survey;
 
 /// What a plan leaves open, settled.
 #[derive(Clone, Debug)]

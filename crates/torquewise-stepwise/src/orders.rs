@@ -1,8 +1,10 @@
 //! From recording to residual against order, and the orders it asks for (Fig. 5 of the paper).
 
 use crate::candidates::{columns_of_energies, columns_of_terms};
+use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
 use crate::rows::{Gathering, cut, samples_of};
+use crate::survey::survey;
 use faer::Mat;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -15,8 +17,6 @@ use torquewise_regression::accumulate::{GramSum, Lanes, Prepared, cheaper_route}
 use torquewise_regression::design::Design;
 use torquewise_regression::gram::Gram;
 use torquewise_regression::problem::Problem;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::survey::survey;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

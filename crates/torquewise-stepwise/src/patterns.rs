@@ -1,12 +1,12 @@
 //! From activation to patterns: clusters of rows, named by the part of the torque they activate.
 
 use crate::activation::{Activation, Scaling};
+use crate::error::IdentifyError;
+use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::elbow::elbow;
 use torquewise_regression::kmeans::{KMeans, kmeans};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::survey::Survey;
 
 /// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 9;

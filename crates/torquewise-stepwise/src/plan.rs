@@ -1,11 +1,11 @@
 //! From what the user wants to options of a library: candidates, regressions, friction and
 //! selection.
 
+use crate::friction::FrictionKind;
 use serde::{Deserialize, Serialize};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 use torquewise_regression::select::stlsq::Stlsq;
-use torquewise_survey::friction::FrictionKind;
 
 /// Which candidates are offered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,26 +1,26 @@
 //! From sums of a library to equations of motion: the method of the paper on one page.
 
 use crate::candidates::{Candidates, Group};
+use crate::error::IdentifyError;
 use crate::factor::ActiveSet;
 use crate::fit::{LibraryFit, StepReport};
 use crate::form::{dependent, dropped, form, friction_of};
 use crate::library::Basis;
 use crate::model_selection::{SelectedModel, select_model};
+use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{LibraryOptions, Regression};
+use crate::progress::Progress;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
 use crate::step;
 use crate::step_equations::{Step, StepEquations, one_shot, plan_steps};
 use crate::sums::LibrarySums;
+use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage};
 use torquewise_motion::Pattern;
 use torquewise_regression::select::Selector;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseFloor;
-use torquewise_survey::progress::Progress;
-use torquewise_survey::survey::Survey;
 
 /// Reconstructs the equations of motion in the terms of a library: standstill, uniform and variable
 /// velocity in turn, each explaining what the earlier ones leave (8)–(10), (14)–(16); last all kept

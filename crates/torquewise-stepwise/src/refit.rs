@@ -2,7 +2,9 @@
 //! (E7).
 
 use crate::candidates::Candidates;
+use crate::error::IdentifyError;
 use crate::factor::{ActiveSet, FactorSum, Fit, PartSum};
+use crate::noise::NoiseFloor;
 use crate::normal_equations::NormalEquations;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::step::{residual_energy, response_index};
@@ -19,8 +21,6 @@ use torquewise_regression::gram::Gram;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::samples::Evaluator;
 use torquewise_regression::triangle::Triangle;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseFloor;
 
 /// A term of the final fit.
 #[derive(Clone, Copy, Debug, PartialEq)]

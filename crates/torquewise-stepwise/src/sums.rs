@@ -1,6 +1,8 @@
 //! From rows of each pattern to sums of a library: what a step is asked, and its answer.
 
+use crate::error::IdentifyError;
 use crate::library::{Basis, SummedLibrary};
+use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, index_of};
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
 use crate::step_equations::{Step, StepEquations};
@@ -11,8 +13,6 @@ use torquewise_motion::{Motion, Pattern, ReadError};
 use torquewise_regression::SparseError;
 use torquewise_regression::row_sums::{RowAdder, RowSums};
 use torquewise_regression::samples::Samples;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::{NoiseFloor, NoiseSum};
 
 /// What logs were summed up to for a library.
 #[derive(Clone, Debug)]

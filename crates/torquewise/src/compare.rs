@@ -5,7 +5,7 @@ use crate::fit::{FitResult, fit_plan};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::options::FitOptions;
 use serde::Serialize;
-use torquewise_diagnose::score::{Scores, score};
+use torquewise_identify::score::{Scores, score};
 use torquewise_motion::Recording;
 
 /// Both methods.

@@ -4,7 +4,7 @@
 use torquewise_logs::LogError;
 use torquewise_model::ModelError;
 use torquewise_motion::ReadError;
-use torquewise_survey::IdentifyError;
+use torquewise_stepwise::IdentifyError;
 
 /// Why a log cannot be read, fitted or predicted.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum Error {
     Read(#[from] ReadError),
     #[cfg(feature = "simulation")]
     #[error("the arm could not be built")]
-    Arm(#[from] torquewise_dynamics::DynamicsError),
+    Arm(#[from] torquewise_sim::DynamicsError),
     #[cfg(feature = "figures")]
     #[error(transparent)]
     Report(#[from] torquewise_report::ReportError),

@@ -6,7 +6,7 @@ use crate::observe::{NOBODY, Observer, Watched};
 use crate::predict::MotionRange;
 use crate::prepared::Prepared;
 use serde::Serialize;
-use torquewise_diagnose::score::{JointScore, score, score_along};
+use torquewise_identify::score::{JointScore, score, score_along};
 use torquewise_model::Model;
 use torquewise_motion::Recording;
 

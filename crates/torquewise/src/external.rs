@@ -3,11 +3,11 @@
 use crate::error::Error;
 use crate::log::{Log, Prepared, Rows};
 use crate::observe::{Observer, Watched};
-use torquewise_diagnose::contacts::external_torques;
+use torquewise_identify::contacts::external_torques;
 use torquewise_model::Model;
 use torquewise_motion::ReadError;
 
-pub use torquewise_diagnose::contacts::{Contact, ContactDetector, Thresholds};
+pub use torquewise_identify::contacts::{Contact, ContactDetector, Thresholds};
 
 /// How external torque is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,13 +8,13 @@ use crate::options::{Facts, FitOptions};
 use crate::prepared::Prepared;
 use std::ops::Deref;
 use std::time::Instant;
-use torquewise_diagnose::disagreement::disagreements;
 use torquewise_identify::bandwidth::{Tuned, tune};
+use torquewise_identify::disagreement::disagreements;
 use torquewise_identify::reconstruct::reconstruct_from;
 use torquewise_identify::verdict::Verdict;
 use torquewise_identify::{IdentifyError, Method, Plan, Reconstruction, Warning, reconstruct};
 use torquewise_motion::Recording;
-use torquewise_survey::Progress;
+use torquewise_stepwise::Progress;
 
 /// A fit to be run: what it reads, and what is asked for.
 ///

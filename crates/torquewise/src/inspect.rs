@@ -6,7 +6,7 @@ use crate::observe::{Observer, Watched};
 use crate::summary::AllRepairs;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use torquewise_diagnose::excitation::findings;
+use torquewise_identify::excitation::findings;
 use torquewise_identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
 use torquewise_logs::{UnitWarning, unit_warnings};
 use torquewise_motion::{Pattern, Recording, Repairs};

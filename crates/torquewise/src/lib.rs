@@ -58,30 +58,30 @@ pub use fit::{Fit, FitResult};
 pub use log::{Filter, Log};
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
-#[cfg(feature = "simulation")]
-pub use torquewise_control as control;
-pub use torquewise_diagnose as diagnose;
-#[cfg(feature = "simulation")]
-pub use torquewise_dynamics as dynamics;
-#[cfg(feature = "simulation")]
-pub use torquewise_excite as excite;
 #[cfg(feature = "experiments")]
 pub use torquewise_experiments as experiments;
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
+pub use torquewise_identify as diagnose;
 pub use torquewise_identify as identify;
 pub use torquewise_identify::verdict::{Grade, Verdict};
 pub use torquewise_logs as logs;
 pub use torquewise_model as model;
 pub use torquewise_model::{Model, Torque};
 pub use torquewise_motion as motion;
+pub use torquewise_motion::signals;
 pub use torquewise_regression as regression;
 #[cfg(feature = "figures")]
 pub use torquewise_report as report;
-pub use torquewise_signals as signals;
+#[cfg(feature = "simulation")]
+pub use torquewise_sim as dynamics;
+#[cfg(feature = "simulation")]
+pub use torquewise_sim::control;
+#[cfg(feature = "simulation")]
+pub use torquewise_sim::excite;
 pub use torquewise_stepwise as stepwise;
-pub use torquewise_survey as survey;
-pub use torquewise_survey::FrictionKind;
+pub use torquewise_stepwise as survey;
+pub use torquewise_stepwise::FrictionKind;
 
 /// The guides, whose programs are compiled as tests.
 #[cfg(doctest)]

@@ -8,7 +8,7 @@ use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Frame, Logs, Options};
 use torquewise_model::model::Filter as FilterUsed;
 use torquewise_motion::Recording;
-use torquewise_signals::{Conditioning, Cutoff, Trim};
+use torquewise_motion::signals::{Conditioning, Cutoff, Trim};
 
 pub use crate::prepared::Prepared;
 

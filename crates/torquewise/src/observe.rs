@@ -3,7 +3,7 @@
 use crate::error::Error;
 use std::ops::ControlFlow;
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_survey::Progress;
+use torquewise_stepwise::Progress;
 
 /// What is told while work is under way.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_logs::{ConditionedLogs, Logs};
 use torquewise_model::model::Filter;
+use torquewise_motion::signals::ConditionReport;
 use torquewise_motion::{Motion, ReadError, Recording, Repairs};
-use torquewise_signals::ConditionReport;
 
 /// Logs ready to be read.
 #[derive(Debug)]

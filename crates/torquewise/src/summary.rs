@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use torquewise_model::model::{Choice, OmittedTerms, PriceOfPhysics};
 use torquewise_motion::Repairs;
-use torquewise_survey::NoiseFloor;
+use torquewise_stepwise::NoiseFloor;
 
 /// A fit in numbers; percentages are of the standard deviation of the torque of a joint.
 #[derive(Clone, Debug, Serialize)]

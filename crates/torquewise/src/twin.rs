@@ -1,12 +1,12 @@
 //! A learned model as the arm of a simulation: a twin of the robot that was logged.
 
 use crate::error::Error;
-use torquewise_dynamics::arm::ArmParts;
-use torquewise_dynamics::friction::{Friction, Stribeck};
-use torquewise_dynamics::{Arm, MotionPlan, SimulatedLog};
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_sim::arm::ArmParts;
+use torquewise_sim::friction::{Friction, Stribeck};
+use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
 
 /// The rigid part of a model as an arm: links, and rotors of single joints; positions and speeds are
 /// those of the log it was learned from.
@@ -84,7 +84,7 @@ impl TwinLog {
         let tau = self.torque.over(&self.torque.path().follow(0, &motion))?;
         let mut signals = motion.into_signals();
         signals.tau = Some(tau);
-        Ok(Motion::new(signals).map_err(torquewise_dynamics::DynamicsError::from)?)
+        Ok(Motion::new(signals).map_err(torquewise_sim::DynamicsError::from)?)
     }
 }
 

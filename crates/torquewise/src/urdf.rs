@@ -1,9 +1,9 @@
 //! From the URDF of an arm to what a fit is told of it.
 
 use crate::error::Error;
-use torquewise_dynamics::{UrdfChain, UrdfJoint};
 use torquewise_identify::plan::KnownGeometry;
 use torquewise_model::{LinkFrame, RobotNames};
+use torquewise_sim::{UrdfChain, UrdfJoint};
 
 /// Where the axes of the joints of a log lie, by the URDF of its arm: for
 /// [`crate::FitOptions::geometry`].

@@ -9,9 +9,9 @@ use crate::trial::TrialPlan;
 use crate::truth::true_energies;
 use serde::Serialize;
 use std::collections::BTreeSet;
-use torquewise_dynamics::Arm;
 use torquewise_model::library::{angle_functions, energy_library};
 use torquewise_model::{EnergyTerm, Form};
+use torquewise_sim::Arm;
 
 /// N₁ of the product libraries that are counted.
 const TRIG_ORDER: u8 = 4;

@@ -8,9 +8,9 @@ use crate::settings::Settings;
 use crate::spread::Spread;
 use crate::truth::{true_energies, true_torques};
 use serde::Serialize;
-use torquewise_dynamics::Arm;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
+use torquewise_sim::Arm;
 
 /// The trials of one case: those of each method, one per seed.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use crate::study::cases::CasePlan;
 use crate::truth::true_energies;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use torquewise_dynamics::Arm;
 use torquewise_model::{EnergyTerm, Form, Model};
+use torquewise_sim::Arm;
 
 /// A normal variable is within this many standard deviations in 90 of 100 cases.
 pub(crate) const NINETY_PERCENT: f64 = 1.645;

@@ -4,10 +4,12 @@ use crate::error::ExperimentError;
 use crate::settings::Settings;
 use crate::study::recorded::{RATE, learn, plant, recordings};
 use serde::Serialize;
-use torquewise_control::knowledge::sharp;
-use torquewise_control::{Gains, Law, Learned, Periodic, Plant, compare, mean_inertia, periodic};
 use torquewise_model::{Model, Parts, Torque};
 use torquewise_motion::Motion;
+use torquewise_sim::control::knowledge::sharp;
+use torquewise_sim::control::{
+    Gains, Law, Learned, Periodic, Plant, compare, mean_inertia, periodic,
+};
 
 /// Bandwidth of the feedback of all controllers \[rad/s\].
 const BANDWIDTH: f64 = 15.0;

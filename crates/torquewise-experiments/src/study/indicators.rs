@@ -23,10 +23,10 @@ use serde::Serialize;
 use sorting::Indicators;
 use std::collections::BTreeSet;
 use steps::take_steps;
-use torquewise_dynamics::Arm;
 use torquewise_identify::score;
 use torquewise_model::{EnergyTerm, Form, Model, Term, Weighted};
 use torquewise_motion::Motion;
+use torquewise_sim::Arm;
 
 /// Length of the logs at most \[s\]: short ones, in which the choice of rows matters most.
 const MOST_SECONDS: f64 = 100.0;

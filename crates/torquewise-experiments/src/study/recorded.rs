@@ -3,13 +3,13 @@
 use crate::error::{ExperimentError, within};
 use crate::settings::Settings;
 use rayon::prelude::*;
-use torquewise_control::{Plant, Sensors, record};
-use torquewise_dynamics::{Arm, Friction, Stribeck};
-use torquewise_excite::{self as excite, Planned, Wishes};
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::{Plan, Reconstruction, reconstruct};
 use torquewise_motion::Motion;
-use torquewise_signals::{Conditioning, Raw, condition};
+use torquewise_motion::signals::{Conditioning, Raw, condition};
+use torquewise_sim::control::{Plant, Sensors, record};
+use torquewise_sim::excite::{self as excite, Planned, Wishes};
+use torquewise_sim::{Arm, Friction, Stribeck};
 
 /// Friction of the joints, the first of an arm that has fewer.
 const FRICTION: [Stribeck; 3] = [

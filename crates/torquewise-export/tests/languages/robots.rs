@@ -4,11 +4,11 @@ use crate::models::{chain, coupled, energies, states};
 use approx::assert_relative_eq;
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use roxmltree::{Document, Node};
-use torquewise_dynamics::Arm;
 use torquewise_export::{ExportError, onto_urdf, to_mjcf, to_urdf};
 use torquewise_model::{Drive, Model, Torque};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::{Kinematics, Moved, State};
+use torquewise_sim::Arm;
 
 /// The arm without what no robot file holds.
 fn bare(n: usize, skew: bool, seed: u64) -> Model {

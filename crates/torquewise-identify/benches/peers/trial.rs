@@ -5,7 +5,6 @@ use faer::Mat;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
@@ -14,6 +13,7 @@ use torquewise_regression::gram::Gram;
 use torquewise_regression::problem::Problem;
 use torquewise_regression::row_sums::RowAdder;
 use torquewise_regression::samples::Samples;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_stepwise::candidates::{Candidates, Terms};
 
 /// Joints of the arm of all tasks but one.

@@ -9,7 +9,7 @@ use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, Training, Trig, Weighted,
 };
 use torquewise_motion::{Motion, Signals};
-use torquewise_survey::friction::FrictionLibrary;
+use torquewise_stepwise::friction::FrictionLibrary;
 
 const N: usize = 3;
 

@@ -6,7 +6,7 @@ use torquewise_regression::normal_sums::corrected;
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature};
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Price of a step, relative to the diagonal of the normal equations.
 const ROUNDING: f64 = 1e-11;

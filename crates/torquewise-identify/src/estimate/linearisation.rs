@@ -7,8 +7,8 @@ use torquewise_model::RobotNames;
 use torquewise_motion::path::TRAVELS;
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::{Chain, Coupling, Geometry, Rows};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::noise::NoiseFloor;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::noise::NoiseFloor;
 
 /// What a chain is made of: which of its parameters there are and which may move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

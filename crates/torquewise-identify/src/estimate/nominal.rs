@@ -13,7 +13,7 @@ use torquewise_rigid::feasible::{Positive, Prior};
 use torquewise_rigid::geometry::GRAVITY;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Mass of a link over the cube of its length \[kg/m³\]: about that of robots of a few kilograms
 /// to a few tons.

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use torquewise_motion::path::Path;
 use torquewise_motion::{Motion, ReadError, Recording};
 use torquewise_regression::normal_sums::{Alike, BlockSums, FOLDS, NormalSums};
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Blocks of time that are read before they are summed, side by side.
 const AT_ONCE: usize = 64;

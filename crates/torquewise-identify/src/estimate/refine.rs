@@ -8,7 +8,7 @@ use super::step::{Step, Tuning, weights};
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Passes over a sample, for each set of weights, at most.
 const SAMPLE_PASSES: usize = 20;

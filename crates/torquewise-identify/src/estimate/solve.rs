@@ -6,8 +6,8 @@ use super::step::{Step, Tuning};
 use faer::{ColRef, Mat};
 use torquewise_model::model::{Choice, PriceOfPhysics};
 use torquewise_rigid::feasible::{Prior, curvature};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{CvScore, choose_worth};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{CvScore, choose_worth};
 
 /// Blocks of time that a score test needs.
 const LEAST_BLOCKS: u64 = 30;

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_rigid::feasible::{Prior, minimise};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::mean;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::mean;
 
 /// A residual below this part of the torque is taken for it: weights stay finite.
 const LEAST_RESIDUAL: f64 = 1e-4;

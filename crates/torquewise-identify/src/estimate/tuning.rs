@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_regression::normal_sums::FOLDS;
 use torquewise_rigid::feasible::minimise;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{CvScore, listed, mean};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{CvScore, listed, mean};
 
 /// The choice of the prior's strength, as the model file has it.
 const STRENGTH: &str = "strength of the physical prior";

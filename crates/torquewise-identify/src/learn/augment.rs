@@ -8,8 +8,8 @@ use torquewise_model::EnergyTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, refine};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::listed;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::listed;
 
 impl Learned {
     /// Takes in a term that no chain of rigid bodies has, if a fit with it, geometry and all,

@@ -8,7 +8,7 @@ use torquewise_model::model::Choice;
 use torquewise_rigid::coupling::Coupled;
 use torquewise_rigid::search::glance;
 use torquewise_rigid::{Chain, Search};
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Coupled joints at most.
 const MOST_COUPLED: usize = 2;

@@ -10,8 +10,8 @@ use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_rigid::Chain;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{CvScore, choose_worth};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{CvScore, choose_worth};
 
 const COULOMB: &str = "Coulomb";
 const STRIBECK: &str = "Stribeck";

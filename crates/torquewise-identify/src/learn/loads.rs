@@ -8,8 +8,8 @@ use crate::plan::FrictionKind;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::Chain;
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::friction::{FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
 
 /// A shared shaft must lower the error on held-out rows to this part: arms seldom have one.
 const SHAFT_GAIN: f64 = 0.85;

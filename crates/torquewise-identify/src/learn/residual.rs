@@ -8,9 +8,9 @@ use faer::{Mat, Side};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, fit};
-use torquewise_survey::error::IdentifyError;
-use torquewise_survey::held_out::{BLOCKS, CvScore, mean, split};
-use torquewise_survey::survey::thinned;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{BLOCKS, CvScore, mean, split};
+use torquewise_stepwise::survey::thinned;
 
 /// What stands beside the links must lower the error of its joint on held-out rows by this part,
 /// and the error of the whole by its share of it.

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use torquewise_model::model::Choice;
 use torquewise_model::{EnergyTerm, Place, Term, Trig};
 use torquewise_rigid::Chain;
-use torquewise_survey::error::IdentifyError;
+use torquewise_stepwise::error::IdentifyError;
 
 /// Periods in a turn of a joint that are looked for: below are gravity and counterbalances, beyond
 /// what the angle of a term may be multiplied by.

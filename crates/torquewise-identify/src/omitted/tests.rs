@@ -14,8 +14,8 @@ use torquewise_model::{EnergyTerm, Form, Model, Place, Term, Torque, Training, T
 use torquewise_motion::{Motion, Signals};
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Geometry, Rows, Search};
-use torquewise_survey::friction::FrictionLibrary;
-use torquewise_survey::survey::{Survey, survey, thinned};
+use torquewise_stepwise::friction::FrictionLibrary;
+use torquewise_stepwise::survey::{Survey, survey, thinned};
 
 const N: usize = 3;
 const NOISE: f64 = 0.05;

@@ -3,13 +3,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_dynamics::friction::{Bristles, Friction, Stribeck};
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, SimulatedLog};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, reconstruct};
 use torquewise_model::Torque;
 use torquewise_model::shaft_friction::{Estimated, ShaftFriction};
 use torquewise_motion::Motion;
+use torquewise_sim::friction::{Bristles, Friction, Stribeck};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, SimulatedLog};
 
 /// Slower than this \[rad/s\] a joint is at rest or turns round.
 const SLOW: f64 = 0.05;

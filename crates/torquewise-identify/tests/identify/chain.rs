@@ -7,13 +7,13 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::LazyLock;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{IdentifyError, Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, Model, Torque, check, from_json, to_json};
 use torquewise_motion::{Motion, Signals};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// White noise in the torque, as a part of its spread.
 const NOISE: f64 = 0.01;

@@ -2,10 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_diagnose::{Disagreement, disagreements};
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
+use torquewise_identify::{Disagreement, disagreements};
 use torquewise_identify::{Plan, reconstruct};
 use torquewise_motion::{Motion, Signals};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 
 /// Three links; the hand weighs so much.
 fn arm(hand: f64) -> Arm {

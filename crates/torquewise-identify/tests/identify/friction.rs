@@ -7,11 +7,11 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::{LibraryKind, Reconstruction, reconstruct, score};
 use torquewise_model::{Form, Torque};
 use torquewise_motion::{Motion, Pattern, Signals};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// Dry friction, what Stribeck adds at rest \[N·m\], Stribeck speed \[rad/s\], viscous friction
 /// \[N·m·s/rad\]; forward, then backward.

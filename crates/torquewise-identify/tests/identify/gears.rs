@@ -5,12 +5,12 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::rigid_chain::Drive;
 use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// Dry and viscous friction of each joint \[N·m\], \[N·m·s\].
 const FRICTION: (f64, f64) = (1.5, 1.0);

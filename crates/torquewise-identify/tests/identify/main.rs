@@ -3,6 +3,7 @@
 mod bristles;
 mod chain;
 mod disagreement;
+mod excited;
 mod friction;
 mod gears;
 mod memory;

@@ -2,8 +2,8 @@
 #![cfg(target_os = "linux")]
 
 use std::process::Command;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, SimulatedLog};
 use torquewise_identify::{Plan, reconstruct};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, SimulatedLog};
 
 /// Set for the process that reconstructs; the number of rows.
 const ROWS: &str = "TORQUEWISE_MEMORY_ROWS";

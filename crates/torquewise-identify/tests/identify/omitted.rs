@@ -6,7 +6,6 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, Warning, reconstruct};
 use torquewise_model::model::OmittedTerms;
@@ -14,6 +13,7 @@ use torquewise_model::{
     EnergyTerm, Form, Model, Place, Term, Torque, Training, Trig, Weighted, from_json, to_json,
 };
 use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 fn simulated(kind: MotionKind, seed: u64) -> Motion {
     let arm = Arm::builtin("puma560-3").unwrap();

@@ -4,10 +4,10 @@
 
 use crate::truth;
 use std::collections::BTreeMap;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, check, to_json};
 use torquewise_motion::{Motion, Pattern};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_stepwise::orders::OrderPlan;
 use torquewise_stepwise::orders::orders;
 

@@ -10,7 +10,6 @@ use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::LazyLock;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;
@@ -24,7 +23,8 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::term::{Factor, Trig};
 use torquewise_model::{EnergyTerm, Form, FrictionTerm, Model, Place, Term, Torque, to_json};
 use torquewise_motion::Motion;
-use torquewise_signals::Conditioning;
+use torquewise_motion::signals::Conditioning;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 
 /// A normal variable is within this many standard deviations in 90 of 100 cases.
 const NINETY_PERCENT: f64 = 1.645;

@@ -3,10 +3,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_motion::Motion;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 
 fn motion(arm: &Arm, kind: MotionKind, seconds: f64, seed: u64) -> Motion {
     simulate(arm, &MotionPlan { kind, seconds, rate: 100.0, seed }).unwrap().motion

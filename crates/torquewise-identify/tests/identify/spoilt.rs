@@ -11,7 +11,6 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::fmt::Write;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_identify::bandwidth::{Tuned, tune, tune_from};
 use torquewise_identify::plan::ChainOptions;
 use torquewise_identify::reconstruct::reconstruct_from;
@@ -20,8 +19,9 @@ use torquewise_identify::{Plan, score};
 use torquewise_logs::Logs;
 use torquewise_logs::conditioned::RawLogs;
 use torquewise_model::Model;
+use torquewise_motion::signals::Conditioning;
 use torquewise_motion::{Motion, Signals};
-use torquewise_signals::Conditioning;
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// Seconds of the log, and rows per second that it is cut from and has itself.
 const SECONDS: f64 = 20.0;

@@ -4,11 +4,11 @@
 
 use faer::Mat;
 use std::f64::consts::TAU;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::{IdentifyError, Plan, Summary, reconstruct, solve, summarise};
 use torquewise_model::to_json;
 use torquewise_motion::{Motion, Signals};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 
 const LOGS: usize = 8;
 

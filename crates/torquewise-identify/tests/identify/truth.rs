@@ -5,9 +5,9 @@ use faer::prelude::SolveLstsq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
-use torquewise_dynamics::Arm;
 use torquewise_model::library::energy_library;
 use torquewise_model::{EnergyTerm, Place};
+use torquewise_sim::Arm;
 
 /// Weights below this part of the largest are rounding.
 const ROUNDING: f64 = 1e-12;

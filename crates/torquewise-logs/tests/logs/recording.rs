@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 use tempfile::TempDir;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
+use torquewise_motion::signals::{Conditioning, Cutoff};
 use torquewise_motion::{LocalPolynomial, Recording, Repairs};
-use torquewise_signals::{Conditioning, Cutoff};
 
 /// A folder with text files.
 struct Files(TempDir);

@@ -2,7 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_dynamics::Arm;
 use torquewise_model::print::{latex, text, with_error};
 use torquewise_model::selection::Selection;
 use torquewise_model::{
@@ -10,6 +9,7 @@ use torquewise_model::{
     Weighted, check, from_json, to_json,
 };
 use torquewise_motion::Repairs;
+use torquewise_sim::Arm;
 
 fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
     Weighted { term, coefficient, std_error: 0.01, inclusion: Some(1.0) }

@@ -3,7 +3,7 @@
 use crate::fit_report::Findings;
 use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series, Table};
 use faer::Mat;
-use torquewise_diagnose::diagnose::Trace;
+use torquewise_identify::diagnose::Trace;
 use torquewise_model::print::friction_tables;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{FrictionTerm, Torque};

@@ -5,14 +5,14 @@
 use crate::browser::{Desk, OVERFLOW, UNFOLD};
 use serde_json::json;
 use std::f64::consts::FRAC_PI_2;
-use torquewise_diagnose::excitation::Finding;
-use torquewise_dynamics::{Arm, MotionPlan, simulate};
+use torquewise_identify::excitation::Finding;
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Training;
 use torquewise_model::rigid_chain::{Coupling, RigidChain};
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_report::{Findings, LogFile, Origin, fit_report};
+use torquewise_sim::{Arm, MotionPlan, simulate};
 
 const JOINTS: usize = 6;
 

@@ -10,7 +10,6 @@ use crate::chromium::{Chromium, Tab};
 use serde_json::json;
 use std::path::PathBuf;
 use tempfile::TempDir;
-use torquewise_dynamics::{Arm, MotionPlan, Noise, add_noise, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
 use torquewise_model::check;
 use torquewise_motion::Motion;
@@ -18,6 +17,7 @@ use torquewise_report::html::{
     Axis, Band, Chart, Colour, Guide, Item, Mark, Page, Section, Series,
 };
 use torquewise_report::{CallCost, Findings, LogFile, Origin, fit_report};
+use torquewise_sim::{Arm, MotionPlan, Noise, add_noise, simulate};
 
 /// What a hostile log may call a joint.
 const HOSTILE: &str = "</script><img src=x onerror=\"throw 1\">'";

@@ -2,9 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_dynamics::{Arm, MotionPlan, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
 use torquewise_report::{CallCost, Findings, Origin, ReportError, fit_report};
+use torquewise_sim::{Arm, MotionPlan, simulate};
 
 /// A report of three steps and the whole, which take 0.1, 1, 2 and so many µs.
 fn report(whole: f64, n_costs: usize) -> Result<String, ReportError> {

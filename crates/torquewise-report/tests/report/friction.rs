@@ -2,11 +2,11 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use torquewise_dynamics::{Arm, MotionPlan, simulate};
 use torquewise_identify::{Plan, diagnose, reconstruct};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Weighted};
 use torquewise_report::{Findings, Origin, fit_report};
+use torquewise_sim::{Arm, MotionPlan, simulate};
 
 /// The report of a fit with this friction put in its place.
 fn report(friction: &[Weighted<FrictionTerm>]) -> String {

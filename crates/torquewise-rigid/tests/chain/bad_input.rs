@@ -2,11 +2,11 @@
 
 use crate::twins::{chain, puma, rows, sines};
 use faer::{Mat, MatRef};
-use torquewise_dynamics::Arm;
 use torquewise_model::ModelError;
 use torquewise_model::expansion::energy_terms;
 use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, ChainError, Geometry, Rows, Search, fit, refine, search};
+use torquewise_sim::Arm;
 
 fn plan() -> Search {
     Search { starts: 2, finalists: 1, rounds: 4, weighings: 1, ..Search::default() }

@@ -2,8 +2,8 @@
 
 use crate::twins::{arm, chain, drawn, errors, largest, puma, rows, sines};
 use faer::Mat;
-use torquewise_dynamics::Arm;
 use torquewise_rigid::{Geometry, Rows, Search, fit};
+use torquewise_sim::Arm;
 
 const DOWN: [f64; 3] = [0.0, 0.0, -9.81];
 

@@ -5,9 +5,9 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_dynamics::Arm;
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Rows, Search, search};
+use torquewise_sim::Arm;
 
 #[test]
 fn without_noise_other_motion_is_predicted() {

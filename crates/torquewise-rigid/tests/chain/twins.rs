@@ -6,9 +6,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
-use torquewise_dynamics::{Arm, MotionKind, MotionPlan, simulate};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Geometry, Rows};
+use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// A joint and its link, standard Denavit–Hartenberg, link values in the frame of the link.
 pub(crate) struct Link {

@@ -4,7 +4,7 @@ use crate::error::Error;
 use faer::Mat;
 use torquewise_model::{Model, RigidChain, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
-use torquewise_survey::NoiseFloor;
+use torquewise_stepwise::NoiseFloor;
 
 /// What a measured torque is expected within: the parameters are uncertain, noise of the log
 /// reaches the prediction, and what the model leaves of the torque is not predicted.

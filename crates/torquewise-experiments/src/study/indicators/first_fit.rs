@@ -11,9 +11,9 @@ use torquewise_model::{Form, Model, Weighted};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::samples::Samples;
 use torquewise_regression::select::criterion::Criterion;
+use torquewise_stepwise::NoiseFloor;
 use torquewise_stepwise::candidates::{Candidates, Group, Terms};
 use torquewise_stepwise::step_equations::{Step, plan_steps};
-use torquewise_survey::NoiseFloor;
 
 /// A log with its stepwise reconstruction, ready to be regressed again with other weights.
 pub(super) struct FirstFit {

@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use torquewise_model::{Torque, model::Training};
 use torquewise_motion::motion::Signals;
-use torquewise_survey::NoiseFloor;
+use torquewise_stepwise::NoiseFloor;
 
 const N: usize = 3;
 /// Noisy copies of a state.

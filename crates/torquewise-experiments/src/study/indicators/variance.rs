@@ -4,7 +4,7 @@ use crate::error::ExperimentError;
 use faer::Mat;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
-use torquewise_survey::NoiseFloor;
+use torquewise_stepwise::NoiseFloor;
 
 /// A row counts at most this many times as much as one of mean variance: where the slope of the
 /// torque vanishes, its curvature, which is left out here, still lets some noise through.

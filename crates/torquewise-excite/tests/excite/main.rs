@@ -1,4 +1,0 @@
-//! Plans within their limits, and what is learned from them.
-
-mod plan;
-mod round_trip;

@@ -1,0 +1,344 @@
+//! From model, several logs to disagreements: joints whose gravity is another in one log than in
+//! another.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use std::fmt;
+use torquewise_model::{Model, Torque};
+use torquewise_motion::{Motion, Recording};
+use torquewise_stepwise::error::IdentifyError;
+
+/// Two logs in which gravity loads joints differently, as under another payload.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Disagreement {
+    /// Their names.
+    pub logs: [String; 2],
+    /// The joints at odds, base to tip.
+    pub joints: Vec<JointAtOdds>,
+}
+
+/// A joint whose gravity torque differs between two logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointAtOdds {
+    /// Its name.
+    pub joint: String,
+    /// By what part of itself the gravity of the model falls short in each of the two logs.
+    pub excess: [f64; 2],
+    /// Standard errors of these.
+    pub std_error: [f64; 2],
+}
+
+/// Logs that are told apart at most; later ones are not compared.
+const MOST_LOGS: usize = 1_000;
+/// Batches of a log at most: then neighbours are joined.
+const MOST_BATCHES: usize = 16;
+/// Fewer batches give no standard error.
+const LEAST_BATCHES: usize = 6;
+/// A difference of excess below this is no payload worth a word.
+const LEAST_DIFFERENCE: f64 = 0.03;
+/// A difference below this many standard errors is chance.
+const LEAST_ERRORS: f64 = 6.0;
+/// Gravity must explain this part of the residual that the other columns leave in one log.
+const LEAST_SHARE: f64 = 0.2;
+/// Part of the squares of gravity that no other column may explain.
+const LEAST_FREE: f64 = 1e-3;
+/// Dry friction is taken as fully there at some of these parts of the peak speed.
+const SLOW: f64 = 0.02;
+const RIDGE: f64 = 1e-10;
+
+/// Columns beside each other: gravity, inertia, one, speed and its sign.
+const COLUMNS: usize = 5;
+
+/// The joints whose gravity differs between logs that one model was fitted to.
+///
+/// In each log and for each joint, what the model leaves of the torque is regressed on the
+/// gravity of the model, r = a G + b + …, beside its inertia, a constant, the speed and its sign,
+/// which take what a warmer gear changes. A payload adds to gravity in proportion, so that a is
+/// positive with it and negative without. Standard errors are those of sums over some 10
+/// stretches of time (clusters), since neighbouring residuals are alike. One pass, fixed memory
+/// per log.
+///
+/// - `log_of`: name of the log that a trajectory of the recording belongs to
+/// - returns: for each joint the two logs that differ most, joints with the same two logs together;
+///   none for a single log
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, or a model of another arm.
+pub fn disagreements(
+    model: &Model,
+    recording: &(impl Recording + ?Sized),
+    log_of: &dyn Fn(usize) -> String,
+) -> Result<Vec<Disagreement>, IdentifyError> {
+    model.check_joints(recording.joints())?;
+    let mut logs = Logs { torque: Torque::new(model), slow: slow(model), each: Vec::new() };
+    let mut path = logs.torque.path();
+    recording
+        .read(&mut |trajectory, block| {
+            match logs.place(log_of(trajectory)) {
+                Some(place) => logs.add(place, &path.follow(trajectory, block))?,
+                None => return Ok(()),
+            }
+            Ok(())
+        })
+        .map_err(IdentifyError::Read)?;
+    Ok(logs.compared(&model.joints))
+}
+
+/// Speeds above which dry friction is there \[rad/s\], n.
+fn slow(model: &Model) -> Vec<f64> {
+    let peak = |joint| model.training.dq_peak.get(joint).copied().unwrap_or(1.0);
+    (0..model.n_joints()).map(|joint| (SLOW * peak(joint)).max(f64::MIN_POSITIVE)).collect()
+}
+
+/// What was summed of each log.
+struct Logs {
+    torque: Torque,
+    slow: Vec<f64>,
+    each: Vec<(String, Vec<Batches>)>,
+}
+
+impl Logs {
+    fn place(&mut self, name: String) -> Option<usize> {
+        // Blocks of a log follow one another.
+        let known = self.each.iter().rposition(|(known, _)| *known == name);
+        if known.is_none() && self.each.len() < MOST_LOGS {
+            self.each.push((name, self.slow.iter().map(|_| Batches::default()).collect()));
+            return Some(self.each.len() - 1);
+        }
+        known
+    }
+
+    fn add(&mut self, place: usize, block: &Motion) -> Result<(), torquewise_motion::ReadError> {
+        let (tau, parts) = (block.require_tau()?, self.torque.parts(block)?);
+        let tau_hat = parts.total();
+        for (joint, batches) in self.each[place].1.iter_mut().enumerate() {
+            for row in 0..block.n_rows() {
+                let dq = block.dq()[(row, joint)];
+                let sign = (dq / self.slow[joint]).tanh();
+                let (gravity, inertia) = (parts.gravity[(row, joint)], parts.inertia[(row, joint)]);
+                let residual = tau[(row, joint)] - tau_hat[(row, joint)];
+                batches.add([gravity, inertia, 1.0, dq, sign], residual);
+            }
+        }
+        Ok(())
+    }
+
+    fn compared(&self, joints: &[String]) -> Vec<Disagreement> {
+        let mut found: Vec<Disagreement> = Vec::new();
+        for (joint, name) in joints.iter().enumerate() {
+            let slopes = self.each.iter().enumerate();
+            let slopes: Vec<(usize, Slope)> = slopes
+                .filter_map(|(log, (_, batches))| Some((log, batches[joint].slope()?)))
+                .collect();
+            let Some([(one, a), (other, b)]) = most_apart(&slopes) else { continue };
+            let logs = [one, other].map(|log| self.each[log].0.clone());
+            let at_odds = JointAtOdds {
+                joint: name.clone(),
+                excess: [a.value, b.value],
+                std_error: [a.error, b.error],
+            };
+            match found.iter_mut().find(|known| known.logs == logs) {
+                Some(known) => known.joints.push(at_odds),
+                None => found.push(Disagreement { logs, joints: vec![at_odds] }),
+            }
+        }
+        found
+    }
+}
+
+/// The two slopes that differ by most errors, if they differ enough.
+fn most_apart(slopes: &[(usize, Slope)]) -> Option<[(usize, Slope); 2]> {
+    let pairs = slopes
+        .iter()
+        .enumerate()
+        .flat_map(|(place, one)| slopes[place + 1..].iter().map(move |other| [*one, *other]));
+    let errors = |[(_, a), (_, b)]: &[(usize, Slope); 2]| {
+        (a.value - b.value).abs() / a.error.hypot(b.error).max(f64::MIN_POSITIVE)
+    };
+    pairs
+        .filter(|pair| {
+            let [(_, a), (_, b)] = pair;
+            (a.value - b.value).abs() > LEAST_DIFFERENCE
+                && a.share.max(b.share) > LEAST_SHARE
+                && errors(pair) > LEAST_ERRORS
+        })
+        .max_by(|one, other| errors(one).total_cmp(&errors(other)))
+}
+
+/// How the residual of a joint grows with its gravity in one log.
+#[derive(Clone, Copy, Debug)]
+struct Slope {
+    value: f64,
+    error: f64,
+    /// Part of the squares that the other columns leave which gravity explains.
+    share: f64,
+}
+
+/// Sums of products of columns, of columns and residual, and of residuals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    rows: usize,
+    gram: [[f64; COLUMNS]; COLUMNS],
+    moments: [f64; COLUMNS],
+    squares: f64,
+}
+
+impl Sums {
+    fn add(&mut self, columns: &[f64; COLUMNS], residual: f64) {
+        self.rows += 1;
+        self.squares += residual * residual;
+        for (i, x) in columns.iter().enumerate() {
+            self.moments[i] += x * residual;
+            for (sum, y) in self.gram[i].iter_mut().zip(columns) {
+                *sum += x * y;
+            }
+        }
+    }
+
+    fn and(mut self, other: &Self) -> Self {
+        self.rows += other.rows;
+        self.squares += other.squares;
+        for (i, moment) in self.moments.iter_mut().enumerate() {
+            *moment += other.moments[i];
+            for (sum, more) in self.gram[i].iter_mut().zip(&other.gram[i]) {
+                *sum += more;
+            }
+        }
+        self
+    }
+}
+
+/// Sums over stretches of a log, a bounded number of equal ones and the rest.
+#[derive(Clone, Debug)]
+struct Batches {
+    length: usize,
+    whole: Vec<Sums>,
+    rest: Sums,
+}
+
+impl Default for Batches {
+    fn default() -> Self {
+        Self { length: 1, whole: Vec::with_capacity(MOST_BATCHES), rest: Sums::default() }
+    }
+}
+
+impl Batches {
+    fn add(&mut self, columns: [f64; COLUMNS], residual: f64) {
+        self.rest.add(&columns, residual);
+        if self.rest.rows < self.length {
+            return;
+        }
+        self.whole.push(std::mem::take(&mut self.rest));
+        if self.whole.len() == MOST_BATCHES {
+            self.whole = self.whole.chunks(2).map(|pair| pair[0].and(&pair[1])).collect();
+            self.length *= 2;
+        }
+    }
+
+    /// `None` if gravity hardly changes, or too little was recorded.
+    fn slope(&self) -> Option<Slope> {
+        let batches = || self.whole.iter().chain(Some(&self.rest).filter(|rest| rest.rows > 0));
+        let all = batches().fold(Sums::default(), Sums::and);
+        let n_batches = batches().count();
+        if n_batches < LEAST_BATCHES || all.rows < 4 * COLUMNS {
+            return None;
+        }
+        // Columns of unit length; one that is nothing but zeros plays no part.
+        let size: [f64; COLUMNS] = std::array::from_fn(|i| all.gram[i][i].sqrt());
+        let scaled = |value: f64, by: f64| if by > 0.0 { value / by } else { 0.0 };
+        let gram = Mat::from_fn(COLUMNS, COLUMNS, |i, j| {
+            let on_diagonal = f64::from(u8::from(i == j));
+            let own = scaled(all.gram[i][j], size[i] * size[j]);
+            if i == j { own.max(on_diagonal) + RIDGE } else { own }
+        });
+        let moments =
+            |sums: &Sums| Mat::from_fn(COLUMNS, 1, |i, _| scaled(sums.moments[i], size[i]));
+        let factor = gram.llt(Side::Lower).ok()?;
+        let weights = factor.solve(moments(&all));
+        // First row of the inverse: what a unit of each moment adds to the slope.
+        let reach = factor.solve(Mat::from_fn(COLUMNS, 1, |i, _| f64::from(u8::from(i == 0))));
+        if size[0] <= 0.0 || 1.0 / reach[(0, 0)] < LEAST_FREE {
+            return None;
+        }
+        let pull = |batch: &Sums| -> f64 {
+            let left = |i: usize| {
+                let fitted = (0..COLUMNS)
+                    .map(|j| scaled(batch.gram[i][j], size[i] * size[j]) * weights[(j, 0)]);
+                scaled(batch.moments[i], size[i]) - fitted.sum::<f64>()
+            };
+            (0..COLUMNS).map(|i| reach[(i, 0)] * left(i)).sum()
+        };
+        let spread: f64 = batches().map(|batch| pull(batch).powi(2)).sum();
+        let n = n_batches as f64;
+        let gained = weights[(0, 0)].powi(2) / reach[(0, 0)];
+        let explained = (weights.transpose() * moments(&all))[(0, 0)];
+        let left = (all.squares - explained).max(0.0);
+        Some(Slope {
+            value: weights[(0, 0)] / size[0],
+            error: (spread * n / (n - 1.0)).sqrt() / size[0],
+            share: gained / (gained + left).max(f64::MIN_POSITIVE),
+        })
+    }
+}
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [one, other] = &self.logs;
+        let percent = |JointAtOdds { joint, excess: [a, b], .. }: &JointAtOdds| {
+            format!("{joint} ({:+.0} % / {:+.0} %)", 100.0 * a, 100.0 * b)
+        };
+        let joints: Vec<String> = self.joints.iter().map(percent).collect();
+        write!(
+            f,
+            "{one} and {other} disagree about the gravity of {}: another payload, tool or \
+             mounting? Fit them apart, or leave one out",
+            joints.join(", ")
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Batches;
+    use faer::Mat;
+
+    #[test]
+    fn the_slope_is_that_of_least_squares_however_long_the_log() {
+        for rows in [100, 1_000, 20_000] {
+            let x = |row: i32| {
+                let t = 0.07 * f64::from(row);
+                [2.0 + t.sin(), (3.0 * t).sin(), 1.0, t.cos(), t.cos().signum()]
+            };
+            let residual = |row: i32| {
+                let [gravity, inertia, one, dq, sign] = x(row);
+                let noise = 0.1 * (f64::from(row) * 12.9898).sin();
+                0.07 * gravity + 0.3 * inertia - one + 0.2 * dq + 0.5 * sign + noise
+            };
+            let mut batches = Batches::default();
+            (0..rows).for_each(|row| batches.add(x(row), residual(row)));
+
+            let slope = batches.slope().unwrap();
+
+            let columns = Mat::from_fn(rows.unsigned_abs() as usize, 5, |row, i| {
+                x(i32::try_from(row).unwrap())[i]
+            });
+            let y =
+                Mat::from_fn(columns.nrows(), 1, |row, _| residual(i32::try_from(row).unwrap()));
+            let exact = faer::linalg::solvers::SolveLstsq::solve_lstsq(&columns.qr(), &y);
+            // The ridge of 1e-10 and normal equations.
+            assert!((slope.value - exact[(0, 0)]).abs() < 1e-7, "{slope:?} {exact:?}");
+            assert!((slope.value - 0.07).abs() < 5.0 * slope.error + 1e-7, "{slope:?}");
+            assert!(batches.whole.len() < super::MOST_BATCHES);
+        }
+    }
+
+    #[test]
+    fn a_joint_at_rest_says_nothing_of_its_gravity() {
+        let mut batches = Batches::default();
+        for row in 0..1_000 {
+            batches.add([2.0, 0.0, 1.0, 0.0, 0.0], 0.1 * f64::from(row).sin());
+        }
+
+        assert!(batches.slope().is_none());
+    }
+}

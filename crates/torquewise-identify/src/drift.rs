@@ -1,0 +1,180 @@
+//! From model, sample of long logs to drift: joints whose friction changes as their gears warm.
+
+use std::fmt;
+use std::ops::Range;
+use torquewise_model::{Model, Torque};
+use torquewise_motion::Motion;
+use torquewise_stepwise::error::IdentifyError;
+
+/// A joint whose friction changes along a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drift {
+    /// Its name.
+    pub joint: String,
+    /// By what part of itself friction grows from the beginning of a log to its end; falls if
+    /// negative.
+    pub part: f64,
+    /// Standard error of that.
+    pub std_error: f64,
+    /// How long the logs are \[s\], the longest.
+    pub seconds: f64,
+}
+
+/// Logs shorter than this \[s\] warm no gear.
+const LONG: f64 = 300.0;
+/// Stretches of time whose scores scatter: neighbouring residuals are alike.
+const STRETCHES: usize = 20;
+/// A change below this is not worth a word.
+const LEAST_PART: f64 = 0.05;
+/// A change below so many standard errors is chance.
+const LEAST_ERRORS: f64 = 4.0;
+
+/// The joints whose friction drifts along logs of five minutes or more.
+///
+/// What the model leaves of the torque is regressed on its friction and on its friction times the
+/// time since the middle of the log, as a part of its length: r = a F + b F s with s from −½ to ½,
+/// so that friction changes by b/(1 + a) of itself along the log. Standard errors are those of
+/// sums over stretches of time.
+///
+/// - `sample`: rows in the order of time, log after log, with torque
+///
+/// # Errors
+/// [`IdentifyError`] if torque is missing or the motion is of another arm.
+pub fn drifts(model: &Model, sample: &Motion) -> Result<Vec<Drift>, IdentifyError> {
+    let t = sample.t();
+    let logs: Vec<Range<usize>> =
+        logs(t).into_iter().filter(|log| t[log.end - 1] - t[log.start] >= LONG).collect();
+    let rows: Vec<(usize, f64)> = (logs.iter())
+        .flat_map(|log| {
+            let (first, length) = (t[log.start], t[log.end - 1] - t[log.start]);
+            log.clone().map(move |row| (row, (t[row] - first) / length - 0.5))
+        })
+        .collect();
+    let longest = logs.iter().map(|log| t[log.end - 1] - t[log.start]).fold(0.0, f64::max);
+    if rows.len() < 2 * STRETCHES {
+        return Ok(Vec::new());
+    }
+    let parts = Torque::new(model).parts(sample)?;
+    let (tau, total) = (sample.require_tau()?, parts.total());
+    let of_joint = |joint: usize| {
+        let friction = parts.friction.col(joint);
+        let left = |row: usize| tau[(row, joint)] - total[(row, joint)];
+        let row = |&(row, s): &(usize, f64)| (friction[row], friction[row] * s, left(row));
+        let (part, std_error) = change(&rows.iter().map(row).collect::<Vec<_>>())?;
+        let found = part.abs() >= LEAST_PART && part.abs() >= LEAST_ERRORS * std_error;
+        let joint = model.joints[joint].clone();
+        found.then_some(Drift { joint, part, std_error, seconds: longest })
+    };
+    Ok((0..model.n_joints()).filter_map(of_joint).collect())
+}
+
+/// Where time runs on: a log ends where it does not.
+fn logs(t: &[f64]) -> Vec<Range<usize>> {
+    let ends: Vec<usize> = (1..t.len()).filter(|&row| t[row] <= t[row - 1]).collect();
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    starts.zip(ends.iter().copied().chain([t.len()])).map(|(a, b)| a..b).collect()
+}
+
+/// b/(1 + a) of r = a x + b y, and its standard error; `None` where it cannot be told.
+///
+/// - `rows`: x, y, r
+fn change(rows: &[(f64, f64, f64)]) -> Option<(f64, f64)> {
+    let sum = |f: &dyn Fn(&(f64, f64, f64)) -> f64| rows.iter().map(f).sum::<f64>();
+    let (xx, xy, yy) = (sum(&|r| r.0 * r.0), sum(&|r| r.0 * r.1), sum(&|r| r.1 * r.1));
+    let (xr, yr) = (sum(&|r| r.0 * r.2), sum(&|r| r.1 * r.2));
+    let free = yy - xy * xy / xx;
+    let is_seen = xx > 0.0 && free > f64::EPSILON * yy;
+    if !is_seen {
+        return None;
+    }
+    let b = (yr - xy * xr / xx) / free;
+    let a = (xr - xy * b) / xx;
+    let stretch = rows.len().div_ceil(STRETCHES);
+    let score = |rows: &[(f64, f64, f64)]| -> f64 {
+        rows.iter().map(|(x, y, r)| (y - xy / xx * x) * (r - a * x - b * y)).sum()
+    };
+    let squares: f64 = rows.chunks(stretch).map(|rows| score(rows).powi(2)).sum();
+    let scale = 1.0 + a;
+    (scale > LEAST_PART).then(|| (b / scale, squares.sqrt() / free / scale))
+}
+
+impl fmt::Display for Drift {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { joint, part, std_error, seconds } = self;
+        let verb = if *part < 0.0 { "falls" } else { "rises" };
+        write!(
+            f,
+            "friction of {joint} {verb} by {:.0} ± {:.0} % along the log of {:.0} min, as gears \
+             that warm do: move the arm for as long before you record, or expect so much more \
+             error when it is cold",
+            100.0 * part.abs(),
+            100.0 * std_error,
+            seconds / 60.0,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Mat;
+    use torquewise_model::friction::FrictionLaw;
+    use torquewise_model::{Form, FrictionTerm, Training, Weighted};
+    use torquewise_motion::Signals;
+
+    const ROWS: usize = 4_000;
+
+    fn model() -> Model {
+        let dry = |joint| Weighted {
+            term: FrictionTerm::of_joint(2, joint, FrictionLaw::Coulomb { width: 0.0 }),
+            coefficient: 5.0,
+            std_error: 0.0,
+            inclusion: None,
+        };
+        Model {
+            joints: vec!["cold".into(), "warm".into()],
+            form: Form::Torque(vec![vec![], vec![]]),
+            friction: vec![dry(0), dry(1)],
+            chain: None,
+            stages: vec![],
+            training: Training::default(),
+            choices: vec![],
+        }
+    }
+
+    /// A log of so many seconds with waves of friction, that of the first joint falling by a part,
+    /// and a wave that no model knows.
+    fn log(seconds: f64, falls: f64) -> Motion {
+        let t: Vec<f64> = (0..ROWS).map(|row| row as f64 * seconds / ROWS as f64).collect();
+        let dq = |row: usize, joint: usize| (0.37 * row as f64 + joint as f64).sin();
+        let tau = |row: usize, joint: usize| {
+            let left = if joint == 0 { 1.0 - falls * row as f64 / ROWS as f64 } else { 1.0 };
+            5.0 * left * dq(row, joint).signum() + (0.013 * row as f64).sin()
+        };
+        Motion::new(Signals {
+            joints: vec!["cold".into(), "warm".into()],
+            t,
+            q: Mat::zeros(ROWS, 2),
+            dq: Mat::from_fn(ROWS, 2, dq),
+            ddq: Mat::zeros(ROWS, 2),
+            tau: Some(Mat::from_fn(ROWS, 2, tau)),
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn friction_that_falls_along_a_long_log_is_named() {
+        let found = drifts(&model(), &log(1_200.0, 0.2)).unwrap();
+
+        assert_eq!(found.iter().map(|drift| &drift.joint).collect::<Vec<_>>(), ["cold"]);
+        // From 1 to 0.8, beside 0.9 in the middle.
+        assert!((found[0].part + 0.2 / 0.9).abs() < 3.0 * found[0].std_error.max(1e-3));
+        assert!(found[0].to_string().starts_with("friction of cold falls by 22 ±"), "{}", found[0]);
+    }
+
+    #[test]
+    fn neither_a_short_log_nor_steady_friction_is_named() {
+        assert_eq!(drifts(&model(), &log(200.0, 0.2)).unwrap(), []);
+        assert_eq!(drifts(&model(), &log(1_200.0, 0.0)).unwrap(), []);
+    }
+}

@@ -1,0 +1,397 @@
+//! From sample of a log to findings: what its motion cannot determine, in words a person can act
+//! on.
+
+use crate::rough::{Rough, rough};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use std::fmt;
+use torquewise_motion::Motion;
+use torquewise_stepwise::survey::{Survey, thinned};
+
+/// Something that the motion of a log leaves open.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Finding {
+    /// A joint turns too little.
+    Range {
+        /// Its name.
+        joint: String,
+        /// Angle between its ends \[rad\].
+        range: f64,
+    },
+    /// A joint moves too slowly.
+    Speed {
+        /// Its name.
+        joint: String,
+        /// Its largest speed \[rad/s\].
+        peak: f64,
+    },
+    /// A joint accelerates too little.
+    Acceleration {
+        /// Its name.
+        joint: String,
+        /// Its largest acceleration \[rad/s²\].
+        peak: f64,
+    },
+    /// A joint moves in one direction only.
+    OneWay {
+        /// Its name.
+        joint: String,
+        /// Whether that is forward.
+        forward: bool,
+    },
+    /// Joints that always move together.
+    Together {
+        /// Their names, two or more.
+        joints: Vec<String>,
+        /// Least correlation of the speeds of two of them.
+        correlation: f64,
+    },
+    /// A torque that was cut off.
+    Clipped {
+        /// Name of the joint.
+        joint: String,
+        /// Part of its motion in which the torque is at one of its ends.
+        share: f64,
+    },
+    /// A torque that fits those of the other joints with the opposite sign alone.
+    Contrary {
+        /// Name of the joint.
+        joint: String,
+    },
+    /// A torque that follows from the position alone.
+    Commanded {
+        /// Name of the joint.
+        joint: String,
+        /// Share of the torque that position does not explain.
+        residual: f64,
+    },
+    /// A torque that does not follow the motion at all.
+    Unrelated {
+        /// Name of the joint.
+        joint: String,
+        /// Share of the torque that no rough model explains.
+        residual: f64,
+    },
+    /// A torque that falls as the joint accelerates.
+    Backward {
+        /// Name of the joint.
+        joint: String,
+    },
+}
+
+/// Below these a joint says little: rad, rad/s, rad/s².
+const LEAST_RANGE: f64 = 0.35;
+const LEAST_SPEED: f64 = 0.2;
+const LEAST_ACCELERATION: f64 = 0.5;
+/// A direction with fewer of the moving rows than this is missing.
+const LEAST_SHARE: f64 = 0.05;
+/// A joint moves where it is faster than this part of its peak speed.
+const MOVING: f64 = 0.03;
+/// Speeds of higher correlation are one motion.
+const MOST_CORRELATION: f64 = 0.98;
+/// A torque that position explains but for this share is no measurement of a moving joint.
+const LEAST_RESIDUAL: f64 = 0.005;
+
+/// A torque that a rough model explains no better than this is none of the motion.
+const MOST_RESIDUAL: f64 = 0.85;
+/// A rough model that leaves less than this knows which way a joint is driven.
+const MOST_LEFT: f64 = 0.5;
+/// A negative inertia is believed if friction spends less than this part of the power, …
+const LEAST_FRICTION: f64 = 0.003;
+/// … and if the inertia explains this part of the torque, or friction gives this part of the power.
+const LEAST_INERTIA: f64 = 0.02;
+const MOST_FRICTION: f64 = -0.05;
+
+/// Rows that tell a command.
+const COMMAND_ROWS: usize = 2_000;
+
+/// What the motion of a log leaves open, joint by joint; joints that never move are left to the
+/// warnings of the survey.
+pub fn findings(survey: &Survey) -> Vec<Finding> {
+    let motion = &survey.sample;
+    let still = survey.constant_joints();
+    let joints: Vec<usize> =
+        (0..motion.n_joints()).filter(|joint| !still.contains(joint)).collect();
+    let mut found = Vec::new();
+    for &joint in &joints {
+        found.extend(of_joint(survey, joint));
+    }
+    found.extend(together(survey, &joints));
+    found.extend(commanded(survey, &joints).unwrap_or_default());
+    found.extend(joints.iter().filter_map(|joint| of_torque(survey, *joint)));
+    found
+}
+
+/// Groups of joints of which each moves together with another one of its group.
+fn together(survey: &Survey, joints: &[usize]) -> Vec<Finding> {
+    let mut groups: Vec<(Vec<usize>, f64)> = Vec::new();
+    for &joint in joints {
+        let with = |group: &(Vec<usize>, f64)| {
+            let each = group.0.iter().map(|&other| correlation(&survey.sample, other, joint));
+            each.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default()
+        };
+        match groups.iter_mut().find(|group| with(group).abs() > MOST_CORRELATION) {
+            Some(group) => {
+                let own = with(group);
+                group.1 = if own.abs() < group.1.abs() { own } else { group.1 };
+                group.0.push(joint);
+            }
+            None => groups.push((vec![joint], f64::INFINITY)),
+        }
+    }
+    let several = groups.into_iter().filter(|(joints, _)| joints.len() > 1);
+    several
+        .map(|(joints, correlation)| {
+            let joints = joints.into_iter().map(|joint| survey.joints[joint].clone()).collect();
+            Finding::Together { joints, correlation }
+        })
+        .collect()
+}
+
+fn of_joint(survey: &Survey, joint: usize) -> Vec<Finding> {
+    let name = || survey.joints[joint].clone();
+    let mut found = Vec::new();
+    let [low, high] = survey.q_range[joint];
+    if high - low < LEAST_RANGE {
+        found.push(Finding::Range { joint: name(), range: high - low });
+    }
+    let peak = survey.dq_peak[joint];
+    if peak < LEAST_SPEED {
+        found.push(Finding::Speed { joint: name(), peak });
+    }
+    if survey.ddq_peak[joint] < LEAST_ACCELERATION {
+        found.push(Finding::Acceleration { joint: name(), peak: survey.ddq_peak[joint] });
+    }
+    let speeds = survey.sample.dq().col(joint);
+    let count = |wanted: &dyn Fn(f64) -> bool| speeds.iter().filter(|dq| wanted(**dq)).count();
+    let (forward, backward) =
+        (count(&|dq| dq > MOVING * peak) as f64, count(&|dq| dq < -MOVING * peak) as f64);
+    if forward.min(backward) < LEAST_SHARE * (forward + backward) {
+        found.push(Finding::OneWay { joint: name(), forward: forward > backward });
+    }
+    found
+}
+
+/// What a joint that moves says by its torque.
+fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
+    if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
+        return None;
+    }
+    let Rough { left, inertia, inertia_share, friction_power } = rough(&survey.sample, joint)?;
+    let name = survey.joints[joint].clone();
+    let is_backward = inertia < 0.0
+        && left < MOST_LEFT
+        && friction_power < LEAST_FRICTION
+        && (inertia_share > LEAST_INERTIA || friction_power < MOST_FRICTION);
+    if is_backward {
+        return Some(Finding::Backward { joint: name });
+    }
+    (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint: name, residual: left })
+}
+
+fn moves(survey: &Survey, joint: usize) -> bool {
+    survey.dq_peak[joint] > LEAST_SPEED && survey.ddq_peak[joint] > LEAST_ACCELERATION
+}
+
+fn correlation(motion: &Motion, first: usize, second: usize) -> f64 {
+    let (a, b) = (motion.dq().col(first), motion.dq().col(second));
+    let across: f64 = a.iter().zip(b.iter()).map(|(a, b)| a * b).sum();
+    let size = a.norm_l2() * b.norm_l2();
+    if size > 0.0 { across / size } else { 0.0 }
+}
+
+/// Torques that are what a controller makes of the position: the torque of a real joint that moves
+/// holds friction and inertia too. `None` where that cannot be told.
+fn commanded(survey: &Survey, joints: &[usize]) -> Option<Vec<Finding>> {
+    let motion = thinned(&survey.sample, COMMAND_ROWS);
+    let tau = motion.tau()?;
+    let (m, n) = (motion.n_rows(), motion.n_joints());
+    if m < 20 * (2 * n + 1) {
+        return None;
+    }
+    let columns = Mat::from_fn(m, 2 * n + 1, |row, column| match column.checked_sub(1) {
+        None => 1.0,
+        Some(k) if k % 2 == 0 => motion.q()[(row, k / 2)].sin(),
+        Some(k) => motion.q()[(row, k / 2)].cos(),
+    });
+    let mut gram = columns.transpose() * &columns;
+    for j in 0..gram.ncols() {
+        gram[(j, j)] += 1e-10 * m as f64;
+    }
+    let factor = gram.llt(Side::Lower).ok()?;
+    let of_joint = |&joint: &usize| {
+        if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
+            return None;
+        }
+        let target = tau.col(joint);
+        let fitted = &columns * factor.solve(columns.transpose() * target);
+        let squares: f64 = target.iter().zip(fitted.iter()).map(|(a, b)| (a - b).powi(2)).sum();
+        let residual = (squares / m as f64).sqrt() / survey.torque_std[joint];
+        (residual < LEAST_RESIDUAL)
+            .then(|| Finding::Commanded { joint: survey.joints[joint].clone(), residual })
+    };
+    Some(joints.iter().filter_map(of_joint).collect())
+}
+
+/// Names as a sentence has them.
+pub fn list(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [name] => name.clone(),
+        [before @ .., last] => format!("{} and {last}", before.join(", ")),
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Range { joint, range } => write!(
+                f,
+                "{joint} turns through {range:.2} rad only: gravity and inertia that depend on its \
+                 angle are guesses; swing it further"
+            ),
+            Self::Speed { joint, peak } => write!(
+                f,
+                "{joint} never moves faster than {peak:.2} rad/s: its Coriolis terms and its \
+                 viscous friction are guesses; drive it faster, forward and backward"
+            ),
+            Self::Acceleration { joint, peak } => write!(
+                f,
+                "{joint} never accelerates by more than {peak:.2} rad/s²: its inertia is a guess; \
+                 start and stop it more sharply"
+            ),
+            Self::OneWay { joint, forward } => write!(
+                f,
+                "{joint} moves {} only: dry friction cannot be told from an offset of its torque; \
+                 move it back as slowly as forth",
+                if *forward { "forward" } else { "backward" }
+            ),
+            Self::Together { joints, correlation } => write!(
+                f,
+                "{} always move together (correlation {correlation:.3}): what each of them causes \
+                 cannot be told apart; move one while the others rest",
+                list(joints)
+            ),
+            Self::Commanded { joint, residual } => write!(
+                f,
+                "the torque of {joint} follows from the positions alone (but for {:.2} %) though \
+                 it accelerates: is it the command of a gravity compensation, and someone's hand \
+                 does the rest? Record measured torque of a driven arm",
+                100.0 * residual
+            ),
+            Self::Unrelated { joint, residual } => write!(
+                f,
+                "the torque of {joint} does not follow its motion, {:.0} % of it is something \
+                 else: is its motor on, and its sensor fine enough? Leave it out or drive it",
+                100.0 * residual
+            ),
+            Self::Clipped { joint, share } => write!(
+                f,
+                "the torque of {joint} is at one of its ends in {:.0} % of its motion, as if it \
+                 were cut off: check the limits of its drive and sensor, and drive it more gently",
+                100.0 * share
+            ),
+            Self::Contrary { joint } => write!(
+                f,
+                "the torque of {joint} contradicts those of the other joints, which it would fit \
+                 with the opposite sign: check the sign of its torque, gear or torque constant \
+                 against its position"
+            ),
+            Self::Backward { joint } => write!(
+                f,
+                "the torque of {joint} falls as it accelerates, as if its inertia were negative: \
+                 check the sign of its torque, gear or torque constant against its position"
+            ),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Finding, findings};
+    use faer::Mat;
+    use torquewise_motion::{Motion, Signals};
+    use torquewise_stepwise::survey::survey;
+
+    /// A sine per joint, (amplitude, rate, phase), and a smaller and faster one, without which
+    /// inertia and gravity look the same; torque by `tau`.
+    fn log(sines: [(f64, f64, f64); 2], tau: impl Fn([f64; 3]) -> f64) -> Motion {
+        let t: Vec<f64> = (0..2_000).map(|row| 0.01 * f64::from(row)).collect();
+        let of = |order: i32| {
+            let t = t.clone();
+            Mat::from_fn(t.len(), 2, move |row, joint| {
+                let (amplitude, rate, phase) = sines[joint];
+                let quarter = f64::from(order) * std::f64::consts::FRAC_PI_2;
+                let wave = |size: f64, rate: f64| {
+                    size * amplitude * rate.powi(order) * (rate * t[row] + phase + quarter).sin()
+                };
+                wave(1.0, rate) + wave(0.3, 2.3 * rate)
+            })
+        };
+        let (q, dq, ddq) = (of(0), of(1), of(2));
+        let torque = |row: usize, j: usize| tau([q[(row, j)], dq[(row, j)], ddq[(row, j)]]);
+        let tau = Some(Mat::from_fn(t.len(), 2, torque));
+        let joints = vec!["hip".into(), "knee".into()];
+        Motion::new(Signals { joints, t, q, dq, ddq, tau }).unwrap()
+    }
+
+    fn of(log: &Motion) -> Vec<Finding> {
+        findings(&survey(log).unwrap())
+    }
+
+    #[test]
+    fn a_lively_log_leaves_nothing_open() {
+        let lively = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |[q, dq, ddq]| {
+            3.0 * q.sin() + 0.4 * dq.signum() + 0.2 * ddq
+        });
+        assert_eq!(of(&lively), []);
+    }
+
+    #[test]
+    fn a_lame_joint_is_named_with_what_it_lacks() {
+        let lame = log([(1.0, 3.0, 0.0), (0.05, 1.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
+        let found = of(&lame);
+        assert!(matches!(&found[0], Finding::Range { joint, .. } if joint == "knee"), "{found:?}");
+        assert!(matches!(&found[1], Finding::Speed { .. }));
+        assert!(matches!(&found[2], Finding::Acceleration { .. }));
+    }
+
+    #[test]
+    fn a_motor_that_is_off_is_told_by_torque_that_follows_nothing() {
+        let hum = |[q, dq, ddq]: [f64; 3]| 0.01 * (1e4 * (q + 2.0 * dq + 3.0 * ddq)).sin();
+        let off = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], hum);
+        let found = of(&off);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found.iter().all(|finding| matches!(finding, Finding::Unrelated { .. })));
+    }
+
+    #[test]
+    fn a_torque_of_the_wrong_sign_is_told() {
+        for (friction, share) in [(0.0, 0.5), (0.3, 0.5), (1.5, 0.2)] {
+            let arm = |[q, dq, ddq]: [f64; 3]| {
+                3.0 * q.sin() + friction * (dq + dq.signum()) + share * ddq
+            };
+            let right = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], arm);
+            let wrong = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |x| -arm(x));
+            assert_eq!(of(&right), []);
+            let found = of(&wrong);
+            assert_eq!(found.len(), 2, "{friction} {share}: {found:?}");
+            assert!(found.iter().all(|finding| matches!(finding, Finding::Backward { .. })));
+        }
+    }
+
+    #[test]
+    fn joints_in_step_are_told() {
+        let step = log([(1.0, 3.0, 0.0), (0.8, 3.0, 0.0)], |[q, dq, ddq]| q + dq + ddq);
+        assert!(matches!(&of(&step)[..], [Finding::Together { .. }]));
+    }
+
+    #[test]
+    fn a_commanded_gravity_compensation_is_told() {
+        let hand = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |[q, ..]| 3.31 * q.sin());
+        let found = of(&hand);
+        assert_eq!(found.len(), 2);
+        assert!(found.iter().all(|finding| matches!(finding, Finding::Commanded { .. })));
+    }
+}

@@ -1,0 +1,91 @@
+//! From model, recording to scores: RMSE, NRMSE and R² of each joint.
+
+use torquewise_model::{Model, Torque};
+use torquewise_motion::{Motion, Recording};
+use torquewise_stepwise::error::IdentifyError;
+
+/// How well a model predicts the torque of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointScore {
+    /// Joint name.
+    pub name: String,
+    /// RMSE(τ − τ̂) \[N·m\].
+    pub rmse: f64,
+    /// Standard deviation of τ \[N·m\].
+    pub std: f64,
+    /// RMSE / std(τ) \[%\]; infinite if the torque never changes.
+    pub nrmse_percent: f64,
+    /// 1 − RMSE²/var(τ).
+    pub r2: f64,
+}
+
+/// Scores of all joints.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scores {
+    /// One per joint, n.
+    pub joints: Vec<JointScore>,
+    /// Rows.
+    pub rows: usize,
+}
+
+/// Compares predicted with measured torque over a recording, in one pass and fixed memory.
+///
+/// # Errors
+/// [`IdentifyError`]: the reader's message, missing torque, or a model of another arm.
+pub fn score(
+    model: &Model,
+    recording: &(impl Recording + ?Sized),
+) -> Result<Scores, IdentifyError> {
+    score_along(model, recording, &mut |_| {})
+}
+
+/// The same where something else is to see each block in that one pass.
+///
+/// # Errors
+/// As [`score`].
+pub fn score_along(
+    model: &Model,
+    recording: &(impl Recording + ?Sized),
+    see: &mut dyn FnMut(&Motion),
+) -> Result<Scores, IdentifyError> {
+    model.check_joints(recording.joints())?;
+    let torque = Torque::new(model);
+    let n = model.n_joints();
+    // First torque, sums of differences to it and their squares, squared errors.
+    let mut sums = vec![[0.0_f64; 4]; n];
+    let mut rows = 0_usize;
+    let mut path = torque.path();
+    recording
+        .read(&mut |trajectory, block| {
+            see(block);
+            let tau_hat = torque.over(&path.follow(trajectory, block))?;
+            let tau = block.require_tau()?;
+            for (joint, [first, sum, squares, errors]) in sums.iter_mut().enumerate() {
+                for row in 0..block.n_rows() {
+                    if rows == 0 && row == 0 {
+                        *first = tau[(row, joint)];
+                    }
+                    let centred = tau[(row, joint)] - *first;
+                    *sum += centred;
+                    *squares += centred * centred;
+                    *errors += (tau[(row, joint)] - tau_hat[(row, joint)]).powi(2);
+                }
+            }
+            rows += block.n_rows();
+            Ok(())
+        })
+        .map_err(IdentifyError::Read)?;
+    let m = rows.max(1) as f64;
+    let joint = |(name, [_, sum, squares, errors]): (&String, &[f64; 4])| {
+        let variance = (squares / m - (sum / m).powi(2)).max(0.0);
+        let rmse = (errors / m).sqrt();
+        JointScore {
+            name: name.clone(),
+            rmse,
+            std: variance.sqrt(),
+            nrmse_percent: 100.0 * rmse / variance.sqrt(),
+            r2: 1.0 - rmse * rmse / variance,
+        }
+    };
+    Ok(Scores { joints: recording.joints().iter().zip(&sums).map(joint).collect(), rows })
+}

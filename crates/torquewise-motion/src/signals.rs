@@ -1,0 +1,57 @@
+//! From signal conditioning: what was measured of an arm to clean, evenly sampled motion.
+//!
+//! [`condition()`] takes out spikes, resamples jittery stamps, chooses one cut-off from the spectra
+//! of position and torque, passes all signals through the same zero-phase low-pass filter, derives
+//! velocity and acceleration without delay, and reports all of it. A [`Conditioner`] does the same
+//! to a log of any length, block by block. Everything is a function of its arguments: no files.
+//!
+//! ```
+//! use faer::Mat;
+//! use torquewise_motion::signals::{Conditioning, Raw, condition};
+//!
+//! let t: Vec<f64> = (0..2000).map(|row| 0.01 * row as f64).collect();
+//! let q = Mat::from_fn(2000, 1, |row, _| (2.0 * t[row]).sin());
+//! let raw = Raw { joints: vec!["elbow".into()], t, q, dq: None, ddq: None, tau: None };
+//!
+//! let clean = condition(&raw, &Conditioning::default())?;
+//!
+//! let (motion, middle) = (&clean.motion, clean.motion.n_rows() / 2);
+//! let exact = -4.0 * (2.0 * motion.t()[middle]).sin();
+//! assert!((motion.ddq()[(middle, 0)] - exact).abs() < 1e-3);
+//! # Ok::<(), torquewise_motion::signals::SignalError>(())
+//! ```
+
+pub mod error;
+pub mod butterworth;
+pub mod zero_phase;
+pub mod spline;
+pub mod resample;
+pub mod noise;
+pub mod outliers;
+pub mod spectrum;
+pub mod cutoff;
+pub mod derivative;
+pub mod delay;
+mod raw;
+mod settings;
+mod clean;
+mod plan;
+mod smooth;
+pub mod report;
+pub mod condition;
+pub mod blocks;
+mod torque_delay;
+pub mod bandwidth;
+
+pub use blocks::Conditioner;
+pub use clean::Outliers;
+pub use condition::{Conditioned, condition, condition_by};
+pub use cutoff::CutoffChoice;
+pub use delay::{Shift, best_shift, shift};
+pub use error::SignalError;
+pub use plan::Plan;
+pub use raw::Raw;
+pub use report::{ConditionReport, SignalReport};
+pub use settings::{Conditioning, Cutoff, Derive, Trim};
+pub use torque_delay::torque_delay;
+pub use zero_phase::low_pass_columns;

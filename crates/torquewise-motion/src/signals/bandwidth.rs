@@ -1,0 +1,177 @@
+//! From pieces of raw logs to the same motion at several bandwidths, beside the raw torque (E12).
+
+use crate::memory::Memory;
+use crate::path::{Path, TRAVELS};
+use crate::signals::clean::Even;
+use crate::signals::cutoff::{HIGHEST, LOWEST};
+use crate::signals::delay::shift;
+use crate::signals::error::SignalError;
+use crate::signals::plan::Plan;
+use crate::signals::raw::{Raw, TAU};
+use crate::signals::settings::{Conditioning, Cutoff};
+use crate::signals::smooth::{Smooth, filter, smooth};
+use crate::{Motion, Signals};
+use faer::Mat;
+
+/// Cut-offs at most: that half an octave above each other reach from 0.5 Hz to 500 kHz.
+const MOST_CUTOFFS: i32 = 40;
+/// Rows that are compared, about.
+const ROWS: usize = 4_000;
+/// Part of a piece that is left out at each end, and seconds at most: no filter has settled there.
+const ENDS: (f64, f64) = (0.1, 2.0);
+
+/// Time between pieces \[s\], so that none is a neighbour of another.
+const APART: f64 = 3_600.0;
+
+/// Pieces of logs that can pass filters of several bandwidths: what each makes of the motion is
+/// seen at the same instants, beside one target, the torque as it was measured but for spikes.
+#[derive(Clone, Debug)]
+pub struct Bandwidths {
+    joints: Vec<String>,
+    pieces: Vec<Piece>,
+    target: Mat<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct Piece {
+    plan: Plan,
+    even: Even,
+    /// Rows that are compared.
+    rows: Vec<usize>,
+}
+
+impl Bandwidths {
+    /// Cleans the pieces. Those that are too short are left out.
+    ///
+    /// - `pieces`: of logs of one arm, with torque; `settings`: how they are conditioned, but for
+    ///   the cut-off
+    ///
+    /// # Errors
+    /// Those of [`condition`](crate::signals::condition()); [`SignalError::TooFewRows`] if no piece is long
+    /// enough.
+    pub fn new(pieces: &[Raw], settings: &Conditioning) -> Result<Self, SignalError> {
+        let settings = Conditioning { cutoff: Cutoff::Off, ..*settings };
+        let total: usize = pieces.iter().map(|piece| piece.t.len()).sum();
+        let every = total.div_ceil(ROWS).max(1);
+        let mut cleaned = Vec::new();
+        for raw in pieces {
+            let columns = raw.columns()?;
+            let (plan, even) = match Plan::with_even(&columns, &settings) {
+                Ok(planned) => planned,
+                Err(error) if error.is_too_short() => continue,
+                Err(error) => return Err(error),
+            };
+            plan.check(&even.columns)?;
+            let m = even.columns.t.len();
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
+            let ends = (ENDS.0 * m as f64).min(ENDS.1 * plan.rate) as usize;
+            let rows = (ends..m.saturating_sub(ends)).step_by(every).collect();
+            cleaned.push(Piece { plan, even, rows });
+        }
+        let joints = pieces.first().map_or_else(Vec::new, |raw| raw.joints.clone());
+        let torques: Vec<Vec<f64>> =
+            (0..joints.len()).map(|joint| raw_torque(&cleaned, joint)).collect();
+        let rows = torques.first().map_or(0, Vec::len);
+        if rows == 0 {
+            return Err(SignalError::TooFewRows { rows: total, needed: 4 });
+        }
+        let target = Mat::from_fn(rows, joints.len(), |row, joint| torques[joint][row]);
+        Ok(Self { joints, pieces: cleaned, target })
+    }
+
+    /// Cut-offs worth trying: from 0.5 Hz to what the rate allows, half an octave apart.
+    pub fn cutoffs(&self) -> Vec<f64> {
+        let rate = self.pieces.iter().map(|piece| piece.plan.rate).fold(f64::INFINITY, f64::min);
+        (0..MOST_CUTOFFS)
+            .map(|half| LOWEST * std::f64::consts::SQRT_2.powi(half))
+            .take_while(|cutoff| *cutoff <= HIGHEST * rate)
+            .collect()
+    }
+
+    /// Raw torque at the rows that are compared \[N·m\], m×n.
+    pub fn target(&self) -> &Mat<f64> {
+        &self.target
+    }
+
+    /// Motion and torque filtered at a cut-off \[Hz\], at the rows that are compared; `None` where
+    /// a piece is too short for it. Pieces are an hour apart.
+    ///
+    /// # Errors
+    /// Those of [`condition`](crate::signals::condition()).
+    pub fn motion(&self, cutoff: f64) -> Result<Option<Motion>, SignalError> {
+        let mut seen = Vec::with_capacity(self.pieces.len());
+        for piece in &self.pieces {
+            let plan = Plan { cutoff: Some(cutoff), ..piece.plan.clone() };
+            let filtered = match filter(&piece.even, &plan) {
+                Ok(filtered) => filtered,
+                Err(error) if error.is_too_short() => return Ok(None),
+                Err(error) => return Err(error),
+            };
+            seen.push(smooth(&filtered, piece.even.first, &plan)?);
+        }
+        let pick = |of: fn(&Smooth) -> &Mat<f64>| self.picked(&seen, of);
+        let states = self.states(&seen);
+        let motion = Motion::new(Signals {
+            joints: self.joints.clone(),
+            t: self.stamps(),
+            q: pick(|smooth| &smooth.q),
+            dq: pick(|smooth| &smooth.dq),
+            ddq: pick(|smooth| &smooth.ddq),
+            tau: Some(pick(|smooth| smooth.tau.as_ref().unwrap_or(&smooth.q))),
+        })?;
+        Ok(Some(motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)))))
+    }
+
+    /// What friction remembers of the path at the rows that are compared, which are few of those it
+    /// is followed along.
+    fn states(&self, seen: &[Smooth]) -> Mat<f64> {
+        let n = self.joints.len();
+        let mut states = Mat::zeros(self.target.nrows(), n * TRAVELS.len());
+        let mut out = 0;
+        for (smooth, piece) in seen.iter().zip(&self.pieces) {
+            let mut path = Path::new(n, &TRAVELS);
+            let mut wanted = piece.rows.iter().peekable();
+            for row in 0..smooth.q.nrows() {
+                path.step(&smooth.q.row(row).iter().copied().collect::<Vec<f64>>());
+                if wanted.next_if_eq(&&row).is_some() {
+                    let own = path.states().iter().enumerate();
+                    own.for_each(|(k, state)| states[(out, k)] = *state);
+                    out += 1;
+                }
+            }
+        }
+        states
+    }
+
+    fn stamps(&self) -> Vec<f64> {
+        let mut begin = 0.0;
+        let mut stamps = Vec::with_capacity(self.target.nrows());
+        for Piece { even, rows, .. } in &self.pieces {
+            let t = &even.columns.t;
+            stamps.extend(rows.iter().map(|&row| begin + t[row] - t[0]));
+            begin += t[t.len() - 1] - t[0] + APART;
+        }
+        stamps
+    }
+
+    /// A signal at the rows that are compared.
+    fn picked(&self, seen: &[Smooth], of: impl Fn(&Smooth) -> &Mat<f64>) -> Mat<f64> {
+        let rows: Vec<(&Mat<f64>, usize)> = (seen.iter().zip(&self.pieces))
+            .flat_map(|(smooth, piece)| {
+                let signal = of(smooth);
+                piece.rows.iter().map(move |&row| (signal, row))
+            })
+            .collect();
+        Mat::from_fn(rows.len(), self.joints.len(), |row, joint| rows[row].0[(rows[row].1, joint)])
+    }
+}
+
+/// Cleaned torque of a joint at the rows that are compared, advanced by its delay.
+fn raw_torque(pieces: &[Piece], joint: usize) -> Vec<f64> {
+    let of = |piece: &Piece| -> Vec<f64> {
+        let tau = piece.even.columns.signals[TAU].as_ref().map(|tau| &tau[joint]);
+        let tau = tau.map(|tau| shift(tau, piece.plan.rate, piece.plan.settings.delay));
+        piece.rows.iter().map(|&row| tau.as_ref().map_or(0.0, |tau| tau[row])).collect()
+    };
+    pieces.iter().flat_map(of).collect()
+}

@@ -1,0 +1,155 @@
+//! From Raw blocks to Motion blocks: a trajectory of any length, in fixed memory.
+
+use crate::signals::clean::{Even, Outliers, clean};
+use crate::signals::error::SignalError;
+use crate::signals::plan::Plan;
+use crate::signals::raw::{Columns, Raw};
+use crate::signals::resample::count_gaps;
+use crate::signals::smooth::{filter, smooth};
+use crate::{Motion, Repairs};
+
+/// Rows that are conditioned at once, besides the overlap.
+pub const PART_ROWS: usize = 1 << 15;
+
+/// Conditions one trajectory block by block.
+///
+/// Blocks are gathered to parts of 2¹⁵ rows, or four times the overlap if that is more. Parts
+/// overlap by as much as the filter remembers, so that the rows are those of
+/// [`condition_by`](crate::signals::condition_by) on the whole trajectory, but for rounding.
+#[derive(Clone, Debug)]
+pub struct Conditioner {
+    plan: Plan,
+    /// Rows to each side on which a conditioned row depends.
+    overlap: usize,
+    /// Rows at which a part is worked off.
+    part: usize,
+    waiting: Columns,
+    /// First stamp of the trajectory.
+    origin: Option<f64>,
+    /// Raw rows before those that wait.
+    rows_before: usize,
+    /// Grid index of the next row to hand out.
+    next: usize,
+    repairs: Repairs,
+    counted_to: usize,
+}
+
+impl Conditioner {
+    /// A conditioner for one trajectory, by a plan made from its first part.
+    pub fn new(plan: Plan) -> Self {
+        let overlap = plan.reach();
+        let part = PART_ROWS.max(4 * overlap) + 2 * overlap;
+        let next = plan.trim;
+        Self {
+            plan,
+            overlap,
+            part,
+            waiting: Columns::default(),
+            origin: None,
+            rows_before: 0,
+            next,
+            repairs: Repairs::default(),
+            counted_to: 0,
+        }
+    }
+
+    /// Takes the next rows and hands out those that are done, in order.
+    ///
+    /// # Errors
+    /// Those of [`condition_by`](crate::signals::condition_by), and [`SignalError::Block`] if the block has
+    /// other joints or signals than the first. Rows are counted from the first of the trajectory,
+    /// those of shapes and values from the first of the block.
+    pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>, SignalError> {
+        let columns = block.columns()?;
+        self.plan.check(&columns)?;
+        self.join(&columns)?;
+        let mut done = Vec::new();
+        while self.waiting.t.len() >= self.part {
+            done.extend(self.work_off(self.part, false)?);
+        }
+        Ok(done)
+    }
+
+    /// Hands out the rest.
+    ///
+    /// # Errors
+    /// Those of [`Conditioner::push`].
+    pub fn finish(&mut self) -> Result<Vec<Motion>, SignalError> {
+        if self.waiting.t.is_empty() {
+            return Ok(Vec::new());
+        }
+        let rows = self.waiting.t.len();
+        Ok(self.work_off(rows, true)?.into_iter().collect())
+    }
+
+    /// Spikes that were replaced and gaps that were bridged so far.
+    pub fn repairs(&self) -> &Repairs {
+        &self.repairs
+    }
+
+    /// Appends the rows of a block to those that wait.
+    fn join(&mut self, block: &Columns) -> Result<(), SignalError> {
+        let Some(&first) = block.t.first() else { return Ok(()) };
+        if self.origin.is_none() {
+            self.origin = Some(first);
+            self.waiting = block.clone();
+            count_gaps(&block.t, self.plan.rate, &mut self.repairs);
+            return Ok(());
+        }
+        if self.waiting.t.last().is_some_and(|last| first <= *last) {
+            return Err(SignalError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
+        }
+        let pairs = || self.waiting.signals.iter().zip(&block.signals);
+        if pairs().any(|(waiting, new)| waiting.is_some() != new.is_some()) {
+            return Err(SignalError::Block);
+        }
+        let new = self.waiting.t.len().saturating_sub(1);
+        self.waiting.t.extend_from_slice(&block.t);
+        count_gaps(&self.waiting.t[new..], self.plan.rate, &mut self.repairs);
+        for (waiting, new) in self.waiting.signals.iter_mut().zip(&block.signals) {
+            let (Some(waiting), Some(new)) = (waiting, new) else { continue };
+            waiting.iter_mut().zip(new).for_each(|(column, new)| column.extend_from_slice(new));
+        }
+        Ok(())
+    }
+
+    /// Conditions the first `rows` that wait, hands out those of them that no later row can
+    /// change, and forgets those that no row to come depends on.
+    fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>, SignalError> {
+        let part = self.waiting.head(rows);
+        let origin = self.origin.unwrap_or_default();
+        let even = clean(&part, &self.plan.base, (origin, self.rows_before))?;
+        self.count_outliers(&even, rows, last);
+        let filtered = filter(&even, &self.plan)?;
+        let smooth = smooth(&filtered, even.first, &self.plan)?;
+        let held_back = if last { self.plan.trim } else { self.overlap };
+        let end = (even.first + even.columns.t.len()).saturating_sub(held_back).max(self.next);
+        let motion = smooth.rows(self.next..end, self.plan.keep_every)?;
+        self.next = end;
+        let needed = end.saturating_sub(self.overlap);
+        let forgotten = if self.plan.base.timing.is_even() {
+            needed.saturating_sub(self.rows_before)
+        } else {
+            let from = origin + needed as f64 / self.plan.rate;
+            self.waiting.t.partition_point(|t| *t < from)
+        };
+        self.waiting.forget(forgotten);
+        self.rows_before += forgotten;
+        Ok(motion)
+    }
+
+    /// Counts each replaced row once, though parts overlap: a row belongs to the part in which it
+    /// lies before the overlap begins.
+    fn count_outliers(&mut self, even: &Even, rows: usize, last: bool) {
+        let end = self.rows_before + if last { rows } else { rows - self.overlap };
+        let begin = self.counted_to;
+        for Outliers { signal, rows, .. } in &even.outliers {
+            let new = rows.iter().filter(|row| (begin..end).contains(*row)).count();
+            self.repairs.add_spikes(signal, new as u64);
+        }
+        self.counted_to = end;
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+//! Block by block is as the whole.
+
+use super::*;
+use crate::signals::condition::condition_by;
+use crate::signals::settings::{Conditioning, Cutoff};
+use faer::Mat;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A long noisy log of two joints with some spikes.
+fn log(n: usize, jitter: f64) -> Raw {
+    let mut rng = ChaCha8Rng::seed_from_u64(31);
+    let t: Vec<f64> =
+        (0..n).map(|k| 5.0 + 0.01 * (k as f64 + jitter * rng.random_range(-1.0..1.0))).collect();
+    let q = Mat::from_fn(n, 2, |row, joint| {
+        let w = 1.0 + 0.7 * joint as f64;
+        2.0 + (w * t[row]).sin() + 1e-3 * rng.random_range(-1.0..1.0)
+    });
+    let tau = Mat::from_fn(n, 2, |row, joint| {
+        let spike = if row % 9973 == 50 { 60.0 } else { 0.0 };
+        let w = 1.0 + 0.7 * joint as f64;
+        30.0 + 9.0 * (w * t[row]).sin() + 0.1 * rng.random_range(-1.0..1.0) + spike
+    });
+    let joints = vec!["a".to_owned(), "b".to_owned()];
+    Raw { joints, t, q, dq: None, ddq: None, tau: Some(tau) }
+}
+
+fn rows(raw: &Raw, begin: usize, end: usize) -> Raw {
+    let end = end.min(raw.t.len());
+    let cut = |x: &Mat<f64>| x.subrows(begin, end - begin).to_owned();
+    Raw {
+        joints: raw.joints.clone(),
+        t: raw.t[begin..end].to_vec(),
+        q: cut(&raw.q),
+        dq: raw.dq.as_ref().map(cut),
+        ddq: raw.ddq.as_ref().map(cut),
+        tau: raw.tau.as_ref().map(cut),
+    }
+}
+
+#[test]
+fn blocks_give_what_the_whole_gives() {
+    for (jitter, cutoff) in [(0.0, 2.0), (0.3, 5.0)] {
+        let raw = log(90_000, jitter);
+        let settings =
+            Conditioning { cutoff: Cutoff::Hz(cutoff), delay: 0.013, ..Default::default() };
+        let plan = Plan::new(&rows(&raw, 0, 20_000), &settings).unwrap();
+        let whole = condition_by(&raw, &plan).unwrap();
+        let spikes: usize = whole.report.outliers.iter().map(|found| found.rows.len()).sum();
+
+        let mut conditioner = Conditioner::new(plan);
+        let mut parts = Vec::new();
+        for begin in (0..90_000).step_by(7001) {
+            parts.extend(conditioner.push(&rows(&raw, begin, begin + 7001)).unwrap());
+        }
+        parts.extend(conditioner.finish().unwrap());
+
+        assert!(parts.len() >= 3);
+        assert_eq!(conditioner.repairs(), &whole.repairs);
+        let whole = whole.motion.into_signals();
+        let mut row = 0;
+        for part in &parts {
+            for k in 0..part.n_rows() {
+                assert!((part.t()[k] - whole.t[row]).abs() < 1e-9);
+                for joint in 0..2 {
+                    let pairs = [
+                        (part.q()[(k, joint)], whole.q[(row, joint)]),
+                        (part.dq()[(k, joint)], whole.dq[(row, joint)]),
+                        (part.ddq()[(k, joint)], whole.ddq[(row, joint)]),
+                        (
+                            part.tau().unwrap()[(k, joint)],
+                            whole.tau.as_ref().unwrap()[(row, joint)],
+                        ),
+                    ];
+                    for (found, expected) in pairs {
+                        let error = (found - expected).abs();
+                        assert!(error < 1e-9 * expected.abs().max(1.0), "row {row}: {error:e}");
+                    }
+                }
+                row += 1;
+            }
+        }
+        assert_eq!(row, whole.t.len());
+        assert_eq!(spikes, 2 * 10);
+    }
+}
+
+#[test]
+fn gaps_are_counted_wherever_blocks_are_cut() {
+    let raw = log(3_000, 0.3);
+    let [before, middle, after] =
+        [(0, 1_000), (1_002, 2_000), (2_005, 3_000)].map(|(begin, end)| rows(&raw, begin, end));
+    let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
+    let mut conditioner = Conditioner::new(Plan::new(&before, &settings).unwrap());
+
+    for block in [&before, &middle, &after] {
+        conditioner.push(block).unwrap();
+    }
+
+    assert_eq!(conditioner.repairs().gaps, 2);
+    let longest = conditioner.repairs().longest_gap;
+    assert!((longest - (after.t[0] - middle.t[997])).abs() < 1e-12, "{longest}");
+}
+
+#[test]
+fn outliers_are_counted_once() {
+    let raw = log(90_000, 0.0);
+    let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
+    let plan = Plan::new(&rows(&raw, 0, 20_000), &settings).unwrap();
+    let mut conditioner = Conditioner::new(plan);
+
+    conditioner.push(&raw).unwrap();
+
+    // Rows 50, 10023, 20023 … as far as the parts that were full reach.
+    let spikes: u64 = conditioner.repairs().spikes.values().sum();
+    assert!((12..=18).contains(&spikes), "{spikes}");
+    assert!(conditioner.waiting.t.len() < conditioner.part);
+}
+
+#[test]
+fn blocks_that_do_not_follow_are_refused() {
+    let raw = log(1000, 0.0);
+    let settings = Conditioning { cutoff: Cutoff::Hz(5.0), ..Default::default() };
+    let mut conditioner = Conditioner::new(Plan::new(&raw, &settings).unwrap());
+    conditioner.push(&rows(&raw, 0, 500)).unwrap();
+
+    let repeated = conditioner.push(&rows(&raw, 499, 600));
+    let no_tau = conditioner.push(&Raw { tau: None, ..rows(&raw, 500, 600) });
+    let stranger =
+        conditioner.push(&Raw { joints: vec!["x".into(), "y".into()], ..rows(&raw, 500, 600) });
+
+    assert_eq!(repeated.unwrap_err(), SignalError::TimeOrder { row: 500 });
+    assert_eq!(no_tau.unwrap_err(), SignalError::Block);
+    assert_eq!(stranger.unwrap_err(), SignalError::Block);
+}

@@ -1,0 +1,157 @@
+//! From Raw to Motion: one trajectory, cleaned, made even, filtered and derived.
+
+use crate::signals::clean::{Even, Outliers, clean};
+use crate::signals::delay::{Shift, lag};
+use crate::signals::derivative::even_derivative;
+use crate::signals::error::SignalError;
+use crate::signals::noise::{quantisation, standstill, white_noise};
+use crate::signals::plan::Plan;
+use crate::signals::raw::{Columns, DQ, NAMES, Q, Raw, matrix};
+use crate::signals::report::{ConditionReport, SignalReport};
+use crate::signals::resample::{count_gaps, timing};
+use crate::signals::settings::Conditioning;
+use crate::signals::smooth::{filter, smooth};
+use crate::{Motion, Repairs};
+use faer::Mat;
+
+/// Longest lag of the measured velocity that is looked for \[s\].
+const LONGEST_LAG: f64 = 0.25;
+/// Rows on which it is looked for at most.
+const LAG_ROWS: usize = 4096;
+
+/// A clean trajectory, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Conditioned {
+    /// q, q̇, q̈ and τ at even times.
+    pub motion: Motion,
+    /// What was found and done.
+    pub report: ConditionReport,
+    /// Spikes that were replaced and gaps that were bridged.
+    pub repairs: Repairs,
+}
+
+/// Conditions one trajectory: spikes out, even stamps, one zero-phase low-pass filter for all
+/// signals, derivatives, torque advanced by its delay, ends trimmed, rows left out.
+///
+/// # Errors
+/// [`SignalError`] that says which signal of which joint, and what to do.
+pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned, SignalError> {
+    let columns = raw.columns()?;
+    let (plan, even) = Plan::with_even(&columns, settings)?;
+    finish(&columns, &even, &plan)
+}
+
+/// Conditions a trajectory by a plan made from another one of the same arm.
+///
+/// # Errors
+/// Those of [`condition`], and [`SignalError::Block`] if the joints differ.
+pub fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, SignalError> {
+    let columns = raw.columns()?;
+    plan.check(&columns)?;
+    let first = columns.t.first().copied().unwrap_or_default();
+    let even = clean(&columns, &plan.base, (first, 0))?;
+    finish(&columns, &even, plan)
+}
+
+fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, SignalError> {
+    plan.check(columns)?;
+    let filtered = filter(even, plan)?;
+    let smooth = smooth(&filtered, even.first, plan)?;
+    let rows = even.columns.t.len();
+    let kept = plan.trim..rows.saturating_sub(plan.trim);
+    let motion = smooth.rows(kept, plan.keep_every)?.ok_or(SignalError::NothingLeft { rows })?;
+    // The lag is against the derivative of position, wherever velocity is taken from.
+    let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
+    let dq = even_derivative(q.as_ref(), plan.rate, 1)?;
+    let report = ConditionReport {
+        rows_in: columns.t.len(),
+        rows_out: motion.n_rows(),
+        timing: timing(&columns.t)?,
+        resampled: !plan.base.timing.is_even(),
+        rate_out: plan.rate_out(),
+        cutoff: plan.cutoff,
+        choice: plan.choice.clone(),
+        order: plan.settings.order,
+        outliers: even.outliers.clone(),
+        signals: signal_reports(columns, even, &filtered, &dq),
+        dq_lag: lags(&dq, &filtered, plan)?,
+        dq_gain: gains(&dq, &filtered, plan),
+        delay: plan.settings.delay,
+        trimmed: plan.trimmed(),
+    };
+    let mut repairs = Repairs::default();
+    count_gaps(&columns.t, plan.rate, &mut repairs);
+    for Outliers { signal, rows, .. } in &report.outliers {
+        repairs.add_spikes(signal, rows.len() as u64);
+    }
+    Ok(Conditioned { motion, report, repairs })
+}
+
+fn signal_reports(
+    raw: &Columns,
+    even: &Even,
+    filtered: &Columns,
+    dq: &Mat<f64>,
+) -> Vec<SignalReport> {
+    let still: Vec<Vec<bool>> = (0..dq.ncols()).map(|j| standstill(dq.col_as_slice(j))).collect();
+    let mut reports = Vec::new();
+    for (((place, raw_columns), (_, before)), (_, after)) in
+        raw.present().zip(even.columns.present()).zip(filtered.present())
+    {
+        for (joint, name) in raw.joints.iter().enumerate() {
+            reports.push(SignalReport {
+                signal: NAMES[place],
+                joint: name.clone(),
+                noise: white_noise(&before[joint], &still[joint]),
+                quantisation: quantisation(&raw_columns[joint]),
+                removed: removed(&before[joint], &after[joint]),
+            });
+        }
+    }
+    reports
+}
+
+/// Variance of the difference as a share of that of `before`; zero for what does not move.
+fn removed(before: &[f64], after: &[f64]) -> f64 {
+    let variance = |x: &[f64]| {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        x.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
+    };
+    let off: Vec<f64> = before.iter().zip(after).map(|(b, a)| b - a).collect();
+    let whole = variance(before);
+    if whole > 0.0 { (variance(&off) / whole).min(1.0) } else { 0.0 }
+}
+
+/// Σ measured · derived / Σ derived² of each joint, away from the ends.
+fn gains(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Vec<Option<f64>> {
+    let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
+    let of = |(joint, measured): (usize, &Vec<f64>)| {
+        let derived = dq.col_as_slice(joint).get(rows.clone())?;
+        let measured = measured.get(rows.clone())?;
+        let square: f64 = derived.iter().map(|x| x * x).sum();
+        let product: f64 = derived.iter().zip(measured).map(|(d, m)| d * m).sum();
+        (square > 0.0).then(|| product / square).filter(|gain| gain.is_finite())
+    };
+    filtered.signals[DQ].iter().flatten().enumerate().map(of).collect()
+}
+
+/// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.
+fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shift>>, SignalError> {
+    let Some(measured) = &filtered.signals[DQ] else { return Ok(Vec::new()) };
+    let every = plan.keep_every_for_lag();
+    let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);
+    let thin = |x: &[f64]| -> Vec<f64> {
+        let kept = x.get(rows.clone()).unwrap_or_default();
+        kept.iter().step_by(every).take(LAG_ROWS).copied().collect()
+    };
+    let rate = plan.rate / every as f64;
+    let of = |(joint, measured): (usize, &Vec<f64>)| {
+        let found =
+            lag(&thin(dq.col_as_slice(joint)), &thin(measured), rate, -LONGEST_LAG..=LONGEST_LAG);
+        found.map_err(|e| e.of(NAMES[DQ], &filtered.joints[joint]))
+    };
+    measured.iter().enumerate().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,197 @@
+//! A pendulum whose motion and torque are known, measured badly.
+
+use super::*;
+use crate::signals::raw::TAU;
+use crate::signals::settings::{Cutoff, Derive, Trim};
+use approx::assert_abs_diff_eq;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::error::Error;
+use std::f64::consts::PI;
+
+/// q, dq, ddq of two sines at t.
+fn motion(t: f64) -> [f64; 3] {
+    let (a, b) = (2.0 * PI * 0.3, 2.0 * PI * 0.9);
+    [
+        (a * t).sin() + 0.4 * (b * t).cos(),
+        a * (a * t).cos() - 0.4 * b * (b * t).sin(),
+        -a * a * (a * t).sin() - 0.4 * b * b * (b * t).cos(),
+    ]
+}
+
+/// Inertia and gravity.
+fn torque(t: f64) -> f64 {
+    let [q, _, ddq] = motion(t);
+    0.7 * ddq + 9.0 * q.sin()
+}
+
+struct Measured {
+    n: usize,
+    rate: f64,
+    jitter: f64,
+    noise: f64,
+    velocity_lag: f64,
+    torque_lag: f64,
+}
+
+const BAD: Measured = Measured {
+    n: 6000,
+    rate: 100.0,
+    jitter: 0.1,
+    noise: 1.0,
+    velocity_lag: 0.012,
+    torque_lag: 0.02,
+};
+
+fn measure(how: &Measured) -> Raw {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    let mut draw = |sigma: f64| {
+        let e: f64 = StandardNormal.sample(&mut rng);
+        how.noise * sigma * e
+    };
+    let mut jitter = ChaCha8Rng::seed_from_u64(22);
+    let t: Vec<f64> = (0..how.n)
+        .map(|k| (k as f64 + how.jitter * jitter.random_range(-1.0..1.0)) / how.rate)
+        .collect();
+    let mut column = |sigma: f64, value: &dyn Fn(f64) -> f64| {
+        Mat::from_fn(how.n, 1, |row, _| value(t[row]) + draw(sigma))
+    };
+    let q = column(1e-4, &|t| motion(t)[0]);
+    let dq = column(1e-2, &|t| motion(t - how.velocity_lag)[1]);
+    let tau = column(0.3, &|t| torque(t - how.torque_lag));
+    let joints = vec!["arm_1".to_owned()];
+    Raw { joints, t, q, dq: Some(dq), ddq: None, tau: Some(tau) }
+}
+
+/// Root mean square of the difference to the truth.
+fn off(found: &[f64], t: &[f64], truth: impl Fn(f64) -> f64) -> f64 {
+    let squares = found.iter().zip(t).map(|(x, t)| (x - truth(*t)).powi(2));
+    (squares.sum::<f64>() / t.len() as f64).sqrt()
+}
+
+fn column(x: faer::MatRef<'_, f64>) -> Vec<f64> {
+    x.col(0).iter().copied().collect()
+}
+
+#[test]
+fn a_bad_log_becomes_the_motion_it_was() {
+    let mut raw = measure(&BAD);
+    for row in [1500, 2200, 2201, 4000] {
+        raw.tau.as_mut().unwrap()[(row, 0)] += 40.0;
+    }
+    let settings = Conditioning { delay: BAD.torque_lag, ..Conditioning::default() };
+
+    let Conditioned { motion: found, report, .. } = condition(&raw, &settings).unwrap();
+
+    let t = found.t();
+    assert!(off(&column(found.q()), t, |t| motion(t)[0]) < 1e-4);
+    assert!(off(&column(found.dq()), t, |t| motion(t)[1]) < 2e-3);
+    assert!(off(&column(found.ddq()), t, |t| motion(t)[2]) < 0.05);
+    assert!(off(&column(found.tau().unwrap()), t, torque) < 0.12);
+    assert_eq!(report.outliers.len(), 1);
+    assert_eq!(report.outliers[0].rows, [1500, 2200, 2201, 4000]);
+    let lag = report.dq_lag[0].unwrap().seconds;
+    assert_abs_diff_eq!(lag, BAD.velocity_lag, epsilon = 1e-3);
+    let cutoff = report.cutoff.unwrap();
+    assert!((1.0..10.0).contains(&cutoff), "{cutoff}");
+    assert!(report.resampled && report.rate_out >= 8.0 * cutoff);
+}
+
+#[test]
+fn noise_of_each_signal_is_reported() {
+    let report = condition(&measure(&BAD), &Conditioning::default()).unwrap().report;
+
+    let sigma = |name| report.signals.iter().find(|s| s.signal == name).unwrap().noise.sigma;
+    // Resampling takes away up to a quarter of it.
+    assert!((0.7e-4..1.1e-4).contains(&sigma("q")));
+    assert!((0.7e-2..1.1e-2).contains(&sigma("dq")));
+    assert!((0.2..0.33).contains(&sigma("tau")));
+}
+
+#[test]
+fn a_perfect_log_passes_as_it_is() {
+    let perfect = Measured { jitter: 0.0, noise: 0.0, velocity_lag: 0.0, torque_lag: 0.0, ..BAD };
+    let raw = measure(&perfect);
+    let settings =
+        Conditioning { cutoff: Cutoff::Off, derive: Derive::FromVelocity, ..Default::default() };
+
+    let found = condition(&raw, &settings).unwrap();
+
+    assert_eq!(found.motion.t(), raw.t);
+    assert_eq!(found.motion.q(), raw.q.as_ref());
+    assert_eq!(found.motion.tau().unwrap(), raw.tau.as_ref().unwrap().as_ref());
+    assert!(off(&column(found.motion.ddq()), &raw.t, |t| motion(t)[2]) < 1e-6);
+    assert!(found.report.outliers.is_empty() && !found.report.resampled);
+}
+
+#[test]
+fn rate_and_trim_are_as_told() {
+    let settings = Conditioning {
+        cutoff: Cutoff::Hz(5.0),
+        rate: Some(25.0),
+        trim: Trim::Seconds(2.0),
+        ..Default::default()
+    };
+    let raw = measure(&Measured { jitter: 0.0, ..BAD });
+
+    let Conditioned { motion, report, .. } = condition(&raw, &settings).unwrap();
+
+    let t = motion.t();
+    assert_abs_diff_eq!(t[0], 2.0, epsilon = 0.04);
+    assert_abs_diff_eq!(t[t.len() - 1], 58.0, epsilon = 0.04);
+    assert_abs_diff_eq!(t[1] - t[0], 0.04, epsilon = 1e-12);
+    assert_eq!((report.cutoff, report.rate_out, report.trimmed), (Some(5.0), 25.0, 2.0));
+}
+
+#[test]
+fn a_coarse_current_is_told() {
+    let mut raw = measure(&BAD);
+    let tau = raw.tau.as_mut().unwrap();
+    for row in 0..BAD.n {
+        tau[(row, 0)] = (tau[(row, 0)] / 4.0).round() * 4.0;
+    }
+
+    let report = condition(&raw, &Conditioning::default()).unwrap().report;
+
+    let coarse: Vec<&str> =
+        report.signals.iter().filter(|s| s.is_coarse()).map(|s| s.signal).collect();
+    assert_eq!(coarse, ["tau"]);
+    assert!(report.to_string().contains("tau of arm_1 is quantised to 4.000e0"));
+}
+
+#[test]
+fn errors_say_which_signal_of_which_joint() {
+    let mut raw = measure(&BAD);
+    raw.tau.as_mut().unwrap()[(17, 0)] = f64::NAN;
+    let error = condition(&raw, &Conditioning::default()).unwrap_err();
+    assert_eq!(error.to_string(), "cannot condition tau of joint arm_1");
+    let source = error.source().unwrap().to_string();
+    assert_eq!(source, "not finite at row 17: drop the row or repair the signal");
+
+    let short = measure(&Measured { n: 40, ..BAD });
+    assert!(condition(&short, &Conditioning::default()).is_err());
+
+    let mut no_velocity = measure(&BAD);
+    no_velocity.dq = None;
+    let settings = Conditioning { derive: Derive::FromVelocity, ..Default::default() };
+    let error = condition(&no_velocity, &settings).unwrap_err();
+    assert!(matches!(error, SignalError::Missing { signal: "dq", .. }));
+
+    let settings = Conditioning { trim: Trim::Seconds(30.0), ..Default::default() };
+    let error = condition(&measure(&BAD), &settings).unwrap_err();
+    assert!(matches!(error, SignalError::NothingLeft { .. }));
+    assert_eq!(NAMES[TAU], "tau");
+}
+
+#[test]
+fn a_plan_conditions_another_trajectory_alike() {
+    let raw = measure(&BAD);
+    let plan = Plan::new(&raw, &Conditioning::default()).unwrap();
+
+    let own = condition(&raw, &Conditioning::default()).unwrap();
+    let planned = condition_by(&raw, &plan).unwrap();
+
+    assert_eq!(own.report, planned.report);
+    assert_eq!(own.motion.ddq(), planned.motion.ddq());
+}

@@ -1,0 +1,253 @@
+//! Two signals → delay between them, and a signal → the same signal shifted in time.
+
+use crate::signals::error::SignalError;
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+/// Samples to each side that a shifted value is interpolated from.
+pub const TAPS: usize = 16;
+/// Shape of the Kaiser window over them.
+const KAISER: f64 = 9.0;
+/// Steps of the coarse search at most.
+const MAX_STEPS: usize = 10_000;
+
+/// The shift of least error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// \[s\]
+    pub seconds: f64,
+    /// Error there.
+    pub error: f64,
+    /// Whether it is at an end of the range, so that the best may lie outside.
+    pub at_end: bool,
+}
+
+/// The shift of least error: a coarse search over the range, then golden sections around the
+/// best.
+///
+/// - `error`: of a shift \[s\]; values that are not finite count as worst
+/// - `range`: \[s\]
+/// - `resolution`: of the coarse search \[s\], finer than the valley around the least error. The
+///   result is right to a thousandth of it.
+///
+/// # Errors
+/// [`SignalError::Setting`] unless the range holds 1 to 10 000 steps.
+pub fn best_shift(
+    mut error: impl FnMut(f64) -> f64,
+    range: RangeInclusive<f64>,
+    resolution: f64,
+) -> Result<Shift, SignalError> {
+    let (begin, end) = (*range.start(), *range.end());
+    let steps = ((end - begin) / resolution).ceil();
+    if !(1.0..=MAX_STEPS as f64).contains(&steps) || !begin.is_finite() {
+        let expected = "1 to 10000 steps of the resolution";
+        return Err(SignalError::Setting { what: "range of shifts", value: steps, expected });
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
+    let steps = steps as usize;
+    let step = (end - begin) / steps as f64;
+    let mut worst_as_infinite = |seconds: f64| {
+        let error = error(seconds);
+        if error.is_finite() { error } else { f64::INFINITY }
+    };
+    let mut best = (0, f64::INFINITY);
+    for k in 0..=steps {
+        let found = worst_as_infinite(begin + k as f64 * step);
+        if found < best.1 {
+            best = (k, found);
+        }
+    }
+    let seconds = begin + best.0 as f64 * step;
+    if best.0 == 0 || best.0 == steps {
+        return Ok(Shift { seconds, error: best.1, at_end: true });
+    }
+    let (seconds, found) = golden(worst_as_infinite, seconds - step, seconds + step, 1e-3 * step);
+    Ok(Shift { seconds, error: found, at_end: false })
+}
+
+/// Least value between `low` and `high` by golden sections.
+///
+/// Source: J. Kiefer, Proc. Am. Math. Soc. 4 (1953).
+fn golden(mut f: impl FnMut(f64) -> f64, mut low: f64, mut high: f64, width: f64) -> (f64, f64) {
+    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut left, mut right) = (high - ratio * (high - low), low + ratio * (high - low));
+    let (mut f_left, mut f_right) = (f(left), f(right));
+    while high - low > width && left < right {
+        if f_left <= f_right {
+            (high, right, f_right) = (right, left, f_left);
+            left = high - ratio * (high - low);
+            f_left = f(left);
+        } else {
+            (low, left, f_left) = (left, right, f_right);
+            right = low + ratio * (high - low);
+            f_right = f(right);
+        }
+    }
+    if f_left <= f_right { (left, f_left) } else { (right, f_right) }
+}
+
+/// x(t + `seconds`): a positive shift advances a signal that lags.
+///
+/// Values between samples are those of a sinc under a Kaiser window over 16 samples to each side;
+/// a tone below 0.4 of the rate is right to 1e-3, below a third to 1e-4. The ends are continued
+/// by odd reflection: drop as many rows there as the shift is long.
+///
+/// - `x`: m values at `rate` \[Hz\]
+pub fn shift(x: &[f64], rate: f64, seconds: f64) -> Vec<f64> {
+    let samples = seconds * rate;
+    let whole = samples.floor();
+    let rest = samples - whole;
+    if x.is_empty() || seconds == 0.0 || !samples.is_finite() {
+        return x.to_vec();
+    }
+    // Beyond this every value is a reflection anyway.
+    let far = 2.0 * x.len() as f64;
+    #[expect(clippy::cast_possible_truncation, reason = "bounded")]
+    let whole = whole.clamp(-far, far) as isize;
+    let taps = TAPS.cast_signed();
+    let weights: Vec<f64> = (1 - taps..=taps).map(|k| weight(k as f64 - rest)).collect();
+    let sum: f64 = weights.iter().sum();
+    let value = |row: isize| {
+        let terms = (1 - taps..=taps).zip(&weights);
+        terms.map(|(k, w)| w * reflected(x, row + whole + k)).sum::<f64>() / sum
+    };
+    (0..x.len().cast_signed()).map(value).collect()
+}
+
+/// Windowed sinc at `u` samples.
+fn weight(u: f64) -> f64 {
+    let inside = 1.0 - (u / TAPS as f64).powi(2);
+    if inside < 0.0 {
+        return 0.0;
+    }
+    let sinc = if u.abs() < 1e-12 { 1.0 } else { (PI * u).sin() / (PI * u) };
+    sinc * bessel(KAISER * inside.sqrt()) / bessel(KAISER)
+}
+
+/// Modified Bessel function I₀ by its series, for small arguments.
+fn bessel(x: f64) -> f64 {
+    let (mut term, mut sum) = (1.0, 1.0);
+    for k in 1..40 {
+        term *= (0.5 * x / f64::from(k)).powi(2);
+        sum += term;
+    }
+    sum
+}
+
+/// Sample of `x` continued by odd reflection, and by its ends beyond that.
+fn reflected(x: &[f64], row: isize) -> f64 {
+    let last = x.len().cast_signed() - 1;
+    let at = |row: isize| x[row.clamp(0, last).unsigned_abs()];
+    if row < 0 {
+        2.0 * at(0) - at(-row)
+    } else if row > last {
+        2.0 * at(last) - at(2 * last - row)
+    } else {
+        at(row)
+    }
+}
+
+/// How far a measured signal lags a derived one, such as q̇ from the log behind the derivative of
+/// q: the shift that leaves the least after the best gain and offset.
+///
+/// - `derived`, `measured`: m values at `rate` \[Hz\], of the same bandwidth
+/// - `range`: \[s\]
+/// - returns: the lag, positive if `measured` comes late; `error` is one less the squared
+///   correlation. `None` if one of them does not move, or they are too short.
+///
+/// # Errors
+/// Those of [`best_shift`].
+pub fn lag(
+    derived: &[f64],
+    measured: &[f64],
+    rate: f64,
+    range: RangeInclusive<f64>,
+) -> Result<Option<Shift>, SignalError> {
+    let longest = range.start().abs().max(range.end().abs());
+    let edge = longest * rate + TAPS as f64;
+    let n = derived.len().min(measured.len());
+    if n < 16 || 4.0 * edge > n as f64 {
+        return Ok(None);
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below n")]
+    let middle = edge as usize..n - edge as usize;
+    let reference = &derived[middle.clone()];
+    let unlike = |seconds: f64| {
+        let shifted = shift(measured, rate, seconds);
+        1.0 - correlation(reference, &shifted[middle.clone()]).powi(2)
+    };
+    let found = best_shift(unlike, range, 0.5 / rate)?;
+    Ok(found.error.is_finite().then_some(found))
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len() as f64;
+    let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (a, b) in a.iter().zip(b) {
+        let (a, b) = (a - mean_a, b - mean_b);
+        aa += a * a;
+        bb += b * b;
+        ab += a * b;
+    }
+    ab / (aa * bb).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use approx::assert_abs_diff_eq;
+
+    fn tone(share: f64, late: f64) -> Vec<f64> {
+        (0..600).map(|k| (2.0 * PI * share * (f64::from(k) - late) + 0.3).sin()).collect()
+    }
+
+    #[test]
+    fn a_shifted_tone_is_that_tone_later() {
+        for (share, error) in [(0.01, 1e-4), (0.2, 1e-4), (0.33, 1e-4), (0.4, 1e-3)] {
+            for samples in [0.5, -2.3, 7.0] {
+                let shifted = shift(&tone(share, 0.0), 100.0, samples / 100.0);
+
+                let expected = tone(share, -samples);
+                for row in 30..570 {
+                    assert_abs_diff_eq!(shifted[row], expected[row], epsilon = error);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_lag_is_found_below_a_sample() {
+        let mixed = |late: f64| -> Vec<f64> {
+            tone(0.013, late).iter().zip(tone(0.05, late)).map(|(a, b)| a + 0.4 * b).collect()
+        };
+        let measured: Vec<f64> = mixed(1.37).iter().map(|x| 0.8 * x + 0.2).collect();
+
+        let found = lag(&mixed(0.0), &measured, 100.0, -0.1..=0.1).unwrap().unwrap();
+
+        assert_abs_diff_eq!(found.seconds, 0.0137, epsilon = 2e-5);
+        assert!(!found.at_end && found.error < 1e-6);
+    }
+
+    #[test]
+    fn the_least_error_is_found_among_several_valleys() {
+        let error = |s: f64| (s - 0.0123).powi(2) + 1e-3 * (1.0 - (200.0 * (s - 0.0123)).cos());
+
+        let found = best_shift(error, -0.1..=0.1, 0.005).unwrap();
+
+        assert_abs_diff_eq!(found.seconds, 0.0123, epsilon = 5e-6);
+    }
+
+    #[test]
+    fn a_best_at_the_end_is_told() {
+        let found = best_shift(|s| s, -0.1..=0.1, 0.01).unwrap();
+
+        assert_eq!((found.seconds, found.at_end), (-0.1, true));
+    }
+
+    #[test]
+    fn what_does_not_move_has_no_lag() {
+        assert_eq!(lag(&tone(0.1, 0.0), &[1.0; 600], 100.0, -0.1..=0.1), Ok(None));
+        assert!(best_shift(|s| s, 0.0..=1.0, f64::NAN).is_err());
+    }
+}

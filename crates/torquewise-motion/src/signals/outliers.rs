@@ -1,0 +1,210 @@
+//! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
+
+use crate::signals::error::SignalError;
+use crate::signals::noise::{median, quantisation};
+
+/// Looks for spikes at most.
+const ROUNDS: usize = 3;
+
+/// What counts as a spike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hampel {
+    /// Rows on each side that a row is compared with, three or more.
+    pub half_window: usize,
+    /// Distance from the running median, in robust standard deviations.
+    pub threshold: f64,
+    /// Rows in a row that a spike may last; a longer excursion is left alone.
+    pub longest: usize,
+}
+
+impl Default for Hampel {
+    /// Seven rows on each side, six deviations, at most three rows long.
+    fn default() -> Self {
+        Self { half_window: 7, threshold: 6.0, longest: 3 }
+    }
+}
+
+/// Smallest deviation that counts as one, so that a signal that hardly moves, or moves in steps,
+/// is not full of spikes: the middle one of the third differences of `x`, as a standard deviation,
+/// which few spikes do not change; at least the step of its quantisation.
+pub fn spike_scale(x: &[f64]) -> f64 {
+    let third = |w: &[f64]| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs();
+    let mut differences: Vec<f64> = x.windows(4).map(third).collect();
+    let step = quantisation(x).map_or(0.0, |quantisation| quantisation.step);
+    // Weights 1, 3, 3 and 1 add up to a variance of 20.
+    (1.4826 * median(&mut differences) / 20.0_f64.sqrt()).max(step)
+}
+
+/// Replaces spikes in place and returns their rows.
+///
+/// A row is off if it lies `threshold` deviations off the line through the medians of the rows on
+/// both sides. The deviation is the scaled median distance of the window from that line, at least
+/// `scale`. Rows that are off are a spike if they are few and stand off the rows next to them on
+/// both sides. A step is no spike, nor is the peak of a sine, whose window is as bent as itself.
+///
+/// - `t`: \[s\], m
+/// - `x`: m values, at any spacing
+/// - `scale`: see [`spike_scale`]
+///
+/// Spikes are replaced by the cubic through the two nearest good rows on each side. Rows within
+/// three of an end are judged by the one side they have.
+///
+/// Source: R. Pearson et al., EURASIP J. Adv. Signal Process. 2016:87, with a line for the median.
+///
+/// # Errors
+/// [`SignalError::Setting`], or [`SignalError::TooFewRows`] if `t` and `x` differ in length.
+pub fn replace_outliers(
+    t: &[f64],
+    x: &mut [f64],
+    scale: f64,
+    hampel: Hampel,
+) -> Result<Vec<usize>, SignalError> {
+    if hampel.half_window < 3 {
+        let (value, expected) = (hampel.half_window as f64, "3 rows or more");
+        return Err(SignalError::Setting { what: "half window of outliers", value, expected });
+    }
+    if hampel.threshold.is_nan() || hampel.threshold <= 0.0 {
+        let expected = "above 0";
+        let value = hampel.threshold;
+        return Err(SignalError::Setting { what: "threshold of outliers", value, expected });
+    }
+    if t.len() != x.len() {
+        return Err(SignalError::TooFewRows { rows: t.len().min(x.len()), needed: x.len() });
+    }
+    let mut is_spike = vec![false; x.len()];
+    let mut spikes = Vec::new();
+    // What stands beside a spike is judged once that is gone.
+    for _ in 0..ROUNDS {
+        let found = find(x, scale, hampel);
+        if found.is_empty() {
+            break;
+        }
+        for &row in &found {
+            is_spike[row] = true;
+        }
+        replace(t, x, &found, &is_spike);
+        spikes.extend(found);
+    }
+    spikes.sort_unstable();
+    spikes.dedup();
+    Ok(spikes)
+}
+
+/// Puts values in the place of spikes.
+fn replace(t: &[f64], x: &mut [f64], spikes: &[usize], is_spike: &[bool]) {
+    for &row in spikes {
+        let good = |row: &usize| !is_spike[*row];
+        let mut near: Vec<usize> = (0..row).rev().filter(good).take(2).collect();
+        near.extend((row + 1..x.len()).filter(good).take(2));
+        x[row] = lagrange(t, x, &near, t[row]);
+    }
+}
+
+/// Rows of all spikes no longer than they may be.
+fn find(x: &[f64], scale: f64, hampel: Hampel) -> Vec<usize> {
+    let mut space = Vec::with_capacity(2 * hampel.half_window + 1);
+    let mut spikes = Vec::new();
+    let mut run: Vec<usize> = Vec::new();
+    let mut margin = f64::INFINITY;
+    spikes.extend(at_the_ends(x, scale, hampel.threshold));
+    for row in 0..x.len() {
+        if let Some(distance) = distance(x, row, scale, hampel, &mut space) {
+            run.push(row);
+            margin = margin.min(0.5 * distance);
+        } else {
+            if is_spike(x, &run, margin, hampel.longest) {
+                spikes.append(&mut run);
+            }
+            run.clear();
+            margin = f64::INFINITY;
+        }
+    }
+    spikes
+}
+
+/// Rows at an end that are not judged by both their sides, and of each of the groups whose medians
+/// say where the signal comes from.
+const END: usize = 3;
+const GROUP: usize = 7;
+
+/// Spikes in the first and last rows: off the line that the medians of the rows next to them lie
+/// on, by more than these bend.
+fn at_the_ends(x: &[f64], scale: f64, threshold: f64) -> Vec<usize> {
+    if x.len() < 2 * (END + 3 * GROUP) {
+        return Vec::new();
+    }
+    let last = x.len() - 1;
+    let mut found = Vec::new();
+    for from_end in [false, true] {
+        let at = |k: usize| if from_end { x[last - k] } else { x[k] };
+        let group = |g: usize| -> f64 {
+            let begin = END + g * GROUP;
+            median(&mut (begin..begin + GROUP).map(at).collect::<Vec<f64>>())
+        };
+        let [near, middle, far] = [0, 1, 2].map(group);
+        let slope = (middle - near) / GROUP as f64;
+        let line = |k: usize| near + slope * (k as f64 - (END + GROUP / 2) as f64);
+        let mut rest: Vec<f64> = (END..END + 2 * GROUP).map(|k| (at(k) - line(k)).abs()).collect();
+        let deviation = (1.4826 * median(&mut rest)).max(scale);
+        let allowed = threshold * deviation + 2.0 * (far - 2.0 * middle + near).abs();
+        let spikes = (0..END).filter(|&k| (at(k) - line(k)).abs() > allowed);
+        found.extend(spikes.map(|k| if from_end { last - k } else { k }));
+    }
+    found
+}
+
+/// Whether the run is short and each of its rows stands off the neighbours on both sides.
+fn is_spike(x: &[f64], run: &[usize], margin: f64, longest: usize) -> bool {
+    let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
+    if run.len() > longest {
+        return false;
+    }
+    let (before, after) = (x[first - 1], x[last + 1]);
+    let slope = (after - before) / (run.len() + 1) as f64;
+    let off = |from: f64, steps: usize, row: usize| (x[row] - from - slope * steps as f64).abs();
+    // A signal that moves on between the two is no step unless it goes all the way.
+    let is_step = (first..=last).any(|row| {
+        (x[row] - before).abs().min((x[row] - after).abs()) < 0.5 * (after - before).abs()
+            && (after - before).abs() > margin
+    });
+    !is_step && (first..=last).all(|row| off(before, row + 1 - first, row) > margin)
+}
+
+/// How far `row` is off the line through the medians of both sides, if that is too far.
+fn distance(
+    x: &[f64],
+    row: usize,
+    scale: f64,
+    hampel: Hampel,
+    space: &mut Vec<f64>,
+) -> Option<f64> {
+    let width = hampel.half_window.min(row).min(x.len() - 1 - row);
+    if width < 3 {
+        return None;
+    }
+    let mut median_of = |side: &[f64]| {
+        space.clear();
+        space.extend_from_slice(side);
+        median(space)
+    };
+    let (low, high) = (median_of(&x[row - width..row]), median_of(&x[row + 1..=row + width]));
+    let slope = (high - low) / (width + 1) as f64;
+    let line = |k: usize| 0.5 * (low + high) + slope * (k as f64 - width as f64);
+    space.clear();
+    space.extend((0..=2 * width).map(|k| (x[row - width + k] - line(k)).abs()));
+    let distance = space[width];
+    let deviation = (1.4826 * median(space)).max(scale);
+    (distance > hampel.threshold * deviation).then_some(distance)
+}
+
+/// The polynomial through the rows `near`, at `at`; the mean time step is no matter.
+fn lagrange(t: &[f64], x: &[f64], near: &[usize], at: f64) -> f64 {
+    let basis = |i: usize| -> f64 {
+        let others = near.iter().filter(|j| **j != i);
+        others.map(|&j| (at - t[j]) / (t[i] - t[j])).product()
+    };
+    near.iter().map(|&i| x[i] * basis(i)).sum()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,183 @@
+//! From first part of a log, settings to Plan: what every part of it goes through.
+
+use crate::signals::butterworth::{low_pass, settle_time};
+use crate::signals::clean::{Base, Even, clean};
+use crate::signals::cutoff::{CutoffChoice, Kind, SignalCutoff, choose, signal_cutoff};
+use crate::signals::delay::TAPS;
+use crate::signals::derivative::REACH;
+use crate::signals::error::SignalError;
+use crate::signals::raw::{Columns, DDQ, DQ, NAMES, Q, Raw, TAU};
+use crate::signals::settings::{Conditioning, Cutoff, Derive, Trim};
+
+/// Samples per period of the cut-off that are kept.
+const OVERSAMPLING: f64 = 8.0;
+/// Auto trim: what the filter may still be off, and the share of the trajectory it may take.
+const SETTLED: f64 = 0.01;
+const MAX_TRIM: f64 = 0.1;
+/// What the ends of a block may still matter to the rows that leave it.
+const FORGOTTEN: f64 = 1e-13;
+
+/// All that is decided about a log before its rows are conditioned, so that any part of it, or
+/// another trajectory of the same arm, can be conditioned alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    pub(crate) joints: Vec<String>,
+    pub(crate) base: Base,
+    pub(crate) settings: Conditioning,
+    /// Samples per second before decimation \[Hz\].
+    pub(crate) rate: f64,
+    pub(crate) cutoff: Option<f64>,
+    pub(crate) choice: Option<CutoffChoice>,
+    pub(crate) keep_every: usize,
+    pub(crate) trim: usize,
+}
+
+impl Plan {
+    /// Decides on rate, cut-off and trim from a trajectory or its first part.
+    ///
+    /// # Errors
+    /// [`SignalError`] about settings, shapes, stamps, or too few rows.
+    pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self, SignalError> {
+        Self::with_even(&raw.columns()?, settings).map(|(plan, _)| plan)
+    }
+
+    /// The plan, and the clean signals it was made from.
+    pub(crate) fn with_even(
+        columns: &Columns,
+        settings: &Conditioning,
+    ) -> Result<(Self, Even), SignalError> {
+        settings.check()?;
+        let base = Base::of(columns, settings.outliers)?;
+        let even = clean(columns, &base, (columns.t[0], 0))?;
+        let rate = base.timing.rate;
+        let choice = match settings.cutoff {
+            Cutoff::Auto => Some(choose_cutoff(&even.columns, rate)?),
+            Cutoff::Hz(_) | Cutoff::Off => None,
+        };
+        let cutoff = match (settings.cutoff, &choice) {
+            (Cutoff::Hz(cutoff), _) => Some(cutoff),
+            (_, choice) => choice.as_ref().map(|choice| choice.cutoff),
+        };
+        if let Some(cutoff) = cutoff {
+            low_pass(settings.order, cutoff, rate)?;
+        }
+        let keep_every = match (settings.rate, cutoff) {
+            (Some(keep), _) => rows((rate / keep).round()),
+            (None, Some(cutoff)) => rows(rate / (OVERSAMPLING * cutoff)),
+            (None, None) => 1,
+        };
+        let span = columns.t[columns.t.len() - 1] - columns.t[0];
+        let mut plan = Self {
+            joints: columns.joints.clone(),
+            base,
+            settings: *settings,
+            rate,
+            cutoff,
+            choice,
+            keep_every: keep_every.max(1),
+            trim: 0,
+        };
+        plan.trim = plan.trimmed_rows(span);
+        Ok((plan, even))
+    }
+
+    /// The same plan for a part of the signals, such as their noise: what is done to it is what is
+    /// done to that part when the whole is conditioned. Nothing of it is taken for a spike.
+    #[must_use]
+    pub fn for_part(mut self) -> Self {
+        self.base.keep_spikes();
+        self
+    }
+
+    /// Cut-off of the low-pass filter \[Hz\], if there is one.
+    pub fn cutoff(&self) -> Option<f64> {
+        self.cutoff
+    }
+
+    /// What the cut-off was chosen from, if it was not set.
+    pub fn choice(&self) -> Option<&CutoffChoice> {
+        self.choice.as_ref()
+    }
+
+    /// Samples per second that pass the filter \[Hz\], before rows are left out.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Samples per second that come out \[Hz\].
+    pub fn rate_out(&self) -> f64 {
+        self.rate / self.keep_every as f64
+    }
+
+    /// Seconds dropped at each end.
+    pub fn trimmed(&self) -> f64 {
+        self.trim as f64 / self.rate
+    }
+
+    /// Order of the filter and everything else that was asked for.
+    pub fn settings(&self) -> &Conditioning {
+        &self.settings
+    }
+
+    /// Of so many rows one is enough to compare filtered signals.
+    pub(crate) fn keep_every_for_lag(&self) -> usize {
+        self.cutoff.map_or(1, |cutoff| rows(self.rate / (OVERSAMPLING * cutoff)).max(1))
+    }
+
+    fn trimmed_rows(&self, span: f64) -> usize {
+        let seconds = match (self.settings.trim, self.cutoff) {
+            (Trim::Seconds(seconds), _) => seconds,
+            (Trim::Auto, None) => 0.0,
+            (Trim::Auto, Some(cutoff)) => {
+                settle_time(self.settings.order, cutoff, SETTLED).min(MAX_TRIM * span)
+            }
+        };
+        // Rounding of the rate is not to cost a row.
+        rows((seconds * self.rate - 1e-6).ceil()) + self.shift_reach()
+    }
+
+    /// Rows to each side on which a conditioned row depends, to rounding.
+    pub(crate) fn reach(&self) -> usize {
+        let settle = |cutoff| settle_time(self.settings.order, cutoff, FORGOTTEN) * self.rate;
+        let filter = self.cutoff.map_or(0.0, |cutoff| 1.3 * settle(cutoff).ceil());
+        self.base.reach() + rows(filter) + self.shift_reach() + REACH
+    }
+
+    fn shift_reach(&self) -> usize {
+        let delay = self.settings.delay.abs();
+        if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
+    }
+
+    /// Refuses signals that are not those planned for, and plans that need others.
+    pub(crate) fn check(&self, columns: &Columns) -> Result<(), SignalError> {
+        if columns.joints != self.joints {
+            return Err(SignalError::Block);
+        }
+        let needed: &[usize] = match self.settings.derive {
+            Derive::FromPosition => &[],
+            Derive::FromVelocity => &[DQ],
+            Derive::Measured => &[DQ, DDQ],
+        };
+        match needed.iter().find(|place| columns.signals[**place].is_none()) {
+            Some(&place) => {
+                Err(SignalError::Missing { what: "conditioning", signal: NAMES[place] })
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+fn choose_cutoff(columns: &Columns, rate: f64) -> Result<CutoffChoice, SignalError> {
+    let of = |place: usize, kind| -> Result<Vec<SignalCutoff>, SignalError> {
+        let all = columns.signals[place].iter().flatten().zip(&columns.joints);
+        all.map(|(x, joint)| signal_cutoff(x, rate, kind).map_err(|e| e.of(NAMES[place], joint)))
+            .collect()
+    };
+    Ok(choose(of(Q, Kind::Position)?, of(TAU, Kind::Torque)?, rate))
+}
+
+/// A number of rows; more than any log has stays more.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
+fn rows(x: f64) -> usize {
+    x.clamp(0.0, 1e12) as usize
+}

@@ -1,0 +1,123 @@
+//! From conditioning to ConditionReport: everything that was found, done and left out.
+
+use crate::signals::clean::Outliers;
+use crate::signals::cutoff::CutoffChoice;
+use crate::signals::delay::Shift;
+use crate::signals::noise::{Quantisation, WhiteNoise, median};
+use crate::signals::resample::Timing;
+use std::fmt;
+
+/// A signal of fewer levels than this is called coarse.
+const COARSE_LEVELS: f64 = 32.0;
+/// A quantisation step of more than this share of the deviation is called coarse.
+const COARSE_SHARE: f64 = 0.1;
+
+/// What is known of one signal of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SignalReport {
+    /// q, dq, ddq or tau.
+    pub signal: &'static str,
+    /// Name of the joint.
+    pub joint: String,
+    /// White noise before the filter.
+    pub noise: WhiteNoise,
+    /// The step its raw values are quantised to.
+    pub quantisation: Option<Quantisation>,
+    /// Variance that the filter took away, as a share of that of the signal.
+    pub removed: f64,
+}
+
+impl SignalReport {
+    /// Whether so few levels are left that the signal may be useless.
+    pub fn is_coarse(&self) -> bool {
+        let coarse =
+            |q: Quantisation| q.levels < COARSE_LEVELS || q.share_of_deviation > COARSE_SHARE;
+        self.quantisation.is_some_and(coarse)
+    }
+}
+
+/// What was found, done and left out in the conditioning of one trajectory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConditionReport {
+    /// Rows of the raw log.
+    pub rows_in: usize,
+    /// Rows that came out.
+    pub rows_out: usize,
+    /// Rate and jitter of the raw stamps.
+    pub timing: Timing,
+    /// Whether the log was interpolated onto even stamps.
+    pub resampled: bool,
+    /// Samples per second that came out \[Hz\].
+    pub rate_out: f64,
+    /// Cut-off of the low-pass filter \[Hz\].
+    pub cutoff: Option<f64>,
+    /// What the cut-off was chosen from, if it was not set.
+    pub choice: Option<CutoffChoice>,
+    /// Order of the filter.
+    pub order: usize,
+    /// Spikes that were replaced, by signal and joint; none without.
+    pub outliers: Vec<Outliers>,
+    /// Noise and quantisation, by signal and joint.
+    pub signals: Vec<SignalReport>,
+    /// How far the measured velocity of each joint lags the derivative of its position, n; empty
+    /// if no velocity was measured, `None` for a joint that does not move.
+    pub dq_lag: Vec<Option<Shift>>,
+    /// Measured velocity of each joint over the derivative of its position, by least squares, n;
+    /// empty if no velocity was measured, `None` for a joint that does not move.
+    pub dq_gain: Vec<Option<f64>>,
+    /// Seconds by which the torque was advanced.
+    pub delay: f64,
+    /// Seconds dropped at each end.
+    pub trimmed: f64,
+}
+
+impl fmt::Display for ConditionReport {
+    /// One line per finding, without a last line break.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Timing { rate, jitter, longest_step, .. } = self.timing;
+        write!(f, "{} rows at {rate:.1} Hz", self.rows_in)?;
+        if self.resampled {
+            write!(f, ", made even: jitter {:.2} %", 100.0 * jitter)?;
+        }
+        if longest_step * rate > 2.5 {
+            write!(f, ", longest step {longest_step:.3} s")?;
+        }
+        let ratio = self.timing.receive_ratio();
+        if ratio.is_some_and(|ratio| (0.5..2.0).contains(&ratio)) {
+            write!(f, ", as of late receipt from an even device")?;
+        }
+        write!(f, " -> {} rows at {:.1} Hz", self.rows_out, self.rate_out)?;
+        match (self.cutoff, &self.choice) {
+            (None, _) => write!(f, "\nno low-pass filter")?,
+            (Some(cutoff), None) => write!(f, "\ncut-off {cutoff:.2} Hz, as set")?,
+            (Some(cutoff), Some(choice)) => {
+                write!(f, "\ncut-off {cutoff:.2} Hz: {}", choice.decided)?;
+            }
+        }
+        if self.trimmed > 0.0 {
+            write!(f, "\n{:.2} s dropped at each end", self.trimmed)?;
+        }
+        if self.delay != 0.0 {
+            write!(f, "\ntau advanced by {:.1} ms", 1e3 * self.delay)?;
+        }
+        for Outliers { signal, joint, rows } in &self.outliers {
+            write!(f, "\n{signal} of {joint}: {} outliers replaced", rows.len())?;
+        }
+        for report in self.signals.iter().filter(|report| report.is_coarse()) {
+            let SignalReport { signal, joint, quantisation: Some(q), .. } = report else {
+                continue;
+            };
+            write!(f, "\n{signal} of {joint} is quantised to {:.3e}: ", q.step)?;
+            write!(f, "{} levels, ", q.levels)?;
+            write!(f, "{:.0} % of its deviation", 100.0 * q.share_of_deviation)?;
+        }
+        let lags = || self.dq_lag.iter().flatten();
+        let mut seconds: Vec<f64> = lags().map(|lag| lag.seconds).collect();
+        if !seconds.is_empty() {
+            let bound = if lags().any(|lag| lag.at_end) { "at least " } else { "" };
+            let median = 1e3 * median(&mut seconds);
+            write!(f, "\nmeasured dq lags d(q)/dt by {bound}{median:.1} ms")?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,282 @@
+//! From uneven time stamps to even ones: how even a log is, and its signals on an even grid.
+
+use crate::Repairs;
+use crate::signals::error::SignalError;
+use crate::signals::spline::{check_increasing, interpolate};
+use faer::linalg::solvers::Solve;
+use faer::{Mat, MatRef, Side};
+
+/// Jitter below which stamps count as even and are kept as they are.
+pub const EVEN: f64 = 1e-6;
+
+/// An even grid may have this many times the rows of the log, and 1000 more.
+const MAX_GROWTH: f64 = 4.0;
+
+/// How evenly a log is stamped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timing {
+    /// One over the median step, or over the mean of even ones \[Hz\].
+    pub rate: f64,
+    /// Standard deviation of the steps over the median step.
+    pub jitter: f64,
+    /// Longest step \[s\].
+    pub longest_step: f64,
+    /// Row at which the longest step ends.
+    pub longest_step_row: usize,
+    /// Root mean square deviation of the stamps from the straight line through them, against row
+    /// number, in median steps.
+    pub line_deviation: f64,
+}
+
+impl Timing {
+    /// Whether the stamps need no resampling.
+    pub fn is_even(&self) -> bool {
+        self.jitter < EVEN
+    }
+
+    /// Rows that the longest gap lacks, a hundred thousand at most.
+    pub(crate) fn rows_of_gap(&self) -> usize {
+        let rows = (self.longest_step * self.rate).ceil().clamp(0.0, 1e5);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
+        let rows = rows as usize;
+        rows
+    }
+
+    /// `line_deviation` over what steps of this jitter give if each stamp errs by itself.
+    ///
+    /// About 1: the device sampled evenly, and the stamps are those of a jittery receiver. Far
+    /// above 1: the steps themselves vary, or rows are lost. `None` for even stamps.
+    pub fn receive_ratio(&self) -> Option<f64> {
+        (!self.is_even()).then(|| self.line_deviation / (self.jitter * 0.5_f64.sqrt()))
+    }
+}
+
+/// How evenly `t` \[s\] is stamped.
+///
+/// # Errors
+/// [`SignalError::TooFewRows`] below four rows, [`SignalError::NotFinite`] or
+/// [`SignalError::TimeOrder`].
+pub fn timing(t: &[f64]) -> Result<Timing, SignalError> {
+    if t.len() < 4 {
+        return Err(SignalError::TooFewRows { rows: t.len(), needed: 4 });
+    }
+    check_increasing(t)?;
+    let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut sorted = steps.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = 0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]);
+    let mean = (t[t.len() - 1] - t[0]) / steps.len() as f64;
+    let variance = steps.iter().map(|step| (step - mean).powi(2)).sum::<f64>() / steps.len() as f64;
+    let (mut before, mut longest_step) = (0, steps[0]);
+    for (row, &step) in steps.iter().enumerate() {
+        if step > longest_step {
+            (before, longest_step) = (row, step);
+        }
+    }
+    let jitter = variance.sqrt() / median;
+    Ok(Timing {
+        // The mean of even steps has the smaller rounding; that of others counts gaps in.
+        rate: if jitter < EVEN { 1.0 / mean } else { 1.0 / median },
+        jitter,
+        longest_step,
+        longest_step_row: before + 1,
+        line_deviation: line_deviation(t) / median,
+    })
+}
+
+/// Root mean square distance of `t` from its line of least squares over row numbers \[s\].
+fn line_deviation(t: &[f64]) -> f64 {
+    let n = t.len() as f64;
+    let middle = 0.5 * (n - 1.0);
+    let mean = t.iter().map(|x| x - t[0]).sum::<f64>() / n;
+    let rows = || t.iter().enumerate().map(|(k, x)| (k as f64 - middle, x - t[0] - mean));
+    let slope = rows().map(|(k, x)| k * x).sum::<f64>() / rows().map(|(k, _)| k * k).sum::<f64>();
+    (rows().map(|(k, x)| (x - slope * k).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+/// Stamps `origin` + k/`rate` that lie within `t`, and the first k.
+///
+/// # Errors
+/// [`SignalError::Gap`] if that would be many more rows than `t` has.
+pub fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>), SignalError> {
+    let Timing { rate, longest_step: gap, longest_step_row: row, .. } = *timing;
+    let (Some(begin), Some(end)) = (t.first(), t.last()) else { return Ok((0, Vec::new())) };
+    // Rounding must not lose the first or last row.
+    let first = ((begin - origin) * rate - 1e-6).ceil().max(0.0);
+    let last = ((end - origin) * rate + 1e-6).floor();
+    let rows = (last - first + 1.0).max(0.0);
+    if rows.is_nan() || rows > MAX_GROWTH * t.len() as f64 + 1000.0 {
+        return Err(SignalError::Gap { row, gap, step: 1.0 / rate, rows });
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
+    let (first, rows) = (first as usize, rows as usize);
+    Ok((first, (first..first + rows).map(|k| origin + k as f64 / rate).collect()))
+}
+
+/// Rows of a local polynomial, of degree one less.
+const WIDTH: usize = 8;
+/// Steps, in usual ones, between which a local polynomial is safe. Of rows closer together only
+/// the first is used: the slope between them would be noise.
+const SHORTEST: f64 = 0.25;
+const LONGEST: f64 = 2.0;
+
+/// Counts the steps of `t` \[s\] that are bridged where `rate` is usual \[Hz\].
+pub(crate) fn count_gaps(t: &[f64], rate: f64, repairs: &mut Repairs) {
+    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.filter(|step| step * rate > LONGEST).for_each(|step| repairs.add_gap(step));
+}
+
+/// Interpolation from uneven stamps to given times, made once for all signals of a log.
+///
+/// A polynomial of degree 7 through the eight nearest rows, where they are about evenly spaced: a
+/// tone at a tenth of the rate is right to 1e-4. Over gaps, the cubic of least squares through as
+/// much on both sides. Elsewhere the cubic spline, which keeps to the neighbours. Nothing is
+/// delayed.
+#[derive(Clone, Debug)]
+pub struct Resampler {
+    /// Rows that are used, and their stamps.
+    rows: Vec<usize>,
+    t: Vec<f64>,
+    at: Vec<f64>,
+    /// First of the rows and their weights, for each time.
+    local: Vec<Option<(usize, Weights)>>,
+}
+
+/// Weights of rows that a value is interpolated from.
+#[derive(Clone, Debug)]
+enum Weights {
+    /// Of the eight nearest.
+    Near([f64; WIDTH]),
+    /// Of those on both sides of a gap.
+    Bridge(Vec<f64>),
+}
+
+impl Weights {
+    fn as_slice(&self) -> &[f64] {
+        match self {
+            Self::Near(weights) => weights,
+            Self::Bridge(weights) => weights,
+        }
+    }
+}
+
+impl Resampler {
+    /// - `t`: \[s\], strictly increasing, m
+    /// - `at`: times to interpolate to \[s\], increasing
+    /// - `rate`: usual rows per second \[Hz\]
+    pub fn new(t: &[f64], at: &[f64], rate: f64) -> Self {
+        let mut rows: Vec<usize> = Vec::with_capacity(t.len());
+        for row in 0..t.len() {
+            if rows.last().is_none_or(|&last| (t[row] - t[last]) * rate >= SHORTEST) {
+                rows.push(row);
+            }
+        }
+        let t: Vec<f64> = rows.iter().map(|&row| t[row]).collect();
+        let regular = |begin: usize| {
+            let steps = t[begin..begin + WIDTH].windows(2).map(|pair| pair[1] - pair[0]);
+            steps.fold(0.0, f64::max) * rate <= LONGEST
+        };
+        let local = at.iter().map(|&at| {
+            let after = t.partition_point(|t| *t <= at);
+            if after > 0 && after < t.len() && (t[after] - t[after - 1]) * rate > LONGEST {
+                return bridge(&t, after, at, rate);
+            }
+            let begin = after.checked_sub(WIDTH / 2)?;
+            let inside = begin + WIDTH <= t.len() && regular(begin);
+            inside.then(|| (begin, Weights::Near(lagrange(&t[begin..begin + WIDTH], at))))
+        });
+        let local = local.collect();
+        Self { rows, t, at: at.to_vec(), local }
+    }
+
+    /// One signal at the new times.
+    ///
+    /// - `x`: m values
+    ///
+    /// # Errors
+    /// Those of [`interpolate`].
+    pub fn column(&self, x: &[f64]) -> Result<Vec<f64>, SignalError> {
+        let last = self.rows.last().map_or(0, |row| row + 1);
+        if x.len() < last {
+            return Err(SignalError::TooFewRows { rows: x.len(), needed: last });
+        }
+        let x: Vec<f64> = self.rows.iter().map(|&row| x[row]).collect();
+        let mut values = interpolate(&self.t, &x, &self.at)?;
+        for (value, local) in values.iter_mut().zip(&self.local) {
+            if let Some((begin, weights)) = local {
+                *value = weights.as_slice().iter().zip(&x[*begin..]).map(|(w, x)| w * x).sum();
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// Coefficients of the polynomial that bridges a gap.
+const BRIDGE: usize = 4;
+
+/// The cubic of least squares through the rows that are no farther from a gap than it is long, at
+/// one time within it: a spline would take the noise of two rows for a slope.
+///
+/// - `after`: the row at which the gap ends
+fn bridge(t: &[f64], after: usize, at: f64, rate: f64) -> Option<(usize, Weights)> {
+    let (left, right) = (t[after - 1], t[after]);
+    let reach = (right - left).max(WIDTH as f64 / rate);
+    let begin = t[..after].partition_point(|t| *t < left - reach);
+    let end = after + t[after..].partition_point(|t| *t <= right + reach);
+    let powers = |t: f64| {
+        let u = (t - at) / (right - left + reach);
+        std::array::from_fn::<f64, BRIDGE, _>(|k| (0..k).fold(1.0, |power, _| power * u))
+    };
+    let mut gram = Mat::<f64>::zeros(BRIDGE, BRIDGE);
+    for own in t[begin..end].iter().map(|t| powers(*t)) {
+        for i in 0..BRIDGE {
+            for j in 0..BRIDGE {
+                gram[(i, j)] += own[i] * own[j];
+            }
+        }
+    }
+    // At the time itself all powers but the first are zero.
+    let unit = Mat::from_fn(BRIDGE, 1, |k, _| f64::from(u8::from(k == 0)));
+    let solved = gram.llt(Side::Lower).ok()?.solve(unit);
+    let weight = |t: &f64| powers(*t).iter().enumerate().map(|(k, x)| x * solved[(k, 0)]).sum();
+    Some((begin, Weights::Bridge(t[begin..end].iter().map(weight).collect())))
+}
+
+/// Weights of the polynomial through values at `t`, at one time.
+fn lagrange(t: &[f64], at: f64) -> [f64; WIDTH] {
+    let mut weights = [1.0; WIDTH];
+    for (i, weight) in weights.iter_mut().enumerate() {
+        for j in (0..WIDTH).filter(|j| *j != i) {
+            *weight *= (at - t[j]) / (t[i] - t[j]);
+        }
+    }
+    weights
+}
+
+/// Columns of `x` at the times `at`, see [`Resampler`].
+///
+/// - `t`: \[s\], strictly increasing, m
+/// - `x`: m×n
+/// - `rate`: usual rows per second of `t` \[Hz\]
+/// - returns: one row per value of `at`
+///
+/// # Errors
+/// Those of [`interpolate`].
+pub fn resample(
+    t: &[f64],
+    x: MatRef<'_, f64>,
+    at: &[f64],
+    rate: f64,
+) -> Result<Mat<f64>, SignalError> {
+    check_increasing(t)?;
+    let resampler = Resampler::new(t, at, rate);
+    let mut resampled = Mat::zeros(at.len(), x.ncols());
+    for j in 0..x.ncols() {
+        let column: Vec<f64> = x.col(j).iter().copied().collect();
+        resampled.col_as_slice_mut(j).copy_from_slice(&resampler.column(&column)?);
+    }
+    Ok(resampled)
+}
+
+#[cfg(test)]
+mod tests;

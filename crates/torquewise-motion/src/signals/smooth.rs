@@ -1,0 +1,87 @@
+//! From even columns, Plan to smooth q, q̇, q̈, τ, and the rows of them that are kept.
+
+use crate::signals::butterworth::low_pass;
+use crate::signals::clean::Even;
+use crate::signals::delay::shift;
+use crate::signals::derivative::even_derivative;
+use crate::signals::error::SignalError;
+use crate::signals::plan::Plan;
+use crate::signals::raw::{Columns, DDQ, DQ, Q, TAU, matrix};
+use crate::signals::settings::Derive;
+use crate::signals::zero_phase::filtfilt;
+use crate::{Motion, Signals};
+use faer::Mat;
+use std::ops::Range;
+
+/// Filtered and derived signals on the even grid, row 0 at grid index `first`.
+pub(crate) struct Smooth {
+    first: usize,
+    joints: Vec<String>,
+    t: Vec<f64>,
+    pub(crate) q: Mat<f64>,
+    pub(crate) dq: Mat<f64>,
+    pub(crate) ddq: Mat<f64>,
+    pub(crate) tau: Option<Mat<f64>>,
+}
+
+/// Every signal through the low-pass filter of the plan, if it has one.
+pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, SignalError> {
+    let columns = &even.columns;
+    let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
+    let sections = low_pass(plan.settings.order, cutoff, plan.rate)?;
+    columns.map(columns.t.clone(), |_, _, column| {
+        let mut column = column.to_vec();
+        filtfilt(&sections, &mut column)?;
+        Ok(column)
+    })
+}
+
+/// Derivatives of the filtered signals, and the torque advanced by its delay.
+pub(crate) fn smooth(filtered: &Columns, first: usize, plan: &Plan) -> Result<Smooth, SignalError> {
+    let of = |place: usize| filtered.signals[place].as_deref().map(matrix);
+    let (q, derive) =
+        (matrix(filtered.signals[Q].as_deref().unwrap_or_default()), plan.settings.derive);
+    let derived = |x: &Mat<f64>, order| even_derivative(x.as_ref(), plan.rate, order);
+    let measured_dq = of(DQ).filter(|_| derive != Derive::FromPosition);
+    let measured_ddq = of(DDQ).filter(|_| derive == Derive::Measured);
+    let ddq = match (measured_ddq, &measured_dq) {
+        (Some(ddq), _) => ddq,
+        (None, Some(dq)) => derived(dq, 1)?,
+        (None, None) => derived(&q, 2)?,
+    };
+    let dq = measured_dq.map_or_else(|| derived(&q, 1), Ok)?;
+    let delay = plan.settings.delay;
+    let advanced = |tau: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+        tau.iter().map(|x| shift(x, plan.rate, delay)).collect()
+    };
+    let tau = filtered.signals[TAU].as_ref().map(|tau| matrix(&advanced(tau)));
+    let (joints, t) = (filtered.joints.clone(), filtered.t.clone());
+    Ok(Smooth { first, joints, t, q, dq, ddq, tau })
+}
+
+impl Smooth {
+    /// The rows of these grid indices that are not left out; `None` if there is none.
+    pub(crate) fn rows(
+        &self,
+        indices: Range<usize>,
+        keep_every: usize,
+    ) -> Result<Option<Motion>, SignalError> {
+        let end = indices.end.min(self.first + self.t.len());
+        let begin = indices.start.max(self.first).next_multiple_of(keep_every);
+        let rows: Vec<usize> =
+            (begin..end).step_by(keep_every).map(|index| index - self.first).collect();
+        if rows.is_empty() {
+            return Ok(None);
+        }
+        let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |r, c| x[(rows[r], c)]);
+        let motion = Motion::new(Signals {
+            joints: self.joints.clone(),
+            t: rows.iter().map(|&row| self.t[row]).collect(),
+            q: pick(&self.q),
+            dq: pick(&self.dq),
+            ddq: pick(&self.ddq),
+            tau: self.tau.as_ref().map(pick),
+        })?;
+        Ok(Some(motion))
+    }
+}

@@ -1,0 +1,196 @@
+//! From arm, friction, drives, encoders to Plant: what a controller has before it.
+
+use crate::control::error::{ControlError, check_between, check_joints};
+use crate::control::integrate::Integrator;
+use crate::{Arm, Friction};
+
+/// An arm as it is met: τ + τ_external = M(q) q̈ + C(q, q̇) q̇ + G(q) + F(q̇), method.md (1) (17).
+///
+/// Rotor inertia is the arm's, [`Arm::with_rotors`]. Friction has the smooth reversal of
+/// [`Friction`]: no events to find, and steps as short as it asks for.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// Links and rotors.
+    pub arm: Arm,
+    /// Of the joints.
+    pub friction: Friction,
+    /// What turns a commanded torque into a torque.
+    pub drive: Drive,
+    /// What turns a position into a measured one.
+    pub sensors: Sensors,
+    /// Error of one step of integration, in rad and rad/s per (1 + size of the number).
+    pub tolerance: f64,
+}
+
+/// What turns a commanded torque into a torque.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// Largest torque of each joint \[N·m\], n; infinite for none.
+    pub limit: Vec<f64>,
+    /// Time from the command to the torque \[s\], at most 0.1.
+    pub delay: f64,
+}
+
+/// What turns a position into a measured one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sensors {
+    /// Step of the encoders \[rad\]; 0 for none.
+    pub step: f64,
+    /// Standard deviation of white noise in the position, before quantisation \[rad\].
+    pub noise: f64,
+    /// The same of the recorded torque \[N·m\].
+    pub torque_noise: f64,
+    /// Cut-off \[Hz\] of the first-order low-pass on differences of the position, which are the
+    /// velocity; infinite for none.
+    pub cutoff: f64,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Default for Sensors {
+    /// An encoder of 20 bits, velocity below 100 Hz, no noise.
+    fn default() -> Self {
+        let step = std::f64::consts::TAU / f64::from(1 << 20);
+        Self { step, noise: 0.0, torque_noise: 0.0, cutoff: 100.0, seed: 0 }
+    }
+}
+
+impl Sensors {
+    /// Positions and differences as they are.
+    pub const IDEAL: Self =
+        Self { step: 0.0, noise: 0.0, torque_noise: 0.0, cutoff: f64::INFINITY, seed: 0 };
+}
+
+impl Plant {
+    /// An arm without friction, limits, delay or errors of measurement.
+    pub fn ideal(arm: Arm) -> Self {
+        let n = arm.n_joints();
+        let drive = Drive { limit: vec![f64::INFINITY; n], delay: 0.0 };
+        let (friction, sensors) = (Friction::none(n), Sensors::IDEAL);
+        Self { arm, friction, drive, sensors, tolerance: 1e-10 }
+    }
+
+    /// Whether all parts are of one arm, and every number can be.
+    ///
+    /// # Errors
+    /// [`ControlError::JointCount`] or [`ControlError::Setting`], naming what is at fault.
+    pub fn check(&self) -> Result<(), ControlError> {
+        let n = self.arm.n_joints();
+        check_joints("friction", self.friction.n_joints(), n)?;
+        check_joints("the limit of the torque", self.drive.limit.len(), n)?;
+        let any = [0.0, f64::MAX];
+        for &limit in &self.drive.limit {
+            let above = [f64::MIN_POSITIVE, f64::INFINITY];
+            check_between("the limit of the torque [N·m]", limit, above, "above 0")?;
+        }
+        let sensors = &self.sensors;
+        check_between("the delay of the torque [s]", self.drive.delay, [0.0, 0.1], "0 to 0.1")?;
+        check_between("the step of the encoder [rad]", sensors.step, any, "0 or more")?;
+        check_between("the noise of the position [rad]", sensors.noise, any, "0 or more")?;
+        check_between("the noise of the torque [N·m]", sensors.torque_noise, any, "0 or more")?;
+        let above = [f64::MIN_POSITIVE, f64::INFINITY];
+        check_between("the cut-off of the velocity [Hz]", sensors.cutoff, above, "above 0")?;
+        check_between("the tolerance", self.tolerance, [1e-13, 1e-3], "1e-13 to 1e-3")
+    }
+
+    /// Torque that makes the arm move so: inverse dynamics and friction.
+    ///
+    /// - `q` \[rad\], `dq` \[rad/s\], `ddq` \[rad/s²\]: n each
+    /// - returns: τ \[N·m\], n
+    ///
+    /// # Panics
+    /// If a slice does not hold n numbers.
+    pub fn needed_torque(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
+        let mut tau = self.arm.inverse_dynamics(q, dq, ddq);
+        for (tau, rubs) in tau.iter_mut().zip(self.friction.torques(dq)) {
+            *tau += rubs;
+        }
+        tau
+    }
+
+    /// Acceleration under a torque: forward dynamics less friction.
+    ///
+    /// - `q` \[rad\], `dq` \[rad/s\], `tau` \[N·m\]: n each
+    /// - returns: q̈ \[rad/s²\], n
+    ///
+    /// # Errors
+    /// [`ControlError::Dynamics`] if a joint moves nothing that has mass.
+    ///
+    /// # Panics
+    /// If `dq` does not hold n numbers.
+    pub fn acceleration(
+        &self,
+        q: &[f64],
+        dq: &[f64],
+        tau: &[f64],
+    ) -> Result<Vec<f64>, ControlError> {
+        let rubs = self.friction.torques(dq);
+        let left: Vec<f64> = tau.iter().zip(rubs).map(|(tau, rubs)| tau - rubs).collect();
+        Ok(self.arm.forward_dynamics(q, dq, &left)?)
+    }
+
+    /// Lets a steady torque act for some seconds: q \[rad\] and dq \[rad/s\], n each, become what
+    /// they are then. Limits, delay and sensors have no part in it; bristles are not bent at first.
+    ///
+    /// # Errors
+    /// [`ControlError::JointCount`]; [`ControlError::Dynamics`] as [`Plant::acceleration`];
+    /// [`ControlError::Diverged`] if the motion cannot be followed.
+    pub fn advance(
+        &self,
+        [q, dq]: [&mut [f64]; 2],
+        tau: &[f64],
+        seconds: f64,
+    ) -> Result<(), ControlError> {
+        self.check()?;
+        let n = self.arm.n_joints();
+        for (what, found) in [("q", q.len()), ("dq", dq.len()), ("tau", tau.len())] {
+            check_joints(what, found, n)?;
+        }
+        check_between("the time [s]", seconds, [0.0, 1e9], "from 0 to 1e9")?;
+        let mut state = self.state(q, dq);
+        let mut integrator = Integrator::new(state.len(), self.tolerance);
+        self.follow(&mut integrator, &mut state, [0.0, seconds], tau)?;
+        q.copy_from_slice(&state[..n]);
+        dq.copy_from_slice(&state[n..2 * n]);
+        Ok(())
+    }
+
+    /// q, dq and, where friction has bristles, how far they are bent at first, in one.
+    pub(crate) fn state(&self, q: &[f64], dq: &[f64]) -> Vec<f64> {
+        let bristles = if self.friction.has_bristles() { q.len() } else { 0 };
+        [q, dq, &vec![0.0; bristles]].concat()
+    }
+
+    /// The same from a time \[s\] for some seconds, of a whole state, by an integrator that
+    /// remembers its step.
+    pub(crate) fn follow(
+        &self,
+        integrator: &mut Integrator,
+        state: &mut [f64],
+        times: [f64; 2],
+        tau: &[f64],
+    ) -> Result<(), ControlError> {
+        integrator.advance(state, times, |x, dx| {
+            if x.iter().any(|x| !x.is_finite()) {
+                // The integrator takes a shorter step.
+                dx.fill(f64::NAN);
+                return Ok(());
+            }
+            let n = tau.len();
+            let (q, rest) = x.split_at(n);
+            let (dq, bent) = rest.split_at(n);
+            dx[..n].copy_from_slice(dq);
+            let mut left = tau.to_vec();
+            for joint in 0..n {
+                let z = bent.get(joint).copied().unwrap_or_default();
+                let [rubs, bends] = self.friction.bent(joint, dq[joint], z);
+                left[joint] -= rubs;
+                if let Some(slope) = dx.get_mut(2 * n + joint) {
+                    *slope = bends;
+                }
+            }
+            dx[n..2 * n].copy_from_slice(&self.arm.forward_dynamics(q, dq, &left)?);
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! From plant, desired motion to Recorded: a log as an arm in velocity mode gives it.
+
+use crate::control::error::{ControlError, check_between, check_joints};
+use crate::control::gains::mean_inertia;
+use crate::control::knowledge::sum;
+use crate::control::moving::{Moving, Slopes};
+use crate::control::plant::Plant;
+use crate::control::rows::{Target, period};
+use faer::Mat;
+use torquewise_motion::Motion;
+
+/// A log: measured positions and torques at even times.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// Joint names, base to tip, n.
+    pub joints: Vec<String>,
+    /// Time stamps \[s\], m.
+    pub t: Vec<f64>,
+    /// Positions by the encoders \[rad\], m×n.
+    pub q: Mat<f64>,
+    /// Torque of the drives about each stamp \[N·m\], m×n.
+    pub tau: Mat<f64>,
+}
+
+/// Moves the plant by velocity controllers in its drives and records it.
+///
+/// Each joint has τ = 2 m ω (v_d − v) + m ω² ∫(v_d − v) with its own mean inertia m, as a drive is
+/// tuned that knows nothing of the arm; v are differences of the measured position. The torque of
+/// a stamp is the mean over the periods before and after it.
+///
+/// - `wanted`: velocities at each tick, and where to begin
+/// - `bandwidth`: ω \[rad/s\]
+///
+/// # Errors
+/// [`ControlError::JointCount`], [`ControlError::Setting`] or [`ControlError::Uneven`] if these do
+/// not belong together; [`ControlError::Diverged`] for a loop that is unstable.
+pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Recorded, ControlError> {
+    let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
+    check_joints("the desired motion", wanted.n_joints(), n)?;
+    check_between("the bandwidth [rad/s]", bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
+    let (period, inertia) = (period(wanted)?, mean_inertia(plant, wanted)?);
+    let first = Target::of(wanted, 0);
+    let mut moving = Moving::new(plant, &first.q, &first.dq)?;
+    let mut slopes = Slopes::new(period, plant.sensors.cutoff, &first.dq);
+    let mut integral = vec![0.0; n];
+    let mut before: Option<Vec<f64>> = None;
+    let (mut q, mut tau) = (Mat::zeros(m, n), Mat::zeros(m, n));
+    for row in 0..m {
+        let measured = moving.measured();
+        let v = slopes.next(&measured);
+        let missing = sum(Target::of(wanted, row).dq, -1.0, v);
+        let command: Vec<f64> = (0..n)
+            .map(|i| {
+                let limit = plant.drive.limit[i];
+                let grown = integral[i] + period * missing[i];
+                let tau = inertia[i] * bandwidth * (2.0 * missing[i] + bandwidth * grown);
+                if tau.abs() <= limit || tau * missing[i] < 0.0 {
+                    integral[i] = grown;
+                }
+                tau.clamp(-limit, limit)
+            })
+            .collect();
+        let after = moving.hold(command, &vec![0.0; n], period)?;
+        let around = match &before {
+            Some(before) => (0..n).map(|i| f64::midpoint(before[i], after[i])).collect(),
+            None => after.clone(),
+        };
+        for (i, reported) in moving.reported(&around).into_iter().enumerate() {
+            q[(row, i)] = measured[i];
+            tau[(row, i)] = reported;
+        }
+        before = Some(after);
+    }
+    let t = (0..m).map(|row| row as f64 * period).collect();
+    Ok(Recorded { joints: plant.arm.joints().to_vec(), t, q, tau })
+}

@@ -1,0 +1,40 @@
+//! Motions that a torque model can be reconstructed from, planned within the limits of an arm.
+//!
+//! [`excite()`] plans three recordings, one for each step of the method: poses held, constant
+//! speeds, accelerated motion. Each is made of parts that are chosen for what they tell about the
+//! coefficients. [`joint_trajectory`] writes a recording for ROS 2.
+//!
+//! ```
+//! use torquewise_sim::Arm;
+//! use torquewise_sim::excite::{Plan, Wishes, excite, limits};
+//!
+//! let limits = limits(&Arm::builtin("planar-2")?, &Wishes::default())?;
+//! let plan = Plan { seconds: [10.0, 40.0, 30.0], tries: 2, ..Plan::default() };
+//! let found = excite(&limits, &plan, &mut |_, _| {})?;
+//! assert!(found.recordings.iter().zip(plan.seconds).all(|(found, most)| found.seconds() <= most));
+//! assert!(found.peaks[2][0].velocity <= limits[0].planned.velocity);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod error;
+pub mod limits;
+mod random;
+pub mod state;
+mod sines;
+mod segment;
+mod part;
+mod library;
+pub mod information;
+mod path;
+mod design;
+pub mod recording;
+pub mod planner;
+pub mod ros;
+
+pub use error::ExciteError;
+pub use information::Criterion;
+pub use limits::{Bounds, Limits, PerJoint, Wishes, limits};
+pub use planner::{Excitation, Plan, excite};
+pub use recording::{Peaks, Planned};
+pub use ros::{Waypoint, joint_trajectory, waypoints};
+pub use state::State;

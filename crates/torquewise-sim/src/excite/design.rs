@@ -1,0 +1,242 @@
+//! From library, limits to parts of a recording: those that tell most about the coefficients.
+
+use crate::excite::error::ExciteError;
+use crate::excite::information::Information;
+use crate::excite::library::Library;
+use crate::excite::limits::Bounds;
+use crate::excite::part::{Part, Sweep};
+use crate::excite::path::seconds_of;
+use crate::excite::random::between;
+use crate::excite::sines::Sines;
+use faer::Mat;
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+use std::f64::consts::TAU;
+
+/// What a recording is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Recipe {
+    /// Poses held for so many seconds.
+    Poses { dwell: f64 },
+    /// Poses passed slowly in both directions, so many seconds each.
+    Creeps { dwell: f64 },
+    /// Ways at constant speed.
+    Sweeps,
+    /// Sums of sines.
+    Sines,
+}
+
+/// How much is tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Effort {
+    /// Parts to choose from, each time.
+    pub(crate) tries: usize,
+    /// How often each part is looked at again.
+    pub(crate) rounds: usize,
+}
+
+/// What a design is for.
+pub(crate) struct Task<'a> {
+    pub(crate) recipe: Recipe,
+    pub(crate) library: &'a Library,
+    pub(crate) limits: &'a [Bounds],
+    pub(crate) home: &'a [f64],
+    /// Time \[s\] of the whole recording at most.
+    pub(crate) seconds: f64,
+    pub(crate) effort: Effort,
+}
+
+/// A part and its columns.
+#[derive(Clone)]
+struct Chosen {
+    part: Part,
+    rows: Mat<f64>,
+}
+
+/// What no column is worth less than, as a share of what it is worth over the limits.
+const RIDGE: f64 = 1e-9;
+/// Parts that may be drawn in vain, for each that is tried.
+const VAIN: usize = 20;
+/// Poses are cheap to judge.
+const POSES_PER_TRY: usize = 8;
+/// Share of the time after which joints no longer sweep alone, if each did so once.
+const ALONE: f64 = 0.5;
+/// Longest sweep of several joints as a share of the recording.
+const LONGEST_SWEEP: f64 = 0.1;
+/// Period of sines \[s\] at least and at most, and as a share of the longest that is useful.
+const PERIOD: [f64; 2] = [2.0, 30.0];
+const PERIOD_SHARE: [f64; 2] = [0.5, 1.0];
+
+impl Task<'_> {
+    /// Chooses parts one by one, each the one that adds most to the information per second, until
+    /// no further one fits; then tries to replace each by a better one.
+    ///
+    /// The information is the determinant of the Gram matrix (D-optimality). `known`: rows of
+    /// earlier recordings. `progress`: told the share of the work that is done.
+    pub(crate) fn design(
+        &self,
+        known: &[Mat<f64>],
+        rng: &mut ChaCha8Rng,
+        progress: &mut dyn FnMut(f64),
+    ) -> Result<Vec<Part>, ExciteError> {
+        let n = self.limits.len() as f64;
+        let mut information =
+            Information::new(self.library.n_columns(), RIDGE * n * self.seconds, known);
+        let mut chosen: Vec<Chosen> = Vec::new();
+        // The second half of the work is to look again.
+        let half = if self.effort.rounds > 0 { 0.5 } else { 1.0 };
+        while let Some(next) = self.next(&information, &chosen, rng)? {
+            information.add(next.rows.as_ref(), 1.0);
+            chosen.push(next);
+            progress(half * self.seconds_with(&chosen, None) / self.seconds);
+        }
+        let total = (self.effort.rounds * chosen.len()).max(1) as f64;
+        for round in 0..self.effort.rounds {
+            for place in 0..chosen.len() {
+                self.improve(&mut information, &mut chosen, place, rng)?;
+                progress(0.5 + 0.5 * (round * chosen.len() + place + 1) as f64 / total);
+            }
+        }
+        Ok(chosen.into_iter().map(|chosen| chosen.part).collect())
+    }
+
+    /// The best of some parts that fit at the end, if any does.
+    fn next(
+        &self,
+        information: &Information,
+        chosen: &[Chosen],
+        rng: &mut ChaCha8Rng,
+    ) -> Result<Option<Chosen>, ExciteError> {
+        let before = self.seconds_with(chosen, None);
+        let kind = self.kind(chosen.len(), before);
+        let mut drawn = Vec::new();
+        for _ in 0..VAIN * self.tries() {
+            if drawn.len() == self.tries() {
+                break;
+            }
+            let Some(part) = self.draw(kind, rng) else { continue };
+            let seconds = self.seconds_with(chosen, Some((chosen.len(), &part)));
+            if seconds <= self.seconds {
+                drawn.push((part, (seconds - before).max(f64::MIN_POSITIVE)));
+            }
+        }
+        let best = self.best(information, drawn)?;
+        Ok(best.map(|(chosen, _)| chosen))
+    }
+
+    /// Replaces a part if one is found that tells more and fits in its place.
+    fn improve(
+        &self,
+        information: &mut Information,
+        chosen: &mut [Chosen],
+        place: usize,
+        rng: &mut ChaCha8Rng,
+    ) -> Result<(), ExciteError> {
+        let old = chosen[place].clone();
+        let kind = old.part.kind().unwrap_or(Sweep::Together);
+        let mut drawn = Vec::new();
+        for k in 0..self.tries() {
+            let varied =
+                if k % 4 == 3 { self.draw(kind, rng) } else { old.part.vary(self.limits, rng) };
+            let fits = |part: &Part| self.seconds_with(chosen, Some((place, part))) <= self.seconds;
+            drawn.extend(varied.filter(fits).map(|part| (part, 1.0)));
+        }
+        let mut without = information.clone();
+        without.add(old.rows.as_ref(), -1.0);
+        let kept = without.gain(old.rows.as_ref());
+        if let Some((better, gain)) = self.best(&without, drawn)?
+            && gain > kept
+        {
+            without.add(better.rows.as_ref(), 1.0);
+            *information = without;
+            chosen[place] = better;
+        }
+        Ok(())
+    }
+
+    /// The part that tells most per unit of its cost, the first of equals, and what it tells.
+    fn best(
+        &self,
+        information: &Information,
+        drawn: Vec<(Part, f64)>,
+    ) -> Result<Option<(Chosen, f64)>, ExciteError> {
+        // Each is judged in one thread and the best is looked for in order: same bits. Columns are
+        // made twice for the best, so that those of all need not be kept.
+        let worths = drawn.par_iter().map(|(part, cost)| {
+            let rows = self.library.rows(&part.states(1))?;
+            // What is not a number is worth nothing.
+            Ok((information.gain(rows.as_ref()) / cost).max(f64::NEG_INFINITY))
+        });
+        let worths: Vec<f64> = worths.collect::<Result<_, ExciteError>>()?;
+        let judged = drawn.into_iter().zip(worths);
+        let best = judged.reduce(|best, next| if next.1 > best.1 { next } else { best });
+        let Some(((part, _), worth)) = best else { return Ok(None) };
+        let rows = self.library.rows(&part.states(1))?;
+        Ok(Some((Chosen { part, rows }, worth)))
+    }
+
+    /// Time \[s\] of the recording with a part put in a place, at the end or instead of another.
+    fn seconds_with(&self, chosen: &[Chosen], put: Option<(usize, &Part)>) -> f64 {
+        let place = put.map_or(usize::MAX, |(place, _)| place);
+        let own = |(k, chosen)| {
+            let chosen: &Chosen = chosen;
+            put.filter(|(place, _)| *place == k).map_or(&chosen.part, |(_, part)| part)
+        };
+        let end = put.filter(|_| place == chosen.len()).map(|(_, part)| part);
+        let parts = chosen.iter().enumerate().map(own).chain(end);
+        seconds_of(self.home, parts, self.limits)
+    }
+
+    fn tries(&self) -> usize {
+        match self.recipe {
+            _ if self.effort.tries == 1 => 1,
+            Recipe::Poses { .. } | Recipe::Creeps { .. } => POSES_PER_TRY * self.effort.tries,
+            Recipe::Sweeps | Recipe::Sines => self.effort.tries,
+        }
+    }
+
+    /// What a sweep in a place moves: each joint alone, fast, then slow while there is time, then
+    /// several together.
+    fn kind(&self, place: usize, before: f64) -> Sweep {
+        let n = self.limits.len();
+        if place < n {
+            Sweep::Fast(place)
+        } else if place < 2 * n && before < ALONE * self.seconds {
+            Sweep::Slow(place - n)
+        } else {
+            Sweep::Together
+        }
+    }
+
+    /// A part of the recording; `None` if what was drawn makes no sense.
+    fn draw(&self, kind: Sweep, rng: &mut ChaCha8Rng) -> Option<Part> {
+        let (limits, n) = (self.limits, self.limits.len());
+        match self.recipe {
+            Recipe::Poses { dwell } => Some(Part::pose(dwell, limits, rng)),
+            Recipe::Creeps { dwell } => Part::creep(dwell, limits, rng),
+            Recipe::Sweeps => {
+                let most = match kind {
+                    Sweep::Together => LONGEST_SWEEP * self.seconds,
+                    _ => ALONE * self.seconds / (2 * n) as f64,
+                };
+                Part::sweep(kind, most, limits, rng)
+            }
+            Recipe::Sines => {
+                let seconds = self.longest_period() * between(rng, PERIOD_SHARE);
+                Some(Part::Sines(Sines::draw(seconds, limits, rng)))
+            }
+        }
+    }
+
+    /// Period \[s\] in which the joints, half of them at least, can cross their range and return.
+    fn longest_period(&self) -> f64 {
+        let period = |limits: &Bounds| {
+            TAU * (limits.position[1] - limits.position[0]) / 2.0 / limits.velocity
+        };
+        let mut periods: Vec<f64> = self.limits.iter().map(period).collect();
+        periods.sort_by(f64::total_cmp);
+        let middle = periods.get(periods.len() / 2).copied().unwrap_or(PERIOD[0]);
+        let room = 0.7 * self.seconds / PERIOD_SHARE[1];
+        middle.clamp(PERIOD[0], PERIOD[1]).min(room)
+    }
+}

@@ -1,0 +1,266 @@
+//! From limits, orders to library: energies and friction as columns, each of size one over the
+//! limits.
+
+use crate::excite::error::ExciteError;
+use crate::excite::limits::Bounds;
+use crate::excite::part::{Part, States};
+use crate::excite::random::between;
+use crate::excite::state::State;
+use faer::Mat;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_stepwise::LibraryKind;
+use torquewise_stepwise::Regression;
+use torquewise_stepwise::candidates::Candidates;
+
+/// Columns at most: a factorisation takes about a second then.
+const MOST_COLUMNS: usize = 3_000;
+/// Columns at most where no interaction order is asked for.
+const EASY_COLUMNS: usize = 1_400;
+/// Interaction order where none is asked for, and the columns allow it.
+const INTERACTION: usize = 2;
+/// States over which the size of a column is measured.
+const REFERENCE: usize = 512;
+
+/// Offset, viscous and dry friction of each joint: 1, q̇ and sign(q̇).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Friction(pub(crate) [bool; 3]);
+
+/// The columns of a regression for the torque of n joints at once.
+#[derive(Clone, Debug)]
+pub(crate) struct Library {
+    evaluator: Evaluator,
+    /// Columns of energies asked for at standstill, then at uniform velocity (14)(15).
+    offered: [Vec<usize>; 2],
+    friction: Friction,
+    /// Root mean square of each column over states within the limits.
+    scale: Vec<f64>,
+    /// How many joint angles a term may hold.
+    pub(crate) interaction: usize,
+}
+
+/// The part of the library that a recording is there for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Share {
+    /// V and offsets; dry friction too where joints creep.
+    Standstill { creep: bool },
+    /// V, what of M depends on q, and friction.
+    Uniform,
+    /// All.
+    Whole,
+}
+
+impl Library {
+    /// Lists the columns.
+    pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self, ExciteError> {
+        let n = limits.len();
+        let mut order = interaction.unwrap_or(INTERACTION).clamp(1, n.max(1));
+        if interaction.is_none() && n_energies(n, order) > EASY_COLUMNS as f64 {
+            order = 1;
+        }
+        let wanted = n_energies(n, order) + 3.0 * n as f64;
+        if wanted > MOST_COLUMNS as f64 {
+            return Err(ExciteError::TooManyColumns { columns: wanted, limit: MOST_COLUMNS });
+        }
+        let kind = LibraryKind::Energy { interaction: Some(order) };
+        let candidates = Candidates::new(n, kind, Regression::Stepwise)?;
+        let columns = candidates.len() + 3 * n;
+        let [gravity, coriolis, _] = candidates.offered;
+        let mut library = Self {
+            evaluator: Evaluator::new(candidates.design),
+            offered: [gravity, coriolis],
+            friction: Friction([true; 3]),
+            scale: vec![1.0; columns],
+            interaction: order,
+        };
+        let values = library.rows(&reference(limits))?;
+        library.scale = (0..columns)
+            .map(|j| {
+                let square = values.col(j).squared_norm_l2() / values.nrows() as f64;
+                if square > 0.0 { square.sqrt() } else { 1.0 }
+            })
+            .collect();
+        Ok(library)
+    }
+
+    /// Number of columns.
+    pub(crate) fn n_columns(&self) -> usize {
+        self.scale.len()
+    }
+
+    /// The columns that a recording is there for.
+    pub(crate) fn share(&self, share: Share) -> Result<Self, ExciteError> {
+        let [gravity, coriolis] = &self.offered;
+        let (energies, friction) = match share {
+            Share::Standstill { creep } => (gravity.clone(), Friction([true, false, creep])),
+            Share::Uniform => ([&gravity[..], coriolis].concat(), Friction([true; 3])),
+            Share::Whole => return Ok(self.clone()),
+        };
+        let design = self.evaluator.design();
+        let first = design.n_columns();
+        let n = design.n_equations();
+        let laws = (0..3).filter(|&law| friction.0[law]);
+        let shafts = laws.flat_map(|law| (0..n).map(move |joint| first + law * n + joint));
+        let scale = energies.iter().copied().chain(shafts).map(|j| self.scale[j]).collect();
+        let evaluator = Evaluator::new(design.subset(&energies)?);
+        Ok(Self { evaluator, friction, scale, ..self.clone() })
+    }
+
+    /// The columns at the states of each part.
+    pub(crate) fn rows_of<'a>(
+        &self,
+        parts: impl IntoIterator<Item = &'a Part>,
+        density: u8,
+    ) -> Result<Vec<Mat<f64>>, ExciteError> {
+        parts.into_iter().map(|part| self.rows(&part.states(density))).collect()
+    }
+
+    /// The columns at some states, n·m rows by p: the joints below each other, each row times the
+    /// root of the seconds it stands for.
+    pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>, ExciteError> {
+        let (m, n) = (states.q.nrows(), states.q.ncols());
+        let variables = Mat::from_fn(m, 2 * n, |row, column| {
+            if column < n { states.dq[(row, column)] } else { states.ddq[(row, column - n)] }
+        });
+        let responses = Mat::zeros(m, 0);
+        let samples = Samples { angles: states.q.clone(), variables, responses };
+        let energies = self.evaluator.columns(&samples)?;
+        let mut rows = Mat::zeros(n * m, self.n_columns());
+        let first = self.evaluator.design().n_columns();
+        for (joint, values) in energies.iter().enumerate() {
+            for j in 0..first {
+                let out = &mut rows.col_as_slice_mut(j)[joint * m..][..m];
+                out.copy_from_slice(values.col_as_slice(j));
+            }
+            let laws: [fn(f64) -> f64; 3] = [|_| 1.0, |dq| dq, sign];
+            let used = laws.iter().zip(self.friction.0).filter(|(_, used)| *used);
+            for (place, (law, _)) in used.enumerate() {
+                let out = rows.col_as_slice_mut(first + place * n + joint);
+                for (row, out) in out[joint * m..][..m].iter_mut().enumerate() {
+                    *out = law(states.dq[(row, joint)]);
+                }
+            }
+        }
+        for (j, scale) in self.scale.iter().enumerate() {
+            for (place, value) in rows.col_as_slice_mut(j).iter_mut().enumerate() {
+                *value *= states.seconds[place % m].sqrt() / scale;
+            }
+        }
+        Ok(rows)
+    }
+}
+
+/// Number of energies of n joints before they are listed, which might take all memory.
+fn n_energies(n: usize, order: usize) -> f64 {
+    // Products of at most `order` factors, one of 2h functions from each joint of h harmonics.
+    let products = |harmonics: &dyn Fn(usize) -> f64| {
+        let mut count = vec![0.0; order + 1];
+        count[0] = 1.0;
+        for joint in 0..n {
+            for used in (1..=order).rev() {
+                count[used] += 2.0 * harmonics(joint) * count[used - 1];
+            }
+        }
+        count.into_iter().sum::<f64>()
+    };
+    let inertia = |(i, j): (usize, usize)| {
+        products(&|k| f64::from(u8::from(k > i)) + f64::from(u8::from(k > j)))
+    };
+    let pairs = (0..n).flat_map(|i| (i..n).map(move |j| (i, j)));
+    products(&|_| 1.0) - 1.0 + pairs.map(inertia).sum::<f64>()
+}
+
+/// −1, 0 or 1.
+fn sign(dq: f64) -> f64 {
+    if dq == 0.0 { 0.0 } else { dq.signum() }
+}
+
+/// States all over the limits, the same for every plan: what columns are measured by.
+fn reference(limits: &[Bounds]) -> States {
+    let mut rng = ChaCha8Rng::seed_from_u64(0);
+    let states: Vec<State> = (0..REFERENCE)
+        .map(|_| {
+            let mut draw = |ends: fn(&Bounds) -> [f64; 2]| {
+                limits.iter().map(|limits| between(&mut rng, ends(limits))).collect()
+            };
+            State {
+                q: draw(|limits| limits.position),
+                dq: draw(|limits| [-limits.velocity, limits.velocity]),
+                ddq: draw(|limits| [-limits.acceleration, limits.acceleration]),
+            }
+        })
+        .collect();
+    States::new(&states, vec![1.0; REFERENCE])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: [Bounds; 3] =
+        [Bounds { position: [-2.0, 2.0], velocity: 1.0, acceleration: 2.0 }; 3];
+
+    #[test]
+    fn shares_have_the_sizes_of_their_terms() {
+        let library = Library::new(&LIMITS, None).unwrap();
+
+        let sizes =
+            [Share::Standstill { creep: false }, Share::Standstill { creep: true }, Share::Uniform]
+                .map(|share| library.share(share).unwrap().n_columns());
+
+        // 76 energies, of which V holds 18 and M six constants.
+        assert_eq!(library.n_columns(), 76 + 9);
+        assert_eq!(sizes, [18 + 3, 18 + 6, 70 + 9]);
+    }
+
+    #[test]
+    fn every_column_has_size_one_over_the_limits() {
+        let library = Library::new(&LIMITS, Some(3)).unwrap();
+
+        let rows = library.rows(&reference(&LIMITS)).unwrap();
+
+        for j in 0..library.n_columns() {
+            let square = rows.col(j).squared_norm_l2() / rows.nrows() as f64;
+            assert!((square - 1.0).abs() < 1e-12, "{j}: {square}");
+        }
+    }
+
+    #[test]
+    fn a_share_has_the_columns_of_the_whole() {
+        let library = Library::new(&LIMITS, None).unwrap();
+        let share = library.share(Share::Standstill { creep: true }).unwrap();
+        let states = reference(&LIMITS);
+
+        let (whole, part) = (library.rows(&states).unwrap(), share.rows(&states).unwrap());
+
+        for (place, &j) in library.offered[0].iter().enumerate() {
+            assert!((whole.col(j) - part.col(place)).norm_max() < 1e-14);
+        }
+        for joint in 0..3 {
+            let (offset, dry) = (76 + joint, 76 + 6 + joint);
+            assert!((whole.col(offset) - part.col(18 + joint)).norm_max() < 1e-14);
+            assert!((whole.col(dry) - part.col(21 + joint)).norm_max() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn many_joints_get_a_lower_order_and_too_many_columns_are_refused() {
+        let seven = [LIMITS[0]; 7];
+
+        assert_eq!(Library::new(&seven, None).unwrap().interaction, 1);
+        for order in [3, 16] {
+            let refused = Library::new(&seven, Some(order)).unwrap_err();
+            assert!(matches!(refused, ExciteError::TooManyColumns { .. }), "{refused}");
+        }
+    }
+
+    #[test]
+    fn libraries_are_counted_as_they_are_listed() {
+        for (n, order) in [(1, 1), (2, 2), (3, 1), (3, 3), (4, 2), (5, 1)] {
+            let library = Library::new(&vec![LIMITS[0]; n], Some(order)).unwrap();
+            let found = library.n_columns() as f64;
+            assert!((found - n_energies(n, order) - 3.0 * n as f64).abs() < 0.5, "{n} {order}");
+        }
+    }
+}

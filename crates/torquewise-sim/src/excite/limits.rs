@@ -1,0 +1,204 @@
+//! From arm, wishes to limits: what each joint may do, and what the plan keeps to.
+
+use crate::Arm;
+use crate::excite::error::ExciteError;
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+/// What a joint may do at most.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower and upper position \[rad\].
+    pub position: [f64; 2],
+    /// Speed \[rad/s\].
+    pub velocity: f64,
+    /// Acceleration \[rad/s²\].
+    pub acceleration: f64,
+}
+
+/// The limits of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits {
+    /// Name of the joint.
+    pub joint: String,
+    /// What the arm can do.
+    pub arm: Bounds,
+    /// What the plan keeps to.
+    pub planned: Bounds,
+    /// Which limits of the arm nobody gave, so that they are assumed.
+    pub assumed: Vec<&'static str>,
+}
+
+/// A value for all joints, one for each, or some for joints by name.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PerJoint<T>(pub Vec<(Option<String>, T)>);
+
+/// What the user says about limits; where he says nothing, those of the arm hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wishes {
+    /// Positions \[rad\] to keep to, within the limits of the arm.
+    pub range: PerJoint<[f64; 2]>,
+    /// Limit of the speed \[rad/s\], in place of the arm's.
+    pub velocity: PerJoint<f64>,
+    /// Acceleration \[rad/s²\] to keep to.
+    pub acceleration: PerJoint<f64>,
+    /// Speeds of the plan as a share of the limits.
+    pub speed_scale: f64,
+    /// Distance from each limit of the position, as a share of the way between them.
+    pub margin: f64,
+}
+
+impl Default for Wishes {
+    fn default() -> Self {
+        Self {
+            range: PerJoint::default(),
+            velocity: PerJoint::default(),
+            acceleration: PerJoint::default(),
+            speed_scale: 0.5,
+            margin: 0.05,
+        }
+    }
+}
+
+/// Limit of the speed \[rad/s\] of a joint about which nothing is known.
+pub const ASSUMED_VELOCITY: f64 = 2.0;
+/// Time \[s\] in which the planned speed is reached where no acceleration is given.
+pub const SECONDS_TO_SPEED: f64 = 0.5;
+/// Limits from here to there are those of an arm; others are a mistake, or would overflow.
+const SENSIBLE: [f64; 2] = [1e-4, 1e4];
+
+impl<T: Copy> PerJoint<T> {
+    /// The value of each joint, n; `None` where there is none.
+    fn resolve(
+        &self,
+        what: &'static str,
+        joints: &[String],
+    ) -> Result<Vec<Option<T>>, ExciteError> {
+        let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
+        let (n, found) = (joints.len(), self.0.len());
+        if named == 0 {
+            return match found {
+                0 => Ok(vec![None; n]),
+                1 => Ok(vec![Some(self.0[0].1); n]),
+                _ if found == n => Ok(self.0.iter().map(|(_, value)| Some(*value)).collect()),
+                _ => Err(ExciteError::Count { what, found, joints: n }),
+            };
+        }
+        if named < found {
+            return Err(ExciteError::Mixed { what });
+        }
+        let mut values = vec![None; n];
+        for (name, value) in &self.0 {
+            let name = name.clone().unwrap_or_default();
+            let Some(place) = joints.iter().position(|joint| *joint == name) else {
+                let known = joints.join(", ");
+                return Err(ExciteError::UnknownJoint { what, joint: name, known });
+            };
+            values[place] = Some(*value);
+        }
+        Ok(values)
+    }
+}
+
+/// The limits of each joint of an arm, n.
+///
+/// The plan keeps `margin` off each limit of the position and moves a joint without such limits
+/// within one turn; it uses `speed_scale` of the speed and of the acceleration of a URDF 1.2.
+/// Without an acceleration, the planned speed is reached in half a second.
+///
+/// # Errors
+/// [`ExciteError`], naming the joint and the number at fault.
+pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>, ExciteError> {
+    let joints = arm.joints();
+    check_share("speed scale", wishes.speed_scale, 0.01..=1.0, "from 0.01 to 1")?;
+    check_share("margin", wishes.margin, 0.0..=0.45, "from 0 to 0.45")?;
+    let ranges = wishes.range.resolve("a range", joints)?;
+    let velocities = wishes.velocity.resolve("a velocity", joints)?;
+    let accelerations = wishes.acceleration.resolve("an acceleration", joints)?;
+    let turns = arm.ranges();
+    let mut all = Vec::with_capacity(joints.len());
+    for (i, (joint, known)) in joints.iter().zip(arm.limits()).enumerate() {
+        let mut assumed = Vec::new();
+        let limit = velocities[i].or(known.velocity).unwrap_or_else(|| {
+            assumed.push("velocity");
+            ASSUMED_VELOCITY
+        });
+        check_rate("velocity", joint, limit)?;
+        let velocity = wishes.speed_scale * limit;
+        let scaled = known.acceleration.map(|limit| wishes.speed_scale * limit);
+        let acceleration = accelerations[i].or(scaled).unwrap_or_else(|| {
+            assumed.push("acceleration");
+            velocity / SECONDS_TO_SPEED
+        });
+        check_rate("acceleration", joint, acceleration)?;
+        if known.position.is_none() && ranges[i].is_none() {
+            assumed.push("position");
+        }
+        let inner = known.position.map(|limits| inset(limits, wishes.margin));
+        let position = planned_range(joint, ranges[i], inner, turns[i])?;
+        all.push(Limits {
+            joint: joint.clone(),
+            arm: Bounds {
+                position: known.position.unwrap_or(ranges[i].unwrap_or([-PI, PI])),
+                velocity: limit,
+                acceleration: accelerations[i].or(known.acceleration).unwrap_or(acceleration),
+            },
+            planned: Bounds { position, velocity, acceleration },
+            assumed,
+        });
+    }
+    Ok(all)
+}
+
+/// Positions to keep to: as asked, within the limits less their margin, at most one turn unless
+/// asked otherwise.
+fn planned_range(
+    joint: &str,
+    asked: Option<[f64; 2]>,
+    inner: Option<[f64; 2]>,
+    turn: [f64; 2],
+) -> Result<[f64; 2], ExciteError> {
+    let [lower, upper] = match (asked, inner) {
+        (Some([a, b]), Some([lower, upper])) => [a.max(lower), b.min(upper)],
+        (Some(range), None) => range,
+        (None, Some([lower, upper])) => [lower.max(turn[0]), upper.min(turn[1])],
+        (None, None) => turn,
+    };
+    let asked_well = asked.is_none_or(|[a, b]| a < b);
+    let [least, most] = SENSIBLE;
+    if asked_well && upper - lower >= least && lower.abs().max(upper.abs()) <= most {
+        Ok([lower, upper])
+    } else {
+        let [lower, upper] = asked.unwrap_or([lower, upper]);
+        Err(ExciteError::Range { joint: joint.to_owned(), lower, upper })
+    }
+}
+
+fn inset([lower, upper]: [f64; 2], margin: f64) -> [f64; 2] {
+    let distance = margin * (upper - lower);
+    [lower + distance, upper - distance]
+}
+
+fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<(), ExciteError> {
+    if (SENSIBLE[0]..=SENSIBLE[1]).contains(&found) {
+        return Ok(());
+    }
+    let expected = "from 0.0001 to 10000";
+    Err(ExciteError::Limit { what, joint: joint.to_owned(), found, expected })
+}
+
+fn check_share(
+    setting: &'static str,
+    found: f64,
+    range: RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<(), ExciteError> {
+    if range.contains(&found) {
+        Ok(())
+    } else {
+        Err(ExciteError::Setting { setting, found, expected })
+    }
+}
+
+#[cfg(test)]
+mod tests;

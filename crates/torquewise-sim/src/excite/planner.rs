@@ -1,0 +1,304 @@
+//! From limits to three recordings: what a model can be reconstructed from, on one page.
+
+use crate::excite::design::{Effort, Recipe, Task};
+use crate::excite::error::ExciteError;
+use crate::excite::information::Criterion;
+use crate::excite::library::{Library, Share};
+use crate::excite::limits::{Bounds, Limits};
+use crate::excite::part::Part;
+use crate::excite::recording::{Peaks, Planned};
+use faer::Mat;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// What is to be planned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Time \[s\] at most of the recordings at standstill, uniform and variable velocity.
+    pub seconds: [f64; 3],
+    /// Time \[s\] a pose is held, or passed in each direction.
+    pub dwell: f64,
+    /// Whether poses are passed slowly in both directions, so that dry friction is defined.
+    pub slow_sweeps: bool,
+    /// Rows per second.
+    pub rate: f64,
+    /// Pose \[rad\] at both ends of each recording; `None` for zero where a joint may be there,
+    /// else the middle of its range.
+    pub home: Option<Vec<f64>>,
+    /// How many joint angles a term of the library may hold; `None`: two if that is feasible.
+    pub interaction: Option<usize>,
+    /// Poses, sweeps and sines to choose from, each time; 1 takes the first.
+    pub tries: usize,
+    /// Seed of everything random: one seed, one plan, bit by bit.
+    pub seed: u64,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self {
+            seconds: [60.0, 120.0, 60.0],
+            dwell: 0.5,
+            slow_sweeps: false,
+            rate: 100.0,
+            home: None,
+            interaction: None,
+            tries: 24,
+            seed: 0,
+        }
+    }
+}
+
+/// Three recordings, and how much they tell.
+#[derive(Clone, Debug)]
+pub struct Excitation {
+    /// `standstill`, `uniform`, `variable`.
+    pub recordings: [Planned; 3],
+    /// How far each joint goes in each recording, 3×n.
+    pub peaks: [Vec<Peaks>; 3],
+    /// What is told once each recording is there: by poses about V and offsets; by sweeps too,
+    /// about the part of M that depends on q and friction besides; by all rows about everything.
+    pub criteria: [Criterion; 3],
+    /// The same of recordings drawn at random within the same limits and times.
+    pub random: [Criterion; 3],
+    /// How many joint angles a term of the library may hold.
+    pub interaction: usize,
+    /// Joints that never sweep alone, because the time is too short.
+    pub not_alone: Vec<String>,
+}
+
+/// Names of the recordings, in the order in which the method uses them.
+const NAMES: [&str; 3] = ["standstill", "uniform", "variable"];
+/// What they are made of.
+const PIECES: [&str; 3] = ["pose", "sweep", "period of sines"];
+/// Rounds in which each part is looked at again, and one less for more columns than these.
+const ROUNDS: usize = 2;
+const QUICK_COLUMNS: usize = 700;
+/// States of the three recordings by which all of them together are judged, at least.
+const GRID: usize = 600;
+/// Rows of a recording at most: all are checked, and instants between them.
+const MOST_ROWS: f64 = 2e6;
+/// How much finer recordings are judged than parts are compared.
+const DENSITY: u8 = 4;
+
+/// Plans three recordings within the limits of n joints.
+///
+/// Poses, sweeps at constant speed and sums of sines are chosen one by one, each as the one of
+/// some random ones that adds most information per second about the coefficients of the energy
+/// library and of friction, then varied as long as that helps. Every recording begins and ends at
+/// rest at home. Limits hold at every instant: those of glides and sweeps in closed form, those of
+/// sines by a bound on trigonometric polynomials; all are checked on a fine grid besides.
+///
+/// Collisions, of the arm with itself or its surroundings, are not known here.
+///
+/// - `progress`: told the share of the work that is done, and what is planned
+///
+/// # Errors
+/// [`ExciteError`]: a setting out of bounds, or a recording too short for a single part.
+pub fn excite(
+    limits: &[Limits],
+    plan: &Plan,
+    progress: &mut dyn FnMut(f64, &'static str),
+) -> Result<Excitation, ExciteError> {
+    let home = home(limits, plan)?;
+    plan.check()?;
+    let joints: Vec<String> = limits.iter().map(|limits| limits.joint.clone()).collect();
+    let bounds: Vec<Bounds> = limits.iter().map(|limits| limits.planned).collect();
+    let library = Library::new(&bounds, plan.interaction)?;
+    let setting = Setting { plan, joints: &joints, bounds: &bounds, home: &home };
+
+    let rounds = match plan.tries {
+        1 => 0,
+        _ if library.n_columns() > QUICK_COLUMNS => ROUNDS - 1,
+        _ => ROUNDS,
+    };
+    let effort = Effort { tries: plan.tries, rounds };
+    let recordings = setting.design(&library, effort, progress)?;
+    let first = Effort { tries: 1, rounds: 0 };
+    let random = setting.design(&library, first, &mut |_, _| {})?;
+
+    progress(1.0, "judging");
+    let peaks = [
+        recordings[0].checked_peaks(&bounds)?,
+        recordings[1].checked_peaks(&bounds)?,
+        recordings[2].checked_peaks(&bounds)?,
+    ];
+    Ok(Excitation {
+        criteria: setting.criteria(&library, &recordings)?,
+        random: setting.criteria(&library, &random)?,
+        not_alone: setting.not_alone(&recordings[1]),
+        interaction: library.interaction,
+        peaks,
+        recordings,
+    })
+}
+
+/// All that both plans share.
+struct Setting<'a> {
+    plan: &'a Plan,
+    joints: &'a [String],
+    bounds: &'a [Bounds],
+    home: &'a [f64],
+}
+
+impl Setting<'_> {
+    /// Plans the recordings one after the other; each knows what those before tell.
+    fn design(
+        &self,
+        library: &Library,
+        effort: Effort,
+        progress: &mut dyn FnMut(f64, &'static str),
+    ) -> Result<[Planned; 3], ExciteError> {
+        let standstill = self.recording(0, &[], library, effort, progress)?;
+        let uniform = self.recording(1, &[&standstill], library, effort, progress)?;
+        let before = [&standstill, &uniform];
+        let variable = self.recording(2, &before, library, effort, progress)?;
+        Ok([standstill, uniform, variable])
+    }
+
+    /// Plans one recording.
+    fn recording(
+        &self,
+        stage: usize,
+        before: &[&Planned],
+        library: &Library,
+        effort: Effort,
+        progress: &mut dyn FnMut(f64, &'static str),
+    ) -> Result<Planned, ExciteError> {
+        let Self { plan, joints, bounds, home } = *self;
+        let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
+        let own = library.share(self.share(stage))?;
+        let mut known = Vec::new();
+        for recording in before {
+            known.extend(own.rows_of(recording.parts(), 1)?);
+        }
+        let recipe = self.recipe(stage);
+        let task = Task { recipe, library: &own, limits: bounds, home, seconds, effort };
+        // Each recording has numbers of its own, whatever the others draw.
+        let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
+        rng.set_stream(stage as u64);
+        let mut tell = |share: f64| progress((stage as f64 + share) / 3.0, name);
+        let parts = task.design(&known, &mut rng, &mut tell)?;
+        if parts.is_empty() {
+            return Err(ExciteError::TooShort { recording: name, seconds, piece: PIECES[stage] });
+        }
+        Ok(Planned::new(name, joints, plan.rate, home, parts, bounds))
+    }
+
+    fn recipe(&self, stage: usize) -> Recipe {
+        let dwell = self.plan.dwell;
+        match stage {
+            0 if self.plan.slow_sweeps => Recipe::Creeps { dwell },
+            0 => Recipe::Poses { dwell },
+            1 => Recipe::Sweeps,
+            _ => Recipe::Sines,
+        }
+    }
+
+    fn share(&self, stage: usize) -> Share {
+        match stage {
+            0 => Share::Standstill { creep: self.plan.slow_sweeps },
+            1 => Share::Uniform,
+            _ => Share::Whole,
+        }
+    }
+
+    /// How much recordings tell.
+    fn criteria(
+        &self,
+        library: &Library,
+        recordings: &[Planned; 3],
+    ) -> Result<[Criterion; 3], ExciteError> {
+        let until = |stage: usize| {
+            let parts = || recordings[..=stage].iter().flat_map(Planned::parts);
+            let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
+            let rows = library.share(self.share(stage))?.rows_of(parts(), DENSITY)?;
+            Ok::<_, ExciteError>(Criterion::of(stacked(&rows).as_ref(), seconds))
+        };
+        let seconds: f64 = recordings.iter().map(Planned::seconds).sum();
+        let least = GRID.max(3 * library.n_columns() / self.bounds.len());
+        let mut rows = Vec::with_capacity(recordings.len());
+        for recording in recordings {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a share of some thousand; a float cast saturates"
+            )]
+            let points = (least as f64 * recording.seconds() / seconds).ceil() as usize;
+            rows.push(library.rows(&recording.grid(points.max(1)))?);
+        }
+        Ok([until(0)?, until(1)?, Criterion::of(stacked(&rows).as_ref(), seconds)])
+    }
+
+    /// Joints that no sweep moves alone.
+    fn not_alone(&self, uniform: &Planned) -> Vec<String> {
+        let alone = |joint: usize| {
+            uniform.parts().iter().any(|part| match part {
+                Part::Sweep { speeds, .. } => {
+                    speeds.iter().enumerate().all(|(k, speed)| (k == joint) == (*speed != 0.0))
+                }
+                _ => false,
+            })
+        };
+        let names = self.joints.iter().enumerate().filter(|(joint, _)| !alone(*joint));
+        names.map(|(_, name)| name.clone()).collect()
+    }
+}
+
+/// Matrices of as many columns below each other.
+fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
+    let columns = blocks.first().map_or(0, Mat::ncols);
+    let mut all = Mat::zeros(blocks.iter().map(Mat::nrows).sum(), columns);
+    let mut first = 0;
+    for block in blocks {
+        all.subrows_mut(first, block.nrows()).copy_from(block);
+        first += block.nrows();
+    }
+    all
+}
+
+/// The pose at both ends: as asked, else zero, else the middle of the range.
+fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>, ExciteError> {
+    let n = limits.len();
+    if let Some(home) = plan.home.as_ref().filter(|home| home.len() != n) {
+        return Err(ExciteError::Count { what: "home", found: home.len(), joints: n });
+    }
+    let of_joint = |(joint, limits): (usize, &Limits)| {
+        let [lower, upper] = limits.planned.position;
+        let usual = if lower <= 0.0 && 0.0 <= upper { 0.0 } else { f64::midpoint(lower, upper) };
+        let home = plan.home.as_ref().map_or(usual, |home| home[joint]);
+        if (lower..=upper).contains(&home) {
+            return Ok(home);
+        }
+        Err(ExciteError::Home { joint: limits.joint.clone(), home, lower, upper })
+    };
+    limits.iter().enumerate().map(of_joint).collect()
+}
+
+impl Plan {
+    /// Refuses numbers of which no plan can be made, or only one beyond all memory and patience.
+    fn check(&self) -> Result<(), ExciteError> {
+        let numbers = [
+            ("time of `standstill` [s]", self.seconds[0], 1.0, 3_600.0, "from 1 to 3600"),
+            ("time of `uniform` [s]", self.seconds[1], 1.0, 3_600.0, "from 1 to 3600"),
+            ("time of `variable` [s]", self.seconds[2], 1.0, 3_600.0, "from 1 to 3600"),
+            ("dwell [s]", self.dwell, 0.05, 60.0, "from 0.05 to 60"),
+            ("rate [Hz]", self.rate, 1.0, 10_000.0, "from 1 to 10000"),
+            ("number of tries", self.tries as f64, 1.0, 1e5, "from 1 to 100000"),
+        ];
+        for (setting, found, least, most, expected) in numbers {
+            if !(least..=most).contains(&found) {
+                return Err(ExciteError::Setting { setting, found, expected });
+            }
+        }
+        let rows = self.rate * self.seconds.iter().copied().fold(0.0, f64::max);
+        if rows > MOST_ROWS {
+            let (setting, expected) = ("number of rows", "seconds times rate up to 2000000");
+            return Err(ExciteError::Setting { setting, found: rows, expected });
+        }
+        if self.interaction == Some(0) {
+            let (setting, expected) = ("interaction order", "1 or more");
+            return Err(ExciteError::Setting { setting, found: 0.0, expected });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,190 @@
+//! From path to recording: rows at a rate, made anew each time they are read, and their peaks.
+
+use crate::excite::error::ExciteError;
+use crate::excite::limits::Bounds;
+use crate::excite::part::{Part, States};
+use crate::excite::path::Path;
+use crate::excite::state::State;
+use faer::Mat;
+use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
+
+/// A planned recording: q, q̇ and q̈ from home to home, without torque.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    /// `standstill`, `uniform` or `variable`.
+    pub name: &'static str,
+    joints: Vec<String>,
+    rate: f64,
+    parts: Vec<Part>,
+    path: Path,
+}
+
+/// How far a joint goes in a recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peaks {
+    /// Least and greatest position \[rad\].
+    pub position: [f64; 2],
+    /// Largest speed \[rad/s\].
+    pub velocity: f64,
+    /// Largest acceleration \[rad/s²\].
+    pub acceleration: f64,
+}
+
+/// Instants between two rows at which limits are checked.
+const BETWEEN_ROWS: usize = 5;
+/// Roundings of states beside limits.
+const ROUNDINGS: f64 = 1e-9;
+
+impl Planned {
+    /// Puts parts in a row.
+    pub(crate) fn new(
+        name: &'static str,
+        joints: &[String],
+        rate: f64,
+        home: &[f64],
+        parts: Vec<Part>,
+        limits: &[Bounds],
+    ) -> Self {
+        let path = Path::new(home, &parts, limits);
+        Self { name, joints: joints.to_vec(), rate, parts, path }
+    }
+
+    /// How long it takes \[s\].
+    pub fn seconds(&self) -> f64 {
+        self.path.seconds()
+    }
+
+    /// Rows per second.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Poses, sweeps or periods of sines in it.
+    pub fn n_parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// The pose at both ends \[rad\], n.
+    pub fn home(&self) -> &[f64] {
+        self.path.home()
+    }
+
+    /// Number of rows m, the last at or just beyond the end.
+    pub fn n_rows(&self) -> usize {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked before: some million at most; a float cast saturates"
+        )]
+        let rows = (self.seconds() * self.rate).ceil() as usize;
+        rows + 1
+    }
+
+    /// The state at a time \[s\]; at rest at home before and after the recording.
+    pub fn state_at(&self, t: f64) -> State {
+        let mut state = State::at_rest(self.path.home());
+        self.path.state_at(t, &mut state);
+        state
+    }
+
+    /// Times \[s\] between which the motion is smooth, the first and last instant among them.
+    pub(crate) fn breaks(&self) -> Vec<f64> {
+        self.path.breaks()
+    }
+
+    pub(crate) fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    /// So many states, evenly spread over the recording.
+    pub(crate) fn grid(&self, points: usize) -> States {
+        let step = self.seconds() / points as f64;
+        let states: Vec<State> =
+            (0..points).map(|k| self.state_at((k as f64 + 0.5) * step)).collect();
+        States::new(&states, vec![step; points])
+    }
+
+    /// How far each joint goes, at the rows and at four instants between two of them, n.
+    pub fn peaks(&self) -> Vec<Peaks> {
+        let none = Peaks {
+            position: [f64::INFINITY, f64::NEG_INFINITY],
+            velocity: 0.0,
+            acceleration: 0.0,
+        };
+        let mut peaks = vec![none; self.joints.len()];
+        let mut state = State::at_rest(self.path.home());
+        let step = 1.0 / (self.rate * BETWEEN_ROWS as f64);
+        for instant in 0..self.n_rows() * BETWEEN_ROWS {
+            self.path.state_at(instant as f64 * step, &mut state);
+            for (i, peak) in peaks.iter_mut().enumerate() {
+                let [least, greatest] = peak.position;
+                peak.position = [least.min(state.q[i]), greatest.max(state.q[i])];
+                peak.velocity = peak.velocity.max(state.dq[i].abs());
+                peak.acceleration = peak.acceleration.max(state.ddq[i].abs());
+            }
+        }
+        peaks
+    }
+
+    /// Peaks, once they are found within the limits.
+    pub(crate) fn checked_peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, ExciteError> {
+        let peaks = self.peaks();
+        for ((joint, peak), limits) in self.joints.iter().zip(&peaks).zip(limits) {
+            let pairs = [
+                ("position", -peak.position[0], -limits.position[0]),
+                ("position", peak.position[1], limits.position[1]),
+                ("velocity", peak.velocity, limits.velocity),
+                ("acceleration", peak.acceleration, limits.acceleration),
+            ];
+            for (what, found, limit) in pairs {
+                if found > limit + ROUNDINGS * (1.0 + limit.abs()) {
+                    let joint = joint.clone();
+                    return Err(ExciteError::Exceeds { what, joint, found, limit });
+                }
+            }
+        }
+        Ok(peaks)
+    }
+
+    /// All rows at once.
+    ///
+    /// # Errors
+    /// [`ExciteError::Motion`] if a number overflows.
+    pub fn motion(&self) -> Result<Motion, ExciteError> {
+        self.rows(0..self.n_rows())
+    }
+
+    /// The named rows.
+    fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, ExciteError> {
+        let (m, n) = (rows.len(), self.joints.len());
+        let [mut q, mut dq, mut ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
+        let mut t = Vec::with_capacity(m);
+        let mut state = State::at_rest(self.path.home());
+        for (k, row) in rows.enumerate() {
+            t.push(row as f64 / self.rate);
+            self.path.state_at(row as f64 / self.rate, &mut state);
+            for i in 0..n {
+                (q[(k, i)], dq[(k, i)]) = (state.q[i], state.dq[i]);
+                ddq[(k, i)] = state.ddq[i];
+            }
+        }
+        let joints = self.joints.clone();
+        Ok(Motion::new(Signals { joints, t, q, dq, ddq, tau: None })?)
+    }
+}
+
+impl Recording for Planned {
+    fn joints(&self) -> &[String] {
+        &self.joints
+    }
+
+    fn read(
+        &self,
+        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
+    ) -> Result<(), ReadError> {
+        let m = self.n_rows();
+        (0..m)
+            .step_by(BLOCK_ROWS)
+            .try_for_each(|first| visit(0, &self.rows(first..m.min(first + BLOCK_ROWS))?))
+    }
+}

@@ -1,0 +1,286 @@
+//! From limits, random numbers to sines: a period of a Fourier series per joint, at rest at both
+//! ends.
+
+use crate::excite::limits::Bounds;
+use crate::excite::random::{between, log_between, normal};
+use crate::excite::state::State;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::{PI, TAU};
+
+/// qᵢ(t) = cᵢ + Σₖ aᵢₖ sin kωt + bᵢₖ cos kωt over one period, with q̇ᵢ = q̈ᵢ = 0 at its ends.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sines {
+    seconds: f64,
+    joints: Vec<Series>,
+}
+
+/// The series of one joint.
+#[derive(Clone, Debug, PartialEq)]
+struct Series {
+    centre: f64,
+    /// (aₖ, bₖ) of k = 1, 2, …
+    waves: Vec<[f64; 2]>,
+}
+
+/// Harmonics at least and at most: two are taken to be at rest at the ends.
+const HARMONICS: [usize; 2] = [4, 12];
+/// Highest frequency as a multiple of that at which speed and acceleration peak together.
+const BEYOND_CORNER: f64 = 1.5;
+/// Points to a period per harmonic, where peaks are looked for.
+const POINTS: usize = 32;
+/// Sizes of high harmonics beside low ones: k to minus a power in this range.
+const ROLL_OFF: [f64; 2] = [0.0, 2.0];
+/// Amplitude as a share of what the limits allow.
+const AMPLITUDE: [f64; 2] = [0.7, 1.0];
+/// How much a variation changes, relative to the size of the waves.
+const VARIATION: [f64; 2] = [0.03, 0.6];
+/// How much of its range the middle of a motion moves along with that.
+const CENTRE_VARIATION: f64 = 0.3;
+/// Roundings must not lift a peak above its limit.
+const SLACK: f64 = 1.0 - 1e-9;
+
+impl Sines {
+    /// Draws a series per joint, as large as the limits allow or a little smaller.
+    pub(crate) fn draw(seconds: f64, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
+        let joints = limits
+            .iter()
+            .map(|limits| {
+                let roll_off = between(rng, ROLL_OFF);
+                let count = harmonics(seconds, limits);
+                let waves = (1..=count).map(|k| {
+                    let size = (k as f64).powf(-roll_off);
+                    [size * normal(rng), size * normal(rng)]
+                });
+                Series::new(waves.collect(), seconds, limits, None, rng)
+            })
+            .collect();
+        Self { seconds, joints }
+    }
+
+    /// A series near this one.
+    pub(crate) fn vary(&self, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
+        let share = log_between(rng, VARIATION);
+        let joints = self.joints.iter().zip(limits);
+        let joints = joints
+            .map(|(series, limits)| {
+                let size = series.size();
+                let mut moved = |x: &f64| x + share * size * normal(rng);
+                let waves = series.waves.iter().map(|wave| [0, 1].map(|p| moved(&wave[p])));
+                let waves = waves.collect();
+                let span = limits.position[1] - limits.position[0];
+                let centre = series.centre + share * CENTRE_VARIATION * span * normal(rng);
+                Series::new(waves, self.seconds, limits, Some(centre), rng)
+            })
+            .collect();
+        Self { seconds: self.seconds, joints }
+    }
+
+    /// The period \[s\].
+    pub(crate) fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Harmonics of the joint that has most.
+    pub(crate) fn harmonics(&self) -> usize {
+        self.joints.iter().map(|series| series.waves.len()).max().unwrap_or(0)
+    }
+
+    /// Writes the state at a time \[s\].
+    pub(crate) fn state_at(&self, t: f64, state: &mut State) {
+        let w = TAU / self.seconds;
+        let turn = (w * t).sin_cos();
+        for (i, series) in self.joints.iter().enumerate() {
+            let [q, dq, ddq] = series.value(turn);
+            (state.q[i], state.dq[i], state.ddq[i]) = (q, w * dq, w * w * ddq);
+        }
+    }
+
+    /// The pose at both ends, n.
+    pub(crate) fn ends(&self) -> Vec<f64> {
+        self.joints.iter().map(|series| series.value((0.0, 1.0))[0]).collect()
+    }
+}
+
+impl Series {
+    /// Takes from the waves what moves at the ends, and scales them to the limits.
+    ///
+    /// `centre`: where the middle of the motion is wished, else it is drawn.
+    fn new(
+        mut waves: Vec<[f64; 2]>,
+        seconds: f64,
+        limits: &Bounds,
+        centre: Option<f64>,
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        rest_at_ends(&mut waves);
+        let mut series = Self { centre: 0.0, waves };
+        let (w, [lower, upper]) = (TAU / seconds, limits.position);
+        let [[least, greatest], [_, speed], [_, acceleration]] = series.peaks();
+        let bounds = [
+            (upper - lower) / (greatest - least),
+            limits.velocity / (w * speed),
+            limits.acceleration / (w * w * acceleration),
+        ];
+        let most = bounds.into_iter().fold(f64::INFINITY, f64::min);
+        let scale = if most.is_finite() { SLACK * most * between(rng, AMPLITUDE) } else { 0.0 };
+        series.waves.iter_mut().flatten().for_each(|x| *x *= scale);
+        let room = [lower - scale * least, upper - scale * greatest];
+        let wished = centre.unwrap_or_else(|| between(rng, room));
+        series.centre = wished.clamp(room[0].min(room[1]), room[1].max(room[0]));
+        series
+    }
+
+    /// Root of the mean square of the waves.
+    fn size(&self) -> f64 {
+        let squares: f64 = self.waves.iter().flatten().map(|x| x * x).sum();
+        (squares / (2 * self.waves.len().max(1)) as f64).sqrt()
+    }
+
+    /// Value at the angle of which sine and cosine are given, and its two derivatives by the angle.
+    fn value(&self, (sin, cos): (f64, f64)) -> [f64; 3] {
+        let [mut q, mut dq, mut ddq] = [self.centre, 0.0, 0.0];
+        let (mut s, mut c) = (sin, cos);
+        for (place, [a, b]) in self.waves.iter().enumerate() {
+            let k = (place + 1) as f64;
+            let wave = a * s + b * c;
+            q += wave;
+            dq += k * (a * c - b * s);
+            ddq -= k * k * wave;
+            (s, c) = (s * cos + c * sin, c * cos - s * sin);
+        }
+        [q, dq, ddq]
+    }
+
+    /// Least and greatest of the value, and of the sizes of its two derivatives, as bounds.
+    ///
+    /// A trigonometric polynomial of order K nowhere exceeds its peak over N > 2K even points by
+    /// more than 1/cos(πK/N) (Ehlich and Zeller 1964).
+    fn peaks(&self) -> [[f64; 2]; 3] {
+        let points = POINTS * self.waves.len().max(1);
+        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
+        for point in 0..points {
+            let values = self.value((TAU * point as f64 / points as f64).sin_cos());
+            for (ends, value) in ends.iter_mut().zip(values) {
+                *ends = [ends[0].min(value), ends[1].max(value)];
+            }
+        }
+        let beyond = 1.0 / (PI / POINTS as f64).cos();
+        let [[least, greatest], dq, ddq] = ends;
+        let (middle, half) = (f64::midpoint(least, greatest), (greatest - least) / 2.0 * beyond);
+        let size = |[low, high]: [f64; 2]| [0.0, beyond * low.abs().max(high.abs())];
+        [[middle - half, middle + half], size(dq), size(ddq)]
+    }
+}
+
+/// Projects on Σ k aₖ = 0, no speed at the ends, and Σ k² bₖ = 0, no acceleration.
+fn rest_at_ends(waves: &mut [[f64; 2]]) {
+    for (phase, power) in [(0, 1), (1, 2)] {
+        let weight = |place: usize| ((place + 1) as f64).powi(power);
+        let (mut moving, mut norm) = (0.0, 0.0);
+        for (place, wave) in waves.iter().enumerate() {
+            moving += weight(place) * wave[phase];
+            norm += weight(place).powi(2);
+        }
+        for (place, wave) in waves.iter_mut().enumerate() {
+            wave[phase] -= moving / norm * weight(place);
+        }
+    }
+}
+
+/// Harmonics of a period: beyond the corner frequency the acceleration leaves no speed.
+fn harmonics(seconds: f64, limits: &Bounds) -> usize {
+    let corner = limits.acceleration / limits.velocity / TAU;
+    let wanted = (BEYOND_CORNER * corner * seconds).ceil();
+    let [least, most] = HARMONICS;
+    // Whole numbers of so small a range need no cast.
+    (least..most).find(|&count| count as f64 >= wanted).unwrap_or(most)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng;
+
+    const LIMITS: [Bounds; 2] = [
+        Bounds { position: [-3.0, 1.0], velocity: 1.0, acceleration: 2.0 },
+        Bounds { position: [0.2, 0.5], velocity: 2.0, acceleration: 9.0 },
+    ];
+
+    fn state(sines: &Sines, t: f64) -> State {
+        let mut state = State::at_rest(&[0.0; 2]);
+        sines.state_at(t, &mut state);
+        state
+    }
+
+    #[test]
+    fn no_instant_is_beyond_a_limit() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for _ in 0..30 {
+            let drawn = Sines::draw(8.0, &LIMITS, &mut rng);
+            let varied = drawn.vary(&LIMITS, &mut rng);
+            for sines in [drawn, varied] {
+                for k in 0..=4000 {
+                    let state = state(&sines, 8.0 * f64::from(k) / 4000.0);
+                    for (i, limits) in LIMITS.iter().enumerate() {
+                        let [lower, upper] = limits.position;
+                        assert!((lower..=upper).contains(&state.q[i]), "{}", state.q[i]);
+                        assert!(state.dq[i].abs() <= limits.velocity);
+                        assert!(state.ddq[i].abs() <= limits.acceleration);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn some_limit_is_used_to_the_share_that_was_drawn() {
+        let sines = Sines::draw(8.0, &LIMITS, &mut ChaCha8Rng::seed_from_u64(3));
+
+        for (i, limits) in LIMITS.iter().enumerate() {
+            let states: Vec<State> =
+                (0..2000).map(|k| state(&sines, 8.0 * f64::from(k) / 2000.0)).collect();
+            let peak = |of: fn(&State) -> &[f64]| {
+                states.iter().map(|state| of(state)[i].abs()).fold(0.0, f64::max)
+            };
+            let ends = states.iter().map(|state| state.q[i]);
+            let way =
+                ends.clone().fold(f64::NEG_INFINITY, f64::max) - ends.fold(f64::INFINITY, f64::min);
+            let used = [
+                way / (limits.position[1] - limits.position[0]),
+                peak(|state| &state.dq) / limits.velocity,
+                peak(|state| &state.ddq) / limits.acceleration,
+            ];
+            // Bounds of peaks are half a percent beyond the peaks.
+            assert!(used.into_iter().fold(0.0, f64::max) > 0.99 * AMPLITUDE[0], "{used:?}");
+        }
+    }
+
+    #[test]
+    fn both_ends_are_at_rest_in_one_pose() {
+        let sines = Sines::draw(8.0, &LIMITS, &mut ChaCha8Rng::seed_from_u64(1));
+
+        for end in [state(&sines, 0.0), state(&sines, 8.0)] {
+            for (i, at) in sines.ends().iter().enumerate() {
+                // A dozen terms of size one, k² times.
+                assert!(end.dq[i].abs() < 1e-13 && end.ddq[i].abs() < 1e-11, "{end:?}");
+                assert!((end.q[i] - at).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn velocity_and_acceleration_are_the_derivatives() {
+        let sines = Sines::draw(8.0, &LIMITS, &mut ChaCha8Rng::seed_from_u64(2));
+        let h = 1e-4;
+
+        for t in [0.1, 1.7, 5.0] {
+            let [before, at, after] = [t - h, t, t + h].map(|t| state(&sines, t));
+            for i in 0..2 {
+                let dq = (after.q[i] - before.q[i]) / (2.0 * h);
+                let ddq = (after.dq[i] - before.dq[i]) / (2.0 * h);
+                // Central difference: h² times the third and fourth derivative, some tens.
+                assert!((dq - at.dq[i]).abs() < 1e-6 && (ddq - at.ddq[i]).abs() < 1e-5);
+            }
+        }
+    }
+}

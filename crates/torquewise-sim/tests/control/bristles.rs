@@ -1,0 +1,115 @@
+//! Friction that remembers the path, in a closed loop: bristles of the arm, elements of a model.
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
+
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::{Form, FrictionTerm, Model, Torque, Training, Weighted};
+use torquewise_motion::path::Path;
+use torquewise_sim::control::{
+    ControlError, Controller, Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
+};
+use torquewise_sim::friction::Bristles;
+use torquewise_sim::{Arm, Friction, Stribeck};
+
+/// Dry friction of each joint \[N·m\], the same at rest and in motion.
+const DRY: [f64; 3] = [8.0, 10.0, 4.0];
+/// Of the bristles \[N·m/rad\].
+const STIFFNESS: f64 = 200.0;
+
+fn plant(damping: f64) -> Plant {
+    let curve = |coulomb| Stribeck { coulomb, stiction: coulomb, speed: 1.0, viscous: 0.0 };
+    let bristles = Bristles { stiffness: STIFFNESS, damping };
+    let friction = Friction::new(&DRY.map(curve)).unwrap().with_bristles(bristles).unwrap();
+    Plant { friction, ..Plant::ideal(Arm::builtin("puma560-3").unwrap()) }
+}
+
+/// The arm itself, and its friction by one law for each joint.
+struct Known {
+    plant: Plant,
+    friction: Torque,
+}
+
+impl Known {
+    fn by(law: impl Fn(f64) -> FrictionLaw) -> Self {
+        let weighted = |(joint, &dry): (usize, &f64)| Weighted {
+            term: FrictionTerm::of_joint(DRY.len(), joint, law(dry)),
+            coefficient: dry,
+            std_error: 0.0,
+            inclusion: None,
+        };
+        let plant = plant(0.0);
+        let model = Model {
+            joints: plant.arm.joints().to_vec(),
+            form: Form::Torque(vec![vec![]; DRY.len()]),
+            friction: DRY.iter().enumerate().map(weighted).collect(),
+            chain: None,
+            stages: vec![],
+            training: Training::default(),
+            choices: vec![],
+        };
+        Self { friction: Torque::new(&model), plant }
+    }
+
+    /// Largest tracking error of each joint once the motion is periodic \[rad\].
+    fn peak_error(&self) -> Vec<f64> {
+        let wanted = periodic(&self.plant.arm, &Periodic::default()).unwrap();
+        let inertia = mean_inertia(&self.plant, &wanted).unwrap();
+        let gains = Gains::critically_damped(15.0, &inertia);
+        let mut controller = Controller::new(Law::Controller2, self, &gains, &wanted).unwrap();
+        track(&self.plant, &mut controller, &wanted).unwrap().peak_error(8.0)
+    }
+}
+
+impl Knowledge for Known {
+    fn n_joints(&self) -> usize {
+        DRY.len()
+    }
+
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        self.plant.rigid(q, dq, ddq)
+    }
+
+    fn path(&self) -> Path {
+        self.friction.path()
+    }
+
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        Ok(self.friction.friction_after(path, dq)?)
+    }
+
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+        self.friction(path, dq)
+    }
+
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {
+        self.plant.inertia(q)
+    }
+}
+
+#[test]
+fn memory_of_the_path_takes_out_the_error_of_reversals() {
+    // Bristles that slip at f_c bend over f_c / σ₀: one element of Dahl.
+    let with = Known::by(|dry| FrictionLaw::Dahl { travel: dry / STIFFNESS }).peak_error();
+    let without = Known::by(|_| FrictionLaw::Coulomb { width: 0.002 }).peak_error();
+
+    for (joint, (with, without)) in with.iter().zip(&without).enumerate() {
+        assert!(*with < 0.2 * without, "joint {joint}: {with} rad, without {without} rad");
+    }
+}
+
+#[test]
+fn bristles_hold_a_load_below_the_breakaway_torque() {
+    // Damped, or they would swing past what the load asks for.
+    let plant = plant(60.0);
+    let q = [0.3, 0.2, -0.4];
+    let held = plant.arm.gravity_torque(&q);
+    let pushed: Vec<f64> = held.iter().zip(DRY).map(|(held, dry)| held + 0.3 * dry).collect();
+    let (mut now, mut dq) = (q, [0.0; 3]);
+
+    plant.advance([&mut now, &mut dq], &pushed, 20.0).unwrap();
+
+    for joint in 0..3 {
+        // Bent as far as the load asks for, and gravity has hardly changed: no creep.
+        let moved = (now[joint] - q[joint]).abs();
+        assert!(moved < 2.0 * DRY[joint] / STIFFNESS, "joint {joint} moved {moved} rad");
+    }
+}

@@ -1,0 +1,168 @@
+//! Plants against closed forms and identities: energy, inverse dynamics, sticking.
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
+
+use torquewise_sim::control::{ControlError, Periodic, Plant, periodic, record};
+use torquewise_sim::{Arm, Friction, Stribeck, arms};
+
+const RUBS: Stribeck = Stribeck { coulomb: 4.0, stiction: 6.0, speed: 0.1, viscous: 3.0 };
+
+fn rubbing(arm: Arm) -> Plant {
+    let friction = Friction::new(&vec![RUBS; arm.n_joints()]).unwrap();
+    Plant { friction, ..Plant::ideal(arm) }
+}
+
+#[test]
+fn a_plant_without_friction_keeps_its_energy() {
+    for name in ["planar-2", "puma560-3"] {
+        let plant = Plant::ideal(Arm::builtin(name).unwrap());
+        let n = plant.arm.n_joints();
+        let (mut q, mut dq) = (vec![0.3; n], vec![0.5; n]);
+        let energy =
+            |q: &[f64], dq: &[f64]| plant.arm.kinetic_energy(q, dq) + plant.arm.potential_energy(q);
+        let (first, mut most) = (energy(&q, &dq), 0.0_f64);
+
+        for _ in 0..1000 {
+            plant.advance([&mut q, &mut dq], &vec![0.0; n], 0.01).unwrap();
+            most = most.max(plant.arm.kinetic_energy(&q, &dq));
+            let lost = (energy(&q, &dq) - first).abs();
+            assert!(lost <= 1e-8 * most.max(1.0), "{name}: {lost} J of {most} J");
+        }
+        assert!(most > 10.0, "{name} swings");
+    }
+}
+
+#[test]
+fn the_torque_that_a_motion_needs_causes_it() {
+    for summary in arms() {
+        let plant = rubbing(Arm::builtin(summary.name).unwrap());
+        let n = summary.joints;
+        for k in 0..5 {
+            let of = |shift: f64, size: f64| -> Vec<f64> {
+                (0..n).map(|i| size * (shift + 1.7 * i as f64 + f64::from(k)).sin()).collect()
+            };
+            let (q, dq, ddq) = (of(0.0, 2.0), of(1.0, 1.5), of(2.0, 5.0));
+
+            let tau = plant.needed_torque(&q, &dq, &ddq);
+            let found = plant.acceleration(&q, &dq, &tau).unwrap();
+
+            for (found, ddq) in found.iter().zip(&ddq) {
+                // Condition of M(q) times roundings: up to thousands of them in a light wrist.
+                assert!((found - ddq).abs() < 1e-8 * (1.0 + ddq.abs()), "{}", summary.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn friction_takes_as_much_energy_as_its_power_says() {
+    let plant = rubbing(Arm::builtin("planar-2").unwrap());
+    let (mut q, mut dq) = (vec![-1.0, 0.4], vec![2.0, -1.0]);
+    let energy =
+        |q: &[f64], dq: &[f64]| plant.arm.kinetic_energy(q, dq) + plant.arm.potential_energy(q);
+    let (first, step, mut taken) = (energy(&q, &dq), 1e-4, 0.0);
+    let power = |dq: &[f64]| -> f64 {
+        plant.friction.torques(dq).iter().zip(dq).map(|(rubs, dq)| rubs * dq).sum()
+    };
+
+    for _ in 0..5000 {
+        let before = power(&dq);
+        plant.advance([&mut q, &mut dq], &[0.0; 2], step).unwrap();
+        taken += step * f64::midpoint(before, power(&dq));
+    }
+
+    // Trapezoids of 0.1 ms across the reversals, where power is next to nothing.
+    let lost = first - energy(&q, &dq);
+    assert!(lost > 1.0 && (lost - taken).abs() < 1e-4 * lost, "{lost} J, {taken} J");
+}
+
+#[test]
+fn below_its_breakaway_torque_a_joint_creeps_as_slowly_as_is_said() {
+    let plant = rubbing(Arm::builtin("planar-2").unwrap());
+    let (mut q, mut dq) = (vec![-std::f64::consts::FRAC_PI_2, 0.0], vec![0.0; 2]);
+
+    // Hanging down, with half of the breakaway torque at the first joint for a second.
+    plant.advance([&mut q, &mut dq], &[3.0, 0.0], 1.0).unwrap();
+
+    let turned = q[0] + std::f64::consts::FRAC_PI_2;
+    let creep = 0.5_f64.atanh() * plant.friction.width();
+    assert!(turned > 0.0 && turned < 1.01 * creep, "{turned} rad in a second, {creep} expected");
+}
+
+#[test]
+fn above_its_breakaway_torque_a_joint_slides() {
+    let plant = rubbing(Arm::builtin("planar-2").unwrap());
+    let (mut q, mut dq) = (vec![-std::f64::consts::FRAC_PI_2, 0.0], vec![0.0; 2]);
+
+    plant.advance([&mut q, &mut dq], &[9.0, 0.0], 1.0).unwrap();
+
+    assert!(q[0] + std::f64::consts::FRAC_PI_2 > 0.1, "{}", q[0]);
+}
+
+#[test]
+fn a_sharper_reversal_changes_little() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let end = |width: f64| {
+        let text = format!(
+            "width = {width}\n[joint1]\ncoulomb = 4.0\nstiction = 6.0\nspeed = 0.1\n\
+             [joint2]\ncoulomb = 1.0"
+        );
+        let friction = Friction::from_toml(&text, arm.joints()).unwrap();
+        let plant = Plant { friction, ..Plant::ideal(arm.clone()) };
+        let (mut q, mut dq) = (vec![-1.0, 0.4], vec![0.0; 2]);
+        plant.advance([&mut q, &mut dq], &[0.0; 2], 1.5).unwrap();
+        q
+    };
+
+    let (usual, sharp) = (end(1e-3), end(1e-4));
+
+    for (usual, sharp) in usual.iter().zip(&sharp) {
+        assert!((usual - sharp).abs() < 5e-3, "{usual} and {sharp}");
+    }
+}
+
+#[test]
+fn an_arm_with_larger_rotors_is_slower_to_move() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    let geared = Plant::ideal(arm.clone().with_rotors(&[1.0, 2.0, 3.0]).unwrap());
+    let (q, dq, ddq) = ([0.1, 0.2, 0.3], [0.5; 3], [1.0, -1.0, 2.0]);
+
+    let [bare, more] = [arm.inverse_dynamics(&q, &dq, &ddq), geared.needed_torque(&q, &dq, &ddq)];
+
+    for (i, rotor) in [1.0, 2.0, 3.0].into_iter().enumerate() {
+        assert!((more[i] - bare[i] - rotor * ddq[i]).abs() < 1e-12);
+    }
+    assert!(arm.clone().with_rotors(&[1.0]).is_err());
+    assert!(arm.with_rotors(&[1.0, -1.0, 0.0]).is_err());
+}
+
+#[test]
+fn a_recording_follows_its_velocities_and_holds_the_torque_they_need() {
+    let plant = rubbing(Arm::builtin("puma560-3").unwrap());
+    let wanted = periodic(&plant.arm, &Periodic { seconds: 5.0, ..Periodic::default() }).unwrap();
+
+    let log = record(&plant, &wanted, 60.0).unwrap();
+
+    let (mut wrong, mut size) = (0.0, 0.0);
+    for row in 1000..5000 {
+        let at = |x: faer::MatRef<'_, f64>| x.row(row).iter().copied().collect::<Vec<_>>();
+        let (q, dq, ddq) = (at(wanted.q()), at(wanted.dq()), at(wanted.ddq()));
+        for (i, tau) in plant.needed_torque(&q, &dq, &ddq).into_iter().enumerate() {
+            assert!((log.q[(row, i)] - q[i]).abs() < 0.05, "joint {i} at row {row}");
+            wrong += (log.tau[(row, i)] - tau).powi(2);
+            size += tau * tau;
+        }
+    }
+    // The drives follow with an error of some mrad, and reverse a little later.
+    assert!((wrong / size).sqrt() < 0.1, "{}", (wrong / size).sqrt());
+}
+
+#[test]
+fn parts_of_different_arms_are_refused() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let plant = Plant { friction: Friction::none(3), ..Plant::ideal(arm.clone()) };
+    let mut slow = Plant::ideal(arm);
+    slow.drive.delay = f64::NAN;
+
+    assert!(matches!(plant.check(), Err(ControlError::JointCount { .. })));
+    assert!(matches!(slow.check(), Err(ControlError::Setting { .. })));
+}

@@ -1,0 +1,199 @@
+//! Controllers on plants: what knowledge of the arm buys, and what bad input is told.
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
+
+use faer::Mat;
+use std::f64::consts::FRAC_PI_2;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::{Form, FrictionTerm, Model, Training, Weighted};
+use torquewise_motion::Motion;
+use torquewise_sim::control::{
+    ControlError, Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking,
+    lead, mean_inertia, periodic, track,
+};
+use torquewise_sim::{Arm, Friction, Stribeck};
+
+/// The reference arm with friction, encoders and a drive that is late.
+fn plant() -> Plant {
+    let curve = |coulomb, stiction, viscous| Stribeck { coulomb, stiction, speed: 0.1, viscous };
+    let curves = [curve(4.0, 6.0, 3.0), curve(5.0, 7.0, 4.0), curve(2.0, 3.0, 1.0)];
+    let friction = Friction::new(&curves).unwrap();
+    let mut plant = Plant { friction, ..Plant::ideal(Arm::builtin("puma560-3").unwrap()) };
+    plant.drive.delay = 1e-3;
+    plant.sensors = Sensors::default();
+    plant
+}
+
+fn wanted(plant: &Plant) -> Motion {
+    periodic(&plant.arm, &Periodic::default()).unwrap()
+}
+
+fn run(plant: &Plant, law: Law, bandwidth: f64, wanted: &Motion) -> Tracking {
+    let gains = Gains::critically_damped(bandwidth, &mean_inertia(plant, wanted).unwrap());
+    let controller = Controller::new(law, plant, &gains, wanted).unwrap();
+    let controller = controller.with_limit(&plant.drive.limit).unwrap();
+    let mut controller = controller.with_cutoff(plant.sensors.cutoff).unwrap();
+    track(plant, &mut controller, wanted).unwrap()
+}
+
+#[test]
+fn more_knowledge_tracks_better_with_the_same_gains() {
+    let plant = plant();
+    let wanted = wanted(&plant);
+
+    let [pid, first, second, computed] =
+        [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque]
+            .map(|law| run(&plant, law, 15.0, &wanted).rms_error(8.0));
+
+    for joint in 0..3 {
+        assert!(first[joint] < 0.5 * pid[joint], "{first:?}, {pid:?}");
+        assert!(second[joint] < 0.1 * pid[joint], "{second:?}, {pid:?}");
+        assert!(computed[joint] < 0.1 * pid[joint], "{computed:?}, {pid:?}");
+    }
+}
+
+#[test]
+fn an_ideal_arm_with_all_that_is_known_is_where_it_should_be() {
+    let plant = Plant::ideal(Arm::builtin("puma560-3").unwrap());
+    let wanted = wanted(&plant);
+
+    let found = run(&plant, Law::Controller2, 15.0, &wanted).peak_error(0.0);
+
+    // A torque held for 1 ms is late by half of that: 0.5 ms × jerk 30 rad/s³ / ω² at most.
+    assert!(found.iter().all(|error| *error < 1e-4), "{found:?}");
+}
+
+/// Hanging down, then half a radian from there, where gravity takes 11 of 14 N·m.
+fn step(plant: &Plant) -> Motion {
+    let mut signals = wanted(plant).into_signals();
+    for row in 0..signals.t.len() {
+        signals.q[(row, 0)] = -FRAC_PI_2 + if row < 100 { 0.0 } else { 0.5 };
+        signals.q[(row, 1)] = 0.0;
+    }
+    (signals.dq, signals.ddq) = (Mat::zeros(16_001, 2), Mat::zeros(16_001, 2));
+    Motion::new(signals).unwrap()
+}
+
+#[test]
+fn an_integral_that_does_not_wind_up_overshoots_less() {
+    let mut plant = Plant::ideal(Arm::builtin("planar-2").unwrap());
+    plant.drive.limit = vec![14.0, 8.0];
+    let wanted = step(&plant);
+    let gains = Gains::critically_damped(15.0, &mean_inertia(&plant, &wanted).unwrap());
+    let mut blind = Controller::new(Law::Pid, &plant, &gains, &wanted).unwrap();
+    let beyond = |found: &Tracking| {
+        found.error.col_as_slice(0).iter().fold(0.0_f64, |most, error| most.max(-error))
+    };
+
+    let wound = track(&plant, &mut blind, &wanted).unwrap();
+    let kept = run(&plant, Law::Pid, 15.0, &wanted);
+
+    assert!(wound.saturated[0] > 0.01, "{:?}", wound.saturated);
+    assert!(beyond(&kept) < 0.7 * beyond(&wound), "{} {}", beyond(&kept), beyond(&wound));
+    assert!(kept.tau.col_as_slice(0).iter().all(|tau| tau.abs() <= 14.0));
+}
+
+#[test]
+fn an_arm_that_floats_is_led_with_little_force() {
+    let plant = Plant::ideal(Arm::builtin("puma560-3").unwrap());
+    let wanted = wanted(&plant);
+    let gains = Gains::critically_damped(15.0, &mean_inertia(&plant, &wanted).unwrap());
+    let still = vec![0.0; 3];
+
+    let mut controller = Controller::new(Law::HandGuiding, &plant, &gains, &wanted).unwrap();
+    let led = lead(&plant, &mut controller, &wanted).unwrap().rms_hand(1.0);
+
+    let rows = 0..wanted.n_rows();
+    let weight = rows.map(|row| {
+        let q: Vec<f64> = wanted.q().row(row).iter().copied().collect();
+        plant.arm.inverse_dynamics(&q, &still, &still)[1].powi(2)
+    });
+    let weight = (weight.sum::<f64>() / wanted.n_rows() as f64).sqrt();
+    assert!(led[1] < 0.7 * weight, "{led:?}, {weight} to carry");
+}
+
+#[test]
+fn one_seed_gives_the_same_bits() {
+    let mut plant = plant();
+    plant.sensors.noise = 1e-5;
+    let wanted = periodic(&plant.arm, &Periodic { seconds: 1.0, ..Periodic::default() }).unwrap();
+
+    let [one, other] = [(); 2].map(|()| run(&plant, Law::Controller2, 15.0, &wanted));
+    plant.sensors.seed = 1;
+    let third = run(&plant, Law::Controller2, 15.0, &wanted);
+
+    assert_eq!(one.q, other.q);
+    assert_ne!(one.q, third.q);
+}
+
+#[test]
+fn gains_place_three_equal_poles() {
+    let gains = Gains::critically_damped(7.0, &[2.5]);
+
+    for s in [-7.0_f64, -1.0, 3.0] {
+        let closed = 2.5 * s.powi(3)
+            + gains.derivative[0] * s * s
+            + gains.proportional[0] * s
+            + gains.integral[0];
+        assert!((closed - 2.5 * (s + 7.0).powi(3)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_loop_that_is_unstable_is_an_error() {
+    let mut plant = plant();
+    plant.drive.delay = 0.05;
+    let wanted = wanted(&plant);
+    let gains = Gains::critically_damped(200.0, &mean_inertia(&plant, &wanted).unwrap());
+
+    let mut controller = Controller::new(Law::Pid, &plant, &gains, &wanted).unwrap();
+    let found = track(&plant, &mut controller, &wanted);
+
+    assert!(matches!(found, Err(ControlError::Diverged { .. })), "{found:?}");
+}
+
+/// One joint that rubs dry, and nothing else.
+fn dry(n: usize) -> Model {
+    let term = FrictionTerm::of_joint(n, 0, FrictionLaw::Coulomb { width: 0.0 });
+    let weighted = Weighted { term, coefficient: 2.0, std_error: 0.0, inclusion: None };
+    Model {
+        joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
+        form: Form::Torque(vec![vec![]; n]),
+        friction: vec![weighted],
+        chain: None,
+        stages: vec![],
+        training: Training::default(),
+        choices: vec![],
+    }
+}
+
+#[test]
+fn a_learned_sign_is_smooth() {
+    let known = Learned::new(&dry(2)).unwrap();
+    let mut path = known.path();
+    path.step(&[0.0; 2]);
+
+    let [slow, fast] = [2e-5, 1.0].map(|speed| known.friction(&path, &[speed, 0.0]).unwrap()[0]);
+
+    assert!(slow > 0.0 && slow < 0.05 && (fast - 2.0).abs() < 1e-12);
+    assert_eq!(known.slow(&path, &[1.0, 0.0]).unwrap(), [2.0, 0.0]);
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let plant = Plant::ideal(Arm::builtin("planar-2").unwrap());
+    let wanted = wanted(&plant);
+    let gains = Gains::critically_damped(15.0, &[1.0, 1.0]);
+    let other = Learned::new(&dry(3)).unwrap();
+    let gap = wanted.select(&[0, 1, 2, 5]);
+
+    let of_another_arm = Controller::new(Law::Pid, &other, &gains, &wanted).err().unwrap();
+    let uneven = Controller::new(Law::Pid, &plant, &gains, &gap).err().unwrap();
+    let short = Controller::new(Law::Pid, &plant, &gains, &wanted.select(&[3])).err().unwrap();
+    let none = Gains::critically_damped(15.0, &[1.0, -1.0]);
+    let unphysical = Controller::new(Law::Pid, &plant, &none, &wanted).err().unwrap();
+
+    assert!(matches!(of_another_arm, ControlError::JointCount { .. }));
+    assert!(matches!(uneven, ControlError::Uneven { .. }));
+    assert!(matches!(short, ControlError::TooShort { rows: 1 }));
+    assert!(matches!(unphysical, ControlError::Setting { .. }));
+}

@@ -1,0 +1,194 @@
+//! What must hold for every arm, on random ones: energy, symmetry, and ways there and back.
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::fmt::Write;
+use torquewise_sim::{Arm, DynamicsError, arms};
+
+/// Arms of one to seven joints with random geometry and masses, then the reference arms.
+fn all_arms() -> Vec<Arm> {
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    let mut all: Vec<Arm> = (0..21).map(|k| random_arm(1 + k % 7, &mut rng)).collect();
+    all.extend(arms().iter().map(|summary| Arm::builtin(summary.name).unwrap()));
+    all
+}
+
+fn random_arm(n: usize, rng: &mut ChaCha8Rng) -> Arm {
+    let mut text = format!("name = 'random-{n}'\nbase_rpy = {:?}\n", numbers(rng, 3, 3.0));
+    for joint in 1..=n {
+        let [a, alpha, d, offset] = numbers(rng, 4, 1.0)[..] else { unreachable!() };
+        let [mass, ixx, iyy, izz, rotor] = numbers(rng, 5, 1.0)[..] else { unreachable!() };
+        // Principal moments of at least 0.3 outweigh products of inertia of at most 0.1.
+        let inertia = [0.3 + ixx.abs(), 0.3 + iyy.abs(), 0.3 + izz.abs()];
+        let products = numbers(rng, 3, 0.1);
+        write!(
+            text,
+            "[[joints]]\nname = 'joint{joint}'\na = {a:?}\nalpha = {:?}\nd = {d:?}\n\
+             offset = {offset:?}\nmass = {:?}\ncom = {:?}\nrotor = {:?}\ninertia = {:?}\n",
+            3.0 * alpha,
+            5.0 * mass.abs(),
+            numbers(rng, 3, 0.3),
+            rotor.abs(),
+            [&inertia[..], &products].concat(),
+        )
+        .unwrap();
+    }
+    Arm::from_dh_toml(&text).unwrap()
+}
+
+/// Numbers evenly drawn from −most to most.
+fn numbers(rng: &mut ChaCha8Rng, n: usize, most: f64) -> Vec<f64> {
+    (0..n).map(|_| rng.random_range(-most..most)).collect()
+}
+
+/// Every arm in ten random states q, dq, ddq.
+fn for_states(check: impl Fn(&Arm, &[f64], &[f64], &[f64])) {
+    let mut rng = ChaCha8Rng::seed_from_u64(2);
+    for arm in all_arms() {
+        let n = arm.n_joints();
+        for _ in 0..10 {
+            let [q, dq, ddq] = [3.0, 2.0, 5.0].map(|most| numbers(&mut rng, n, most));
+            check(&arm, &q, &dq, &ddq);
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// a + h·b.
+fn step(a: &[f64], h: f64, b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + h * b).collect()
+}
+
+#[test]
+fn mass_matrix_is_symmetric_positive_definite() {
+    for_states(|arm, q, _, _| {
+        let mass = arm.mass_matrix(q);
+
+        assert_eq!(mass, mass.transpose().to_owned());
+        assert!(mass.llt(faer::Side::Lower).is_ok(), "{}", arm.name());
+    });
+}
+
+#[test]
+fn torque_is_the_sum_of_inertia_coriolis_and_gravity() {
+    for_states(|arm, q, dq, ddq| {
+        let n = arm.n_joints();
+        let mass = arm.mass_matrix(q);
+        let (coriolis, gravity) = (arm.coriolis_torque(q, dq), arm.gravity_torque(q));
+
+        let tau = arm.inverse_dynamics(q, dq, ddq);
+
+        for i in 0..n {
+            let inertial: f64 = (0..n).map(|j| mass[(i, j)] * ddq[j]).sum();
+            let error = (tau[i] - (inertial + coriolis[i] + gravity[i])).abs();
+            // A few hundred roundings of the largest torque.
+            assert!(error < 1e-12 * (1.0 + norm(&tau)), "{}: {error:e}", arm.name());
+        }
+    });
+}
+
+#[test]
+fn power_in_is_change_of_energy() {
+    // d/dt (T + V) along q(t) = q + t dq + t² ddq / 2, by a central difference of fourth order.
+    for_states(|arm, q, dq, ddq| {
+        let energy = |t: f64| {
+            let q = step(&step(q, t, dq), t * t / 2.0, ddq);
+            let dq = step(dq, t, ddq);
+            arm.kinetic_energy(&q, &dq) + arm.potential_energy(&q)
+        };
+        let h = 1e-3;
+        let change =
+            (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+
+        let power = dot(dq, &arm.inverse_dynamics(q, dq, ddq));
+
+        // h⁴ times the fifth derivative (rates of about ten per second), against the energy.
+        let scale = energy(0.0).abs() + norm(dq) * norm(&arm.inverse_dynamics(q, dq, ddq));
+        assert!((power - change).abs() < 1e-6 * scale, "{}: {power} {change}", arm.name());
+    });
+}
+
+#[test]
+fn m_dot_minus_two_c_is_skew() {
+    // q̇ᵀ (Ṁ − 2 C) q̇ = 0, Ṁ along q̇ by a central difference of fourth order.
+    for_states(|arm, q, dq, _| {
+        let n = arm.n_joints();
+        let energy = |t: f64| {
+            let mass = arm.mass_matrix(&step(q, t, dq));
+            let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+            pairs.map(|(i, j)| dq[i] * mass[(i, j)] * dq[j]).sum::<f64>()
+        };
+        let h = 1e-3;
+        let m_dot =
+            (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+
+        let coriolis = 2.0 * dot(dq, &arm.coriolis_torque(q, dq));
+
+        assert!((m_dot - coriolis).abs() < 1e-7 * (1.0 + energy(0.0)), "{m_dot} {coriolis}");
+    });
+}
+
+#[test]
+fn forward_dynamics_undoes_inverse_dynamics() {
+    for_states(|arm, q, dq, ddq| {
+        let tau = arm.inverse_dynamics(q, dq, ddq);
+
+        let found = arm.forward_dynamics(q, dq, &tau).unwrap();
+
+        let error = norm(&step(&found, -1.0, ddq));
+        // Rounding of τ, magnified by the condition of M (up to about 1e5 for the wrists).
+        assert!(error < 1e-9 * norm(ddq), "{}: {error:e}", arm.name());
+    });
+}
+
+#[test]
+fn gravity_torque_is_the_gradient_of_potential_energy() {
+    for_states(|arm, q, _, _| {
+        let gravity = arm.gravity_torque(q);
+        let h = 1e-4;
+
+        for i in 0..arm.n_joints() {
+            let mut direction = vec![0.0; arm.n_joints()];
+            direction[i] = 1.0;
+            let energy = |t: f64| arm.potential_energy(&step(q, t, &direction));
+            let gradient = (energy(h) - energy(-h)) / (2.0 * h);
+            // h² / 6 times the third derivative, as large as the torque itself, plus rounding.
+            let scale = 1.0 + norm(&gravity);
+            assert!((gravity[i] - gradient).abs() < 1e-8 * scale, "{}", arm.name());
+        }
+    });
+}
+
+#[test]
+fn a_massless_last_link_is_named_when_it_should_accelerate() {
+    let link = |name, mass| {
+        format!(
+            "[[joints]]\nname = '{name}'\na = 0.5\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
+             com = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n"
+        )
+    };
+    let text = format!("name = 'bare'\n{}{}", link("a", "1.0"), link("b", "0.0"));
+    let arm = Arm::from_dh_toml(&text).unwrap();
+
+    let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0, 1.0]).unwrap_err();
+
+    assert!(matches!(error, DynamicsError::Massless { joint: 1 }), "{error:?}");
+}
+
+#[test]
+fn a_torque_of_another_joint_count_is_refused() {
+    let arm = Arm::builtin("planar-2").unwrap();
+
+    let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0]).unwrap_err();
+
+    let wanted = DynamicsError::JointCount { signal: "tau", found: 1, expected: 2 };
+    assert_eq!(error.to_string(), wanted.to_string());
+}

@@ -1,0 +1,251 @@
+//! Simulated motions: exact derivatives, true patterns, and the shares, speeds and gaps promised.
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
+
+use torquewise_motion::Pattern;
+use torquewise_motion::Recording;
+use torquewise_sim::{
+    Arm, DynamicsError, MotionKind, MotionPlan, SimulatedLog, Simulation, arms, simulate,
+};
+
+const KINDS: [MotionKind; 3] = [MotionKind::Moves, MotionKind::Sines, MotionKind::Staged];
+
+fn plan(kind: MotionKind) -> MotionPlan {
+    MotionPlan { kind, seed: 5, ..MotionPlan::default() }
+}
+
+fn puma(kind: MotionKind) -> Simulation {
+    simulate(&Arm::builtin("puma560-3").unwrap(), &plan(kind)).unwrap()
+}
+
+/// Share of the rows that show a pattern.
+fn share(simulation: &Simulation, pattern: Pattern) -> f64 {
+    let rows = simulation.truth.iter().filter(|&&found| found == pattern).count();
+    rows as f64 / simulation.truth.len() as f64
+}
+
+/// Column of one joint: least and greatest value.
+fn extremes(column: &[f64]) -> (f64, f64) {
+    column.iter().fold((0.0, 0.0), |(least, most): (f64, f64), &x| (least.min(x), most.max(x)))
+}
+
+/// Pairs of neighbouring rows of one pattern, without a gap between them.
+fn neighbours(simulation: &Simulation) -> impl Iterator<Item = (usize, f64)> {
+    let Simulation { motion, truth } = simulation;
+    (1..motion.n_rows()).filter_map(|row| {
+        let dt = motion.t()[row] - motion.t()[row - 1];
+        (truth[row] == truth[row - 1] && dt < 1.5 / 250.0).then_some((row, dt))
+    })
+}
+
+#[test]
+fn velocity_and_acceleration_are_the_derivatives_of_position() {
+    for kind in KINDS {
+        let simulation = puma(kind);
+        let (q, dq) = (simulation.motion.q(), simulation.motion.dq());
+        let ddq = simulation.motion.ddq();
+        let mut checked = 0;
+
+        for (row, dt) in neighbours(&simulation) {
+            for i in 0..3 {
+                // One acceleration per phase, so the trapezoid is exact, but for a switch between
+                // accelerating and braking (none without cruise) and the third derivative of sines.
+                let mean = f64::midpoint(dq[(row, i)], dq[(row - 1, i)]);
+                let moved = q[(row, i)] - q[(row - 1, i)] - dt * mean;
+                assert!(moved.abs() < 1e-6, "{kind:?} q: row {row}, {moved:e}");
+                let mean = f64::midpoint(ddq[(row, i)], ddq[(row - 1, i)]);
+                let gained = dq[(row, i)] - dq[(row - 1, i)] - dt * mean;
+                assert!(gained.abs() < 1e-6, "{kind:?} dq: row {row}, {gained:e}");
+            }
+            checked += 1;
+        }
+        assert!(checked > 30_000, "{kind:?}: {checked}");
+    }
+}
+
+#[test]
+fn position_never_drifts_or_jumps_between_rows() {
+    for kind in [MotionKind::Moves, MotionKind::Sines] {
+        let motion = puma(kind).motion;
+        let (q, dq) = (motion.q(), motion.dq());
+
+        for row in 1..motion.n_rows() {
+            for i in 0..3 {
+                let jump = (q[(row, i)] - q[(row - 1, i)]).abs();
+                let gain = (dq[(row, i)] - dq[(row - 1, i)]).abs();
+                assert!(jump < 2.1 / 250.0 && gain < 6.1 / 250.0, "{kind:?}: row {row}");
+            }
+        }
+    }
+}
+
+#[test]
+fn truth_says_which_signals_are_zero() {
+    for kind in KINDS {
+        let Simulation { motion, truth } = puma(kind);
+
+        for (row, &pattern) in truth.iter().enumerate() {
+            let moves = (0..3).any(|i| motion.dq()[(row, i)] != 0.0);
+            let accelerates = (0..3).any(|i| motion.ddq()[(row, i)] != 0.0);
+            let expected = match (moves, accelerates) {
+                (false, false) => Pattern::Standstill,
+                (true, false) => Pattern::UniformVelocity,
+                (_, true) => Pattern::VariableVelocity,
+            };
+            assert_eq!(pattern, expected, "{kind:?}: row {row}");
+        }
+    }
+}
+
+#[test]
+fn moves_hold_all_three_patterns_in_the_shares_promised() {
+    for summary in arms() {
+        let arm = Arm::builtin(summary.name).unwrap();
+        let simulation = simulate(&arm, &plan(MotionKind::Moves)).unwrap();
+
+        let standstill = share(&simulation, Pattern::Standstill);
+        let uniform = share(&simulation, Pattern::UniformVelocity);
+
+        assert!((0.14..0.21).contains(&standstill), "{}: {standstill}", summary.name);
+        assert!((0.35..0.46).contains(&uniform), "{}: {uniform}", summary.name);
+    }
+}
+
+#[test]
+fn cruising_joints_are_clearly_not_at_rest() {
+    let Simulation { motion, truth } = puma(MotionKind::Moves);
+    let cruise = |row: &usize| truth[*row] == Pattern::UniformVelocity;
+
+    for i in 0..3 {
+        let dq = motion.dq().col(i);
+        let mut speeds: Vec<f64> =
+            (0..truth.len()).filter(cruise).map(|row| dq[row].abs()).collect();
+        speeds.sort_by(f64::total_cmp);
+
+        assert!(speeds[speeds.len() / 20] > 0.15, "joint {i}: {}", speeds[speeds.len() / 20]);
+        assert!(*speeds.last().unwrap() > 1.2, "joint {i}");
+    }
+}
+
+#[test]
+fn every_joint_crosses_most_of_its_range_both_ways_within_the_limits() {
+    for kind in KINDS {
+        let arm = Arm::builtin("generic-7").unwrap();
+        let motion = simulate(&arm, &plan(kind)).unwrap().motion;
+
+        for (i, [lower, upper]) in arm.ranges().into_iter().enumerate() {
+            let (left, right) = extremes(motion.q().col(i).try_as_col_major().unwrap().as_slice());
+            let (back, forth) = extremes(motion.dq().col(i).try_as_col_major().unwrap().as_slice());
+            let (brake, gain) =
+                extremes(motion.ddq().col(i).try_as_col_major().unwrap().as_slice());
+            let crossed = (right - left) / (upper - lower);
+
+            assert!(left >= lower - 1e-9 && right <= upper + 1e-9, "{kind:?}: joint {i}");
+            assert!(crossed > 0.4, "{kind:?}: joint {i} crosses {crossed}");
+            assert!(back < -0.8 && forth > 0.8, "{kind:?}: joint {i}: {back} {forth}");
+            assert!(back > -2.0 - 1e-9 && forth < 2.0 + 1e-9, "{kind:?}: joint {i}");
+            assert!(brake < -2.0 && gain > 2.0, "{kind:?}: joint {i}: {brake} {gain}");
+            assert!(brake > -6.0 - 1e-9 && gain < 6.0 + 1e-9, "{kind:?}: joint {i}");
+        }
+    }
+}
+
+#[test]
+fn a_narrow_range_is_never_left() {
+    let text = "name = 'narrow'\n[[joints]]\nname = 'joint1'\na = 0.1\nalpha = 0.0\nd = 0.0\n\
+                mass = 1.0\ncom = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n\
+                range = [0.2, 0.3]\n";
+    let arm = Arm::from_dh_toml(text).unwrap();
+
+    for kind in KINDS {
+        let motion = simulate(&arm, &plan(kind)).unwrap().motion;
+
+        for row in 0..motion.n_rows() {
+            let q = motion.q()[(row, 0)];
+            assert!((0.2 - 1e-12..=0.3 + 1e-12).contains(&q), "{kind:?}: row {row}: {q}");
+        }
+    }
+}
+
+#[test]
+fn staged_recordings_follow_one_another_with_gaps_between_transfers() {
+    let simulation = puma(MotionKind::Staged);
+    let thirds: Vec<&[Pattern]> = simulation.truth.chunks(13_334).collect();
+    let t = simulation.motion.t();
+    let gaps: Vec<f64> =
+        t.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 1.001 / 250.0).collect();
+
+    for pattern in [Pattern::Standstill, Pattern::UniformVelocity, Pattern::VariableVelocity] {
+        let third = share(&simulation, pattern);
+        assert!((third - 1.0 / 3.0).abs() < 1e-3, "{pattern:?}: {third}");
+    }
+    assert!(thirds[0][..13_333].iter().all(|&p| p == Pattern::Standstill));
+    assert!(thirds[2][1..].iter().all(|&p| p == Pattern::VariableVelocity));
+    assert!(gaps.len() > 400, "{} transfers", gaps.len());
+    assert!(gaps.iter().all(|&gap| gap > 0.49), "a transfer takes half a second at least");
+    assert!(t.windows(2).all(|pair| pair[1] > pair[0]));
+}
+
+#[test]
+fn torque_is_the_inverse_dynamics_of_its_row() {
+    let arm = Arm::builtin("generic-6").unwrap();
+    let motion = simulate(&arm, &plan(MotionKind::Moves)).unwrap().motion;
+
+    for row in (0..motion.n_rows()).step_by(997) {
+        let of = |x: faer::MatRef<'_, f64>| (0..6).map(|i| x[(row, i)]).collect::<Vec<_>>();
+        let expected = arm.inverse_dynamics(&of(motion.q()), &of(motion.dq()), &of(motion.ddq()));
+        assert_eq!(of(motion.require_tau().unwrap()), expected);
+    }
+}
+
+#[test]
+fn one_seed_gives_the_same_bits_and_another_gives_others() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+
+    for kind in KINDS {
+        let first = simulate(&arm, &plan(kind)).unwrap().motion;
+        let again = simulate(&arm, &plan(kind)).unwrap().motion;
+        let other = simulate(&arm, &MotionPlan { seed: 6, ..plan(kind) }).unwrap().motion;
+
+        assert_eq!((first.q(), first.tau()), (again.q(), again.tau()), "{kind:?}");
+        assert_ne!(first.q(), other.q(), "{kind:?}");
+    }
+}
+
+#[test]
+fn a_log_read_block_by_block_is_the_log_made_at_once() {
+    let arm = Arm::builtin("puma560-3").unwrap();
+
+    for kind in KINDS {
+        let plan = MotionPlan { seconds: 10.0, ..plan(kind) };
+        let whole = simulate(&arm, &plan).unwrap().motion;
+        let mut first = 0;
+        SimulatedLog::new(&arm, &plan)
+            .unwrap()
+            .read(&mut |trajectory, block| {
+                assert_eq!(trajectory, 0);
+                let rows = first..first + block.n_rows();
+                let expected = whole.select(&rows.clone().collect::<Vec<_>>());
+                assert_eq!((block.t(), block.q()), (expected.t(), expected.q()));
+                assert_eq!((block.ddq(), block.tau()), (expected.ddq(), expected.tau()));
+                first = rows.end;
+                Ok(())
+            })
+            .unwrap();
+
+        assert_eq!(first, 2500);
+    }
+}
+
+#[test]
+fn a_plan_or_an_arm_out_of_bounds_is_refused() {
+    let puma = Arm::builtin("puma560-3").unwrap();
+    let heavy = "name = 'heavy'\n[[joints]]\nname = 'joint1'\na = 1e200\nalpha = 0.0\nd = 0.0\n\
+                 mass = 1e200\ncom = [0.0, 0.0, 0.0]\ninertia = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]\n";
+    let heavy = Arm::from_dh_toml(heavy).unwrap();
+    let endless = MotionPlan { seconds: f64::INFINITY, ..MotionPlan::default() };
+
+    let (plan, overflow) = (simulate(&puma, &endless), simulate(&heavy, &MotionPlan::default()));
+
+    assert!(matches!(plan, Err(DynamicsError::Plan { .. })));
+    assert!(matches!(overflow, Err(DynamicsError::Motion { .. })));
+}

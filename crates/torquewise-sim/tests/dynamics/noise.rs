@@ -1,0 +1,147 @@
+//! Noise: as strong as asked, independent of order, and none where nothing moves.
+#![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
+
+use faer::{Mat, MatRef};
+use torquewise_motion::{Motion, Signals};
+use torquewise_sim::{Arm, DynamicsError, MotionPlan, Noise, add_noise, simulate};
+
+fn clean() -> Motion {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    simulate(&arm, &MotionPlan::default()).unwrap().motion
+}
+
+/// 10 log₁₀ of mean(x²) over mean(noise²), for one joint.
+fn measured_db(clean: MatRef<'_, f64>, noisy: MatRef<'_, f64>, joint: usize) -> f64 {
+    let (clean, noisy) = (clean.col(joint), noisy.col(joint));
+    10.0 * (clean.squared_norm_l2() / (noisy - clean).squared_norm_l2()).log10()
+}
+
+#[test]
+fn measured_signal_to_noise_ratio_is_the_one_asked_for() {
+    let clean = clean();
+    let noise = Noise::from_db(60.0, 40.0, 25.0).unwrap();
+
+    let noisy = add_noise(&clean, &noise, 3).unwrap();
+
+    let signals = [
+        (clean.q(), noisy.q(), 60.0),
+        (clean.dq(), noisy.dq(), 40.0),
+        (clean.ddq(), noisy.ddq(), 25.0),
+    ];
+    for (clean, noisy, db) in signals {
+        for joint in 0..3 {
+            // 40 000 rows: σ² is known to 0.7 %, 0.03 dB; four times that never happens by chance.
+            let found = measured_db(clean, noisy, joint);
+            assert!((found - db).abs() < 0.12, "joint {joint}: {found} dB, asked {db} dB");
+        }
+    }
+    assert_eq!((noisy.t(), noisy.tau()), (clean.t(), clean.tau()));
+}
+
+#[test]
+fn noise_is_white_gaussian_and_centred() {
+    let clean = clean();
+
+    let noisy = add_noise(&clean, &Noise::case(3).unwrap(), 4).unwrap();
+
+    let noise = noisy.dq().col(1) - clean.dq().col(1);
+    let m = noise.nrows() as f64;
+    let sigma = (noise.squared_norm_l2() / m).sqrt();
+    let mean = noise.iter().sum::<f64>() / m / sigma;
+    let lag = (1..noise.nrows()).map(|k| noise[k] * noise[k - 1]).sum::<f64>() / m / sigma.powi(2);
+    let kurtosis = noise.iter().map(|x| (x / sigma).powi(4)).sum::<f64>() / m;
+    // Standard errors 0.005, 0.005 and 0.0245 for 40 000 rows.
+    assert!(mean.abs() < 0.02 && lag.abs() < 0.02, "mean {mean}, neighbours {lag}");
+    assert!((kurtosis - 3.0).abs() < 0.1, "kurtosis {kurtosis}");
+}
+
+#[test]
+fn noises_of_two_signals_and_two_joints_are_independent() {
+    let clean = clean();
+
+    let noisy = add_noise(&clean, &Noise::from_db(40.0, 40.0, 40.0).unwrap(), 4).unwrap();
+
+    let noises = [
+        noisy.q().col(0) - clean.q().col(0),
+        noisy.q().col(1) - clean.q().col(1),
+        noisy.dq().col(0) - clean.dq().col(0),
+        noisy.ddq().col(0) - clean.ddq().col(0),
+    ];
+    for (k, a) in noises.iter().enumerate() {
+        for b in &noises[..k] {
+            let correlation = (a.transpose() * b) / a.norm_l2() / b.norm_l2();
+            assert!(correlation.abs() < 0.02, "{correlation}");
+        }
+    }
+}
+
+#[test]
+fn case_1_leaves_every_bit_as_it_was() {
+    let clean = clean();
+
+    let noisy = add_noise(&clean, &Noise::case(1).unwrap(), 5).unwrap();
+
+    assert_eq!((noisy.q(), noisy.dq(), noisy.ddq()), (clean.q(), clean.dq(), clean.ddq()));
+}
+
+#[test]
+fn the_cases_of_the_paper_are_its_ratios() {
+    assert_eq!(Noise::case(2).unwrap(), Noise::from_db(70.0, 50.0, 30.0).unwrap());
+    assert_eq!(Noise::case(3).unwrap(), Noise::from_db(60.0, 40.0, 30.0).unwrap());
+}
+
+#[test]
+fn noise_of_a_joint_does_not_depend_on_the_other_joints() {
+    let clean = clean();
+    let noise = Noise::case(3).unwrap();
+    let first_two = |x: MatRef<'_, f64>| x.subcols(0, 2).to_owned();
+    let fewer = Motion::new(Signals {
+        joints: clean.joints()[..2].to_vec(),
+        t: clean.t().to_vec(),
+        q: first_two(clean.q()),
+        dq: first_two(clean.dq()),
+        ddq: first_two(clean.ddq()),
+        tau: None,
+    })
+    .unwrap();
+
+    let (all, fewer) =
+        (add_noise(&clean, &noise, 6).unwrap(), add_noise(&fewer, &noise, 6).unwrap());
+
+    assert_eq!(first_two(all.q()), fewer.q());
+    assert_eq!(first_two(all.ddq()), fewer.ddq());
+    assert!(fewer.tau().is_none());
+    assert_ne!(add_noise(&clean, &noise, 7).unwrap().q(), all.q());
+}
+
+#[test]
+fn a_joint_that_never_moves_gets_no_noise() {
+    let zeros = || Mat::zeros(10, 1);
+    let still = Motion::new(Signals {
+        joints: vec!["joint1".into()],
+        t: (0..10).map(f64::from).collect(),
+        q: Mat::full(10, 1, 0.5),
+        dq: zeros(),
+        ddq: zeros(),
+        tau: None,
+    })
+    .unwrap();
+
+    let noisy = add_noise(&still, &Noise::case(3).unwrap(), 8).unwrap();
+
+    assert_eq!((noisy.dq(), noisy.ddq()), (still.dq(), still.ddq()));
+    assert_ne!(noisy.q(), still.q());
+}
+
+#[test]
+fn levels_that_mean_nothing_are_refused() {
+    let clean = clean();
+
+    let flood = Noise::from_db(-1e6, 0.0, 0.0).unwrap();
+
+    assert!(matches!(Noise::case(4), Err(DynamicsError::NoiseCase(4))));
+    let nan = Noise::from_db(60.0, f64::NAN, 30.0);
+    assert!(matches!(nan, Err(DynamicsError::NoiseLevel { signal: "dq", .. })));
+    assert!(Noise::from_db(f64::NEG_INFINITY, 40.0, 30.0).is_err());
+    assert!(matches!(add_noise(&clean, &flood, 1), Err(DynamicsError::Motion { .. })));
+}

@@ -1,0 +1,3 @@
+//! Plans within their limits, and what is learned from them.
+
+mod plan;

@@ -1,0 +1,294 @@
+//! Plans: within all limits at every instant, at rest at both ends, the same for the same seed.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::sync::LazyLock;
+use torquewise_motion::{Motion, Recording};
+use torquewise_sim::Arm;
+use torquewise_sim::excite::{
+    Excitation, ExciteError, Limits, PerJoint, Plan, Wishes, excite, joint_trajectory, limits,
+    waypoints,
+};
+
+/// Three joints of different ranges, speeds and accelerations.
+fn three_joints() -> Vec<Limits> {
+    let each = |values: &[f64]| PerJoint(values.iter().map(|value| (None, *value)).collect());
+    let wishes = Wishes {
+        range: PerJoint(vec![(None, [-2.5, 2.0]), (None, [0.3, 1.9]), (None, [-0.8, 2.4])]),
+        velocity: each(&[1.5, 2.0, 3.0]),
+        acceleration: each(&[2.0, 1.0, 4.0]),
+        ..Wishes::default()
+    };
+    limits(&Arm::builtin("puma560-3").unwrap(), &wishes).unwrap()
+}
+
+fn quick() -> Plan {
+    Plan { seconds: [30.0, 100.0, 40.0], tries: 6, seed: 4, ..Plan::default() }
+}
+
+fn planned(plan: &Plan) -> Excitation {
+    excite(&three_joints(), plan, &mut |_, _| {}).unwrap()
+}
+
+static POSES: LazyLock<Excitation> = LazyLock::new(|| planned(&quick()));
+static CREEPS: LazyLock<Excitation> =
+    LazyLock::new(|| planned(&Plan { slow_sweeps: true, seed: 5, ..quick() }));
+
+fn all_rows(recording: &impl Recording) -> Vec<Motion> {
+    let mut blocks = Vec::new();
+    let read = recording.read(&mut |_, block| {
+        blocks.push(block.clone());
+        Ok(())
+    });
+    read.unwrap();
+    blocks
+}
+
+#[test]
+fn every_row_and_all_between_rows_is_within_the_limits() {
+    for found in [&*POSES, &*CREEPS] {
+        for recording in &found.recordings {
+            // A step that shares no multiple with that of the rows.
+            let steps = (recording.seconds() / 0.001_7).ceil();
+            let mut k = 0.0;
+            while k <= steps {
+                let state = recording.state_at(k * 0.001_7);
+                for (joint, limits) in three_joints().iter().enumerate() {
+                    let most = limits.planned;
+                    let [lower, upper] = most.position;
+                    let (q, slack) = (state.q[joint], 1e-12);
+                    assert!(lower - slack <= q && q <= upper + slack, "{k} {q}");
+                    assert!(state.dq[joint].abs() <= most.velocity + slack, "{k} {state:?}");
+                    assert!(state.ddq[joint].abs() <= most.acceleration + slack, "{k} {state:?}");
+                }
+                k += 1.0;
+            }
+        }
+    }
+}
+
+#[test]
+fn peaks_are_those_of_the_rows() {
+    for (recording, peaks) in POSES.recordings.iter().zip(&POSES.peaks) {
+        let blocks = all_rows(recording);
+        for (joint, peak) in peaks.iter().enumerate() {
+            let speeds = blocks.iter().flat_map(|block| block.dq().col(joint).iter());
+            let largest = speeds.map(|dq| dq.abs()).fold(0.0, f64::max);
+            assert!(largest <= peak.velocity && largest > 0.99 * peak.velocity, "{peak:?}");
+        }
+    }
+}
+
+#[test]
+fn recordings_begin_and_end_at_rest_at_home() {
+    // Joint 2 cannot be at zero: the middle of its range.
+    let home = [0.0, 1.1, 0.0];
+    for recording in &POSES.recordings {
+        let blocks = all_rows(recording);
+        let (first, last) = (&blocks[0], blocks.last().unwrap());
+        for (block, row) in [(first, 0), (last, last.n_rows() - 1)] {
+            for (joint, home) in home.into_iter().enumerate() {
+                assert!((block.q()[(row, joint)] - home).abs() < 1e-12);
+                assert!(block.dq()[(row, joint)].abs() <= 0.0);
+                assert!(block.ddq()[(row, joint)].abs() <= 0.0);
+            }
+        }
+        let rows: usize = blocks.iter().map(Motion::n_rows).sum();
+        assert_eq!(rows, recording.n_rows());
+        assert!(last.t().last().unwrap() - recording.seconds() < 0.01);
+    }
+}
+
+#[test]
+fn position_velocity_and_acceleration_never_jump() {
+    let limits = three_joints();
+    for recording in POSES.recordings.iter().chain(&CREEPS.recordings) {
+        let step = 1e-4;
+        let steps = (recording.seconds() / step).ceil();
+        let (mut before, mut k) = (recording.state_at(0.0), 1.0);
+        while k <= steps {
+            let state = recording.state_at(k * step);
+            for (joint, limits) in limits.iter().enumerate() {
+                let most = limits.planned;
+                let moved = [
+                    ((state.q[joint] - before.q[joint]).abs(), most.velocity),
+                    ((state.dq[joint] - before.dq[joint]).abs(), most.acceleration),
+                    // Slow strokes ramp up in a hundredth of a second.
+                    ((state.ddq[joint] - before.ddq[joint]).abs(), 600.0 * most.acceleration),
+                ];
+                for (moved, rate) in moved {
+                    assert!(moved <= rate * step * 1.001 + 1e-12, "{k} {joint} {moved} {rate}");
+                }
+            }
+            before = state;
+            k += 1.0;
+        }
+    }
+}
+
+#[test]
+fn rows_at_constant_speed_have_no_acceleration_at_all() {
+    let recording = &POSES.recordings[1];
+    let (mut uniform, mut rows) = (0, 0);
+    for block in all_rows(recording) {
+        for row in 0..block.n_rows() {
+            let still = (0..3).all(|joint| block.ddq()[(row, joint)].abs() <= 0.0);
+            let moves = (0..3).any(|joint| block.dq()[(row, joint)].abs() > 0.0);
+            uniform += usize::from(still && moves);
+            rows += 1;
+        }
+    }
+
+    assert!(uniform * 3 > rows, "{uniform} of {rows}");
+}
+
+#[test]
+fn every_joint_sweeps_alone_fast_and_slow_in_both_directions() {
+    let blocks = all_rows(&POSES.recordings[1]);
+    for joint in 0..3 {
+        let mut speeds: Vec<i64> = Vec::new();
+        for block in &blocks {
+            for row in 0..block.n_rows() {
+                let alone = (0..3).all(|k| (block.dq()[(row, k)] == 0.0) == (k != joint));
+                let constant = (0..3).all(|k| block.ddq()[(row, k)].abs() <= 0.0);
+                if alone && constant {
+                    #[expect(clippy::cast_possible_truncation, reason = "a few rad/s")]
+                    speeds.push((block.dq()[(row, joint)] * 1e6).round() as i64);
+                }
+            }
+        }
+        speeds.sort_unstable();
+        speeds.dedup();
+        assert!(speeds.len() >= 4, "{joint}: {speeds:?}");
+        assert!(speeds.iter().all(|speed| speeds.contains(&-speed)), "{joint}: {speeds:?}");
+    }
+    assert_eq!(POSES.not_alone, [""; 0]);
+}
+
+#[test]
+fn creeping_joints_pass_their_poses_slowly_in_both_directions() {
+    let most: Vec<f64> = three_joints().iter().map(|limits| limits.planned.velocity).collect();
+    let mut directions = [[0_usize; 2]; 3];
+    for block in all_rows(&CREEPS.recordings[0]) {
+        for row in 0..block.n_rows() {
+            let creeps = (0..3).all(|k| {
+                let dq = block.dq()[(row, k)].abs();
+                block.ddq()[(row, k)].abs() <= 0.0 && dq > 0.0 && dq < 0.021 * most[k]
+            });
+            if creeps {
+                for (joint, counts) in directions.iter_mut().enumerate() {
+                    counts[usize::from(block.dq()[(row, joint)] > 0.0)] += 1;
+                }
+            }
+        }
+    }
+
+    for [back, there] in directions {
+        assert!(back > 300 && back.abs_diff(there) < back / 10, "{directions:?}");
+    }
+}
+
+#[test]
+fn a_plan_tells_more_than_a_random_one() {
+    for found in [&*POSES, &*CREEPS] {
+        for (planned, random) in found.criteria.iter().zip(&found.random) {
+            assert!(planned.information > random.information, "{planned:?} {random:?}");
+        }
+        assert!(found.criteria[2].condition.is_finite());
+    }
+    let shares: Vec<usize> = POSES.criteria.iter().map(|criterion| criterion.columns).collect();
+    assert_eq!(shares, [21, 79, 85]);
+}
+
+#[test]
+fn a_seed_gives_the_same_bits_and_another_seed_another_plan() {
+    let plan = Plan { tries: 3, seconds: [10.0, 40.0, 20.0], ..quick() };
+    let text = |plan: &Plan| {
+        let found = planned(plan);
+        found.recordings.map(|recording| joint_trajectory(&recording, 20.0).unwrap())
+    };
+
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let alone = one_thread.install(|| text(&plan));
+
+    assert_eq!(text(&plan), alone);
+    assert_ne!(text(&Plan { seed: 5, ..plan }), alone);
+}
+
+/// The polynomial of order 5 through position, velocity and acceleration at both ends.
+fn spline([t, h]: [f64; 2], [q, dq, ddq]: [f64; 3], [to, dto, ddto]: [f64; 3]) -> f64 {
+    let x = t / h;
+    let (v, a, w, b) = (dq * h, ddq * h * h, dto * h, ddto * h * h);
+    let d = to - q;
+    let c3 = 10.0 * d - 6.0 * v - 4.0 * w - 1.5 * a + 0.5 * b;
+    let c4 = -15.0 * d + 8.0 * v + 7.0 * w + 1.5 * a - b;
+    let c5 = 6.0 * d - 3.0 * v - 3.0 * w - 0.5 * a + 0.5 * b;
+    q + x * (v + x * (a / 2.0 + x * (c3 + x * (c4 + x * c5))))
+}
+
+#[test]
+fn splines_through_the_waypoints_make_the_motion_again() {
+    for (recording, tolerance) in POSES.recordings.iter().zip([1e-7, 1e-7, 1e-6]) {
+        let points = waypoints(recording, 20.0).unwrap();
+        for pair in points.windows(2) {
+            let [from, to] = pair else { panic!("windows of two") };
+            let ends = [from, to].map(|point| point.nanoseconds as f64 / 1e9);
+            let h = ends[1] - ends[0];
+            assert!(h > 0.0 && h <= 0.05 + 2e-6, "{h}");
+            for part in [0.25, 0.5, 0.75] {
+                let state = recording.state_at(ends[0] + part * h);
+                for joint in 0..3 {
+                    let of =
+                        |s: &torquewise_sim::excite::State| [s.q[joint], s.dq[joint], s.ddq[joint]];
+                    let q = spline([part * h, h], of(&from.state), of(&to.state));
+                    assert!((q - state.q[joint]).abs() < tolerance, "{} {ends:?}", recording.name);
+                }
+            }
+        }
+        assert_eq!(points[0].nanoseconds, 0);
+        assert_eq!(points.last().unwrap().state, recording.state_at(1e9));
+    }
+}
+
+#[test]
+fn a_trajectory_names_the_joints_and_starts_at_home() {
+    let text = joint_trajectory(&POSES.recordings[0], 20.0).unwrap();
+
+    let words = [
+        "joint_names: [\"joint1\", \"joint2\", \"joint3\"]\n",
+        "points:\n- positions: [0.0, 1.100000000000, 0.0]\n  velocities: [0.0, 0.0, 0.0]\n",
+        "  time_from_start: {sec: 0, nanosec: 50000000}\n",
+    ];
+    for word in words {
+        assert!(text.contains(word), "{word} in {}", &text[..400]);
+    }
+}
+
+#[test]
+fn settings_that_make_no_plan_are_refused() {
+    let refused = |plan: Plan| excite(&three_joints(), &plan, &mut |_, _| {}).unwrap_err();
+    let cases = [
+        (Plan { seconds: [0.0, 60.0, 60.0], ..quick() }, "standstill"),
+        (Plan { seconds: [30.0, f64::NAN, 60.0], ..quick() }, "uniform"),
+        (Plan { seconds: [30.0, 60.0, 1e9], ..quick() }, "variable"),
+        (Plan { rate: f64::INFINITY, ..quick() }, "rate"),
+        (Plan { rate: 1e4, seconds: [30.0, 60.0, 300.0], ..quick() }, "number of rows"),
+        (Plan { dwell: -1.0, ..quick() }, "dwell"),
+        (Plan { tries: 0, ..quick() }, "tries"),
+        (Plan { interaction: Some(0), ..quick() }, "interaction"),
+        (Plan { home: Some(vec![0.0; 3]), ..quick() }, "joint2"),
+        (Plan { home: Some(vec![0.0; 2]), ..quick() }, "3 joints"),
+        (Plan { home: Some(vec![f64::NAN; 3]), ..quick() }, "joint1"),
+        (Plan { seconds: [1.2, 60.0, 60.0], ..quick() }, "no room for a single pose"),
+        (Plan { seconds: [30.0, 2.0, 60.0], ..quick() }, "no room for a single sweep"),
+        (Plan { seconds: [30.0, 60.0, 1.5], ..quick() }, "single period of sines"),
+    ];
+
+    for (plan, word) in cases {
+        let error = refused(plan);
+        assert!(error.to_string().contains(word), "{word}: {error}");
+    }
+    for rate in [0.0, f64::NAN, 1e6] {
+        let error = waypoints(&POSES.recordings[0], rate).unwrap_err();
+        assert!(matches!(error, ExciteError::Setting { .. }), "{error}");
+    }
+}
