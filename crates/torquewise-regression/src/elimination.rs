@@ -1,9 +1,9 @@
-//! From information matrix, scores to terms with standard errors: the least significant goes first
+//! Backward elimination by t² with sandwich standard errors: the least significant term goes first
 //! (E5).
 
 use crate::cholesky;
 use crate::error::SparseError;
-use crate::problem::{nonzero, require};
+use crate::problem::require;
 use crate::products::product;
 use faer::Mat;
 
@@ -132,20 +132,4 @@ fn weakest(t_squared: &[f64], threshold: f64) -> Vec<usize> {
     order.truncate(at_once.max(1));
     order.sort_unstable();
     order
-}
-
-impl Estimate {
-    /// The weights of all p columns, zero where a column was dropped.
-    pub fn dense(&self, n_columns: usize) -> Vec<f64> {
-        let mut out = vec![0.0; n_columns];
-        for (&j, &c) in self.active.iter().zip(&self.coefficients) {
-            out[j] = c;
-        }
-        out
-    }
-
-    /// Whether a dense vector of weights has the same support.
-    pub fn same_support(&self, coefficients: &[f64]) -> bool {
-        nonzero(coefficients, coefficients.len()) == self.active
-    }
 }

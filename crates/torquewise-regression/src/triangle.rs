@@ -97,23 +97,3 @@ fn upper_factor(mut stacked: Mat<f64>) -> Mat<f64> {
     );
     Mat::from_fn(k, k, |i, j| if i <= j { stacked[(i, j)] } else { 0.0 })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn r_transposed_times_r_is_the_gram_matrix_of_all_rows() {
-        let x = Mat::from_fn(37, 4, |i, j| ((i * 7 + j * 3) as f64).sin());
-
-        let (mut left, mut right) = (Triangle::new(4), Triangle::new(4));
-        left.add(x.subrows(0, 20)).unwrap();
-        right.add(x.subrows(20, 17)).unwrap();
-        left.merge(&right).unwrap();
-
-        let gram = x.transpose() * &x;
-        let factored = left.r().transpose() * left.r();
-        assert!((gram - factored).norm_max() < 1e-13);
-        assert_eq!(left.rows(), 37);
-    }
-}
