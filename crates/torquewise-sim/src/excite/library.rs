@@ -1,11 +1,11 @@
 //! From limits, orders to library: energies and friction as columns, each of size one over the
 //! limits.
 
-use crate::excite::error::ExciteError;
+use crate::error::SimError;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
-use crate::excite::random::between;
-use crate::excite::state::State;
+use crate::random::between;
+use crate::state::State;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -53,7 +53,7 @@ pub(crate) enum Share {
 
 impl Library {
     /// Lists the columns.
-    pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self, ExciteError> {
+    pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self, SimError> {
         let n = limits.len();
         let mut order = interaction.unwrap_or(INTERACTION).clamp(1, n.max(1));
         if interaction.is_none() && n_energies(n, order) > EASY_COLUMNS as f64 {
@@ -61,7 +61,7 @@ impl Library {
         }
         let wanted = n_energies(n, order) + 3.0 * n as f64;
         if wanted > MOST_COLUMNS as f64 {
-            return Err(ExciteError::TooManyColumns { columns: wanted, limit: MOST_COLUMNS });
+            return Err(SimError::TooManyColumns { columns: wanted, limit: MOST_COLUMNS });
         }
         let kind = LibraryKind::Energy { interaction: Some(order) };
         let candidates = Candidates::new(n, kind, Regression::Stepwise)?;
@@ -90,7 +90,7 @@ impl Library {
     }
 
     /// The columns that a recording is there for.
-    pub(crate) fn share(&self, share: Share) -> Result<Self, ExciteError> {
+    pub(crate) fn share(&self, share: Share) -> Result<Self, SimError> {
         let [gravity, coriolis] = &self.offered;
         let (energies, friction) = match share {
             Share::Standstill { creep } => (gravity.clone(), Friction([true, false, creep])),
@@ -112,13 +112,13 @@ impl Library {
         &self,
         parts: impl IntoIterator<Item = &'a Part>,
         density: u8,
-    ) -> Result<Vec<Mat<f64>>, ExciteError> {
+    ) -> Result<Vec<Mat<f64>>, SimError> {
         parts.into_iter().map(|part| self.rows(&part.states(density))).collect()
     }
 
     /// The columns at some states, n·m rows by p: the joints below each other, each row times the
     /// root of the seconds it stands for.
-    pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>, ExciteError> {
+    pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>, SimError> {
         let (m, n) = (states.q.nrows(), states.q.ncols());
         let variables = Mat::from_fn(m, 2 * n, |row, column| {
             if column < n { states.dq[(row, column)] } else { states.ddq[(row, column - n)] }
@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(Library::new(&seven, None).unwrap().interaction, 1);
         for order in [3, 16] {
             let refused = Library::new(&seven, Some(order)).unwrap_err();
-            assert!(matches!(refused, ExciteError::TooManyColumns { .. }), "{refused}");
+            assert!(matches!(refused, SimError::TooManyColumns { .. }), "{refused}");
         }
     }
 
