@@ -7,9 +7,7 @@ use serde_json::{Map, Value, json};
 use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
-use torquewise::control::ControlError;
-use torquewise::dynamics::DynamicsError;
-use torquewise::excite::ExciteError;
+use torquewise::dynamics::SimError;
 use torquewise::export::ExportError;
 use torquewise::identify::IdentifyError;
 use torquewise::logs::LogError;
@@ -180,11 +178,9 @@ fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
     cause.is::<CliError>()
         || cause.is::<torquewise::Error>()
         || cause.is::<LogError>()
-        || cause.is::<ExciteError>()
         || cause.is::<IdentifyError>()
         || cause.is::<ModelError>()
-        || cause.is::<ControlError>()
-        || cause.is::<DynamicsError>()
+        || cause.is::<SimError>()
         || cause.is::<MotionError>()
         || cause.is::<SparseError>()
         || cause.is::<ReportError>()

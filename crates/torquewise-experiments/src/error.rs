@@ -7,26 +7,20 @@ use torquewise_motion::MotionError;
 use torquewise_motion::signals::SignalError;
 use torquewise_regression::SparseError;
 use torquewise_report::ReportError;
-use torquewise_sim::DynamicsError;
-use torquewise_sim::control::ControlError;
-use torquewise_sim::excite::ExciteError;
+use torquewise_sim::SimError;
 
 /// Why there are no results, figures or report.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExperimentError {
     #[error(transparent)]
-    Dynamics(#[from] DynamicsError),
+    Simulation(#[from] SimError),
     #[error(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]
     Sparse(#[from] SparseError),
-    #[error(transparent)]
-    Control(#[from] ControlError),
-    #[error(transparent)]
-    Excite(#[from] ExciteError),
     #[error(transparent)]
     Signal(#[from] SignalError),
     #[error(transparent)]

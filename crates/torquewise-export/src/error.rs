@@ -34,7 +34,7 @@ pub enum ExportError {
     )]
     Infeasible { joint: String },
     #[error("the URDF cannot take up the model")]
-    Urdf(#[from] torquewise_sim::DynamicsError),
+    Urdf(#[from] torquewise_sim::SimError),
     #[error(
         "the axis of {joint} lies elsewhere in the URDF than in the model: fit the log with --urdf \
          and this file"

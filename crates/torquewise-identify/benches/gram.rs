@@ -5,8 +5,9 @@ use divan::Bencher;
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
-use torquewise_regression::accumulate::{Lanes, Prepared, Route};
+use torquewise_regression::accumulate::{Prepared, Route};
 use torquewise_regression::gram::Gram;
+use torquewise_regression::row_sums::RowAdder;
 use torquewise_regression::samples::Samples;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_stepwise::candidates::Candidates;
@@ -23,7 +24,7 @@ fn main() {
 #[divan::bench(sample_count = 10, sample_size = 1, args = [1024])]
 fn by_moments(bencher: Bencher<'_, '_>, block_rows: usize) {
     let (prepared, blocks) = (library(Route::Moments), log_blocks(block_rows));
-    bencher.bench(|| sum(&prepared, &blocks, prepared.size(N_RESPONSES)));
+    bencher.bench(|| sum(&prepared, &blocks));
 }
 
 /// The same normal equations from the evaluated library: one sum and one block at a time per core,
@@ -31,18 +32,16 @@ fn by_moments(bencher: Bencher<'_, '_>, block_rows: usize) {
 #[divan::bench(sample_count = 2, sample_size = 1, args = [1024, 2048])]
 fn by_rows(bencher: Bencher<'_, '_>, block_rows: usize) {
     let (prepared, blocks) = (library(Route::Direct), log_blocks(block_rows));
-    bencher.bench(|| sum(&prepared, &blocks, LANE_PER_CORE));
+    bencher.bench(|| sum(&prepared, &blocks));
 }
 
-/// A size of which [`Lanes`] keeps one sum per core of a machine with two.
-const LANE_PER_CORE: usize = 64 << 20;
-
-fn sum(prepared: &Prepared, blocks: &[Samples], lane_bytes: usize) -> Vec<Gram> {
-    let mut lanes = Lanes::new(lane_bytes, |_| prepared.start(N_RESPONSES));
+fn sum(prepared: &Prepared, blocks: &[Samples]) -> Vec<Gram> {
+    let mut adder = RowAdder::new(prepared, N_RESPONSES);
     for block in blocks {
-        lanes.push(block.clone()).expect("blocks of the library's shape");
+        adder.push(block.clone()).expect("blocks of the library's shape");
     }
-    lanes.finish().expect("at least one lane").grams()
+    let columns: Vec<usize> = (0..3_612).collect();
+    adder.finish().expect("sums within range").grams(prepared, N_RESPONSES, &columns)
 }
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.

@@ -1,5 +1,4 @@
-//! From blocks of rows to one sum: in parallel, in fixed memory, the same bits at any number of
-//! threads.
+//! Normal equations of a design, summed over blocks of rows by the cheaper of two routes.
 
 use crate::design::Design;
 use crate::error::SparseError;
@@ -7,90 +6,6 @@ use crate::gather::gather;
 use crate::gram::{Gram, accumulate_rows, direct_cost, responses_of};
 use crate::moments::{MomentPlan, Moments, Strip};
 use crate::samples::{Evaluator, Samples};
-use rayon::prelude::*;
-
-/// Something that blocks of rows are added to, and that adds up.
-pub trait Accumulate: Send + Sized {
-    /// Adds a block.
-    ///
-    /// # Errors
-    /// [`SparseError`] if the block does not fit.
-    fn add(&mut self, samples: &Samples) -> Result<(), SparseError>;
-
-    /// Adds what another has seen.
-    ///
-    /// # Errors
-    /// [`SparseError`] if the two do not fit.
-    fn merge(&mut self, other: Self) -> Result<(), SparseError>;
-}
-
-/// Blocks a lane holds back before all lanes work at once.
-const BLOCKS_PER_LANE: usize = 1;
-/// Memory that the sums of all lanes together may take.
-const LANE_BYTES: usize = 128 << 20;
-const MAX_LANES: usize = 16;
-
-/// Block number b goes to lane b mod L, each lane adds its blocks in order, and lanes are merged in
-/// order. L depends on the size of a sum alone, so that the result does not depend on threads.
-pub struct Lanes<A> {
-    lanes: Vec<(A, Vec<Samples>)>,
-    next: usize,
-}
-
-impl<A: Accumulate> Lanes<A> {
-    /// As many lanes as fit into a fixed amount of memory, each started by `start` with its
-    /// number; `size` is the number of bytes of one sum.
-    pub fn new(size: usize, start: impl FnMut(usize) -> A) -> Self {
-        Self::with_count((LANE_BYTES / size.max(1)).clamp(1, MAX_LANES), start)
-    }
-
-    /// A given number of lanes, at least one.
-    pub fn with_count(count: usize, mut start: impl FnMut(usize) -> A) -> Self {
-        let lanes = (0..count.max(1)).map(|lane| (start(lane), Vec::new())).collect();
-        Self { lanes, next: 0 }
-    }
-
-    /// Hands over the next block.
-    ///
-    /// # Errors
-    /// [`SparseError`] if a block does not fit.
-    pub fn push(&mut self, samples: Samples) -> Result<(), SparseError> {
-        let count = self.lanes.len();
-        self.lanes[self.next % count].1.push(samples);
-        self.next += 1;
-        if self.next.is_multiple_of(count * BLOCKS_PER_LANE) { self.drain() } else { Ok(()) }
-    }
-
-    /// The sum of all lanes.
-    ///
-    /// # Errors
-    /// [`SparseError`] if a block does not fit.
-    pub fn finish(self) -> Result<A, SparseError> {
-        let mut lanes = self.parts()?.into_iter();
-        let Some(mut total) = lanes.next() else {
-            return Err(SparseError::Shape { what: "the lanes", found: 0, expected: 1 });
-        };
-        lanes.try_for_each(|lane| total.merge(lane))?;
-        Ok(total)
-    }
-
-    /// The sum of each lane on its own: parts of the rows to resample.
-    ///
-    /// # Errors
-    /// [`SparseError`] if a block does not fit.
-    pub fn parts(mut self) -> Result<Vec<A>, SparseError> {
-        self.drain()?;
-        Ok(self.lanes.into_iter().map(|(sum, _)| sum).collect())
-    }
-
-    fn drain(&mut self) -> Result<(), SparseError> {
-        self.lanes
-            .par_iter_mut()
-            .map(|(sum, blocks)| blocks.drain(..).try_for_each(|block| sum.add(&block)))
-            .collect::<Result<Vec<()>, _>>()?;
-        Ok(())
-    }
-}
 
 /// Which route computes the normal equations of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -188,7 +103,7 @@ impl Prepared {
         let mut sum = self.start(n_responses);
         sum.read_from(table, rows);
         match sum.way {
-            Way::Moments(plan, moments, _) => gather(plan, &moments, Some(columns)),
+            Way::Moments(plan, moments, _) => gather(plan, &moments, columns),
             Way::Direct(_, mut grams) => {
                 grams.iter_mut().for_each(Gram::mirror);
                 grams.iter().map(|gram| gram.subset(columns)).collect()
@@ -209,19 +124,31 @@ impl Prepared {
 }
 
 impl GramSum<'_> {
+    /// Adds a block of rows.
+    ///
+    /// # Errors
+    /// [`SparseError::Shape`] if the block does not fit.
+    pub fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
+        match &mut self.way {
+            Way::Moments(plan, moments, strip) => plan.accumulate(strip, moments, samples),
+            Way::Direct(evaluator, grams) => accumulate_rows(evaluator, grams, samples),
+        }
+    }
+
     /// The normal equations of each equation.
     pub fn grams(self) -> Vec<Gram> {
         match self.way {
-            Way::Moments(plan, moments, _) => gather(plan, &moments, None),
+            Way::Moments(plan, moments, _) => {
+                let all: Vec<usize> = (0..plan.design().n_columns()).collect();
+                gather(plan, &moments, &all)
+            }
             Way::Direct(_, mut grams) => {
                 grams.iter_mut().for_each(Gram::mirror);
                 grams
             }
         }
     }
-}
 
-impl GramSum<'_> {
     /// Begins anew.
     pub(crate) fn clear(&mut self) {
         self.parts_mut(|part| part.fill(0.0));
@@ -271,25 +198,6 @@ impl GramSum<'_> {
         match &mut self.way {
             Way::Moments(_, moments, _) => moments.rows = rows,
             Way::Direct(_, grams) => grams.iter_mut().for_each(|gram| gram.rows = rows),
-        }
-    }
-}
-
-impl Accumulate for GramSum<'_> {
-    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
-        match &mut self.way {
-            Way::Moments(plan, moments, strip) => plan.accumulate_with(strip, moments, samples),
-            Way::Direct(evaluator, grams) => accumulate_rows(evaluator, grams, samples),
-        }
-    }
-
-    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        match (&mut self.way, other.way) {
-            (Way::Moments(_, mine, _), Way::Moments(_, theirs, _)) => mine.merge(&theirs),
-            (Way::Direct(_, mine), Way::Direct(_, theirs)) => {
-                mine.iter_mut().zip(&theirs).try_for_each(|(a, b)| a.merge(b))
-            }
-            _ => Err(SparseError::Shape { what: "a route", found: 0, expected: 1 }),
         }
     }
 }

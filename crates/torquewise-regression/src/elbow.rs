@@ -1,9 +1,7 @@
-//! From points to number of clusters: where the inertia curve bends.
+//! Number of clusters: where the inertia curve bends.
 
 use crate::error::SparseError;
-use crate::kmeans::{KMeans, kmeans, sample_of};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use crate::kmeans::{KMeans, kmeans};
 
 /// A further cluster must lower the root mean square distance to the centre by this part of what
 /// it is for one cluster.
@@ -15,7 +13,7 @@ const SHAPELESS: f64 = 1.25;
 
 /// Inertia for 1, 2, … `most` clusters, as [`elbow`] wants it.
 ///
-/// - `points`: m points in D dimensions; of more than 20 000 a sample is clustered
+/// - `points`: m points in D dimensions
 /// - returns: sums of squared distances, `most` of them, or m if there are fewer points
 ///
 /// # Errors
@@ -25,10 +23,7 @@ pub fn inertias<const D: usize>(
     most: usize,
     settings: &KMeans,
 ) -> Result<Vec<f64>, SparseError> {
-    let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
-    let sample = sample_of(points, most, &mut rng);
-    let some = sample.as_deref().unwrap_or(points);
-    let inertia = |k| Ok(kmeans(some, k, settings)?.inertia);
+    let inertia = |k| Ok(kmeans(points, k, settings)?.inertia);
     (1..=most.min(points.len())).map(inertia).collect()
 }
 

@@ -2,26 +2,29 @@
 #![expect(missing_docs, reason = "each message explains its fields")]
 
 /// Why a regression problem cannot be worked on.
-#[derive(Debug, thiserror::Error, PartialEq)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic, PartialEq)]
 #[non_exhaustive]
 pub enum SparseError {
     #[error("{what} has {found} entries, expected {expected}")]
     Shape { what: &'static str, found: usize, expected: usize },
-    #[error("{what} is not finite at entry {entry}: filter the log or drop the sample")]
+    #[error("{what} is not finite at entry {entry}")]
+    #[diagnostic(help("filter the log or drop the sample"))]
     NotFinite { what: &'static str, entry: usize },
-    #[error("{setting} is {found}, expected {expected}: correct it")]
+    #[error("{setting} is {found}, expected {expected}")]
     Setting { setting: &'static str, found: f64, expected: &'static str },
-    #[error("column {column} of a problem with {columns}: count columns from 0")]
+    #[error("column {column} of a problem with {columns}")]
+    #[diagnostic(help("count columns from 0"))]
     Column { column: usize, columns: usize },
-    #[error(
-        "the Gram matrix is indefinite, the path ends above penalty {lambda}: \
-         raise the penalty or correct for less noise"
-    )]
+    #[error("the Gram matrix is indefinite, the path ends above penalty {lambda}")]
+    #[diagnostic(help("raise the penalty or correct for less noise"))]
     Indefinite { lambda: f64 },
-    #[error("{found} is too large for a sum of rows: check the units of the log")]
+    #[error("{found} is too large for a sum of rows")]
+    #[diagnostic(help("check the units of the log"))]
     OutOfRange { found: f64 },
-    #[error("the normal equations cannot be solved: are there values that are not finite?")]
+    #[error("the normal equations cannot be solved")]
+    #[diagnostic(help("check the log for values that are not finite"))]
     NotSolvable,
-    #[error("{clusters} clusters of {points} points: ask for at least 1 and at most one a point")]
+    #[error("{clusters} clusters of {points} points")]
+    #[diagnostic(help("ask for at least 1 cluster and at most one a point"))]
     Clusters { clusters: usize, points: usize },
 }

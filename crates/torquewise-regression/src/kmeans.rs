@@ -1,17 +1,13 @@
-//! From points to clusters: k-means, the best of several starts.
+//! k-means: points shared out among centres, the best of several starts.
 
 use crate::error::SparseError;
 use crate::problem::require;
-use rand::{RngExt, SeedableRng, seq::index};
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use rayon::prelude::*;
 use std::cmp::Ordering;
 
-/// Points of one parallel task; sums are added in the order of the tasks.
+/// Points whose sums are added up before they join those of the others, lest roundings grow.
 const CHUNK: usize = 8192;
-
-/// Points on which the restarts compete; the winner goes on with all of them.
-const SAMPLE: usize = 20_000;
 
 /// How k-means searches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +19,7 @@ pub struct KMeans {
     pub tolerance: f64,
     /// Bound on the moves of the centres, one or more.
     pub max_iterations: usize,
-    /// Seed of the starts. The same seed gives the same bits at any number of threads.
+    /// Seed of the starts.
     pub seed: u64,
 }
 
@@ -44,7 +40,7 @@ pub struct Clustering<const D: usize> {
     pub assignment: Vec<usize>,
     /// Sum of the squared distances of all points to their centres.
     pub inertia: f64,
-    /// Moves of the centres over all points.
+    /// Moves of the centres.
     pub iterations: usize,
 }
 
@@ -54,7 +50,7 @@ pub struct Clustering<const D: usize> {
 /// - `k`: number of clusters, 1 to m
 ///
 /// Stops when all centres stand still, or at `max_iterations`. A cluster that runs empty gets the
-/// point farthest from its centre. Of more than 20 000 points a sample decides between the starts.
+/// point farthest from its centre.
 ///
 /// Source: paper, algorithm 1, with its stopping rule put right. Checked against: planted
 /// clusters, and the best of all partitions of a few points.
@@ -76,17 +72,12 @@ pub fn kmeans<const D: usize>(
     }
 
     let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
-    let sample = sample_of(points, k, &mut rng);
-    let competitors = sample.as_deref().unwrap_or(points);
-    let mut best = lloyd(competitors, start(competitors, k, &mut rng), settings);
+    let mut best = lloyd(points, start(points, k, &mut rng), settings);
     for _ in 1..settings.restarts {
-        let other = lloyd(competitors, start(competitors, k, &mut rng), settings);
+        let other = lloyd(points, start(points, k, &mut rng), settings);
         if other.inertia < best.inertia {
             best = other;
         }
-    }
-    if sample.is_some() {
-        best = lloyd(points, best.centres, settings);
     }
     Ok(in_order(best))
 }
@@ -98,21 +89,6 @@ impl KMeans {
         require("tolerance", tolerance, tolerance >= 0.0, "zero or more")?;
         require("max_iterations", max_iterations as f64, max_iterations > 0, "one or more")
     }
-}
-
-/// Points for the restarts, in their order; none where all of them will do.
-pub(crate) fn sample_of<const D: usize>(
-    points: &[[f64; D]],
-    k: usize,
-    rng: &mut ChaCha8Rng,
-) -> Option<Vec<[f64; D]>> {
-    let size = SAMPLE.max(10 * k);
-    if points.len() <= size {
-        return None;
-    }
-    let mut rows = index::sample(rng, points.len(), size).into_vec();
-    rows.sort_unstable();
-    Some(rows.into_iter().map(|row| points[row]).collect())
 }
 
 /// k-means++: each next centre is a point drawn with weight distance² to the centres so far.
@@ -146,7 +122,7 @@ fn lloyd<const D: usize>(
     let mut iterations = 0;
     loop {
         let tally = assign(points, &centres, &mut assignment);
-        let moved = tally.means(&centres, points);
+        let moved = tally.means(&centres);
         let still2 = settings.tolerance.powi(2) * tally.inertia / points.len() as f64;
         let stands = |(old, new): (&[f64; D], &[f64; D])| distance2(old, new) <= still2;
         if iterations == settings.max_iterations || centres.iter().zip(&moved).all(stands) {
@@ -162,33 +138,16 @@ struct Tally<const D: usize> {
     sums: Vec<[f64; D]>,
     counts: Vec<usize>,
     inertia: f64,
-    /// Squared distance and row of the point farthest from its centre.
-    farthest: (f64, usize),
+    /// Squared distance of the point farthest from its centre, and the point.
+    farthest: (f64, [f64; D]),
 }
 
 impl<const D: usize> Tally<D> {
-    fn new(k: usize) -> Self {
-        Self { sums: vec![[0.0; D]; k], counts: vec![0; k], inertia: 0.0, farthest: (-1.0, 0) }
-    }
-
-    fn merge(&mut self, other: &Self) {
-        for (sum, part) in self.sums.iter_mut().zip(&other.sums) {
-            add(sum, part);
-        }
-        for (count, part) in self.counts.iter_mut().zip(&other.counts) {
-            *count += part;
-        }
-        self.inertia += other.inertia;
-        if other.farthest.0 > self.farthest.0 {
-            self.farthest = other.farthest;
-        }
-    }
-
     /// Centres after the move. The first empty cluster gets the farthest point, any other waits.
-    fn means(&self, centres: &[[f64; D]], points: &[[f64; D]]) -> Vec<[f64; D]> {
+    fn means(&self, centres: &[[f64; D]]) -> Vec<[f64; D]> {
         let first_empty = self.counts.iter().position(|&count| count == 0);
         let mean = |cluster: usize| match self.counts[cluster] {
-            0 if Some(cluster) == first_empty && self.farthest.0 > 0.0 => points[self.farthest.1],
+            0 if Some(cluster) == first_empty && self.farthest.0 > 0.0 => self.farthest.1,
             0 => centres[cluster],
             count => self.sums[cluster].map(|sum| sum / count as f64),
         };
@@ -202,31 +161,24 @@ fn assign<const D: usize>(
     centres: &[[f64; D]],
     assignment: &mut [usize],
 ) -> Tally<D> {
-    let chunk = |(number, (part, clusters)): (usize, (&[[f64; D]], &mut [usize]))| {
-        let mut tally = Tally::new(centres.len());
-        for (offset, (point, cluster)) in part.iter().zip(clusters).enumerate() {
+    let (sums, counts) = (vec![[0.0; D]; centres.len()], vec![0; centres.len()]);
+    let mut tally = Tally { sums, counts, inertia: 0.0, farthest: (-1.0, [0.0; D]) };
+    for (points, assignment) in points.chunks(CHUNK).zip(assignment.chunks_mut(CHUNK)) {
+        let (mut sums, mut inertia) = (vec![[0.0; D]; centres.len()], 0.0);
+        for (point, cluster) in points.iter().zip(assignment) {
             let (nearest, distance) = nearest(point, centres);
             *cluster = nearest;
-            add(&mut tally.sums[nearest], point);
+            add(&mut sums[nearest], point);
             tally.counts[nearest] += 1;
-            tally.inertia += distance;
+            inertia += distance;
             if distance > tally.farthest.0 {
-                tally.farthest = (distance, number * CHUNK + offset);
+                tally.farthest = (distance, *point);
             }
         }
-        tally
-    };
-    let parts: Vec<Tally<D>> = points
-        .par_chunks(CHUNK)
-        .zip(assignment.par_chunks_mut(CHUNK))
-        .enumerate()
-        .map(chunk)
-        .collect();
-    let mut whole = Tally::new(centres.len());
-    for part in &parts {
-        whole.merge(part);
+        tally.sums.iter_mut().zip(&sums).for_each(|(sum, part)| add(sum, part));
+        tally.inertia += inertia;
     }
-    whole
+    tally
 }
 
 /// Index of the nearest centre and the squared distance to it.

@@ -1,5 +1,4 @@
-//! From samples to moments: Σₜ wave(θₜ)·x(t)^α, from which the Gram matrix of any library follows
-//! (E3).
+//! Moments Σₜ wave(θₜ)·x(t)^α, from which the Gram matrix of any library follows (E3).
 
 use crate::atom::{Monomial, Numbering};
 use crate::design::Design;
@@ -83,7 +82,7 @@ impl MomentPlan {
     }
 
     /// An empty table.
-    pub fn start(&self, n_responses: usize) -> Moments {
+    pub(crate) fn start(&self, n_responses: usize) -> Moments {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
         Moments {
             table: Mat::zeros(self.monomials.len(), self.waves.n_waves()),
@@ -104,23 +103,18 @@ impl MomentPlan {
         }
     }
 
-    /// Adds a block of rows to a table.
-    ///
-    /// # Errors
-    /// [`SparseError::Shape`] if the block does not fit.
-    pub fn accumulate(&self, moments: &mut Moments, samples: &Samples) -> Result<(), SparseError> {
-        self.accumulate_with(&mut self.strip(samples.responses.ncols()), moments, samples)
-    }
-
     /// Adds a block of rows to a table, in memory of [`Self::strip`].
-    pub(crate) fn accumulate_with(
+    pub(crate) fn accumulate(
         &self,
         strip: &mut Strip,
         moments: &mut Moments,
         samples: &Samples,
     ) -> Result<(), SparseError> {
         samples.check(&self.design)?;
-        moments.check_responses(samples.responses.ncols())?;
+        let (found, expected) = (samples.responses.ncols(), moments.energy.len());
+        if found != expected {
+            return Err(SparseError::Shape { what: "the responses of a block", found, expected });
+        }
         let m = samples.n_rows();
         for first in (0..m).step_by(STRIP_ROWS) {
             self.add_strip(strip, moments, samples, &(first..m.min(first + STRIP_ROWS)));
@@ -193,50 +187,13 @@ fn weigh(weighted: &mut Mat<f64>, monomials: &Mat<f64>, responses: &Mat<f64>, ro
     }
 }
 
-/// Sums over rows; adding two tables is the same as reading the rows of both.
+/// Sums over rows.
 #[derive(Clone, Debug)]
-pub struct Moments {
+pub(crate) struct Moments {
     /// Monomials × waves.
     pub(crate) table: Mat<f64>,
     /// Waves × (response, monomial).
     pub(crate) cross: Mat<f64>,
     pub(crate) energy: Vec<f64>,
     pub(crate) rows: usize,
-}
-
-impl Moments {
-    /// Rows summed.
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Adds the rows of another table.
-    ///
-    /// # Errors
-    /// [`SparseError::Shape`] if the tables were made for different designs.
-    pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
-        self.check_responses(other.energy.len())?;
-        let shapes = [
-            (self.table.nrows(), other.table.nrows()),
-            (self.table.ncols(), other.table.ncols()),
-            (self.cross.ncols(), other.cross.ncols()),
-        ];
-        if let Some(&(expected, found)) = shapes.iter().find(|(a, b)| a != b) {
-            return Err(SparseError::Shape { what: "a moment table", found, expected });
-        }
-        self.table += &other.table;
-        self.cross += &other.cross;
-        self.energy.iter_mut().zip(&other.energy).for_each(|(a, b)| *a += b);
-        self.rows += other.rows;
-        Ok(())
-    }
-
-    fn check_responses(&self, found: usize) -> Result<(), SparseError> {
-        let expected = self.energy.len();
-        if found == expected {
-            Ok(())
-        } else {
-            Err(SparseError::Shape { what: "the responses of a block", found, expected })
-        }
-    }
 }

@@ -1,8 +1,6 @@
-//! From blocks of weighted rows to normal equations that add up: least squares on every row (E11).
-//!
-//! A structure hands over, block of time by block of time, the rows \[J e\]: the derivatives of its
-//! prediction by its parameters and what it leaves of the response, both over the noise. Their sums
-//! are exact, so that blocks, logs and fleets add up to the same bits in any order.
+//! Normal equations of blocks of weighted rows \[J e\], which add up: derivatives of a prediction by
+//! its parameters and its residual, both over the noise (E11). Their sums are exact, so that blocks
+//! and logs add up to the same bits in any order.
 
 use crate::error::SparseError;
 use crate::exact::ExactSums;

@@ -1,7 +1,6 @@
-//! From blocks of rows to exact sums that add up: the same bits whatever the split, order or
-//! threads.
+//! Exact sums over blocks of rows: the same bits whatever the split, order or threads.
 
-use crate::accumulate::{Accumulate, GramSum, Prepared};
+use crate::accumulate::{GramSum, Prepared};
 use crate::error::SparseError;
 use crate::exact::{ExactSums, add_tables};
 use crate::gram::Gram;

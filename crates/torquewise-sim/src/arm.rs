@@ -1,7 +1,7 @@
 //! From joints in a row to Arm: names, placements, axes and bodies, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::error::DynamicsError;
+use crate::error::{SimError, check_joints};
 use crate::spatial::{Body, Pose, is_positive_semidefinite};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
@@ -72,18 +72,18 @@ impl Arm {
         name: String,
         gravity: [f64; 3],
         joints: Vec<(String, Joint)>,
-    ) -> Result<Self, DynamicsError> {
+    ) -> Result<Self, SimError> {
         if joints.is_empty() {
-            return Err(DynamicsError::NoJoints);
+            return Err(SimError::NoJoints);
         }
         check_finite("gravity", &name, &gravity)?;
         let names: Vec<String> = joints.iter().map(|(name, _)| name.clone()).collect();
         if let Some(name) = unfit_joint_name(&names) {
             let start = name.chars().take(20).flat_map(char::escape_debug).collect();
             return Err(if names.iter().filter(|own| *own == name).count() > 1 {
-                DynamicsError::DuplicateName { kind: "joint", name: start }
+                SimError::DuplicateName { kind: "joint", name: start }
             } else {
-                DynamicsError::JointName { name: start }
+                SimError::JointName { name: start }
             });
         }
         joints.iter().try_for_each(|(name, joint)| joint.check(name))?;
@@ -131,13 +131,10 @@ impl Arm {
     /// - `rotors` \[kg·m²\], n: inertia of each motor's rotor as felt at its joint, gear² × rotor
     ///
     /// # Errors
-    /// [`DynamicsError::JointCount`] for another number of them than n;
-    /// [`DynamicsError::NotFinite`] or [`DynamicsError::Inertia`] for one that no rotor has.
-    pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self, DynamicsError> {
-        let (found, expected) = (rotors.len(), self.n_joints());
-        if found != expected {
-            return Err(DynamicsError::JointCount { signal: "rotor inertia", found, expected });
-        }
+    /// [`SimError::JointCount`] for another number of them than n;
+    /// [`SimError::NotFinite`] or [`SimError::Inertia`] for one that no rotor has.
+    pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self, SimError> {
+        check_joints("rotor inertia", rotors.len(), self.n_joints())?;
         for ((joint, name), &rotor) in self.joints.iter_mut().zip(&self.joint_names).zip(rotors) {
             joint.rotor = rotor;
             joint.check(name)?;
@@ -189,8 +186,8 @@ impl Arm {
     /// An arm of these parts, to simulate a learned model with.
     ///
     /// # Errors
-    /// The variant of [`DynamicsError`] that names the joint or number at fault.
-    pub fn from_parts(parts: ArmParts) -> Result<Self, DynamicsError> {
+    /// The variant of [`SimError`] that names the joint or number at fault.
+    pub fn from_parts(parts: ArmParts) -> Result<Self, SimError> {
         let ArmParts { name, joints, placements, gravity, inertial, rotors, limits } = parts;
         let mut all = Vec::with_capacity(joints.len());
         let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
@@ -229,41 +226,41 @@ impl Joint {
         self.body.seen_from(&Pose::with_z_along(&self.axis).inverse()).inertial_parameters()
     }
 
-    fn check(&self, name: &str) -> Result<(), DynamicsError> {
+    fn check(&self, name: &str) -> Result<(), SimError> {
         check_finite("placement", name, self.X_PJ.R_AB.as_slice())?;
         check_finite("placement", name, self.X_PJ.p_AB.as_slice())?;
         check_finite("rotor inertia", name, &[self.rotor])?;
         if self.rotor < 0.0 {
-            return Err(DynamicsError::Inertia { place: format!("{name} (rotor)") });
+            return Err(SimError::Inertia { place: format!("{name} (rotor)") });
         }
         let [lower, upper] = self.range;
         if !(lower < upper && (upper - lower).is_finite()) {
-            return Err(DynamicsError::Range { joint: name.into(), lower, upper });
+            return Err(SimError::Range { joint: name.into(), lower, upper });
         }
         check_body(name, &self.body)
     }
 }
 
 /// Refuses a body that no real thing can be.
-pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), DynamicsError> {
+pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), SimError> {
     if !(body.mass.is_finite() && body.mass >= 0.0) {
-        return Err(DynamicsError::Mass { place: place.into(), mass: body.mass });
+        return Err(SimError::Mass { place: place.into(), mass: body.mass });
     }
     check_finite("centre of mass", place, body.com.as_slice())?;
     check_finite("inertia", place, body.inertia.as_slice())?;
     if is_positive_semidefinite(&body.inertia) {
         Ok(())
     } else {
-        Err(DynamicsError::Inertia { place: place.into() })
+        Err(SimError::Inertia { place: place.into() })
     }
 }
 
 /// Unit vector along `axis`.
-pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>, DynamicsError> {
+pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>, SimError> {
     let axis = Vector3::from(axis);
     Unit::try_new(axis, 1e-9)
         .filter(|_| axis.norm().is_finite())
-        .ok_or_else(|| DynamicsError::Axis { joint: joint.into() })
+        .ok_or_else(|| SimError::Axis { joint: joint.into() })
 }
 
 /// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
@@ -281,11 +278,11 @@ pub(crate) fn check_finite(
     what: &'static str,
     place: &str,
     values: &[f64],
-) -> Result<(), DynamicsError> {
+) -> Result<(), SimError> {
     if values.iter().all(|value| value.is_finite()) {
         Ok(())
     } else {
-        Err(DynamicsError::NotFinite { what, place: place.into() })
+        Err(SimError::NotFinite { what, place: place.into() })
     }
 }
 

@@ -1,7 +1,7 @@
 //! From name to Arm: the reference arms that tests, examples and documents share.
 
 use crate::arm::Arm;
-use crate::error::DynamicsError;
+use crate::error::SimError;
 
 /// A reference arm in one line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,11 +75,11 @@ impl Arm {
     /// The reference arm of that name; [`arms`] lists them.
     ///
     /// # Errors
-    /// [`DynamicsError::UnknownArm`], which lists the names there are.
-    pub fn builtin(name: &str) -> Result<Self, DynamicsError> {
+    /// [`SimError::UnknownArm`], which lists the names there are.
+    pub fn builtin(name: &str) -> Result<Self, SimError> {
         match BUILTIN.iter().find(|(summary, _)| summary.name == name) {
             Some((_, table)) => Self::from_dh_toml(table),
-            None => Err(DynamicsError::UnknownArm {
+            None => Err(SimError::UnknownArm {
                 name: name.into(),
                 known: BUILTIN.map(|(summary, _)| summary.name).join(", "),
             }),
@@ -105,9 +105,9 @@ mod tests {
     fn an_unknown_name_is_answered_with_the_names_there_are() {
         let error = Arm::builtin("puma").unwrap_err();
 
-        assert!(matches!(error, DynamicsError::UnknownArm { .. }));
+        assert!(matches!(error, SimError::UnknownArm { .. }));
         for summary in arms() {
-            assert!(error.to_string().contains(summary.name));
+            assert!(error.told().contains(summary.name));
         }
     }
 }

@@ -15,16 +15,15 @@
 //! let plant = Plant::ideal(Arm::builtin("planar-2")?);
 //! let wanted = periodic(&plant.arm, &Periodic { seconds: 2.0, ..Periodic::default() })?;
 //! let gains = Gains::critically_damped(10.0, &mean_inertia(&plant, &wanted)?);
-//! let rms = |law| -> Result<Vec<f64>, torquewise_sim::control::ControlError> {
+//! let rms = |law| -> Result<Vec<f64>, torquewise_sim::SimError> {
 //!     let mut controller = Controller::new(law, &plant, &gains, &wanted)?;
 //!     Ok(track(&plant, &mut controller, &wanted)?.rms_error(0.0))
 //! };
 //! assert!(rms(Law::Controller2)?[0] < 0.01 * rms(Law::Pid)?[0]);
-//! # Ok::<(), torquewise_sim::control::ControlError>(())
+//! # Ok::<(), torquewise_sim::SimError>(())
 //! ```
 
-pub mod error;
-mod rows;
+mod period;
 mod integrate;
 pub mod plant;
 mod moving;
@@ -38,7 +37,6 @@ pub mod record;
 
 pub use compare::compare;
 pub use controller::{Controller, Law};
-pub use error::ControlError;
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};

@@ -2,7 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, check_body, check_finite};
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use crate::spatial::{Body, Pose};
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -69,15 +69,15 @@ impl Arm {
     ///     "#,
     /// )?;
     /// assert!((arm.gravity_torque(&[0.0])[0] - 2.0 * 9.81).abs() < 1e-12);
-    /// # Ok::<(), torquewise_sim::DynamicsError>(())
+    /// # Ok::<(), torquewise_sim::SimError>(())
     /// ```
     ///
     /// # Errors
-    /// [`DynamicsError::DhTable`] for broken TOML, a missing or an unknown key; otherwise the
+    /// [`SimError::DhTable`] for broken TOML, a missing or an unknown key; otherwise the
     /// variant that names the number at fault.
-    pub fn from_dh_toml(text: &str) -> Result<Self, DynamicsError> {
+    pub fn from_dh_toml(text: &str) -> Result<Self, SimError> {
         let table: Table = toml::from_str(text)
-            .map_err(|source| DynamicsError::DhTable { source: Box::new(source) })?;
+            .map_err(|source| SimError::DhTable { source: Box::new(source) })?;
 
         let mut joints = Vec::with_capacity(table.joints.len());
         check_finite("base_rpy", &table.name, &table.base_rpy)?;

@@ -1,110 +1,195 @@
-//! Errors of arms, planned motions and noise levels.
+//! What can keep an arm from being read, moved, controlled, or a motion from being planned.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
+use torquewise_regression::SparseError;
+use torquewise_stepwise::IdentifyError;
 
-/// Why an arm cannot be read, moved or made noisy.
-#[derive(Debug, thiserror::Error)]
+/// Why an arm cannot be read, moved, made noisy or controlled, or a motion not be planned.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
-pub enum DynamicsError {
+pub enum SimError {
     // Reading an arm
-    #[error("no arm is called `{name}`: choose one of {known}, or give a .urdf or .toml file")]
+    #[error("no arm is called `{name}`")]
+    #[diagnostic(help("choose one of {known}, or give a .urdf or .toml file"))]
     UnknownArm { name: String, known: String },
-    #[error("the URDF is no XML that can be read: check that it is one whole <robot> element")]
+    #[error("the URDF is no XML that can be read")]
+    #[diagnostic(help("check that it is one whole <robot> element"))]
     Urdf { source: roxmltree::Error },
-    #[error("line {line} of the URDF: <{element}> {what}: mend the element")]
+    #[error("line {line} of the URDF: <{element}> {what}")]
+    #[diagnostic(help("mend the element"))]
     UrdfElement { line: u32, element: String, what: String },
-    #[error("the DH table cannot be read: write name, gravity and one [[joints]] row per joint")]
+    #[error("the DH table cannot be read")]
+    #[diagnostic(help("write name, gravity and one [[joints]] row per joint"))]
     DhTable { source: Box<toml::de::Error> },
 
     // Tree of links and joints
-    #[error("{kind} `{name}` appears twice: give each {kind} its own name")]
+    #[error("{kind} `{name}` appears twice")]
+    #[diagnostic(help("give each {kind} its own name"))]
     DuplicateName { kind: &'static str, name: String },
-    #[error(
-        "a joint is called \"{name}\": take a name of 1 to 200 bytes without comma, control character \
-         or outer space"
-    )]
+    #[error("a joint is called \"{name}\"")]
+    #[diagnostic(help(
+        "take a name of 1 to 200 bytes without comma, control character or outer space"
+    ))]
     JointName { name: String },
-    #[error("joint `{joint}` names link `{link}`, which is not defined: add it or mend the name")]
+    #[error("joint `{joint}` names link `{link}`, which is not defined")]
+    #[diagnostic(help("add it or mend the name"))]
     UnknownLink { joint: String, link: String },
-    #[error("joints `{first}` and `{second}` both carry link `{link}`: remove one of them")]
+    #[error("joints `{first}` and `{second}` both carry link `{link}`")]
+    #[diagnostic(help("remove one of them"))]
     TwoParents { link: String, first: String, second: String },
-    #[error("expected one link without parent joint, found {}: {}", roots.len(), shown(roots))]
+    #[error("expected one link without parent joint, found {}: {}", roots.len(), roots.join(", "))]
+    #[diagnostic(help("join them or remove the others; without any, open the loop of joints"))]
     Roots { roots: Vec<String> },
-    #[error("link `{link}` hangs on itself through a loop of joints: open the loop")]
+    #[error("link `{link}` hangs on itself through a loop of joints")]
+    #[diagnostic(help("open the loop"))]
     Loop { link: String },
-    #[error("cannot lock joint `{joint}`, the URDF has no such joint: choose from {known}")]
+    #[error("cannot lock joint `{joint}`, the URDF has no such joint")]
+    #[diagnostic(help("choose from {known}"))]
     UnknownLocked { joint: String, known: String },
-    #[error(
-        "only revolute and continuous joints may move, found {joints}: lock them (at 0, mass kept)"
-    )]
+    #[error("only revolute and continuous joints may move, found {joints}")]
+    #[diagnostic(help("lock them (at 0, mass kept)"))]
     UnsupportedJoints { joints: String },
-    #[error("the arm branches at link `{link}`: to keep one serial chain, lock {lock}")]
+    #[error("the arm branches at link `{link}`")]
+    #[diagnostic(help("to keep one serial chain, lock {lock}"))]
     Branches { link: String, lock: String },
-    #[error(
-        "the URDF has no joint `{unknown}`: it has {known}; name the joints of the log after \
-         them, by `joints` in a profile"
-    )]
+    #[error("the URDF has no joint `{unknown}`: it has {known}")]
+    #[diagnostic(help("name the joints of the log after them, by `joints` in a profile"))]
     UnknownJoints { unknown: String, known: String },
-    #[error(
-        "the joints of the log are {found}, the URDF has them in the order {expected}: put them \
-         in that order, by `joints` in a profile"
-    )]
+    #[error("the joints of the log are {found}, the URDF has them in the order {expected}")]
+    #[diagnostic(help("put them in that order, by `joints` in a profile"))]
     JointOrder { expected: String, found: String },
-    #[error("gravity has no direction: give three numbers that are not all 0")]
+    #[error("gravity has no direction")]
+    #[diagnostic(help("give three numbers that are not all 0"))]
     NoGravity,
-    #[error("no joint is left that moves: an arm needs at least one, lock fewer or add one")]
+    #[error("no joint is left that moves")]
+    #[diagnostic(help("an arm needs at least one: lock fewer or add one"))]
     NoJoints,
 
     // Numbers of an arm
-    #[error("{what} of `{place}` is not finite: give a number")]
+    #[error("{what} of `{place}` is not finite")]
+    #[diagnostic(help("give a number"))]
     NotFinite { what: &'static str, place: String },
-    #[error("mass of `{place}` is {mass} kg: a mass is a number that is not negative")]
+    #[error("mass of `{place}` is {mass} kg")]
+    #[diagnostic(help("a mass is a number that is not negative"))]
     Mass { place: String, mass: f64 },
-    #[error(
-        "inertia of `{place}` has a negative principal moment: check the signs and the order \
-         ixx, iyy, izz, ixy, ixz, iyz"
-    )]
+    #[error("inertia of `{place}` has a negative principal moment")]
+    #[diagnostic(help("check the signs and the order ixx, iyy, izz, ixy, ixz, iyz"))]
     Inertia { place: String },
-    #[error("axis of joint `{joint}` has no direction: give three numbers that are not all 0")]
+    #[error("axis of joint `{joint}` has no direction")]
+    #[diagnostic(help("give three numbers that are not all 0"))]
     Axis { joint: String },
-    #[error("range of joint `{joint}` is [{lower}, {upper}] rad: give lower < upper")]
+    #[error("range of joint `{joint}` is [{lower}, {upper}] rad")]
+    #[diagnostic(help("give lower < upper, within the limits of the arm"))]
     Range { joint: String, lower: f64, upper: f64 },
-
-    // Friction of an arm
-    #[error("the friction cannot be read: write a table with `coulomb` for each joint that rubs")]
+    #[error("the friction cannot be read")]
+    #[diagnostic(help("write a table with `coulomb` for each joint that rubs"))]
     FrictionTable { source: Box<toml::de::Error> },
-    #[error("friction is given for joint `{joint}`, the arm has {known}: name one of those")]
-    FrictionJoint { joint: String, known: String },
-    #[error("{what} of the friction of joint {joint} is {found}, expected {expected}")]
-    Friction { what: &'static str, joint: usize, found: f64, expected: &'static str },
 
-    // Moving an arm
-    #[error("{signal} holds {found} numbers, expected {expected}: give one per joint")]
-    JointCount { signal: &'static str, found: usize, expected: usize },
-    #[error(
-        "mass matrix is not positive definite at joint {}: give the links after it mass or inertia",
-        joint + 1
-    )]
-    Massless { joint: usize },
-    #[error("{what} of the motion plan is {found:?}, expected {expected}")]
-    Plan { what: &'static str, found: f64, expected: &'static str },
-    #[error("noise case {0} is unknown: choose 1, 2 or 3")]
+    // What is asked of an arm
+    #[error("{what} holds {found} numbers, expected {expected}")]
+    #[diagnostic(help("give one for each joint of the arm"))]
+    JointCount { what: &'static str, found: usize, expected: usize },
+    #[error("{what} is given {found} times, the arm has {joints} joints")]
+    #[diagnostic(help("give it once, or for each"))]
+    Count { what: &'static str, found: usize, joints: usize },
+    #[error("{what} is given for joint `{joint}`, which is not there")]
+    #[diagnostic(help("choose from {known}"))]
+    UnknownJoint { what: &'static str, joint: String, known: String },
+    #[error("{what} is given with and without names of joints")]
+    #[diagnostic(help("give all of them names, or none"))]
+    Mixed { what: &'static str },
+    #[error("{what} is {found:?}, expected {expected}")]
+    Setting { what: &'static str, found: f64, expected: &'static str },
+    #[error("{what} of joint `{joint}` is {found:?}, expected {expected}")]
+    Limit { what: &'static str, joint: String, found: f64, expected: &'static str },
+    #[error("home of joint `{joint}` is {home} rad, it may move from {lower} to {upper}")]
+    #[diagnostic(help("move it into the range"))]
+    Home { joint: String, home: f64, lower: f64, upper: f64 },
+    #[error("noise case {0} is unknown")]
+    #[diagnostic(help("choose 1, 2 or 3"))]
     NoiseCase(u8),
-    #[error("signal-to-noise ratio of {signal} is {db} dB: give a number, or +inf for no noise")]
+    #[error("signal-to-noise ratio of {signal} is {db} dB")]
+    #[diagnostic(help("give a number, or +inf for no noise"))]
     NoiseLevel { signal: &'static str, db: f64 },
-    #[error("the motion cannot be built: check the arm's masses and the plan or noise asked for")]
+
+    // Moving and controlling an arm
+    #[error("mass matrix is not positive definite at joint {}", joint + 1)]
+    #[diagnostic(help("give the links after it mass or inertia"))]
+    Massless { joint: usize },
+    #[error("the motion cannot be built")]
+    #[diagnostic(help("check the arm's masses and the plan or noise asked for"))]
     Motion {
         #[from]
         source: MotionError,
     },
+    #[error("the desired motion is not even in time at row {row}")]
+    #[diagnostic(help("give one row per control period"))]
+    Uneven { row: usize },
+    #[error("the desired motion has {rows} rows, at least 2 are needed")]
+    #[diagnostic(help("make it longer"))]
+    TooFewRows { rows: usize },
+    #[error("the motion of the arm runs away at {t:.3} s: the loop is unstable")]
+    #[diagnostic(help("lower its bandwidth, or raise the rate or the limits of the torque"))]
+    Diverged { t: f64 },
+    #[error(transparent)]
+    Model(#[from] ModelError),
+
+    // Planning a motion
+    #[error(
+        "the recording `{recording}` of {seconds} s has no room for a single {piece} there and back"
+    )]
+    #[diagnostic(help("give it more seconds or the joints more speed"))]
+    TooShort { recording: &'static str, seconds: f64, piece: &'static str },
+    #[error("a plan for {columns} columns would take too long, expected at most {limit}")]
+    #[diagnostic(help("lower the interaction order or lock joints"))]
+    TooManyColumns { columns: usize, limit: usize },
+    #[error("the planned {what} of joint `{joint}` reaches {found}, allowed are {limit}")]
+    #[diagnostic(help("this is a mistake of the planner, please report it"))]
+    Exceeds { what: &'static str, joint: String, found: f64, limit: f64 },
+    #[error("the library cannot be listed")]
+    #[diagnostic(forward(source))]
+    Library {
+        #[from]
+        source: IdentifyError,
+    },
+    #[error("the library cannot be evaluated")]
+    #[diagnostic(forward(source))]
+    Columns {
+        #[from]
+        source: SparseError,
+    },
 }
 
-/// The names, or what to do when there is none.
-fn shown(names: &[String]) -> String {
-    if names.is_empty() {
-        "the joints form a loop or there is no link; open the loop".into()
+/// Refuses what is made for another number of joints.
+pub(crate) fn check_joints(
+    what: &'static str,
+    found: usize,
+    expected: usize,
+) -> Result<(), SimError> {
+    if found == expected { Ok(()) } else { Err(SimError::JointCount { what, found, expected }) }
+}
+
+/// Refuses a number that is NaN or outside `[least, most]`.
+pub(crate) fn check_between(
+    what: &'static str,
+    found: f64,
+    [least, most]: [f64; 2],
+    expected: &'static str,
+) -> Result<(), SimError> {
+    if (least..=most).contains(&found) {
+        Ok(())
     } else {
-        format!("{}; join them or remove the others", names.join(", "))
+        Err(SimError::Setting { what, found, expected })
+    }
+}
+
+#[cfg(test)]
+impl SimError {
+    /// What a user is told: the message, then the help.
+    pub(crate) fn told(&self) -> String {
+        let help = miette::Diagnostic::help(self).map(|help| help.to_string());
+        format!("{self}: {}", help.unwrap_or_default())
     }
 }

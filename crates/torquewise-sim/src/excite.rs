@@ -16,10 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod error;
 pub mod limits;
-mod random;
-pub mod state;
 mod sines;
 mod segment;
 mod part;
@@ -31,10 +28,9 @@ pub mod recording;
 pub mod planner;
 pub mod ros;
 
-pub use error::ExciteError;
+pub use crate::state::State;
 pub use information::Criterion;
 pub use limits::{Bounds, Limits, PerJoint, Wishes, limits};
 pub use planner::{Excitation, Plan, excite};
 pub use recording::{Peaks, Planned};
 pub use ros::{Waypoint, joint_trajectory, waypoints};
-pub use state::State;

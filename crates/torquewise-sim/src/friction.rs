@@ -1,6 +1,6 @@
 //! From TOML to Friction: the Stribeck curve (17) of each joint, forward and backward.
 
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -121,8 +121,8 @@ impl Friction {
     /// The same curve in both directions, one per joint.
     ///
     /// # Errors
-    /// [`DynamicsError::Friction`] for a number out of bounds.
-    pub fn new(joints: &[Stribeck]) -> Result<Self, DynamicsError> {
+    /// [`SimError::Limit`] for a number out of bounds.
+    pub fn new(joints: &[Stribeck]) -> Result<Self, SimError> {
         let bristles = vec![None; joints.len()];
         Self::checked(joints.iter().map(|&both| [both; 2]).collect(), bristles, WIDTH)
     }
@@ -130,8 +130,8 @@ impl Friction {
     /// The same where the dry friction of every joint bends bristles before it slips.
     ///
     /// # Errors
-    /// [`DynamicsError::Friction`] for a number out of bounds.
-    pub fn with_bristles(self, bristles: Bristles) -> Result<Self, DynamicsError> {
+    /// [`SimError::Limit`] for a number out of bounds.
+    pub fn with_bristles(self, bristles: Bristles) -> Result<Self, SimError> {
         let all = vec![Some(bristles); self.joints.len()];
         Self::checked(self.joints, all, self.width)
     }
@@ -152,15 +152,15 @@ impl Friction {
     /// let friction = Friction::from_toml(text, arm.joints())?;
     /// assert!((friction.torque(1, -1.0) + 6.0).abs() < 1e-9);
     /// assert_eq!(friction.torque(0, -1.0), 0.0);
-    /// # Ok::<(), torquewise_sim::DynamicsError>(())
+    /// # Ok::<(), torquewise_sim::SimError>(())
     /// ```
     ///
     /// # Errors
-    /// [`DynamicsError::FrictionTable`] for broken TOML; [`DynamicsError::FrictionJoint`] for a
-    /// joint the arm does not have; [`DynamicsError::Friction`] for a number out of bounds.
-    pub fn from_toml(text: &str, joints: &[String]) -> Result<Self, DynamicsError> {
+    /// [`SimError::FrictionTable`] for broken TOML; [`SimError::UnknownJoint`] for a
+    /// joint the arm does not have; [`SimError::Limit`] for a number out of bounds.
+    pub fn from_toml(text: &str, joints: &[String]) -> Result<Self, SimError> {
         let mut table: Table = toml::from_str(text)
-            .map_err(|source| DynamicsError::FrictionTable { source: Box::new(source) })?;
+            .map_err(|source| SimError::FrictionTable { source: Box::new(source) })?;
         let rows = joints.iter().map(|name| table.joints.remove(name));
         let (curves, bristles) = rows
             .map(|row| {
@@ -170,7 +170,7 @@ impl Friction {
             .unzip();
         match table.joints.pop_first() {
             Some((joint, _)) => {
-                Err(DynamicsError::FrictionJoint { joint, known: joints.join(", ") })
+                Err(SimError::UnknownJoint { what: "friction", joint, known: joints.join(", ") })
             }
             None => Self::checked(curves, bristles, table.width),
         }
@@ -180,12 +180,12 @@ impl Friction {
         joints: Vec<[Stribeck; 2]>,
         bristles: Vec<Option<Bristles>>,
         width: f64,
-    ) -> Result<Self, DynamicsError> {
+    ) -> Result<Self, SimError> {
         let above = |what, joint: usize, found: f64, least: f64, expected| {
             if found.is_finite() && found >= least {
                 Ok(())
             } else {
-                Err(DynamicsError::Friction { what, joint: joint + 1, found, expected })
+                Err(SimError::Limit { what, joint: (joint + 1).to_string(), found, expected })
             }
         };
         for (joint, curve) in joints.iter().enumerate().flat_map(|(j, c)| c.map(|c| (j, c))) {
@@ -343,7 +343,7 @@ mod tests {
 
         for text in texts {
             let error = Friction::from_toml(text, &joints()).unwrap_err();
-            assert!(matches!(error, DynamicsError::Friction { .. }), "{text}: {error}");
+            assert!(matches!(error, SimError::Limit { .. }), "{text}: {error}");
         }
     }
 
@@ -368,7 +368,7 @@ mod tests {
         let joint = Friction::from_toml("[c]\ncoulomb = 1.0", &joints()).unwrap_err();
         let key = Friction::from_toml("[b]\ncolumb = 1.0", &joints()).unwrap_err();
 
-        assert!(joint.to_string().contains("`c`") && joint.to_string().contains("a, b"));
-        assert!(matches!(key, DynamicsError::FrictionTable { .. }));
+        assert!(joint.told().contains("`c`") && joint.told().contains("a, b"));
+        assert!(matches!(key, SimError::FrictionTable { .. }));
     }
 }

@@ -14,10 +14,12 @@
 //! let clean = simulate(&arm, &MotionPlan { seconds: 2.0, ..MotionPlan::default() })?;
 //! let measured = add_noise(&clean.motion, &Noise::case(2)?, 7)?;
 //! assert_eq!((measured.n_rows(), measured.n_joints()), (500, 3));
-//! # Ok::<(), torquewise_sim::DynamicsError>(())
+//! # Ok::<(), torquewise_sim::SimError>(())
 //! ```
 
 pub mod error;
+mod random;
+mod state;
 mod spatial;
 pub mod arm;
 pub mod dh;
@@ -35,7 +37,7 @@ pub mod control;
 
 pub use arm::{Arm, ArmParts, JointLimits};
 pub use arms::{ArmSummary, arms};
-pub use error::DynamicsError;
+pub use error::SimError;
 pub use friction::{Friction, Stribeck};
 pub use noise::{Noise, add_noise};
 pub use plan::{MotionKind, MotionPlan};

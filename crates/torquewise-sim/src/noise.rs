@@ -1,10 +1,10 @@
-//! From motion to noisy Motion: white Gaussian noise at a given signal-to-noise ratio.
+//! White Gaussian noise at a given signal-to-noise ratio.
 
-use crate::error::DynamicsError;
+use crate::error::SimError;
+use crate::random::normal;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use torquewise_motion::Motion;
 
 /// Signal-to-noise ratio of each signal \[dB\]; +∞ leaves a signal clean.
@@ -19,24 +19,24 @@ impl Noise {
     /// The paper's cases: 1 without noise, 2 with 70/50/30 dB and 3 with 60/40/30 dB on q/q̇/q̈.
     ///
     /// # Errors
-    /// [`DynamicsError::NoiseCase`] for another number.
-    pub fn case(case: u8) -> Result<Self, DynamicsError> {
+    /// [`SimError::NoiseCase`] for another number.
+    pub fn case(case: u8) -> Result<Self, SimError> {
         match case {
             1 => Self::from_db(f64::INFINITY, f64::INFINITY, f64::INFINITY),
             2 => Self::from_db(70.0, 50.0, 30.0),
             3 => Self::from_db(60.0, 40.0, 30.0),
-            _ => Err(DynamicsError::NoiseCase(case)),
+            _ => Err(SimError::NoiseCase(case)),
         }
     }
 
     /// Ratios of q, q̇ and q̈ \[dB\].
     ///
     /// # Errors
-    /// [`DynamicsError::NoiseLevel`] for NaN or −∞.
-    pub fn from_db(q: f64, dq: f64, ddq: f64) -> Result<Self, DynamicsError> {
+    /// [`SimError::NoiseLevel`] for NaN or −∞.
+    pub fn from_db(q: f64, dq: f64, ddq: f64) -> Result<Self, SimError> {
         for (signal, db) in [("q", q), ("dq", dq), ("ddq", ddq)] {
             if db.is_nan() || db == f64::NEG_INFINITY {
-                return Err(DynamicsError::NoiseLevel { signal, db });
+                return Err(SimError::NoiseLevel { signal, db });
             }
         }
         Ok(Self { q, dq, ddq })
@@ -52,8 +52,8 @@ impl Noise {
 /// Source: method.md, section 0. Checked against: `tests/noise.rs`.
 ///
 /// # Errors
-/// [`DynamicsError::Motion`] if the ratio is so low that the noise overflows.
-pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion, DynamicsError> {
+/// [`SimError::Motion`] if the ratio is so low that the noise overflows.
+pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion, SimError> {
     let mut signals = motion.clone().into_signals();
     // Stream 0 draws trajectories: one seed for both must not couple them.
     disturb(&mut signals.q, noise.q, seed, 1 << 32);
@@ -74,8 +74,7 @@ fn disturb(x: &mut Mat<f64>, db: f64, seed: u64, first_stream: u64) {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);
         for x in column {
-            let unit: f64 = StandardNormal.sample(&mut rng);
-            *x += sigma * unit;
+            *x += sigma * normal(&mut rng);
         }
     }
 }

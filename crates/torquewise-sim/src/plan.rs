@@ -1,6 +1,6 @@
 //! From kind, length, rate, seed to MotionPlan: what a simulated log should hold.
 
-use crate::error::DynamicsError;
+use crate::error::SimError;
 
 /// How the joints are moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -42,13 +42,13 @@ impl MotionPlan {
     /// Number of rows, once the numbers of the plan are found fine.
     ///
     /// # Errors
-    /// [`DynamicsError::Plan`], naming the number at fault.
-    pub fn n_rows(&self) -> Result<usize, DynamicsError> {
+    /// [`SimError::Setting`], naming the number at fault.
+    pub fn n_rows(&self) -> Result<usize, SimError> {
         let check = |what, found: f64, most, expected| {
             if found > 0.0 && found <= most {
                 Ok(())
             } else {
-                Err(DynamicsError::Plan { what, found, expected })
+                Err(SimError::Setting { what, found, expected })
             }
         };
         check("length [s]", self.seconds, 1e6, "more than 0 and at most 1000000")?;
@@ -82,7 +82,7 @@ mod tests {
         ];
 
         for plan in plans {
-            assert!(matches!(plan.n_rows(), Err(DynamicsError::Plan { .. })), "{plan:?}");
+            assert!(matches!(plan.n_rows(), Err(SimError::Setting { .. })), "{plan:?}");
         }
     }
 

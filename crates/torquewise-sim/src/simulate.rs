@@ -1,10 +1,11 @@
 //! From arm, MotionPlan to Simulation: a log free of noise whose truth is known.
 
 use crate::arm::Arm;
-use crate::error::DynamicsError;
+use crate::error::{SimError, check_joints};
 use crate::friction::{Bent, Friction};
 use crate::plan::MotionPlan;
-use crate::trajectory::{State, Trajectory};
+use crate::state::State;
+use crate::trajectory::Trajectory;
 use faer::Mat;
 use std::ops::Range;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording, Signals};
@@ -25,9 +26,9 @@ pub struct Simulation {
 /// and plan give the same bits. Checked against: `tests/motions.rs`.
 ///
 /// # Errors
-/// [`DynamicsError::Plan`] for a length or rate out of bounds; [`DynamicsError::Motion`] if the
+/// [`SimError::Setting`] for a length or rate out of bounds; [`SimError::Motion`] if the
 /// arm's numbers are so large that a torque overflows.
-pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation, DynamicsError> {
+pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation, SimError> {
     SimulatedLog::new(arm, plan)?.whole()
 }
 
@@ -44,8 +45,8 @@ impl SimulatedLog {
     /// The rows [`simulate()`] would make, not yet made.
     ///
     /// # Errors
-    /// [`DynamicsError::Plan`] for a length or rate out of bounds.
-    pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self, DynamicsError> {
+    /// [`SimError::Setting`] for a length or rate out of bounds.
+    pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self, SimError> {
         let friction = Friction::none(arm.n_joints());
         Ok(Self { arm: arm.clone(), trajectory: Trajectory::draw(arm, plan)?, friction })
     }
@@ -53,20 +54,17 @@ impl SimulatedLog {
     /// The same log of an arm that rubs: friction adds to its torque.
     ///
     /// # Errors
-    /// [`DynamicsError::JointCount`] for friction of another number of joints.
-    pub fn with_friction(self, friction: Friction) -> Result<Self, DynamicsError> {
-        let (found, expected) = (friction.n_joints(), self.arm.n_joints());
-        if found != expected {
-            return Err(DynamicsError::JointCount { signal: "friction", found, expected });
-        }
+    /// [`SimError::JointCount`] for friction of another number of joints.
+    pub fn with_friction(self, friction: Friction) -> Result<Self, SimError> {
+        check_joints("friction", friction.n_joints(), self.arm.n_joints())?;
         Ok(Self { friction, ..self })
     }
 
     /// All rows at once.
     ///
     /// # Errors
-    /// [`DynamicsError::Motion`] if a torque overflows.
-    pub fn whole(&self) -> Result<Simulation, DynamicsError> {
+    /// [`SimError::Motion`] if a torque overflows.
+    pub fn whole(&self) -> Result<Simulation, SimError> {
         self.record(0..self.n_rows(), &mut Bent::default())
     }
 
@@ -97,12 +95,12 @@ impl SimulatedLog {
     /// The named rows of the trajectory, with the torque they take.
     ///
     /// - `bent`: what the rows before have left of the bristles
-    fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation, DynamicsError> {
+    fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation, SimError> {
         let Self { arm, trajectory, friction } = self;
         let (m, n) = (rows.len(), arm.n_joints());
         let [mut q, mut dq, mut ddq, mut tau] = std::array::from_fn(|_| Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
-        let (mut state, mut torque) = (State::zero(n), vec![0.0; n]);
+        let (mut state, mut torque) = (State::at_rest(&vec![0.0; n]), vec![0.0; n]);
         let mut moved = Moved::default();
         for (k, row) in rows.enumerate() {
             t.push(trajectory.state_at(row, &mut state));

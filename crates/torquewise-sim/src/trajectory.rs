@@ -5,10 +5,11 @@ mod sines;
 mod staged;
 
 use crate::arm::Arm;
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use crate::plan::{MotionKind, MotionPlan};
+use crate::state::State;
 use moves::Moves;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use sines::Sines;
 use staged::Staged;
@@ -17,21 +18,6 @@ use staged::Staged;
 const PEAK_SPEED: f64 = 1.5;
 /// Least and greatest acceleration \[rad/s²\] of the fastest joint.
 const ACCELERATION: [f64; 2] = [2.0, 6.0];
-
-/// Where the joints are and how they move at one instant, n each.
-#[derive(Clone, Debug)]
-pub(crate) struct State {
-    pub(crate) q: Vec<f64>,
-    pub(crate) dq: Vec<f64>,
-    pub(crate) ddq: Vec<f64>,
-}
-
-impl State {
-    /// n joints at rest at 0.
-    pub(crate) fn zero(n: usize) -> Self {
-        Self { q: vec![0.0; n], dq: vec![0.0; n], ddq: vec![0.0; n] }
-    }
-}
 
 /// A drawn motion: every random choice is made, every row can be asked for.
 #[derive(Clone, Debug)]
@@ -50,7 +36,7 @@ enum Path {
 
 impl Trajectory {
     /// Draws the motion of `plan` within the joint ranges of `arm`.
-    pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self, DynamicsError> {
+    pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self, SimError> {
         let n_rows = plan.n_rows()?;
         let ranges = arm.ranges();
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -82,14 +68,4 @@ impl Trajectory {
         }
         t
     }
-}
-
-/// A number between two others, evenly drawn.
-fn between(rng: &mut ChaCha8Rng, [least, greatest]: [f64; 2]) -> f64 {
-    least + (greatest - least) * rng.random::<f64>()
-}
-
-/// −1 or 1, evenly drawn.
-fn direction(rng: &mut ChaCha8Rng) -> f64 {
-    if rng.random::<bool>() { 1.0 } else { -1.0 }
 }

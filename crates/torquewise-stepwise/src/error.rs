@@ -6,7 +6,7 @@ use torquewise_motion::{MotionError, ReadError};
 use torquewise_regression::SparseError;
 
 /// Why no model could be made or scored.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum IdentifyError {
     #[error(transparent)]
@@ -15,47 +15,43 @@ pub enum IdentifyError {
     Motion(#[from] MotionError),
     #[error(transparent)]
     Model(#[from] ModelError),
-    #[error(
-        "the log has {rows} rows, at least {needed} are needed to fit {joints} joints: \
-         record a longer motion"
-    )]
+    #[error("the log has {rows} rows, at least {needed} are needed to fit {joints} joints")]
+    #[diagnostic(help("record a longer motion"))]
     TooFewRows { rows: usize, needed: usize, joints: usize },
-    #[error(
-        "the regression of step {step} failed: record more rows of this pattern, or fit in one \
-         shot with --method sindy"
-    )]
+    #[error("the regression of step {step} failed")]
+    #[diagnostic(help("record more rows of this pattern, or fit in one shot by the method sindy"))]
     Step { step: String, source: SparseError },
-    #[error("{0} clusters asked for: at least 1 and at most 9")]
+    #[error("{0} clusters asked for")]
+    #[diagnostic(help("ask for at least 1 and at most 9"))]
     Clusters(usize),
-    #[error(
-        "the library has {candidates} candidates, which takes {gigabytes} GB of sums: \
-         limit it to {limit} candidates by a lower interaction order or lower orders, or give no \
+    #[error("the library has {candidates} candidates, which takes {gigabytes} GB of sums")]
+    #[diagnostic(help(
+        "limit it to {limit} candidates by a lower interaction order or lower orders, or give no \
          order for an energy library, which is then grown along a learned chain"
-    )]
+    ))]
     LibraryTooLarge { candidates: usize, gigabytes: usize, limit: usize },
-    #[error(
-        "cannot merge summaries: {what} differs, {expected} and {found}; make both with the \
-         same settings"
-    )]
+    #[error("cannot merge summaries: {what} differs, {expected} and {found}")]
+    #[diagnostic(help("make both with the same settings"))]
     Apart { what: &'static str, expected: String, found: String },
-    #[error("not a valid moments file, {0}: make the file again with torquewise moments")]
+    #[error("not a valid moments file, {0}")]
+    #[diagnostic(help("make the file of moments again"))]
     Moments(String),
-    #[error(
-        "the moments are for a learned chain and hold no sums of a library: make them again with \
-         --library energy or product, or learn a chain"
-    )]
+    #[error("the moments are for a learned chain and hold no sums of a library")]
+    #[diagnostic(help(
+        "make them again with the library energy or product, or learn a chain from them"
+    ))]
     NoLibrary,
-    #[error(
-        "the counterbalanced joint {name} is not in the log, which has {joints}: name one of these"
-    )]
+    #[error("the counterbalanced joint {name} is not in the log, which has {joints}")]
+    #[diagnostic(help("name one of these"))]
     NoSuchJoint { name: String, joints: String },
-    #[error("the torque of {0} never changes: check that it is measured, or leave the joint out")]
+    #[error("the torque of {0} never changes")]
+    #[diagnostic(help("check that it is measured, or leave the joint out"))]
     ConstantTorque(String),
     #[error("no chain of rigid bodies could be learned: {0}")]
     Chain(#[from] torquewise_rigid::ChainError),
-    #[error(
-        "the numbers of the log cannot be worked with: check that its units are rad, s and N·m and \
-         that every signal is measured"
-    )]
+    #[error("the numbers of the log cannot be worked with")]
+    #[diagnostic(help(
+        "check that its units are rad, s and N·m and that every signal is measured"
+    ))]
     Sparse(#[from] SparseError),
 }

@@ -1,5 +1,4 @@
-//! From kept terms, a sample of rows to normal equations near a first fit, and what noise does to
-//! them (E6) (E7).
+//! Normal equations of the kept terms near a first fit, and what noise does to them (E6) (E7).
 
 use crate::candidates::Group;
 use crate::noise::NoiseFloor;
@@ -9,7 +8,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::FrictionTerm;
 use torquewise_regression::SparseError;
-use torquewise_regression::accumulate::Accumulate;
 use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_regression::samples::{Evaluator, Samples};
 use torquewise_regression::triangle::Triangle;
@@ -70,83 +68,60 @@ impl Fit<'_> {
         }
         Ok(rows)
     }
-}
 
-/// What a part of the sample says of a group near a first fit, noise and its own spread included.
-pub(crate) struct PartSum<'a> {
-    fit: &'a Fit<'a>,
-    /// Where it is linearised.
-    coefficients: &'a [f64],
-    pub(crate) sums: NormalSums,
-    /// Times that noise is drawn for each row.
-    draws: usize,
-    random: ChaCha8Rng,
-}
-
-impl<'a> PartSum<'a> {
-    pub(crate) fn new(
-        fit: &'a Fit<'a>,
-        coefficients: &'a [f64],
+    /// What pieces of the sample say near a first fit, noise and its own spread included.
+    ///
+    /// - `coefficients`: where it is linearised
+    /// - `draws`: times that noise is drawn for each row
+    /// - `random`: seed and stream of the noise
+    pub(crate) fn normal_sums<'s>(
+        &self,
+        coefficients: &[f64],
         draws: usize,
-        (seed, lane): (u64, usize),
-    ) -> Self {
-        let sums = NormalSums::new(fit.n_columns(), fit.kept.weights.len(), 1);
+        (seed, stream): (u64, u64),
+        pieces: impl Iterator<Item = &'s Samples>,
+    ) -> Result<NormalSums, SparseError> {
+        let weights = &self.kept.weights;
+        let mut sums = NormalSums::new(self.n_columns(), weights.len(), 1);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(lane as u64);
-        let draws = if fit.noise.is_none() { 0 } else { draws };
-        Self { fit, coefficients, sums, draws, random }
-    }
-}
-
-impl Accumulate for PartSum<'_> {
-    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
-        let m = samples.n_rows();
-        let roots = self.fit.kept.weights.iter().map(|weight| weight.sqrt());
-        let weights: Vec<f64> = roots.flat_map(|root| std::iter::repeat_n(root, m)).collect();
-        let rows = self.fit.rows(samples, self.coefficients)?;
-        let equations = (self.fit.kept.weights.len(), Alike::Instant);
-        let mut block = BlockSums::new(0, rows.as_ref(), &weights, equations);
-        // Noise drawn once more shows what noise did (E7).
-        for _ in 0..self.draws {
-            let drawn = self.fit.noise.draw(&mut self.random, m);
-            let (angles, rates) = drawn.split_at_col(self.fit.noise.q.len());
-            for sign in [1.0, -1.0] {
-                let mut shifted = samples.clone();
-                shifted.angles += faer::Scale(sign) * angles;
-                let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
-                moved += faer::Scale(sign) * rates;
-                fill_friction(&mut shifted, self.fit.friction);
-                let noisy = self.fit.rows(&shifted, self.coefficients)?;
-                block.add_noisy(noisy.as_ref(), 0.5 / self.draws as f64);
+        random.set_stream(stream);
+        let draws = if self.noise.is_none() { 0 } else { draws };
+        for samples in pieces {
+            let m = samples.n_rows();
+            let roots = weights.iter().map(|weight| weight.sqrt());
+            let roots: Vec<f64> = roots.flat_map(|root| std::iter::repeat_n(root, m)).collect();
+            let rows = self.rows(samples, coefficients)?;
+            let equations = (weights.len(), Alike::Instant);
+            let mut block = BlockSums::new(0, rows.as_ref(), &roots, equations);
+            // Noise drawn once more shows what noise did (E7).
+            for _ in 0..draws {
+                let drawn = self.noise.draw(&mut random, m);
+                let (angles, rates) = drawn.split_at_col(self.noise.q.len());
+                for sign in [1.0, -1.0] {
+                    let mut shifted = samples.clone();
+                    shifted.angles += faer::Scale(sign) * angles;
+                    let mut moved = shifted.variables.subcols_mut(0, rates.ncols());
+                    moved += faer::Scale(sign) * rates;
+                    fill_friction(&mut shifted, self.friction);
+                    let noisy = self.rows(&shifted, coefficients)?;
+                    block.add_noisy(noisy.as_ref(), 0.5 / draws as f64);
+                }
             }
+            sums.add(&block)?;
         }
-        self.sums.add(&block)
+        Ok(sums)
     }
 
-    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        self.sums.merge(&other.sums)
-    }
-}
-
-/// R of \[Y τ\], where torque is explained but for rounding.
-pub(crate) struct FactorSum<'a> {
-    fit: &'a Fit<'a>,
-    pub(crate) triangle: Triangle,
-}
-
-impl<'a> FactorSum<'a> {
-    pub(crate) fn new(fit: &'a Fit<'a>) -> Self {
-        Self { fit, triangle: Triangle::new(fit.n_columns() + 1) }
-    }
-}
-
-impl Accumulate for FactorSum<'_> {
-    fn add(&mut self, samples: &Samples) -> Result<(), SparseError> {
-        let rows = self.fit.rows(samples, &vec![0.0; self.fit.n_columns()])?;
-        self.triangle.add(rows.as_ref())
-    }
-
-    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        self.triangle.merge(&other.triangle)
+    /// R of \[Y τ\] of pieces of the sample.
+    pub(crate) fn triangle<'s>(
+        &self,
+        pieces: impl Iterator<Item = &'s Samples>,
+    ) -> Result<Triangle, SparseError> {
+        let mut triangle = Triangle::new(self.n_columns() + 1);
+        for samples in pieces {
+            let rows = self.rows(samples, &vec![0.0; self.n_columns()])?;
+            triangle.add(rows.as_ref())?;
+        }
+        Ok(triangle)
     }
 }

@@ -1,5 +1,4 @@
-//! From survey, plan to settings: interaction order, friction and strictness, chosen on held-out
-//! blocks.
+//! Interaction order, friction and strictness, chosen on held-out blocks.
 
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
@@ -13,7 +12,7 @@ use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_regression::accumulate::{Accumulate, GramSum, Prepared, cheaper_route};
+use torquewise_regression::accumulate::{Prepared, cheaper_route};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::select::Selector;
 
@@ -254,7 +253,7 @@ impl<'a> CrossValidation<'a> {
                 let rows = clear_of_reversals(&rows, &candidates.friction);
                 let mut sum = prepared.start(n);
                 sum.add(&samples_of(&rows, &candidates.friction)?)?;
-                Ok(GramSum::grams(sum))
+                Ok(sum.grams())
             })
             .collect::<Result<_, IdentifyError>>()?;
         let groups = candidates.groups();
@@ -299,7 +298,7 @@ impl<'a> CrossValidation<'a> {
                     .equations
                     .iter()
                     .filter_map(|&(equation, joint)| {
-                        let left = step::unexplained(&judge, equation, joint, &known);
+                        let left = step::unexplained(&judge.grams, equation, joint, &known);
                         let spread = self.survey.torque_std[joint];
                         let rms = (left / judge.rows.max(1) as f64).sqrt();
                         (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())

@@ -1,9 +1,11 @@
-//! From recording to residual against order, and the orders it asks for (Fig. 5 of the paper).
+//! Residual against the order of the library, and the orders a recording asks for (Fig. 5 of the
+//! paper).
 
 use crate::candidates::{columns_of_energies, columns_of_terms};
 use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
 use crate::rows::{Gathering, cut, samples_of};
+use crate::step;
 use crate::survey::survey;
 use faer::Mat;
 use rayon::prelude::*;
@@ -13,10 +15,12 @@ use torquewise_model::library::{
 };
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
-use torquewise_regression::accumulate::{GramSum, Lanes, Prepared, cheaper_route};
+use torquewise_regression::SparseError;
+use torquewise_regression::accumulate::{GramSum, Prepared, cheaper_route};
 use torquewise_regression::design::Design;
 use torquewise_regression::gram::Gram;
 use torquewise_regression::problem::Problem;
+use torquewise_regression::samples::Samples;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -219,35 +223,64 @@ fn accumulate(
         .iter()
         .map(|ladder| Prepared::new(&ladder.design, cheaper_route(&ladder.design, n, rows)))
         .collect();
-    let mut bins: Vec<(Gathering, Lanes<GramSum<'_>>)> = prepared
-        .iter()
-        .map(|design| (Gathering::new(n, 0), Lanes::with_count(2, |_| design.start(n))))
-        .collect();
     // Pieces of one size, or one half would get all the remainders.
     let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
+    let mut bins: Vec<Bin<'_>> = (ladders.iter().zip(&prepared))
+        .map(|(ladder, design)| Bin {
+            pattern: ladder.pattern,
+            gathering: Gathering::new(n, 0),
+            halves: [design.start(n), design.start(n)],
+            next: 0,
+            piece,
+        })
+        .collect();
     let mut add = |block: &Motion| -> Result<(), ReadError> {
         let (samples, labels) = (samples_of(block, &[])?, patterns.label(block));
-        for (ladder, (gathering, lanes)) in ladders.iter().zip(&mut bins) {
-            for (row, &label) in labels.iter().enumerate() {
-                if ladder.pattern.is_none_or(|pattern| pattern == label)
-                    && let Some(full) = gathering.push(&samples, row)
-                {
-                    cut(full, piece).into_iter().try_for_each(|piece| lanes.push(piece))?;
-                }
-            }
-        }
+        bins.par_iter_mut().try_for_each(|bin| bin.add(&samples, &labels))?;
         Ok(())
     };
     recording.read(&mut |_, block| add(block)).map_err(IdentifyError::Read)?;
-    let mut sums = Vec::with_capacity(bins.len());
-    for (mut gathering, mut lanes) in bins {
-        if let Some(rest) = gathering.take() {
-            cut(rest, piece).into_iter().try_for_each(|piece| lanes.push(piece))?;
+    let halves = bins.into_par_iter().map(Bin::finish).collect::<Result<_, _>>()?;
+    Ok(halves)
+}
+
+/// Rows of one ladder on their way to its halves.
+struct Bin<'a> {
+    pattern: Option<Pattern>,
+    gathering: Gathering,
+    halves: [GramSum<'a>; 2],
+    /// The half that the next piece belongs to.
+    next: usize,
+    /// Rows of a piece.
+    piece: usize,
+}
+
+impl Bin<'_> {
+    fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Result<(), SparseError> {
+        for (row, &label) in labels.iter().enumerate() {
+            if self.pattern.is_none_or(|pattern| pattern == label)
+                && let Some(full) = self.gathering.push(samples, row)
+            {
+                self.deal(full)?;
+            }
         }
-        let mut halves = lanes.parts()?.into_iter().map(GramSum::grams);
-        sums.push(std::array::from_fn(|_| halves.next().unwrap_or_default()));
+        Ok(())
     }
-    Ok(sums)
+
+    fn deal(&mut self, samples: Samples) -> Result<(), SparseError> {
+        for piece in cut(samples, self.piece) {
+            self.halves[self.next].add(&piece)?;
+            self.next = 1 - self.next;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Halves, SparseError> {
+        if let Some(rest) = self.gathering.take() {
+            self.deal(rest)?;
+        }
+        Ok(self.halves.map(GramSum::grams))
+    }
 }
 
 impl OrderSweep {
@@ -291,9 +324,11 @@ fn fit(
 ) -> Result<Vec<Vec<f64>>, IdentifyError> {
     let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
     if half.len() > 1 {
-        let joints = torque_std.iter().enumerate();
-        let equations = joints.map(|(joint, std)| (joint, 0, weight(std))).collect::<Vec<_>>();
-        return Ok(vec![solve(half, columns, &equations)?]);
+        let equations: Vec<(usize, usize)> = (0..half.len()).map(|joint| (joint, joint)).collect();
+        let weights: Vec<f64> = torque_std.iter().map(weight).collect();
+        let none = vec![0.0; half[0].gram.ncols()];
+        let problem = step::weighted_problem(half, &equations, &weights, &none, columns)?;
+        return Ok(vec![problem.refit(&all(columns))?.coefficients]);
     }
     // The joints share their columns, hence the factor of their normal equations.
     let part = &half[0];
@@ -309,29 +344,6 @@ fn fit(
 
 fn all(columns: &[usize]) -> Vec<usize> {
     (0..columns.len()).collect()
-}
-
-/// Least squares over (equation, response, weight): columns that the joints share.
-fn solve(
-    half: &[Gram],
-    columns: &[usize],
-    equations: &[(usize, usize, f64)],
-) -> Result<Vec<f64>, IdentifyError> {
-    let p = columns.len();
-    let (mut gram, mut cross, mut energy) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
-    let mut rows = 0.0;
-    for &(equation, response, weight) in equations {
-        let part = &half[equation];
-        gram +=
-            faer::Scale(weight) * Mat::from_fn(p, p, |i, j| part.gram[(columns[i], columns[j])]);
-        for (value, &column) in cross.iter_mut().zip(columns) {
-            *value += weight * part.cross[(column, response)];
-        }
-        energy += weight * part.energy[response];
-        rows += part.rows as f64;
-    }
-    let problem = Problem::new(gram, cross, energy, f64::max(rows, 1.0))?;
-    Ok(problem.refit(&all(columns))?.coefficients)
 }
 
 /// Squared error of each joint on one half.

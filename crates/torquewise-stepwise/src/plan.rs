@@ -57,7 +57,7 @@ pub struct LibraryOptions {
     pub threshold: Option<f64>,
     /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is taken out (E7).
     pub noise_correction: bool,
-    /// Resampled logs from which the inclusion of each term is with_normalised_weights; 0 for none.
+    /// Resampled logs from which the inclusion of each term is counted; 0 for none.
     pub bags: usize,
 }
 

@@ -128,7 +128,8 @@ impl<'a> PartialModel<'a> {
                 known[column] = weight;
             }
             let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-            self.row_weights[place] = step::noise_weights(equations, &self.groups[place], &total);
+            self.row_weights[place] =
+                step::noise_weights(&equations.grams, &self.groups[place], &total);
         }
         let terms = self.terms();
         let form = form(self.candidates, &terms);

@@ -1,9 +1,8 @@
-//! From kept terms, normal equations, a sample to coefficients, standard errors, inclusion (E6)
-//! (E7).
+//! Coefficients, standard errors and inclusion of the kept terms, all fitted together (E6) (E7).
 
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
-use crate::factor::{ActiveSet, FactorSum, Fit, PartSum};
+use crate::factor::{ActiveSet, Fit};
 use crate::noise::NoiseFloor;
 use crate::normal_equations::NormalEquations;
 use crate::rows::{clear_of_reversals, cut, samples_of};
@@ -15,11 +14,10 @@ use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{Motion, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::accumulate::{Accumulate, Lanes};
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_regression::samples::Evaluator;
+use torquewise_regression::samples::{Evaluator, Samples};
 use torquewise_regression::triangle::Triangle;
 
 /// A term of the final fit.
@@ -104,26 +102,39 @@ pub(crate) fn refit(
             noise: plan.noise,
         })
         .collect();
-    let log = (sample, &candidates.friction[..]);
     let parts = parts(kept);
+    let pieces = pieces(sample, &candidates.friction, parts)?;
     let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
     let draws = draws(scale);
-    let bases = (fits.iter().zip(whole))
-        .map(|(fit, grams)| base(fit, grams, log, (parts, scale)))
-        .collect::<Result<Vec<_>, _>>()?;
-    let starts: Vec<(&Fit<'_>, &[f64])> =
-        fits.iter().zip(&bases).map(|(fit, base)| (fit, &base.start.coefficients[..])).collect();
-    let sums = pass(log, parts, &starts, |&(fit, coefficients), lane| {
-        PartSum::new(fit, coefficients, draws, (plan.seed, lane))
-    })?;
-    fits.iter()
-        .zip(&bases)
-        .zip(sums.into_iter().zip(whole))
-        .map(|((fit, base), (sums, grams))| {
-            let parts = sums.into_iter().map(|part| Part::new(&part.sums)).collect();
-            GroupRefit { fit, base, grams, parts, scale }.finish(plan)
+    (fits.iter().zip(whole))
+        .map(|(fit, grams)| {
+            let base = base(fit, grams, &pieces, (parts, scale))?;
+            let of_part = |part: usize| {
+                let own = pieces.iter().skip(part).step_by(parts);
+                let start = &base.start.coefficients;
+                Ok(Part::new(&fit.normal_sums(start, draws, (plan.seed, part as u64), own)?))
+            };
+            let parts = (0..parts).into_par_iter().map(of_part);
+            let parts = parts.collect::<Result<_, SparseError>>()?;
+            GroupRefit { fit, base: &base, grams, parts, scale }.finish(plan)
         })
         .collect()
+}
+
+/// The sample in pieces, of which part k of the log has every `parts`-th from the k-th on.
+fn pieces(
+    sample: &Motion,
+    friction: &[FrictionTerm],
+    parts: usize,
+) -> Result<Vec<Samples>, IdentifyError> {
+    let size = sample.n_rows() / (2 * parts);
+    let mut pieces = Vec::new();
+    let read = sample.read(&mut |_, block| {
+        pieces.extend(cut(samples_of(&clear_of_reversals(block, friction), friction)?, size));
+        Ok(())
+    });
+    read.map_err(IdentifyError::Read)?;
+    Ok(pieces)
 }
 
 /// Where the refit of a group begins. Normal equations keep too few digits of what is explained but
@@ -131,17 +142,18 @@ pub(crate) fn refit(
 fn base(
     fit: &Fit<'_>,
     grams: &[Gram],
-    log: (&Motion, &[FrictionTerm]),
+    pieces: &[Samples],
     (parts, scale): (usize, f64),
 ) -> Result<NormalEquations, IdentifyError> {
     let base = NormalEquations::new(fit.kept, grams)?;
     if !base.is_explained(fit.kept, grams) {
         return Ok(base);
     }
+    let of_part = |part: usize| fit.triangle(pieces.iter().skip(part).step_by(parts));
+    let factors: Vec<Triangle> =
+        (0..parts).into_par_iter().map(of_part).collect::<Result<_, _>>()?;
     let mut triangle = Triangle::new(fit.n_columns() + 1);
-    for factors in pass(log, parts, &[fit], |fit, _| FactorSum::new(fit))? {
-        factors.iter().try_for_each(|part| triangle.merge(&part.triangle))?;
-    }
+    factors.iter().try_for_each(|part| triangle.merge(part))?;
     Ok(base.sharpened(triangle.r(), scale)?)
 }
 
@@ -156,27 +168,6 @@ fn parts(kept: &[ActiveSet]) -> usize {
     // Half of each of three matrices in exact numbers, and all of it in plain ones.
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
-}
-
-/// Hands every block to a sum for each group; returns the sums of the parts of the sample.
-fn pass<'a, T, A: Accumulate>(
-    (sample, friction): (&Motion, &[FrictionTerm]),
-    parts: usize,
-    groups: &'a [T],
-    start: impl Fn(&'a T, usize) -> A,
-) -> Result<Vec<Vec<A>>, IdentifyError> {
-    let mut lanes: Vec<Lanes<A>> =
-        groups.iter().map(|group| Lanes::with_count(parts, |lane| start(group, lane))).collect();
-    let size = sample.n_rows() / (2 * parts);
-    sample
-        .read(&mut |_, block| {
-            for samples in cut(samples_of(&clear_of_reversals(block, friction), friction)?, size) {
-                lanes.iter_mut().try_for_each(|lanes| lanes.push(samples.clone()))?;
-            }
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)?;
-    lanes.into_iter().map(|lanes| Ok(lanes.parts()?)).collect()
 }
 
 /// What a part of the sample says, linearised at the first fit: in \[Y e\].
@@ -214,7 +205,7 @@ impl GroupRefit<'_> {
     fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
         let p = self.fit.n_columns();
         let mut equations = self.equations(&vec![1.0; self.parts.len()]);
-        let mut estimate = self.estimate(&equations, plan.least_t_squared)?;
+        let mut estimate = self.estimate(&equations, plan.least_t_squared);
         let small = |estimate: &Estimate, place: usize| {
             estimate.coefficients[place].abs() <= plan.least_size
         };
@@ -227,9 +218,9 @@ impl GroupRefit<'_> {
             for j in (0..p).filter(|&j| !staying(j)) {
                 equations.information[(j, j)] = 0.0;
             }
-            estimate = self.estimate(&equations, 0.0)?;
+            estimate = self.estimate(&equations, 0.0);
         }
-        let inclusion = self.inclusion(plan, &estimate.active)?;
+        let inclusion = self.inclusion(plan, &estimate.active);
         let exact = self.sharpen(&estimate)?;
         let terms = (0..estimate.active.len())
             .map(|place| FittedTerm {
@@ -250,8 +241,8 @@ impl GroupRefit<'_> {
         Ok(Refitted { terms, dropped, dependent, residual_rms })
     }
 
-    /// Estimating equations of all rows as they would be if the parts of the sample with_normalised_weights as
-    /// often as `weights` says.
+    /// Estimating equations of all rows as they would be if the parts of the sample counted as often
+    /// as `weights` says.
     ///
     /// What a part more or less changes in sums over m rows is what it changes in sums over the
     /// sample times the square root of how many rows each sampled one stands for.
@@ -290,7 +281,7 @@ impl GroupRefit<'_> {
     }
 
     /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
-    fn estimate(&self, equations: &Equations, least: f64) -> Result<Estimate, SparseError> {
+    fn estimate(&self, equations: &Equations, least: f64) -> Estimate {
         let plain = || {
             let active: Vec<usize> = (0..self.fit.n_columns())
                 .filter(|j| !self.base.start.dependent.contains(j))
@@ -301,23 +292,19 @@ impl GroupRefit<'_> {
                 active,
             }
         };
-        Ok(equations.eliminate(least)?.unwrap_or_else(plain))
+        equations.eliminate(least).unwrap_or_else(plain)
     }
 
     /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
     /// replacement, as there are, and the elimination is run again.
-    fn inclusion(
-        &self,
-        plan: &RefitPlan<'_>,
-        active: &[usize],
-    ) -> Result<Option<Vec<f64>>, SparseError> {
+    fn inclusion(&self, plan: &RefitPlan<'_>, active: &[usize]) -> Option<Vec<f64>> {
         let p = self.fit.n_columns();
         let filled: Vec<usize> =
             (0..self.parts.len()).filter(|&part| self.parts[part].rows > 0.0).collect();
         if plan.bags == 0 || filled.len() < LEAST_PARTS {
-            return Ok(None);
+            return None;
         }
-        let rounds = (0..plan.bags)
+        let rounds: Vec<Vec<usize>> = (0..plan.bags)
             .into_par_iter()
             .map(|round| {
                 let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -332,14 +319,14 @@ impl GroupRefit<'_> {
                         equations.information[(j, j)] = 0.0;
                     }
                 }
-                Ok(self.estimate(&equations, plan.least_t_squared)?.active)
+                self.estimate(&equations, plan.least_t_squared).active
             })
-            .collect::<Result<Vec<Vec<usize>>, SparseError>>()?;
+            .collect();
         let mut counts = vec![0_usize; p];
         for j in rounds.into_iter().flatten() {
             counts[j] += 1;
         }
-        Ok(Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect()))
+        Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect())
     }
 
     /// RMS of what the final coefficients leave of each equation \[N·m\].

@@ -1,4 +1,4 @@
-//! From equations of one step to coefficients: regressing what the earlier steps leave unexplained.
+//! One step: regressing what the earlier steps leave unexplained.
 
 use crate::candidates::Group;
 use crate::step_equations::{Step, StepEquations};
@@ -39,16 +39,17 @@ pub(crate) fn select(
     for &place in &places {
         fixed[place] = 0.0;
     }
-    let mut weights = noise_weights(equations, group, &fixed);
+    let grams = &equations.grams[..];
+    let mut weights = noise_weights(grams, group, &fixed);
     let mut found = None;
     for _ in 0..if group.equations.len() > 1 { ROUNDS } else { 1 } {
-        let problem = weighted_problem(equations, group, &weights, &fixed, &places)?;
+        let problem = weighted_problem(grams, &group.equations, &weights, &fixed, &places)?;
         let selection = selector.select(&problem)?;
         let mut total = fixed.clone();
         for (&place, &weight) in places.iter().zip(&selection.coefficients) {
             total[place] = weight;
         }
-        weights = noise_weights(equations, group, &total);
+        weights = noise_weights(grams, group, &total);
         found = Some(selection);
     }
     let Some(selection) = found else { return Ok(Vec::new()) };
@@ -56,10 +57,13 @@ pub(crate) fn select(
     Ok(active.map(|&j| (offered[j], selection.coefficients[j])).collect())
 }
 
-/// Normal equations of the offered columns for the unexplained torque, joints weighted.
-fn weighted_problem(
-    equations: &StepEquations,
-    group: &Group,
+/// Normal equations of some columns for the torque that `fixed` weights of all leave unexplained.
+///
+/// - `equations`: (equation, response) pairs, added up with their `weights`
+/// - `places`: the columns
+pub(crate) fn weighted_problem(
+    grams: &[Gram],
+    equations: &[(usize, usize)],
     weights: &[f64],
     fixed: &[f64],
     places: &[usize],
@@ -67,9 +71,9 @@ fn weighted_problem(
     let p = places.len();
     let (mut gram, mut cross) = (Mat::<f64>::zeros(p, p), vec![0.0; p]);
     let (mut energy, mut rows) = (0.0, 0.0);
-    for (&(equation, response), &weight) in group.equations.iter().zip(weights) {
-        let part = &equations.grams[equation];
-        let own = response_index(equations.grams.len(), response);
+    for (&(equation, response), &weight) in equations.iter().zip(weights) {
+        let part = &grams[equation];
+        let own = response_index(grams.len(), response);
         for (j, &column) in places.iter().enumerate() {
             let from = part.gram.col_as_slice(column);
             for (out, &row) in gram.col_as_slice_mut(j).iter_mut().zip(places) {
@@ -78,34 +82,28 @@ fn weighted_problem(
             let explained: f64 = from.iter().zip(fixed).map(|(g, c)| g * c).sum();
             cross[j] += weight * (part.cross[(column, own)] - explained);
         }
-        energy += weight * unexplained(equations, equation, response, fixed);
+        energy += weight * unexplained(grams, equation, response, fixed);
         rows += part.rows as f64;
     }
-    Problem::new(gram, cross, energy, rows)
+    Problem::new(gram, cross, energy, rows.max(1.0))
 }
 
 /// One over the unexplained variance of each joint of a group.
-pub(crate) fn noise_weights(equations: &StepEquations, group: &Group, total: &[f64]) -> Vec<f64> {
+pub(crate) fn noise_weights(grams: &[Gram], group: &Group, total: &[f64]) -> Vec<f64> {
     group
         .equations
         .iter()
         .map(|&(equation, response)| {
-            let rows = equations.grams[equation].rows as f64;
-            let left = unexplained(equations, equation, response, total);
+            let rows = grams[equation].rows as f64;
+            let left = unexplained(grams, equation, response, total);
             if left > 0.0 { rows / left } else { 1.0 }
         })
         .collect()
 }
 
 /// ‖τ − Y c‖² of one equation, at least what rounding leaves of it.
-pub(crate) fn unexplained(
-    equations: &StepEquations,
-    equation: usize,
-    response: usize,
-    total: &[f64],
-) -> f64 {
-    let place = response_index(equations.grams.len(), response);
-    residual_energy(&equations.grams[equation], place, total)
+pub(crate) fn unexplained(grams: &[Gram], equation: usize, response: usize, total: &[f64]) -> f64 {
+    residual_energy(&grams[equation], response_index(grams.len(), response), total)
 }
 
 /// The same of one response of normal equations.

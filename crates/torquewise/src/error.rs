@@ -20,7 +20,7 @@ pub enum Error {
     Read(#[from] ReadError),
     #[cfg(feature = "simulation")]
     #[error("the arm could not be built")]
-    Arm(#[from] torquewise_sim::DynamicsError),
+    Arm(#[from] torquewise_sim::SimError),
     #[cfg(feature = "figures")]
     #[error(transparent)]
     Report(#[from] torquewise_report::ReportError),

@@ -84,7 +84,7 @@ impl TwinLog {
         let tau = self.torque.over(&self.torque.path().follow(0, &motion))?;
         let mut signals = motion.into_signals();
         signals.tau = Some(tau);
-        Ok(Motion::new(signals).map_err(torquewise_sim::DynamicsError::from)?)
+        Ok(Motion::new(signals).map_err(torquewise_sim::SimError::from)?)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::trial::{Cost, now};
 use serde::Serialize;
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_regression::accumulate::{Accumulate, Prepared, Route};
+use torquewise_regression::accumulate::{Prepared, Route};
 use torquewise_regression::samples::Samples;
 use torquewise_stepwise::candidates::Candidates;
 use torquewise_stepwise::step_equations::{one_shot, plan_steps};

@@ -1,5 +1,4 @@
-//! From problem to Selection by the LASSO: a path of penalties, the best support, its least
-//! squares.
+//! LASSO: a path of penalties, the best support, its least squares.
 
 use crate::error::SparseError;
 use crate::problem::{Problem, Refit, Selection, Standardised, nonzero, require};
@@ -88,20 +87,18 @@ pub fn lasso_path(problem: &Problem, lasso: &Lasso) -> Result<Vec<PathPoint>, Sp
     let tolerance = lasso.gap_tolerance * inner.energy() / inner.rows();
 
     let mut descent = Descent::new(inner);
-    let mut previous = steepest / inner.rows();
     let mut points = Vec::with_capacity(penalties.len());
     for lambda in penalties {
-        let reached = descent.run(lambda, previous, tolerance, lasso.max_sweeps);
+        let reached = descent.run(lambda, tolerance, lasso.max_sweeps);
         if reached.indefinite {
             break;
         }
         points.push(PathPoint {
             lambda,
-            coefficients: standardised.unscaled(&descent.coefficients()),
+            coefficients: standardised.unscaled(&descent.weights),
             gap: reached.gap,
             sweeps: reached.sweeps,
         });
-        previous = lambda;
     }
     Ok(points)
 }

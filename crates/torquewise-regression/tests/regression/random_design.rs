@@ -4,8 +4,11 @@ use faer::Mat;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use torquewise_regression::accumulate::Prepared;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::{Column, Design};
+use torquewise_regression::gram::Gram;
+use torquewise_regression::row_sums::RowSums;
 use torquewise_regression::samples::Samples;
 
 /// weight · cos or sin (k·θ) · x^α, k of any sign.
@@ -87,6 +90,12 @@ impl RandomDesign {
         let equations: Vec<Vec<Column>> =
             self.equations.iter().map(|columns| columns.iter().map(column).collect()).collect();
         Design::new(self.n_angles, self.n_variables, &equations).expect("letters of one length")
+    }
+
+    /// The normal equations of all columns from sums over rows.
+    pub(crate) fn grams_of(&self, prepared: &Prepared, sums: &RowSums) -> Vec<Gram> {
+        let columns: Vec<usize> = (0..self.n_columns()).collect();
+        sums.grams(prepared, self.n_responses(), &columns)
     }
 
     pub(crate) fn n_columns(&self) -> usize {

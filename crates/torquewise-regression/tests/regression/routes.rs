@@ -4,13 +4,12 @@ use crate::random_design::{RandomDesign, any_design, samples};
 use faer::Mat;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
-use torquewise_regression::accumulate::{
-    Accumulate, GramSum, Lanes, Prepared, Route, cheaper_route,
-};
+use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::Design;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::gram::Gram;
+use torquewise_regression::row_sums::{RowAdder, RowSums};
 use torquewise_regression::samples::{Evaluator, Samples};
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
@@ -22,6 +21,14 @@ fn grams(random: &RandomDesign, route: Route, blocks: &[Samples]) -> Vec<Gram> {
         sum.add(block).expect("blocks of the shape of the design");
     }
     sum.grams()
+}
+
+fn row_sums(random: &RandomDesign, prepared: &Prepared, blocks: &[Samples]) -> RowSums {
+    let mut adder = RowAdder::new(prepared, random.n_responses());
+    for block in blocks {
+        adder.push(block.clone()).expect("blocks of the shape of the design");
+    }
+    adder.finish().expect("sums within range")
 }
 
 /// Angles and variables are bounded, so an entry is a sum of m products of at most bᵢ·bⱼ: each
@@ -116,16 +123,12 @@ proptest! {
         let blocks = [samples(&random, seed, rows[0]), samples(&random, !seed, rows[1])];
         for route in ROUTES {
             let prepared = Prepared::new(&random.design(), route);
-            let half = |block| {
-                let mut sum: GramSum<'_> = prepared.start(random.n_responses());
-                sum.add(block).unwrap();
-                sum
-            };
 
-            let mut merged = half(&blocks[0]);
-            merged.merge(half(&blocks[1])).unwrap();
+            let mut merged = row_sums(&random, &prepared, &blocks[..1]);
+            merged.merge(&row_sums(&random, &prepared, &blocks[1..])).unwrap();
 
-            assert_all_same(&merged.grams(), &grams(&random, route, &blocks), &random);
+            let merged = random.grams_of(&prepared, &merged);
+            assert_all_same(&merged, &grams(&random, route, &blocks), &random);
         }
     }
 
@@ -170,14 +173,7 @@ fn sums_have_the_same_bits_at_any_number_of_threads() {
         let prepared = Prepared::new(&random.design(), route);
         let sum = |threads| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| {
-                let start = |_| prepared.start(random.n_responses());
-                let mut lanes = Lanes::new(prepared.size(random.n_responses()), start);
-                for block in &blocks {
-                    lanes.push(block.clone()).unwrap();
-                }
-                lanes.finish().unwrap().grams()
-            })
+            pool.install(|| random.grams_of(&prepared, &row_sums(&random, &prepared, &blocks)))
         };
 
         let alone = sum(1);
@@ -195,57 +191,6 @@ fn sums_have_the_same_bits_at_any_number_of_threads() {
 
 fn bits(matrix: &Mat<f64>) -> Vec<u64> {
     matrix.col_iter().flat_map(|column| column.iter().map(|x| x.to_bits())).collect()
-}
-
-/// A sum that counts blocks.
-struct Count(usize);
-
-impl Accumulate for Count {
-    fn add(&mut self, _: &Samples) -> Result<(), SparseError> {
-        self.0 += 1;
-        Ok(())
-    }
-
-    fn merge(&mut self, other: Self) -> Result<(), SparseError> {
-        self.0 += other.0;
-        Ok(())
-    }
-}
-
-#[test]
-fn the_number_of_lanes_follows_from_the_size_of_a_sum_alone() {
-    let lanes = |size, threads| {
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut started = Vec::new();
-        pool.install(|| {
-            drop(Lanes::new(size, |lane| {
-                started.push(lane);
-                Count(0)
-            }));
-        });
-        started
-    };
-
-    for size in [0, 1, 1 << 20, 50 << 20, 1 << 30, usize::MAX] {
-        let one_thread = lanes(size, 1);
-        assert_eq!(one_thread, lanes(size, 3));
-        let count = one_thread.len();
-        assert!(count == 1 || count * size <= 128 << 20, "{count} sums of {size} bytes");
-    }
-    assert!(lanes(1 << 20, 1).len() > 4, "small sums leave work for many cores");
-    assert_eq!(lanes(1 << 30, 1).len(), 1, "large ones would not fit twice");
-}
-
-#[test]
-fn lanes_add_each_block_once() {
-    let random = RandomDesign::fixed();
-    for blocks in [0, 1, 63, 64, 65, 200] {
-        let mut lanes = Lanes::new(1, |_| Count(0));
-
-        (0..blocks).for_each(|seed| lanes.push(samples(&random, seed, 1)).unwrap());
-
-        assert_eq!(lanes.finish().unwrap().0, usize::try_from(blocks).unwrap());
-    }
 }
 
 #[test]

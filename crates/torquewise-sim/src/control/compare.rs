@@ -1,11 +1,11 @@
 //! From plant, knowledge, laws to trackings: the same gains, the same motion, another law each.
 
 use crate::control::controller::{Controller, Law};
-use crate::control::error::ControlError;
 use crate::control::gains::Gains;
 use crate::control::knowledge::Knowledge;
 use crate::control::plant::Plant;
 use crate::control::track::{Tracking, lead, track};
+use crate::error::SimError;
 use torquewise_motion::Motion;
 
 /// Lets each law drive the plant along the same desired motion with the same gains, each on a
@@ -21,7 +21,7 @@ pub fn compare(
     laws: &[Law],
     gains: &Gains,
     wanted: &Motion,
-) -> Result<Vec<Tracking>, ControlError> {
+) -> Result<Vec<Tracking>, SimError> {
     plant.check()?;
     let run = |law: Law| {
         let controller = Controller::new(law, known, gains, wanted)?;

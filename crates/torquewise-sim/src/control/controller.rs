@@ -1,11 +1,12 @@
 //! From desired and measured motion to torque command: PID, controllers 1 and 2, two beyond the
 //! paper.
 
-use crate::control::error::{ControlError, check_between, check_joints};
 use crate::control::gains::Gains;
 use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::Slopes;
-use crate::control::rows::{Target, period};
+use crate::control::period::period;
+use crate::error::{SimError, check_between, check_joints};
+use crate::state::State;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
 
@@ -63,14 +64,14 @@ impl<'a> Controller<'a> {
     /// velocities are plain differences.
     ///
     /// # Errors
-    /// [`ControlError::JointCount`] or [`ControlError::Setting`] if these do not belong together;
-    /// [`ControlError::Uneven`] or [`ControlError::TooShort`] for a motion without a rate.
+    /// [`SimError::JointCount`] or [`SimError::Setting`] if these do not belong together;
+    /// [`SimError::Uneven`] or [`SimError::TooShort`] for a motion without a rate.
     pub fn new(
         law: Law,
         known: &'a dyn Knowledge,
         gains: &Gains,
         wanted: &Motion,
-    ) -> Result<Self, ControlError> {
+    ) -> Result<Self, SimError> {
         let n = known.n_joints();
         gains.check(n)?;
         check_joints("the desired motion", wanted.n_joints(), n)?;
@@ -91,8 +92,8 @@ impl<'a> Controller<'a> {
     /// integral does not grow any further.
     ///
     /// # Errors
-    /// [`ControlError::JointCount`] or [`ControlError::Setting`].
-    pub fn with_limit(mut self, limit: &[f64]) -> Result<Self, ControlError> {
+    /// [`SimError::JointCount`] or [`SimError::Setting`].
+    pub fn with_limit(mut self, limit: &[f64]) -> Result<Self, SimError> {
         check_joints("the limit of the torque", limit.len(), self.limit.len())?;
         for &limit in limit {
             let above = [f64::MIN_POSITIVE, f64::INFINITY];
@@ -105,8 +106,8 @@ impl<'a> Controller<'a> {
     /// The same with velocities below a cut-off \[Hz\].
     ///
     /// # Errors
-    /// [`ControlError::Setting`].
-    pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self, ControlError> {
+    /// [`SimError::Setting`].
+    pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self, SimError> {
         let above = [f64::MIN_POSITIVE, f64::INFINITY];
         check_between("the cut-off of the velocity [Hz]", cutoff, above, "above 0")?;
         self.cutoff = cutoff;
@@ -136,9 +137,9 @@ impl<'a> Controller<'a> {
     /// Torque command \[N·m\], n, at a tick where the encoders say `measured` \[rad\], n.
     pub(crate) fn command(
         &mut self,
-        wanted: &Target,
+        wanted: &State,
         measured: &[f64],
-    ) -> Result<Vec<f64>, ControlError> {
+    ) -> Result<Vec<f64>, SimError> {
         if self.law == Law::HandGuiding {
             let still = vec![0.0; measured.len()];
             return Ok(self.within(self.known.rigid(measured, &still, &still)?));
@@ -170,10 +171,10 @@ impl<'a> Controller<'a> {
 
     fn unlimited(
         &self,
-        wanted: &Target,
+        wanted: &State,
         [q, dq]: [&[f64]; 2],
         [error, rate]: [&[f64]; 2],
-    ) -> Result<Vec<f64>, ControlError> {
+    ) -> Result<Vec<f64>, SimError> {
         if self.law == Law::ComputedTorque {
             let w = self.gains.bandwidth;
             let asked = (0..error.len()).map(|i| {
@@ -187,7 +188,7 @@ impl<'a> Controller<'a> {
         let feedback = (0..error.len()).map(|i| {
             proportional[i] * error[i] + integral[i] * self.integral[i] + derivative[i] * rate[i]
         });
-        let Target { q, dq, ddq } = wanted;
+        let State { q, dq, ddq } = wanted;
         let forward = match self.law {
             Law::Controller1 => self.known.slow(&self.path, dq)?,
             Law::Controller2 => {

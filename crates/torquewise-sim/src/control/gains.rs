@@ -1,9 +1,9 @@
 //! From bandwidth, inertia to Gains: one rule, so that controllers are compared and not their
 //! tuning.
 
-use crate::control::error::{ControlError, check_between, check_joints};
 use crate::control::knowledge::Knowledge;
-use crate::control::rows::Target;
+use crate::error::{SimError, check_between, check_joints};
+use crate::state::State;
 use torquewise_motion::Motion;
 
 /// Gains of a PID controller for each joint.
@@ -39,8 +39,8 @@ impl Gains {
     /// Whether they are for n joints and can be.
     ///
     /// # Errors
-    /// [`ControlError::JointCount`] or [`ControlError::Setting`].
-    pub fn check(&self, n_joints: usize) -> Result<(), ControlError> {
+    /// [`SimError::JointCount`] or [`SimError::Setting`].
+    pub fn check(&self, n_joints: usize) -> Result<(), SimError> {
         check_between("the bandwidth [rad/s]", self.bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
         for gains in [&self.proportional, &self.integral, &self.derivative] {
             check_joints("the gains", gains.len(), n_joints)?;
@@ -59,17 +59,17 @@ const STATES: usize = 200;
 /// Mean of M̂ᵢᵢ(q) over the desired motion \[kg·m²\], n.
 ///
 /// # Errors
-/// That of the knowledge; [`ControlError::JointCount`] if the motion is of another arm.
+/// That of the knowledge; [`SimError::JointCount`] if the motion is of another arm.
 pub fn mean_inertia(
     known: &(impl Knowledge + ?Sized),
     wanted: &Motion,
-) -> Result<Vec<f64>, ControlError> {
+) -> Result<Vec<f64>, SimError> {
     let n = known.n_joints();
     check_joints("the desired motion", wanted.n_joints(), n)?;
     let every = wanted.n_rows().div_ceil(STATES).max(1);
     let (mut mean, mut count) = (vec![0.0; n], 0.0);
     for row in (0..wanted.n_rows()).step_by(every) {
-        for (mean, inertia) in mean.iter_mut().zip(known.inertia(&Target::of(wanted, row).q)?) {
+        for (mean, inertia) in mean.iter_mut().zip(known.inertia(&State::of(wanted, row).q)?) {
             *mean += inertia;
         }
         count += 1.0;

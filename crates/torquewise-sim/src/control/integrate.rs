@@ -1,6 +1,6 @@
 //! From slope, state to state some time later: Dormand and Prince's method with error control.
 
-use crate::control::error::ControlError;
+use crate::error::SimError;
 
 /// Where the stages of a step are: x + h Σ Aᵢⱼ kⱼ. The last row is the solution of order 5.
 const A: [&[f64]; 6] = [
@@ -49,15 +49,15 @@ impl Integrator {
     /// Follows x' = slope(x) for some seconds; `t` is where that is, for the error alone.
     ///
     /// # Errors
-    /// That of the slope; [`ControlError::Diverged`] if no step is small enough.
+    /// That of the slope; [`SimError::Diverged`] if no step is small enough.
     ///
     /// Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980), 19–26.
     pub(crate) fn advance(
         &mut self,
         x: &mut [f64],
         [t, seconds]: [f64; 2],
-        mut slope: impl FnMut(&[f64], &mut [f64]) -> Result<(), ControlError>,
-    ) -> Result<(), ControlError> {
+        mut slope: impl FnMut(&[f64], &mut [f64]) -> Result<(), SimError>,
+    ) -> Result<(), SimError> {
         let (mut left, mut steps) = (seconds, 0);
         slope(x, &mut self.slopes[0])?;
         while left > 0.0 {
@@ -80,7 +80,7 @@ impl Integrator {
             self.step = if cut { self.step.max(h * factor) } else { h * factor };
             steps += 1;
             if steps > MOST_STEPS || self.step < 1e-14 {
-                return Err(ControlError::Diverged { t: t + seconds - left });
+                return Err(SimError::Diverged { t: t + seconds - left });
             }
         }
         Ok(())
@@ -91,8 +91,8 @@ impl Integrator {
         &mut self,
         x: &[f64],
         h: f64,
-        slope: &mut impl FnMut(&[f64], &mut [f64]) -> Result<(), ControlError>,
-    ) -> Result<(), ControlError> {
+        slope: &mut impl FnMut(&[f64], &mut [f64]) -> Result<(), SimError>,
+    ) -> Result<(), SimError> {
         for (stage, weights) in A.iter().enumerate() {
             for (i, (trial, x)) in self.trial.iter_mut().zip(x).enumerate() {
                 let sum: f64 = weights.iter().zip(&self.slopes).map(|(a, k)| a * k[i]).sum();
@@ -174,6 +174,6 @@ mod tests {
             Ok(())
         });
 
-        assert!(matches!(found, Err(ControlError::Diverged { t }) if (t - 1.0).abs() < 1e-3));
+        assert!(matches!(found, Err(SimError::Diverged { t }) if (t - 1.0).abs() < 1e-3));
     }
 }

@@ -1,7 +1,7 @@
 //! From model to Knowledge: what a controller may ask about the arm before it.
 
-use crate::control::error::ControlError;
 use crate::control::plant::Plant;
+use crate::error::SimError;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::path::Path;
 
@@ -13,8 +13,8 @@ pub trait Knowledge: Sync {
     /// M̂(q) q̈ + Ĉ(q, q̇) q̇ + Ĝ(q) \[N·m\], n.
     ///
     /// # Errors
-    /// [`ControlError`] for slices of another length.
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// [`SimError`] for slices of another length.
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError>;
 
     /// The way of a motion before its first sample, with all that friction remembers of it.
     fn path(&self) -> Path;
@@ -22,21 +22,21 @@ pub trait Knowledge: Sync {
     /// F̂ \[N·m\], n, at the end of a way and at q̇; zeros where no friction is known.
     ///
     /// # Errors
-    /// [`ControlError`] for a slice of another length.
-    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// [`SimError`] for a slice of another length.
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError>;
 
     /// Ĝ(q) and the friction of slow motion at the end of a way and at q̇ \[N·m\], n: what is known
     /// after step 1.
     ///
     /// # Errors
-    /// [`ControlError`] for a slice of another length.
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// [`SimError`] for a slice of another length.
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError>;
 
     /// M̂ᵢᵢ(q) \[kg·m²\], n.
     ///
     /// # Errors
-    /// [`ControlError`] for a slice of another length.
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError>;
+    /// [`SimError`] for a slice of another length.
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError>;
 }
 
 /// A reconstructed model made ready for control.
@@ -56,8 +56,8 @@ impl Learned {
     /// after the first of its steps. A model that was found in one step has its gravity instead.
     ///
     /// # Errors
-    /// [`ControlError::Model`] if its steps cannot be told apart.
-    pub fn new(model: &Model) -> Result<Self, ControlError> {
+    /// [`SimError::Model`] if its steps cannot be told apart.
+    pub fn new(model: &Model) -> Result<Self, SimError> {
         let first = if model.stages.is_empty() { model.clone() } else { model.after_step(1)? };
         // Slow motion knows friction at low speed only.
         let first = Model { friction: model.friction.clone(), ..first };
@@ -77,7 +77,7 @@ impl Knowledge for Learned {
         self.n_joints
     }
 
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
         let whole = self.whole.at(q, dq, ddq)?;
         Ok(sum(whole, -1.0, &self.whole.friction(q, dq)?))
     }
@@ -86,16 +86,16 @@ impl Knowledge for Learned {
         self.whole.path()
     }
 
-    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
         Ok(self.whole.friction_after(path, dq)?)
     }
 
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
         let gravity = self.first_step.gravity(path.q())?;
         Ok(sum(gravity, 1.0, &self.first_step.friction_after(path, dq)?))
     }
 
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
         let mass = self.whole.mass_matrix(q)?;
         Ok((0..self.n_joints).map(|joint| mass[(joint, joint)]).collect())
     }
@@ -107,7 +107,7 @@ impl Knowledge for Plant {
         self.arm.n_joints()
     }
 
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
         Ok(self.arm.inverse_dynamics(q, dq, ddq))
     }
 
@@ -115,15 +115,15 @@ impl Knowledge for Plant {
         Path::new(self.arm.n_joints(), &[])
     }
 
-    fn friction(&self, _path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn friction(&self, _path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
         Ok(self.friction.torques(dq))
     }
 
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
         Ok(sum(self.arm.gravity_torque(path.q()), 1.0, &self.friction.torques(dq)))
     }
 
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
         let mass = self.arm.mass_matrix(q);
         Ok((0..self.arm.n_joints()).map(|joint| mass[(joint, joint)]).collect())
     }

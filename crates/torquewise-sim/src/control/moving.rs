@@ -1,11 +1,11 @@
-//! From plant, commands to motion: the arm between two ticks of its controller.
+//! The arm between two ticks of its controller.
 
-use crate::control::error::ControlError;
 use crate::control::integrate::Integrator;
 use crate::control::plant::Plant;
+use crate::error::SimError;
+use crate::random::normal;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
@@ -27,7 +27,7 @@ pub(crate) struct Moving<'a> {
 
 impl<'a> Moving<'a> {
     /// A plant at q \[rad\] and dq \[rad/s\], n each.
-    pub(crate) fn new(plant: &'a Plant, q: &[f64], dq: &[f64]) -> Result<Self, ControlError> {
+    pub(crate) fn new(plant: &'a Plant, q: &[f64], dq: &[f64]) -> Result<Self, SimError> {
         plant.check()?;
         let state = plant.state(q, dq);
         Ok(Self {
@@ -77,7 +77,7 @@ impl<'a> Moving<'a> {
         command: Vec<f64>,
         external: &[f64],
         period: f64,
-    ) -> Result<Vec<f64>, ControlError> {
+    ) -> Result<Vec<f64>, SimError> {
         let delay = self.plant.drive.delay;
         let whole = (delay / period + 1e-9).floor();
         let late = (delay - whole * period).max(0.0);
@@ -114,30 +114,20 @@ impl<'a> Moving<'a> {
             .collect()
     }
 
-    fn move_under(
-        &mut self,
-        tau: &[f64],
-        external: &[f64],
-        seconds: f64,
-    ) -> Result<(), ControlError> {
+    fn move_under(&mut self, tau: &[f64], external: &[f64], seconds: f64) -> Result<(), SimError> {
         let total: Vec<f64> = tau.iter().zip(external).map(|(tau, more)| tau + more).collect();
         let times = [self.t, seconds];
         self.plant.follow(&mut self.integrator, &mut self.state, times, &total)?;
         self.t += seconds;
         if self.dq().iter().any(|dq| dq.abs() > FASTEST) {
-            return Err(ControlError::Diverged { t: self.t });
+            return Err(SimError::Diverged { t: self.t });
         }
         Ok(())
     }
 }
 
 fn noise(random: &mut ChaCha8Rng, level: f64) -> f64 {
-    if level > 0.0 {
-        let unit: f64 = StandardNormal.sample(random);
-        level * unit
-    } else {
-        0.0
-    }
+    if level > 0.0 { level * normal(random) } else { 0.0 }
 }
 
 /// Values at even times → their slopes: differences through a first-order low-pass.

@@ -1,7 +1,7 @@
 //! From arm, friction, drives, encoders to Plant: what a controller has before it.
 
-use crate::control::error::{ControlError, check_between, check_joints};
 use crate::control::integrate::Integrator;
+use crate::error::{SimError, check_between, check_joints};
 use crate::{Arm, Friction};
 
 /// An arm as it is met: τ + τ_external = M(q) q̈ + C(q, q̇) q̇ + G(q) + F(q̇), method.md (1) (17).
@@ -73,8 +73,8 @@ impl Plant {
     /// Whether all parts are of one arm, and every number can be.
     ///
     /// # Errors
-    /// [`ControlError::JointCount`] or [`ControlError::Setting`], naming what is at fault.
-    pub fn check(&self) -> Result<(), ControlError> {
+    /// [`SimError::JointCount`] or [`SimError::Setting`], naming what is at fault.
+    pub fn check(&self) -> Result<(), SimError> {
         let n = self.arm.n_joints();
         check_joints("friction", self.friction.n_joints(), n)?;
         check_joints("the limit of the torque", self.drive.limit.len(), n)?;
@@ -114,33 +114,28 @@ impl Plant {
     /// - returns: q̈ \[rad/s²\], n
     ///
     /// # Errors
-    /// [`ControlError::Dynamics`] if a joint moves nothing that has mass.
+    /// [`SimError`] if a joint moves nothing that has mass.
     ///
     /// # Panics
     /// If `dq` does not hold n numbers.
-    pub fn acceleration(
-        &self,
-        q: &[f64],
-        dq: &[f64],
-        tau: &[f64],
-    ) -> Result<Vec<f64>, ControlError> {
+    pub fn acceleration(&self, q: &[f64], dq: &[f64], tau: &[f64]) -> Result<Vec<f64>, SimError> {
         let rubs = self.friction.torques(dq);
         let left: Vec<f64> = tau.iter().zip(rubs).map(|(tau, rubs)| tau - rubs).collect();
-        Ok(self.arm.forward_dynamics(q, dq, &left)?)
+        self.arm.forward_dynamics(q, dq, &left)
     }
 
     /// Lets a steady torque act for some seconds: q \[rad\] and dq \[rad/s\], n each, become what
     /// they are then. Limits, delay and sensors have no part in it; bristles are not bent at first.
     ///
     /// # Errors
-    /// [`ControlError::JointCount`]; [`ControlError::Dynamics`] as [`Plant::acceleration`];
-    /// [`ControlError::Diverged`] if the motion cannot be followed.
+    /// [`SimError::JointCount`]; [`SimError`] as [`Plant::acceleration`];
+    /// [`SimError::Diverged`] if the motion cannot be followed.
     pub fn advance(
         &self,
         [q, dq]: [&mut [f64]; 2],
         tau: &[f64],
         seconds: f64,
-    ) -> Result<(), ControlError> {
+    ) -> Result<(), SimError> {
         self.check()?;
         let n = self.arm.n_joints();
         for (what, found) in [("q", q.len()), ("dq", dq.len()), ("tau", tau.len())] {
@@ -169,7 +164,7 @@ impl Plant {
         state: &mut [f64],
         times: [f64; 2],
         tau: &[f64],
-    ) -> Result<(), ControlError> {
+    ) -> Result<(), SimError> {
         integrator.advance(state, times, |x, dx| {
             if x.iter().any(|x| !x.is_finite()) {
                 // The integrator takes a shorter step.

@@ -1,11 +1,12 @@
 //! From plant, desired motion to Recorded: a log as an arm in velocity mode gives it.
 
-use crate::control::error::{ControlError, check_between, check_joints};
 use crate::control::gains::mean_inertia;
 use crate::control::knowledge::sum;
 use crate::control::moving::{Moving, Slopes};
+use crate::control::period::period;
 use crate::control::plant::Plant;
-use crate::control::rows::{Target, period};
+use crate::error::{SimError, check_between, check_joints};
+use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
 
@@ -32,14 +33,14 @@ pub struct Recorded {
 /// - `bandwidth`: ω \[rad/s\]
 ///
 /// # Errors
-/// [`ControlError::JointCount`], [`ControlError::Setting`] or [`ControlError::Uneven`] if these do
-/// not belong together; [`ControlError::Diverged`] for a loop that is unstable.
-pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Recorded, ControlError> {
+/// [`SimError::JointCount`], [`SimError::Setting`] or [`SimError::Uneven`] if these do
+/// not belong together; [`SimError::Diverged`] for a loop that is unstable.
+pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Recorded, SimError> {
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
     check_between("the bandwidth [rad/s]", bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
     let (period, inertia) = (period(wanted)?, mean_inertia(plant, wanted)?);
-    let first = Target::of(wanted, 0);
+    let first = State::of(wanted, 0);
     let mut moving = Moving::new(plant, &first.q, &first.dq)?;
     let mut slopes = Slopes::new(period, plant.sensors.cutoff, &first.dq);
     let mut integral = vec![0.0; n];
@@ -48,7 +49,7 @@ pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Recorded
     for row in 0..m {
         let measured = moving.measured();
         let v = slopes.next(&measured);
-        let missing = sum(Target::of(wanted, row).dq, -1.0, v);
+        let missing = sum(State::of(wanted, row).dq, -1.0, v);
         let command: Vec<f64> = (0..n)
             .map(|i| {
                 let limit = plant.drive.limit[i];

@@ -1,7 +1,7 @@
 //! From arm, period, seed to desired motion: smooth, periodic, at rest between its periods.
 
 use crate::Arm;
-use crate::control::error::{ControlError, check_between};
+use crate::error::{SimError, check_between};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -46,8 +46,8 @@ const MOST_ROWS: f64 = 5e6;
 /// - returns: q, q̇ and q̈ at each tick, `seconds`·`rate` + 1 rows
 ///
 /// # Errors
-/// [`ControlError::Setting`] for a number out of bounds.
-pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion, ControlError> {
+/// [`SimError::Setting`] for a number out of bounds.
+pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion, SimError> {
     let most = MOST_ROWS / plan.rate.max(1.0);
     check_between("the control rate [Hz]", plan.rate, [10.0, 1e5], "from 10 to 100000")?;
     let expected = "above 0 and at most 5000000 control periods";
@@ -180,7 +180,7 @@ mod tests {
         ];
 
         for plan in plans {
-            assert!(matches!(periodic(&arm, &plan), Err(ControlError::Setting { .. })));
+            assert!(matches!(periodic(&arm, &plan), Err(SimError::Setting { .. })));
         }
     }
 }

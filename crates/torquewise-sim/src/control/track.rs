@@ -1,11 +1,11 @@
 //! From plant, controller, desired motion to Tracking: the closed loop at a fixed rate.
 
 use crate::control::controller::Controller;
-use crate::control::error::{ControlError, check_joints};
 use crate::control::gains::Gains;
 use crate::control::moving::Moving;
 use crate::control::plant::Plant;
-use crate::control::rows::Target;
+use crate::error::{SimError, check_joints};
+use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
 
@@ -31,13 +31,13 @@ pub struct Tracking {
 /// Drives the plant along a desired motion, from its first state on.
 ///
 /// # Errors
-/// [`ControlError::JointCount`] if they are of different arms; [`ControlError::Diverged`] for a
+/// [`SimError::JointCount`] if they are of different arms; [`SimError::Diverged`] for a
 /// loop that is unstable.
 pub fn track(
     plant: &Plant,
     controller: &mut Controller<'_>,
     wanted: &Motion,
-) -> Result<Tracking, ControlError> {
+) -> Result<Tracking, SimError> {
     run(plant, controller, wanted, None)
 }
 
@@ -50,7 +50,7 @@ pub fn lead(
     plant: &Plant,
     controller: &mut Controller<'_>,
     wanted: &Motion,
-) -> Result<Tracking, ControlError> {
+) -> Result<Tracking, SimError> {
     let hand = controller.gains().clone();
     run(plant, controller, wanted, Some(&hand))
 }
@@ -60,16 +60,16 @@ fn run(
     controller: &mut Controller<'_>,
     wanted: &Motion,
     hand: Option<&Gains>,
-) -> Result<Tracking, ControlError> {
+) -> Result<Tracking, SimError> {
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
     check_joints("the controller", controller.n_joints(), n)?;
-    let first = Target::of(wanted, 0);
+    let first = State::of(wanted, 0);
     let mut moving = Moving::new(plant, &first.q, &first.dq)?;
     let [mut q, mut dq, mut error, mut tau, mut led] = std::array::from_fn(|_| Mat::zeros(m, n));
     let mut saturated = vec![0.0; n];
     for row in 0..m {
-        let target = Target::of(wanted, row);
+        let target = State::of(wanted, row);
         let measured = moving.measured();
         let command = controller.command(&target, &measured)?;
         let pull: Vec<f64> = (0..n)

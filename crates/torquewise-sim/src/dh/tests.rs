@@ -2,7 +2,7 @@
 #![expect(clippy::float_cmp, reason = "defaults and quarters are exact")]
 
 use crate::arm::Arm;
-use crate::error::DynamicsError;
+use crate::error::SimError;
 
 /// A good one-joint table, with one line replaced.
 fn table(replaced: &str, by: &str) -> String {
@@ -68,7 +68,7 @@ fn a_broken_table_is_refused() {
 
     for text in broken {
         let error = Arm::from_dh_toml(&text).unwrap_err();
-        assert!(matches!(error, DynamicsError::DhTable { .. }), "{text}\n{error:?}");
+        assert!(matches!(error, SimError::DhTable { .. }), "{text}\n{error:?}");
     }
 }
 
@@ -83,14 +83,14 @@ fn numbers_that_no_arm_can_have_are_refused() {
     let range = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\nrange = [1.0, -1.0]")).unwrap_err();
     let gravity = Arm::from_dh_toml(&format!("gravity = [0.0, nan, 0.0]\n{}", table("", "")));
 
-    assert!(matches!(mass, DynamicsError::Mass { mass: -2.0, .. }), "{mass}");
-    assert!(matches!(nan, DynamicsError::Mass { .. }), "{nan}");
-    assert!(matches!(inertia, DynamicsError::Inertia { .. }), "{inertia}");
-    assert!(matches!(rotor, DynamicsError::Inertia { .. }), "{rotor}");
-    assert!(matches!(shift, DynamicsError::NotFinite { .. }), "{shift}");
-    assert!(matches!(angle, DynamicsError::NotFinite { .. }), "{angle}");
-    assert!(matches!(range, DynamicsError::Range { lower: 1.0, upper: -1.0, .. }), "{range}");
-    assert!(matches!(gravity, Err(DynamicsError::NotFinite { what: "gravity", .. })));
+    assert!(matches!(mass, SimError::Mass { mass: -2.0, .. }), "{mass}");
+    assert!(matches!(nan, SimError::Mass { .. }), "{nan}");
+    assert!(matches!(inertia, SimError::Inertia { .. }), "{inertia}");
+    assert!(matches!(rotor, SimError::Inertia { .. }), "{rotor}");
+    assert!(matches!(shift, SimError::NotFinite { .. }), "{shift}");
+    assert!(matches!(angle, SimError::NotFinite { .. }), "{angle}");
+    assert!(matches!(range, SimError::Range { lower: 1.0, upper: -1.0, .. }), "{range}");
+    assert!(matches!(gravity, Err(SimError::NotFinite { what: "gravity", .. })));
 }
 
 #[test]
@@ -100,6 +100,6 @@ fn an_arm_needs_joints_with_names_of_their_own() {
     let none = Arm::from_dh_toml("name = \"none\"\njoints = []").unwrap_err();
     let twice = Arm::from_dh_toml(&twice).unwrap_err();
 
-    assert!(matches!(none, DynamicsError::NoJoints));
-    assert!(matches!(twice, DynamicsError::DuplicateName { kind: "joint", .. }), "{twice}");
+    assert!(matches!(none, SimError::NoJoints));
+    assert!(matches!(twice, SimError::DuplicateName { kind: "joint", .. }), "{twice}");
 }

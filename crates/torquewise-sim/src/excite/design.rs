@@ -1,13 +1,13 @@
 //! From library, limits to parts of a recording: those that tell most about the coefficients.
 
-use crate::excite::error::ExciteError;
+use crate::error::SimError;
 use crate::excite::information::Information;
 use crate::excite::library::Library;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, Sweep};
 use crate::excite::path::seconds_of;
-use crate::excite::random::between;
 use crate::excite::sines::Sines;
+use crate::random::between;
 use faer::Mat;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -78,7 +78,7 @@ impl Task<'_> {
         known: &[Mat<f64>],
         rng: &mut ChaCha8Rng,
         progress: &mut dyn FnMut(f64),
-    ) -> Result<Vec<Part>, ExciteError> {
+    ) -> Result<Vec<Part>, SimError> {
         let n = self.limits.len() as f64;
         let mut information =
             Information::new(self.library.n_columns(), RIDGE * n * self.seconds, known);
@@ -106,7 +106,7 @@ impl Task<'_> {
         information: &Information,
         chosen: &[Chosen],
         rng: &mut ChaCha8Rng,
-    ) -> Result<Option<Chosen>, ExciteError> {
+    ) -> Result<Option<Chosen>, SimError> {
         let before = self.seconds_with(chosen, None);
         let kind = self.kind(chosen.len(), before);
         let mut drawn = Vec::new();
@@ -131,7 +131,7 @@ impl Task<'_> {
         chosen: &mut [Chosen],
         place: usize,
         rng: &mut ChaCha8Rng,
-    ) -> Result<(), ExciteError> {
+    ) -> Result<(), SimError> {
         let old = chosen[place].clone();
         let kind = old.part.kind().unwrap_or(Sweep::Together);
         let mut drawn = Vec::new();
@@ -159,7 +159,7 @@ impl Task<'_> {
         &self,
         information: &Information,
         drawn: Vec<(Part, f64)>,
-    ) -> Result<Option<(Chosen, f64)>, ExciteError> {
+    ) -> Result<Option<(Chosen, f64)>, SimError> {
         // Each is judged in one thread and the best is looked for in order: same bits. Columns are
         // made twice for the best, so that those of all need not be kept.
         let worths = drawn.par_iter().map(|(part, cost)| {
@@ -167,7 +167,7 @@ impl Task<'_> {
             // What is not a number is worth nothing.
             Ok((information.gain(rows.as_ref()) / cost).max(f64::NEG_INFINITY))
         });
-        let worths: Vec<f64> = worths.collect::<Result<_, ExciteError>>()?;
+        let worths: Vec<f64> = worths.collect::<Result<_, SimError>>()?;
         let judged = drawn.into_iter().zip(worths);
         let best = judged.reduce(|best, next| if next.1 > best.1 { next } else { best });
         let Some(((part, _), worth)) = best else { return Ok(None) };

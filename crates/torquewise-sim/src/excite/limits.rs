@@ -1,9 +1,8 @@
 //! From arm, wishes to limits: what each joint may do, and what the plan keeps to.
 
 use crate::Arm;
-use crate::excite::error::ExciteError;
+use crate::error::{SimError, check_between};
 use std::f64::consts::PI;
-use std::ops::RangeInclusive;
 
 /// What a joint may do at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,11 +68,7 @@ const SENSIBLE: [f64; 2] = [1e-4, 1e4];
 
 impl<T: Copy> PerJoint<T> {
     /// The value of each joint, n; `None` where there is none.
-    fn resolve(
-        &self,
-        what: &'static str,
-        joints: &[String],
-    ) -> Result<Vec<Option<T>>, ExciteError> {
+    fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>, SimError> {
         let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
         let (n, found) = (joints.len(), self.0.len());
         if named == 0 {
@@ -81,18 +76,18 @@ impl<T: Copy> PerJoint<T> {
                 0 => Ok(vec![None; n]),
                 1 => Ok(vec![Some(self.0[0].1); n]),
                 _ if found == n => Ok(self.0.iter().map(|(_, value)| Some(*value)).collect()),
-                _ => Err(ExciteError::Count { what, found, joints: n }),
+                _ => Err(SimError::Count { what, found, joints: n }),
             };
         }
         if named < found {
-            return Err(ExciteError::Mixed { what });
+            return Err(SimError::Mixed { what });
         }
         let mut values = vec![None; n];
         for (name, value) in &self.0 {
             let name = name.clone().unwrap_or_default();
             let Some(place) = joints.iter().position(|joint| *joint == name) else {
                 let known = joints.join(", ");
-                return Err(ExciteError::UnknownJoint { what, joint: name, known });
+                return Err(SimError::UnknownJoint { what, joint: name, known });
             };
             values[place] = Some(*value);
         }
@@ -107,11 +102,11 @@ impl<T: Copy> PerJoint<T> {
 /// Without an acceleration, the planned speed is reached in half a second.
 ///
 /// # Errors
-/// [`ExciteError`], naming the joint and the number at fault.
-pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>, ExciteError> {
+/// [`SimError`], naming the joint and the number at fault.
+pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>, SimError> {
     let joints = arm.joints();
-    check_share("speed scale", wishes.speed_scale, 0.01..=1.0, "from 0.01 to 1")?;
-    check_share("margin", wishes.margin, 0.0..=0.45, "from 0 to 0.45")?;
+    check_between("speed scale", wishes.speed_scale, [0.01, 1.0], "from 0.01 to 1")?;
+    check_between("margin", wishes.margin, [0.0, 0.45], "from 0 to 0.45")?;
     let ranges = wishes.range.resolve("a range", joints)?;
     let velocities = wishes.velocity.resolve("a velocity", joints)?;
     let accelerations = wishes.acceleration.resolve("an acceleration", joints)?;
@@ -157,7 +152,7 @@ fn planned_range(
     asked: Option<[f64; 2]>,
     inner: Option<[f64; 2]>,
     turn: [f64; 2],
-) -> Result<[f64; 2], ExciteError> {
+) -> Result<[f64; 2], SimError> {
     let [lower, upper] = match (asked, inner) {
         (Some([a, b]), Some([lower, upper])) => [a.max(lower), b.min(upper)],
         (Some(range), None) => range,
@@ -170,7 +165,7 @@ fn planned_range(
         Ok([lower, upper])
     } else {
         let [lower, upper] = asked.unwrap_or([lower, upper]);
-        Err(ExciteError::Range { joint: joint.to_owned(), lower, upper })
+        Err(SimError::Range { joint: joint.to_owned(), lower, upper })
     }
 }
 
@@ -179,25 +174,12 @@ fn inset([lower, upper]: [f64; 2], margin: f64) -> [f64; 2] {
     [lower + distance, upper - distance]
 }
 
-fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<(), ExciteError> {
+fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<(), SimError> {
     if (SENSIBLE[0]..=SENSIBLE[1]).contains(&found) {
         return Ok(());
     }
     let expected = "from 0.0001 to 10000";
-    Err(ExciteError::Limit { what, joint: joint.to_owned(), found, expected })
-}
-
-fn check_share(
-    setting: &'static str,
-    found: f64,
-    range: RangeInclusive<f64>,
-    expected: &'static str,
-) -> Result<(), ExciteError> {
-    if range.contains(&found) {
-        Ok(())
-    } else {
-        Err(ExciteError::Setting { setting, found, expected })
-    }
+    Err(SimError::Limit { what, joint: joint.to_owned(), found, expected })
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! From limits, random numbers to parts: what informs, each at rest in one pose at both ends.
 
 use crate::excite::limits::Bounds;
-use crate::excite::random::{between, direction, log_between, normal};
 use crate::excite::segment::{Segment, ramp_seconds};
 use crate::excite::sines::Sines;
-use crate::excite::state::State;
+use crate::random::{between, direction, log_between, normal};
+use crate::state::State;
 use faer::Mat;
 use rand_chacha::ChaCha8Rng;
 

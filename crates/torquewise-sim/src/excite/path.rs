@@ -3,7 +3,7 @@
 use crate::excite::limits::Bounds;
 use crate::excite::part::Part;
 use crate::excite::segment::{Segment, glide, glide_seconds};
-use crate::excite::state::State;
+use crate::state::State;
 
 /// A whole recording from home to home.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! From limits to three recordings: what a model can be reconstructed from, on one page.
 
+use crate::error::{SimError, check_between};
 use crate::excite::design::{Effort, Recipe, Task};
-use crate::excite::error::ExciteError;
 use crate::excite::information::Criterion;
 use crate::excite::library::{Library, Share};
 use crate::excite::limits::{Bounds, Limits};
@@ -93,12 +93,12 @@ const DENSITY: u8 = 4;
 /// - `progress`: told the share of the work that is done, and what is planned
 ///
 /// # Errors
-/// [`ExciteError`]: a setting out of bounds, or a recording too short for a single part.
+/// [`SimError`]: a setting out of bounds, or a recording too short for a single part.
 pub fn excite(
     limits: &[Limits],
     plan: &Plan,
     progress: &mut dyn FnMut(f64, &'static str),
-) -> Result<Excitation, ExciteError> {
+) -> Result<Excitation, SimError> {
     let home = home(limits, plan)?;
     plan.check()?;
     let joints: Vec<String> = limits.iter().map(|limits| limits.joint.clone()).collect();
@@ -147,7 +147,7 @@ impl Setting<'_> {
         library: &Library,
         effort: Effort,
         progress: &mut dyn FnMut(f64, &'static str),
-    ) -> Result<[Planned; 3], ExciteError> {
+    ) -> Result<[Planned; 3], SimError> {
         let standstill = self.recording(0, &[], library, effort, progress)?;
         let uniform = self.recording(1, &[&standstill], library, effort, progress)?;
         let before = [&standstill, &uniform];
@@ -163,7 +163,7 @@ impl Setting<'_> {
         library: &Library,
         effort: Effort,
         progress: &mut dyn FnMut(f64, &'static str),
-    ) -> Result<Planned, ExciteError> {
+    ) -> Result<Planned, SimError> {
         let Self { plan, joints, bounds, home } = *self;
         let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
         let own = library.share(self.share(stage))?;
@@ -179,7 +179,7 @@ impl Setting<'_> {
         let mut tell = |share: f64| progress((stage as f64 + share) / 3.0, name);
         let parts = task.design(&known, &mut rng, &mut tell)?;
         if parts.is_empty() {
-            return Err(ExciteError::TooShort { recording: name, seconds, piece: PIECES[stage] });
+            return Err(SimError::TooShort { recording: name, seconds, piece: PIECES[stage] });
         }
         Ok(Planned::new(name, joints, plan.rate, home, parts, bounds))
     }
@@ -207,12 +207,12 @@ impl Setting<'_> {
         &self,
         library: &Library,
         recordings: &[Planned; 3],
-    ) -> Result<[Criterion; 3], ExciteError> {
+    ) -> Result<[Criterion; 3], SimError> {
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(Planned::parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
             let rows = library.share(self.share(stage))?.rows_of(parts(), DENSITY)?;
-            Ok::<_, ExciteError>(Criterion::of(stacked(&rows).as_ref(), seconds))
+            Ok::<_, SimError>(Criterion::of(stacked(&rows).as_ref(), seconds))
         };
         let seconds: f64 = recordings.iter().map(Planned::seconds).sum();
         let least = GRID.max(3 * library.n_columns() / self.bounds.len());
@@ -257,10 +257,10 @@ fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
 }
 
 /// The pose at both ends: as asked, else zero, else the middle of the range.
-fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>, ExciteError> {
+fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>, SimError> {
     let n = limits.len();
     if let Some(home) = plan.home.as_ref().filter(|home| home.len() != n) {
-        return Err(ExciteError::Count { what: "home", found: home.len(), joints: n });
+        return Err(SimError::Count { what: "home", found: home.len(), joints: n });
     }
     let of_joint = |(joint, limits): (usize, &Limits)| {
         let [lower, upper] = limits.planned.position;
@@ -269,14 +269,14 @@ fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>, ExciteError> {
         if (lower..=upper).contains(&home) {
             return Ok(home);
         }
-        Err(ExciteError::Home { joint: limits.joint.clone(), home, lower, upper })
+        Err(SimError::Home { joint: limits.joint.clone(), home, lower, upper })
     };
     limits.iter().enumerate().map(of_joint).collect()
 }
 
 impl Plan {
     /// Refuses numbers of which no plan can be made, or only one beyond all memory and patience.
-    fn check(&self) -> Result<(), ExciteError> {
+    fn check(&self) -> Result<(), SimError> {
         let numbers = [
             ("time of `standstill` [s]", self.seconds[0], 1.0, 3_600.0, "from 1 to 3600"),
             ("time of `uniform` [s]", self.seconds[1], 1.0, 3_600.0, "from 1 to 3600"),
@@ -285,19 +285,17 @@ impl Plan {
             ("rate [Hz]", self.rate, 1.0, 10_000.0, "from 1 to 10000"),
             ("number of tries", self.tries as f64, 1.0, 1e5, "from 1 to 100000"),
         ];
-        for (setting, found, least, most, expected) in numbers {
-            if !(least..=most).contains(&found) {
-                return Err(ExciteError::Setting { setting, found, expected });
-            }
+        for (what, found, least, most, expected) in numbers {
+            check_between(what, found, [least, most], expected)?;
         }
         let rows = self.rate * self.seconds.iter().copied().fold(0.0, f64::max);
         if rows > MOST_ROWS {
-            let (setting, expected) = ("number of rows", "seconds times rate up to 2000000");
-            return Err(ExciteError::Setting { setting, found: rows, expected });
+            let (what, expected) = ("number of rows", "seconds times rate up to 2000000");
+            return Err(SimError::Setting { what, found: rows, expected });
         }
         if self.interaction == Some(0) {
-            let (setting, expected) = ("interaction order", "1 or more");
-            return Err(ExciteError::Setting { setting, found: 0.0, expected });
+            let (what, expected) = ("interaction order", "1 or more");
+            return Err(SimError::Setting { what, found: 0.0, expected });
         }
         Ok(())
     }

@@ -1,10 +1,10 @@
 //! From path to recording: rows at a rate, made anew each time they are read, and their peaks.
 
-use crate::excite::error::ExciteError;
+use crate::error::SimError;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::path::Path;
-use crate::excite::state::State;
+use crate::state::State;
 use faer::Mat;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
 
@@ -127,7 +127,7 @@ impl Planned {
     }
 
     /// Peaks, once they are found within the limits.
-    pub(crate) fn checked_peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, ExciteError> {
+    pub(crate) fn checked_peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, SimError> {
         let peaks = self.peaks();
         for ((joint, peak), limits) in self.joints.iter().zip(&peaks).zip(limits) {
             let pairs = [
@@ -139,7 +139,7 @@ impl Planned {
             for (what, found, limit) in pairs {
                 if found > limit + ROUNDINGS * (1.0 + limit.abs()) {
                     let joint = joint.clone();
-                    return Err(ExciteError::Exceeds { what, joint, found, limit });
+                    return Err(SimError::Exceeds { what, joint, found, limit });
                 }
             }
         }
@@ -149,13 +149,13 @@ impl Planned {
     /// All rows at once.
     ///
     /// # Errors
-    /// [`ExciteError::Motion`] if a number overflows.
-    pub fn motion(&self) -> Result<Motion, ExciteError> {
+    /// [`SimError::Motion`] if a number overflows.
+    pub fn motion(&self) -> Result<Motion, SimError> {
         self.rows(0..self.n_rows())
     }
 
     /// The named rows.
-    fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, ExciteError> {
+    fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, SimError> {
         let (m, n) = (rows.len(), self.joints.len());
         let [mut q, mut dq, mut ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
         let mut t = Vec::with_capacity(m);

@@ -1,8 +1,8 @@
 //! Recording → waypoints → YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
 
-use crate::excite::error::ExciteError;
+use crate::error::SimError;
 use crate::excite::recording::Planned;
-use crate::excite::state::State;
+use crate::state::State;
 use torquewise_motion::Recording;
 
 /// A point of a trajectory.
@@ -20,11 +20,11 @@ pub struct Waypoint {
 /// sines are met to h⁶/46080 of their sixth derivative, h the time between two points.
 ///
 /// # Errors
-/// [`ExciteError::Setting`] if `rate` is not from 1 to 1000 Hz.
-pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>, ExciteError> {
+/// [`SimError::Setting`] if `rate` is not from 1 to 1000 Hz.
+pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>, SimError> {
     if !(1.0..=1000.0).contains(&rate) {
-        let (setting, expected) = ("ROS rate [Hz]", "from 1 to 1000");
-        return Err(ExciteError::Setting { setting, found: rate, expected });
+        let (what, expected) = ("ROS rate [Hz]", "from 1 to 1000");
+        return Err(SimError::Setting { what, found: rate, expected });
     }
     let breaks = recording.breaks();
     let mut points: Vec<Waypoint> = Vec::new();
@@ -69,7 +69,7 @@ fn whole_nanoseconds(t: f64) -> u64 {
 ///
 /// # Errors
 /// As [`waypoints`].
-pub fn joint_trajectory(recording: &Planned, rate: f64) -> Result<String, ExciteError> {
+pub fn joint_trajectory(recording: &Planned, rate: f64) -> Result<String, SimError> {
     let names: Vec<String> = recording.joints().iter().map(|name| quoted(name)).collect();
     let points = waypoints(recording, rate)?;
     let point = |point: &Waypoint| {

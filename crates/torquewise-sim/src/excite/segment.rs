@@ -2,7 +2,7 @@
 
 use crate::excite::limits::Bounds;
 use crate::excite::sines::Sines;
-use crate::excite::state::State;
+use crate::state::State;
 
 /// Roundings must not lift a peak above its limit.
 const SLACK: f64 = 1.0 + 1e-9;

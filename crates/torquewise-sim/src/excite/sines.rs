@@ -2,8 +2,8 @@
 //! ends.
 
 use crate::excite::limits::Bounds;
-use crate::excite::random::{between, log_between, normal};
-use crate::excite::state::State;
+use crate::random::{between, log_between, normal};
+use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,9 @@
-//! From joint ranges to Moves: dwell, accelerate, cruise and brake, all joints at the same
+//! Positioning moves: dwell, accelerate, cruise and brake, all joints at the same
 //! instants.
 
-use super::{ACCELERATION, PEAK_SPEED, State, between, direction};
+use super::{ACCELERATION, PEAK_SPEED};
+use crate::random::{between, direction};
+use crate::state::State;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 

@@ -1,6 +1,7 @@
-//! From joint ranges to Sines: a sum of sines per joint, with exact derivatives.
+//! A sum of sines per joint, with exact derivatives.
 
-use super::{State, between};
+use crate::random::between;
+use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::{PI, TAU};
 

@@ -1,6 +1,8 @@
-//! From joint ranges to Staged: poses held, then constant speeds, then constant accelerations.
+//! Three recordings: poses held, then constant speeds, then constant accelerations.
 
-use super::{ACCELERATION, PEAK_SPEED, State, between, direction};
+use super::{ACCELERATION, PEAK_SPEED};
+use crate::random::{between, direction};
+use crate::state::State;
 use rand_chacha::ChaCha8Rng;
 
 /// Time \[s\] each pose is recorded.
@@ -79,7 +81,7 @@ impl Staged {
         let Some(last_row) = first_row.checked_sub(1) else {
             return 0.0;
         };
-        let mut end = State::zero(q.len());
+        let mut end = State::at_rest(&vec![0.0; q.len()]);
         let t = self.state_at(last_row, &mut end);
         let way = q.iter().zip(&end.q).map(|(to, from)| (to - from).abs()).fold(0.0, f64::max);
         t + (way / TRANSFER_SPEED).max(TRANSFER).max(GAP_ROWS / self.rate)
@@ -88,13 +90,13 @@ impl Staged {
 
 /// Nothing moves.
 fn hold(n: usize, _: &mut ChaCha8Rng) -> (f64, State) {
-    (HOLD, State::zero(n))
+    (HOLD, State::at_rest(&vec![0.0; n]))
 }
 
 /// Every joint moves at its own constant speed, in either direction.
 fn sweep(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     let seconds = between(rng, SWEEP);
-    (seconds, State { dq: speeds(n, rng), ..State::zero(n) })
+    (seconds, State { dq: speeds(n, rng), ..State::at_rest(&vec![0.0; n]) })
 }
 
 /// Every joint changes its speed evenly, from one to another.
@@ -105,7 +107,7 @@ fn accelerate(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     let greatest = change.iter().fold(0.0, |most: f64, change| most.max(change.abs()));
     let seconds = greatest / between(rng, ACCELERATION);
     let ddq = change.iter().map(|change| change / seconds.max(f64::MIN_POSITIVE)).collect();
-    (seconds, State { dq: before, ddq, ..State::zero(n) })
+    (seconds, State { dq: before, ddq, ..State::at_rest(&vec![0.0; n]) })
 }
 
 fn speeds(n: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {

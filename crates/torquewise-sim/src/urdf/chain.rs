@@ -2,7 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{STANDARD_GRAVITY, check_finite, direction};
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use crate::spatial::{Body, Pose};
 use crate::urdf::robot::{self, Robot};
 use crate::urdf::tree::{Tree, Welded};
@@ -65,11 +65,7 @@ impl UrdfChain {
     ///
     /// # Errors
     /// As [`crate::Arm::from_urdf`], but for masses.
-    pub fn new(
-        text: &str,
-        locked: &[String],
-        gravity: Option<[f64; 3]>,
-    ) -> Result<Self, DynamicsError> {
+    pub fn new(text: &str, locked: &[String], gravity: Option<[f64; 3]>) -> Result<Self, SimError> {
         Self::of(&Robot::read(text)?, |joint| !locked.contains(&joint.name), locked, gravity)
     }
 
@@ -79,14 +75,14 @@ impl UrdfChain {
     /// - `gravity`: as for [`Self::new`]
     ///
     /// # Errors
-    /// As [`Self::new`]; [`DynamicsError::UnknownJoints`] if some of the names are not joints,
-    /// [`DynamicsError::JointOrder`] if they do not follow each other from base to tip.
+    /// As [`Self::new`]; [`SimError::UnknownJoints`] if some of the names are not joints,
+    /// [`SimError::JointOrder`] if they do not follow each other from base to tip.
     pub fn of_joints(
         text: &str,
         joints: &[String],
         locked: &[String],
         gravity: Option<[f64; 3]>,
-    ) -> Result<Self, DynamicsError> {
+    ) -> Result<Self, SimError> {
         let robot = Robot::read(text)?;
         let is_known = |name: &String| robot.joints.iter().any(|joint| joint.name == *name);
         if !joints.iter().any(is_known) {
@@ -95,12 +91,12 @@ impl UrdfChain {
                 return Ok(chain);
             }
             let (unknown, known) = (joints.join(", "), names(&chain.joints));
-            return Err(DynamicsError::UnknownJoints { unknown, known });
+            return Err(SimError::UnknownJoints { unknown, known });
         }
         if let Some(unknown) = joints.iter().find(|name| !is_known(name)) {
             let known: Vec<&str> = robot.joints.iter().map(|joint| joint.name.as_str()).collect();
             let (unknown, known) = (unknown.clone(), known.join(", "));
-            return Err(DynamicsError::UnknownJoints { unknown, known });
+            return Err(SimError::UnknownJoints { unknown, known });
         }
         let moves = |joint: &robot::Joint| joints.contains(&joint.name);
         let chain = Self::of(&robot, moves, locked, gravity)?;
@@ -108,7 +104,7 @@ impl UrdfChain {
         if found.iter().copied().eq(joints) {
             return Ok(chain);
         }
-        Err(DynamicsError::JointOrder { expected: names(&chain.joints), found: joints.join(", ") })
+        Err(SimError::JointOrder { expected: names(&chain.joints), found: joints.join(", ") })
     }
 
     fn of(
@@ -116,7 +112,7 @@ impl UrdfChain {
         moves: impl Fn(&robot::Joint) -> bool,
         named: &[String],
         gravity: Option<[f64; 3]>,
-    ) -> Result<Self, DynamicsError> {
+    ) -> Result<Self, SimError> {
         let held = |joint: &&robot::Joint| {
             joint.kind != "fixed" && (joint.mimics || !moves(joint)) && !named.contains(&joint.name)
         };
@@ -145,12 +141,12 @@ impl UrdfChain {
             (X_LZ, before) = (own, after);
         }
         if joints.is_empty() {
-            return Err(DynamicsError::NoJoints);
+            return Err(SimError::NoJoints);
         }
         let gravity = gravity.unwrap_or(STANDARD_GRAVITY);
         check_finite("gravity", &robot.name, &gravity)?;
         if gravity.iter().all(|g| *g == 0.0) {
-            return Err(DynamicsError::NoGravity);
+            return Err(SimError::NoGravity);
         }
         let (geometry, frames) = Geometry::of_frames(&placements, gravity);
         for (joint, frame) in joints.iter_mut().zip(frames) {

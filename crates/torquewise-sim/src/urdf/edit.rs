@@ -1,6 +1,6 @@
 //! Inertia and friction put into the text of a URDF; every other byte stays.
 
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use crate::urdf::chain::UrdfInertial;
 use roxmltree::{Document, Node};
 use std::ops::Range;
@@ -39,17 +39,17 @@ pub struct Dynamics {
 /// The text with all changes made.
 ///
 /// # Errors
-/// [`DynamicsError::Urdf`] if the text is no XML, [`DynamicsError::UnknownJoints`] if it has no
+/// [`SimError::Urdf`] if the text is no XML, [`SimError::UnknownJoints`] if it has no
 /// link or joint of that name.
-pub fn edited(text: &str, changes: &[Change]) -> Result<String, DynamicsError> {
-    let document = Document::parse(text).map_err(|source| DynamicsError::Urdf { source })?;
+pub fn edited(text: &str, changes: &[Change]) -> Result<String, SimError> {
+    let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
     let root = document.root_element();
     let named = |kind: &str, name: &str| {
         let mut all = root.children().filter(|node| node.has_tag_name(kind));
         all.find(|node| node.attribute("name") == Some(name)).ok_or_else(|| {
             let known = root.children().filter(|node| node.has_tag_name(kind));
             let known: Vec<&str> = known.filter_map(|node| node.attribute("name")).collect();
-            DynamicsError::UnknownJoints { unknown: name.to_owned(), known: known.join(", ") }
+            SimError::UnknownJoints { unknown: name.to_owned(), known: known.join(", ") }
         })
     };
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();

@@ -1,6 +1,6 @@
 //! The links and joints of a URDF, as far as the motion of an arm depends on them.
 
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use roxmltree::{Document, Node};
 
 /// What a URDF describes; names are as they stand in it.
@@ -55,10 +55,10 @@ impl Robot {
     /// Reads the text of a URDF; elements that say nothing of links and joints are passed over.
     ///
     /// # Errors
-    /// [`DynamicsError::Urdf`] if the text is no XML or declares a document type,
-    /// [`DynamicsError::UrdfElement`] names the line of an element that lacks something.
-    pub(crate) fn read(text: &str) -> Result<Self, DynamicsError> {
-        let document = Document::parse(text).map_err(|source| DynamicsError::Urdf { source })?;
+    /// [`SimError::Urdf`] if the text is no XML or declares a document type,
+    /// [`SimError::UrdfElement`] names the line of an element that lacks something.
+    pub(crate) fn read(text: &str) -> Result<Self, SimError> {
+        let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
         let root = document.root_element();
         if root.tag_name().name() != "robot" {
             return Err(refused(root, "is not <robot>"));
@@ -72,14 +72,14 @@ impl Robot {
 }
 
 impl Link {
-    fn read(link: Node<'_, '_>) -> Result<Self, DynamicsError> {
+    fn read(link: Node<'_, '_>) -> Result<Self, SimError> {
         let inertial = child(link, "inertial").map(Inertial::read).transpose()?;
         Ok(Self { name: attribute(link, "name")?, inertial })
     }
 }
 
 impl Inertial {
-    fn read(inertial: Node<'_, '_>) -> Result<Self, DynamicsError> {
+    fn read(inertial: Node<'_, '_>) -> Result<Self, SimError> {
         let inertia = required(inertial, "inertia")?;
         let mut moments = [0.0; 6];
         for (moment, name) in moments.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
@@ -92,7 +92,7 @@ impl Inertial {
 
 impl Origin {
     /// The `<origin>` within an element.
-    fn of(element: Node<'_, '_>) -> Result<Self, DynamicsError> {
+    fn of(element: Node<'_, '_>) -> Result<Self, SimError> {
         let Some(origin) = child(element, "origin") else { return Ok(Self::default()) };
         let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(origin, name, Some([0.0; 3])));
         Ok(Self { xyz: xyz?, rpy: rpy? })
@@ -100,7 +100,7 @@ impl Origin {
 }
 
 impl Joint {
-    fn read(joint: Node<'_, '_>) -> Result<Self, DynamicsError> {
+    fn read(joint: Node<'_, '_>) -> Result<Self, SimError> {
         let written = attribute(joint, "type")?;
         let kind = KINDS.into_iter().find(|kind| *kind == written);
         let link = |name| attribute(required(joint, name)?, "link");
@@ -136,14 +136,11 @@ fn child<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Option<Node<'a, 'i
     children(parent, name).next()
 }
 
-fn required<'a, 'i>(
-    parent: Node<'a, 'i>,
-    name: &'static str,
-) -> Result<Node<'a, 'i>, DynamicsError> {
+fn required<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Result<Node<'a, 'i>, SimError> {
     child(parent, name).ok_or_else(|| refused(parent, &format!("has no <{name}>")))
 }
 
-fn attribute(element: Node<'_, '_>, name: &str) -> Result<String, DynamicsError> {
+fn attribute(element: Node<'_, '_>, name: &str) -> Result<String, SimError> {
     let value = element.attribute(name).map(str::to_owned);
     value.ok_or_else(|| refused(element, &format!("has no {name}")))
 }
@@ -153,7 +150,7 @@ fn numbers<const N: usize>(
     element: Node<'_, '_>,
     name: &str,
     default: Option<[f64; N]>,
-) -> Result<[f64; N], DynamicsError> {
+) -> Result<[f64; N], SimError> {
     if let (None, Some(default)) = (element.attribute(name), default) {
         return Ok(default);
     }
@@ -165,8 +162,8 @@ fn numbers<const N: usize>(
         .ok_or_else(|| refused(element, &format!("has {name}=\"{text}\", expected {N} numbers")))
 }
 
-fn refused(element: Node<'_, '_>, what: &str) -> DynamicsError {
+fn refused(element: Node<'_, '_>, what: &str) -> SimError {
     let at = element.document().text_pos_at(element.range().start);
     let element = element.tag_name().name().to_owned();
-    DynamicsError::UrdfElement { line: at.row, element, what: what.to_owned() }
+    SimError::UrdfElement { line: at.row, element, what: what.to_owned() }
 }

@@ -1,7 +1,7 @@
 //! URDF files that must be refused, and what is left of a file with locked joints.
 
 use crate::arm::{Arm, JointLimits};
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -38,7 +38,7 @@ fn two_joints(first: &str, second: &str) -> String {
     ])
 }
 
-fn refused(text: &str) -> DynamicsError {
+fn refused(text: &str) -> SimError {
     Arm::from_urdf(text, &[]).unwrap_err()
 }
 
@@ -99,7 +99,7 @@ fn every_joint_that_may_not_move_is_named() {
     for kind in ["prismatic", "floating", "planar", "spherical"] {
         let error = refused(&two_joints("revolute", kind));
 
-        assert!(matches!(error, DynamicsError::UnsupportedJoints { .. }), "{error:?}");
+        assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");
         assert!(error.to_string().contains(&format!("`j2` ({kind})")), "{error}");
     }
 }
@@ -112,7 +112,7 @@ fn a_mimic_joint_is_refused_until_it_is_locked() {
 
     let error = refused(&text);
 
-    assert!(matches!(error, DynamicsError::UnsupportedJoints { .. }), "{error:?}");
+    assert!(matches!(error, SimError::UnsupportedJoints { .. }), "{error:?}");
     assert_eq!(Arm::from_urdf(&text, &["j2".into()]).unwrap().joints(), ["j1"]);
 }
 
@@ -132,7 +132,7 @@ fn a_branch_is_refused_with_the_joints_to_lock() {
 
     let error = refused(&text);
 
-    assert!(error.to_string().ends_with("lock finger1, finger2"), "{error}");
+    assert!(error.told().ends_with("lock finger1, finger2"), "{error}");
     let arm = Arm::from_urdf(&text, &["finger1".into(), "finger2".into()]).unwrap();
     assert_eq!(arm.joints(), ["j1", "j2", "j3", "j4"]);
 }
@@ -143,8 +143,8 @@ fn an_unknown_joint_to_lock_is_answered_with_those_there_are() {
 
     let error = Arm::from_urdf(&text, &["elbow".into()]).unwrap_err();
 
-    assert!(matches!(error, DynamicsError::UnknownLocked { .. }));
-    assert!(error.to_string().ends_with("j1, j2"), "{error}");
+    assert!(matches!(error, SimError::UnknownLocked { .. }));
+    assert!(error.told().ends_with("j1, j2"), "{error}");
 }
 
 #[test]
@@ -219,7 +219,7 @@ fn an_element_at_fault_is_named_with_its_line() {
     let error = refused(&text.replace("<axis xyz='0 1 0'/>", "<axis xyz='0 1'/>"));
 
     let told = "line 2 of the URDF: <axis> has xyz=\"0 1\", expected 3 numbers: mend the element";
-    assert_eq!(error.to_string(), told);
+    assert_eq!(error.told(), told);
 }
 
 #[test]
@@ -227,7 +227,7 @@ fn elements_within_a_hundred_thousand_others_are_read_or_refused() {
     let deep = format!("{}{}", "<a>".repeat(100_000), "</a>".repeat(100_000));
     let text = two_joints("revolute", "revolute").replace("</robot>", &(deep + "</robot>"));
 
-    assert!(matches!(refused(&"<a>".repeat(100_000)), DynamicsError::Urdf { .. }));
+    assert!(matches!(refused(&"<a>".repeat(100_000)), SimError::Urdf { .. }));
     assert!(Arm::from_urdf(&text, &[]).is_ok_and(|arm| arm.n_joints() == 2));
 }
 
@@ -235,7 +235,7 @@ fn elements_within_a_hundred_thousand_others_are_read_or_refused() {
 fn a_document_type_with_entities_is_refused() {
     let error = refused("<!DOCTYPE a [<!ENTITY b 'bbbb'>]><robot name='&b;'/>");
 
-    assert!(matches!(error, DynamicsError::Urdf { .. }));
+    assert!(matches!(error, SimError::Urdf { .. }));
 }
 
 #[test]

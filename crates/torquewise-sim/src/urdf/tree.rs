@@ -2,7 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{check_body, check_finite};
-use crate::error::DynamicsError;
+use crate::error::SimError;
 use crate::spatial::{Body, Pose};
 use crate::urdf::robot::{Joint, Link, Origin, Robot};
 use std::collections::{HashMap, HashSet};
@@ -26,14 +26,14 @@ pub(crate) struct Welded<'a> {
 
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
-    pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, DynamicsError> {
+    pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, SimError> {
         let links = by_name("link", robot.links.iter().map(|link| (link.name.as_str(), link)))?;
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
         let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
         if let Some(unknown) = locked.iter().find(|name| !joints.contains_key(*name)) {
             let moving = robot.joints.iter().filter(|j| j.kind != "fixed");
             let known = moving.map(|j| j.name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(DynamicsError::UnknownLocked { joint: (*unknown).into(), known });
+            return Err(SimError::UnknownLocked { joint: (*unknown).into(), known });
         }
 
         let root = only_root(robot, &links)?;
@@ -53,7 +53,7 @@ impl<'a> Tree<'a> {
     }
 
     /// All links welded to `first`.
-    pub(crate) fn welded(&self, first: &'a str) -> Result<Welded<'a>, DynamicsError> {
+    pub(crate) fn welded(&self, first: &'a str) -> Result<Welded<'a>, SimError> {
         let (mut links, mut fixed, mut exits) = (Vec::new(), Vec::new(), Vec::new());
         let mut open = vec![(first, Pose::identity(), true)];
         while let Some((link, X_GL, is_fixed)) = open.pop() {
@@ -86,7 +86,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The masses of welded links, in the frame of the first.
-    pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body, DynamicsError> {
+    pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body, SimError> {
         let mut body = Body::none();
         for (link, X_GL) in &welded.links {
             if let Some(link) = self.links.get(link) {
@@ -100,7 +100,7 @@ impl<'a> Tree<'a> {
     pub(crate) fn only_exit(
         &self,
         welded: &Welded<'a>,
-    ) -> Result<Option<(&'a Joint, Pose)>, DynamicsError> {
+    ) -> Result<Option<(&'a Joint, Pose)>, SimError> {
         if welded.exits.len() < 2 {
             return Ok(welded.exits.first().copied());
         }
@@ -110,7 +110,7 @@ impl<'a> Tree<'a> {
         branches.sort_by_key(|names| std::cmp::Reverse(names.len()));
         let lock = branches[1..].concat().join(", ");
         let link = welded.links.first().map_or(self.root, |(link, _)| link);
-        Err(DynamicsError::Branches { link: link.into(), lock })
+        Err(SimError::Branches { link: link.into(), lock })
     }
 
     fn joints_below(&self, link: &str) -> &[&'a Joint] {
@@ -134,7 +134,7 @@ impl<'a> Tree<'a> {
         names
     }
 
-    fn check_loops(&self, robot: &Robot) -> Result<(), DynamicsError> {
+    fn check_loops(&self, robot: &Robot) -> Result<(), SimError> {
         let mut reached = HashSet::from([self.root]);
         let mut open = vec![self.root];
         while let Some(link) = open.pop() {
@@ -144,12 +144,12 @@ impl<'a> Tree<'a> {
             }
         }
         match robot.links.iter().find(|link| !reached.contains(link.name.as_str())) {
-            Some(link) => Err(DynamicsError::Loop { link: link.name.clone() }),
+            Some(link) => Err(SimError::Loop { link: link.name.clone() }),
             None => Ok(()),
         }
     }
 
-    fn check_types(&self, robot: &Robot) -> Result<(), DynamicsError> {
+    fn check_types(&self, robot: &Robot) -> Result<(), SimError> {
         let unsupported: Vec<String> = robot
             .joints
             .iter()
@@ -159,7 +159,7 @@ impl<'a> Tree<'a> {
         if unsupported.is_empty() {
             Ok(())
         } else {
-            Err(DynamicsError::UnsupportedJoints { joints: unsupported.join(", ") })
+            Err(SimError::UnsupportedJoints { joints: unsupported.join(", ") })
         }
     }
 }
@@ -176,28 +176,28 @@ fn unsupported(joint: &Joint) -> Option<&'static str> {
 fn by_name<'a, T>(
     kind: &'static str,
     items: impl Iterator<Item = (&'a str, &'a T)>,
-) -> Result<HashMap<&'a str, &'a T>, DynamicsError> {
+) -> Result<HashMap<&'a str, &'a T>, SimError> {
     let mut found = HashMap::new();
     for (name, item) in items {
         if found.insert(name, item).is_some() {
-            return Err(DynamicsError::DuplicateName { kind, name: name.into() });
+            return Err(SimError::DuplicateName { kind, name: name.into() });
         }
     }
     Ok(found)
 }
 
 /// The link without parent joint, after checking that every joint hangs between known links.
-fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a str, DynamicsError> {
+fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a str, SimError> {
     let mut parents: HashMap<&str, &Joint> = HashMap::new();
     for joint in &robot.joints {
         for link in [&joint.parent, &joint.child] {
             if !links.contains_key(link.as_str()) {
                 let (joint, link) = (joint.name.clone(), link.clone());
-                return Err(DynamicsError::UnknownLink { joint, link });
+                return Err(SimError::UnknownLink { joint, link });
             }
         }
         if let Some(first) = parents.insert(&joint.child, joint) {
-            return Err(DynamicsError::TwoParents {
+            return Err(SimError::TwoParents {
                 link: joint.child.clone(),
                 first: first.name.clone(),
                 second: joint.name.clone(),
@@ -208,12 +208,12 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
     let roots: Vec<&str> = names.filter(|name| !parents.contains_key(name)).collect();
     match roots[..] {
         [root] => Ok(root),
-        _ => Err(DynamicsError::Roots { roots: roots.into_iter().map(String::from).collect() }),
+        _ => Err(SimError::Roots { roots: roots.into_iter().map(String::from).collect() }),
     }
 }
 
 /// Mass of a link in the link's frame; a link without `<inertial>` has none.
-fn body_of(link: &Link) -> Result<Body, DynamicsError> {
+fn body_of(link: &Link) -> Result<Body, SimError> {
     let Some(inertial) = &link.inertial else { return Ok(Body::none()) };
     let body = Body::new(inertial.mass, [0.0; 3], inertial.moments);
     check_body(&link.name, &body)?;
@@ -221,7 +221,7 @@ fn body_of(link: &Link) -> Result<Body, DynamicsError> {
 }
 
 /// An `<origin>` with finite numbers.
-fn pose(name: &str, origin: &Origin) -> Result<Pose, DynamicsError> {
+fn pose(name: &str, origin: &Origin) -> Result<Pose, SimError> {
     check_finite("origin", name, &origin.xyz)?;
     check_finite("origin", name, &origin.rpy)?;
     Ok(Pose::from_xyz_rpy(origin.xyz, origin.rpy))

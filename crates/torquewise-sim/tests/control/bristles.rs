@@ -5,10 +5,10 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, FrictionTerm, Model, Torque, Training, Weighted};
 use torquewise_motion::path::Path;
 use torquewise_sim::control::{
-    ControlError, Controller, Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
+    Controller, Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
 };
 use torquewise_sim::friction::Bristles;
-use torquewise_sim::{Arm, Friction, Stribeck};
+use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 
 /// Dry friction of each joint \[N·m\], the same at rest and in motion.
 const DRY: [f64; 3] = [8.0, 10.0, 4.0];
@@ -64,7 +64,7 @@ impl Knowledge for Known {
         DRY.len()
     }
 
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
         self.plant.rigid(q, dq, ddq)
     }
 
@@ -72,15 +72,15 @@ impl Knowledge for Known {
         self.friction.path()
     }
 
-    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
         Ok(self.friction.friction_after(path, dq)?)
     }
 
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
         self.friction(path, dq)
     }
 
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, ControlError> {
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
         self.plant.inertia(q)
     }
 }

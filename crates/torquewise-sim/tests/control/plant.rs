@@ -1,8 +1,8 @@
 //! Plants against closed forms and identities: energy, inverse dynamics, sticking.
 #![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
-use torquewise_sim::control::{ControlError, Periodic, Plant, periodic, record};
-use torquewise_sim::{Arm, Friction, Stribeck, arms};
+use torquewise_sim::control::{Periodic, Plant, periodic, record};
+use torquewise_sim::{Arm, Friction, SimError, Stribeck, arms};
 
 const RUBS: Stribeck = Stribeck { coulomb: 4.0, stiction: 6.0, speed: 0.1, viscous: 3.0 };
 
@@ -163,6 +163,6 @@ fn parts_of_different_arms_are_refused() {
     let mut slow = Plant::ideal(arm);
     slow.drive.delay = f64::NAN;
 
-    assert!(matches!(plant.check(), Err(ControlError::JointCount { .. })));
-    assert!(matches!(slow.check(), Err(ControlError::Setting { .. })));
+    assert!(matches!(plant.check(), Err(SimError::JointCount { .. })));
+    assert!(matches!(slow.check(), Err(SimError::Setting { .. })));
 }

@@ -7,10 +7,10 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, FrictionTerm, Model, Training, Weighted};
 use torquewise_motion::Motion;
 use torquewise_sim::control::{
-    ControlError, Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking,
-    lead, mean_inertia, periodic, track,
+    Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, lead,
+    mean_inertia, periodic, track,
 };
-use torquewise_sim::{Arm, Friction, Stribeck};
+use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 
 /// The reference arm with friction, encoders and a drive that is late.
 fn plant() -> Plant {
@@ -148,7 +148,7 @@ fn a_loop_that_is_unstable_is_an_error() {
     let mut controller = Controller::new(Law::Pid, &plant, &gains, &wanted).unwrap();
     let found = track(&plant, &mut controller, &wanted);
 
-    assert!(matches!(found, Err(ControlError::Diverged { .. })), "{found:?}");
+    assert!(matches!(found, Err(SimError::Diverged { .. })), "{found:?}");
 }
 
 /// One joint that rubs dry, and nothing else.
@@ -192,8 +192,8 @@ fn what_does_not_belong_together_is_refused() {
     let none = Gains::critically_damped(15.0, &[1.0, -1.0]);
     let unphysical = Controller::new(Law::Pid, &plant, &none, &wanted).err().unwrap();
 
-    assert!(matches!(of_another_arm, ControlError::JointCount { .. }));
-    assert!(matches!(uneven, ControlError::Uneven { .. }));
-    assert!(matches!(short, ControlError::TooShort { rows: 1 }));
-    assert!(matches!(unphysical, ControlError::Setting { .. }));
+    assert!(matches!(of_another_arm, SimError::JointCount { .. }));
+    assert!(matches!(uneven, SimError::Uneven { .. }));
+    assert!(matches!(short, SimError::TooFewRows { rows: 1 }));
+    assert!(matches!(unphysical, SimError::Setting { .. }));
 }

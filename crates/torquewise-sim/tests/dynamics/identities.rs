@@ -4,7 +4,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
-use torquewise_sim::{Arm, DynamicsError, arms};
+use torquewise_sim::{Arm, SimError, arms};
 
 /// Arms of one to seven joints with random geometry and masses, then the reference arms.
 fn all_arms() -> Vec<Arm> {
@@ -180,7 +180,7 @@ fn a_massless_last_link_is_named_when_it_should_accelerate() {
 
     let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0, 1.0]).unwrap_err();
 
-    assert!(matches!(error, DynamicsError::Massless { joint: 1 }), "{error:?}");
+    assert!(matches!(error, SimError::Massless { joint: 1 }), "{error:?}");
 }
 
 #[test]
@@ -189,6 +189,6 @@ fn a_torque_of_another_joint_count_is_refused() {
 
     let error = arm.forward_dynamics(&[0.1, 0.2], &[0.0, 0.0], &[1.0]).unwrap_err();
 
-    let wanted = DynamicsError::JointCount { signal: "tau", found: 1, expected: 2 };
+    let wanted = SimError::JointCount { what: "tau", found: 1, expected: 2 };
     assert_eq!(error.to_string(), wanted.to_string());
 }

@@ -4,7 +4,7 @@
 use torquewise_motion::Pattern;
 use torquewise_motion::Recording;
 use torquewise_sim::{
-    Arm, DynamicsError, MotionKind, MotionPlan, SimulatedLog, Simulation, arms, simulate,
+    Arm, MotionKind, MotionPlan, SimError, SimulatedLog, Simulation, arms, simulate,
 };
 
 const KINDS: [MotionKind; 3] = [MotionKind::Moves, MotionKind::Sines, MotionKind::Staged];
@@ -246,6 +246,6 @@ fn a_plan_or_an_arm_out_of_bounds_is_refused() {
 
     let (plan, overflow) = (simulate(&puma, &endless), simulate(&heavy, &MotionPlan::default()));
 
-    assert!(matches!(plan, Err(DynamicsError::Plan { .. })));
-    assert!(matches!(overflow, Err(DynamicsError::Motion { .. })));
+    assert!(matches!(plan, Err(SimError::Setting { .. })));
+    assert!(matches!(overflow, Err(SimError::Motion { .. })));
 }

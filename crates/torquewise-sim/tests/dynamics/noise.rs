@@ -3,7 +3,7 @@
 
 use faer::{Mat, MatRef};
 use torquewise_motion::{Motion, Signals};
-use torquewise_sim::{Arm, DynamicsError, MotionPlan, Noise, add_noise, simulate};
+use torquewise_sim::{Arm, MotionPlan, Noise, SimError, add_noise, simulate};
 
 fn clean() -> Motion {
     let arm = Arm::builtin("puma560-3").unwrap();
@@ -139,9 +139,9 @@ fn levels_that_mean_nothing_are_refused() {
 
     let flood = Noise::from_db(-1e6, 0.0, 0.0).unwrap();
 
-    assert!(matches!(Noise::case(4), Err(DynamicsError::NoiseCase(4))));
+    assert!(matches!(Noise::case(4), Err(SimError::NoiseCase(4))));
     let nan = Noise::from_db(60.0, f64::NAN, 30.0);
-    assert!(matches!(nan, Err(DynamicsError::NoiseLevel { signal: "dq", .. })));
+    assert!(matches!(nan, Err(SimError::NoiseLevel { signal: "dq", .. })));
     assert!(Noise::from_db(f64::NEG_INFINITY, 40.0, 30.0).is_err());
-    assert!(matches!(add_noise(&clean, &flood, 1), Err(DynamicsError::Motion { .. })));
+    assert!(matches!(add_noise(&clean, &flood, 1), Err(SimError::Motion { .. })));
 }

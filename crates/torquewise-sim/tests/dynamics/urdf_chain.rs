@@ -9,7 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_sim::urdf::edit::{Change, Dynamics, edited};
-use torquewise_sim::{Arm, DynamicsError, UrdfChain};
+use torquewise_sim::{Arm, SimError, UrdfChain};
 
 /// An arm with a tool, a gripper whose finger mimics the other, skew axes and comments.
 const ROBOT: &str = r#"<?xml version="1.0"?>
@@ -116,12 +116,10 @@ fn what_the_names_leave_open_is_told() {
     let of = |joints: &[&str]| UrdfChain::of_joints(ROBOT, &names(joints), &names(&["left"]), None);
 
     let turned = of(&["elbow", "waist"]).unwrap_err();
-    assert!(
-        matches!(&turned, DynamicsError::JointOrder { expected, .. } if expected == "waist, elbow")
-    );
+    assert!(matches!(&turned, SimError::JointOrder { expected, .. } if expected == "waist, elbow"));
     let unknown = of(&["waist", "knee"]).unwrap_err();
-    assert!(matches!(&unknown, DynamicsError::UnknownJoints { unknown, .. } if unknown == "knee"));
-    assert!(matches!(of(&["a", "b", "c"]), Err(DynamicsError::UnknownJoints { .. })));
+    assert!(matches!(&unknown, SimError::UnknownJoints { unknown, .. } if unknown == "knee"));
+    assert!(matches!(of(&["a", "b", "c"]), Err(SimError::UnknownJoints { .. })));
     assert!(of(&["waist"]).is_ok_and(|chain| chain.joints().len() == 1));
 }
 
@@ -154,7 +152,7 @@ fn the_mounting_is_that_of_the_file_unless_gravity_is_given() {
         assert_relative_eq!(mounted[axis], given[axis], epsilon = 1e-12);
         assert_relative_eq!(mounted[axis], -hanging[axis], epsilon = 1e-12);
     }
-    assert!(matches!(of(Some([0.0; 3])), Err(DynamicsError::NoGravity)));
+    assert!(matches!(of(Some([0.0; 3])), Err(SimError::NoGravity)));
 }
 
 /// Public robots, where they are at hand.

@@ -3,11 +3,10 @@
 
 use std::sync::LazyLock;
 use torquewise_motion::{Motion, Recording};
-use torquewise_sim::Arm;
 use torquewise_sim::excite::{
-    Excitation, ExciteError, Limits, PerJoint, Plan, Wishes, excite, joint_trajectory, limits,
-    waypoints,
+    Excitation, Limits, PerJoint, Plan, Wishes, excite, joint_trajectory, limits, waypoints,
 };
+use torquewise_sim::{Arm, SimError};
 
 /// Three joints of different ranges, speeds and accelerations.
 fn three_joints() -> Vec<Limits> {
@@ -289,6 +288,6 @@ fn settings_that_make_no_plan_are_refused() {
     }
     for rate in [0.0, f64::NAN, 1e6] {
         let error = waypoints(&POSES.recordings[0], rate).unwrap_err();
-        assert!(matches!(error, ExciteError::Setting { .. }), "{error}");
+        assert!(matches!(error, SimError::Setting { .. }), "{error}");
     }
 }

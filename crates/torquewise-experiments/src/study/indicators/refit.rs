@@ -134,7 +134,7 @@ impl Fit<'_> {
                 std_errors: vec![0.0; start.active.len()],
                 active: start.active.clone(),
             };
-            Ok(equations.eliminate(least)?.unwrap_or_else(plain))
+            Ok(equations.eliminate(least).unwrap_or_else(plain))
         };
         Ok([estimate(&bias)?, estimate(&none)?])
     }

@@ -1,7 +1,7 @@
 //! Limits from files, flags and defaults.
 
 use crate::Arm;
-use crate::excite::error::ExciteError;
+use crate::error::SimError;
 use crate::excite::limits::{PerJoint, Wishes, limits};
 use approx::assert_relative_eq;
 use std::f64::consts::PI;
@@ -100,9 +100,9 @@ fn wishes_that_make_no_sense_are_refused_with_the_joint() {
 
     for (wishes, word) in cases {
         let error = limits(&arm(), &wishes).unwrap_err();
-        assert!(error.to_string().contains(word), "{word}: {error}");
+        assert!(error.told().contains(word), "{word}: {error}");
     }
     let mixed = PerJoint(vec![(None, 1.0), (Some("roll".to_owned()), 1.0)]);
     let error = limits(&arm(), &Wishes { velocity: mixed, ..usual() }).unwrap_err();
-    assert!(matches!(error, ExciteError::Mixed { .. }));
+    assert!(matches!(error, SimError::Mixed { .. }));
 }

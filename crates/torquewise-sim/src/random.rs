@@ -1,4 +1,4 @@
-//! From seeded generator to numbers of a few distributions.
+//! Random numbers of a few distributions from a seeded generator.
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
