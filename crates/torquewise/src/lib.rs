@@ -24,8 +24,7 @@
 //! ```
 //!
 //! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
-//! truth and controllers, `figures` for reports and exported code, `experiments` for those of the
-//! paper.
+//! truth and controllers, `figures` for reports and exported code.
 
 mod error;
 pub mod observe;
@@ -58,8 +57,6 @@ pub use fit::{Fit, FitResult};
 pub use log::{Filter, Log};
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
-#[cfg(feature = "experiments")]
-pub use torquewise_experiments as experiments;
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
 pub use torquewise_identify as diagnose;
