@@ -87,7 +87,8 @@ struct Lane<'a> {
 impl<'a> RowAdder<'a> {
     /// Starts from nothing.
     pub fn new(prepared: &'a Prepared, n_responses: usize) -> Self {
-        let most = (LANE_BYTES / prepared.size(n_responses).max(1)).max(1);
+        // Numbers of a sum, and the square that a triangle of them is kept in.
+        let most = (LANE_BYTES / (2 * 8 * prepared.n_sums(n_responses)).max(1)).max(1);
         let lane = |_| Lane {
             sum: prepared.start(n_responses),
             blocks: Vec::with_capacity(CHUNK_BLOCKS),

@@ -32,14 +32,12 @@ pub mod knowledge;
 pub mod gains;
 pub mod controller;
 pub mod track;
-pub mod compare;
 pub mod record;
 
-pub use compare::compare;
 pub use controller::{Controller, Law};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};
 pub use record::{Recorded, record};
 pub use reference::{Periodic, periodic};
-pub use track::{Tracking, lead, track};
+pub use track::{Tracking, compare, lead, track};
