@@ -1,5 +1,4 @@
-//! From model to torque command: an arm under control, at a fixed rate, beside what it was asked to
-//! do.
+//! An arm under control, at a fixed rate, beside what it was asked to do.
 //!
 //! A [`Plant`] is an arm with friction, drives and encoders, integrated with error control between
 //! the ticks of a [`Controller`]. What a controller knows of the arm is a [`Knowledge`]: a model
