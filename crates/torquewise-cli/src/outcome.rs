@@ -15,7 +15,6 @@ use torquewise::model::ModelError;
 use torquewise::motion::MotionError;
 use torquewise::regression::SparseError;
 use torquewise::report::ReportError;
-use torquewise::signals::SignalError;
 
 /// What a command found.
 #[derive(Clone, Debug, Default)]
@@ -184,7 +183,6 @@ fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
         || cause.is::<MotionError>()
         || cause.is::<SparseError>()
         || cause.is::<ReportError>()
-        || cause.is::<SignalError>()
         || cause.is::<ExportError>()
 }
 

@@ -4,7 +4,6 @@
 use torquewise_identify::IdentifyError;
 use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
-use torquewise_motion::signals::SignalError;
 use torquewise_regression::SparseError;
 use torquewise_report::ReportError;
 use torquewise_sim::SimError;
@@ -21,8 +20,6 @@ pub enum PaperError {
     Model(#[from] ModelError),
     #[error(transparent)]
     Sparse(#[from] SparseError),
-    #[error(transparent)]
-    Signal(#[from] SignalError),
     #[error(transparent)]
     Report(#[from] ReportError),
     #[error("experiment {experiment}")]

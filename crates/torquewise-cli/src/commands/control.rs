@@ -8,7 +8,7 @@ use crate::commands::control::setup::{MotionArguments, PlantArguments};
 use crate::error::CliError;
 use crate::files::{
     check_distinct, check_ending, check_output, read_arm, read_friction, read_model, read_twin,
-    write_whole,
+    staged, write_whole,
 };
 use crate::outcome::Outcome;
 use anyhow::Result;
@@ -202,7 +202,7 @@ fn write_table(file: &Path, compared: &Compared) -> Result<()> {
     }
     let columns: Vec<Column> =
         names.into_iter().map(|name| Column::new(name, ColumnKind::Number)).collect();
-    let mut writer = TableWriter::create(file, &columns)?;
+    let mut writer = TableWriter::create(&staged(file)?, &columns)?;
     writer.append(&values)?;
     Ok(writer.finish()?)
 }

@@ -1,6 +1,6 @@
 //! What hangs on the last link of an arm whose model is known.
 
-use crate::files::{check_output, read_model};
+use crate::files::{check_output, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     text += &left.text();
     let mut json = object(&found);
     if let Some(output) = &arguments.output {
-        found.added_to(&model)?.save(output)?;
+        found.added_to(&model)?.save(staged(output)?)?;
         let file = output.display().to_string();
         writeln!(text, "\nmodel of the arm with its load: {file}")?;
         json["file"] = json!(file);

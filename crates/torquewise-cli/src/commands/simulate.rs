@@ -1,7 +1,9 @@
 //! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::files::{check_distinct, check_output, check_rows, read_arm, read_friction, read_twin};
+use crate::files::{
+    check_distinct, check_output, check_rows, read_arm, read_friction, read_twin, staged,
+};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
@@ -124,7 +126,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 const MOST_NOISY_ROWS: f64 = 2e7;
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
-    let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
+    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), Contents::default())?;
     let shown = watch();
     let write = Watched::new(recording, &shown, "writing", (None, 1));
     write.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;

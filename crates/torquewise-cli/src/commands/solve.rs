@@ -2,7 +2,7 @@
 
 use crate::arguments::RobotArguments;
 use crate::commands::fit;
-use crate::files::{check_output, write_whole};
+use crate::files::{check_output, staged, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::Outcome;
 use crate::progress::watch;
@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let options = FitOptions { seed, friction, geometry, ..FitOptions::default() };
     match solve_sums(summary, &arguments.selection.apply_to(options), &watch())? {
         Solved::Model(fit) => {
-            fit.model.save(&arguments.output)?;
+            fit.model.save(staged(&arguments.output)?)?;
             let mut outcome = fit::outcome(&fit, &fit.summary()?, false);
             let file = arguments.output.display().to_string();
             write!(outcome.text, "\nmodel: {file}\n")?;
