@@ -27,9 +27,11 @@
 //! truth and controllers, `figures` for reports and exported code, `experiments` for those of the
 //! paper.
 
+mod setting;
 mod error;
 pub mod observe;
 mod options;
+mod keywords;
 mod prepared;
 pub mod log;
 pub mod predict;
@@ -56,8 +58,11 @@ pub use error::Error;
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
 pub use log::{Filter, Log};
+/// Help of an [`Error`] is a method of this trait.
+pub use miette::Diagnostic;
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
+pub use setting::{Remedy, Setting, Wording};
 #[cfg(feature = "experiments")]
 pub use torquewise_experiments as experiments;
 #[cfg(feature = "figures")]

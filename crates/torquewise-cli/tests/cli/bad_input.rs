@@ -126,7 +126,7 @@ fn a_joint_that_never_moves_is_named_in_a_warning() {
     let lines: Vec<String> = log.lines().take(1).map(str::to_owned).chain(still).collect();
     terminal.write("still.csv", &lines.join("\n"));
 
-    let said = terminal.run("fit still.csv -o model.json");
+    let said = terminal.run("fit still.csv -o model.json --strict");
 
     assert_eq!(said.code, 3, "{said:?}");
     assert!(said.stderr.contains("warning: joint2 never moves"), "{said:?}");
@@ -187,7 +187,7 @@ fn a_missing_file_is_named_with_its_cause_and_the_advice_last() {
     let said = terminal.run("show gone.json");
 
     let last = said.stderr.lines().last().unwrap();
-    assert_eq!(last, "  help: check that it exists and may be read");
+    assert_eq!(last, "help: check that it exists and may be read");
 }
 
 #[test]

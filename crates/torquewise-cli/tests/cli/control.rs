@@ -75,7 +75,7 @@ fn one_seed_gives_the_same_numbers() {
 fn drives_that_are_too_weak_are_a_warning() {
     let terminal = Terminal::with_model();
 
-    let line = format!("control model.json --arm planar-2 {SHORT} --torque-limit 12");
+    let line = format!("control model.json --arm planar-2 {SHORT} --torque-limit 12 --strict");
     let said = terminal.run(&line);
 
     assert_eq!(said.code, 3, "{said:?}");
