@@ -40,8 +40,7 @@ pub(crate) enum CliError {
     #[error("{} would be written twice", .0.display())]
     #[diagnostic(help("give each output a name of its own"))]
     SameOutput(PathBuf),
-    #[error("unsupported extension for this output: {}", file.display())]
-    #[diagnostic(help("name it {expected}"))]
+    #[error("unsupported extension for this output: {}, expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
     #[error("{} exists and is not empty", .0.display())]
     #[diagnostic(help("name a new folder"))]

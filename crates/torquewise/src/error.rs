@@ -17,6 +17,7 @@ pub enum Error {
     #[error(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Identify(IdentifyError),
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -183,8 +183,8 @@ fn a_step_that_was_not_taken_is_refused() {
 fn a_missing_file_is_named_with_its_cause_and_the_advice_last() {
     let terminal = Terminal::with_log();
 
-    terminal.refused("inspect gone.csv", &["gone.csv cannot be read", "because: ", "help: check"]);
-    let said = terminal.run("show gone.json");
+    terminal.refused("inspect gone.csv", &["gone.csv cannot be read", "because: ", "check"]);
+    let said = terminal.run("simulate gone.toml -o new.csv");
 
     let last = said.stderr.lines().last().unwrap();
     assert_eq!(last, "help: check that it exists and may be read");
