@@ -8,7 +8,6 @@ mod cases;
 mod steps;
 mod control;
 mod beyond;
-mod indicators;
 
 use crate::results::Results;
 use torquewise_report::html::{Chart, Item};
@@ -59,6 +58,5 @@ pub fn figures(results: &Results) -> Vec<Figure> {
     all.extend(steps::figure(results));
     all.extend(control::figures(&results.control));
     all.extend(beyond::figures(results));
-    all.push(indicators::figure(&results.indicators));
     all
 }

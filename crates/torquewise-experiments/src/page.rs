@@ -7,7 +7,6 @@ mod paper;
 mod control;
 mod ablation;
 mod beyond;
-mod indicators;
 
 use crate::error::ExperimentError;
 use crate::figures::{Figure, figures};
@@ -25,7 +24,6 @@ pub fn page(results: &Results) -> Result<String, ExperimentError> {
     sections.push(control::section(&results.control, &drawn));
     sections.push(ablation::section(results));
     sections.extend(beyond::sections(results, &drawn));
-    sections.push(indicators::section(&results.indicators, &drawn));
     let page = Page {
         title: "Stepwise model reconstruction, simulated again".into(),
         lead: summary::lead(results),

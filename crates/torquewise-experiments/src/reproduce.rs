@@ -11,7 +11,6 @@ use crate::study::cases::{self, CasePlan, true_terms};
 use crate::study::coefficients::judge_coefficients;
 use crate::study::control::{ControlResults, study_control};
 use crate::study::cost::{self, CostPlan};
-use crate::study::indicators::{IndicatorResults, study_indicators};
 use crate::study::order_curves::{OrderResults, study_orders};
 use crate::study::patterns::{PatternResults, study_patterns};
 use crate::study::steps::study_steps;
@@ -23,7 +22,6 @@ const PATTERN_WORK: usize = 6;
 const ORDER_WORK: usize = 60;
 const EVALUATION_WORK: usize = 30;
 const CONTROL_WORK: usize = 40;
-const INDICATOR_WORK: usize = 120;
 
 /// Does every experiment.
 ///
@@ -39,7 +37,7 @@ pub fn reproduce(
     settings.check()?;
     let mut agenda = Agenda::default();
     let asked = Asked::of(&mut agenda, settings);
-    let studies = [PATTERN_WORK, ORDER_WORK, EVALUATION_WORK, CONTROL_WORK, INDICATOR_WORK];
+    let studies = [PATTERN_WORK, ORDER_WORK, EVALUATION_WORK, CONTROL_WORK];
     let total = agenda.work() + studies.iter().sum::<usize>();
     let done = AtomicUsize::new(0);
     let advance = |doing: &'static str, work: usize| {
@@ -70,9 +68,7 @@ pub fn reproduce(
         (orders, control, trials)
     });
     let (orders, control, trials) = (orders?, control?, trials?);
-    let indicators = study_indicators(settings)?;
-    advance("trials", INDICATOR_WORK);
-    let studies = Studies { patterns, orders, control, indicators };
+    let studies = Studies { patterns, orders, control };
     asked.results(settings, studies, &evaluated, &trials)
 }
 
@@ -81,7 +77,6 @@ struct Studies {
     patterns: PatternResults,
     orders: Vec<OrderResults>,
     control: ControlResults,
-    indicators: IndicatorResults,
 }
 
 /// What each experiment asked the agenda for.
@@ -131,7 +126,6 @@ impl Asked {
             coefficients: noisy()
                 .map(|case| judge_coefficients(case, settings, trials))
                 .collect::<Result<_, _>>()?,
-            indicators: studies.indicators,
             claims: Vec::new(),
         };
         results.claims = judge_claims(&results);

@@ -8,7 +8,6 @@ use crate::study::cases::{CaseResults, TrueTerms};
 use crate::study::coefficients::CoefficientResults;
 use crate::study::control::ControlResults;
 use crate::study::cost::MethodCost;
-use crate::study::indicators::IndicatorResults;
 use crate::study::order_curves::OrderResults;
 use crate::study::patterns::PatternResults;
 use crate::study::steps::StepResults;
@@ -47,8 +46,6 @@ pub struct Results {
     pub arms: Vec<ArmResults>,
     /// Coefficients beside the truth, in cases 2 and 3.
     pub coefficients: Vec<CoefficientResults>,
-    /// Noise and leverage of rows as indicators beside activation.
-    pub indicators: IndicatorResults,
     /// The paper's claims, judged.
     pub claims: Vec<Claim>,
 }

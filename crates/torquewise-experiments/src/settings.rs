@@ -88,11 +88,6 @@ impl Settings {
         Scenario { arm: self.arm, seconds: self.seconds, noise, seed }
     }
 
-    pub(crate) fn seeds(&self) -> impl Iterator<Item = u64> {
-        let first = self.seed;
-        (0..self.seeds).map(move |step| first.wrapping_add(step))
-    }
-
     /// Whether every experiment has something to do.
     ///
     /// # Errors
@@ -134,12 +129,5 @@ mod tests {
         assert!(Settings::quick(1).check().is_ok() && Settings::full(1).check().is_ok());
         assert!(matches!(none.check(), Err(ExperimentError::Setting { .. })));
         assert!(matches!(short.check(), Err(ExperimentError::Setting { .. })));
-    }
-
-    #[test]
-    fn seeds_follow_each_other_and_wrap() {
-        let settings = Settings { seeds: 3, ..Settings::quick(u64::MAX) };
-
-        assert_eq!(settings.seeds().collect::<Vec<_>>(), [u64::MAX, 0, 1]);
     }
 }

@@ -12,4 +12,3 @@ pub(crate) mod coefficients;
 pub(crate) mod ablation;
 pub(crate) mod sweeps;
 pub(crate) mod arms;
-pub(crate) mod indicators;

@@ -103,7 +103,7 @@ impl Prepared {
         let mut sum = self.start(n_responses);
         sum.read_from(table, rows);
         match sum.way {
-            Way::Moments(plan, moments, _) => gather(plan, &moments, Some(columns)),
+            Way::Moments(plan, moments, _) => gather(plan, &moments, columns),
             Way::Direct(_, mut grams) => {
                 grams.iter_mut().for_each(Gram::mirror);
                 grams.iter().map(|gram| gram.subset(columns)).collect()
@@ -138,7 +138,10 @@ impl GramSum<'_> {
     /// The normal equations of each equation.
     pub fn grams(self) -> Vec<Gram> {
         match self.way {
-            Way::Moments(plan, moments, _) => gather(plan, &moments, None),
+            Way::Moments(plan, moments, _) => {
+                let all: Vec<usize> = (0..plan.design().n_columns()).collect();
+                gather(plan, &moments, &all)
+            }
             Way::Direct(_, mut grams) => {
                 grams.iter_mut().for_each(Gram::mirror);
                 grams

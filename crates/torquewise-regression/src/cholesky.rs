@@ -1,12 +1,13 @@
-//! From symmetric system to solution on its independent columns: pivoted Cholesky.
+//! Symmetric systems solved on their independent columns: pivoted Cholesky.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
 use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::solvers::DenseSolveCore;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, MatRef, Par, Spec};
+use faer::{Mat, MatRef, Par, Side, Spec};
 
 /// A pivot this much below the largest one means: the other columns say the same.
 ///
@@ -104,23 +105,8 @@ pub(crate) fn regular_factor(mut factor: Mat<f64>) -> Option<Mat<f64>> {
 }
 
 /// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.
-pub(crate) fn inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
-    let size = matrix.nrows();
-    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
-    let mut memory =
-        MemBuffer::new(scratch.or(llt::inverse::inverse_scratch::<f64>(size, Par::Seq)));
-    let stack = MemStack::new(&mut memory);
-    let plain = llt::factor::LltRegularization::default();
-    llt::factor::cholesky_in_place(matrix.as_mut(), plain, Par::Seq, stack, Spec::default())
-        .ok()?;
-    let mut out = Mat::zeros(size, size);
-    llt::inverse::inverse(out.as_mut(), matrix.as_ref(), Par::Seq, MemStack::new(&mut memory));
-    for j in 0..size {
-        for i in 0..j {
-            out[(i, j)] = out[(j, i)];
-        }
-    }
-    Some(out)
+pub(crate) fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
+    Some(matrix.llt(Side::Lower).ok()?.inverse())
 }
 
 #[cfg(test)]

@@ -2,8 +2,6 @@
 //! (E5).
 
 use crate::cholesky;
-use crate::error::SparseError;
-use crate::problem::require;
 use crate::products::product;
 use faer::Mat;
 
@@ -42,23 +40,17 @@ impl Equations {
     ///
     /// Returns `None` if A is not positive definite on these columns.
     ///
-    /// # Errors
-    /// [`SparseError::Shape`] if the parts differ in size, [`SparseError::Setting`] for a threshold
-    /// that is negative or not finite.
-    pub fn eliminate(&self, threshold: f64) -> Result<Option<Estimate>, SparseError> {
-        require("the threshold of t²", threshold, threshold >= 0.0, "zero or more")?;
-        self.check()?;
+    /// # Panics
+    /// If the parts differ in size.
+    pub fn eliminate(&self, threshold: f64) -> Option<Estimate> {
         let mut active: Vec<usize> =
             (0..self.right.len()).filter(|&j| self.information[(j, j)] > 0.0).collect();
         loop {
-            let Some(fit) = self.solve(&active) else { return Ok(None) };
+            let fit = self.solve(&active)?;
             let leaving = weakest(&fit.t_squared, threshold);
             if leaving.is_empty() {
-                return Ok(Some(Estimate {
-                    active,
-                    coefficients: fit.coefficients,
-                    std_errors: fit.std_errors,
-                }));
+                let Fit { coefficients, std_errors, .. } = fit;
+                return Some(Estimate { active, coefficients, std_errors });
             }
             let mut place = 0;
             active.retain(|_| {
@@ -66,22 +58,6 @@ impl Equations {
                 leaving.binary_search(&(place - 1)).is_err()
             });
         }
-    }
-
-    fn check(&self) -> Result<(), SparseError> {
-        let expected = self.right.len();
-        for (what, found) in [
-            ("the information matrix", self.information.nrows()),
-            ("the information matrix", self.information.ncols()),
-            ("the spread", self.spread.nrows()),
-            ("the spread", self.spread.ncols()),
-            ("the floor", self.floor.len()),
-        ] {
-            if found != expected {
-                return Err(SparseError::Shape { what, found, expected });
-            }
-        }
-        Ok(())
     }
 
     fn solve(&self, active: &[usize]) -> Option<Fit> {
@@ -94,7 +70,7 @@ impl Equations {
         let pick = |from: &Mat<f64>| {
             Mat::from_fn(size, size, |i, j| from[(active[i], active[j])] / (length[i] * length[j]))
         };
-        let inverse = cholesky::inverse(pick(&self.information))?;
+        let inverse = cholesky::inverse(&pick(&self.information))?;
         let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
 
         let mut fit = Fit::default();

@@ -1,4 +1,4 @@
-//! From moments to normal equations YᵀY and Yᵀy of a design, without its rows (E3).
+//! Normal equations YᵀY and Yᵀy of a design from its moments, without its rows (E3).
 
 use crate::atom::Numbering;
 use crate::design::Design;
@@ -8,21 +8,19 @@ use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// The normal equations of each equation of the plan's design, in some of its columns or all,
-/// gathered from moments.
-pub(crate) fn gather(plan: &MomentPlan, moments: &Moments, wanted: Option<&[usize]>) -> Vec<Gram> {
+/// The normal equations of each equation of the plan's design in some of its columns, gathered from
+/// moments.
+pub(crate) fn gather(plan: &MomentPlan, moments: &Moments, wanted: &[usize]) -> Vec<Gram> {
     let design = plan.design();
     let n_equations = design.n_equations();
     (0..n_equations)
         .map(|equation| {
             let own = responses_of(equation, n_equations, moments.energy.len());
             let all = &design.equations[equation];
-            let some: Option<Vec<Entries>> =
-                wanted.map(|wanted| wanted.iter().map(|&column| all[column].clone()).collect());
-            let columns = some.as_ref().unwrap_or(all);
+            let columns: Vec<Entries> = wanted.iter().map(|&column| all[column].clone()).collect();
             Gram {
-                gram: gather_gram(plan, moments, columns),
-                cross: gather_cross(design, moments, columns, own.clone()),
+                gram: gather_gram(plan, moments, &columns),
+                cross: gather_cross(design, moments, &columns, own.clone()),
                 energy: moments.energy[own].to_vec(),
                 rows: moments.rows,
             }

@@ -1,9 +1,7 @@
-//! From rows to R factor: [X y] = QR without Q, block by block, never squaring the condition (E6).
+//! R factor of rows: [X y] = QR without Q, block by block, never squaring the condition (E6).
 
 use crate::error::SparseError;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::qr::no_pivoting::factor;
-use faer::{Mat, MatRef, Par};
+use faer::{Mat, MatRef};
 
 /// The R factor of the rows seen so far; stacking two and factoring again merges them.
 ///
@@ -27,7 +25,7 @@ impl Triangle {
 
     /// R, k×k, upper triangular.
     pub fn r(&self) -> Mat<f64> {
-        if self.waiting.is_empty() { self.r.clone() } else { upper_factor(self.stacked()) }
+        if self.waiting.is_empty() { self.r.clone() } else { upper_factor(&self.stacked()) }
     }
 
     /// Rows seen.
@@ -48,7 +46,7 @@ impl Triangle {
         self.waiting.push(rows.to_owned());
         let waiting: usize = self.waiting.iter().map(Mat::nrows).sum();
         if waiting >= (2 * k).max(WORTH_FACTORING) {
-            self.r = upper_factor(self.stacked());
+            self.r = upper_factor(&self.stacked());
             self.waiting.clear();
         }
         self.rows += rows.nrows();
@@ -81,19 +79,7 @@ impl Triangle {
     }
 }
 
-/// R of a tall matrix by Householder reflections, sequential for the same bits everywhere.
-fn upper_factor(mut stacked: Mat<f64>) -> Mat<f64> {
-    let (m, k) = (stacked.nrows(), stacked.ncols());
-    let block = factor::recommended_block_size::<f64>(m, k);
-    let mut coefficients = Mat::zeros(block, m.min(k));
-    let scratch = factor::qr_in_place_scratch::<f64>(m, k, block, Par::Seq, faer::Spec::default());
-    let mut memory = MemBuffer::new(scratch);
-    factor::qr_in_place(
-        stacked.as_mut(),
-        coefficients.as_mut(),
-        Par::Seq,
-        MemStack::new(&mut memory),
-        faer::Spec::default(),
-    );
-    Mat::from_fn(k, k, |i, j| if i <= j { stacked[(i, j)] } else { 0.0 })
+/// R of a tall matrix by Householder reflections.
+fn upper_factor(stacked: &Mat<f64>) -> Mat<f64> {
+    stacked.qr().R().to_owned()
 }

@@ -142,9 +142,9 @@ pub enum SimError {
     )]
     #[diagnostic(help("give it more seconds or the joints more speed"))]
     TooShort { recording: &'static str, seconds: f64, piece: &'static str },
-    #[error("a plan for {columns:.0} columns would take too long, expected at most {limit}")]
+    #[error("a plan for {columns} columns would take too long, expected at most {limit}")]
     #[diagnostic(help("lower the interaction order or lock joints"))]
-    TooManyColumns { columns: f64, limit: usize },
+    TooManyColumns { columns: usize, limit: usize },
     #[error("the planned {what} of joint `{joint}` reaches {found}, allowed are {limit}")]
     #[diagnostic(help("this is a mistake of the planner, please report it"))]
     Exceeds { what: &'static str, joint: String, found: f64, limit: f64 },

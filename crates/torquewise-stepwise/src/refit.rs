@@ -205,7 +205,7 @@ impl GroupRefit<'_> {
     fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
         let p = self.fit.n_columns();
         let mut equations = self.equations(&vec![1.0; self.parts.len()]);
-        let mut estimate = self.estimate(&equations, plan.least_t_squared)?;
+        let mut estimate = self.estimate(&equations, plan.least_t_squared);
         let small = |estimate: &Estimate, place: usize| {
             estimate.coefficients[place].abs() <= plan.least_size
         };
@@ -218,9 +218,9 @@ impl GroupRefit<'_> {
             for j in (0..p).filter(|&j| !staying(j)) {
                 equations.information[(j, j)] = 0.0;
             }
-            estimate = self.estimate(&equations, 0.0)?;
+            estimate = self.estimate(&equations, 0.0);
         }
-        let inclusion = self.inclusion(plan, &estimate.active)?;
+        let inclusion = self.inclusion(plan, &estimate.active);
         let exact = self.sharpen(&estimate)?;
         let terms = (0..estimate.active.len())
             .map(|place| FittedTerm {
@@ -281,7 +281,7 @@ impl GroupRefit<'_> {
     }
 
     /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
-    fn estimate(&self, equations: &Equations, least: f64) -> Result<Estimate, SparseError> {
+    fn estimate(&self, equations: &Equations, least: f64) -> Estimate {
         let plain = || {
             let active: Vec<usize> = (0..self.fit.n_columns())
                 .filter(|j| !self.base.start.dependent.contains(j))
@@ -292,23 +292,19 @@ impl GroupRefit<'_> {
                 active,
             }
         };
-        Ok(equations.eliminate(least)?.unwrap_or_else(plain))
+        equations.eliminate(least).unwrap_or_else(plain)
     }
 
     /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
     /// replacement, as there are, and the elimination is run again.
-    fn inclusion(
-        &self,
-        plan: &RefitPlan<'_>,
-        active: &[usize],
-    ) -> Result<Option<Vec<f64>>, SparseError> {
+    fn inclusion(&self, plan: &RefitPlan<'_>, active: &[usize]) -> Option<Vec<f64>> {
         let p = self.fit.n_columns();
         let filled: Vec<usize> =
             (0..self.parts.len()).filter(|&part| self.parts[part].rows > 0.0).collect();
         if plan.bags == 0 || filled.len() < LEAST_PARTS {
-            return Ok(None);
+            return None;
         }
-        let rounds = (0..plan.bags)
+        let rounds: Vec<Vec<usize>> = (0..plan.bags)
             .into_par_iter()
             .map(|round| {
                 let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -323,14 +319,14 @@ impl GroupRefit<'_> {
                         equations.information[(j, j)] = 0.0;
                     }
                 }
-                Ok(self.estimate(&equations, plan.least_t_squared)?.active)
+                self.estimate(&equations, plan.least_t_squared).active
             })
-            .collect::<Result<Vec<Vec<usize>>, SparseError>>()?;
+            .collect();
         let mut counts = vec![0_usize; p];
         for j in rounds.into_iter().flatten() {
             counts[j] += 1;
         }
-        Ok(Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect()))
+        Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect())
     }
 
     /// RMS of what the final coefficients leave of each equation \[N·m\].

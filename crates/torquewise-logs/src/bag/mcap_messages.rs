@@ -10,14 +10,11 @@ use mcap::{McapError, McapResult, parse_record};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-/// Bytes before the records of a file.
-const MAGIC_BYTES: u64 = 8;
-/// Bytes of a chunk before the name of its compression, and of that name at most.
+/// Bytes of a chunk before the name of its compression.
 const BEFORE_COMPRESSION: usize = 28;
-const LONGEST_COMPRESSION: u32 = 64;
 
 /// All topics of a bag that have messages, with the number of these.
 pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
@@ -42,6 +39,8 @@ pub(super) struct McapMessages {
     topic: Option<String>,
     input: BufReader<File>,
     reader: LinearReader,
+    /// The records that are left of the chunk that is being read.
+    chunk: Cursor<Vec<u8>>,
     channels: ChannelAccumulator<'static>,
     /// Behind the data, where records repeat what was there.
     in_summary: bool,
@@ -55,16 +54,13 @@ impl McapMessages {
         }
         let options = LinearReaderOptions::default()
             .with_record_length_limit(MAX_BYTES)
-            .with_validate_chunk_crcs(true);
-        let mut input = BufReader::new(input);
-        if has_bad_chunk(&mut input).map_err(LogError::read(file))? {
-            return Err(LogError::Mcap { file: file.into(), source: Box::new(cut_short()) });
-        }
+            .with_emit_chunks(true);
         Ok(Self {
             file: file.into(),
             topic: topic.map(str::to_owned),
-            input,
-            reader: LinearReader::new_with_options(options.with_emit_chunks(false)),
+            input: BufReader::new(input),
+            reader: LinearReader::new_with_options(options),
+            chunk: Cursor::default(),
             channels: ChannelAccumulator::default(),
             in_summary: false,
         })
@@ -81,42 +77,98 @@ impl McapMessages {
     }
 
     fn next_message(&mut self) -> McapResult<Option<mcap::Message<'static>>> {
-        while let Some(event) = self.reader.next_event() {
-            let (opcode, data) = match event? {
+        loop {
+            while let Some((opcode, data)) = next_record(&mut self.chunk)? {
+                if let Some(message) = read_record(&mut self.channels, opcode, data)? {
+                    return Ok(Some(message));
+                }
+            }
+            let Some(event) = self.reader.next_event() else { return Ok(None) };
+            match event? {
                 LinearReadEvent::ReadRequest(wanted) => {
                     let read = self.input.read(self.reader.insert(wanted))?;
                     self.reader.notify_read(read);
-                    continue;
                 }
-                LinearReadEvent::Record { opcode, data } => (opcode, data),
-            };
-            let is_known = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE);
-            if self.in_summary || (!is_known && opcode != op::DATA_END) {
-                continue;
-            }
-            if !has_whole_texts(opcode, data) {
-                return Err(cut_short());
-            }
-            match parse_record(opcode, data)? {
-                Record::Schema { header, data } => {
-                    self.channels.add_schema(header, Cow::Owned(data.into_owned()))?;
+                LinearReadEvent::Record { .. } if self.in_summary => {}
+                LinearReadEvent::Record { opcode: op::DATA_END, .. } => self.in_summary = true,
+                LinearReadEvent::Record { opcode: op::CHUNK, data } => {
+                    self.chunk = Cursor::new(decompressed(data)?);
                 }
-                Record::Channel(channel) => self.channels.add_channel(channel)?,
-                Record::Message { header, data } => {
-                    let unknown = McapError::UnknownChannel(header.sequence, header.channel_id);
-                    let channel = self.channels.get(header.channel_id).ok_or(unknown)?;
-                    return Ok(Some(mcap::Message {
-                        channel,
-                        sequence: header.sequence,
-                        log_time: header.log_time,
-                        publish_time: header.publish_time,
-                        data: Cow::Owned(data.into_owned()),
-                    }));
+                LinearReadEvent::Record { opcode, data } => {
+                    if let Some(message) = read_record(&mut self.channels, opcode, data)? {
+                        return Ok(Some(message));
+                    }
                 }
-                _ => self.in_summary = true,
             }
         }
-        Ok(None)
+    }
+}
+
+/// The next record of a chunk: its kind and what it holds.
+fn next_record(chunk: &mut Cursor<Vec<u8>>) -> McapResult<Option<(u8, &[u8])>> {
+    let at = usize::try_from(chunk.position()).unwrap_or(usize::MAX);
+    let Some((opcode, rest)) = chunk.get_ref().get(at..).and_then(<[u8]>::split_first) else {
+        return Ok(None);
+    };
+    let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(cut_short)?;
+    let length = u64::from_le_bytes(*length);
+    let end =
+        usize::try_from(length).ok().filter(|&end| end <= rest.len()).ok_or_else(cut_short)?;
+    let (opcode, from) = (*opcode, at + 9);
+    chunk.set_position((from + end) as u64);
+    Ok(Some((opcode, &chunk.get_ref()[from..from + end])))
+}
+
+/// Remembers a schema or a channel; returns a message; passes over what else a record may be.
+fn read_record(
+    channels: &mut ChannelAccumulator<'static>,
+    opcode: u8,
+    data: &[u8],
+) -> McapResult<Option<mcap::Message<'static>>> {
+    if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) {
+        return Ok(None);
+    }
+    match whole_record(opcode, data)? {
+        Record::Schema { header, data } => {
+            channels.add_schema(header, Cow::Owned(data.into_owned()))?;
+        }
+        Record::Channel(channel) => channels.add_channel(channel)?,
+        Record::Message { header, data } => {
+            let unknown = McapError::UnknownChannel(header.sequence, header.channel_id);
+            return Ok(Some(mcap::Message {
+                channel: channels.get(header.channel_id).ok_or(unknown)?,
+                sequence: header.sequence,
+                log_time: header.log_time,
+                publish_time: header.publish_time,
+                data: Cow::Owned(data.into_owned()),
+            }));
+        }
+        _ => {}
+    }
+    Ok(None)
+}
+
+/// The records of a chunk: 128 MB at most, and such as its checksum says.
+fn decompressed(data: &[u8]) -> McapResult<Vec<u8>> {
+    let Record::Chunk { header, data } = whole_record(op::CHUNK, data)? else {
+        return Err(cut_short());
+    };
+    let mut input: Box<dyn Read + '_> = match header.compression.as_str() {
+        "" => Box::new(&*data),
+        "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(&*data)),
+        "zstd" => Box::new(zstd::Decoder::with_buffer(&*data)?),
+        other => return Err(McapError::UnsupportedCompression(other.to_owned())),
+    };
+    let mut records = Vec::new();
+    input.by_ref().take(MAX_BYTES as u64 + 1).read_to_end(&mut records)?;
+    if records.len() > MAX_BYTES {
+        return Err(McapError::ChunkTooLarge(header.uncompressed_size));
+    }
+    let calculated = crc32fast::hash(&records);
+    match header.uncompressed_crc {
+        0 => Ok(records),
+        saved if saved == calculated => Ok(records),
+        saved => Err(McapError::BadChunkCrc { saved, calculated }),
     }
 }
 
@@ -124,11 +176,17 @@ fn cut_short() -> McapError {
     McapError::UnexpectedEof
 }
 
-/// Whether the texts of a schema or a channel lie within it: a parser takes the memory that a text
+/// A record whose texts lie within it.
+fn whole_record(opcode: u8, data: &[u8]) -> McapResult<Record<'_>> {
+    if has_whole_texts(opcode, data) { parse_record(opcode, data) } else { Err(cut_short()) }
+}
+
+/// Whether the texts of a chunk, a schema or a channel lie within it: a parser takes the memory that a text
 /// claims before it looks for it.
 fn has_whole_texts(opcode: u8, data: &[u8]) -> bool {
     let whole = |data: &[u8]| -> Option<()> {
         match opcode {
+            op::CHUNK => after_text(data.get(BEFORE_COMPRESSION..)?).map(drop),
             op::SCHEMA => {
                 let rest = after_text(after_text(data.get(2..)?)?)?;
                 after_text(rest).map(drop)
@@ -152,37 +210,6 @@ fn has_whole_texts(opcode: u8, data: &[u8]) -> bool {
 fn after_text(data: &[u8]) -> Option<&[u8]> {
     let (length, rest) = data.split_first_chunk::<4>()?;
     rest.get(u32::from_le_bytes(*length) as usize..)
-}
-
-/// Whether the name of the compression of a chunk claims more than such a name has; from the first
-/// byte of the file, to which it returns.
-fn has_bad_chunk(input: &mut BufReader<File>) -> io::Result<bool> {
-    let size = input.get_ref().metadata()?.len();
-    let mut at = MAGIC_BYTES;
-    input.seek(SeekFrom::Start(at))?;
-    let mut is_bad = false;
-    while at + 9 <= size && !is_bad {
-        let mut head = [0; 9];
-        input.read_exact(&mut head)?;
-        let [opcode, length @ ..] = head;
-        let end = at.saturating_add(9).saturating_add(u64::from_le_bytes(length));
-        // The reader itself tells a record that is cut short.
-        if opcode == op::DATA_END || end > size {
-            break;
-        }
-        if opcode == op::CHUNK {
-            let mut head = Vec::new();
-            input.by_ref().take(BEFORE_COMPRESSION as u64 + 4).read_to_end(&mut head)?;
-            let name = head.get(BEFORE_COMPRESSION..).and_then(|name| name.try_into().ok());
-            is_bad = name.is_some_and(|name| u32::from_le_bytes(name) > LONGEST_COMPRESSION);
-        }
-        // Within what is buffered, nothing is read again.
-        let here = input.stream_position()?;
-        input.seek_relative(end.saturating_sub(here).try_into().unwrap_or(i64::MAX))?;
-        at = end;
-    }
-    input.rewind()?;
-    Ok(is_bad)
 }
 
 impl Messages for McapMessages {

@@ -76,7 +76,7 @@ impl Full {
             return Some(Self::none(problem));
         }
         let gram = Mat::from_fn(size, size, |i, j| problem.gram()[(active[i], active[j])]);
-        let inverse = cholesky::inverse(gram)?;
+        let inverse = cholesky::inverse(&gram)?;
         let coefficients: Vec<f64> = (0..size)
             .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.cross()[active[i]]).sum())
             .collect();

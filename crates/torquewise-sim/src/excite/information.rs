@@ -1,14 +1,7 @@
-//! From rows to information: the Gram matrix, what rows would add to it, how well it is
-//! conditioned.
+//! The information in rows: their Gram matrix, what more rows would add, how well it is conditioned.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{
-    LltRegularization, cholesky_in_place, cholesky_in_place_scratch,
-};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, MatRef, Par, Spec};
+use faer::{Mat, MatRef, Par, Side};
 use torquewise_regression::products::add_gram;
 
 /// Σ aᵀa over rows a, plus a small multiple of one, and its factor. One thread, so that the same
@@ -114,34 +107,15 @@ fn eigenvalues(matrix: &Mat<f64>) -> Vec<f64> {
     if (0..p).any(|j| (j..p).any(|i| !matrix[(i, j)].is_finite())) {
         return Vec::new();
     }
-    let mut values = Diag::zeros(p);
-    let no = ComputeEigenvectors::No;
-    let scratch = self_adjoint_evd_scratch::<f64>(p, no, Par::Seq, Spec::default());
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    let found =
-        self_adjoint_evd(matrix.as_ref(), values.as_mut(), None, Par::Seq, stack, Spec::default());
-    let values = found.is_ok().then(|| values.column_vector().iter().copied().collect());
-    let mut values: Vec<f64> = values.unwrap_or_default();
+    let mut values = matrix.self_adjoint_eigenvalues(Side::Lower).unwrap_or_default();
     values.sort_by(f64::total_cmp);
     values
 }
 
 /// L of a positive definite matrix; not a number on the diagonal if it is none.
 fn factor(matrix: &Mat<f64>) -> Mat<f64> {
-    let p = matrix.nrows();
-    let mut factor = matrix.clone();
-    let scratch = cholesky_in_place_scratch::<f64>(p, Par::Seq, Spec::default());
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    let plain = LltRegularization::default();
-    let done = cholesky_in_place(factor.as_mut(), plain, Par::Seq, stack, Spec::default());
-    if done.is_err() {
-        for j in 0..p {
-            factor[(j, j)] = f64::NAN;
-        }
-    }
-    factor
+    let none = |_| Mat::from_fn(matrix.nrows(), matrix.ncols(), |_, _| f64::NAN);
+    matrix.llt(Side::Lower).map_or_else(none, |factored| factored.L().to_owned())
 }
 
 /// Logarithm of the determinant of L Lᵀ.
