@@ -7,10 +7,8 @@ use pyo3::exceptions::{
 use pyo3::prelude::*;
 use std::error::Error as StdError;
 use std::io::ErrorKind;
-use torquewise::Error;
-use torquewise::identify::IdentifyError;
 use torquewise::logs::LogError as Logs;
-use torquewise::motion::ReadError;
+use torquewise::{Error, Setting};
 
 create_exception!(torquewise, TorquewiseError, PyException, "What torquewise cannot do, and why.");
 create_exception!(torquewise, LogError, TorquewiseError, "A log that cannot be read or used.");
@@ -24,15 +22,25 @@ create_exception!(
 create_exception!(torquewise, UsageError, TorquewiseError, "Options that contradict each other.");
 create_exception!(torquewise, Interrupted, PyKeyboardInterrupt, "Ctrl-C ended the work.");
 
-/// An error with all that caused it, in one line.
-pub(crate) fn message(error: &(dyn StdError + 'static)) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
+/// An error of the engine with all that caused it, its options as keywords, and what to do.
+pub(crate) fn message(error: &Error) -> String {
+    let text = with_causes(error.message(keyword), error.source());
+    error.advice(keyword).map_or(text.clone(), |help| format!("{text}\nhelp: {help}"))
+}
+
+/// An option as a keyword.
+fn keyword(setting: Setting, value: Option<&str>) -> String {
+    let value = match (setting, value) {
+        (Setting::Force, _) => Some("True".to_owned()),
+        (Setting::NoBinary, _) => Some("False".to_owned()),
+        (_, value) => value.map(|value| format!("{value:?}")),
+    };
+    value.map_or(setting.name().to_owned(), |value| format!("{setting}={value}"))
+}
+
+fn with_causes(mut text: String, mut cause: Option<&(dyn StdError + 'static)>) -> String {
     while let Some(own) = cause {
-        let own_text = own.to_string();
-        if !text.contains(&own_text) {
-            text = format!("{text}: {own_text}");
-        }
+        text = format!("{text}: {own}");
         cause = own.source();
     }
     text
@@ -43,37 +51,25 @@ pub(crate) fn raised(error: &Error) -> PyErr {
     let text = message(error);
     match error {
         Error::Interrupted => Interrupted::new_err(text),
+        Error::WrongValue { .. } => PyValueError::new_err(text),
         _ if error.is_usage() => UsageError::new_err(text),
         Error::Log(Logs::Read { source, .. }) if source.kind() == ErrorKind::NotFound => {
             PyFileNotFoundError::new_err(text)
         }
-        Error::Log(_) => LogError::new_err(text),
+        Error::Log(_) | Error::Motion(_) | Error::Read(_) => LogError::new_err(text),
         Error::Model(_) => ModelError::new_err(text),
-        Error::Read(source) | Error::Identify(IdentifyError::Read(source)) => read(source, text),
         _ => FitError::new_err(text),
-    }
-}
-
-/// The exception for what a reader met: an error of the log, or one that was handed through it.
-fn read(source: &ReadError, text: String) -> PyErr {
-    if let Some(own) = source.downcast_ref::<Error>() {
-        return raised(own);
-    }
-    match source.downcast_ref::<IdentifyError>() {
-        Some(IdentifyError::Read(inner)) => read(inner, text),
-        Some(_) => FitError::new_err(text),
-        None => LogError::new_err(text),
     }
 }
 
 /// The exception for any other error: a wrong value.
 pub(crate) fn value_error(error: impl StdError + 'static) -> PyErr {
-    PyValueError::new_err(message(&error))
+    PyValueError::new_err(with_causes(error.to_string(), error.source()))
 }
 
 /// The exception for a model that does not fit what it is asked.
-pub(crate) fn model_error(error: impl StdError + 'static) -> PyErr {
-    ModelError::new_err(message(&error))
+pub(crate) fn model_error(error: torquewise::model::ModelError) -> PyErr {
+    ModelError::new_err(message(&error.into()))
 }
 
 /// The exception for a file that cannot be written.

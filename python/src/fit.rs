@@ -1,24 +1,20 @@
 //! From logs to a model.
 
-use crate::errors::{UsageError, raised};
-use crate::log::{Log, pattern_plan};
+use crate::errors::{UsageError, message, raised, value_error};
+use crate::log::Log;
 use crate::model::{Model, json};
 use crate::work::work;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use serde_json::{Map, Value};
 use std::path::PathBuf;
 use std::sync::Arc;
-use torquewise::identify::plan::Regression;
 use torquewise::log::{Prepared, Rows};
 use torquewise::motion::bounded_file;
 use torquewise::page::{LogFile, Origin, page};
-use torquewise::regression::select::Selector;
-use torquewise::regression::select::criterion::Criterion;
-use torquewise::regression::select::lasso::Lasso;
-use torquewise::regression::select::stlsq::Stlsq;
 use torquewise::urdf::known_geometry;
-use torquewise::{Fit as Run, FitOptions, FitResult, FrictionKind, Library};
+use torquewise::{Fit as Run, FitOptions, FitResult};
 
 /// A model, how it was found, and how far to trust it; see :func:`torquewise.fit`.
 #[pyclass(module = "torquewise", frozen)]
@@ -37,32 +33,6 @@ impl Fit {
     }
 }
 
-/// The value of a keyword of a fit.
-fn keyword<'py, T>(options: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
-where
-    T: for<'a> FromPyObject<'a, 'py>,
-{
-    let Some(value) = options.get_item(name)?.filter(|value| !value.is_none()) else {
-        return Ok(None);
-    };
-    options.del_item(name)?;
-    let wrong = || PyValueError::new_err(format!("{name}: {value} is not what it takes"));
-    value.extract().map(Some).map_err(|_| wrong())
-}
-
-/// One of some words.
-fn one_of<T>(name: &str, word: Option<String>, all: &[(&str, T)]) -> PyResult<Option<T>>
-where
-    T: Clone,
-{
-    let Some(word) = word else { return Ok(None) };
-    let found = all.iter().find(|(own, _)| *own == word);
-    found.map(|(_, value)| Some(value.clone())).ok_or_else(|| {
-        let names: Vec<&str> = all.iter().map(|(own, _)| *own).collect();
-        PyValueError::new_err(format!("{name}={word:?}: expected one of {}", names.join(", ")))
-    })
-}
-
 /// The options that keywords say, those of the command line; others are an error.
 ///
 /// - `joints`: of the log
@@ -72,78 +42,36 @@ pub(crate) fn fit_options(
     joints: &[String],
     seed: u64,
 ) -> PyResult<FitOptions> {
-    let Some(options) = options else {
-        return Ok(FitOptions { seed, ..FitOptions::default() });
+    let mut keywords = Map::from_iter([("seed".to_owned(), seed.into())]);
+    let Some(given) = options else {
+        return FitOptions::of_keywords(&keywords).map_err(|error| raised(&error));
     };
-    let options = &options.copy()?;
-    let libraries =
-        [("energy", Library::Energy), ("product", Library::Product), ("chain", Library::Chain)];
-    let methods = [("stepwise", Regression::Stepwise), ("sindy", Regression::OneShot)];
-    let all =
-        [FrictionKind::None, FrictionKind::Linear, FrictionKind::Stribeck, FrictionKind::Auto];
-    let frictions = all.map(|kind| (kind.name(), kind));
-    let selectors = [
-        ("bic", Selector::Criterion(Criterion::default())),
-        ("lasso", Selector::Lasso(Lasso::default())),
-        ("stlsq", Selector::Stlsq(Stlsq::default())),
-    ];
-    let seed = keyword(options, "seed")?.unwrap_or(seed);
-    let activation = keyword::<String>(options, "activation")?;
-    let patterns = pattern_plan(
-        activation.as_deref().unwrap_or("scaled"),
-        keyword(options, "clusters")?,
-        seed,
-    )?;
-    let found = FitOptions {
-        library: one_of("library", keyword(options, "library")?, &libraries)?,
-        regression: one_of("method", keyword(options, "method")?, &methods)?
-            .unwrap_or(Regression::Stepwise),
-        friction: one_of("friction", keyword(options, "friction")?, &frictions)?,
-        interaction: bounded(options, "interaction", 16)?,
-        trig_order: bounded(options, "trig_order", 8)?.and_then(|order| u8::try_from(order).ok()),
-        gravity_order: bounded(options, "gravity_order", 8)?
-            .and_then(|order| u8::try_from(order).ok()),
-        selector: one_of("select", keyword(options, "select")?, &selectors)?,
-        threshold: keyword(options, "threshold")?,
-        bags: match keyword::<usize>(options, "bags")? {
-            Some(bags) if bags > 1_000 => {
-                return Err(PyValueError::new_err("bags: expected at most 1000"));
-            }
-            bags => bags,
-        },
-        geometry: geometry(options, joints)?,
-        counterbalanced: keyword(options, "counterbalance")?.unwrap_or_default(),
-        noise_correction: keyword(options, "noise_correction")?.unwrap_or(true),
-        physical: keyword(options, "physical")?.unwrap_or(true),
-        patterns,
-        seed,
-    };
-    if found.threshold.is_some_and(|x| !(x >= 0.0 && x.is_finite())) {
-        return Err(PyValueError::new_err("threshold: expected a number that is zero or more"));
-    }
-    refuse_unknown(options)?;
-    Ok(found)
-}
-
-/// Fails where keywords are left that nothing has taken.
-fn refuse_unknown(options: &Bound<'_, PyDict>) -> PyResult<()> {
-    let Some((name, _)) = options.iter().find(|(_, value)| !value.is_none()) else {
-        return Ok(());
-    };
-    Err(UsageError::new_err(format!(
-        "{name} is no option of a fit: expected library, method, friction, interaction, trig_order, \
-         gravity_order, select, threshold, bags, urdf, lock, gravity, counterbalance, \
-         noise_correction, physical, activation, clusters or seed"
-    )))
-}
-
-fn bounded(options: &Bound<'_, PyDict>, name: &str, most: usize) -> PyResult<Option<usize>> {
-    match keyword::<usize>(options, name)? {
-        Some(own) if !(1..=most).contains(&own) => {
-            Err(PyValueError::new_err(format!("{name}: expected a number from 1 to {most}")))
+    let (plain, of_urdf) = (PyDict::new(given.py()), ["urdf", "lock", "gravity"]);
+    for (name, value) in given.iter().filter(|(_, value)| !value.is_none()) {
+        if !of_urdf.contains(&name.extract::<&str>()?) {
+            plain.set_item(name, value)?;
         }
-        own => Ok(own),
     }
+    // Whole numbers of NumPy are none of JSON.
+    let whole = PyDict::new(given.py());
+    whole.set_item("default", given.py().import("operator")?.getattr("index")?)?;
+    let text = given.py().import("json")?.call_method("dumps", (plain,), Some(&whole))?;
+    let plain: Map<String, Value> = serde_json::from_str(text.extract()?).map_err(value_error)?;
+    keywords.extend(plain);
+    let found = FitOptions::of_keywords(&keywords).map_err(|error| raised(&error))?;
+    Ok(FitOptions { geometry: geometry(given, joints)?, ..found })
+}
+
+/// The value of a keyword that is not one of JSON.
+fn keyword<'py, T>(options: &Bound<'py, PyDict>, name: &str) -> PyResult<Option<T>>
+where
+    T: for<'a> FromPyObject<'a, 'py>,
+{
+    let Some(value) = options.get_item(name)?.filter(|value| !value.is_none()) else {
+        return Ok(None);
+    };
+    let wrong = || PyValueError::new_err(format!("{name}: {value} is not what it takes"));
+    value.extract().map(Some).map_err(|_| wrong())
 }
 
 /// Where the axes lie, if a URDF says so.
@@ -167,11 +95,8 @@ fn geometry(
     let text = bounded_file::read_text(&file)?;
     let known = known_geometry(&text, joints, &lock.unwrap_or_default(), gravity);
     known.map(Some).map_err(|error| {
-        PyValueError::new_err(format!(
-            "{} does not help: {}",
-            file.display(),
-            crate::errors::message(&error)
-        ))
+        let (file, why) = (file.display(), message(&error));
+        PyValueError::new_err(format!("cannot match {file} to the joints of the log: {why}"))
     })
 }
 

@@ -8,11 +8,13 @@
 mod arrays;
 mod errors;
 mod fit;
+mod friction_state;
 mod log;
 mod model;
 mod observer;
 mod robot;
 mod simulation;
+mod states;
 mod sums;
 mod work;
 
@@ -30,9 +32,9 @@ mod _core {
     #[pymodule_export]
     use crate::fit::{Fit, fit};
     #[pymodule_export]
-    use crate::log::{Log, inspect, patterns, suggest, write_log};
+    use crate::friction_state::FrictionState;
     #[pymodule_export]
-    use crate::model::{FrictionState, Model};
+    use crate::log::{Log, inspect, patterns, suggest, write_log};
     #[pymodule_export]
     use crate::observer::{contacts, payload};
     #[pymodule_export]

@@ -1,12 +1,12 @@
 //! The learned equations of motion.
 
-use crate::arrays::{Rows, array, check_columns, mat, matrices, motion};
+use crate::arrays::{Rows, array, check_columns, motion};
 use crate::errors::{model_error, raised};
+use crate::friction_state::FrictionState;
 use crate::log::Log;
 use crate::robot;
 use crate::work::work;
-use faer::Mat;
-use numpy::{PyArray1, PyArray2};
+use numpy::PyArray2;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use torquewise::evaluate::{evaluate_prepared, prepare};
 use torquewise::model::selection::Selection;
 use torquewise::model::{self, print};
-use torquewise::motion::{Motion, path::Path};
+use torquewise::motion::Motion;
 use torquewise::physics::{PhysicsCheck, STATES};
 use torquewise::predict::{Interval, MotionRange};
 use torquewise::{Torque, describe};
@@ -28,7 +28,7 @@ use torquewise::{Torque, describe};
 #[derive(Clone, Debug)]
 pub(crate) struct Model {
     pub(crate) model: Arc<model::Model>,
-    torque: Arc<Torque>,
+    pub(crate) torque: Arc<Torque>,
 }
 
 impl PartialEq for Model {
@@ -43,72 +43,8 @@ impl Model {
         Self { model: Arc::new(model), torque: Arc::new(torque) }
     }
 
-    fn n(&self) -> usize {
+    pub(crate) fn n(&self) -> usize {
         self.model.n_joints()
-    }
-
-    /// A quantity of n numbers at one state, or at each of several.
-    fn at_each<'py, const K: usize>(
-        &self,
-        py: Python<'py>,
-        inputs: [(&str, &Rows<'py>); K],
-        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        if let Some(one) = one_state(&inputs) {
-            let found = of(&self.torque, one).map_err(model_error)?;
-            return Ok(PyArray1::from_vec(py, found).into_any());
-        }
-        let (rows, inputs) = self.many(inputs)?;
-        let n = self.n();
-        let found = py.detach(|| {
-            let mut all = Mat::zeros(rows, n);
-            for row in 0..rows {
-                let own = of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice))?;
-                own.iter().enumerate().for_each(|(joint, value)| all[(row, joint)] = *value);
-            }
-            Ok(all)
-        });
-        Ok(array(py, found.map_err(|error: model::ModelError| model_error(error))?.as_ref())
-            .into_any())
-    }
-
-    /// The same of n×n numbers.
-    fn matrix_at_each<'py, const K: usize>(
-        &self,
-        py: Python<'py>,
-        inputs: [(&str, &Rows<'py>); K],
-        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        if let Some(one) = one_state(&inputs) {
-            let found = of(&self.torque, one).map_err(model_error)?;
-            return Ok(array(py, found.as_ref()).into_any());
-        }
-        let (rows, inputs) = self.many(inputs)?;
-        let found = py.detach(|| {
-            let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
-            (0..rows).map(at).collect::<Result<Vec<_>, _>>()
-        });
-        Ok(matrices(py, &found.map_err(model_error)?, self.n()).into_any())
-    }
-
-    /// Copies of inputs of several states, one column for each joint.
-    fn many<const K: usize>(
-        &self,
-        inputs: [(&str, &Rows<'_>); K],
-    ) -> PyResult<(usize, [Mat<f64>; K])> {
-        let rows = inputs.first().map_or(0, |(_, rows)| rows.view().nrows());
-        for (name, own) in &inputs {
-            let view = own.view();
-            check_columns(name, &view, self.n())?;
-            if view.nrows() != rows {
-                return Err(PyValueError::new_err(format!(
-                    "{name} has {} rows, {} has {rows}: give as many states of each",
-                    view.nrows(),
-                    inputs[0].0
-                )));
-            }
-        }
-        Ok((rows, inputs.map(|(_, rows)| mat(rows.view()))))
     }
 
     fn motion(&self, [q, dq, ddq]: [&Rows<'_>; 3]) -> PyResult<Motion> {
@@ -118,20 +54,6 @@ impl Model {
         }
         motion(&self.model.joints, None, views.map(Some), None)
     }
-}
-
-/// The numbers of one state, if all inputs are of one.
-fn one_state<'a, const K: usize>(inputs: &'a [(&str, &Rows<'_>); K]) -> Option<[&'a [f64]; K]> {
-    let mut all = [&[][..]; K];
-    for (own, (_, rows)) in all.iter_mut().zip(inputs) {
-        let Rows::One(one) = rows else { return None };
-        *own = one;
-    }
-    Some(all)
-}
-
-fn state_of<const K: usize>(inputs: &[Mat<f64>; K], row: usize) -> [Vec<f64>; K] {
-    inputs.each_ref().map(|values| values.row(row).iter().copied().collect())
 }
 
 #[pymethods]
@@ -424,62 +346,4 @@ impl Model {
 /// The text of an object for Python to parse.
 pub(crate) fn json(found: &impl serde::Serialize) -> PyResult<String> {
     serde_json::to_string(found).map_err(crate::errors::value_error)
-}
-
-/// What friction remembers of the path: give :meth:`step` every sample of q.
-#[pyclass(module = "torquewise")]
-#[derive(Debug)]
-pub(crate) struct FrictionState {
-    n: usize,
-    torque: Arc<Torque>,
-    path: Path,
-}
-
-#[pymethods]
-impl FrictionState {
-    /// Forgets the path.
-    fn reset(&mut self) {
-        self.path.reset();
-    }
-
-    /// Takes the next sample of q [rad], n.
-    fn step(&mut self, q: Rows<'_>) -> PyResult<()> {
-        let view = q.view();
-        check_columns("q", &view, self.n)?;
-        for row in view.rows() {
-            self.path.step(&row.iter().copied().collect::<Vec<f64>>());
-        }
-        Ok(())
-    }
-
-    /// tau [N·m] at the last sample, n.
-    fn torque<'py>(
-        &self,
-        py: Python<'py>,
-        dq: Rows<'py>,
-        ddq: Rows<'py>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let (dq, ddq) = (self.one("dq", &dq)?, self.one("ddq", &ddq)?);
-        let tau = self.torque.after(&self.path, &dq, &ddq).map_err(model_error)?;
-        Ok(PyArray1::from_vec(py, tau))
-    }
-
-    /// F [N·m] at the last sample, n.
-    fn friction<'py>(&self, py: Python<'py>, dq: Rows<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let dq = self.one("dq", &dq)?;
-        let tau = self.torque.friction_after(&self.path, &dq).map_err(model_error)?;
-        Ok(PyArray1::from_vec(py, tau))
-    }
-}
-
-impl FrictionState {
-    fn one(&self, name: &str, rows: &Rows<'_>) -> PyResult<Vec<f64>> {
-        if self.path.q().len() != self.n {
-            return Err(PyValueError::new_err("give step() a sample of q first"));
-        }
-        let Rows::One(one) = rows else {
-            return Err(PyValueError::new_err(format!("{name} is one state")));
-        };
-        Ok(one.clone())
-    }
 }

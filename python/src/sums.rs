@@ -25,12 +25,12 @@ pub(crate) struct Request {
     request: rounds::Request,
 }
 
-fn failed(error: &IdentifyError) -> PyErr {
-    FitError::new_err(message(error))
+fn failed(error: IdentifyError) -> PyErr {
+    FitError::new_err(message(&error.into()))
 }
 
-fn damaged(error: &IdentifyError) -> PyErr {
-    LogError::new_err(message(error))
+fn damaged(error: IdentifyError) -> PyErr {
+    LogError::new_err(message(&error.into()))
 }
 
 #[pymethods]
@@ -67,7 +67,7 @@ impl Summary {
     /// The sums of these logs and others.
     fn merge(&self, other: &Self) -> PyResult<Self> {
         let mut sums = self.sums.clone();
-        sums.merge(&other.sums).map_err(|error| failed(&error))?;
+        sums.merge(&other.sums).map_err(failed)?;
         Ok(Self { sums })
     }
 
@@ -110,14 +110,14 @@ impl Summary {
 
     /// The bytes of a moments file, with a checksum.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| self.sums.to_bytes()).map_err(|error| failed(&error))?;
+        let bytes = py.detach(|| self.sums.to_bytes()).map_err(failed)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
     /// Sums from such bytes.
     #[classmethod]
     fn from_bytes(_class: &Bound<'_, PyType>, bytes: &[u8]) -> PyResult<Self> {
-        Sums::from_bytes(bytes).map(|sums| Self { sums }).map_err(|error| damaged(&error))
+        Sums::from_bytes(bytes).map(|sums| Self { sums }).map_err(damaged)
     }
 
     fn __reduce__<'py>(
@@ -143,14 +143,14 @@ impl Request {
 
     /// The bytes of a request file.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = self.request.to_bytes().map_err(|error| failed(&error))?;
+        let bytes = self.request.to_bytes().map_err(failed)?;
         Ok(PyBytes::new(py, &bytes))
     }
 
     /// A request from such bytes.
     #[classmethod]
     fn from_bytes(_class: &Bound<'_, PyType>, bytes: &[u8]) -> PyResult<Self> {
-        let request = rounds::Request::from_bytes(bytes).map_err(|error| damaged(&error))?;
+        let request = rounds::Request::from_bytes(bytes).map_err(damaged)?;
         Ok(Self { request })
     }
 

@@ -23,7 +23,7 @@ def table(log):
 
 @pytest.mark.parametrize("kind", [Stepwise, Chain, SINDy])
 def test_all_ways_to_give_a_motion_are_one(kind, train, test):
-    options = {} if kind is not Stepwise else {"bags": 0}
+    options = {} if kind is not Stepwise else {"n_bootstrap": 0}
     signals = [train[key] for key in ("q", "dq", "ddq", "tau")]
     by_signals = kind(**options).fit(*signals)
     by_table = kind(**options).fit(*table(train))
@@ -45,8 +45,8 @@ def test_trajectories_are_told_apart_by_groups(train):
         for own in (slice(3000), slice(3000, None))
     ]
     groups = np.repeat([0, 1], 3000)
-    by_list = Stepwise(bags=0).fit(halves)
-    by_groups = Stepwise(bags=0).fit(*table(train), t=train["t"], groups=groups)
+    by_list = Stepwise(n_bootstrap=0).fit(halves)
+    by_groups = Stepwise(n_bootstrap=0).fit(*table(train), t=train["t"], groups=groups)
 
     assert by_list.model_ == by_groups.model_
 
@@ -86,13 +86,13 @@ def test_grouped_folds_choose_a_threshold(train):
 def test_it_ends_a_pipeline(train):
     from sklearn.preprocessing import FunctionTransformer
 
-    own = make_pipeline(FunctionTransformer(), Stepwise(bags=0)).fit(*table(train))
+    own = make_pipeline(FunctionTransformer(), Stepwise(n_bootstrap=0)).fit(*table(train))
 
     assert is_regressor(own) and own.score(*table(train)) > 0.999
 
 
 def test_a_fitted_one_is_pickled(train, test):
-    own = Stepwise(bags=0).fit(*table(train))
+    own = Stepwise(n_bootstrap=0).fit(*table(train))
     again = pickle.loads(pickle.dumps(own))
 
     assert np.array_equal(again.predict(test), own.predict(test))
@@ -100,7 +100,7 @@ def test_a_fitted_one_is_pickled(train, test):
 
 
 def test_the_words_of_pysindy(train, capsys):
-    own = Stepwise(bags=0).fit(*table(train))
+    own = Stepwise(n_bootstrap=0).fit(*table(train))
 
     assert own.coefficients().shape == (2, len(own.get_feature_names()))
     own.print()
@@ -176,7 +176,7 @@ def test_checks_of_scikit_learn(estimator, check):
 def test_what_the_others_check_holds_for_motions(train, tmp_path):
     rows, truth = table(train)
     np.save(tmp_path / "rows.npy", rows)
-    own = Stepwise(bags=0)
+    own = Stepwise(n_bootstrap=0)
     before = dict(own.get_params())
     assert own.fit(rows, truth) is own and own.get_params() == before
     model, state = own.model_, dict(own.__dict__)
@@ -192,7 +192,7 @@ def test_what_the_others_check_holds_for_motions(train, tmp_path):
     # Any order in memory, type, or file that is only read.
     mapped = np.load(tmp_path / "rows.npy", mmap_mode="r")
     for other in (np.asfortranarray(rows), rows.astype(object), mapped, rows.tolist()):
-        assert Stepwise(bags=0).fit(other, truth).model_ == model
+        assert Stepwise(n_bootstrap=0).fit(other, truth).model_ == model
     bad = rows.copy()
     bad[3, 2] = np.nan
     for call in (lambda: Stepwise().fit(bad, truth), lambda: own.predict(bad)):

@@ -1,9 +1,8 @@
 //! Settings that several commands share.
 
-use crate::error::CliError;
+use crate::error::{CliError, Result};
 use crate::files::read_text;
 use crate::selection::{Friction, SelectionArguments};
-use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use torquewise::FitOptions;
@@ -19,12 +18,13 @@ pub(crate) enum Activation {
     /// Each joint by its own range, sensitivity from the noise floor
     #[default]
     Scaled,
-    /// The constants printed in the paper
+    /// Fixed constants, as published with the method
     Paper,
 }
 
 /// What is known of an arm before its log is read.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Learned chain")]
 pub(crate) struct RobotArguments {
     /// Take the joint axes from a URDF instead of searching them: joints go by name, in its order
     /// where it has none of the names; those that the log does not have are held at 0
@@ -33,7 +33,7 @@ pub(crate) struct RobotArguments {
     /// Joints of the URDF that are held at 0, where names do not tell
     #[arg(long, value_name = "JOINT", value_delimiter = ',', requires = "urdf")]
     lock: Vec<String>,
-    /// Where things fall in the frame of the base of the URDF, of any length [default: 0,0,-1]
+    /// Gravity direction in the URDF base frame, normalised [default: 0,0,-1]
     #[arg(long, value_name = "X,Y,Z", requires = "urdf", allow_hyphen_values = true)]
     #[arg(value_parser = direction)]
     gravity: Option<Direction>,
@@ -49,7 +49,8 @@ impl RobotArguments {
         let Some(file) = &self.urdf else { return Ok(None) };
         let gravity = self.gravity.map(|Direction(gravity)| gravity);
         let known = known_geometry(&read_text(file)?, joints, &self.lock, gravity);
-        Ok(Some(known.with_context(|| format!("{} does not help", file.display()))?))
+        let what = || format!("cannot match {} to the joints of the log", file.display());
+        Ok(Some(known.map_err(|error| CliError::from(error).within(what()))?))
     }
 
     /// The file, if one is named.
@@ -73,6 +74,7 @@ pub(crate) struct Clusters(Option<usize>);
 
 /// How rows are clustered.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Patterns of motion")]
 pub(crate) struct PatternArguments {
     /// Constants of the activation index
     #[arg(long, value_enum, default_value_t)]
@@ -80,7 +82,7 @@ pub(crate) struct PatternArguments {
     /// Number of clusters from 1 to 9, or `auto` for the elbow
     #[arg(long, value_name = "auto|K", default_value = "auto", value_parser = clusters)]
     clusters: Clusters,
-    /// Seed of everything random
+    /// Random seed
     #[arg(long, default_value_t = 0)]
     seed: u64,
 }
@@ -111,6 +113,7 @@ pub(crate) enum Library {
 
 /// How a log becomes a model, the method left open.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Method")]
 pub(crate) struct PlanArguments {
     /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
     /// or five joints and more]
@@ -120,13 +123,13 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_enum)]
     friction: Option<Friction>,
     /// Energy library: at most this many joint angles in a term [default: as many as are feasible]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(help_heading = "Term libraries", long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: Option<u8>,
     /// Product library: factors of sine and cosine in a term [default: 4]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    #[arg(help_heading = "Term libraries", long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     trig_order: Option<u8>,
     /// Product library: the same for the gravity step [default: 2]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
+    #[arg(help_heading = "Term libraries", long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     gravity_order: Option<u8>,
     #[command(flatten)]
     selection: SelectionArguments,
@@ -137,7 +140,7 @@ pub(crate) struct PlanArguments {
 impl PlanArguments {
     /// The options of a fit by a method.
     pub(crate) fn options(&self, regression: Regression) -> FitOptions {
-        let patterns = self.patterns.plan();
+        let PatternPlan { scaling: activation, clusters, seed, .. } = self.patterns.plan();
         self.selection.apply_to(FitOptions {
             library: self.library.map(|library| match library {
                 Library::Energy => torquewise::Library::Energy,
@@ -149,8 +152,9 @@ impl PlanArguments {
             interaction: self.interaction.map(usize::from),
             trig_order: self.trig_order,
             gravity_order: self.gravity_order,
-            seed: patterns.seed,
-            patterns,
+            activation,
+            clusters,
+            seed,
             ..FitOptions::default()
         })
     }
@@ -159,7 +163,7 @@ impl PlanArguments {
     ///
     /// # Errors
     /// [`CliError::Usage`] names the flag.
-    pub(crate) fn refuse_selection(&self) -> Result<(), CliError> {
+    pub(crate) fn refuse_selection(&self) -> Result<()> {
         match self.selection.given() {
             None => Ok(()),
             Some(flag) => Err(CliError::Usage(format!(

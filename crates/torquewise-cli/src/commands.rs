@@ -14,7 +14,7 @@ mod show;
 mod predict;
 mod evaluate;
 mod payload;
-mod residuals;
+mod contacts;
 mod compare;
 mod export;
 mod control;
@@ -22,22 +22,26 @@ mod reproduce;
 mod demo;
 mod completions;
 
+use crate::error::Result;
 use crate::outcome::Outcome;
-use anyhow::Result;
 use clap::{CommandFactory, Parser, Subcommand};
 
 /// From the motion log of a robot arm to its equations of motion
 ///
 /// A LOG is a ROS 2 bag (.db3, .mcap) of JointState messages, or a .csv, .parquet, .npz or .mat
 /// file with the columns t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI units; dq and ddq may be
-/// missing. A profile (--profile) tells of other columns and units. Exit codes: 0 done, 1 failed,
-/// 2 wrong usage, 3 done with warnings.
+/// missing. A profile (--profile) tells of other columns and units. Exit codes: 0 done, also with
+/// warnings, 1 failed, 2 wrong usage, 3 the verdict on the model is `unusable`, or --strict and any
+/// warning.
 #[derive(Debug, Parser)]
 #[command(name = "torquewise", version, propagate_version = true)]
 pub(crate) struct CommandLine {
     /// Print one JSON object on stdout and nothing else there
     #[arg(long, global = true)]
     pub(crate) json: bool,
+    /// Exit with 3 if there is any warning
+    #[arg(long, global = true)]
+    pub(crate) strict: bool,
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -46,7 +50,6 @@ pub(crate) struct CommandLine {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Demo(demo::Arguments),
-    Arms(arms::Arguments),
     Simulate(simulate::Arguments),
     Excite(excite::Arguments),
     Inspect(inspect::Arguments),
@@ -60,7 +63,8 @@ pub(crate) enum Command {
     Predict(predict::Arguments),
     Evaluate(evaluate::Arguments),
     Payload(payload::Arguments),
-    Residuals(residuals::Arguments),
+    #[command(visible_alias = "residuals")]
+    Contacts(contacts::Arguments),
     Compare(compare::Arguments),
     Export(export::Arguments),
     Control(control::Arguments),
@@ -73,7 +77,6 @@ impl Command {
     pub(crate) fn run(&self) -> Result<Outcome> {
         match self {
             Self::Demo(arguments) => demo::run(arguments),
-            Self::Arms(arguments) => Ok(arms::run(arguments)),
             Self::Simulate(arguments) => simulate::run(arguments),
             Self::Excite(arguments) => excite::run(arguments),
             Self::Inspect(arguments) => inspect::run(arguments),
@@ -87,7 +90,7 @@ impl Command {
             Self::Predict(arguments) => predict::run(arguments),
             Self::Evaluate(arguments) => evaluate::run(arguments),
             Self::Payload(arguments) => payload::run(arguments),
-            Self::Residuals(arguments) => residuals::run(arguments),
+            Self::Contacts(arguments) => contacts::run(arguments),
             Self::Compare(arguments) => compare::run(arguments),
             Self::Export(arguments) => export::run(arguments),
             Self::Control(arguments) => control::run(arguments),

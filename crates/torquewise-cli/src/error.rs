@@ -1,77 +1,117 @@
-//! Errors of the command line.
+//! Errors of the command line, and those of the library in its words: options are flags.
 
-use anyhow::anyhow;
+use miette::Diagnostic;
+use std::error::Error;
 use std::io;
 use std::path::PathBuf;
-use torquewise::Error;
-use torquewise::identify::IdentifyError;
+use torquewise::Setting;
 
-/// Why a command cannot be carried out, beyond what the library says.
-#[derive(Debug, thiserror::Error)]
+/// What a command comes to.
+pub(crate) type Result<T, E = CliError> = std::result::Result<T, E>;
+
+/// Why a command cannot be carried out.
+#[derive(Debug, thiserror::Error, Diagnostic)]
 #[non_exhaustive]
 pub(crate) enum CliError {
+    #[error("{}", .0.message(flag))]
+    Library(torquewise::Error),
+    #[error("{what}")]
+    In { what: String, source: Box<Self> },
     #[error("{0}")]
     Usage(String),
-    #[error("{} cannot be read: check that it exists and may be read", file.display())]
+    #[error("{} cannot be read", file.display())]
+    #[diagnostic(help("check that it exists and may be read"))]
     Read { file: PathBuf, source: io::Error },
-    #[error(
-        "{} cannot be written: check that its folder may be written and has room",
-        file.display()
-    )]
+    #[error("{} cannot be written", file.display())]
+    #[diagnostic(help("check that its folder may be written and has room"))]
     Write { file: PathBuf, source: io::Error },
-    #[error(
-        "{} cannot be written, there is no folder {}: create it or name another",
-        file.display(),
-        folder.display()
-    )]
+    #[error("{} cannot be written, there is no folder {}", file.display(), folder.display())]
+    #[diagnostic(help("create it or name another"))]
     NoFolder { file: PathBuf, folder: PathBuf },
-    #[error("{} is a folder: name a file in it", .0.display())]
+    #[error("{} is a folder", .0.display())]
+    #[diagnostic(help("name a file in it"))]
     OutputIsFolder(PathBuf),
-    #[error("{} is a file: name a folder", .0.display())]
+    #[error("{} is a file", .0.display())]
+    #[diagnostic(help("name a folder"))]
     NotAFolder(PathBuf),
-    #[error("{} is read by this command: give the output another name", .0.display())]
+    #[error("{} is read by this command", .0.display())]
+    #[diagnostic(help("give the output another name"))]
     OutputIsInput(PathBuf),
-    #[error("{} would be written twice: give each output a name of its own", .0.display())]
+    #[error("{} would be written twice", .0.display())]
+    #[diagnostic(help("give each output a name of its own"))]
     SameOutput(PathBuf),
-    #[error("{} would not hold what its name says: expected {expected}", file.display())]
+    #[error("unsupported extension for this output: {}, expected {expected}", file.display())]
     Ending { file: PathBuf, expected: String },
-    #[error(
-        "the torque at t = {t} s is beyond all numbers: the positions, velocities and accelerations \
-         there are no motion of an arm, check the log"
-    )]
-    NotFinite { t: f64 },
-    #[error("{} exists and is not empty: name a new folder", .0.display())]
+    #[error("{} exists and is not empty", .0.display())]
+    #[diagnostic(help("name a new folder"))]
     NotEmpty(PathBuf),
-    #[error(
-        "the model is of joints {model}, the arm has {arm}: give the arm the model was learned \
-         on, or --lock the joints that the log did not move"
-    )]
+    #[error("the model is of joints {model}, the arm has {arm}")]
+    #[diagnostic(help(
+        "give the arm the model was learned on, or --lock the joints that the log did not move"
+    ))]
     ModelOfAnotherArm { model: String, arm: String },
-    #[error("{} does not add to the parts before it", file.display())]
-    Part { file: PathBuf, source: IdentifyError },
-    #[error("the results cannot be written to standard output: check where it is redirected to")]
+    #[error("the experiments cannot be done")]
+    Experiment { source: Box<dyn Error + Send + Sync> },
+    #[error("the results cannot be written to standard output")]
+    #[diagnostic(help("check where it is redirected to"))]
     Stdout { source: io::Error },
 }
 
-/// An error of the library in the words of the command line: options are flags.
-pub(crate) fn in_flags(error: anyhow::Error) -> anyhow::Error {
-    match error.downcast_ref() {
-        Some(Error::UnusedOption { option, fitted, because, user }) => {
-            let user = user.replace("the library ", "--library ");
-            let user = user.replace("the method ", "--method ");
-            let user = user.replace("an interaction order", "--interaction K");
-            CliError::Usage(format!(
-                "--{option} is not used by {fitted}, which is fitted because {because}: leave it \
-                 out or choose {user}"
-            ))
-            .into()
-        }
-        Some(Error::NotPositiveDefinite { .. } | Error::NoCompiler { .. }) => {
-            let text = error.to_string();
-            let text = text.replace("or force it", "or give --force");
-            let text = text.replace("the library chain", "--library chain");
-            anyhow!(text.replace("ask for no binary", "give --no-binary"))
-        }
-        _ => error,
+impl<E: Into<torquewise::Error>> From<E> for CliError {
+    fn from(error: E) -> Self {
+        Self::Library(error.into())
     }
+}
+
+impl CliError {
+    /// The same, met in some file or work.
+    pub(crate) fn within(self, what: impl Into<String>) -> Self {
+        Self::In { what: what.into(), source: Box::new(self) }
+    }
+
+    /// Whether the line that was typed is wrong, rather than what it reads.
+    pub(crate) fn is_usage(&self) -> bool {
+        match self {
+            Self::Usage(_) => true,
+            Self::Library(error) => error.is_usage(),
+            Self::In { source, .. } => source.is_usage(),
+            _ => false,
+        }
+    }
+
+    /// What to do, if that is known.
+    pub(crate) fn advice(&self) -> Option<String> {
+        match self {
+            Self::Library(error) => error.advice(flag),
+            Self::In { source, .. } => source.advice(),
+            other => other.help().map(|help| help.to_string()),
+        }
+    }
+
+    /// What went wrong and what caused it, a line each.
+    pub(crate) fn causes(&self) -> Vec<String> {
+        let mut messages = vec![self.to_string()];
+        let mut cause = match self {
+            Self::Library(error) => error.source(),
+            other => other.source(),
+        };
+        while let Some(own) = cause {
+            messages.push(own.to_string());
+            cause = own.source();
+        }
+        // A transparent error says what its source says.
+        messages.dedup();
+        messages
+    }
+}
+
+/// An option as a flag.
+fn flag(setting: Setting, value: Option<&str>) -> String {
+    let name = match setting {
+        Setting::Bootstrap => "bootstrap".to_owned(),
+        Setting::NoiseCorrection => "no-noise-correction".to_owned(),
+        Setting::NoBinary => "no-binary".to_owned(),
+        other => other.name().split('_').collect::<Vec<_>>().join("-"),
+    };
+    value.map_or_else(|| format!("--{name}"), |value| format!("--{name} {value}"))
 }

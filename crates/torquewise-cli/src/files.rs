@@ -1,13 +1,12 @@
 //! Paths → texts, models and arms; texts → files, written whole or not at all.
 
-use crate::error::CliError;
-use anyhow::{Context, Result};
+use crate::error::{CliError, Result};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use std::{env, fs, io, mem, thread};
 use tempfile::TempDir;
-use torquewise::dynamics::{Arm, Friction};
+use torquewise::dynamics::{Arm, Friction, SimError};
 use torquewise::model::{Model, number};
 use torquewise::motion::bounded_file;
 use torquewise::motion::whole_file::{self, destination, folder_of, keep_mode};
@@ -22,14 +21,17 @@ pub(crate) fn read_model(file: &Path) -> Result<Model> {
 pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
     let file = Path::new(arm);
     let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
-    let in_file = || format!("no arm in {arm}");
+    let read = |read: &dyn Fn(&str) -> Result<Arm, SimError>| {
+        read(&read_text(file)?)
+            .map_err(|error| CliError::from(error).within(format!("no arm in {arm}")))
+    };
     match extension.as_deref() {
-        Some("urdf") => Arm::from_urdf(&read_text(file)?, locked).with_context(in_file),
+        Some("urdf") => read(&|text| Arm::from_urdf(text, locked)),
         _ if !locked.is_empty() => {
             let message = "--lock is for arms from a .urdf file: leave it out".to_owned();
-            Err(CliError::Usage(message).into())
+            Err(CliError::Usage(message))
         }
-        Some("toml") => Arm::from_dh_toml(&read_text(file)?).with_context(in_file),
+        Some("toml") => read(&Arm::from_dh_toml),
         Some("json") => Ok(twin::arm(&read_model(file)?)?),
         _ => Ok(Arm::builtin(arm)?),
     }
@@ -43,7 +45,7 @@ pub(crate) fn read_twin(arm: &str, friction: Option<&Path>) -> Result<Option<Mod
     }
     if friction.is_some() {
         let message = "--friction is not for a model, which has its own: leave it out";
-        return Err(CliError::Usage(message.to_owned()).into());
+        return Err(CliError::Usage(message.to_owned()));
     }
     Ok(Some(read_model(file)?))
 }
@@ -52,42 +54,71 @@ pub(crate) fn read_twin(arm: &str, friction: Option<&Path>) -> Result<Option<Mod
 pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> {
     match file {
         None => Ok(Friction::none(arm.n_joints())),
-        Some(file) => Friction::from_toml(&read_text(file)?, arm.joints())
-            .with_context(|| format!("no friction in {}", file.display())),
+        Some(file) => Friction::from_toml(&read_text(file)?, arm.joints()).map_err(|error| {
+            CliError::from(error).within(format!("no friction in {}", file.display()))
+        }),
     }
 }
 
 /// Reads a file of bytes.
-pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>, CliError> {
+pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>> {
     bounded_file::read(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
 /// Reads a file of text.
-pub(crate) fn read_text(file: &Path) -> Result<String, CliError> {
+pub(crate) fn read_text(file: &Path) -> Result<String> {
     bounded_file::read_text(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
-/// Refuses an output that cannot be written or would replace what is read, before work is done.
-pub(crate) fn check_output(file: &Path, inputs: &[PathBuf]) -> Result<(), CliError> {
-    let folder = folder_of(file);
-    if !folder.is_dir() {
-        return Err(CliError::NoFolder { file: file.into(), folder: folder.into() });
-    }
-    if file.is_dir() {
-        return Err(CliError::OutputIsFolder(file.into()));
-    }
-    let refused = |source| CliError::Write { file: file.into(), source };
-    destination(file).map_err(refused)?;
-    let Ok(output) = file.canonicalize() else { return Ok(()) };
-    let is_output = |input: &PathBuf| input.canonicalize().is_ok_and(|input| input == output);
-    if inputs.iter().any(is_output) {
-        return Err(CliError::OutputIsInput(file.into()));
+/// A file to be written, and the endings that its name may have; any without.
+pub(crate) type Output<'a> = (&'a Path, &'a [&'a str]);
+
+/// Refuses outputs that cannot be written, would replace what is read or each other, or whose name
+/// promises another format, before work is done.
+pub(crate) fn check_files<'a>(
+    inputs: impl IntoIterator<Item = &'a PathBuf>,
+    outputs: impl IntoIterator<Item = Output<'a>>,
+) -> Result<()> {
+    let inputs: Vec<PathBuf> =
+        inputs.into_iter().filter_map(|input| input.canonicalize().ok()).collect();
+    let mut seen: Vec<PathBuf> = Vec::new();
+    for (file, endings) in outputs {
+        let folder = folder_of(file);
+        if !folder.is_dir() {
+            return Err(CliError::NoFolder { file: file.into(), folder: folder.into() });
+        }
+        if file.is_dir() {
+            return Err(CliError::OutputIsFolder(file.into()));
+        }
+        let refused = |source| CliError::Write { file: file.into(), source };
+        destination(file).map_err(refused)?;
+        check_ending(file, endings)?;
+        // A file that does not exist yet has a folder that does.
+        let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
+        let new = || folder.join(file.file_name().unwrap_or_default());
+        let real = file.canonicalize().unwrap_or_else(|_| new());
+        if inputs.contains(&real) {
+            return Err(CliError::OutputIsInput(file.into()));
+        }
+        if seen.contains(&real) {
+            return Err(CliError::SameOutput(file.into()));
+        }
+        seen.push(real);
     }
     Ok(())
 }
 
+fn check_ending(file: &Path, endings: &[&str]) -> Result<()> {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if endings.is_empty() || ending.is_some_and(|ending| endings.contains(&&*ending)) {
+        return Ok(());
+    }
+    let expected = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
+    Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
+}
+
 /// Refuses a motion of more rows than are to be held in memory.
-pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<(), CliError> {
+pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<()> {
     if seconds * rate <= most {
         return Ok(());
     }
@@ -96,35 +127,6 @@ pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<(), CliEr
          time or a lower rate",
         number(seconds * rate)
     )))
-}
-
-/// Refuses two outputs that are one file, under whatever names.
-pub(crate) fn check_distinct<'a>(
-    files: impl IntoIterator<Item = &'a PathBuf>,
-) -> Result<(), CliError> {
-    let mut seen: Vec<PathBuf> = Vec::new();
-    for file in files {
-        // A file that does not exist yet has a folder that does.
-        let folder = folder_of(file).canonicalize().unwrap_or_else(|_| folder_of(file).into());
-        let real = file
-            .canonicalize()
-            .unwrap_or_else(|_| folder.join(file.file_name().unwrap_or_default()));
-        if seen.contains(&real) {
-            return Err(CliError::SameOutput(file.clone()));
-        }
-        seen.push(real);
-    }
-    Ok(())
-}
-
-/// Refuses a file whose name promises another format.
-pub(crate) fn check_ending(file: &Path, endings: &[&str]) -> Result<(), CliError> {
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    if ending.is_some_and(|ending| endings.contains(&&*ending)) {
-        return Ok(());
-    }
-    let expected = endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
-    Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
 }
 
 /// What the command at work has begun and not yet put in place.
@@ -155,7 +157,7 @@ impl Unfinished {
         Ok(path)
     }
 
-    fn put_in_place(&mut self) -> Result<(), CliError> {
+    fn put_in_place(&mut self) -> Result<()> {
         for (written, file) in mem::take(&mut self.files) {
             let placed = keep_mode(&written, &file).and_then(|()| fs::rename(&written, &file));
             placed.map_err(|source| CliError::Write { file, source })?;
@@ -187,7 +189,7 @@ fn remove_folder(folder: &Path) {
 
 /// Where to write what will appear as `file` when the command is done: a temporary file of that
 /// name in the same folder, or `file` itself where that is a device or a pipe.
-pub(crate) fn staged(file: &Path) -> Result<PathBuf, CliError> {
+pub(crate) fn staged(file: &Path) -> Result<PathBuf> {
     let failed = |source| CliError::Write { file: file.into(), source };
     let Some(target) = destination(file).map_err(failed)? else { return Ok(file.into()) };
     let mut all = unfinished();
@@ -198,13 +200,13 @@ pub(crate) fn staged(file: &Path) -> Result<PathBuf, CliError> {
 }
 
 /// Writes bytes or a text to what will appear as `file`.
-pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
     whole_file::write_whole(&staged(file)?, bytes.as_ref())
         .map_err(|source| CliError::Write { file: file.into(), source })
 }
 
 /// A folder for work between, gone when the command ends.
-pub(crate) fn work_folder() -> Result<PathBuf, CliError> {
+pub(crate) fn work_folder() -> Result<PathBuf> {
     let parent = env::temp_dir();
     let made = unfinished().temporary_in(&parent);
     made.map_err(|source| CliError::Write { file: parent, source })
@@ -238,7 +240,7 @@ pub(crate) fn abandon() -> usize {
 
 /// Makes a folder for results, and tries whether files can be written there; it is gone again
 /// where the command does not succeed.
-pub(crate) fn create_folder(folder: &Path) -> Result<(), CliError> {
+pub(crate) fn create_folder(folder: &Path) -> Result<()> {
     if folder.exists() && !folder.is_dir() {
         return Err(CliError::NotAFolder(folder.into()));
     }

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
     match commands::CommandLine::try_parse() {
         Ok(line) => {
             threads::start();
-            outcome::report(files::all_or_none(|| line.command.run()), line.json)
+            outcome::report(files::all_or_none(|| line.command.run()), line.json, line.strict)
         }
         Err(told) => outcome::told(&told),
     }

@@ -1,8 +1,7 @@
 //! From moments file to summary and back, and what is said of it.
 
-use crate::error::CliError;
+use crate::error::{CliError, Result};
 use crate::files::{read_bytes, write_whole};
-use anyhow::{Context, Result};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise::identify::Summary;
@@ -11,13 +10,15 @@ use torquewise::identify::rounds::Request;
 /// Reads a moments file.
 pub(crate) fn read_moments(file: &Path) -> Result<Summary> {
     let bytes = read_bytes(file)?;
-    Summary::from_bytes(&bytes).with_context(|| format!("no moments in {}", file.display()))
+    let what = || format!("{} is not a moments file", file.display());
+    Summary::from_bytes(&bytes).map_err(|error| CliError::from(error).within(what()))
 }
 
 /// Reads what a chain asked for.
 pub(crate) fn read_request(file: &Path) -> Result<Request> {
     let bytes = read_bytes(file)?;
-    Request::from_bytes(&bytes).with_context(|| format!("no request in {}", file.display()))
+    let what = || format!("{} is not a request file", file.display());
+    Request::from_bytes(&bytes).map_err(|error| CliError::from(error).within(what()))
 }
 
 /// Writes a moments file; returns its size in bytes.
@@ -28,8 +29,11 @@ pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<usize> {
 }
 
 /// Refuses moments that do not add up to those before.
-pub(crate) fn add(all: &mut Summary, part: &Summary, file: &Path) -> Result<(), CliError> {
-    all.merge(part).map_err(|source| CliError::Part { file: file.into(), source })
+pub(crate) fn add(all: &mut Summary, part: &Summary, file: &Path) -> Result<()> {
+    all.merge(part).map_err(|source| {
+        CliError::from(source)
+            .within(format!("{} does not add to the parts before it", file.display()))
+    })
 }
 
 /// What the moments are, in a line.

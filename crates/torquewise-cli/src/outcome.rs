@@ -1,20 +1,11 @@
 //! What a command found, written to stdout and stderr, and its exit code.
 
-use crate::error::{CliError, in_flags};
-use anyhow::Error;
+use crate::error::{CliError, Result};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
-use torquewise::dynamics::SimError;
-use torquewise::export::ExportError;
-use torquewise::identify::IdentifyError;
-use torquewise::logs::LogError;
-use torquewise::model::ModelError;
-use torquewise::motion::MotionError;
-use torquewise::regression::SparseError;
-use torquewise::report::ReportError;
 
 /// What a command found.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +18,8 @@ pub(crate) struct Outcome {
     pub(crate) warnings: Vec<String>,
     /// What is good to know and changes nothing.
     pub(crate) notes: Vec<String>,
+    /// Whether the result must not be used: a verdict on a model.
+    pub(crate) is_unusable: bool,
 }
 
 /// The object that programs read.
@@ -38,10 +31,12 @@ pub(crate) fn object(result: &impl Serialize) -> Value {
 /// Exit codes other than 0.
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
-const WITH_WARNINGS: u8 = 3;
+const UNUSABLE: u8 = 3;
 
 /// Writes results to stdout and all else to stderr, and says how it went.
-pub(crate) fn report(found: Result<Outcome, Error>, as_json: bool) -> ExitCode {
+///
+/// - `strict`: whether any warning makes the result one not to be used
+pub(crate) fn report(found: Result<Outcome>, as_json: bool, strict: bool) -> ExitCode {
     let code = match found {
         Ok(outcome) => match write_results(&outcome, as_json) {
             Ok(()) => {
@@ -51,11 +46,12 @@ pub(crate) fn report(found: Result<Outcome, Error>, as_json: bool) -> ExitCode {
                 for warning in &outcome.warnings {
                     complain("warning", "33", warning);
                 }
-                if outcome.warnings.is_empty() { 0 } else { WITH_WARNINGS }
+                let is_doubtful = strict && !outcome.warnings.is_empty();
+                if outcome.is_unusable || is_doubtful { UNUSABLE } else { 0 }
             }
-            Err(source) => fail(&CliError::Stdout { source }.into(), false),
+            Err(source) => fail(&CliError::Stdout { source }, false),
         },
-        Err(error) => fail(&in_flags(error), as_json),
+        Err(error) => fail(&error, as_json),
     };
     ExitCode::from(code)
 }
@@ -65,7 +61,7 @@ pub(crate) fn told(told: &clap::Error) -> ExitCode {
     let usual = if told.use_stderr() { WRONG_USAGE } else { 0 };
     match quiet_if_closed(told.print().and_then(|()| io::stdout().flush())) {
         Ok(()) => ExitCode::from(usual),
-        Err(source) => ExitCode::from(fail(&CliError::Stdout { source }.into(), false)),
+        Err(source) => ExitCode::from(fail(&CliError::Stdout { source }, false)),
     }
 }
 
@@ -108,19 +104,19 @@ fn write_stdout(text: &str) -> io::Result<()> {
     quiet_if_closed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
-fn fail(error: &Error, as_json: bool) -> u8 {
-    let lines = explanation(error);
-    complain("error", "31", &lines.join("\n"));
+fn fail(error: &CliError, as_json: bool) -> u8 {
+    let causes: Vec<String> = error.causes().iter().map(|cause| cut(cause)).collect();
+    complain("error", "31", &causes.join("\n  because: "));
+    let help = error.advice();
+    if let Some(help) = &help {
+        complain("help", "36", help);
+    }
     if as_json {
-        let object = json!({ "error": lines.join("; ") });
+        let object = json!({ "error": causes.join("; "), "help": help });
         // Ignored: stdout is gone.
         let _ = write_stdout(&(object.to_string() + "\n"));
     }
-    match error.downcast_ref() {
-        Some(CliError::Usage(_)) => WRONG_USAGE,
-        _ if error.downcast_ref().is_some_and(torquewise::Error::is_usage) => WRONG_USAGE,
-        _ => FAILED,
-    }
+    if error.is_usage() { WRONG_USAGE } else { FAILED }
 }
 
 /// Writes to stderr, its first word coloured where people look at it.
@@ -136,95 +132,40 @@ fn complain(word: &str, colour: &str, text: &str) {
     };
 }
 
-/// The chain of causes, a line each, and what to do at the end.
-///
-/// A message of ours ends in what to do. Where a cause from elsewhere (the operating system, a
-/// parser) follows it, that last part is moved behind the cause.
-fn explanation(error: &Error) -> Vec<String> {
-    let mut messages: Vec<String> = error.chain().map(ToString::to_string).collect();
-    let last_own = error.chain().enumerate().filter(|(_, cause)| is_own(*cause)).last();
-    let mut advice = None;
-    if let Some((place, _)) = last_own.filter(|(place, _)| place + 1 < messages.len())
-        && let Some(end) = messages[place].rfind(": ")
-    {
-        advice = Some(format!("  help: {}", &messages[place][end + 2..]));
-        messages[place].truncate(end);
-    }
-    // A transparent error says what its source says.
-    messages.dedup();
-    let mut lines = Vec::with_capacity(messages.len() + 1);
-    for (place, message) in messages.iter().enumerate() {
-        let message: Vec<String> = message.trim_end().lines().map(cut).collect();
-        let message = message.join("\n    ");
-        lines.push(if place == 0 { message } else { format!("  because: {message}") });
-    }
-    lines.extend(advice);
-    lines
-}
-
-/// A line as long as people read: what quotes a file may be longer.
-fn cut(line: &str) -> String {
+/// A message whose lines are as long as people read: what quotes a file may be longer.
+fn cut(message: &str) -> String {
     const LONGEST: usize = 400;
-    let mut letters = line.chars();
-    let mut cut: String = letters.by_ref().take(LONGEST).collect();
-    if letters.next().is_some() {
-        cut.push('…');
-    }
-    cut
-}
-
-fn is_own(cause: &(dyn std::error::Error + 'static)) -> bool {
-    cause.is::<CliError>()
-        || cause.is::<torquewise::Error>()
-        || cause.is::<LogError>()
-        || cause.is::<IdentifyError>()
-        || cause.is::<ModelError>()
-        || cause.is::<SimError>()
-        || cause.is::<MotionError>()
-        || cause.is::<SparseError>()
-        || cause.is::<ReportError>()
-        || cause.is::<ExportError>()
+    let cut = |line: &str| match line.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
+    };
+    message.trim_end().lines().map(cut).collect::<Vec<_>>().join("\n    ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use anyhow::Context;
 
     #[test]
-    fn an_explanation_ends_with_what_to_do() {
+    fn causes_follow_an_error_and_its_help_is_apart() {
         let source = io::Error::from(io::ErrorKind::NotFound);
-        let error = Error::from(CliError::Read { file: "a.json".into(), source });
+        let error = CliError::Read { file: "a.json".into(), source };
+        assert_eq!(error.causes(), ["a.json cannot be read", "entity not found"]);
+        assert_eq!(error.advice().as_deref(), Some("check that it exists and may be read"));
 
-        let lines = explanation(&error);
-
-        let expected = [
-            "a.json cannot be read",
-            "  because: entity not found",
-            "  help: check that it exists and may be read",
-        ];
-        assert_eq!(lines, expected);
+        let error = CliError::OutputIsFolder("out".into()).within("no model");
+        assert_eq!(error.causes(), ["no model", "out is a folder"]);
+        assert_eq!(error.advice().as_deref(), Some("name a file in it"));
     }
 
     #[test]
-    fn an_error_of_ours_at_the_end_is_left_whole() {
-        let error = Err::<(), _>(CliError::OutputIsFolder("out".into())).context("no model");
-
-        let lines = explanation(&error.unwrap_err());
-
-        assert_eq!(lines, ["no model", "  because: out is a folder: name a file in it"]);
-    }
-
-    #[test]
-    fn e29_a_terminal_shows_control_characters_and_obeys_none() {
+    fn a_terminal_shows_control_characters_and_obeys_none() {
         assert_eq!(printable("a\n\tb\u{1b}[31m\0\u{9b}"), "a\n\tb\\u{1b}[31m\\u{0}\\u{9b}");
     }
 
     #[test]
-    fn d26_lines_that_quote_a_file_are_cut() {
-        let error = anyhow::anyhow!("a").context("x".repeat(20_000));
-
-        assert!(explanation(&error).iter().all(|line| line.chars().count() < 1_100));
+    fn lines_that_quote_a_file_are_cut() {
+        assert_eq!(cut(&"x".repeat(20_000)).chars().count(), 401);
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! From patterns of rows to counts, and a table with the number and the pattern of each row.
 
+use crate::error::Result;
 use crate::files::staged;
 use crate::table::Table;
-use anyhow::Result;
 use std::path::Path;
 use torquewise::inspect::count_patterns;
 use torquewise::logs::{Column, ColumnKind, LogError, TableWriter, Values};

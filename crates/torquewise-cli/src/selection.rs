@@ -35,7 +35,7 @@ impl From<Friction> for FrictionKind {
 /// Which terms stay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Select {
-    /// What a term explains against the noise
+    /// BIC-like information criterion
     Bic,
     /// LASSO, then least squares
     Lasso,
@@ -45,6 +45,7 @@ pub(crate) enum Select {
 
 /// What becomes of candidates once the rows are summed.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Term libraries")]
 pub(crate) struct SelectionArguments {
     /// Which terms of a library stay [default: bic; stlsq with --method sindy]
     #[arg(long, value_enum)]
@@ -54,19 +55,15 @@ pub(crate) struct SelectionArguments {
     threshold: Option<f64>,
     /// Joints that a spring or a weight is known to balance, for --library chain; others are looked
     /// for
-    #[arg(long, value_name = "JOINT", value_delimiter = ',')]
+    #[arg(help_heading = "Learned chain", long, value_name = "JOINT", value_delimiter = ',')]
     counterbalance: Vec<String>,
-    /// Leave the bias that measurement noise causes in the fit, as --method sindy always does
-    #[arg(long)]
+    /// Disable the correction of the bias that measurement noise causes, as --method sindy always does
+    #[arg(help_heading = "Method", long)]
     no_noise_correction: bool,
-    /// Fit a chain by least squares alone, without what physics asks of masses, rotors and
-    /// friction: for comparison, its mass matrix may not be positive definite
-    #[arg(long)]
-    unconstrained: bool,
-    /// Resampled logs to count in how many each term of a library stays [default: 50; 0 with
-    /// --method sindy]
+    /// Bootstrap resamples for the inclusion frequency of each term [default: 50; 0 with --method
+    /// sindy]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
-    bags: Option<u16>,
+    bootstrap: Option<u16>,
 }
 
 impl SelectionArguments {
@@ -79,10 +76,9 @@ impl SelectionArguments {
         });
         options.selector = selector;
         options.threshold = self.threshold;
-        options.bags = self.bags.map(usize::from);
+        options.n_bootstrap = self.bootstrap.map(usize::from);
         options.counterbalanced.clone_from(&self.counterbalance);
         options.noise_correction = !self.no_noise_correction;
-        options.physical = !self.unconstrained;
         options
     }
 
@@ -92,8 +88,7 @@ impl SelectionArguments {
             ("--select", self.select.is_some()),
             ("--threshold", self.threshold.is_some()),
             ("--no-noise-correction", self.no_noise_correction),
-            ("--bags", self.bags.is_some()),
-            ("--unconstrained", self.unconstrained),
+            ("--bootstrap", self.bootstrap.is_some()),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
     }

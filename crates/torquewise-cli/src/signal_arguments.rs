@@ -1,7 +1,7 @@
 //! Which log files are read, by which profile, and how their signals are filtered.
 
+use crate::error::Result;
 use crate::files::read_model;
-use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::log::Prepared;
@@ -11,6 +11,7 @@ use torquewise::{Filter, Log};
 
 /// How the columns of a file become signals.
 #[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Log")]
 pub(crate) struct ProfileArguments {
     /// What the columns are: units, gears, clock, rows; `torquewise inspect` suggests one
     #[arg(long, value_name = "FILE.toml")]
@@ -42,6 +43,7 @@ impl ProfileArguments {
 
 /// How signals are conditioned.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Filter")]
 pub(crate) struct SignalArguments {
     /// Zero-phase low-pass filter: its cut-off in Hz, `auto` to filter logs without ddq at the
     /// cut-off of the model or, where there is none, at one that is chosen, or `none`
@@ -81,6 +83,7 @@ fn delay(text: &str) -> Result<Delay, String> {
 
 /// How signals are conditioned where no model is at hand, or one that says how.
 #[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Filter")]
 pub(crate) struct FilterArguments {
     /// Filter the logs as those of this model were
     #[arg(long, value_name = "MODEL.json")]

@@ -1,25 +1,31 @@
 //! What can go wrong between a log and its model.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+use crate::setting::{Remedy, Setting, Wording};
+use miette::Diagnostic;
 use torquewise_logs::LogError;
 use torquewise_model::ModelError;
-use torquewise_motion::ReadError;
+use torquewise_motion::{MotionError, ReadError};
 use torquewise_stepwise::IdentifyError;
 
-/// Why a log cannot be read, fitted or predicted.
-#[derive(Debug, thiserror::Error)]
+/// Why a log cannot be read, fitted or predicted; [`Diagnostic::help`] says what to do.
+#[derive(Debug, thiserror::Error, Diagnostic)]
 #[non_exhaustive]
 pub enum Error {
     #[error(transparent)]
     Log(#[from] LogError),
     #[error(transparent)]
-    Identify(#[from] IdentifyError),
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Identify(IdentifyError),
     #[error(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]
-    Read(#[from] ReadError),
+    Read(ReadError),
     #[cfg(feature = "simulation")]
-    #[error("the arm could not be built")]
+    #[error(transparent)]
+    #[diagnostic(transparent)]
     Arm(#[from] torquewise_sim::SimError),
     #[cfg(feature = "figures")]
     #[error(transparent)]
@@ -27,51 +33,91 @@ pub enum Error {
     #[cfg(feature = "figures")]
     #[error(transparent)]
     Export(#[from] torquewise_export::ExportError),
-    #[error(
-        "{option} is not used by {fitted}, which is fitted because {because}: leave it out or \
-         choose {user}"
-    )]
-    UnusedOption { option: &'static str, fitted: &'static str, because: String, user: &'static str },
-    #[error("SINDy fits a library, not a chain: choose the product library")]
+    #[error("{setting} is not used by {fitted}, which is fitted because {because}")]
+    #[diagnostic(help("leave it out or choose {remedy}"))]
+    UnusedOption { setting: Setting, fitted: &'static str, because: String, remedy: Remedy },
+    #[error("{setting}: {reason}")]
+    WrongValue { setting: Setting, reason: String },
+    #[error("{name} is no option of a fit")]
+    #[diagnostic(help("choose among {}", Setting::names()))]
+    NoOption { name: String },
+    #[error("SINDy fits a library, not a chain")]
+    #[diagnostic(help("choose the product library"))]
     SindyOfChain,
-    #[error(
-        "a chain is not compared with one-shot SINDy: choose the energy or the product library"
-    )]
+    #[error("a chain is not compared with one-shot SINDy")]
+    #[diagnostic(help("choose the energy or the product library"))]
     CompareChain,
     #[error(
         "the laws of friction follow from all logs together, so that parts with friction do not \
-         add up: fit all logs at once, or a chain"
+         add up"
     )]
+    #[diagnostic(help("fit all logs at once, or a chain"))]
     FrictionOfSums,
-    #[error("a delay is for filtered signals: give a cut-off too")]
+    #[error("a delay is for filtered signals")]
+    #[diagnostic(help("give a cut-off too"))]
     DelayWithoutFilter,
-    #[error(
-        "the log is of another arm, its joints are {found}, expected {expected}: give logs of one \
-         arm"
-    )]
+    #[error("the log is of another arm, its joints are {found}, expected {expected}")]
+    #[diagnostic(help("give logs of one arm"))]
     OtherArm { found: String, expected: String },
-    #[error(
-        "the model keeps no covariance of its parameters, so its torque has no interval: fit a \
-         chain"
-    )]
+    #[error("the model keeps no covariance of its parameters, so its torque has no interval")]
+    #[diagnostic(help("fit a chain"))]
     NoCovariance,
+    #[error("the predicted torque overflows at t = {t} s")]
+    #[diagnostic(help(
+        "check the positions, velocities and accelerations of the log there: they are no motion \
+         of an arm"
+    ))]
+    NotFinite { t: f64 },
     #[cfg(feature = "figures")]
-    #[error(
-        "{flaw}: a controller or simulation with this model goes wrong there; fit anew on more \
-         motion or with the library chain, or force it to export it all the same"
-    )]
+    #[error("{flaw}: a controller or simulation with this model goes wrong there")]
+    #[diagnostic(help(
+        "fit anew on more motion or with {}, or give {} to export it all the same",
+        Setting::Library.plain(Some("chain")),
+        Setting::Force
+    ))]
     NotPositiveDefinite { flaw: String },
     #[cfg(feature = "figures")]
-    #[error(
-        "there is no C compiler {compiler:?}, and a unit holds a binary: install one, name it in \
-         the variable CC, or ask for no binary and compile the sources where it is used"
-    )]
+    #[error("there is no C compiler {compiler:?}, and a unit holds a binary")]
+    #[diagnostic(help(
+        "install one, name it in the variable CC, or export sources alone ({})",
+        Setting::NoBinary
+    ))]
     NoCompiler { compiler: String, source: std::io::Error },
     #[cfg(feature = "figures")]
-    #[error("{compiler:?} did not compile the unit, {complaint}: try another in the variable CC")]
+    #[error("{compiler:?} did not compile the unit, {complaint}")]
+    #[diagnostic(help("try another in the variable CC"))]
     Compiler { compiler: String, complaint: String },
-    #[error("interrupted, no file was written: run it again")]
+    #[error("interrupted, no file was written")]
+    #[diagnostic(help("run it again"))]
     Interrupted,
+}
+
+impl From<ReadError> for Error {
+    /// What was handed through a reader comes out as it went in.
+    fn from(source: ReadError) -> Self {
+        let other = |source: ReadError| -> Result<Self, ReadError> {
+            let source = match source.downcast::<Self>() {
+                Ok(own) => return Ok(*own),
+                Err(source) => source,
+            };
+            let source = source.downcast::<LogError>().map(|own| Self::Log(*own));
+            let source =
+                source.or_else(|s| s.downcast::<ModelError>().map(|own| Self::Model(*own)));
+            let source =
+                source.or_else(|s| s.downcast::<MotionError>().map(|own| Self::Motion(*own)));
+            source.or_else(|s| s.downcast::<IdentifyError>().map(|own| Self::from(*own)))
+        };
+        other(source).unwrap_or_else(Self::Read)
+    }
+}
+
+impl From<IdentifyError> for Error {
+    fn from(source: IdentifyError) -> Self {
+        match source {
+            IdentifyError::Read(inner) => inner.into(),
+            own => Self::Identify(own),
+        }
+    }
 }
 
 impl Error {
@@ -80,11 +126,45 @@ impl Error {
         matches!(
             self,
             Self::UnusedOption { .. }
+                | Self::NoOption { .. }
                 | Self::SindyOfChain
                 | Self::CompareChain
                 | Self::FrictionOfSums
                 | Self::DelayWithoutFilter
                 | Self::NoCovariance
         )
+    }
+
+    /// What went wrong, its options in the words of a front end.
+    pub fn message(&self, word: Wording) -> String {
+        match self {
+            Self::UnusedOption { setting, fitted, because, .. } => format!(
+                "{} is not used by {fitted}, which is fitted because {because}",
+                word(*setting, None)
+            ),
+            Self::WrongValue { setting, reason } => format!("{}: {reason}", word(*setting, None)),
+            other => other.to_string(),
+        }
+    }
+
+    /// What to do about it, if that is known, its options in the words of a front end.
+    pub fn advice(&self, word: Wording) -> Option<String> {
+        match self {
+            Self::UnusedOption { remedy, .. } => {
+                Some(format!("leave it out or choose {}", remedy.worded(word)))
+            }
+            #[cfg(feature = "figures")]
+            Self::NotPositiveDefinite { .. } => Some(format!(
+                "fit anew on more motion or with {}, or give {} to export it all the same",
+                word(Setting::Library, Some("chain")),
+                word(Setting::Force, None)
+            )),
+            #[cfg(feature = "figures")]
+            Self::NoCompiler { .. } => Some(format!(
+                "install one, name it in the variable CC, or export sources alone ({})",
+                word(Setting::NoBinary, None)
+            )),
+            other => other.help().map(|help| help.to_string()),
+        }
     }
 }

@@ -26,9 +26,11 @@
 //! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
 //! truth and controllers, `figures` for reports and exported code.
 
+mod setting;
 mod error;
 pub mod observe;
 mod options;
+mod keywords;
 mod prepared;
 pub mod log;
 pub mod predict;
@@ -55,8 +57,11 @@ pub use error::Error;
 pub use evaluate::{Evaluation, evaluate};
 pub use fit::{Fit, FitResult};
 pub use log::{Filter, Log};
+/// Help of an [`Error`] is a method of this trait.
+pub use miette::Diagnostic;
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
+pub use setting::{Remedy, Setting, Wording};
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
 pub use torquewise_identify as diagnose;

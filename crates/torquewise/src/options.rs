@@ -1,6 +1,9 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
 use crate::error::Error;
+use crate::keywords::{some_word, word};
+use crate::setting::{Remedy, Setting};
+use serde::Deserialize;
 use torquewise_identify::plan::{
     ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Regression,
 };
@@ -8,6 +11,7 @@ use torquewise_identify::settings::Settings;
 use torquewise_identify::{LibraryKind, Method, PatternPlan, Plan};
 use torquewise_model::expansion::check_joints;
 use torquewise_regression::select::Selector;
+use torquewise_stepwise::activation::Scaling;
 
 /// Joints up to which the whole energy library is offered.
 const MOST_WHOLE: usize = 4;
@@ -26,14 +30,20 @@ pub enum Library {
 }
 
 /// What is fitted and how; what is left out is chosen by the log.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// Programs in other languages give them as an object of the same fields, by [`Self::of_keywords`].
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct FitOptions {
     /// By default a chain for filtered logs, friction, or five joints and more, else the energy
     /// library; the product library with one-shot SINDy.
+    #[serde(deserialize_with = "some_word")]
     pub library: Option<Library>,
     /// Standstill, uniform and variable velocity in turn, or all rows at once as SINDy does.
+    #[serde(rename = "method", deserialize_with = "word")]
     pub regression: Regression,
     /// By default whichever predicts held-out rows best for a chain, none for a library.
+    #[serde(deserialize_with = "some_word")]
     pub friction: Option<FrictionKind>,
     /// Energy library: at most this many joint angles in a term.
     pub interaction: Option<usize>,
@@ -42,23 +52,27 @@ pub struct FitOptions {
     /// Product library: the same for the gravity step.
     pub gravity_order: Option<u8>,
     /// Which terms of a library stay.
+    #[serde(rename = "select", deserialize_with = "some_word")]
     pub selector: Option<Selector>,
     /// Coefficients of a library that are at most this large are dropped.
     pub threshold: Option<f64>,
-    /// Resampled logs to count in how many each term of a library stays.
-    pub bags: Option<usize>,
+    /// Bootstrap resamples, to count in how many each term of a library stays.
+    pub n_bootstrap: Option<usize>,
     /// Where the axes of a chain lie, as [`crate::urdf::known_geometry`] reads it; else it is
     /// learned too.
+    #[serde(skip)]
     pub geometry: Option<KnownGeometry>,
     /// Joints of a chain that a spring or a weight is known to balance.
+    #[serde(rename = "counterbalance")]
     pub counterbalanced: Vec<String>,
     /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
     pub noise_correction: bool,
-    /// Whether a chain must be a physical arm (E14).
-    pub physical: bool,
-    /// How rows are clustered.
-    pub patterns: PatternPlan,
-    /// Seed of everything random.
+    /// Constants of the activation index.
+    #[serde(deserialize_with = "word")]
+    pub activation: Scaling,
+    /// Clusters of rows; the elbow of their inertia without.
+    pub clusters: Option<usize>,
+    /// Random seed.
     pub seed: u64,
 }
 
@@ -73,12 +87,12 @@ impl Default for FitOptions {
             gravity_order: None,
             selector: None,
             threshold: None,
-            bags: None,
+            n_bootstrap: None,
             geometry: None,
             counterbalanced: Vec::new(),
             noise_correction: true,
-            physical: true,
-            patterns: PatternPlan::default(),
+            activation: Scaling::default(),
+            clusters: None,
             seed: 0,
         }
     }
@@ -107,11 +121,40 @@ impl FitOptions {
         Self { regression: Regression::OneShot, ..Self::default() }
     }
 
+    pub(crate) fn check_bounds(&self) -> Result<(), Error> {
+        let counts = [
+            (Setting::Interaction, self.interaction, 1..=16),
+            (Setting::TrigOrder, self.trig_order.map(usize::from), 1..=8),
+            (Setting::GravityOrder, self.gravity_order.map(usize::from), 1..=8),
+            (Setting::Clusters, self.clusters, 1..=9),
+            (Setting::Bootstrap, self.n_bootstrap, 0..=1_000),
+        ];
+        for (setting, count, bounds) in counts {
+            if count.is_some_and(|count| !bounds.contains(&count)) {
+                let [least, most] = [bounds.start(), bounds.end()];
+                let reason = format!("expected a number from {least} to {most}");
+                return Err(Error::WrongValue { setting, reason });
+            }
+        }
+        if self.threshold.is_some_and(|x| !(x >= 0.0 && x.is_finite())) {
+            let reason = "expected a number that is zero or more".to_owned();
+            return Err(Error::WrongValue { setting: Setting::Threshold, reason });
+        }
+        Ok(())
+    }
+
+    /// How rows are clustered.
+    fn patterns(&self) -> PatternPlan {
+        let Self { activation: scaling, clusters, seed, .. } = *self;
+        PatternPlan { scaling, clusters, slow: false, seed }
+    }
+
     /// Fails where options contradict each other, before a log is read.
     ///
     /// # Errors
-    /// [`Error::UnusedOption`], [`Error::SindyOfChain`].
+    /// [`Error::UnusedOption`], [`Error::SindyOfChain`], [`Error::WrongValue`].
     pub fn check(&self) -> Result<(), Error> {
+        self.check_bounds()?;
         self.plan(Facts::default()).map(drop)
     }
 
@@ -141,7 +184,7 @@ impl FitOptions {
             Some(Library::Chain) => return Err(Error::CompareChain),
         };
         let because = "one-shot SINDy is compared with it";
-        self.refuse_unused(stepwise, because, &["trig-order"])?;
+        self.refuse_unused(stepwise, because, &[Setting::TrigOrder])?;
         Ok([stepwise, Fitted::Product(Regression::OneShot)].map(|fitted| self.plan_of(fitted)))
     }
 
@@ -195,44 +238,40 @@ impl FitOptions {
         self.friction.is_some_and(|friction| friction != FrictionKind::None)
     }
 
-    /// The options given that not every method uses, whether `fitted` does, and what does.
-    fn given(&self, fitted: Fitted) -> Vec<(&'static str, bool, &'static str)> {
-        let is_chain = fitted == Fitted::Chain;
-        let of_terms = "the library energy|product (energy needs an interaction order beyond four \
-                        joints)";
-        let product = matches!(fitted, Fitted::Product(_));
-        let steps = Fitted::Product(Regression::Stepwise);
-        let one_shot = Fitted::Product(Regression::OneShot);
-        let energy = matches!(fitted, Fitted::Energy(_));
-        let chain = "the library chain";
-        let all = [
-            ("friction", self.has_friction(), fitted != one_shot, "the method stepwise"),
-            ("interaction", self.interaction.is_some(), energy, "the library energy"),
-            ("trig-order", self.trig_order.is_some(), product, "the library product"),
-            (
-                "gravity-order",
-                self.gravity_order.is_some(),
-                fitted == steps,
-                "the library product with the method stepwise",
-            ),
-            ("select", self.selector.is_some(), !is_chain, of_terms),
-            ("threshold", self.threshold.is_some(), !is_chain, of_terms),
-            ("urdf", self.geometry.is_some(), is_chain, chain),
-            ("counterbalance", !self.counterbalanced.is_empty(), is_chain, chain),
-            ("bags", self.bags.is_some(), !is_chain, of_terms),
-            ("unconstrained", !self.physical, is_chain, chain),
-        ];
-        let given = all.into_iter().filter(|(_, given, _, _)| *given);
-        given.map(|(name, _, is_used, user)| (name, is_used, user)).collect()
-    }
-
-    fn refuse_unused(&self, fitted: Fitted, because: &str, spared: &[&str]) -> Result<(), Error> {
-        let unused = |(name, is_used, _): &(&str, bool, &str)| !is_used && !spared.contains(name);
-        let Some((option, _, user)) = self.given(fitted).into_iter().find(unused) else {
-            return Ok(());
+    /// Fails at the first option given that `fitted` does not use.
+    fn refuse_unused(
+        &self,
+        fitted: Fitted,
+        because: &str,
+        spared: &[Setting],
+    ) -> Result<(), Error> {
+        use Setting::{
+            Bootstrap, Counterbalance, Friction, GravityOrder, Interaction, Select, Threshold,
+            TrigOrder, Urdf,
         };
-        let because = because.to_owned();
-        Err(Error::UnusedOption { option, fitted: fitted.name(), because, user })
+        let chain = fitted == Fitted::Chain;
+        let energy = matches!(fitted, Fitted::Energy(_));
+        let product = matches!(fitted, Fitted::Product(_));
+        let by_step = fitted == Fitted::Product(Regression::Stepwise);
+        let one_shot = fitted == Fitted::Product(Regression::OneShot);
+        let all = [
+            (Friction, self.has_friction(), !one_shot, Remedy::Stepwise),
+            (Interaction, self.interaction.is_some(), energy, Remedy::Energy),
+            (TrigOrder, self.trig_order.is_some(), product, Remedy::Product),
+            (GravityOrder, self.gravity_order.is_some(), by_step, Remedy::ProductByStep),
+            (Select, self.selector.is_some(), !chain, Remedy::Terms),
+            (Threshold, self.threshold.is_some(), !chain, Remedy::Terms),
+            (Bootstrap, self.n_bootstrap.is_some(), !chain, Remedy::Terms),
+            (Urdf, self.geometry.is_some(), chain, Remedy::Chain),
+            (Counterbalance, !self.counterbalanced.is_empty(), chain, Remedy::Chain),
+        ];
+        for (setting, is_given, is_used, remedy) in all {
+            if is_given && !is_used && !spared.contains(&setting) {
+                let (fitted, because) = (fitted.name(), because.to_owned());
+                return Err(Error::UnusedOption { setting, fitted, because, remedy });
+            }
+        }
+        Ok(())
     }
 
     fn plan_of(&self, fitted: Fitted) -> Plan {
@@ -247,11 +286,11 @@ impl FitOptions {
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,
-                    physical: self.physical,
+                    ..usual
                 })
             }
         };
-        Plan { method, seed: self.seed, patterns: self.patterns }
+        Plan { method, seed: self.seed, patterns: self.patterns() }
     }
 
     fn library_options(&self, library: LibraryKind, regression: Regression) -> Method {
@@ -266,7 +305,7 @@ impl FitOptions {
             selector: self.selector(usual.selector),
             threshold: self.threshold.or(usual.threshold),
             noise_correction: usual.noise_correction && self.noise_correction,
-            bags: self.bags.unwrap_or(usual.bags),
+            bags: self.n_bootstrap.unwrap_or(usual.bags),
         })
     }
 
@@ -315,14 +354,17 @@ mod tests {
     fn a_refusal_names_the_option_the_method_the_reason_and_the_way_out() {
         let options = FitOptions { threshold: Some(0.1), ..FitOptions::default() };
 
-        let message = options.plan(SIX_FILTERED).unwrap_err().to_string();
+        let error = options.plan(SIX_FILTERED).unwrap_err();
 
         assert_eq!(
-            message,
+            error.to_string(),
             "threshold is not used by a learned chain of rigid bodies, which is fitted because \
-             the log is filtered: leave it out or choose the library energy|product (energy needs \
-             an interaction order beyond four joints)"
+             the log is filtered"
         );
+        let help = "leave it out or choose library energy or library product (energy needs \
+                    interaction beyond four joints)";
+        assert_eq!(error.advice(Setting::plain).as_deref(), Some(help));
+        assert_eq!(miette::Diagnostic::help(&error).map(|own| own.to_string()).unwrap(), help);
     }
 
     #[test]
@@ -335,7 +377,7 @@ mod tests {
         };
         let product = FitOptions {
             library: Some(Library::Product),
-            bags: Some(3),
+            n_bootstrap: Some(3),
             trig_order: Some(2),
             gravity_order: Some(2),
             ..FitOptions::default()

@@ -64,7 +64,7 @@ impl MassMatrix {
         let flaw = self.flaw()?;
         Some(format!(
             "{flaw}, within the range of the log: simulation and computed torque go wrong there, \
-             and export refuses the model; record more motion, or fit --library chain"
+             and export refuses the model; record more motion, or fit a chain"
         ))
     }
 }
@@ -130,7 +130,7 @@ impl PhysicsCheck {
         failures.extend(self.driving.as_ref().map(driving));
         (!failures.is_empty()).then(|| {
             format!(
-                "the model is not the physics of a rigid arm: {}; fit --library energy for a \
+                "the model is not the physics of a rigid arm: {}; fit the energy library for a \
                  symmetric M(q), and record more motion if that is not positive",
                 failures.join(", ")
             )

@@ -263,7 +263,7 @@ class Stepwise(_Estimator):
         gravity_order=None,
         select=None,
         threshold=None,
-        bags=None,
+        n_bootstrap=None,
         noise_correction=True,
         seed=0,
         rate=100.0,
@@ -275,7 +275,7 @@ class Stepwise(_Estimator):
         self.gravity_order = gravity_order
         self.select = select
         self.threshold = threshold
-        self.bags = bags
+        self.n_bootstrap = n_bootstrap
         self.noise_correction = noise_correction
         self.seed = seed
         self.rate = rate
@@ -295,7 +295,6 @@ class Chain(_Estimator):
         urdf=None,
         counterbalance=None,
         noise_correction=True,
-        physical=True,
         seed=0,
         rate=100.0,
     ):
@@ -303,7 +302,6 @@ class Chain(_Estimator):
         self.urdf = urdf
         self.counterbalance = counterbalance
         self.noise_correction = noise_correction
-        self.physical = physical
         self.seed = seed
         self.rate = rate
 

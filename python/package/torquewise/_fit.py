@@ -172,10 +172,10 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Any) -> Fit:
         File with the joint axes, its joints that are held at 0, direction of gravity at its base.
     counterbalance
         Joints that a spring or a weight balances.
-    select, threshold, bags, interaction, trig_order, gravity_order
+    select, threshold, n_bootstrap, interaction, trig_order, gravity_order
         How the terms of a library are offered and selected, see ``torquewise fit --help``.
-    noise_correction, physical
-        Whether bias by noise is taken out; whether a chain must be a physical arm.
+    noise_correction
+        Whether bias by noise is taken out.
     activation, clusters, seed
         How rows are clustered; seed of everything random.
     progress

@@ -1,17 +1,12 @@
-//! From nothing to the built-in arms.
+//! The built-in arms.
 
 use crate::outcome::Outcome;
 use crate::table::Table;
-use clap::Args;
 use serde_json::json;
 use torquewise::dynamics::{ArmSummary, arms};
 
-/// List the built-in arms
-#[derive(Args, Debug)]
-pub(crate) struct Arguments {}
-
 /// Lists them, fewest joints first.
-pub(crate) fn run(_: &Arguments) -> Outcome {
+pub(crate) fn list() -> Outcome {
     let mut text = String::new();
     let mut table = Table::new(&["arm", "joints"]);
     for arm in arms() {
@@ -27,5 +22,5 @@ pub(crate) fn run(_: &Arguments) -> Outcome {
         json!({ "name": name, "joints": joints, "description": description })
     });
     let json = json!({ "arms": objects.collect::<Vec<_>>() });
-    Outcome { notes: Vec::new(), text, json, warnings: Vec::new() }
+    Outcome { text, json, ..Outcome::default() }
 }

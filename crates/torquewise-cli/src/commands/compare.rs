@@ -1,11 +1,11 @@
 //! Stepwise reconstruction beside one-shot SINDy.
 
 use crate::arguments::PlanArguments;
+use crate::error::Result;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{FilterArguments, ProfileArguments};
 use crate::table::Table;
-use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::compare::{Contender, compare};
@@ -51,6 +51,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         warnings: warnings.collect(),
         json: object(&compared),
         notes: Vec::new(),
+        ..Outcome::default()
     })
 }
 

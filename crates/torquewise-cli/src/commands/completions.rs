@@ -1,8 +1,7 @@
 //! From shell to script that completes the words of the command line.
 
-use crate::error::CliError;
+use crate::error::{CliError, Result};
 use crate::outcome::Outcome;
-use anyhow::Result;
 use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 use serde_json::json;
@@ -22,5 +21,5 @@ pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Outcom
     let text = String::from_utf8(script)
         .map_err(|error| CliError::Stdout { source: std::io::Error::other(error) })?;
     let json = json!({ "shell": arguments.shell.to_string(), "script": text });
-    Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
+    Ok(Outcome { text, json, ..Outcome::default() })
 }

@@ -5,13 +5,11 @@ mod setup;
 mod summary;
 
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
-use crate::error::CliError;
+use crate::error::{CliError, Result};
 use crate::files::{
-    check_distinct, check_ending, check_output, read_arm, read_friction, read_model, read_twin,
-    staged, write_whole,
+    check_files, read_arm, read_friction, read_model, read_twin, staged, write_whole,
 };
 use crate::outcome::Outcome;
-use anyhow::Result;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 use torquewise::control::{Gains, Law, Learned, Plant, Tracking, compare, mean_inertia};
@@ -32,34 +30,40 @@ use torquewise::twin;
 pub(crate) struct Arguments {
     /// Model file
     model: PathBuf,
-    /// The true arm: built-in (see `torquewise arms`), .urdf file, or .toml file with a DH table
+    /// The true arm: built-in (see `torquewise simulate --list`), .urdf file, or .toml file with a DH table
     #[arg(long, value_name = "ARM")]
     arm: String,
     /// Controllers to compare
-    #[arg(long, value_enum, value_name = "LAW", value_delimiter = ',')]
+    #[arg(
+        help_heading = "Controllers",
+        long,
+        value_enum,
+        value_name = "LAW",
+        value_delimiter = ','
+    )]
     #[arg(default_values = ["pid", "controller1", "controller2"])]
     controllers: Vec<Controllers>,
     /// Also control with perfect knowledge of arm and friction, by controllers 1 and 2
-    #[arg(long)]
+    #[arg(help_heading = "Controllers", long)]
     perfect: bool,
     /// Bandwidth of the feedback in rad/s
-    #[arg(long, value_name = "W", default_value_t = 15.0)]
+    #[arg(help_heading = "Controllers", long, value_name = "W", default_value_t = 15.0)]
     bandwidth: f64,
     /// Seconds before errors count [default: half of the motion]
-    #[arg(long, value_name = "S")]
+    #[arg(help_heading = "Controllers", long, value_name = "S")]
     settle: Option<f64>,
     #[command(flatten)]
     motion: MotionArguments,
     #[command(flatten)]
     plant: PlantArguments,
     /// Table to write with position, error and torque at each tick, .csv or .parquet
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Figure to write, .svg
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
     plot: Option<PathBuf>,
     /// Page to write, .html
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Output", long, value_name = "FILE")]
     report: Option<PathBuf>,
 }
 
@@ -68,9 +72,9 @@ pub(crate) struct Arguments {
 enum Controllers {
     /// Feedback alone
     Pid,
-    /// Feedback and what was known after step 1 (18)
+    /// Feedback, and gravity and friction as known after step 1
     Controller1,
-    /// Feedback and the whole model (19)
+    /// Feedback and the whole model
     Controller2,
     /// Feedback linearisation with the model
     ComputedTorque,
@@ -112,11 +116,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { output, plot, report, .. } = arguments;
     let mut inputs = vec![arguments.model.clone(), PathBuf::from(&arguments.arm)];
     inputs.extend(arguments.plant.friction.clone());
-    let outputs = || output.iter().chain(plot).chain(report);
-    outputs().try_for_each(|file| check_output(file, &inputs))?;
-    check_distinct(outputs())?;
-    plot.iter().try_for_each(|file| check_ending(file, &["svg"]))?;
-    report.iter().try_for_each(|file| check_ending(file, &["html"]))?;
+    let outputs = [(output, &[][..]), (plot, &["svg"][..]), (report, &["html"][..])];
+    let given = outputs.iter().filter_map(|(file, endings)| Some((file.as_deref()?, *endings)));
+    check_files(&inputs, given)?;
 
     let model = read_model(&arguments.model)?;
     let arm = read_arm(&arguments.arm, &arguments.plant.lock)?;
@@ -142,7 +144,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 /// A model may name its joints by number alone, as logs without names do.
-fn check_same_joints(model: &Model, arm: &Arm) -> Result<(), CliError> {
+fn check_same_joints(model: &Model, arm: &Arm) -> Result<()> {
     let mut numbered = model.joints.iter().enumerate();
     let is_numbered = numbered.all(|(place, name)| *name == format!("joint{}", place + 1));
     let same_count = model.n_joints() == arm.n_joints();
@@ -161,7 +163,7 @@ fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Co
     let settle = arguments.settle.unwrap_or(seconds / 2.0);
     if !(0.0..seconds).contains(&settle) {
         let message = format!("--settle {settle} leaves nothing of {seconds} s: take less");
-        return Err(CliError::Usage(message).into());
+        return Err(CliError::Usage(message));
     }
     let mut laws: Vec<Law> = arguments.controllers.iter().map(|c| c.law()).collect();
     let mut seen = Vec::new();

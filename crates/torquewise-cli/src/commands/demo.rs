@@ -1,10 +1,10 @@
 //! The whole way at once: a log, its patterns, its equations, and how well they predict.
 
+use crate::error::Result;
 use crate::files::{check_rows, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::table::Table;
-use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
     /// Seed of motion and noise
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Noise of the paper: 1 none, 2 70/50/30 dB, 3 60/40/30 dB on q/dq/ddq
+    /// Noise level: 1 none, 2 70/50/30 dB, 3 60/40/30 dB on q/dq/ddq
     #[arg(long, value_name = "1|2|3", default_value_t = 3)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=3))]
     case: u8,
@@ -96,10 +96,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let warnings = found[0].fit.warnings.iter().map(ToString::to_string).collect();
     let text = text(arguments, &log, &purities, &found);
     Ok(Outcome {
-        notes: Vec::new(),
         text,
         json: json(arguments, &log, &purities, &found),
         warnings,
+        ..Outcome::default()
     })
 }
 
@@ -139,7 +139,7 @@ fn write_files(arguments: &Arguments, log: &Motion, found: &[Found], svg: &str) 
     for found in found {
         found.fit.model.save(staged(&folder.join(found.file))?)?;
     }
-    Ok(write_whole(&folder.join("torque.svg"), svg)?)
+    write_whole(&folder.join("torque.svg"), svg)
 }
 
 fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found]) -> String {

@@ -1,12 +1,12 @@
 //! How well a model predicts the torque of logs.
 
 use crate::conditioning;
+use crate::error::Result;
 use crate::files::read_model;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::score_table;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
-use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::evaluate::{evaluate_prepared, prepare};
@@ -46,5 +46,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         json,
         warnings: scores.warnings.into_iter().chain(log.warnings()).collect(),
         notes: scores.notes,
+        ..Outcome::default()
     })
 }

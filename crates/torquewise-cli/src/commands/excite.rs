@@ -3,10 +3,10 @@
 mod figure;
 mod summary;
 
-use crate::files::{check_output, create_folder, read_arm, staged, write_whole};
+use crate::error::Result;
+use crate::files::{check_files, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
-use anyhow::{Result, anyhow};
 use clap::Args;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,62 +24,74 @@ use torquewise::motion::Recording;
 /// The arm's own shape and its surroundings are not known: try the motion in a simulator first.
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Built-in arm (see `torquewise arms`), .urdf file, or .toml file with a DH table
+    /// Built-in arm (see `torquewise simulate --list`), .urdf file, or .toml file with a DH table
     arm: String,
     /// Folder for the recordings and their figure
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
     /// Seconds at most of the recording of held poses
-    #[arg(long, value_name = "S", default_value_t = Plan::default().seconds[0])]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().seconds[0])]
     standstill: f64,
     /// Seconds at most of the recording at constant speeds
-    #[arg(long, value_name = "S", default_value_t = Plan::default().seconds[1])]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().seconds[1])]
     uniform: f64,
     /// Seconds at most of the recording of sines
-    #[arg(long, value_name = "S", default_value_t = Plan::default().seconds[2])]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().seconds[2])]
     variable: f64,
     /// Seconds a pose is held
-    #[arg(long, value_name = "S", default_value_t = Plan::default().dwell)]
+    #[arg(help_heading = "Recordings", long, value_name = "S", default_value_t = Plan::default().dwell)]
     dwell: f64,
     /// Pass the poses slowly in both directions instead: dry friction then has a sign
-    #[arg(long)]
+    #[arg(help_heading = "Recordings", long)]
     slow_sweeps: bool,
     /// Positions in rad to keep to, within the limits of the arm, as [JOINT=]FROM:TO,...
-    #[arg(long, value_name = "A:B", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(
+        help_heading = "Limits",
+        long,
+        value_name = "A:B",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     #[arg(visible_alias = "position", value_parser = range_of_joint)]
     range: Vec<(Option<String>, [f64; 2])>,
     /// Distance from each limit of the position, as a share of the way between them
-    #[arg(long, value_name = "SHARE", default_value_t = Wishes::default().margin)]
+    #[arg(help_heading = "Limits", long, value_name = "SHARE", default_value_t = Wishes::default().margin)]
     margin: f64,
     /// Limits of the speed in rad/s, as [JOINT=]V,... [default: of the URDF, else 2]
-    #[arg(long, value_name = "V", value_delimiter = ',', value_parser = number_of_joint)]
+    #[arg(help_heading = "Limits", long, value_name = "V", value_delimiter = ',', value_parser = number_of_joint)]
     max_velocity: Vec<(Option<String>, f64)>,
     /// Accelerations in rad/s² to keep to, as [JOINT=]A,... [default: planned speed in 0.5 s]
-    #[arg(long, value_name = "A", value_delimiter = ',', value_parser = number_of_joint)]
+    #[arg(help_heading = "Limits", long, value_name = "A", value_delimiter = ',', value_parser = number_of_joint)]
     max_acceleration: Vec<(Option<String>, f64)>,
     /// Speeds of the plan as a share of their limits
-    #[arg(long, value_name = "SHARE", default_value_t = Wishes::default().speed_scale)]
+    #[arg(help_heading = "Limits", long, value_name = "SHARE", default_value_t = Wishes::default().speed_scale)]
     speed_scale: f64,
     /// Pose at both ends in rad, one number per joint [default: 0, or the middle of the range]
-    #[arg(long, value_name = "Q", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(
+        help_heading = "Limits",
+        long,
+        value_name = "Q",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
     home: Option<Vec<f64>>,
     /// Joints of a .urdf to hold at 0
     #[arg(long, value_name = "JOINT", value_delimiter = ',')]
     lock: Vec<String>,
     /// Joint angles in a term that the motion is to tell apart [default: 2, 1 for many joints]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
+    #[arg(help_heading = "Search", long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: Option<u8>,
     /// Poses, sweeps and sines to choose from, each time; more take longer
-    #[arg(long, value_name = "N", default_value_t = Plan::default().tries)]
+    #[arg(help_heading = "Search", long, value_name = "N", default_value_t = Plan::default().tries)]
     tries: usize,
     /// Rows per second of the .csv files
-    #[arg(long, value_name = "HZ", default_value_t = Plan::default().rate)]
+    #[arg(help_heading = "Recordings", long, value_name = "HZ", default_value_t = Plan::default().rate)]
     rate: f64,
     /// Points per second of the .yaml files at least; splines between them make the same motion
-    #[arg(long, value_name = "HZ", default_value_t = 20.0)]
+    #[arg(help_heading = "Recordings", long, value_name = "HZ", default_value_t = 20.0)]
     ros_rate: f64,
-    /// Seed of everything random
-    #[arg(long, default_value_t = 0)]
+    /// Random seed
+    #[arg(help_heading = "Search", long, default_value_t = 0)]
     seed: u64,
 }
 
@@ -98,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let is_new = !arguments.output.exists();
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
-    files.all().try_for_each(|file| check_output(file, &inputs))?;
+    check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
     let written = plan_and_write(arguments, &limits, &files);
     if written.is_err() && is_new {
         // Only if it is empty, as it was before.
@@ -138,7 +150,7 @@ fn plan_and_write(arguments: &Arguments, limits: &[Limits], files: &Files) -> Re
 fn write_log(file: &Path, recording: &Planned) -> Result<()> {
     let contents = Contents { tau: false, ..Contents::default() };
     let mut writer = LogWriter::create(&staged(file)?, recording.joints(), contents)?;
-    recording.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;
+    recording.read(&mut |_, block| Ok(writer.append(block)?))?;
     Ok(writer.finish()?)
 }
 

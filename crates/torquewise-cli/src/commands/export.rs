@@ -1,13 +1,9 @@
 //! From model to source code, an FMU or a ROS 2 package.
 
-use crate::error::CliError;
-use crate::files::{
-    check_distinct, check_ending, check_output, create_folder, read_model, read_text, work_folder,
-    write_whole,
-};
+use crate::error::{CliError, Result};
+use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::table::Table;
-use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::fs;
@@ -31,31 +27,37 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
     /// Precision of the numbers, for c and rust
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(help_heading = "Code", long, value_enum, default_value_t)]
     precision: Digits,
     /// URDF of the arm to put inertia and friction into, all else of it kept, for urdf
-    #[arg(long, value_name = "ROBOT.urdf")]
+    #[arg(help_heading = "Robot", long, value_name = "ROBOT.urdf")]
     onto: Option<PathBuf>,
     /// Joints of that URDF that are held at 0, where names do not tell
-    #[arg(long, value_name = "JOINT", value_delimiter = ',', requires = "onto")]
+    #[arg(
+        help_heading = "Robot",
+        long,
+        value_name = "JOINT",
+        value_delimiter = ',',
+        requires = "onto"
+    )]
     lock: Vec<String>,
     /// What the functions begin with, for c, fmu and ros2 [default: the name of the file]
-    #[arg(long, value_name = "NAME")]
+    #[arg(help_heading = "Code", long, value_name = "NAME")]
     name: Option<String>,
     /// Half width of the reversal of friction, 0 for the exact sign [default: as it was learned]
     ///
     /// A learner smooths reversals for the noise of measured velocities. A desired velocity has
     /// none: 0.002 tracks better.
-    #[arg(long, value_name = "RAD/S", value_parser = width)]
+    #[arg(help_heading = "Code", long, value_name = "RAD/S", value_parser = width)]
     reversal: Option<f64>,
     /// Also write 1000 states and what the model returns there, FILE.vectors.csv
-    #[arg(long)]
+    #[arg(help_heading = "Code", long)]
     test_vectors: bool,
     /// Seed of the states
-    #[arg(long, default_value_t = 0, requires = "test_vectors")]
+    #[arg(help_heading = "Code", long, default_value_t = 0, requires = "test_vectors")]
     seed: u64,
     /// Write an fmu of sources alone
-    #[arg(long)]
+    #[arg(help_heading = "Code", long)]
     no_binary: bool,
     /// Export a model whose mass matrix is not positive definite all the same
     #[arg(long)]
@@ -164,7 +166,7 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
         "left_out": left_out,
         "output": arguments.output,
     });
-    Outcome { notes, text, json, warnings: Vec::new() }
+    Outcome { text, json, notes, ..Outcome::default() }
 }
 
 fn width(text: &str) -> Result<f64, String> {
@@ -176,7 +178,7 @@ fn width(text: &str) -> Result<f64, String> {
     }
 }
 
-fn check_usage(arguments: &Arguments) -> Result<(), CliError> {
+fn check_usage(arguments: &Arguments) -> Result<()> {
     let Arguments { to, precision, name, no_binary, .. } = arguments;
     let misplaced = match to {
         Target::C | Target::Rust => None,
@@ -197,35 +199,28 @@ fn check_usage(arguments: &Arguments) -> Result<(), CliError> {
     }
 }
 
-fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<(), CliError> {
+fn check_paths(arguments: &Arguments, vectors: Option<&PathBuf>) -> Result<()> {
     let Arguments { to, output, .. } = arguments;
-    let inputs = std::slice::from_ref(&arguments.model);
-    if *to == Target::Ros2 {
-        if output.exists() && fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some())
-        {
-            return Err(CliError::NotEmpty(output.clone()));
-        }
-    } else {
-        check_output(output, inputs)?;
+    let endings: &[&str] = match to {
+        Target::C => &["c", "h"],
+        Target::Rust => &["rs"],
+        Target::Python => &["py"],
+        Target::Latex => &["tex"],
+        Target::Fmu => &["fmu"],
+        Target::Urdf => &["urdf"],
+        Target::Mjcf => &["xml", "mjcf"],
+        Target::Ros2 => &[],
+    };
+    let inputs = std::iter::once(&arguments.model).chain(&arguments.onto);
+    let vectors = vectors.map(|file| (file.as_path(), &[][..]));
+    if *to != Target::Ros2 {
+        return check_files(inputs, vectors.into_iter().chain([(output.as_path(), endings)]));
     }
-    match to {
-        Target::C => check_ending(output, &["c", "h"])?,
-        Target::Rust => check_ending(output, &["rs"])?,
-        Target::Python => check_ending(output, &["py"])?,
-        Target::Latex => check_ending(output, &["tex"])?,
-        Target::Fmu => check_ending(output, &["fmu"])?,
-        Target::Urdf => check_ending(output, &["urdf"])?,
-        Target::Mjcf => check_ending(output, &["xml", "mjcf"])?,
-        Target::Ros2 => {}
+    let is_full = || fs::read_dir(output).is_ok_and(|mut entries| entries.next().is_some());
+    if output.exists() && is_full() {
+        return Err(CliError::NotEmpty(output.clone()));
     }
-    if let Some(onto) = &arguments.onto {
-        check_output(output, std::slice::from_ref(onto))?;
-    }
-    if let Some(file) = vectors {
-        check_output(file, inputs)?;
-        check_distinct([file, output])?;
-    }
-    Ok(())
+    check_files(inputs, vectors)
 }
 
 /// The name given, or that of the file, with whatever C does not allow replaced.
@@ -242,7 +237,7 @@ fn precision(digits: Digits) -> Precision {
     }
 }
 
-fn write_package(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), CliError> {
+fn write_package(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<()> {
     create_folder(folder)?;
     for (path, bytes) in files {
         let file = folder.join(path);
@@ -287,5 +282,5 @@ fn outcome(
         "output": arguments.output,
         "test_vectors": vectors,
     });
-    Outcome { notes: Vec::new(), text, json, warnings: Vec::new() }
+    Outcome { text, json, ..Outcome::default() }
 }

@@ -3,17 +3,16 @@
 use crate::arguments::{PlanArguments, RobotArguments};
 use crate::call_costs::CallCosts;
 use crate::conditioning;
-use crate::files::{check_distinct, check_ending, check_output, staged, write_whole};
+use crate::error::Result;
+use crate::files::{check_files, staged, write_whole};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::score_table;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use crate::table::{Table, counts};
-use anyhow::Result;
 use chrono::{DateTime, Utc};
 use clap::{Args, ValueEnum};
 use serde_json::json;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
@@ -34,19 +33,19 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// Model file to write
-    #[arg(short, long, value_name = "MODEL.json")]
+    #[arg(help_heading = "Output", short, long, value_name = "MODEL.json")]
     output: PathBuf,
     /// Report to write: what was found and how far to trust it, with charts
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(help_heading = "Output", long, value_name = "FILE.html")]
     report: Option<PathBuf>,
     /// Log of another motion to judge the model by, in the report too; repeat for several
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
-    /// Standstill, uniform and variable velocity in turn, or all at once
-    #[arg(long, value_enum, default_value_t)]
+    /// Stepwise regression (default) or one-shot SINDy baseline
+    #[arg(help_heading = "Method", long, value_enum, default_value_t)]
     method: MethodName,
     /// Show what was chosen on the way: signals, steps, candidates, and what each call costs
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     explain: bool,
     #[command(flatten)]
     plan: PlanArguments,
@@ -80,7 +79,9 @@ impl MethodName {
 
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    check_outputs(arguments)?;
+    let inputs = arguments.logs.iter().chain(&arguments.test).chain(arguments.robot.file());
+    let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));
+    check_files(inputs, html.chain([(arguments.output.as_path(), &[][..])]))?;
     let mut options = arguments.plan.options(arguments.method.regression());
     // Wrong usage is told before the log is read.
     options.check()?;
@@ -115,28 +116,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.explain {
         outcome.text += &costs.text();
     }
-    write!(outcome.text, "\nmodel: {}\n", arguments.output.display())?;
+    outcome.text.extend([format!("\nmodel: {}\n", arguments.output.display())]);
     if let Some(file) = &arguments.report {
         write_whole(file, report(arguments, &fit, test.as_ref())?)?;
-        writeln!(outcome.text, "report: {}", file.display())?;
+        outcome.text.extend([format!("report: {}\n", file.display())]);
         outcome.json["costs"] = costs.json();
         outcome.json["report"] = json!(file.display().to_string());
     }
     Ok(outcome)
-}
-
-fn check_outputs(arguments: &Arguments) -> Result<()> {
-    let outputs = || std::iter::once(&arguments.output).chain(&arguments.report);
-    for file in outputs() {
-        check_output(file, &arguments.logs)?;
-        check_output(file, &arguments.test)?;
-        check_output(file, arguments.robot.file())?;
-    }
-    check_distinct(outputs())?;
-    if let Some(report) = &arguments.report {
-        check_ending(report, &["html", "htm"])?;
-    }
-    Ok(())
 }
 
 /// The report of a model over its logs and those of another motion.
@@ -196,8 +183,6 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
             "\n{} of {} candidates kept, {:.2} s\n",
             summary.active_total, summary.candidates, fit.seconds
         ));
-        text.extend(summary.omitted.map(|found| format!("{found}\n")));
-        text.extend(summary.price_of_physics.map(|price| format!("{price}\n")));
     }
     let (notes, warnings): (Vec<&Warning>, Vec<&Warning>) =
         fit.warnings.iter().partition(|warning| warning.is_remark());
@@ -207,13 +192,15 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
     let mut remarks = conditioning::notes(&fit.model.training.conditioning);
     remarks.extend(words(notes));
+    let mut is_unusable = false;
     if let Some(verdict) = fit.verdict() {
         text.push(format!("\nverdict: {verdict}\n"));
         if verdict.grade == Grade::Unusable {
             warnings.push(format!("the model is {verdict}"));
+            is_unusable = true;
         }
     }
-    Outcome { text: text.concat(), json: object(summary), warnings, notes: remarks }
+    Outcome { text: text.concat(), json: object(summary), warnings, notes: remarks, is_unusable }
 }
 
 /// How long the log is, and how it was filtered.

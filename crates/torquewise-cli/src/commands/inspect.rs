@@ -1,12 +1,12 @@
 //! From logs to what they hold, and what they lack.
 
 use crate::conditioning;
+use crate::error::{CliError, Result};
 use crate::outcome::{Outcome, object};
 use crate::pattern_table::counts_text;
 use crate::progress::watch;
 use crate::signal_arguments::{FilterArguments, ProfileArguments};
 use crate::table::Table;
-use anyhow::Result;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -35,9 +35,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let log = match arguments.filter.open(&arguments.profile, &arguments.logs) {
         Ok(log) => log,
         // Columns by other names are no mistake; a mistake in our own names is.
-        Err(error)
-            if matches!(error.downcast_ref(), Some(Error::Log(LogError::NoColumn { .. }))) =>
-        {
+        Err(error @ CliError::Library(Error::Log(LogError::NoColumn { .. }))) => {
             return suggested(&arguments.logs, &arguments.profile).ok_or(error);
         }
         Err(error) => return Err(error),
@@ -50,6 +48,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         text: text(&inspection) + &signals_text(&recorded) + &conditioning::text(&repairs),
         json: object(&inspection),
         warnings: inspection.warnings().into_iter().chain(recorded.warnings()).collect(),
+        ..Outcome::default()
     })
 }
 
@@ -61,26 +60,18 @@ fn signals_text(recorded: &Prepared) -> String {
 /// A profile for a log whose columns are not understood.
 fn suggested(logs: &[PathBuf], known: &ProfileArguments) -> Option<Outcome> {
     let suggestion = logs.first().filter(|_| !known.is_given()).map(|log| suggest(log))?.ok()?;
-    let reasons: Vec<String> =
-        suggestion.reasons.iter().map(|reason| format!("- {reason}\n")).collect();
+    let what = "the columns of this log need a profile; a suggestion is on standard output: save \
+                it as profile.toml, correct it, and inspect again with --profile profile.toml";
     Some(Outcome {
-        notes: Vec::new(),
-        text: format!(
-            "The columns of this log need a profile. A suggestion, to be saved as profile.toml \
-             and used with --profile profile.toml:\n\n{}\n{}",
-            suggestion.toml,
-            reasons.concat()
-        ),
+        notes: std::iter::once(what.to_owned()).chain(suggestion.reasons.clone()).collect(),
+        text: suggestion.toml.clone(),
         json: json!({
             "profile": suggestion.toml,
             "reasons": suggestion.reasons,
             "complete": suggestion.is_complete,
         }),
-        warnings: vec![
-            "names and first rows of the columns were looked at, no more: save the profile, \
-             correct it, and inspect again with --profile"
-                .to_owned(),
-        ],
+        warnings: vec!["names and first rows of the columns were looked at, no more".to_owned()],
+        is_unusable: false,
     })
 }
 

@@ -1,9 +1,9 @@
 //! From moments files to one: the same bytes in whatever order.
 
-use crate::files::check_output;
+use crate::error::Result;
+use crate::files::check_files;
 use crate::moments_file::{add, json, read_moments, text, write_moments};
 use crate::outcome::Outcome;
-use anyhow::Result;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
 
 /// Adds up and writes, one part in memory at a time.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    check_output(&arguments.output, &arguments.parts)?;
+    check_files(&arguments.parts, [(arguments.output.as_path(), &[][..])])?;
     let (first, others) = arguments.parts.split_at(1);
     let mut all = read_moments(&first[0])?;
     for file in others {
@@ -28,9 +28,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     }
     let bytes = write_moments(&arguments.output, &all)?;
     Ok(Outcome {
-        notes: Vec::new(),
         text: text(&all, &arguments.output, bytes),
         json: json(&all, &arguments.output, bytes),
         warnings: Vec::new(),
+        ..Outcome::default()
     })
 }

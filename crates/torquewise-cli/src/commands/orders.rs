@@ -1,12 +1,12 @@
 //! From logs to residual against order, and the orders chosen.
 
 use crate::arguments::PatternArguments;
-use crate::files::{check_ending, check_output, write_whole};
+use crate::error::Result;
+use crate::files::{check_files, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::signal_arguments::{FilterArguments, ProfileArguments};
 use crate::table::Table;
-use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -36,15 +36,15 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "FILE.svg")]
     output: Option<PathBuf>,
     /// Product library, step by step: largest number of sines and cosines in a term
-    #[arg(long, value_name = "N", default_value_t = OrderPlan::default().trig_order)]
+    #[arg(help_heading = "Orders", long, value_name = "N", default_value_t = OrderPlan::default().trig_order)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=8))]
     trig_order: u8,
     /// The same for the whole library in one shot
-    #[arg(long, value_name = "N", default_value_t = OrderPlan::default().whole_order)]
+    #[arg(help_heading = "Orders", long, value_name = "N", default_value_t = OrderPlan::default().whole_order)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=8))]
     whole_order: u8,
     /// Energy library: largest number of joint angles in a term
-    #[arg(long, value_name = "K", default_value_t = 4)]
+    #[arg(help_heading = "Orders", long, value_name = "K", default_value_t = 4)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: u8,
     #[command(flatten)]
@@ -57,10 +57,8 @@ pub(crate) struct Arguments {
 
 /// Tries all orders.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    if let Some(file) = &arguments.output {
-        check_output(file, &arguments.logs)?;
-        check_ending(file, &["svg"])?;
-    }
+    let figure = arguments.output.iter().map(|file| (file.as_path(), &["svg"][..]));
+    check_files(&arguments.logs, figure)?;
     let log = arguments.filter.open(&arguments.profile, &arguments.logs)?;
     log.files().require_tau()?;
     let logs = arguments.filter.prepare(&log, Rows::Filtered)?;
@@ -86,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     });
     let warnings =
         Warning::of_orders(&curves, logs.joints()).iter().map(ToString::to_string).collect();
-    Ok(Outcome { notes: Vec::new(), text: text.concat(), json, warnings })
+    Ok(Outcome { text: text.concat(), json, warnings, ..Outcome::default() })
 }
 
 fn curve_json(curve: &OrderCurve) -> Value {

@@ -1,12 +1,12 @@
 //! From logs to patterns: clusters of rows, and the pattern of each row.
 
 use crate::arguments::PatternArguments;
-use crate::files::check_output;
+use crate::error::Result;
+use crate::files::check_files;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_text};
 use crate::progress::watch;
 use crate::signal_arguments::{FilterArguments, ProfileArguments};
-use anyhow::{Result, anyhow};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -37,9 +37,7 @@ pub(crate) struct Arguments {
 
 /// Clusters the logs and labels their rows, counted from 1 through all logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    if let Some(file) = &arguments.output {
-        check_output(file, &arguments.logs)?;
-    }
+    check_files(&arguments.logs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let log = arguments.filter.open(&arguments.profile, &arguments.logs)?;
     let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {
@@ -55,8 +53,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 fn label_rows(logs: &Prepared, found: &Patterns, file: Option<&Path>) -> Result<[u64; 3]> {
     let mut table = PatternTable::create(file)?;
     Watched::new(logs, &watch(), "labelling rows", (logs.rows_hint(), 1))
-        .read(&mut |_, block| Ok(table.append(&found.label(block))?))
-        .map_err(|error| anyhow!(error))?;
+        .read(&mut |_, block| Ok(table.append(&found.label(block))?))?;
     Ok(table.finish()?)
 }
 
@@ -77,5 +74,5 @@ fn outcome(arguments: &Arguments, found: &Patterns, counts: [u64; 3]) -> Outcome
         "patterns": PatternRows::of(counts),
         "file": file,
     });
-    Outcome { notes: Vec::new(), text, json, warnings: missing_patterns(&found.present) }
+    Outcome { text, json, warnings: missing_patterns(&found.present), ..Outcome::default() }
 }

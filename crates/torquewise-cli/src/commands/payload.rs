@@ -1,14 +1,13 @@
 //! What hangs on the last link of an arm whose model is known.
 
-use crate::files::{check_output, read_model, staged};
+use crate::error::Result;
+use crate::files::{check_files, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use crate::table::Table;
-use anyhow::Result;
 use clap::Args;
 use serde_json::json;
-use std::fmt::Write;
 use std::path::PathBuf;
 use torquewise::model::number;
 use torquewise::model::shaft_friction::Estimated;
@@ -47,10 +46,8 @@ const ROWS: [(&str, &str); 10] = [
 
 /// Estimates and prints, and writes the arm with its load.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    if let Some(output) = &arguments.output {
-        check_output(output, &arguments.logs)?;
-        check_output(output, std::slice::from_ref(&arguments.model))?;
-    }
+    let inputs = arguments.logs.iter().chain([&arguments.model]);
+    check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
     let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
     let found = payload(&model, &log, &watch())?;
@@ -79,9 +76,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if let Some(output) = &arguments.output {
         found.added_to(&model)?.save(staged(output)?)?;
         let file = output.display().to_string();
-        writeln!(text, "\nmodel of the arm with its load: {file}")?;
+        text.extend([format!("\nmodel of the arm with its load: {file}\n")]);
         json["file"] = json!(file);
     }
     let warnings = found.hints().into_iter().map(str::to_owned).collect();
-    Ok(Outcome { notes: Vec::new(), text, json, warnings })
+    Ok(Outcome { text, json, warnings, ..Outcome::default() })
 }

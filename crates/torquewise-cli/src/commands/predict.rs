@@ -1,13 +1,12 @@
 //! The torque of a log, whole and in parts.
 
 use crate::conditioning;
-use crate::error::CliError;
-use crate::files::{check_output, read_model, staged};
+use crate::error::Result;
+use crate::files::{check_files, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use crate::table::Table;
-use anyhow::{Result, anyhow};
 use clap::Args;
 use faer::Mat;
 use serde_json::json;
@@ -33,17 +32,17 @@ pub(crate) struct Arguments {
     /// Log of the arm
     log: PathBuf,
     /// Table to write, .csv or .parquet
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: PathBuf,
     /// Add the columns inertia, coriolis, gravity and friction of each joint
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     parts: bool,
     /// Predict with what was known after this step
-    #[arg(long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
+    #[arg(help_heading = "Output", long, value_name = "1|2|3", value_parser = clap::value_parser!(u8).range(1..=3))]
     step: Option<u8>,
     /// Add the columns tau_low and tau_high of each joint, between which this percentage of
     /// measured torques should lie
-    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=99))]
+    #[arg(help_heading = "Output", long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=99))]
     interval: Option<u8>,
     #[command(flatten)]
     profile: ProfileArguments,
@@ -53,8 +52,7 @@ pub(crate) struct Arguments {
 
 /// Predicts row by row.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let inputs = [arguments.model.clone(), arguments.log.clone()];
-    check_output(&arguments.output, &inputs)?;
+    check_files([&arguments.model, &arguments.log], [(arguments.output.as_path(), &[][..])])?;
     let whole = read_model(&arguments.model)?;
     let model = match arguments.step {
         Some(step) => whole.after_step(step.into())?,
@@ -77,21 +75,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
     let mut path = written.torque.path();
-    Watched::new(&logs, &watch(), "predicting", (logs.rows_hint(), 1))
-        .read(&mut |trajectory, block| {
+    Watched::new(&logs, &watch(), "predicting", (logs.rows_hint(), 1)).read(
+        &mut |trajectory, block| {
             rows += block.n_rows();
             range.add(block);
             let tau_hat = written.append(&mut writer, &path.follow(trajectory, block))?;
             let is_finite = |row: &usize| tau_hat.row(*row).iter().all(|tau| tau.is_finite());
             if let Some(row) = (0..tau_hat.nrows()).find(|row| !is_finite(row)) {
-                return Err(CliError::NotFinite { t: block.t()[row] }.into());
+                return Err(torquewise::Error::NotFinite { t: block.t()[row] }.into());
             }
             for (joint, largest) in largest.iter_mut().enumerate() {
                 *largest = tau_hat.col(joint).iter().fold(*largest, |l, tau| l.max(tau.abs()));
             }
             Ok(())
-        })
-        .map_err(|error| anyhow!(error))?;
+        },
+    )?;
     writer.finish()?;
     let mut outcome = outcome(arguments, &model, rows, &largest, &names, &range);
     let repairs = logs.repairs();
@@ -176,5 +174,5 @@ fn outcome(
         "file": file,
     });
     let text = format!("{}\ntorque: {file} ({rows} rows)\n", table.text());
-    Outcome { notes: Vec::new(), text, json, warnings: range.warnings(model) }
+    Outcome { text, json, warnings: range.warnings(model), ..Outcome::default() }
 }

@@ -1,9 +1,9 @@
 //! `torquewise reproduce`: the simulated experiments of the paper and those beyond it.
 
-use crate::files::{check_output, create_folder, write_whole};
+use crate::error::{CliError, Result};
+use crate::files::{check_files, create_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
-use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -28,6 +28,10 @@ pub(crate) struct Arguments {
     quick: bool,
 }
 
+fn failed(source: impl std::error::Error + Send + Sync + 'static) -> CliError {
+    CliError::Experiment { source: Box::new(source) }
+}
+
 /// Experiments, then writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { output, seed, quick, .. } = arguments;
@@ -37,8 +41,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     create_folder(output)?;
     let report = output.join("report.html");
     let numbers = output.join("results.json");
-    check_output(&report, &[])?;
-    check_output(&numbers, &[])?;
+    check_files([], [&report, &numbers].map(|file| (file.as_path(), &[][..])))?;
     let start = Instant::now();
     let results = {
         let bar = share_bar();
@@ -46,16 +49,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             bar.set_length(progress.total as u64);
             bar.set_position(progress.done as u64);
             bar.set_message(progress.doing);
-        })?
+        })
+        .map_err(failed)?
     };
     let seconds = start.elapsed().as_secs_f64();
 
-    write_whole(&numbers, &results.to_json()?)?;
-    write_whole(&report, &page(&results)?)?;
+    write_whole(&numbers, &results.to_json().map_err(failed)?)?;
+    write_whole(&report, &page(&results).map_err(failed)?)?;
     let mut files = Vec::new();
     for figure in results.figures() {
         let file = output.join(format!("{}.svg", figure.name));
-        write_whole(&file, &figure.svg()?)?;
+        write_whole(&file, &figure.svg().map_err(failed)?)?;
         files.push(file.display().to_string());
     }
     let report = report.display().to_string();
@@ -72,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         "figures": files,
         "seconds": seconds,
     });
-    Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
+    Ok(Outcome { text, json, ..Outcome::default() })
 }
 
 fn claims_text(results: &Results) -> String {

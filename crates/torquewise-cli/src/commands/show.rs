@@ -2,11 +2,10 @@
 
 use crate::call_costs::CallCosts;
 use crate::conditioning;
-use crate::error::CliError;
+use crate::error::{CliError, Result};
 use crate::files::read_model;
 use crate::outcome::{Outcome, object};
 use crate::table::Table;
-use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -113,19 +112,18 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.format == Format::Text {
         if arguments.explain {
             text.extend(model.choices.iter().map(choice_text));
-            text.extend(model.training.omitted.as_ref().map(|found| format!("\n{found}\n")));
         }
         text.push_str(&conditioning::text(&model.training.conditioning));
         text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));
         text.extend(costs.as_ref().map(CallCosts::text));
     }
     let warnings = physics.iter().filter_map(PhysicsCheck::warning).collect();
-    Ok(Outcome { notes: Vec::new(), text, json, warnings })
+    Ok(Outcome { text, json, warnings, ..Outcome::default() })
 }
 
 impl Arguments {
     /// What is to be shown.
-    fn selection(&self, model: &Model) -> Result<Selection, CliError> {
+    fn selection(&self, model: &Model) -> Result<Selection> {
         let joint = |wanted: &String| {
             let named = model.joints.iter().position(|name| name == wanted);
             let number = || wanted.parse::<usize>().ok()?.checked_sub(1);

@@ -1,13 +1,12 @@
 //! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::files::{
-    check_distinct, check_output, check_rows, read_arm, read_friction, read_twin, staged,
-};
+use crate::commands::arms;
+use crate::error::Result;
+use crate::files::{check_files, check_rows, read_arm, read_friction, read_twin, staged};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
-use anyhow::{Result, anyhow};
 use clap::{Args, ValueEnum};
 use faer::MatRef;
 use serde_json::json;
@@ -22,34 +21,44 @@ use torquewise::twin::TwinLog;
 /// Move an arm and write a log whose truth is known
 #[derive(Args, Debug)]
 pub(crate) struct Arguments {
-    /// Built-in arm (see `torquewise arms`), .urdf file, .toml file with a DH table, or a model
-    /// file: the twin of the robot it was learned from, friction included
-    arm: String,
+    /// Built-in arm (see --list), .urdf file, .toml file with a DH table, or a model file: the twin
+    /// of the robot it was learned from, friction included
+    #[arg(required_unless_present = "list")]
+    arm: Option<String>,
+    /// List the built-in arms
+    #[arg(long, conflicts_with_all = ["arm", "output"])]
+    list: bool,
     /// Log to write, .csv or .parquet
-    #[arg(short, long, value_name = "LOG")]
-    output: PathBuf,
+    #[arg(short, long, value_name = "LOG", required_unless_present = "list")]
+    output: Option<PathBuf>,
     /// How the joints are moved
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(help_heading = "Motion", long, value_enum, default_value_t)]
     motion: Motions,
     /// Recorded time in seconds
-    #[arg(long, value_name = "S", default_value_t = MotionPlan::default().seconds)]
+    #[arg(help_heading = "Motion", long, value_name = "S", default_value_t = MotionPlan::default().seconds)]
     seconds: f64,
     /// Rows per second
-    #[arg(long, value_name = "HZ", default_value_t = MotionPlan::default().rate)]
+    #[arg(help_heading = "Motion", long, value_name = "HZ", default_value_t = MotionPlan::default().rate)]
     rate: f64,
     /// Seed of motion and noise
-    #[arg(long, default_value_t = 0)]
+    #[arg(help_heading = "Motion", long, default_value_t = 0)]
     seed: u64,
-    /// Noise of the paper: 1 none, 2 70/50/30 dB, 3 60/40/30 dB on q/dq/ddq
-    #[arg(long, value_name = "1|2|3", default_value_t = 1)]
+    /// Noise level: 1 none, 2 70/50/30 dB, 3 60/40/30 dB on q/dq/ddq
+    #[arg(help_heading = "Noise and friction", long, value_name = "1|2|3", default_value_t = 1)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=3))]
     case: u8,
     /// Signal-to-noise ratios of q, dq and ddq in dB; `inf` for no noise
-    #[arg(long, value_name = "Q,DQ,DDQ", conflicts_with = "case", allow_hyphen_values = true)]
+    #[arg(
+        help_heading = "Noise and friction",
+        long,
+        value_name = "Q,DQ,DDQ",
+        conflicts_with = "case",
+        allow_hyphen_values = true
+    )]
     #[arg(value_parser = noise_levels)]
     noise_db: Option<Noise>,
     /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward]
-    #[arg(long, value_name = "FILE")]
+    #[arg(help_heading = "Noise and friction", long, value_name = "FILE")]
     friction: Option<PathBuf>,
     /// Joints of a .urdf to hold at 0, their mass kept
     #[arg(long, value_name = "JOINT", value_delimiter = ',')]
@@ -83,14 +92,15 @@ impl Motions {
 
 /// Simulates and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let mut inputs = vec![PathBuf::from(&arguments.arm)];
+    let (Some(name), Some(output)) = (&arguments.arm, &arguments.output) else {
+        return Ok(arms::list());
+    };
+    let mut inputs = vec![PathBuf::from(name)];
     inputs.extend(arguments.friction.clone());
-    for file in std::iter::once(&arguments.output).chain(&arguments.truth) {
-        check_output(file, &inputs)?;
-    }
-    check_distinct(std::iter::once(&arguments.output).chain(&arguments.truth))?;
-    let arm = read_arm(&arguments.arm, &arguments.lock)?;
-    let twin = read_twin(&arguments.arm, arguments.friction.as_deref())?;
+    let outputs = std::iter::once(output).chain(&arguments.truth);
+    check_files(&inputs, outputs.map(|file| (file.as_path(), &[][..])))?;
+    let arm = read_arm(name, &arguments.lock)?;
+    let twin = read_twin(name, arguments.friction.as_deref())?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
     let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };
     let friction = read_friction(arguments.friction.as_deref(), &arm)?;
@@ -111,15 +121,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
                 Some(twin) => twin.whole()?,
                 None => clean.whole()?.motion,
             };
-            write_log(&arguments.output, &add_noise(&whole, &noise, seed)?)?;
+            write_log(output, &add_noise(&whole, &noise, seed)?)?;
         }
         None => match &twin {
-            Some(twin) => write_log(&arguments.output, twin)?,
-            None => write_log(&arguments.output, &clean)?,
+            Some(twin) => write_log(output, twin)?,
+            None => write_log(output, &clean)?,
         },
     }
     let patterns = write_truth(arguments.truth.as_deref(), &clean)?;
-    Ok(outcome(arguments, arm.joints(), clean.n_rows(), patterns))
+    Ok(outcome(arguments, output, arm.joints(), (clean.n_rows(), patterns)))
 }
 
 /// Rows whose noise is known from all of them at most: 200 bytes each for three joints.
@@ -129,7 +139,7 @@ fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
     let mut writer = LogWriter::create(&staged(file)?, recording.joints(), Contents::default())?;
     let shown = watch();
     let write = Watched::new(recording, &shown, "writing", (None, 1));
-    write.read(&mut |_, block| Ok(writer.append(block)?)).map_err(|error| anyhow!(error))?;
+    write.read(&mut |_, block| Ok(writer.append(block)?))?;
     Ok(writer.finish()?)
 }
 
@@ -138,20 +148,23 @@ fn write_truth(file: Option<&Path>, clean: &SimulatedLog) -> Result<[u64; 3]> {
     let mut table = PatternTable::create(file)?;
     let row_of =
         |signal: MatRef<'_, f64>, row| -> Vec<f64> { signal.row(row).iter().copied().collect() };
-    clean
-        .read(&mut |_, block| {
-            let rows = 0..block.n_rows();
-            let truth: Vec<Pattern> = rows
-                .map(|row| Pattern::of(&row_of(block.dq(), row), &row_of(block.ddq(), row)))
-                .collect();
-            Ok(table.append(&truth)?)
-        })
-        .map_err(|error| anyhow!(error))?;
+    clean.read(&mut |_, block| {
+        let rows = 0..block.n_rows();
+        let truth: Vec<Pattern> = rows
+            .map(|row| Pattern::of(&row_of(block.dq(), row), &row_of(block.ddq(), row)))
+            .collect();
+        Ok(table.append(&truth)?)
+    })?;
     Ok(table.finish()?)
 }
 
-fn outcome(arguments: &Arguments, joints: &[String], rows: usize, counts: [u64; 3]) -> Outcome {
-    let file = arguments.output.display();
+fn outcome(
+    arguments: &Arguments,
+    output: &Path,
+    joints: &[String],
+    (rows, counts): (usize, [u64; 3]),
+) -> Outcome {
+    let file = output.display();
     let json = json!({
         "arm": arguments.arm,
         "joints": joints,
@@ -166,5 +179,5 @@ fn outcome(arguments: &Arguments, joints: &[String], rows: usize, counts: [u64; 
     let truth = arguments.truth.iter().map(|truth| format!("truth: {}\n", truth.display()));
     let text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len())
         + &truth.collect::<String>();
-    Outcome { notes: Vec::new(), text, json, warnings: Vec::new() }
+    Outcome { text, json, ..Outcome::default() }
 }

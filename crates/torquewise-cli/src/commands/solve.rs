@@ -2,15 +2,14 @@
 
 use crate::arguments::RobotArguments;
 use crate::commands::fit;
-use crate::files::{check_output, staged, write_whole};
+use crate::error::Result;
+use crate::files::{check_files, staged, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::selection::{Friction, SelectionArguments};
-use anyhow::Result;
 use clap::Args;
 use serde_json::json;
-use std::fmt::Write;
 use std::path::PathBuf;
 use torquewise::FitOptions;
 use torquewise::sums::{Solved, solve_sums};
@@ -22,17 +21,17 @@ pub(crate) struct Arguments {
     #[arg(value_name = "ALL.moments")]
     moments: PathBuf,
     /// Model file to write
-    #[arg(short, long, value_name = "MODEL.json")]
+    #[arg(help_heading = "Output", short, long, value_name = "MODEL.json")]
     output: PathBuf,
     /// Where to write what the next pass over the logs is asked for, if a chain wants one
     /// [default: MODEL.request]
-    #[arg(long, value_name = "FILE.request")]
+    #[arg(help_heading = "Output", long, value_name = "FILE.request")]
     request: Option<PathBuf>,
     /// Friction, where a chain is learned [default: auto]
-    #[arg(long, value_enum)]
+    #[arg(help_heading = "Method", long, value_enum)]
     friction: Option<Friction>,
-    /// Seed of everything random [default: that of the moments]
-    #[arg(long)]
+    /// Random seed [default: that of the moments]
+    #[arg(help_heading = "Method", long)]
     seed: Option<u64>,
     #[command(flatten)]
     robot: RobotArguments,
@@ -44,10 +43,8 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let request = arguments.request.clone();
     let request = request.unwrap_or_else(|| arguments.output.with_extension("request"));
-    for output in [&arguments.output, &request] {
-        check_output(output, std::slice::from_ref(&arguments.moments))?;
-        check_output(output, arguments.robot.file())?;
-    }
+    let inputs = std::iter::once(&arguments.moments).chain(arguments.robot.file());
+    check_files(inputs, [&arguments.output, &request].map(|file| (file.as_path(), &[][..])))?;
     let summary = read_moments(&arguments.moments)?;
     let seed = arguments.seed.unwrap_or(summary.settings().patterns.seed);
     let friction = arguments.friction.map(Into::into);
@@ -58,7 +55,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             fit.model.save(staged(&arguments.output)?)?;
             let mut outcome = fit::outcome(&fit, &fit.summary()?, false);
             let file = arguments.output.display().to_string();
-            write!(outcome.text, "\nmodel: {file}\n")?;
+            outcome.text.extend([format!("\nmodel: {file}\n")]);
             outcome.json["file"] = json!(file);
             Ok(outcome)
         }
@@ -72,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
                 next.pass()
             );
             let json = json!({ "request": file.to_string(), "pass": next.pass() });
-            Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
+            Ok(Outcome { text, json, ..Outcome::default() })
         }
     }
 }

@@ -126,7 +126,7 @@ fn a_joint_that_never_moves_is_named_in_a_warning() {
     let lines: Vec<String> = log.lines().take(1).map(str::to_owned).chain(still).collect();
     terminal.write("still.csv", &lines.join("\n"));
 
-    let said = terminal.run("fit still.csv -o model.json");
+    let said = terminal.run("fit still.csv -o model.json --strict");
 
     assert_eq!(said.code, 3, "{said:?}");
     assert!(said.stderr.contains("warning: joint2 never moves"), "{said:?}");
@@ -183,11 +183,11 @@ fn a_step_that_was_not_taken_is_refused() {
 fn a_missing_file_is_named_with_its_cause_and_the_advice_last() {
     let terminal = Terminal::with_log();
 
-    terminal.refused("inspect gone.csv", &["gone.csv cannot be read", "because: ", "help: check"]);
-    let said = terminal.run("show gone.json");
+    terminal.refused("inspect gone.csv", &["gone.csv cannot be read", "because: ", "check"]);
+    let said = terminal.run("simulate gone.toml -o new.csv");
 
     let last = said.stderr.lines().last().unwrap();
-    assert_eq!(last, "  help: check that it exists and may be read");
+    assert_eq!(last, "help: check that it exists and may be read");
 }
 
 #[test]

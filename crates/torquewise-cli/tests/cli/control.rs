@@ -75,7 +75,7 @@ fn one_seed_gives_the_same_numbers() {
 fn drives_that_are_too_weak_are_a_warning() {
     let terminal = Terminal::with_model();
 
-    let line = format!("control model.json --arm planar-2 {SHORT} --torque-limit 12");
+    let line = format!("control model.json --arm planar-2 {SHORT} --torque-limit 12 --strict");
     let said = terminal.run(&line);
 
     assert_eq!(said.code, 3, "{said:?}");
@@ -95,7 +95,10 @@ fn what_cannot_be_controlled_is_refused() {
     refused("--arm planar-2 --friction wrong.toml", &["wrong.toml", "`wrist`", "joint1, joint2"]);
     refused("--arm planar-2 --friction negative.toml", &["coulomb", "0 N·m or more"]);
     refused("--arm planar-2 --friction none.toml", &["none.toml cannot be read"]);
-    refused("--arm planar-2 --torque-limit 1,2,3", &["for 3 joints, the arm has 2"]);
+    refused(
+        "--arm planar-2 --torque-limit 1,2,3",
+        &["3 numbers, expected 2", "one for each joint"],
+    );
     refused("--arm planar-2 --bandwidth 0", &["bandwidth", "0.001 to 10000"]);
     refused("--arm planar-2 --rate nan", &["control rate"]);
     refused("--arm planar-2 --delay 0.05 --bandwidth 200", &["runs away", "lower its bandwidth"]);

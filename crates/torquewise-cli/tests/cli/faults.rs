@@ -26,7 +26,7 @@ const WRITING: [&str; 14] = [
     "predict model.json log.csv -o new.csv --parts",
     "patterns log.csv -o new.csv",
     "orders log.csv -o new.svg",
-    "residuals model.json log.csv -o new.csv --figure new.svg",
+    "contacts model.json log.csv -o new.csv --figure new.svg",
     "moments log.csv -o new.moments",
     "excite planar-2 -o new --tries 2",
     "control model.json --arm planar-2 --seconds 2 -o new.csv --plot new.svg --report new.html",

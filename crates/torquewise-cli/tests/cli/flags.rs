@@ -17,13 +17,13 @@ fn misused(terminal: &Terminal, line: &str, words: &[&str]) {
 fn a_chain_refuses_the_flags_of_libraries_and_says_why_it_is_fitted() {
     let terminal = Terminal::with_log();
     let chain = "a learned chain of rigid bodies";
-    let library = "--library energy|product";
+    let library = "--library energy or --library product";
 
     for (flags, flag, because) in [
         ("--filter 20 --select lasso", "--select", "the log is filtered"),
         ("--filter 20 --threshold 0.1", "--threshold", "the log is filtered"),
-        ("--friction linear --bags 0", "--bags", "friction was asked for"),
-        ("--counterbalance joint1 --bags 3", "--bags", "a joint is counterbalanced"),
+        ("--friction linear --bootstrap 0", "--bootstrap", "friction was asked for"),
+        ("--counterbalance joint1 --bootstrap 3", "--bootstrap", "a joint is counterbalanced"),
         ("--library chain --threshold 0.1", "--threshold", "the library was chosen"),
     ] {
         let line = format!("fit log.csv -o model.json {flags}");
@@ -64,10 +64,10 @@ fn libraries_and_sindy_refuse_what_they_do_not_use() {
 fn flags_are_judged_before_the_log_is_read_where_they_can_be() {
     let terminal = Terminal::new();
 
-    for flags in ["--library chain --bags 3", "--method sindy --gravity-order 2"] {
+    for flags in ["--library chain --bootstrap 3", "--method sindy --gravity-order 2"] {
         misused(&terminal, &format!("fit missing.csv -o model.json {flags}"), &["leave it out"]);
     }
-    terminal.refused("fit missing.csv -o model.json --bags 3", &["missing.csv"]);
+    terminal.refused("fit missing.csv -o model.json --bootstrap 3", &["missing.csv"]);
 }
 
 #[test]
@@ -76,13 +76,13 @@ fn moments_take_no_flags_of_a_selection_and_solve_those_of_their_method() {
     terminal.done("moments log.csv -o library.moments");
     terminal.done("moments log.csv -o chain.moments --library chain");
 
-    for flags in ["--select bic", "--threshold 0.1", "--bags 3", "--no-noise-correction"] {
+    for flags in ["--select bic", "--threshold 0.1", "--bootstrap 3", "--no-noise-correction"] {
         let line = format!("moments log.csv -o other.moments {flags}");
         misused(&terminal, &line, &["only summed up", "give it to solve"]);
     }
     let because = "the logs were summed for it";
     for (line, words) in [
-        ("chain.moments --bags 3", ["--bags", "chain", because]),
+        ("chain.moments --bootstrap 3", ["--bootstrap", "chain", because]),
         ("chain.moments --select lasso", ["--select", "choose --library", because]),
         ("library.moments --counterbalance joint1", ["--counterbalance", "energy", because]),
         ("library.moments --friction linear", ["friction", "all logs", "do not add up"]),
@@ -90,7 +90,9 @@ fn moments_take_no_flags_of_a_selection_and_solve_those_of_their_method() {
         misused(&terminal, &format!("solve {line} -o model.json"), &words);
     }
     terminal.json("solve chain.moments -o chain.json --friction none --no-noise-correction");
-    terminal.json("solve library.moments -o library.json --select stlsq --threshold 0.01 --bags 2");
+    terminal.json(
+        "solve library.moments -o library.json --select stlsq --threshold 0.01 --bootstrap 2",
+    );
 }
 
 #[test]
@@ -105,7 +107,7 @@ fn compare_and_orders_refuse_what_they_do_not_use() {
     ] {
         misused(&terminal, &format!("compare log.csv --test log.csv {flags}"), &words);
     }
-    for flags in ["--select lasso", "--threshold 0.1", "--bags 3", "--library product"] {
+    for flags in ["--select lasso", "--threshold 0.1", "--bootstrap 3", "--library product"] {
         misused(&terminal, &format!("orders log.csv {flags}"), &["unexpected argument"]);
     }
 }

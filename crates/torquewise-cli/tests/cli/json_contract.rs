@@ -18,7 +18,7 @@ fn texts(values: &Value, key: &str) -> Vec<String> {
 
 #[test]
 fn arms_are_listed_with_their_joints() {
-    let arms = Terminal::new().json("arms");
+    let arms = Terminal::new().json("simulate --list");
 
     assert!(texts(&arms["arms"], "name").contains(&"puma560-3".to_owned()));
     assert_eq!(arms["arms"][0]["joints"], 2);
@@ -69,7 +69,7 @@ fn patterns_are_always_three_in_the_same_order() {
         assert_eq!(texts(&found["patterns"], "name"), names);
     }
     assert_eq!(sines["patterns"][0]["rows"], 0);
-    assert_eq!(terminal.run("patterns sines.csv").code, 3, "patterns are missing");
+    assert_eq!(terminal.run("patterns sines.csv --strict").code, 3, "patterns are missing");
 }
 
 #[test]

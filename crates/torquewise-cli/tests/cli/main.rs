@@ -3,6 +3,7 @@
 
 mod documents;
 mod terminal;
+mod spoilt;
 mod whole_way;
 mod moments;
 mod reports;
@@ -13,6 +14,7 @@ mod control;
 mod friction;
 mod export;
 mod pitfalls;
+mod harm;
 mod bad_input;
 mod usage;
 mod flags;

@@ -66,7 +66,10 @@ fn what_does_not_add_up_is_refused() {
     terminal.run("moments log.csv -o b.moments --library product");
 
     terminal.refused("merge a.moments b.moments -o c.moments", &["b.moments", "library", "same"]);
-    terminal.refused("solve log.csv -o c.json", &["log.csv", "moments", "make the file again"]);
+    terminal.refused(
+        "solve log.csv -o c.json",
+        &["log.csv", "moments", "make the file of moments again"],
+    );
     terminal.refused("merge none.moments -o c.moments", &["none.moments", "exists"]);
 }
 

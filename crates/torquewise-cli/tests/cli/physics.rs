@@ -28,7 +28,7 @@ fn fit_says_first_that_the_mass_matrix_is_not_positive_definite() {
     let terminal = Terminal::new();
     terminal.done("simulate puma560-3 -o log.csv --seconds 20 --rate 50 --case 3 --seed 1");
 
-    let said = terminal.run("fit log.csv -o model.json --library product");
+    let said = terminal.run("fit log.csv -o model.json --library product --strict");
     let fit = terminal.json("fit log.csv -o model.json --library product");
 
     assert_eq!(said.code, 3, "{said:?}");
@@ -49,7 +49,7 @@ fn export_refuses_any_model_that_is_not_positive_definite_unless_forced() {
         "export changed.json --to c -o arm.c",
         &["M(q) has the eigenvalue -", "at q = (", "fit anew", "--force"],
     );
-    let forced = terminal.run("export changed.json --to c -o arm.c --force");
+    let forced = terminal.run("export changed.json --to c -o arm.c --force --strict");
 
     assert_eq!(forced.code, 3, "{forced:?}");
     assert!(forced.stderr.starts_with("warning: M(q) has the eigenvalue -"), "{forced:?}");
@@ -64,7 +64,7 @@ fn the_check_looks_beyond_the_training_range() {
         model["training"]["q_range"] = json!([[-0.1, 0.1], [-0.1, 0.1]]);
     });
 
-    let said = terminal.run("show changed.json --check");
+    let said = terminal.run("show changed.json --check --strict");
     let checks = &terminal.json("show changed.json --check --states 500")["checks"];
 
     assert_eq!(said.code, 3, "{said:?}");
@@ -91,7 +91,7 @@ fn the_check_tells_whether_friction_takes_power() {
     let giving = changed(|model| model["friction"] = json!([offset, driving]));
 
     let sound = &taking.json("show changed.json --check")["checks"];
-    let said = giving.run("show changed.json --check");
+    let said = giving.run("show changed.json --check --strict");
     let unsound = &giving.json("show changed.json --check")["checks"];
 
     assert_eq!((&sound["friction_passive"], &sound["feasible"]), (&json!(true), &json!(true)));

@@ -3,131 +3,8 @@
 //! One simulated arm, spoilt in turn as public logs of real arms are: docs/your-robot.md has the
 //! list.
 
+use crate::spoilt::{Table, assert_tells, assert_warns, noise};
 use crate::terminal::{Said, Terminal};
-
-/// Columns of numbers.
-#[derive(Clone)]
-struct Table {
-    header: Vec<String>,
-    rows: Vec<Vec<f64>>,
-}
-
-impl Table {
-    /// Two joints on sums of sines: 20 s at 100 Hz.
-    fn arm() -> Self {
-        Self::simulated("planar-2 --motion sines --seconds 20 --rate 100 --seed 4")
-    }
-
-    fn simulated(how: &str) -> Self {
-        let terminal = Terminal::new();
-        terminal.done(&format!("simulate {how} -o arm.csv"));
-        Self::from_text(&terminal.read("arm.csv"))
-    }
-
-    fn from_text(text: &str) -> Self {
-        let mut lines = text.lines();
-        let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
-        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        Self { header, rows: lines.map(row).collect() }
-    }
-
-    /// As real arms are logged: without accelerations, with friction and a little noise.
-    fn recorded() -> Self {
-        let mut table = Self::arm().without(&["ddq1", "ddq2"]);
-        for joint in ["1", "2"] {
-            let speed = table.place(&format!("dq{joint}"));
-            table = table.with(&format!("tau{joint}"), |row, tau, values| {
-                let dq = values[speed];
-                tau + 0.6 * dq + 0.4 * (dq / 0.02).tanh() + 0.05 * noise(row)
-            });
-            table = table.with(&format!("q{joint}"), |row, q, _| q + 1e-4 * noise(row + 7));
-        }
-        table
-    }
-
-    fn place(&self, name: &str) -> usize {
-        self.header.iter().position(|known| known == name).unwrap()
-    }
-
-    /// Another value in a column, of row, value and all values of the row.
-    fn with(mut self, name: &str, value: impl Fn(usize, f64, &[f64]) -> f64) -> Self {
-        let place = self.place(name);
-        for (number, row) in self.rows.iter_mut().enumerate() {
-            row[place] = value(number, row[place], row);
-        }
-        self
-    }
-
-    fn scaled(self, names: &[&str], factor: f64) -> Self {
-        names.iter().fold(self, |table, name| table.with(name, |_, value, _| factor * value))
-    }
-
-    fn without(mut self, names: &[&str]) -> Self {
-        for name in names {
-            let place = self.place(name);
-            self.header.remove(place);
-            for row in &mut self.rows {
-                row.remove(place);
-            }
-        }
-        self
-    }
-
-    fn renamed(mut self, names: &[(&str, &str)]) -> Self {
-        for (old, new) in names {
-            let place = self.place(old);
-            (*new).clone_into(&mut self.header[place]);
-        }
-        self
-    }
-
-    /// The same values once more, under another name.
-    fn twice(mut self, name: &str, again: &str) -> Self {
-        let place = self.place(name);
-        self.header.push(again.to_owned());
-        self.rows.iter_mut().for_each(|row| row.push(row[place]));
-        self
-    }
-
-    fn text(&self) -> String {
-        self.text_by(",")
-    }
-
-    fn text_by(&self, separator: &str) -> String {
-        let row = |row: &Vec<f64>| {
-            row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(separator) + "\n"
-        };
-        let rows: String = self.rows.iter().map(row).collect();
-        self.header.join(separator) + "\n" + &rows
-    }
-
-    fn inspected(&self) -> Said {
-        let terminal = Terminal::new();
-        terminal.write("log.csv", &self.text());
-        terminal.run("inspect log.csv")
-    }
-}
-
-/// Between -1 and 1, the same at each run.
-fn noise(row: usize) -> f64 {
-    let x = (row as f64 * 12.9898).sin() * 43_758.545_3;
-    2.0 * (x - x.floor()) - 1.0
-}
-
-/// Whether it was said with a warning, and on which stream.
-fn assert_warns(said: &Said, words: &[&str]) {
-    assert_eq!(said.code, 3, "{said:?}");
-    for word in words {
-        assert!(said.stderr.contains(word), "{word:?}: {}", said.stderr);
-    }
-}
-
-fn assert_tells(said: &Said, words: &[&str]) {
-    assert!(matches!(said.code, 0 | 3), "{said:?}");
-    for word in words {
-        assert!(said.stdout.contains(word), "{word:?}: {}", said.stdout);
-    }
-}
 
 const TORQUE_WORDS: [&str; 5] =
     ["does not follow", "falls as it", "gravity compensation", "few levels", "measured velocity"];
@@ -178,6 +55,12 @@ fn the_suggested_profile_takes_what_was_measured() {
 
     assert_tells(&said, &["columns = \"pos_meas\"", "columns = \"tau_meas\""]);
     assert_warns(&said, &["first rows of the columns were looked at"]);
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &table.text());
+    let profile = terminal.run("inspect log.csv").stdout;
+    assert_eq!(profile, said.stdout, "all prose is on standard error");
+    terminal.write("p.toml", &profile);
+    assert_eq!(terminal.run("inspect log.csv --profile p.toml").code, 0);
 }
 
 #[test]
@@ -214,7 +97,7 @@ fn a_log_without_a_clock_asks_for_its_rate() {
 
     terminal.refused("fit log.csv --profile none.toml -o m.json", &["no clock", "rate = …"]);
     let right = terminal.run("inspect log.csv --profile right.toml");
-    let wrong = terminal.run("inspect log.csv --profile wrong.toml");
+    let wrong = terminal.run("inspect log.csv --profile wrong.toml --strict");
 
     assert!(!right.stderr.contains("measured velocity"), "{right:?}");
     assert_warns(&wrong, &["measured velocity of joint1 is 0.50", "and the clock of the log"]);
@@ -231,7 +114,7 @@ fn repeated_stamps_and_a_restarted_clock_are_left_out_and_told() {
     terminal.write("log.csv", &table.text());
 
     terminal.refused("inspect log.csv", &["row 2002", "does not follow"]);
-    let said = terminal.run("inspect log.csv --repair");
+    let said = terminal.run("inspect log.csv --repair --strict");
 
     assert_warns(
         &said,
@@ -308,7 +191,7 @@ fn degrees_are_suspected_and_read_with_a_profile() {
          [dq]\ncolumns = \"dq\"\nunit = \"deg/s\"\n[tau]\ncolumns = \"tau\"\n",
     );
 
-    assert_warns(&terminal.run("inspect log.csv"), &["q1 reaches", "is it in degrees?"]);
+    assert_warns(&terminal.run("inspect log.csv --strict"), &["q1 reaches", "is it in degrees?"]);
     let said = terminal.run("inspect log.csv --profile degrees.toml");
     assert!(!said.stderr.contains("degrees"), "{said:?}");
 }
@@ -344,7 +227,7 @@ fn motor_currents_need_gears_and_constants_and_a_wrong_sign_is_told() {
     terminal.write("joint.csv", &Table::recorded().text());
 
     terminal.refused("inspect log.csv --profile none.toml", &["torque_constant"]);
-    let wrong = terminal.run("inspect log.csv --profile wrong.toml");
+    let wrong = terminal.run("inspect log.csv --profile wrong.toml --strict");
     assert_warns(&wrong, &["the torque of joint2 falls as it accelerates", "check the sign"]);
     assert!(!wrong.stderr.contains("the torque of joint1 falls"), "{wrong:?}");
     let (right, plain) =
@@ -398,7 +281,7 @@ fn a_motor_that_is_off_is_told() {
 
     let terminal = Terminal::new();
     terminal.write("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
-    let said = terminal.run("fit off.csv -o model.json");
+    let said = terminal.run("fit off.csv -o model.json --strict");
     assert_warns(&said, &["the torque of joint2 never changes: is it measured?"]);
 }
 
@@ -514,207 +397,4 @@ fn a_counterbalance_that_is_known_of_is_a_term() {
     let weight: f64 = line.split_whitespace().nth(1).unwrap().parse().unwrap();
     assert!((weight - 0.3).abs() < 0.05, "{line}");
     terminal.refused(&format!("{fit} --counterbalance elbow"), &["elbow", "joint1, joint2"]);
-}
-
-// Logs together.
-
-/// The reference arm of two links, its second one so heavy.
-fn loaded(mass: &str) -> String {
-    let link = |name: &str, a: f64, mass: &str, inertia: f64| {
-        format!(
-            "[[joints]]\nname = \"{name}\"\na = {a:?}\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
-             com = [{:?}, 0.0, 0.0]\ninertia = [0.001, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]\n",
-            -0.5 * a
-        )
-    };
-    format!(
-        "name = \"loaded\"\nbase_rpy = [1.5707963267948966, 0.0, 0.0]\n{}{}",
-        link("upper", 0.5, "4.0", 0.08),
-        link("fore", 0.4, mass, 0.03)
-    )
-}
-
-#[test]
-fn logs_of_other_payloads_are_told_apart() {
-    let terminal = Terminal::new();
-    terminal.write("bare.toml", &loaded("2.0"));
-    terminal.write("laden.toml", &loaded("2.6"));
-    for (arm, log, seed) in [("bare", "a", 1), ("laden", "b", 2), ("bare", "c", 3)] {
-        terminal.done(&format!(
-            "simulate {arm}.toml -o {log}.csv --seconds 40 --rate 50 --seed {seed} \
-             --noise-db 60,50,40"
-        ));
-    }
-
-    let mixed = terminal.run("fit a.csv b.csv -o mixed.json");
-    let alike = terminal.run("fit a.csv c.csv -o alike.json");
-
-    let words = ["a.csv and b.csv disagree about the gravity of", "fore (", "Fit them apart"];
-    assert_warns(&mixed, &words);
-    assert!(!alike.stderr.contains("disagree"), "{alike:?}");
-}
-
-/// A copy of a log whose torque of one joint is changed row by row.
-fn with_torque(terminal: &Terminal, log: &str, joint: usize, change: impl Fn(f64) -> f64) {
-    let text = terminal.read(log);
-    let name = format!("tau{joint}");
-    let place = text.lines().next().unwrap().split(',').position(|own| own == name).unwrap();
-    let changed = |(number, line): (usize, &str)| {
-        let mut cells: Vec<String> = line.split(',').map(Into::into).collect();
-        if number > 0 {
-            cells[place] = format!("{:?}", change(cells[place].parse().unwrap()));
-        }
-        cells.join(",") + "\n"
-    };
-    terminal.write("changed.csv", &text.lines().enumerate().map(changed).collect::<String>());
-}
-
-#[test]
-fn d24_a_torque_of_the_wrong_sign_is_named_on_any_joint() {
-    let all = [
-        ("planar-2", vec![1, 2], ""),
-        ("puma560-3", vec![1, 2, 3], ""),
-        ("puma560-3", vec![1], "--library product"),
-        ("generic-4", vec![1, 2], ""),
-        ("generic-6", vec![6], ""),
-    ];
-    for (arm, joints, how) in all {
-        let terminal = Terminal::new();
-        terminal.done(&format!("simulate {arm} -o log.csv --seconds 60 --rate 100"));
-        for joint in joints {
-            with_torque(&terminal, "log.csv", joint, |tau| -tau);
-            let said = terminal.run(&format!("fit changed.csv -o m.json {how}"));
-            assert_eq!(said.code, 3, "{said:?}");
-            let verdict = format!("unusable: the torque of joint{joint} has the wrong sign");
-            assert!(said.stdout.contains(&verdict), "{said:?}");
-            assert_eq!(said.stdout.matches("has the wrong sign").count(), 1, "{said:?}");
-            assert!(said.stderr.contains("check the sign of its torque"), "{said:?}");
-        }
-    }
-}
-
-#[test]
-fn d23_a_torque_that_was_cut_off_is_named() {
-    let terminal = Terminal::new();
-    terminal.done("simulate puma560-3 -o log.csv --seconds 60 --rate 100");
-    for joint in 1..=3 {
-        let text = terminal.read("log.csv");
-        let place =
-            text.lines().next().unwrap().split(',').position(|n| n == format!("tau{joint}"));
-        let tau =
-            |line: &str| -> f64 { line.split(',').nth(place.unwrap()).unwrap().parse().unwrap() };
-        let values: Vec<f64> = text.lines().skip(1).map(tau).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        let square = values.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
-        let limit = 0.2 * (square / values.len() as f64).sqrt();
-        with_torque(&terminal, "log.csv", joint, |tau| tau.clamp(mean - limit, mean + limit));
-
-        let said = terminal.run("fit changed.csv -o m.json");
-
-        assert_eq!(said.code, 3, "{said:?}");
-        let verdict = format!("unusable: the torque of joint{joint} is cut off");
-        assert!(said.stdout.contains(&verdict), "{said:?}");
-    }
-}
-
-#[test]
-fn d25_an_arm_of_too_many_joints_is_refused_from_the_header() {
-    let terminal = Terminal::new();
-    let signals = ["q", "dq", "ddq", "tau"];
-    for joints in [9, 12, 50] {
-        let columns = signals.iter().flat_map(|own| (1..=joints).map(move |k| format!("{own}{k}")));
-        let header: Vec<String> = std::iter::once("t".into()).chain(columns).collect();
-        let row = |k: usize| {
-            let values = (0..4 * joints).map(|own| ((own * k) as f64 * 0.01).sin().to_string());
-            format!("{},{}\n", k as f64 * 0.01, values.collect::<Vec<_>>().join(","))
-        };
-        let rows: String = (0..20).map(row).collect();
-        terminal.write("many.csv", &format!("{}\n{rows}", header.join(",")));
-
-        // Twenty rows are too few, which is told only once they were read.
-        terminal.refused("fit many.csv -o m.json", &[&joints.to_string(), "at most", "profile"]);
-        terminal.refused("moments many.csv -o m.moments", &[&joints.to_string(), "at most"]);
-    }
-}
-
-#[test]
-fn d27_a_torque_beyond_all_numbers_is_an_error() {
-    let terminal = Terminal::with_model();
-    for cell in ["1e200", "-1e300"] {
-        let mut rows: Vec<String> = terminal.read("log.csv").lines().map(Into::into).collect();
-        let mut cells: Vec<&str> = rows[9].split(',').collect();
-        cells[3] = cell;
-        rows[9] = cells.join(",");
-        terminal.write("far.csv", &rows.join("\n"));
-
-        terminal.refused("predict model.json far.csv -o p.csv", &["torque", "beyond all numbers"]);
-    }
-}
-
-/// A term of all powers that are taken is written at once; beyond, none is expanded.
-#[test]
-fn a12_powers_that_would_fill_the_memory_are_refused_at_once() {
-    let terminal = Terminal::new();
-    let model = |power: u8| {
-        let factor = |joint: usize| {
-            let multiples: Vec<u8> = (0..4).map(|own| u8::from(own == joint)).collect();
-            format!(r#"{{"multiples": {multiples:?}, "function": "cos", "power": {power}}}"#)
-        };
-        let factors = (0..4).map(factor).collect::<Vec<_>>().join(",");
-        let zeros = "[0, 0, 0, 0]";
-        let function = format!(r#"{{"factors": [{factors}], "dq": {zeros}, "ddq": {zeros}}}"#);
-        let term = format!(r#"{{"place": "potential", "function": {function}}}"#);
-        let ones = "[1.0, 1.0, 1.0, 1.0]";
-        let training = format!(
-            r#"{{"rows": 3000, "residual_rms": {ones}, "torque_std": {ones},
-            "q_range": [[-1, 1], [-1, 1], [-1, 1], [-1, 1]], "dq_peak": {ones}, "ddq_peak": {ones}}}"#
-        );
-        format!(
-            r#"{{"format": "torquewise-model", "version": 2, "joints": ["a", "b", "c", "d"],
-            "form": {{"energy": [{{"term": {term}, "coefficient": 1.0, "std_error": 0.0}}]}},
-            "stages": [], "training": {training}, "choices": [], "friction": []}}"#
-        )
-    };
-    terminal.write("most.json", &model(8));
-    terminal.done("show most.json --cost");
-    let said = terminal.run("export most.json --to c -o most.c --force");
-    assert!(said.code == 3 && said.stderr.contains("M(q) has the eigenvalue"), "{said:?}");
-    assert!(terminal.read("most.c").contains("most_torque"));
-    for power in [9, 60] {
-        terminal.write("powers.json", &model(power));
-        terminal.refused("export powers.json --to c -o a.c --force", &["1 to 32"]);
-        terminal.refused("show powers.json --cost", &["1 to 32"]);
-    }
-}
-
-#[test]
-fn b15_a_joint_of_a_long_name_is_refused_and_nothing_is_left() {
-    let terminal = Terminal::with_log();
-    let log = terminal.read("log.csv");
-    for length in [201, 65_536] {
-        terminal.write("long.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(length)));
-
-        terminal.refused("fit long.csv -o m.json", &["joint name", "at most 200 bytes"]);
-    }
-    terminal.write("short.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(200)));
-    terminal.done("fit short.csv -o m.json");
-}
-
-#[test]
-fn e31_models_that_no_program_of_ours_wrote_are_refused() {
-    let terminal = Terminal::with_model();
-    let model = terminal.read("model.json");
-    let power = "\"power\": 1";
-    let multiple = "\"function\": \"cos\"";
-    assert!(model.contains(power) && model.contains(multiple));
-    for bad in [
-        model.replacen(power, "\"power\": 255", 1),
-        model.replacen(power, "\"power\": 0", 1),
-        model.replacen("\"multiples\": [\n", "\"multiples\": [\n -128,", 1),
-    ] {
-        assert_ne!(bad, model);
-        terminal.write("bad.json", &bad);
-        terminal.refused("show bad.json", &["bad.json"]);
-        terminal.refused("export bad.json --to c -o a.c", &["bad.json"]);
-    }
 }

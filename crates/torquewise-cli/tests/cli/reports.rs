@@ -54,7 +54,7 @@ fn one_output_does_not_replace_another() {
     terminal.refused("fit log.csv -o m.json --report r.pdf", &["expected .html"]);
     terminal.refused("orders log.csv -o o.png", &["expected .svg"]);
     terminal.refused("fit log.csv -o m.json --test other.csv", &["another arm", "joint3"]);
-    terminal.refused("reproduce --quick -o log.csv", &["is a file: name a folder"]);
+    terminal.refused("reproduce --quick -o log.csv", &["log.csv is a file", "name a folder"]);
 }
 
 #[test]

@@ -99,7 +99,7 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
     for joint in terminal.json("evaluate both.json test.csv")["joints"].as_array().unwrap() {
         assert!(joint["nrmse_percent"].as_f64().unwrap() < 1.0, "{joint}");
     }
-    let nothing = terminal.run("payload arm.json log.csv");
+    let nothing = terminal.run("payload arm.json log.csv --strict");
     assert_eq!(nothing.code, 3, "{nothing:?}");
     assert!(nothing.stderr.contains("the mass is not told from zero"), "{nothing:?}");
 }
@@ -146,7 +146,7 @@ fn a_push_is_found_when_and_where_it_was() {
     terminal.done(&format!("simulate arm.urdf -o calm.csv --seconds 20 {motion} --seed 8"));
     terminal.write("push.csv", &pushed(&terminal.read("calm.csv"), (9.0, 9.4), 4.0));
 
-    let line = "residuals arm.json push.csv --free free.csv -o external.csv --figure external.svg";
+    let line = "contacts arm.json push.csv --free free.csv -o external.csv --figure external.svg";
     let found = terminal.json(line);
 
     let contacts = found["contacts"].as_array().unwrap();

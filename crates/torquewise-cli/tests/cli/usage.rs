@@ -39,6 +39,20 @@ fn wrong_usage_exits_with_two_and_leaves_nothing() {
 }
 
 #[test]
+fn warnings_fail_only_where_that_is_asked_for() {
+    let terminal = Terminal::with_log();
+    terminal.done("simulate planar-2 -o sines.csv --seconds 20 --rate 50 --motion sines");
+
+    for (line, code) in [
+        ("patterns sines.csv", 0),
+        ("patterns sines.csv --strict", 3),
+        ("patterns log.csv --strict", 0),
+    ] {
+        assert_eq!(terminal.run(line).code, code, "{line}");
+    }
+}
+
+#[test]
 fn help_and_version_are_results() {
     let terminal = Terminal::new();
 
@@ -55,7 +69,6 @@ fn every_verb_has_a_line_in_the_help() {
 
     for verb in [
         "demo",
-        "arms",
         "simulate",
         "excite",
         "inspect",
@@ -67,6 +80,7 @@ fn every_verb_has_a_line_in_the_help() {
         "evaluate",
         "compare",
         "export",
+        "contacts",
         "reproduce",
         "completions",
     ] {

@@ -149,7 +149,7 @@ fn a_log_faster_than_the_training_is_predicted_with_a_warning() {
     rows[50] = cells.join(",");
     terminal.write("fast.csv", &rows.join("\n"));
 
-    let said = terminal.run("predict model.json fast.csv -o torque.csv");
+    let said = terminal.run("predict model.json fast.csv -o torque.csv --strict");
 
     assert_eq!(said.code, 3);
     assert!(said.stderr.starts_with("warning: ") && said.stderr.contains("dq to 9.50 rad/s"));

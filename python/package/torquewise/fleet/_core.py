@@ -151,12 +151,11 @@ def solve(part: Part, plan: Plan) -> tuple[str | None, bytes | None, dict[str, A
         "friction",
         "counterbalance",
         "noise_correction",
-        "physical",
         "seed",
         "urdf",
         "lock",
     )
-    keys += ("gravity", "select", "threshold", "bags")
+    keys += ("gravity", "select", "threshold", "n_bootstrap")
     options = {key: own for key, own in plan.of_fit().items() if key in keys}
     found = Summary.from_bytes(part.sums).solve(progress=False, **options)
     if isinstance(found, Fit):

@@ -1,7 +1,7 @@
 //! From trackings to figure and page: errors, positions and torques of each controller.
 
 use crate::commands::control::Compared;
-use anyhow::Result;
+use crate::error::Result;
 use faer::Mat;
 use torquewise::control::Tracking;
 use torquewise::report::chart_figure;

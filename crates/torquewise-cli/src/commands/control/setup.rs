@@ -1,6 +1,6 @@
 //! From words of the command line to the plant, and the motion that is wanted of it.
 
-use anyhow::Result;
+use crate::error::Result;
 use clap::{Args, ValueEnum};
 use std::f64::consts::TAU;
 use std::path::PathBuf;
@@ -10,6 +10,7 @@ use torquewise::motion::Motion;
 
 /// What is wanted of the arm.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Motion")]
 pub(crate) struct MotionArguments {
     /// Motion that is wanted
     #[arg(long, value_enum, default_value_t)]
@@ -63,6 +64,7 @@ impl MotionArguments {
 
 /// What the arm is made of, beside links.
 #[derive(Args, Debug)]
+#[command(next_help_heading = "Plant")]
 pub(crate) struct PlantArguments {
     /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward]
     #[arg(long, value_name = "FILE")]

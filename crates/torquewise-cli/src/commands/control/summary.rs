@@ -25,10 +25,10 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
         }
     }
     Outcome {
-        notes: Vec::new(),
         text,
         json: json(arguments, compared),
         warnings: warnings(compared),
+        ..Outcome::default()
     }
 }
 

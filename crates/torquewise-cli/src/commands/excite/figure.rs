@@ -1,6 +1,6 @@
 //! From plan to figure: position and velocity of each joint beside their limits.
 
-use anyhow::Result;
+use crate::error::Result;
 use torquewise::excite::{Excitation, Limits, Planned, State};
 use torquewise::motion::Pattern;
 use torquewise::report::chart_figure;

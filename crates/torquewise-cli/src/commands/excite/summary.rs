@@ -23,10 +23,10 @@ pub(super) fn outcome(
     files: &Files,
 ) -> Outcome {
     Outcome {
-        notes: Vec::new(),
         text: text(arguments, limits, planned, files),
         json: json(arguments, limits, planned, files),
         warnings: warnings(planned),
+        ..Outcome::default()
     }
 }
 

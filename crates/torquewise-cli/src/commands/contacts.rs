@@ -1,14 +1,13 @@
 //! Torque that others put on an arm, and when they touched it.
 
-use crate::files::{check_distinct, check_ending, check_output, read_model, staged, write_whole};
+use crate::error::Result;
+use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
 use crate::table::Table;
-use anyhow::Result;
 use clap::Args;
 use serde_json::json;
-use std::fmt::Write;
 use std::path::PathBuf;
 use torquewise::external::{Contact, ExternalOptions, Thresholds, contacts};
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
@@ -29,22 +28,22 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// Table to write, .csv or .parquet
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(help_heading = "Output", short, long, value_name = "FILE")]
     output: PathBuf,
     /// Log of the arm that nothing touches, to set the thresholds by; repeat for several [default:
     /// the logs themselves, contacts being the exception]
-    #[arg(long, value_name = "LOG")]
+    #[arg(help_heading = "Detection", long, value_name = "LOG")]
     free: Vec<PathBuf>,
     /// False alarms of the whole arm in an hour of free motion
-    #[arg(long, value_name = "PER HOUR", default_value_t = ExternalOptions::default().false_alarms_per_hour)]
+    #[arg(help_heading = "Detection", long, value_name = "PER HOUR", default_value_t = ExternalOptions::default().false_alarms_per_hour)]
     #[arg(value_parser = positive)]
     false_alarms: f64,
     /// Bandwidth of the observer in Hz
-    #[arg(long, value_name = "HZ", default_value_t = ExternalOptions::default().bandwidth)]
+    #[arg(help_heading = "Detection", long, value_name = "HZ", default_value_t = ExternalOptions::default().bandwidth)]
     #[arg(value_parser = positive)]
     bandwidth: f64,
     /// Figure to write: external torque over time, with its thresholds
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(help_heading = "Output", long, value_name = "FILE.svg")]
     figure: Option<PathBuf>,
     #[command(flatten)]
     profile: ProfileArguments,
@@ -64,17 +63,9 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// Observes, lists and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let outputs = || std::iter::once(&arguments.output).chain(&arguments.figure);
-    let model_file = std::slice::from_ref(&arguments.model);
-    for output in outputs() {
-        for inputs in [&arguments.logs, &arguments.free, model_file] {
-            check_output(output, inputs)?;
-        }
-    }
-    check_distinct(outputs())?;
-    if let Some(figure) = &arguments.figure {
-        check_ending(figure, &["svg"])?;
-    }
+    let inputs = arguments.logs.iter().chain(&arguments.free).chain([&arguments.model]);
+    let figure = arguments.figure.iter().map(|file| (file.as_path(), &["svg"][..]));
+    check_files(inputs, figure.chain([(arguments.output.as_path(), &[][..])]))?;
     let model = read_model(&arguments.model)?;
     let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
     let free = Some(&arguments.free).filter(|free| !free.is_empty());
@@ -94,11 +85,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(table.push(t, external)?)
         })?;
     let rows = table.finish()?;
-    let mut outcome = outcome(arguments, &model, &thresholds, &found, rows)?;
+    let mut outcome = outcome(arguments, &model, &thresholds, &found, rows);
     if let Some(file) = &arguments.figure {
         let charts = curves.charts(&model, &thresholds);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
-        writeln!(outcome.text, "figure: {}", file.display())?;
+        outcome.text.extend([format!("figure: {}\n", file.display())]);
         outcome.json["figure"] = json!(file.display().to_string());
     }
     Ok(outcome)
@@ -198,7 +189,7 @@ fn outcome(
     thresholds: &Thresholds,
     found: &[Contact],
     rows: usize,
-) -> Result<Outcome> {
+) -> Outcome {
     let mut table = Table::new(&["joint", "threshold [N·m]"]);
     for (name, most) in model.joints.iter().zip(&thresholds.torque) {
         table.row(name, [number(*most)]);
@@ -220,13 +211,13 @@ fn outcome(
                 [format!("{end:.3}"), joint.clone(), number(*torque), format!("{factor:.1}")];
             table.row(&format!("{begin:.3}"), cells);
         }
-        write!(text, "\n{}", table.text())?;
+        text.extend([format!("\n{}", table.text())]);
         if found.len() > MOST_PRINTED {
-            writeln!(text, "and {} more: --json has all", found.len() - MOST_PRINTED)?;
+            text.extend([format!("and {} more: --json has all\n", found.len() - MOST_PRINTED)]);
         }
     }
     let file = arguments.output.display().to_string();
-    writeln!(text, "\nexternal torque: {file} ({rows} rows)")?;
+    text.extend([format!("\nexternal torque: {file} ({rows} rows)\n")]);
     let json = json!({
         "joints": model.joints,
         "thresholds": thresholds.torque,
@@ -236,5 +227,5 @@ fn outcome(
         "rows": rows,
         "file": file,
     });
-    Ok(Outcome { notes: Vec::new(), text, json, warnings: Vec::new() })
+    Outcome { text, json, ..Outcome::default() }
 }

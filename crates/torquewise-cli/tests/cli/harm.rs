@@ -1,0 +1,205 @@
+//! Several logs together, wrong torques, and files that are refused before they do harm.
+
+use crate::spoilt::assert_warns;
+use crate::terminal::Terminal;
+
+/// The reference arm of two links, its second one so heavy.
+fn loaded(mass: &str) -> String {
+    let link = |name: &str, a: f64, mass: &str, inertia: f64| {
+        format!(
+            "[[joints]]\nname = \"{name}\"\na = {a:?}\nalpha = 0.0\nd = 0.0\nmass = {mass}\n\
+             com = [{:?}, 0.0, 0.0]\ninertia = [0.001, {inertia:?}, {inertia:?}, 0.0, 0.0, 0.0]\n",
+            -0.5 * a
+        )
+    };
+    format!(
+        "name = \"loaded\"\nbase_rpy = [1.5707963267948966, 0.0, 0.0]\n{}{}",
+        link("upper", 0.5, "4.0", 0.08),
+        link("fore", 0.4, mass, 0.03)
+    )
+}
+
+#[test]
+fn logs_of_other_payloads_are_told_apart() {
+    let terminal = Terminal::new();
+    terminal.write("bare.toml", &loaded("2.0"));
+    terminal.write("laden.toml", &loaded("2.6"));
+    for (arm, log, seed) in [("bare", "a", 1), ("laden", "b", 2), ("bare", "c", 3)] {
+        terminal.done(&format!(
+            "simulate {arm}.toml -o {log}.csv --seconds 40 --rate 50 --seed {seed} \
+             --noise-db 60,50,40"
+        ));
+    }
+
+    let mixed = terminal.run("fit a.csv b.csv -o mixed.json --strict");
+    let alike = terminal.run("fit a.csv c.csv -o alike.json");
+
+    let words = ["a.csv and b.csv disagree about the gravity of", "fore (", "Fit them apart"];
+    assert_warns(&mixed, &words);
+    assert!(!alike.stderr.contains("disagree"), "{alike:?}");
+}
+
+/// A copy of a log whose torque of one joint is changed row by row.
+fn with_torque(terminal: &Terminal, log: &str, joint: usize, change: impl Fn(f64) -> f64) {
+    let text = terminal.read(log);
+    let name = format!("tau{joint}");
+    let place = text.lines().next().unwrap().split(',').position(|own| own == name).unwrap();
+    let changed = |(number, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(Into::into).collect();
+        if number > 0 {
+            cells[place] = format!("{:?}", change(cells[place].parse().unwrap()));
+        }
+        cells.join(",") + "\n"
+    };
+    terminal.write("changed.csv", &text.lines().enumerate().map(changed).collect::<String>());
+}
+
+#[test]
+fn a_torque_of_the_wrong_sign_is_named_on_any_joint() {
+    let all = [
+        ("planar-2", vec![1, 2], ""),
+        ("puma560-3", vec![1, 2, 3], ""),
+        ("puma560-3", vec![1], "--library product"),
+        ("generic-4", vec![1, 2], ""),
+        ("generic-6", vec![6], ""),
+    ];
+    for (arm, joints, how) in all {
+        let terminal = Terminal::new();
+        terminal.done(&format!("simulate {arm} -o log.csv --seconds 60 --rate 100"));
+        for joint in joints {
+            with_torque(&terminal, "log.csv", joint, |tau| -tau);
+            let said = terminal.run(&format!("fit changed.csv -o m.json {how}"));
+            assert_eq!(said.code, 3, "{said:?}");
+            let verdict = format!("unusable: the torque of joint{joint} has the wrong sign");
+            assert!(said.stdout.contains(&verdict), "{said:?}");
+            assert_eq!(said.stdout.matches("has the wrong sign").count(), 1, "{said:?}");
+            assert!(said.stderr.contains("check the sign of its torque"), "{said:?}");
+        }
+    }
+}
+
+#[test]
+fn a_torque_that_was_cut_off_is_named() {
+    let terminal = Terminal::new();
+    terminal.done("simulate puma560-3 -o log.csv --seconds 60 --rate 100");
+    for joint in 1..=3 {
+        let text = terminal.read("log.csv");
+        let place =
+            text.lines().next().unwrap().split(',').position(|n| n == format!("tau{joint}"));
+        let tau =
+            |line: &str| -> f64 { line.split(',').nth(place.unwrap()).unwrap().parse().unwrap() };
+        let values: Vec<f64> = text.lines().skip(1).map(tau).collect();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let square = values.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
+        let limit = 0.2 * (square / values.len() as f64).sqrt();
+        with_torque(&terminal, "log.csv", joint, |tau| tau.clamp(mean - limit, mean + limit));
+
+        let said = terminal.run("fit changed.csv -o m.json");
+
+        assert_eq!(said.code, 3, "{said:?}");
+        let verdict = format!("unusable: the torque of joint{joint} is cut off");
+        assert!(said.stdout.contains(&verdict), "{said:?}");
+    }
+}
+
+#[test]
+fn an_arm_of_too_many_joints_is_refused_from_the_header() {
+    let terminal = Terminal::new();
+    let signals = ["q", "dq", "ddq", "tau"];
+    for joints in [9, 12, 50] {
+        let columns = signals.iter().flat_map(|own| (1..=joints).map(move |k| format!("{own}{k}")));
+        let header: Vec<String> = std::iter::once("t".into()).chain(columns).collect();
+        let row = |k: usize| {
+            let values = (0..4 * joints).map(|own| ((own * k) as f64 * 0.01).sin().to_string());
+            format!("{},{}\n", k as f64 * 0.01, values.collect::<Vec<_>>().join(","))
+        };
+        let rows: String = (0..20).map(row).collect();
+        terminal.write("many.csv", &format!("{}\n{rows}", header.join(",")));
+
+        // Twenty rows are too few, which is told only once they were read.
+        terminal.refused("fit many.csv -o m.json", &[&joints.to_string(), "at most", "profile"]);
+        terminal.refused("moments many.csv -o m.moments", &[&joints.to_string(), "at most"]);
+    }
+}
+
+#[test]
+fn a_torque_that_overflows_is_an_error() {
+    let terminal = Terminal::with_model();
+    for cell in ["1e200", "-1e300"] {
+        let mut rows: Vec<String> = terminal.read("log.csv").lines().map(Into::into).collect();
+        let mut cells: Vec<&str> = rows[9].split(',').collect();
+        cells[3] = cell;
+        rows[9] = cells.join(",");
+        terminal.write("far.csv", &rows.join("\n"));
+
+        terminal.refused("predict model.json far.csv -o p.csv", &["torque", "overflows"]);
+    }
+}
+
+/// A term of all powers that are taken is written at once; beyond, none is expanded.
+#[test]
+fn powers_that_would_fill_the_memory_are_refused_at_once() {
+    let terminal = Terminal::new();
+    let model = |power: u8| {
+        let factor = |joint: usize| {
+            let multiples: Vec<u8> = (0..4).map(|own| u8::from(own == joint)).collect();
+            format!(r#"{{"multiples": {multiples:?}, "function": "cos", "power": {power}}}"#)
+        };
+        let factors = (0..4).map(factor).collect::<Vec<_>>().join(",");
+        let zeros = "[0, 0, 0, 0]";
+        let function = format!(r#"{{"factors": [{factors}], "dq": {zeros}, "ddq": {zeros}}}"#);
+        let term = format!(r#"{{"place": "potential", "function": {function}}}"#);
+        let ones = "[1.0, 1.0, 1.0, 1.0]";
+        let training = format!(
+            r#"{{"rows": 3000, "residual_rms": {ones}, "torque_std": {ones},
+            "q_range": [[-1, 1], [-1, 1], [-1, 1], [-1, 1]], "dq_peak": {ones}, "ddq_peak": {ones}}}"#
+        );
+        format!(
+            r#"{{"format": "torquewise-model", "version": 2, "joints": ["a", "b", "c", "d"],
+            "form": {{"energy": [{{"term": {term}, "coefficient": 1.0, "std_error": 0.0}}]}},
+            "stages": [], "training": {training}, "choices": [], "friction": []}}"#
+        )
+    };
+    terminal.write("most.json", &model(8));
+    terminal.done("show most.json --cost");
+    let said = terminal.run("export most.json --to c -o most.c --force --strict");
+    assert!(said.code == 3 && said.stderr.contains("M(q) has the eigenvalue"), "{said:?}");
+    assert!(terminal.read("most.c").contains("most_torque"));
+    for power in [9, 60] {
+        terminal.write("powers.json", &model(power));
+        terminal.refused("export powers.json --to c -o a.c --force", &["1 to 32"]);
+        terminal.refused("show powers.json --cost", &["1 to 32"]);
+    }
+}
+
+#[test]
+fn a_joint_of_a_long_name_is_refused_and_nothing_is_left() {
+    let terminal = Terminal::with_log();
+    let log = terminal.read("log.csv");
+    for length in [201, 65_536] {
+        terminal.write("long.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(length)));
+
+        terminal.refused("fit long.csv -o m.json", &["joint name", "at most 200 bytes"]);
+    }
+    terminal.write("short.csv", &format!("# joints: {},elbow\n{log}", "x".repeat(200)));
+    terminal.done("fit short.csv -o m.json");
+}
+
+#[test]
+fn models_that_no_program_of_ours_wrote_are_refused() {
+    let terminal = Terminal::with_model();
+    let model = terminal.read("model.json");
+    let power = "\"power\": 1";
+    let multiple = "\"function\": \"cos\"";
+    assert!(model.contains(power) && model.contains(multiple));
+    for bad in [
+        model.replacen(power, "\"power\": 255", 1),
+        model.replacen(power, "\"power\": 0", 1),
+        model.replacen("\"multiples\": [\n", "\"multiples\": [\n -128,", 1),
+    ] {
+        assert_ne!(bad, model);
+        terminal.write("bad.json", &bad);
+        terminal.refused("show bad.json", &["bad.json"]);
+        terminal.refused("export bad.json --to c -o a.c", &["bad.json"]);
+    }
+}

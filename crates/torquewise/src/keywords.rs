@@ -1,0 +1,129 @@
+//! Options of a fit as words and numbers, for programs in other languages.
+
+use crate::error::Error;
+use crate::options::{FitOptions, Library};
+use crate::setting::Setting;
+use serde::{Deserialize, Deserializer};
+use serde_json::{Map, Value, json};
+use torquewise_identify::plan::{FrictionKind, Regression};
+use torquewise_regression::select::Selector;
+use torquewise_regression::select::criterion::Criterion;
+use torquewise_regression::select::lasso::Lasso;
+use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_stepwise::activation::Scaling;
+
+impl FitOptions {
+    /// The options that keywords of another language say; those left out are the usual ones.
+    ///
+    /// # Errors
+    /// [`Error::NoOption`], [`Error::WrongValue`].
+    pub fn of_keywords(keywords: &Map<String, Value>) -> Result<Self, Error> {
+        for (name, value) in keywords {
+            let setting = Setting::OF_FIT.into_iter().find(|setting| setting.name() == name);
+            let setting = setting.ok_or_else(|| Error::NoOption { name: name.clone() })?;
+            let wrong = |reason| Error::WrongValue { setting, reason };
+            // One by one, so that a complaint names the option.
+            Self::deserialize(json!({ name: value })).map_err(|error| wrong(error.to_string()))?;
+        }
+        let options = Self::deserialize(Value::Object(keywords.clone()));
+        let wrong = |reason: String| Error::WrongValue { setting: Setting::Library, reason };
+        let options = options.map_err(|error| wrong(error.to_string()))?;
+        options.check_bounds()?;
+        Ok(options)
+    }
+}
+
+/// A choice by words.
+pub(crate) trait Word: Clone {
+    /// All of them.
+    fn all() -> Vec<(&'static str, Self)>;
+}
+
+impl Word for Library {
+    fn all() -> Vec<(&'static str, Self)> {
+        vec![("energy", Self::Energy), ("product", Self::Product), ("chain", Self::Chain)]
+    }
+}
+
+impl Word for Regression {
+    fn all() -> Vec<(&'static str, Self)> {
+        vec![("stepwise", Self::Stepwise), ("sindy", Self::OneShot)]
+    }
+}
+
+impl Word for FrictionKind {
+    fn all() -> Vec<(&'static str, Self)> {
+        [Self::None, Self::Linear, Self::Stribeck, Self::Auto].map(|k| (k.name(), k)).to_vec()
+    }
+}
+
+impl Word for Selector {
+    fn all() -> Vec<(&'static str, Self)> {
+        vec![
+            ("bic", Self::Criterion(Criterion::default())),
+            ("lasso", Self::Lasso(Lasso::default())),
+            ("stlsq", Self::Stlsq(Stlsq::default())),
+        ]
+    }
+}
+
+impl Word for Scaling {
+    fn all() -> Vec<(&'static str, Self)> {
+        vec![("scaled", Self::Scaled), ("paper", Self::Paper)]
+    }
+}
+
+pub(crate) fn word<'de, D: Deserializer<'de>, T: Word>(deserializer: D) -> Result<T, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    let all = T::all();
+    all.iter().find(|(own, _)| *own == word).map(|(_, value)| value.clone()).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(own, _)| *own).collect();
+        serde::de::Error::custom(format!("{word:?}: expected one of {}", names.join(", ")))
+    })
+}
+
+pub(crate) fn some_word<'de, D: Deserializer<'de>, T: Word>(
+    deserializer: D,
+) -> Result<Option<T>, D::Error> {
+    word(deserializer).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keywords_are_the_options_they_name_and_others_are_refused() {
+        let of = |keywords: Value| FitOptions::of_keywords(keywords.as_object().unwrap());
+
+        let found = of(json!({ "library": "chain", "method": "sindy", "select": "lasso",
+            "friction": "auto", "n_bootstrap": 3, "activation": "paper", "seed": 7 }));
+        assert_eq!(
+            found.unwrap(),
+            FitOptions {
+                library: Some(Library::Chain),
+                regression: Regression::OneShot,
+                selector: Some(Selector::Lasso(Lasso::default())),
+                friction: Some(FrictionKind::Auto),
+                n_bootstrap: Some(3),
+                activation: Scaling::Paper,
+                seed: 7,
+                ..FitOptions::default()
+            }
+        );
+        for (keywords, setting) in [
+            (json!({ "library": "magic" }), Setting::Library),
+            (json!({ "seed": "x" }), Setting::Seed),
+            (json!({ "interaction": 17 }), Setting::Interaction),
+            (json!({ "threshold": -1.0 }), Setting::Threshold),
+        ] {
+            let error = of(keywords).unwrap_err();
+            assert!(matches!(error, Error::WrongValue { setting: own, .. } if own == setting));
+        }
+        assert!(matches!(of(json!({ "bags": 3 })), Err(Error::NoOption { .. })));
+        for setting in Setting::OF_FIT {
+            let known = of(json!({ setting.name(): [] })).map_or_else(|e| e.is_usage(), |_| false);
+            assert!(!known, "{setting} is a field");
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What friction remembers of a path, sample by sample.
+
+use crate::arrays::{Rows, check_columns};
+use crate::errors::model_error;
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use std::sync::Arc;
+use torquewise::Torque;
+use torquewise::motion::path::Path;
+
+/// What friction remembers of the path: give :meth:`step` every sample of q.
+#[pyclass(module = "torquewise")]
+#[derive(Debug)]
+pub(crate) struct FrictionState {
+    pub(crate) n: usize,
+    pub(crate) torque: Arc<Torque>,
+    pub(crate) path: Path,
+}
+
+#[pymethods]
+impl FrictionState {
+    /// Forgets the path.
+    fn reset(&mut self) {
+        self.path.reset();
+    }
+
+    /// Takes the next sample of q [rad], n.
+    fn step(&mut self, q: Rows<'_>) -> PyResult<()> {
+        let view = q.view();
+        check_columns("q", &view, self.n)?;
+        for row in view.rows() {
+            self.path.step(&row.iter().copied().collect::<Vec<f64>>());
+        }
+        Ok(())
+    }
+
+    /// tau [N·m] at the last sample, n.
+    fn torque<'py>(
+        &self,
+        py: Python<'py>,
+        dq: Rows<'py>,
+        ddq: Rows<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (dq, ddq) = (self.one("dq", &dq)?, self.one("ddq", &ddq)?);
+        let tau = self.torque.after(&self.path, &dq, &ddq).map_err(model_error)?;
+        Ok(PyArray1::from_vec(py, tau))
+    }
+
+    /// F [N·m] at the last sample, n.
+    fn friction<'py>(&self, py: Python<'py>, dq: Rows<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let dq = self.one("dq", &dq)?;
+        let tau = self.torque.friction_after(&self.path, &dq).map_err(model_error)?;
+        Ok(PyArray1::from_vec(py, tau))
+    }
+}
+
+impl FrictionState {
+    fn one(&self, name: &str, rows: &Rows<'_>) -> PyResult<Vec<f64>> {
+        if self.path.q().len() != self.n {
+            return Err(PyValueError::new_err("give step() a sample of q first"));
+        }
+        let Rows::One(one) = rows else {
+            return Err(PyValueError::new_err(format!("{name} is one state")));
+        };
+        Ok(one.clone())
+    }
+}

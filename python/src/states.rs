@@ -1,0 +1,90 @@
+//! Quantities of a model at one state, or at each of several.
+
+use crate::arrays::{Rows, array, check_columns, mat, matrices};
+use crate::errors::model_error;
+use crate::model::Model;
+use faer::Mat;
+use numpy::PyArray1;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use torquewise::{Torque, model};
+
+impl Model {
+    /// A quantity of n numbers at one state, or at each of several.
+    pub(crate) fn at_each<'py, const K: usize>(
+        &self,
+        py: Python<'py>,
+        inputs: [(&str, &Rows<'py>); K],
+        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(one) = one_state(&inputs) {
+            let found = of(&self.torque, one).map_err(model_error)?;
+            return Ok(PyArray1::from_vec(py, found).into_any());
+        }
+        let (rows, inputs) = self.many(inputs)?;
+        let n = self.n();
+        let found = py.detach(|| {
+            let mut all = Mat::zeros(rows, n);
+            for row in 0..rows {
+                let own = of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice))?;
+                own.iter().enumerate().for_each(|(joint, value)| all[(row, joint)] = *value);
+            }
+            Ok(all)
+        });
+        Ok(array(py, found.map_err(|error: model::ModelError| model_error(error))?.as_ref())
+            .into_any())
+    }
+
+    /// The same of n×n numbers.
+    pub(crate) fn matrix_at_each<'py, const K: usize>(
+        &self,
+        py: Python<'py>,
+        inputs: [(&str, &Rows<'py>); K],
+        of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if let Some(one) = one_state(&inputs) {
+            let found = of(&self.torque, one).map_err(model_error)?;
+            return Ok(array(py, found.as_ref()).into_any());
+        }
+        let (rows, inputs) = self.many(inputs)?;
+        let found = py.detach(|| {
+            let at = |row| of(&self.torque, state_of(&inputs, row).each_ref().map(Vec::as_slice));
+            (0..rows).map(at).collect::<Result<Vec<_>, _>>()
+        });
+        Ok(matrices(py, &found.map_err(model_error)?, self.n()).into_any())
+    }
+
+    /// Copies of inputs of several states, one column for each joint.
+    fn many<const K: usize>(
+        &self,
+        inputs: [(&str, &Rows<'_>); K],
+    ) -> PyResult<(usize, [Mat<f64>; K])> {
+        let rows = inputs.first().map_or(0, |(_, rows)| rows.view().nrows());
+        for (name, own) in &inputs {
+            let view = own.view();
+            check_columns(name, &view, self.n())?;
+            if view.nrows() != rows {
+                return Err(PyValueError::new_err(format!(
+                    "{name} has {} rows, {} has {rows}: give as many states of each",
+                    view.nrows(),
+                    inputs[0].0
+                )));
+            }
+        }
+        Ok((rows, inputs.map(|(_, rows)| mat(rows.view()))))
+    }
+}
+
+/// The numbers of one state, if all inputs are of one.
+fn one_state<'a, const K: usize>(inputs: &'a [(&str, &Rows<'_>); K]) -> Option<[&'a [f64]; K]> {
+    let mut all = [&[][..]; K];
+    for (own, (_, rows)) in all.iter_mut().zip(inputs) {
+        let Rows::One(one) = rows else { return None };
+        *own = one;
+    }
+    Some(all)
+}
+
+fn state_of<const K: usize>(inputs: &[Mat<f64>; K], row: usize) -> [Vec<f64>; K] {
+    inputs.each_ref().map(|values| values.row(row).iter().copied().collect())
+}
