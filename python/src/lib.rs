@@ -36,6 +36,8 @@ mod _core {
     #[pymodule_export]
     use crate::log::{Log, inspect, patterns, suggest, write_log};
     #[pymodule_export]
+    use crate::model::Model;
+    #[pymodule_export]
     use crate::observer::{contacts, payload};
     #[pymodule_export]
     use crate::robot::write_whole;
