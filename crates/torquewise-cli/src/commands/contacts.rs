@@ -14,7 +14,7 @@ use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
 use torquewise::model::{Model, number};
 use torquewise::motion::BLOCK_ROWS;
 use torquewise::report::chart_figure;
-use torquewise::report::html::{Axis, Chart, Guide, Series};
+use torquewise::report::html::{Axis, Chart, Growing, Guide, Series};
 
 /// External torque of a log by the momentum observer, and contacts beyond a threshold
 ///
@@ -53,8 +53,6 @@ pub(crate) struct Arguments {
 
 /// Contacts that are printed; the JSON has all.
 const MOST_PRINTED: usize = 30;
-/// Points of a curve in the figure: neighbours are joined where there are twice as many.
-const POINTS: usize = 2_000;
 
 fn positive(text: &str) -> Result<f64, String> {
     let known = text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0 && *x <= 1e4);
@@ -75,19 +73,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         false_alarms_per_hour: arguments.false_alarms,
     };
     let mut table = Written::create(&arguments.output, model.n_joints())?;
-    let mut curves = Curves::new(model.n_joints());
+    let mut curves = vec![Growing::default(); model.n_joints()];
     let (thresholds, found) =
         contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external| {
             if external.iter().any(|x| x.is_nan()) {
                 return Ok(());
             }
-            curves.push(t, external);
+            curves.iter_mut().zip(external).for_each(|(curve, x)| curve.push([t, *x]));
             Ok(table.push(t, external)?)
         })?;
     let rows = table.finish()?;
     let mut outcome = outcome(arguments, &model, &thresholds, &found, rows);
     if let Some(file) = &arguments.figure {
-        let charts = curves.charts(&model, &thresholds);
+        let charts = charts(curves, &model, &thresholds);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
         outcome.text.extend([format!("figure: {}\n", file.display())]);
         outcome.json["figure"] = json!(file.display().to_string());
@@ -134,53 +132,17 @@ impl Written {
     }
 }
 
-/// Curves for the figure: of neighbours the one that is farther from zero.
-struct Curves {
-    points: Vec<Vec<[f64; 2]>>,
-    joined: usize,
-    pending: usize,
-}
-
-impl Curves {
-    fn new(n_joints: usize) -> Self {
-        Self { points: vec![Vec::new(); n_joints], joined: 1, pending: 0 }
-    }
-
-    fn push(&mut self, t: f64, external: &[f64]) {
-        let is_new = self.pending == 0;
-        for (own, &x) in self.points.iter_mut().zip(external) {
-            match own.last_mut() {
-                Some(last) if !is_new => {
-                    if x.abs() > last[1].abs() {
-                        *last = [t, x];
-                    }
-                }
-                _ => own.push([t, x]),
-            }
-        }
-        self.pending = (self.pending + 1) % self.joined;
-        if self.points.first().is_some_and(|own| own.len() > 2 * POINTS) {
-            for own in &mut self.points {
-                let larger = |pair: &[[f64; 2]]| {
-                    pair.iter().copied().max_by(|a, b| a[1].abs().total_cmp(&b[1].abs()))
-                };
-                *own = own.chunks(2).filter_map(larger).collect();
-            }
-            self.joined *= 2;
-        }
-    }
-
-    fn charts(self, model: &Model, thresholds: &Thresholds) -> Vec<Chart> {
-        let chart = |((points, name), most): ((Vec<[f64; 2]>, &String), &f64)| Chart {
-            title: name.clone(),
-            x: Axis::named("time [s]"),
-            y: Axis::named("external torque [N·m]"),
-            guides: [1.0, -1.0].map(|sign| Guide::at_y(sign * most, "threshold")).to_vec(),
-            series: vec![Series::line("external torque", points)],
-            ..Chart::default()
-        };
-        self.points.into_iter().zip(&model.joints).zip(&thresholds.torque).map(chart).collect()
-    }
+/// One chart per joint: its curve between its thresholds.
+fn charts(curves: Vec<Growing>, model: &Model, thresholds: &Thresholds) -> Vec<Chart> {
+    let chart = |((curve, name), most): ((Growing, &String), &f64)| Chart {
+        title: name.clone(),
+        x: Axis::named("time [s]"),
+        y: Axis::named("external torque [N·m]"),
+        guides: [1.0, -1.0].map(|sign| Guide::at_y(sign * most, "threshold")).to_vec(),
+        series: vec![Series::line("external torque", curve.into_points())],
+        ..Chart::default()
+    };
+    curves.into_iter().zip(&model.joints).zip(&thresholds.torque).map(chart).collect()
 }
 
 fn outcome(

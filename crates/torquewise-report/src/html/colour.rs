@@ -1,8 +1,17 @@
 //! From role to colour: its name in the page and its value in the SVG figures.
 
-use crate::palette;
 use plotters::style::RGBColor;
 use torquewise_motion::Pattern;
+
+/// Colours of M. Okabe and K. Ito, told apart by colour-blind eyes too.
+const SERIES: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+];
 
 /// What a colour stands for; the page gives it a light and a dark value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +32,7 @@ impl Colour {
         match self {
             Self::Measured => "measured".into(),
             Self::Faded => "faded".into(),
-            Self::Series(place) => format!("series-{}", place % palette::SERIES.len()),
+            Self::Series(place) => format!("series-{}", place % SERIES.len()),
             Self::Pattern(pattern) => of_pattern(pattern).variable(),
         }
     }
@@ -31,9 +40,9 @@ impl Colour {
     /// Its value on white paper.
     pub(crate) fn on_paper(self) -> RGBColor {
         match self {
-            Self::Measured => palette::MEASURED,
-            Self::Faded => palette::FADED_INK,
-            Self::Series(place) => palette::SERIES[place % palette::SERIES.len()],
+            Self::Measured => RGBColor(178, 186, 197),
+            Self::Faded => RGBColor(107, 114, 128),
+            Self::Series(place) => SERIES[place % SERIES.len()],
             Self::Pattern(pattern) => of_pattern(pattern).on_paper(),
         }
     }

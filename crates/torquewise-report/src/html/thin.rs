@@ -67,9 +67,86 @@ pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
     (0..most).map(|place| place * m / most).collect()
 }
 
+/// The points of a series that are drawn.
+pub(crate) fn thinned(series: &Series, log: bool) -> Sorted {
+    let Sorted { points, spread } = sorted(series, log);
+    let rows = if series.mark.is_line() {
+        let heights: Vec<f64> = points.iter().map(|point| point[1]).collect();
+        rows_of_curves(&[&heights], points.len(), MOST_POINTS)
+    } else {
+        rows_of_cloud(points.len(), MOST_POINTS)
+    };
+    let spread = rows.iter().filter_map(|&row| spread.get(row).copied()).collect();
+    Sorted { points: rows.iter().map(|&row| points[row]).collect(), spread }
+}
+
+/// A curve that is thinned while it grows, so that one of any length takes little memory.
+#[derive(Clone, Debug)]
+pub struct Growing {
+    points: Vec<[f64; 2]>,
+    /// Points in front that are thinned already.
+    thinned: usize,
+    /// Points that are thinned at once, to about [`SLOT`].
+    block: usize,
+}
+
+/// Points that a stretch of a thinned curve has: first, lowest, highest and a gap.
+const SLOT: usize = 4;
+
+impl Default for Growing {
+    fn default() -> Self {
+        Self { points: Vec::new(), thinned: 0, block: SLOT }
+    }
+}
+
+impl Growing {
+    /// Appends a point to the right of all others.
+    pub fn push(&mut self, point: [f64; 2]) {
+        self.points.push(point);
+        if self.points.len() - self.thinned == self.block {
+            self.thin(self.thinned, SLOT);
+            if self.thinned > 2 * MOST_POINTS {
+                self.thin(0, MOST_POINTS);
+                self.block *= 2;
+            }
+        }
+    }
+
+    fn thin(&mut self, start: usize, most: usize) {
+        let tail = self.points.split_off(start);
+        let heights: Vec<f64> = tail.iter().map(|point| point[1]).collect();
+        let rows = rows_of_curves(&[&heights], tail.len(), most);
+        self.points.extend(rows.into_iter().map(|row| tail[row]));
+        self.thinned = self.points.len();
+    }
+
+    /// What is left of it, from left to right.
+    pub fn into_points(self) -> Vec<[f64; 2]> {
+        self.points
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_growing_curve_stays_short_and_keeps_peaks_and_ends() {
+        let m = 1_000_000;
+        let mut curve = Growing::default();
+        for row in 0..m {
+            let peak = [(777, 9.0), (500_001, -7.0)].into_iter().find(|(at, _)| *at == row);
+            curve.push([f64::from(row), peak.map_or(0.0, |(_, height)| height)]);
+        }
+
+        let points = curve.into_points();
+
+        assert!((MOST_POINTS / 2..4 * MOST_POINTS).contains(&points.len()), "{}", points.len());
+        for point in [[0.0, 0.0], [777.0, 9.0], [500_001.0, -7.0], [f64::from(m - 1), 0.0]] {
+            assert!(points.contains(&point), "{point:?}");
+        }
+        assert!(points.windows(2).all(|pair| pair[0][0] < pair[1][0]), "in order");
+    }
 
     #[test]
     fn thinned_curves_keep_their_peaks_gaps_and_ends() {
