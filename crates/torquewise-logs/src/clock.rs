@@ -5,7 +5,7 @@ use crate::blocks::RawBlock;
 use faer::Mat;
 use std::borrow::Cow;
 use torquewise_motion::Repairs;
-use torquewise_motion::signals::noise::median;
+use torquewise_motion::stats::median;
 
 /// Repeats of position and torque that a logger faster than its device makes; a longer run is an
 /// arm at rest.

@@ -3,8 +3,7 @@
 use crate::columns::{Column, Values};
 use crate::error::LogError;
 use crate::joints::CSV_COMMENT;
-use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use torquewise_motion::whole_file::Output;
 
@@ -18,8 +17,7 @@ pub(crate) trait Sink {
 /// A CSV file in the making.
 pub(crate) struct CsvSink {
     file: PathBuf,
-    writer: csv::Writer<Output>,
-    number: String,
+    output: BufWriter<Output>,
 }
 
 impl CsvSink {
@@ -28,44 +26,55 @@ impl CsvSink {
         columns: &[Column],
         joints: Option<&str>,
     ) -> Result<Self, LogError> {
-        let mut output = Output::create(file).map_err(write_error(file))?;
-        if let Some(joints) = joints {
-            writeln!(output, "{CSV_COMMENT} {joints}").map_err(write_error(file))?;
-        }
-        let mut writer = csv::WriterBuilder::new().comment(Some(b'#')).from_writer(output);
-        let header = writer.write_record(columns.iter().map(|column| &column.name));
-        header.map_err(|source| write_error(file)(source.into()))?;
-        Ok(Self { file: file.into(), writer, number: String::new() })
+        let create = || {
+            let mut output = BufWriter::new(Output::create(file)?);
+            if let Some(joints) = joints {
+                writeln!(output, "{CSV_COMMENT} {joints}")?;
+            }
+            for (place, column) in columns.iter().enumerate() {
+                separate(&mut output, place)?;
+                write_text(&mut output, &column.name)?;
+            }
+            writeln!(output)?;
+            Ok(Self { file: file.into(), output })
+        };
+        create().map_err(write_error(file))
     }
 
-    fn write_row(&mut self, values: &[Values<'_>], row: usize) -> csv::Result<()> {
-        for column in values {
-            self.number.clear();
+    fn write_row(&mut self, values: &[Values<'_>], row: usize) -> io::Result<()> {
+        for (place, column) in values.iter().enumerate() {
+            separate(&mut self.output, place)?;
             match column {
                 // The shortest digits that are read back to the same bits.
-                Values::Numbers(values) => write!(self.number, "{:?}", values[row]),
-                Values::Counts(values) => write!(self.number, "{}", values[row]),
-                Values::Texts(values) => self.number.write_str(values[row]),
+                Values::Numbers(values) => write!(self.output, "{:?}", values[row])?,
+                Values::Counts(values) => write!(self.output, "{}", values[row])?,
+                Values::Texts(values) => write_text(&mut self.output, values[row])?,
             }
-            .map_err(io::Error::other)?;
-            self.writer.write_field(&self.number)?;
         }
-        self.writer.write_record(None::<&[u8]>)
+        writeln!(self.output)
     }
+}
+
+fn separate(output: &mut impl Write, place: usize) -> io::Result<()> {
+    if place == 0 { Ok(()) } else { output.write_all(b",") }
+}
+
+/// A field, in quotes where it would not be read back without.
+fn write_text(output: &mut impl Write, text: &str) -> io::Result<()> {
+    if !text.is_empty() && !text.contains([',', '"', '\n', '\r', '#']) {
+        return output.write_all(text.as_bytes());
+    }
+    write!(output, "\"{}\"", text.replace('"', "\"\""))
 }
 
 impl Sink for CsvSink {
     fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<(), LogError> {
-        for row in 0..rows {
-            self.write_row(values, row).map_err(|source| write_error(&self.file)(source.into()))?;
-        }
-        Ok(())
+        (0..rows).try_for_each(|row| self.write_row(values, row)).map_err(write_error(&self.file))
     }
 
     fn finish(self: Box<Self>) -> Result<(), LogError> {
-        let written = self.writer.into_inner().map_err(csv::IntoInnerError::into_error);
-        let written = written.map_err(write_error(&self.file))?;
-        written.put_in_place().map_err(write_error(&self.file))
+        let written = self.output.into_inner().map_err(io::IntoInnerError::into_error);
+        written.and_then(Output::put_in_place).map_err(write_error(&self.file))
     }
 }
 

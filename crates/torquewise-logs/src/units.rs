@@ -3,6 +3,7 @@
 use faer::MatRef;
 use std::fmt;
 use torquewise_motion::Motion;
+use torquewise_motion::stats::median;
 
 /// A value that no arm reaches, or a step of t that no log has, in the unit expected.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,8 +62,7 @@ fn largest(values: MatRef<'_, f64>, joint: usize) -> f64 {
 
 fn median_step(t: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
+    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 #[cfg(test)]

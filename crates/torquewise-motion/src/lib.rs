@@ -1,7 +1,6 @@
 //! What a robot arm did: joint positions, velocities, accelerations and torques over time.
 //!
-//! The one noun that every other crate reads. Nothing here touches a file: a [`Recording`] is
-//! anything that can hand out [`Motion`] blocks in order, as often as asked, so that a log longer
+//! The one noun that every other crate reads. A [`Recording`] is anything that can hand out [`Motion`] blocks in order, as often as asked, so that a log longer
 //! than memory is worked through in fixed memory.
 //!
 //! ```
@@ -31,6 +30,7 @@ pub mod pattern;
 pub mod repairs;
 pub mod recording;
 pub mod differentiate;
+pub mod stats;
 pub mod whole_file;
 pub mod signals;
 

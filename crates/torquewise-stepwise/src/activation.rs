@@ -1,9 +1,9 @@
 //! The activation index: how hard the joints are driven (6) (7) (E1).
 
-use crate::quantile::quantile;
 use faer::MatRef;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
+use torquewise_motion::stats::quantile;
 use torquewise_regression::kmeans::{KMeans, kmeans};
 
 /// Which constants the index uses.

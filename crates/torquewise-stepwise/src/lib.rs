@@ -4,7 +4,6 @@
 
 pub mod error;
 mod systematic_sample;
-pub mod quantile;
 pub mod noise;
 pub mod survey;
 pub mod held_out;

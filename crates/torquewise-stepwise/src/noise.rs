@@ -1,12 +1,12 @@
 //! The noise floor: white noise in q, q̇ and q̈ of each joint (E7).
 
-use crate::quantile::quantile;
 use crate::systematic_sample::SystematicSample;
 use faer::{ColRef, Mat};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use torquewise_model::{ModelError, Torque};
+use torquewise_motion::stats::quantile;
 use torquewise_motion::{Motion, ReadError, Recording};
 
 /// Standard deviation of the white noise in each signal of each joint.

@@ -7,6 +7,7 @@ use crate::source::named_rows;
 use crate::suggest::guess::Found;
 use std::f64::consts::PI;
 use std::path::Path;
+use torquewise_motion::stats::median;
 
 /// Rows that are looked at closely.
 const SAMPLE: usize = 20_000;
@@ -78,8 +79,7 @@ pub(super) fn units_of(ratio: f64) -> Option<(&'static str, &'static str)> {
 fn median_step(t: &[f64]) -> Option<f64> {
     let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
     let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len() / 2).copied()
+    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 /// Σ velocity · slope over Σ slope², slopes over ten rows so that noise counts little.

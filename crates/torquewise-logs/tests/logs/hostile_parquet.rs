@@ -67,12 +67,11 @@ impl Foreign {
                 column.typed::<DoubleType>().write_batch(&values, Some(&levels), None).unwrap();
             }
             Self::Float(values) => all::<FloatType>(&mut column, values),
-            Self::Int32(_, values) => all::<Int32Type>(&mut column, values),
+            Self::Int32(_, values) | Self::Decimal(values) => all::<Int32Type>(&mut column, values),
             Self::Text(values) => {
                 let values: Vec<_> = values.iter().map(|text| bytes(text.as_bytes())).collect();
                 all::<ByteArrayType>(&mut column, &values);
             }
-            Self::Decimal(values) => all::<Int32Type>(&mut column, values),
         }
         column.close().unwrap();
     }

@@ -135,13 +135,13 @@ fn a_csv_table_holds_shortest_numbers_and_quoted_text() {
     ];
 
     let mut table = TableWriter::create(&file, &columns).unwrap();
-    let texts = ["uniform, slow", "standstill"];
+    let texts = ["uniform, \"slow\"", "standstill"];
     let values = [Values::Counts(&[1, u64::MAX]), Values::Texts(&texts)];
     table.append(&[values[0], values[1], Values::Numbers(&[0.1, -1e-300])]).unwrap();
     table.append(&[Values::Counts(&[]), Values::Texts(&[]), Values::Numbers(&[])]).unwrap();
     table.finish().unwrap();
 
-    let expected = "row,pattern,tau1\n1,\"uniform, slow\",0.1\n\
+    let expected = "row,pattern,tau1\n1,\"uniform, \"\"slow\"\"\",0.1\n\
                     18446744073709551615,standstill,-1e-300\n";
     assert_eq!(std::fs::read_to_string(file).unwrap(), expected);
 }

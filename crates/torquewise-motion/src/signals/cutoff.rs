@@ -1,8 +1,9 @@
 //! From spectra of q and τ to cut-off frequency: up to where a signal stands above its noise.
 
 use crate::MotionError;
-use crate::signals::noise::{median, quantisation};
+use crate::signals::noise::quantisation;
 use crate::signals::spectrum::{Spectrum, welch, whitened};
+use crate::stats::median;
 use std::fmt;
 
 /// Lowest cut-off that is ever chosen \[Hz\].

@@ -1,6 +1,7 @@
 //! Two signals → delay between them, and a signal → the same signal shifted in time.
 
 use crate::MotionError;
+use crate::stats::correlation;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -178,19 +179,6 @@ pub fn lag(
     };
     let found = best_shift(unlike, range, 0.5 / rate)?;
     Ok(found.error.is_finite().then_some(found))
-}
-
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let n = a.len() as f64;
-    let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);
-    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (a, b) in a.iter().zip(b) {
-        let (a, b) = (a - mean_a, b - mean_b);
-        aa += a * a;
-        bb += b * b;
-        ab += a * b;
-    }
-    ab / (aa * bb).sqrt()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! From signal to its noise: how much of it is white, and the step it is quantised to.
 
+use crate::stats::median;
 /// Rows of standstill needed to judge the noise on them alone.
 const MIN_STANDSTILL: usize = 64;
 
@@ -57,15 +58,6 @@ fn deviation(values: Vec<f64>) -> f64 {
     let mut sizes: Vec<f64> = values.into_iter().map(f64::abs).collect();
     let robust = median(&mut sizes) / 0.674_489_75;
     if robust > 1e-3 * mean_square.sqrt() { robust } else { mean_square.sqrt() }
-}
-
-/// Median, the upper of the middle two; sorts as far as needed. Zero of nothing.
-pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Rows where a joint is in the lower of two clusters of its own speed.

@@ -1,7 +1,8 @@
 //! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
 
 use crate::MotionError;
-use crate::signals::noise::{median, quantisation};
+use crate::signals::noise::quantisation;
+use crate::stats::median;
 
 /// Looks for spikes at most.
 const ROUNDS: usize = 3;

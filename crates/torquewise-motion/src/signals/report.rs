@@ -3,8 +3,9 @@
 use crate::signals::clean::Outliers;
 use crate::signals::cutoff::CutoffChoice;
 use crate::signals::delay::Shift;
-use crate::signals::noise::{Quantisation, WhiteNoise, median};
+use crate::signals::noise::{Quantisation, WhiteNoise};
 use crate::signals::resample::Timing;
+use crate::stats::median;
 use std::fmt;
 
 /// A signal of fewer levels than this is called coarse.
