@@ -35,6 +35,7 @@ mod _core {
     use crate::friction_state::FrictionState;
     #[pymodule_export]
     use crate::log::{Log, inspect, patterns, suggest, write_log};
+    #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]
     use crate::observer::{contacts, payload};
