@@ -54,6 +54,7 @@ pub(crate) fn export(model: &Model, wanted: &Wanted<'_>) -> PyResult<Exported> {
         onto: wanted.onto.map(|text| (text, &wanted.lock[..])),
         binary: wanted.binary,
         force: wanted.force,
+        work: None,
     };
     let found = exported(model, to, &options).map_err(|error| raised(&error))?;
     Ok((found.files, found.left_out))

@@ -21,9 +21,9 @@ const LAYERS: [Layer; 15] = [
     ("sim", "motion regression rigid model stepwise", ""),
     ("report", "motion model stepwise identify", "sim"),
     ("export", "rigid model sim", ""),
-    ("experiments", "motion regression model sim stepwise identify report", ""),
-    ("", "motion regression model sim logs stepwise identify report export experiments", ""),
-    ("cli", "torquewise", "sim logs"),
+    ("paper", "motion regression model sim stepwise identify report", ""),
+    ("", "motion regression model sim logs stepwise identify report export", ""),
+    ("cli", "torquewise paper", "sim logs"),
     ("python", "torquewise", ""),
     ("xtask", "", ""),
 ];

@@ -2,10 +2,14 @@
 
 use crate::error::{CliError, Result};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use std::{env, fs, io, mem, thread};
+use tempfile::TempDir;
 use torquewise::dynamics::{Arm, Friction, SimError};
 use torquewise::model::{Model, number};
 use torquewise::motion::bounded_file;
-use torquewise::motion::whole_file::{self, Together, folder_of};
+use torquewise::motion::whole_file::{self, destination, folder_of, keep_mode};
 use torquewise::twin;
 
 /// Reads a model file.
@@ -87,7 +91,7 @@ pub(crate) fn check_files<'a>(
             return Err(CliError::OutputIsFolder(file.into()));
         }
         let refused = |source| CliError::Write { file: file.into(), source };
-        whole_file::check(file).map_err(refused)?;
+        destination(file).map_err(refused)?;
         check_ending(file, endings)?;
         // A file that does not exist yet has a folder that does.
         let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
@@ -125,26 +129,126 @@ pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<()> {
     )))
 }
 
-/// Writes bytes or a text to a file in the same folder and renames it when it is whole.
+/// What the command at work has begun and not yet put in place.
+struct Unfinished {
+    /// Folders of temporary files.
+    temporary: Vec<TempDir>,
+    /// Temporary files, and the files whose place they will take.
+    files: Vec<(PathBuf, PathBuf)>,
+    /// Folders that were made for results.
+    folders: Vec<PathBuf>,
+    /// Files that took their place.
+    placed: usize,
+}
+
+static UNFINISHED: Mutex<Unfinished> =
+    Mutex::new(Unfinished { temporary: vec![], files: vec![], folders: vec![], placed: 0 });
+
+fn unfinished() -> MutexGuard<'static, Unfinished> {
+    // What a panic leaves is still right.
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Unfinished {
+    fn temporary_in(&mut self, parent: &Path) -> io::Result<PathBuf> {
+        let folder = tempfile::Builder::new().prefix(".torquewise-").tempdir_in(parent)?;
+        let path = folder.path().to_owned();
+        self.temporary.push(folder);
+        Ok(path)
+    }
+
+    fn put_in_place(&mut self) -> Result<()> {
+        for (written, file) in mem::take(&mut self.files) {
+            let placed = keep_mode(&written, &file).and_then(|()| fs::rename(&written, &file));
+            placed.map_err(|source| CliError::Write { file, source })?;
+            self.placed += 1;
+        }
+        Ok(())
+    }
+
+    fn undo(&mut self) {
+        for folder in mem::take(&mut self.temporary) {
+            remove_folder(folder.path());
+        }
+        for folder in mem::take(&mut self.folders).into_iter().rev() {
+            // One that is not empty stays.
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Removes a folder in which a compiler that is being ended may still write.
+fn remove_folder(folder: &Path) {
+    for _ in 0..20 {
+        if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
+            break;
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Where to write what will appear as `file` when the command is done: a temporary file of that
+/// name in the same folder, or `file` itself where that is a device or a pipe.
+pub(crate) fn staged(file: &Path) -> Result<PathBuf> {
+    let failed = |source| CliError::Write { file: file.into(), source };
+    let Some(target) = destination(file).map_err(failed)? else { return Ok(file.into()) };
+    let mut all = unfinished();
+    let folder = all.temporary_in(folder_of(&target)).map_err(failed)?;
+    let written = folder.join(file.file_name().unwrap_or_default());
+    all.files.push((written.clone(), target));
+    Ok(written)
+}
+
+/// Writes bytes or a text to what will appear as `file`.
 pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
-    whole_file::write_whole(file, bytes.as_ref())
+    whole_file::write_whole(&staged(file)?, bytes.as_ref())
         .map_err(|source| CliError::Write { file: file.into(), source })
+}
+
+/// A folder for work between, gone when the command ends.
+pub(crate) fn work_folder() -> Result<PathBuf> {
+    let parent = env::temp_dir();
+    let made = unfinished().temporary_in(&parent);
+    made.map_err(|source| CliError::Write { file: parent, source })
 }
 
 /// Does work whose files appear together when it is done, or not at all.
 pub(crate) fn all_or_none<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
-    let together = Together::begin();
+    struct Undo;
+    impl Drop for Undo {
+        fn drop(&mut self) {
+            unfinished().undo();
+        }
+    }
+    let _undo = Undo;
     let found = work()?;
-    together.appear().map_err(|(file, source)| CliError::Write { file, source })?;
+    unfinished().put_in_place()?;
     Ok(found)
 }
 
-/// Makes a folder for results, and tries whether files can be written there.
+/// Removes all that is unfinished, and returns how many files took their place before.
+///
+/// For a handler of signals that ends the process right after: nothing is begun or put in place
+/// from then on, whoever tries waits.
+pub(crate) fn abandon() -> usize {
+    let mut all = unfinished();
+    all.undo();
+    let placed = all.placed;
+    mem::forget(all);
+    placed
+}
+
+/// Makes a folder for results, and tries whether files can be written there; it is gone again
+/// where the command does not succeed.
 pub(crate) fn create_folder(folder: &Path) -> Result<()> {
     if folder.exists() && !folder.is_dir() {
         return Err(CliError::NotAFolder(folder.into()));
     }
     let failed = |source| CliError::Write { file: folder.into(), source };
-    whole_file::create_folder(folder).map_err(failed)?;
+    let ancestors = folder.ancestors().take_while(|path| !path.as_os_str().is_empty());
+    let missing: Vec<_> = ancestors.take_while(|path| !path.is_dir()).map(Path::to_owned).collect();
+    let mut all = unfinished();
+    all.folders.extend(missing.into_iter().rev());
+    fs::create_dir_all(folder).map_err(failed)?;
     tempfile::tempfile_in(folder).map_err(failed).map(drop)
 }

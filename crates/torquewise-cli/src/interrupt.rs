@@ -1,7 +1,7 @@
 //! An orderly end on Ctrl-C: files on their way are removed, finished ones stay.
 
+use crate::files::abandon;
 use std::process;
-use torquewise::motion::whole_file::abandon;
 
 /// What a shell calls the end by Ctrl-C: 128 and the number of the signal.
 const INTERRUPTED: i32 = 130;

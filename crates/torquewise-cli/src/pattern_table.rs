@@ -1,5 +1,7 @@
 //! From patterns of rows to counts, and a table with the number and the pattern of each row.
 
+use crate::error::Result;
+use crate::files::staged;
 use crate::table::Table;
 use std::path::Path;
 use torquewise::inspect::count_patterns;
@@ -15,10 +17,13 @@ pub(crate) struct PatternTable {
 
 impl PatternTable {
     /// Starts a `.csv` or `.parquet` table, if one is to be written.
-    pub(crate) fn create(file: Option<&Path>) -> Result<Self, LogError> {
+    pub(crate) fn create(file: Option<&Path>) -> Result<Self> {
         let columns =
             [Column::new("row", ColumnKind::Count), Column::new("pattern", ColumnKind::Text)];
-        let writer = file.map(|file| TableWriter::create(file, &columns)).transpose()?;
+        let writer = match file {
+            Some(file) => Some(TableWriter::create(&staged(file)?, &columns)?),
+            None => None,
+        };
         Ok(Self { writer, rows: 0, counts: [0; 3] })
     }
 

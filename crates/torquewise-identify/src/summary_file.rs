@@ -20,15 +20,8 @@ struct Saved {
     logs: usize,
     survey: SurveySum,
     still: NoiseSum,
-    sums: Vec<SavedSums>,
+    sums: Vec<RowSums>,
     pass: Option<Pass>,
-}
-
-/// Sums over rows as they are written.
-#[derive(Serialize, Deserialize)]
-struct SavedSums {
-    rows: usize,
-    bytes: Vec<u8>,
 }
 
 impl Summary {
@@ -38,13 +31,12 @@ impl Summary {
     /// [`IdentifyError::Moments`] if it holds friction.
     pub fn to_bytes(&self) -> Result<Vec<u8>, IdentifyError> {
         self.settings.refuse_friction()?;
-        let sums = self.sums.iter();
         let saved = Saved {
             settings: self.settings.clone(),
             logs: self.logs,
             survey: self.survey.clone(),
             still: self.still.clone(),
-            sums: sums.map(|s| SavedSums { rows: s.rows(), bytes: s.to_bytes() }).collect(),
+            sums: self.sums.clone(),
             pass: self.pass.clone(),
         };
         framed(MAGIC, &saved)
@@ -70,12 +62,10 @@ impl Summary {
             return Err(damaged("its parts do not fit each other"));
         }
         let basis = settings.basis()?;
-        let read = |saved: &SavedSums| {
-            let prepared = &basis.as_ref()?.prepared;
-            RowSums::from_bytes(prepared, n, &saved.bytes, saved.rows)
-        };
-        let sums: Option<Vec<RowSums>> = sums.iter().map(read).collect();
-        let sums = sums.ok_or_else(|| damaged("its sums are not those of its library"))?;
+        let prepared = basis.as_ref().map(|basis| &basis.prepared);
+        if !sums.iter().all(|sums| prepared.is_some_and(|own| sums.is_sound(own, n))) {
+            return Err(damaged("its sums are not those of its library"));
+        }
         Ok(Self { settings, logs, survey, still, sums, choices: Vec::new(), pass })
     }
 }

@@ -3,9 +3,7 @@
 
 mod joint_state;
 mod messages;
-#[cfg(feature = "bags")]
 mod db3_messages;
-#[cfg(feature = "bags")]
 mod mcap_messages;
 mod aligned;
 mod in_order;
@@ -13,4 +11,4 @@ mod survey;
 mod rows;
 
 pub(crate) use rows::BagRows;
-pub(crate) use survey::{Storage, Survey, Wanted};
+pub(crate) use survey::{Storage, Survey};

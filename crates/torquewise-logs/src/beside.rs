@@ -67,7 +67,9 @@ impl SideBySide {
             let tolerance = CLOCK_TOLERANCE + 4.0 * f64::EPSILON * expected.abs();
             if (found - expected).abs() > tolerance || found.is_nan() != expected.is_nan() {
                 let (place, column) = (part.rows.place(), column.clone());
-                return Err(LogError::ClocksDiffer { place, column, found, expected });
+                let problem =
+                    format!(": column {column} is {found} s, in the log it is {expected} s");
+                return Err(LogError::unusable(place, &problem, "give files of the same clock"));
             }
         }
         Ok(())
@@ -82,12 +84,10 @@ impl SideBySide {
         }
         let expected = counts.first().copied().unwrap_or_default();
         let other = counts.iter().position(|count| *count != expected).unwrap_or_default();
-        Ok(LogError::RowsDiffer {
-            file: self.parts[other].file.clone(),
-            found: counts[other],
-            log: self.parts[0].file.clone(),
-            expected,
-        })
+        let (log, found) = (self.parts[0].file.display(), counts[other]);
+        let problem = format!(" has {found} rows, {log} has {expected}");
+        let help = "files beside each other have the same rows";
+        Ok(LogError::unusable(self.parts[other].file.display(), &problem, help))
     }
 }
 
@@ -111,7 +111,11 @@ impl Rows for SideBySide {
         }
         for (part, mut own) in self.parts.iter_mut().zip(own) {
             if own.is_empty() {
-                return Err(LogError::BesideUnused { file: part.file.clone() });
+                return Err(LogError::unusable(
+                    part.file.display(),
+                    ": no column of it is used",
+                    "name its columns as NAME.column, or drop it from [beside]",
+                ));
             }
             let clock = self.clock.as_ref().map(|(name, _)| name);
             let clock = part.rows.names().iter().position(|name| Some(name) == clock);

@@ -63,8 +63,11 @@ impl Build<'_> {
             Some(t) => (t.column.as_str(), t.unit.as_deref()),
             None if self.has("t") => ("t", None),
             None => {
-                let (file, found) = (self.offer.file.into(), self.found());
-                return Err(LogError::NoClock { file, found });
+                return Err(LogError::unusable(
+                    self.offer.file.display(),
+                    &format!(" has no clock, found {}", self.found()),
+                    "name its column as [t] column = \"…\" or give rate = … (Hz) in the profile",
+                ));
             }
         };
         self.choose("t.column", column)?;
@@ -195,7 +198,8 @@ fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>,
     let kept: Vec<_> =
         (0..joints.len()).filter(|joint| !profile.leave_out.contains(&joints[*joint])).collect();
     if kept.is_empty() && !joints.is_empty() {
-        Err(LogError::NoJointsLeft { file: file.into() })
+        let problem = ": the profile leaves out all joints";
+        Err(LogError::unusable(file.display(), problem, "keep one"))
     } else {
         Ok(kept)
     }

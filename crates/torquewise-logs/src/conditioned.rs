@@ -12,9 +12,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::bandwidth::Bandwidths;
 use torquewise_motion::signals::cutoff::Decided;
 use torquewise_motion::signals::{
-    ConditionReport, Conditioning, Cutoff, CutoffChoice, Raw, SignalError, condition,
+    ConditionReport, Conditioning, Cutoff, CutoffChoice, Raw, condition,
 };
-use torquewise_motion::{BLOCK_ROWS, Motion, RawRecording, ReadError, Recording, Repairs, Signals};
+use torquewise_motion::{
+    BLOCK_ROWS, Motion, MotionError, RawRecording, ReadError, Recording, Repairs, Signals,
+};
 
 /// Logs whose signals are conditioned as they are read: [`torquewise_motion::signals`] tells how.
 ///
@@ -305,7 +307,7 @@ impl Cutter<'_> {
     }
 }
 
-fn signals(logs: &Logs, trajectory: usize, source: SignalError) -> LogError {
+fn signals(logs: &Logs, trajectory: usize, source: MotionError) -> LogError {
     let file = logs.paths().first().cloned().unwrap_or_default();
     LogError::Signals { file, trajectory: trajectory + 1, source }
 }

@@ -37,16 +37,10 @@ impl Format {
             let extension = shown(extension.as_bytes());
             return Err(LogError::UnknownExtension { file: file.into(), extension });
         };
-        let (feature, is_built) = match format {
-            Self::Csv => ("", true),
-            Self::Parquet => ("parquet", cfg!(feature = "parquet")),
-            Self::Db3 | Self::Mcap => ("bags", cfg!(feature = "bags")),
-            Self::Npz | Self::Mat => ("arrays", cfg!(feature = "arrays")),
-        };
-        if is_built {
+        if format == Self::Csv || cfg!(feature = "formats") {
             Ok(format)
         } else {
-            Err(LogError::NotBuilt { file: file.into(), extension, feature })
+            Err(LogError::NotBuilt { file: file.into(), extension })
         }
     }
 }

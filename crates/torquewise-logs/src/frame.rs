@@ -55,7 +55,9 @@ impl FrameRows {
             self.frame.read(*column, self.first, values).map_err(|reason| {
                 let (file, row) = (self.label.clone(), self.first as u64 + 1);
                 let column = self.frame.names()[*column].clone();
-                LogError::Frame { place: Place { file, row, line: None }, column, reason }
+                let problem = format!(", column {column} cannot be read: {reason}");
+                let place = Place { file, row, line: None };
+                LogError::unusable(place, &problem, "give a table of numbers")
             })?;
         }
         Ok(())

@@ -5,6 +5,7 @@ use std::path::Path;
 use torquewise_motion::unfit_joint_name;
 
 /// Key of the joint names in the metadata of a Parquet file.
+#[cfg(feature = "formats")]
 pub(crate) const PARQUET_KEY: &str = "torquewise.joints";
 
 /// Start of the comment line that holds the joint names of a CSV file.

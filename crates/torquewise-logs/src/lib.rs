@@ -23,35 +23,27 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Without the default features `parquet`, `bags`, `arrays` and `profiles` only CSV is read and
-//! written, with the columns above.
-#![cfg_attr(
-    not(all(feature = "parquet", feature = "bags", feature = "arrays", feature = "profiles")),
-    allow(
-        dead_code,
-        unused_imports,
-        unused_variables,
-        reason = "parts of formats that are not built"
-    )
-)]
+//! Without the default feature `formats` only CSV is read and written.
 
 pub mod error;
+#[cfg(feature = "formats")]
 mod guarded;
 mod format;
 mod joints;
 mod rows;
 mod lines;
 mod csv_rows;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod compact;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod parquet_checks;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod parquet_column;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod parquet_rows;
+#[cfg(feature = "formats")]
 mod bag;
-#[cfg(feature = "arrays")]
+#[cfg(feature = "formats")]
 mod arrays;
 mod layout;
 mod mapping;
@@ -70,12 +62,12 @@ mod clock;
 mod pieces;
 mod trajectory;
 pub mod conditioned;
-#[cfg(feature = "profiles")]
+#[cfg(feature = "formats")]
 pub mod suggest;
 pub mod units;
 pub mod columns;
 mod sink;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 mod parquet_sink;
 pub mod table;
 pub mod log_writer;
@@ -90,7 +82,7 @@ pub use logs::Logs;
 pub use profile::Profile;
 pub use signal_rows::{Clock, ReadReport};
 pub use source::Options;
-#[cfg(feature = "profiles")]
+#[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};
 pub use table::TableWriter;
 pub use units::{UnitWarning, unit_warnings};

@@ -354,10 +354,7 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
 }
 
 fn names_differ(file: &Path, found: &[String], first: &Path, expected: &[String]) -> LogError {
-    LogError::JointNames {
-        file: file.into(),
-        found: found.join(", "),
-        first: first.into(),
-        expected: expected.join(", "),
-    }
+    let (found, first, expected) = (found.join(", "), first.display(), expected.join(", "));
+    let problem = format!(" names its joints {found}, {first} names them {expected}");
+    LogError::unusable(file.display(), &problem, "read logs of one arm together")
 }

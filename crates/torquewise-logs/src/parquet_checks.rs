@@ -5,6 +5,7 @@
 
 use crate::compact::{Found, walk};
 use crate::error::LogError;
+use crate::format::Format;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -41,7 +42,7 @@ const OF_TEXTS: [i64; 2] = [6, 7];
 
 /// Makes sure that the metadata at the end of a file can be decoded.
 pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<(), LogError> {
-    let footer = footer(input).map_err(LogError::damaged(file))?;
+    let footer = footer(input).map_err(LogError::decode(file, Format::Parquet))?;
     // The decoder says what is wrong with a file that ends otherwise.
     let is_sound = footer.is_none_or(|footer| footer_is_sound(&footer));
     if is_sound { Ok(()) } else { Err(LogError::Damaged { file: file.into() }) }

@@ -1,6 +1,7 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
 use crate::error::{LogError, Place};
+use crate::format::Format;
 use crate::guarded::guarded;
 use crate::joints::{self, PARQUET_KEY};
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
@@ -47,7 +48,8 @@ impl ParquetRows {
 
     fn new(file: &Path, input: File) -> Result<Self, LogError> {
         let pages = input.try_clone().map_err(LogError::read(file))?;
-        let reader = SerializedFileReader::new(input).map_err(LogError::parquet(file))?;
+        let reader =
+            SerializedFileReader::new(input).map_err(LogError::decode(file, Format::Parquet))?;
         let metadata = reader.metadata();
         if !chunks_are_in_the_file(metadata) {
             return Err(LogError::Damaged { file: file.into() });
@@ -77,7 +79,7 @@ impl ParquetRows {
         loop {
             let batch = self.group.iter_mut().map(|column| column.read(BLOCK_ROWS));
             let batch = batch.collect::<Result<_, _>>();
-            self.batch = batch.map_err(LogError::row_group(&self.file))?;
+            self.batch = batch.map_err(LogError::decode(&self.file, Format::Parquet))?;
             self.taken = 0;
             let rows = self.batch.first().map_or(0, Vec::len);
             if self.batch.iter().any(|values| values.len() != rows) {
@@ -104,15 +106,20 @@ impl ParquetRows {
             bytes += own.ok_or_else(|| LogError::Damaged { file: self.file.clone() })?;
         }
         if bytes > MOST_PAGE_BYTES {
-            let (file, limit) = (self.file.clone(), MOST_PAGE_BYTES >> 20);
-            return Err(LogError::LargePages { file, megabytes: bytes >> 20, limit });
+            let problem = format!(
+                ": the pages of one row group take {} MB, at most {} are held",
+                bytes >> 20,
+                MOST_PAGE_BYTES >> 20
+            );
+            let help = "write it with pages of 1 MB (data_page_size) or fewer rows in a row group";
+            return Err(LogError::unusable(self.file.display(), &problem, help));
         }
         Ok(())
     }
 
     fn next_group(&mut self) -> Result<(), LogError> {
         self.check_pages()?;
-        let refused = LogError::row_group(&self.file);
+        let refused = LogError::decode(&self.file, Format::Parquet);
         let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
         let column = |&column: &usize| {
             let reader = group.get_column_reader(column).map_err(&refused)?;

@@ -11,6 +11,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::{Type as Schema, TypePtr};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use torquewise_motion::whole_file::Output;
@@ -134,5 +135,5 @@ fn schema(columns: &[Column]) -> Result<TypePtr> {
 }
 
 fn refused(file: &Path) -> impl Fn(ParquetError) -> LogError {
-    move |source| LogError::WriteParquet { file: file.into(), source }
+    move |source| LogError::Write { file: file.into(), source: io::Error::other(source) }
 }

@@ -5,7 +5,8 @@ use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
 use std::borrow::Cow;
-use torquewise_motion::signals::{Conditioning, Raw, SignalError, torque_delay};
+use torquewise_motion::MotionError;
+use torquewise_motion::signals::{Conditioning, Raw, torque_delay};
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;
@@ -50,7 +51,7 @@ impl Pieces {
     ///
     /// # Errors
     /// Those of [`torque_delay()`].
-    pub(crate) fn lag(&self, settings: &Conditioning) -> Result<f64, SignalError> {
+    pub(crate) fn lag(&self, settings: &Conditioning) -> Result<f64, MotionError> {
         let mut lags = Vec::new();
         for piece in &self.all {
             match torque_delay(piece, settings) {

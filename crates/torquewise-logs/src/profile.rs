@@ -3,12 +3,13 @@
 
 pub(crate) mod unit;
 mod check;
+#[cfg(feature = "formats")]
+mod text;
 
-use crate::error::LogError;
 use crate::layout::Signal;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// How to read logs that have other columns than `t`, `q1`…`qn`, …, or other units than SI.
 ///
@@ -156,45 +157,6 @@ pub enum PerJoint {
 }
 
 impl Profile {
-    /// Reads a profile from a `.toml` file.
-    ///
-    /// # Errors
-    /// [`LogError::Read`], or as [`from_toml`](Self::from_toml) with the name of the file.
-    #[cfg(feature = "profiles")]
-    pub fn read(file: &Path) -> Result<Self, LogError> {
-        let text =
-            torquewise_motion::bounded_file::read_text(file).map_err(LogError::read(file))?;
-        Self::parse(&text, &file.display().to_string())
-    }
-
-    /// Reads a profile from text.
-    ///
-    /// # Errors
-    /// [`LogError::ProfileText`] with the line of what is not understood, [`LogError::ProfileKey`]
-    /// if a value cannot be right or values contradict each other.
-    #[cfg(feature = "profiles")]
-    pub fn from_toml(text: &str) -> Result<Self, LogError> {
-        Self::parse(text, "profile")
-    }
-
-    /// Text that [`from_toml`](Self::from_toml) reads back.
-    #[cfg(feature = "profiles")]
-    pub fn to_toml(&self) -> String {
-        // A profile is made of what TOML has: text, numbers, lists and tables.
-        toml::to_string(self).unwrap_or_default()
-    }
-
-    #[cfg(feature = "profiles")]
-    fn parse(text: &str, from: &str) -> Result<Self, LogError> {
-        let profile: Self = toml::from_str(text).map_err(|source| LogError::ProfileText {
-            profile: from.to_owned(),
-            line: source.span().map_or(1, |span| line_of(text, span.start)),
-            reason: source.message().to_owned(),
-        })?;
-        profile.check(from)?;
-        Ok(profile)
-    }
-
     /// What the profile says of a signal.
     pub(crate) fn parts(&self, signal: Signal) -> Option<Parts<'_>> {
         match signal {
@@ -259,9 +221,4 @@ impl PerJoint {
             Self::Each(values) => values,
         }
     }
-}
-
-/// Line of the byte `at`, 1 for the first.
-fn line_of(text: &str, at: usize) -> usize {
-    1 + text.bytes().take(at).filter(|byte| *byte == b'\n').count()
 }

@@ -4,8 +4,8 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_motion::Motion;
-use torquewise_motion::signals::{ConditionReport, Conditioner, Derive, Plan, Raw, SignalError};
+use torquewise_motion::signals::{ConditionReport, Conditioner, Derive, Plan, Raw};
+use torquewise_motion::{Motion, MotionError};
 
 /// Standard deviations of the white noise of raw q, q̇ and q̈, n each; empty where a signal is not
 /// there or does not matter.
@@ -47,7 +47,7 @@ impl RawNoise {
 
 impl NoiseLane {
     /// Noise for the next rows; hands out rows of noise as a conditioner does those of signals.
-    pub(crate) fn push(&mut self, raw: &Raw) -> Result<Vec<Motion>, SignalError> {
+    pub(crate) fn push(&mut self, raw: &Raw) -> Result<Vec<Motion>, MotionError> {
         if raw.t.is_empty() {
             return Ok(Vec::new());
         }
@@ -79,7 +79,7 @@ impl NoiseLane {
     }
 
     /// The rest.
-    pub(crate) fn finish(mut self) -> Result<Vec<Motion>, SignalError> {
+    pub(crate) fn finish(mut self) -> Result<Vec<Motion>, MotionError> {
         self.conditioner.finish()
     }
 }

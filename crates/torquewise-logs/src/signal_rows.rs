@@ -96,7 +96,13 @@ impl SignalRows {
         let file = self.place().file;
         match self.number {
             0 => LogError::NoRows { file },
-            found => LogError::NoRowsLeft { file, found, dropped: self.report.not_finite },
+            found => {
+                let dropped = self.report.not_finite;
+                let problem =
+                    format!(": none of its {found} rows is left, {dropped} were not finite");
+                let help = "check rows and seconds of the profile, and the columns";
+                LogError::unusable(file.display(), &problem, help)
+            }
         }
     }
 

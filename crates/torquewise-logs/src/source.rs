@@ -1,8 +1,9 @@
 //! From path to rows of signals: a log file that can be read any number of times.
 
-#[cfg(feature = "arrays")]
+#[cfg(feature = "formats")]
 use crate::arrays::{ArrayFormat, ArrayRows};
-use crate::bag::{BagRows, Storage, Survey, Wanted};
+#[cfg(feature = "formats")]
+use crate::bag::{BagRows, Storage, Survey};
 use crate::beside::{Beside, ClockColumn, SideBySide};
 use crate::by_profile::{Offer, by_profile};
 use crate::csv_rows::CsvRows;
@@ -11,7 +12,7 @@ use crate::format::Format;
 use crate::frame::{Frame, FrameRows};
 use crate::joints;
 use crate::mapping::Mapping;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 use crate::parquet_rows::ParquetRows;
 use crate::plain::plain;
 use crate::profile::Profile;
@@ -57,6 +58,19 @@ struct Opening {
     survey: Option<Survey>,
     beside: Vec<(String, PathBuf)>,
     clock_column: Option<ClockColumn>,
+}
+
+/// Without bags there is nothing to survey.
+#[cfg(not(feature = "formats"))]
+type Survey = std::convert::Infallible;
+
+/// What is to be read of a bag.
+#[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "there are no bags"))]
+pub(crate) struct Wanted<'a> {
+    pub(crate) topic: Option<&'a str>,
+    /// Joints, in order; those of the first message unless given.
+    pub(crate) joints: &'a [String],
 }
 
 /// Where rows come from.
@@ -185,27 +199,32 @@ pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>, LogError> {
 fn survey(file: &Path, format: Format, wanted: Wanted<'_>) -> Result<Option<Survey>, LogError> {
     // A pipe or a device gives its bytes once; a log is read several times.
     if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        return Err(LogError::NotAFile { file: file.into() });
+        return Err(LogError::unusable(
+            file.display(),
+            " is a pipe or a device, not a file, and a log is read several times",
+            "copy it to a file",
+        ));
     }
-    match format {
-        Format::Db3 => Survey::new(file, Storage::Db3, wanted).map(Some),
-        Format::Mcap => Survey::new(file, Storage::Mcap, wanted).map(Some),
+    match (format, wanted) {
+        #[cfg(feature = "formats")]
+        (Format::Db3, wanted) => Survey::new(file, Storage::Db3, wanted).map(Some),
+        #[cfg(feature = "formats")]
+        (Format::Mcap, wanted) => Survey::new(file, Storage::Mcap, wanted).map(Some),
         _ => Ok(None),
     }
 }
 
 /// The rows of a file as they stand; a bag has been surveyed before.
 fn rows(file: &Path, format: Format, survey: Option<&Survey>) -> Result<Box<dyn Rows>, LogError> {
-    if let Some(survey) = survey {
-        return Ok(Box::new(BagRows::open(file, survey.clone())?));
-    }
-    Ok(match format {
-        #[cfg(feature = "parquet")]
-        Format::Parquet => Box::new(ParquetRows::open(file)?),
-        #[cfg(feature = "arrays")]
-        Format::Npz => Box::new(ArrayRows::open(file, ArrayFormat::Npz)?),
-        #[cfg(feature = "arrays")]
-        Format::Mat => Box::new(ArrayRows::open(file, ArrayFormat::Mat)?),
+    Ok(match (format, survey) {
+        #[cfg(feature = "formats")]
+        (_, Some(survey)) => Box::new(BagRows::open(file, survey.clone())?),
+        #[cfg(feature = "formats")]
+        (Format::Parquet, _) => Box::new(ParquetRows::open(file)?),
+        #[cfg(feature = "formats")]
+        (Format::Npz, _) => Box::new(ArrayRows::open(file, ArrayFormat::Npz)?),
+        #[cfg(feature = "formats")]
+        (Format::Mat, _) => Box::new(ArrayRows::open(file, ArrayFormat::Mat)?),
         _ => {
             let input = File::open(file).map_err(LogError::read(file))?;
             Box::new(CsvRows::new(file, BufReader::with_capacity(BUFFER_BYTES, input))?)

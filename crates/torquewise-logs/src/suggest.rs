@@ -1,7 +1,6 @@
 //! From unknown log to profile to begin with, and why it says what it says.
 
 mod guess;
-mod neighbours;
 mod measure;
 mod text;
 
@@ -23,12 +22,11 @@ pub struct Suggestion {
     pub is_complete: bool,
 }
 
-/// Guesses a profile from the column names of a log, the ranges and slopes of its first rows, and
-/// the files in its folder.
+/// Guesses a profile from the column names of a log, and the ranges and slopes of its first rows.
 ///
 /// Names are taken for what they usually mean (`pos`, `vel`, `effort`, …), degrees are told by
 /// range and by comparing velocities with the slopes of positions, and the unit of time by the
-/// usual step. What no file tells, such as torque constants, is left as a comment. A bag needs no
+/// usual step. What no file tells, such as torque constants or files beside the log, is left as a comment. A bag needs no
 /// more than its joints and topic.
 ///
 /// # Errors
@@ -42,10 +40,9 @@ pub fn suggest(file: &Path) -> Result<Suggestion, LogError> {
         return checked(text::of_bag(joints, &names));
     }
     drop(rows);
-    let mut found = guess::families(file, &names);
+    let found = guess::families(file, &names);
     let measured = measure::measure(file, &names, &found)?;
-    let beside = neighbours::beside(file, measured.n_rows, &mut found);
-    checked(text::of_columns(&found, &measured, &beside))
+    checked(text::of_columns(&found, &measured))
 }
 
 /// A suggestion must be one that can be read.

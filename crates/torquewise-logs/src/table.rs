@@ -4,7 +4,7 @@ use crate::columns::{Column, Values};
 use crate::error::LogError;
 use crate::format::Format;
 use crate::joints;
-#[cfg(feature = "parquet")]
+#[cfg(feature = "formats")]
 use crate::parquet_sink::ParquetSink;
 use crate::sink::{CsvSink, Sink};
 use std::path::{Path, PathBuf};
@@ -44,9 +44,13 @@ impl TableWriter {
     fn start(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self, LogError> {
         let sink: Box<dyn Sink> = match Format::of(file)? {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints)?),
-            #[cfg(feature = "parquet")]
+            #[cfg(feature = "formats")]
             Format::Parquet => Box::new(ParquetSink::create(file, columns, joints)?),
-            _ => return Err(LogError::NotWritten { file: file.into() }),
+            _ => {
+                let problem = ": this format is only read";
+                let help = "name the output .csv or .parquet";
+                return Err(LogError::unusable(file.display(), problem, help));
+            }
         };
         Ok(Self { file: file.into(), columns: columns.to_vec(), sink })
     }
@@ -55,7 +59,7 @@ impl TableWriter {
     ///
     /// # Errors
     /// [`LogError::ValuesCount`], [`LogError::ValuesKind`] or [`LogError::ValuesLength`] if the
-    /// values do not fit the columns; [`LogError::Write`] or [`LogError::WriteParquet`].
+    /// values do not fit the columns; [`LogError::Write`].
     pub fn append(&mut self, values: &[Values<'_>]) -> Result<(), LogError> {
         self.check(values)?;
         match values.first() {
@@ -67,7 +71,7 @@ impl TableWriter {
     /// Puts the file in its place.
     ///
     /// # Errors
-    /// [`LogError::Write`] or [`LogError::WriteParquet`]; the temporary file is then removed.
+    /// [`LogError::Write`]; the temporary file is then removed.
     pub fn finish(self) -> Result<(), LogError> {
         self.sink.finish()
     }

@@ -5,8 +5,8 @@ use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::pieces::{FIRST_ROWS, raw};
 use crate::raw_noise::{NoiseLane, RawNoise};
 use std::borrow::Cow;
-use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw, SignalError, condition};
-use torquewise_motion::{Motion, Repairs};
+use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw, condition};
+use torquewise_motion::{Motion, MotionError, Repairs};
 
 /// Parts of motion that are done, and noise of the same rows where it is asked for.
 #[derive(Debug, Default)]
@@ -47,7 +47,7 @@ impl<'a> Trajectory<'a> {
     ///
     /// # Errors
     /// Those of [`Conditioner::push`].
-    pub(crate) fn push(&mut self, block: &RawBlock) -> Result<Done, SignalError> {
+    pub(crate) fn push(&mut self, block: &RawBlock) -> Result<Done, MotionError> {
         match self.clock.push(Cow::Borrowed(block)) {
             Some(block) => self.filter(block),
             None => Ok(Done::default()),
@@ -58,7 +58,7 @@ impl<'a> Trajectory<'a> {
     ///
     /// # Errors
     /// Those of [`Conditioner::finish`].
-    pub(crate) fn finish(mut self) -> Result<(Done, Repairs), SignalError> {
+    pub(crate) fn finish(mut self) -> Result<(Done, Repairs), MotionError> {
         let mut done = match self.clock.finish() {
             Some(rest) => self.filter(Cow::Owned(rest))?,
             None => Done::default(),
@@ -95,7 +95,7 @@ impl<'a> Trajectory<'a> {
         Ok((done, repairs))
     }
 
-    fn filter(&mut self, block: Cow<'_, RawBlock>) -> Result<Done, SignalError> {
+    fn filter(&mut self, block: Cow<'_, RawBlock>) -> Result<Done, MotionError> {
         match &mut self.stretch {
             Stretch::Waiting(blocks) => {
                 blocks.push(block.into_owned());
@@ -122,7 +122,7 @@ fn pushed(
     conditioner: &mut Conditioner,
     noise: Option<&mut NoiseLane>,
     raw: &Raw,
-) -> Result<Done, SignalError> {
+) -> Result<Done, MotionError> {
     let motions = conditioner.push(raw)?;
     let noise = noise.map_or_else(|| Ok(Vec::new()), |lane| lane.push(raw))?;
     Ok(Done { motions, noise })

@@ -1,14 +1,15 @@
-//! Errors of a motion.
+//! Errors of a motion and of conditioning what was recorded of it.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-/// Why a set of signals is not a motion.
-#[derive(Debug, thiserror::Error, PartialEq)]
+/// Why a set of signals is not a motion, or raw signals cannot be conditioned.
+#[derive(Debug, thiserror::Error, miette::Diagnostic, PartialEq)]
 #[non_exhaustive]
 pub enum MotionError {
-    #[error(
-        "{signal} is {rows}x{columns}, expected {expected_rows}x{expected_columns}: \
-         every signal has one row per time stamp and one column per joint"
-    )]
+    #[error("cannot condition {signal} of joint {joint}")]
+    #[diagnostic(forward(source))]
+    Joint { signal: &'static str, joint: String, source: Box<MotionError> },
+    #[error("{signal} is {rows}x{columns}, expected {expected_rows}x{expected_columns}")]
+    #[diagnostic(help("every signal has one row per time stamp and one column per joint"))]
     Shape {
         signal: &'static str,
         rows: usize,
@@ -18,28 +19,70 @@ pub enum MotionError {
     },
     #[error("a motion needs at least one joint")]
     NoJoints,
-    #[error(
-        "{signal}{} is not finite at row {row}: drop the row or repair the signal",
-        joint + 1
-    )]
+    #[error("{signal}{} is not finite at row {row}", joint + 1)]
+    #[diagnostic(help("drop the row or repair the signal"))]
     NotFinite { signal: &'static str, joint: usize, row: usize },
+    #[error("not finite at row {row}")]
+    #[diagnostic(help("drop the row or repair the signal"))]
+    NotFiniteAt { row: usize },
     #[error("{0} is missing, and this work needs it")]
     Missing(&'static str),
-    #[error(
-        "a polynomial of degree {degree} does not fit on {half_window} rows to each side: \
-         take a degree of at least 1 and at most twice that number"
-    )]
+    #[error("{what} needs measured {signal}, the log has none")]
+    #[diagnostic(help("derive it from position"))]
+    Unmeasured { what: &'static str, signal: &'static str },
+    #[error("a polynomial of degree {degree} does not fit on {half_window} rows to each side")]
+    #[diagnostic(help("take a degree of at least 1 and at most twice that number"))]
     Window { half_window: usize, degree: usize },
-    #[error(
-        "derivative {order} of a polynomial of degree {degree} is always zero: \
-         take a degree of at least {order}"
-    )]
+    #[error("derivative {order} of a polynomial of degree {degree} is always zero")]
+    #[diagnostic(help("take a degree of at least {order}"))]
     Order { order: usize, degree: usize },
-    #[error(
-        "{rows} rows are too few to differentiate, at least {needed} are needed: \
-         drop them or record the derivatives"
-    )]
+    #[error("{rows} rows are too few, at least {needed} are needed")]
+    #[diagnostic(help(
+        "record longer or record the derivatives, or raise the cut-off or lower the order of the \
+         filter"
+    ))]
     TooFewRows { rows: usize, needed: usize },
-    #[error("t does not increase at row {row}: sort the rows and drop repeated ones")]
+    #[error("t does not increase at row {row}")]
+    #[diagnostic(help("sort the rows and drop repeated ones"))]
     TimeOrder { row: usize },
+    #[error(
+        "t has a gap of {gap} s at row {row}, with a usual step of {step} s the even grid would \
+         have {rows} rows"
+    )]
+    #[diagnostic(help("cut the trajectory there"))]
+    Gap { row: usize, gap: f64, step: f64, rows: f64 },
+    #[error("the first part of the log is evenly stamped, but not the part around row {row}")]
+    #[diagnostic(help("plan from a part that shows it, or cut the trajectory at gaps"))]
+    Uneven { row: usize },
+    #[error("no low-pass filter with a cut-off of {cutoff} Hz at {rate} Hz")]
+    #[diagnostic(help("the cut-off must be above 0 and below half the rate"))]
+    Cutoff { cutoff: f64, rate: f64 },
+    #[error("no filter of order {order}")]
+    #[diagnostic(help("take one from 1 to {limit}, 4 is usual"))]
+    FilterOrder { order: usize, limit: usize },
+    #[error("{what} is {value}")]
+    #[diagnostic(help("it must be {expected}"))]
+    Setting { what: &'static str, value: f64, expected: &'static str },
+    #[error("nothing is left of {rows} rows after trimming")]
+    #[diagnostic(help("record longer, or trim less"))]
+    NothingLeft { rows: usize },
+    #[error("a block has other joints or signals than the first")]
+    #[diagnostic(help("feed the blocks of one trajectory to one conditioner"))]
+    Block,
+}
+
+impl MotionError {
+    /// Whether a trajectory is too short to be filtered.
+    pub fn is_too_short(&self) -> bool {
+        match self {
+            Self::TooFewRows { .. } | Self::NothingLeft { .. } => true,
+            Self::Joint { source, .. } => source.is_too_short(),
+            _ => false,
+        }
+    }
+
+    /// Says which signal of which joint this is about.
+    pub(crate) fn of(self, signal: &'static str, joint: &str) -> Self {
+        Self::Joint { signal, joint: joint.to_owned(), source: Box::new(self) }
+    }
 }

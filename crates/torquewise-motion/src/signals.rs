@@ -18,10 +18,9 @@
 //! let (motion, middle) = (&clean.motion, clean.motion.n_rows() / 2);
 //! let exact = -4.0 * (2.0 * motion.t()[middle]).sin();
 //! assert!((motion.ddq()[(middle, 0)] - exact).abs() < 1e-3);
-//! # Ok::<(), torquewise_motion::signals::SignalError>(())
+//! # Ok::<(), torquewise_motion::MotionError>(())
 //! ```
 
-pub mod error;
 pub mod butterworth;
 pub mod zero_phase;
 pub mod spline;
@@ -48,7 +47,6 @@ pub use clean::Outliers;
 pub use condition::{Conditioned, condition, condition_by};
 pub use cutoff::CutoffChoice;
 pub use delay::{Shift, best_shift, shift};
-pub use error::SignalError;
 pub use plan::Plan;
 pub use raw::Raw;
 pub use report::{ConditionReport, SignalReport};

@@ -110,17 +110,6 @@ impl Prepared {
             }
         }
     }
-
-    /// Bytes of one sum.
-    pub fn size(&self, n_responses: usize) -> usize {
-        8 * match self {
-            Self::Moments(plan) => plan.size(n_responses),
-            Self::Direct(evaluator) => {
-                let design = evaluator.design();
-                design.n_equations() * design.n_columns() * (design.n_columns() + n_responses)
-            }
-        }
-    }
 }
 
 impl GramSum<'_> {

@@ -1,5 +1,4 @@
-//! From angles and variables to atoms: one harmonic times one monomial, the letters of every
-//! library.
+//! Atoms: one harmonic times one monomial, the letters of every library.
 
 use std::collections::BTreeMap;
 

@@ -1,4 +1,4 @@
-//! From columns to design: a library in coordinates, as sparse sums over numbered atoms.
+//! A library in coordinates, as sparse sums over numbered atoms.
 
 use crate::atom::{Atom, Monomial, Numbering, Wave};
 use crate::error::SparseError;

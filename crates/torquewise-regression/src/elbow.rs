@@ -1,8 +1,5 @@
 //! Number of clusters: where the inertia curve bends.
 
-use crate::error::SparseError;
-use crate::kmeans::{KMeans, kmeans};
-
 /// A further cluster must lower the root mean square distance to the centre by this part of what
 /// it is for one cluster.
 const PRICE: f64 = 0.15;
@@ -10,22 +7,6 @@ const PRICE: f64 = 0.15;
 /// Inertia falls as 1/k for a shapeless cloud in the plane; clusters make it fall faster than this
 /// power of k.
 const SHAPELESS: f64 = 1.25;
-
-/// Inertia for 1, 2, … `most` clusters, as [`elbow`] wants it.
-///
-/// - `points`: m points in D dimensions
-/// - returns: sums of squared distances, `most` of them, or m if there are fewer points
-///
-/// # Errors
-/// As [`kmeans`].
-pub fn inertias<const D: usize>(
-    points: &[[f64; D]],
-    most: usize,
-    settings: &KMeans,
-) -> Result<Vec<f64>, SparseError> {
-    let inertia = |k| Ok(kmeans(points, k, settings)?.inertia);
-    (1..=most.min(points.len())).map(inertia).collect()
-}
 
 /// Number of clusters at the elbow of an inertia curve.
 ///

@@ -1,8 +1,6 @@
-//! From numbers to exact sums: fixed point of 192 bits, the same bits in whatever order they are
-//! added.
+//! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
 use crate::error::SparseError;
-use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Sums of floating-point numbers without rounding.
@@ -22,8 +20,6 @@ type Words = [u64; 3];
 const LAST: i32 = 104;
 /// A number of 53 bits may be shifted by this much and leaves room for 2¹⁷ of its size.
 const LARGEST_SHIFT: i32 = 192 - 1 - 53 - 17;
-/// Bytes of an entry.
-const BYTES: usize = 24;
 
 impl ExactSums {
     /// Sums of nothing.
@@ -94,41 +90,6 @@ impl ExactSums {
         let mut rest = Self { entries: self.entries.get(place).copied().into_iter().collect() };
         let left = rest.add(0, &[-high]).map_or(0.0, |()| rest.value(0));
         [high, left]
-    }
-
-    /// The sums as bytes, without leading signs and trailing zeros.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut out = Vec::with_capacity(16 * self.entries.len());
-        for words in &self.entries {
-            let bytes = bytes_of(*words);
-            let sign = if bytes[BYTES - 1] & 0x80 == 0 { 0x00 } else { 0xff };
-            let start = bytes.iter().position(|&byte| byte != 0).unwrap_or(BYTES);
-            let last = bytes.iter().rposition(|&byte| byte != sign).map_or(0, |last| last + 1);
-            // The highest bit of what is kept tells the sign.
-            let keeps_sign = last > 0 && (bytes[last - 1] ^ sign) & 0x80 == 0;
-            let end = if keeps_sign { last } else { (last + 1).min(BYTES) };
-            let kept = bytes.get(start..end).unwrap_or_default();
-            out.extend([narrow(start), narrow(kept.len())]);
-            out.extend(kept);
-        }
-        out
-    }
-
-    /// The sums that [`Self::to_bytes`] wrote; `None` if these bytes are not `count` sums.
-    pub fn from_bytes(mut bytes: &[u8], count: usize) -> Option<Self> {
-        let mut entries = Vec::with_capacity(count.min(bytes.len()));
-        for _ in 0..count {
-            let (&[start, length], rest) = bytes.split_first_chunk()?;
-            let (start, end) = (usize::from(start), usize::from(start) + usize::from(length));
-            let kept = rest.get(..usize::from(length))?;
-            bytes = rest.get(usize::from(length)..)?;
-            let sign = if kept.last().is_some_and(|&byte| byte & 0x80 != 0) { 0xff } else { 0x00 };
-            let mut all = [sign; BYTES];
-            all.get_mut(..start)?.fill(0);
-            all.get_mut(start..end)?.copy_from_slice(kept);
-            entries.push(words_of(&all));
-        }
-        bytes.is_empty().then_some(Self { entries })
     }
 }
 
@@ -214,38 +175,24 @@ fn low_word(wide: u128) -> u64 {
     wide as u64
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "a place within 24 bytes")]
-fn narrow(place: usize) -> u8 {
-    place as u8
-}
-
-fn bytes_of(words: Words) -> [u8; BYTES] {
-    let mut bytes = [0; BYTES];
-    for (out, word) in bytes.chunks_exact_mut(8).zip(words) {
-        out.copy_from_slice(&word.to_le_bytes());
-    }
-    bytes
-}
-
-fn words_of(bytes: &[u8; BYTES]) -> Words {
-    let mut words = [0; 3];
-    for (word, bytes) in words.iter_mut().zip(bytes.chunks_exact(8)) {
-        *word = bytes.iter().rev().fold(0, |word, &byte| (word << 8) | u64::from(byte));
-    }
-    words
-}
-
 impl Serialize for ExactSums {
+    /// The upper two words as one number with a sign, and the lowest: next to no bytes where sums
+    /// are small.
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        (self.len(), self.to_bytes()).serialize(to)
+        to.collect_seq(self.entries.iter().map(|&[low, middle, high]| {
+            ((u128::from(high) << 64 | u128::from(middle)).cast_signed(), low)
+        }))
     }
 }
 
 impl<'de> Deserialize<'de> for ExactSums {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let (count, bytes) = <(usize, Vec<u8>)>::deserialize(from)?;
-        let sums = Self::from_bytes(&bytes, count);
-        sums.ok_or_else(|| D::Error::custom("the sums are not what their number says"))
+        let pairs = Vec::<(i128, u64)>::deserialize(from)?;
+        let words = |(upper, low): (i128, u64)| {
+            let upper = upper.cast_unsigned();
+            [low, low_word(upper), low_word(upper >> 64)]
+        };
+        Ok(Self { entries: pairs.into_iter().map(words).collect() })
     }
 }
 
@@ -288,15 +235,6 @@ mod tests {
         assert!(doubled.is_err());
     }
 
-    #[test]
-    fn bytes_cut_short_are_no_sums() {
-        let bytes = sum(&[0.3]).to_bytes();
-        assert!(ExactSums::from_bytes(&bytes, 1).is_some());
-        assert!(ExactSums::from_bytes(&bytes[..bytes.len() - 1], 1).is_none());
-        assert!(ExactSums::from_bytes(&bytes, 2).is_none());
-        assert!(ExactSums::from_bytes(&[23, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0], 1).is_none());
-    }
-
     proptest! {
         #[test]
         fn order_and_split_do_not_matter(
@@ -315,7 +253,8 @@ mod tests {
             let exact: i128 = values.iter().map(|x| (x * scale) as i128).sum();
             let error = (whole.value(0) - exact as f64 / scale).abs();
             prop_assert!(error <= 1e-15 * whole.value(0).abs() + 40.0 / scale);
-            prop_assert_eq!(ExactSums::from_bytes(&whole.to_bytes(), 1), Some(whole));
+            let bytes = postcard::to_stdvec(&whole).unwrap();
+            prop_assert_eq!(postcard::from_bytes::<ExactSums>(&bytes).unwrap(), whole);
         }
     }
 }

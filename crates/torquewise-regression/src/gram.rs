@@ -1,4 +1,4 @@
-//! From rows to normal equations YᵀY and Yᵀy of a design: the direct route.
+//! Normal equations YᵀY and Yᵀy of a design from its rows: the direct route.
 
 use crate::error::SparseError;
 use crate::products::{add_gram, add_product};

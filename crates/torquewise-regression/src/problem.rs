@@ -1,4 +1,4 @@
-//! From gram matrix, cross products, energy to normal equations of one response, and their refit.
+//! Normal equations of one response, and their refit.
 
 use crate::cholesky;
 use crate::error::SparseError;
@@ -151,11 +151,6 @@ impl Problem {
     ///
     /// - `coefficients`: c, p; weights beyond p count for nothing, missing ones are zero
     pub fn residual_energy(&self, coefficients: &[f64]) -> f64 {
-        self.signed_residual_energy(coefficients).max(0.0)
-    }
-
-    /// As [`Problem::residual_energy`], below zero where the Gram matrix is indefinite along c.
-    pub(crate) fn signed_residual_energy(&self, coefficients: &[f64]) -> f64 {
         let active = nonzero(coefficients, self.n_columns());
         let mut residual = self.energy;
         for &j in &active {
@@ -163,7 +158,7 @@ impl Problem {
             let fitted: f64 = active.iter().map(|&i| column[i] * coefficients[i]).sum();
             residual += coefficients[j] * (fitted - 2.0 * self.cross[j]);
         }
-        residual
+        residual.max(0.0)
     }
 
     /// Smallest residual energy that can be told from rounding, 1e-13 yᵀy.

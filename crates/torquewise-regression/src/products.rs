@@ -1,5 +1,4 @@
-//! From matrices to their products and Gram matrices, in an order that no number of threads
-//! changes.
+//! Products and Gram matrices, in an order that no number of threads changes.
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};

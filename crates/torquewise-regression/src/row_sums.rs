@@ -6,9 +6,10 @@ use crate::exact::{ExactSums, add_tables};
 use crate::gram::Gram;
 use crate::samples::Samples;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// What rows say of a design: its moments or its normal equations, summed without rounding.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RowSums {
     sums: ExactSums,
     rows: usize,
@@ -42,21 +43,9 @@ impl RowSums {
         prepared.grams_of(n_responses, &table, self.rows, columns)
     }
 
-    /// The sums as bytes.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        self.sums.to_bytes()
-    }
-
-    /// The sums that [`Self::to_bytes`] wrote of some rows; `None` if these bytes are not sums for
-    /// the design.
-    pub fn from_bytes(
-        prepared: &Prepared,
-        n_responses: usize,
-        bytes: &[u8],
-        rows: usize,
-    ) -> Option<Self> {
-        let sums = ExactSums::from_bytes(bytes, prepared.n_sums(n_responses))?;
-        Some(Self { sums, rows })
+    /// Whether they are sums for the design.
+    pub fn is_sound(&self, prepared: &Prepared, n_responses: usize) -> bool {
+        self.sums.len() == prepared.n_sums(n_responses)
     }
 }
 
@@ -87,7 +76,8 @@ struct Lane<'a> {
 impl<'a> RowAdder<'a> {
     /// Starts from nothing.
     pub fn new(prepared: &'a Prepared, n_responses: usize) -> Self {
-        let most = (LANE_BYTES / prepared.size(n_responses).max(1)).max(1);
+        // Numbers of a sum, and the square that a triangle of them is kept in.
+        let most = (LANE_BYTES / (2 * 8 * prepared.n_sums(n_responses)).max(1)).max(1);
         let lane = |_| Lane {
             sum: prepared.start(n_responses),
             blocks: Vec::with_capacity(CHUNK_BLOCKS),

@@ -1,4 +1,4 @@
-//! From rows to wave, monomial and column values: evaluating a design, one block of rows at a time.
+//! Values of waves, monomials and columns, one block of rows at a time.
 
 use crate::atom::{Monomial, Phase, Wave};
 use crate::design::Design;

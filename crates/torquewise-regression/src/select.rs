@@ -1,4 +1,4 @@
-//! From normal equations to the few columns that explain the response.
+//! Selectors: the few columns that explain a response.
 
 mod descent;
 pub mod lasso;

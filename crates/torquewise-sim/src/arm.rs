@@ -1,4 +1,4 @@
-//! From joints in a row to Arm: names, placements, axes and bodies, checked once.
+//! Arms: names, placements, axes and bodies of joints in a row, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::error::{SimError, check_joints};

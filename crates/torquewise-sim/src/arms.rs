@@ -1,4 +1,4 @@
-//! From name to Arm: the reference arms that tests, examples and documents share.
+//! The reference arms that tests, examples and documents share.
 
 use crate::arm::Arm;
 use crate::error::SimError;

@@ -1,5 +1,4 @@
-//! From model to torque command: an arm under control, at a fixed rate, beside what it was asked to
-//! do.
+//! An arm under control, at a fixed rate, beside what it was asked to do.
 //!
 //! A [`Plant`] is an arm with friction, drives and encoders, integrated with error control between
 //! the ticks of a [`Controller`]. What a controller knows of the arm is a [`Knowledge`]: a model
@@ -32,14 +31,12 @@ pub mod knowledge;
 pub mod gains;
 pub mod controller;
 pub mod track;
-pub mod compare;
 pub mod record;
 
-pub use compare::compare;
 pub use controller::{Controller, Law};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};
 pub use record::{Recorded, record};
 pub use reference::{Periodic, periodic};
-pub use track::{Tracking, lead, track};
+pub use track::{Tracking, compare, lead, track};

@@ -1,4 +1,4 @@
-//! From DH table in TOML to Arm: standard Denavit–Hartenberg rows with the mass of each link.
+//! Arms from a table of standard Denavit–Hartenberg rows with the mass of each link.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, check_body, check_finite};

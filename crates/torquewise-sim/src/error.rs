@@ -185,6 +185,11 @@ pub(crate) fn check_between(
     }
 }
 
+/// Refuses a number that is NaN or not above zero.
+pub(crate) fn check_above_zero(what: &'static str, found: f64) -> Result<(), SimError> {
+    check_between(what, found, [f64::MIN_POSITIVE, f64::INFINITY], "above 0")
+}
+
 #[cfg(test)]
 impl SimError {
     /// What a user is told: the message, then the help.

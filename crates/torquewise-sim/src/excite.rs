@@ -22,7 +22,6 @@ mod segment;
 mod part;
 mod library;
 pub mod information;
-mod path;
 mod design;
 pub mod recording;
 pub mod planner;

@@ -1,4 +1,4 @@
-//! From arm, q, q̇, τ to q̈: solves M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
+//! Forward dynamics: solves M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
 
 use crate::arm::Arm;
 use crate::error::{SimError, check_joints};

@@ -1,4 +1,4 @@
-//! From TOML to Friction: the Stribeck curve (17) of each joint, forward and backward.
+//! The Stribeck curve (17) of each joint, forward and backward, and bristles.
 
 use crate::error::SimError;
 use serde::Deserialize;

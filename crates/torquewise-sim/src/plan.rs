@@ -1,4 +1,4 @@
-//! From kind, length, rate, seed to MotionPlan: what a simulated log should hold.
+//! What a simulated log should hold.
 
 use crate::error::SimError;
 

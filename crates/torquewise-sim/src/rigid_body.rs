@@ -1,4 +1,4 @@
-//! From arm, q, q̇, q̈ to torque, regressor, mass matrix, energy: rigid bodies and their rotors.
+//! Torque, regressor, mass matrix and energy of rigid bodies and their rotors.
 
 use crate::arm::Arm;
 use faer::{ColRef, Mat};

@@ -1,4 +1,4 @@
-//! From arm, MotionPlan to Simulation: a log free of noise whose truth is known.
+//! A log free of noise whose truth is known.
 
 use crate::arm::Arm;
 use crate::error::{SimError, check_joints};

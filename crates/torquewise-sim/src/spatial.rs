@@ -1,4 +1,4 @@
-//! From frames, masses to Pose, Body: frames that compose, bodies that weld.
+//! Frames that compose, bodies that weld.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo: X_AB = X_AC * X_CB")]
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};

@@ -1,4 +1,4 @@
-//! From MotionPlan to Trajectory: exact q, q̇, q̈ at any row, without torque.
+//! Simulated motions: exact q, q̇, q̈ at any row, without torque.
 
 mod moves;
 mod sines;

@@ -1,4 +1,4 @@
-//! From velocity, acceleration to activation index: how hard the joints are driven (6)(7) (E1).
+//! The activation index: how hard the joints are driven (6) (7) (E1).
 
 use crate::quantile::quantile;
 use faer::MatRef;

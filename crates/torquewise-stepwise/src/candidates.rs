@@ -1,5 +1,4 @@
-//! From plan to candidates: the terms offered, as columns of a regression, and the step that offers
-//! each.
+//! The terms offered, as columns of a regression, and the step that offers each.
 
 use crate::error::IdentifyError;
 use crate::plan::{LibraryKind, MOST_CANDIDATES, Regression};

@@ -1,4 +1,4 @@
-//! From log to library fit: what the steps found, and how.
+//! What the steps found in the terms of a library, and how.
 
 use crate::form::Dropped;
 use crate::noise::NoiseFloor;

@@ -1,4 +1,4 @@
-//! From candidates, fitted terms to the form of a model, and near-miss terms.
+//! The form of a model from fitted terms, and near-miss terms.
 
 use crate::candidates::{Candidates, Terms};
 use crate::refit::{FittedTerm, Refitted};

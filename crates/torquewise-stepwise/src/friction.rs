@@ -1,4 +1,4 @@
-//! From peak speeds to the friction that is offered: laws of each joint (17), with their speeds.
+//! The friction that is offered: laws of each joint (17), with their speeds.
 
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::{Direction, FrictionLaw};

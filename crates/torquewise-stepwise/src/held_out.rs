@@ -1,4 +1,4 @@
-//! From errors on held-out blocks of time to a choice: the simplest near the best.
+//! A choice by errors on held-out blocks of time: the simplest near the best.
 
 use torquewise_model::model::{Candidate, Choice};
 

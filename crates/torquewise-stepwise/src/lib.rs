@@ -1,5 +1,4 @@
-//! From motion log to equations of motion, as in the paper: activation, clusters, a regression of
-//! each.
+//! Equations of motion from a log, as in the paper: activation, clusters, a regression of each.
 //!
 //! Read [`reconstruct`](reconstruct::reconstruct) first; it is the method on one page.
 

@@ -1,4 +1,4 @@
-//! From options, recording to summed library: which columns are summed, and these made ready.
+//! Which columns are summed, and these made ready.
 
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;

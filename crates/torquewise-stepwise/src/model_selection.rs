@@ -15,6 +15,7 @@ use torquewise_model::model::Choice;
 use torquewise_regression::accumulate::{Prepared, cheaper_route};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::select::Selector;
+use torquewise_regression::select::criterion::Criterion;
 
 /// What a plan leaves open, settled.
 #[derive(Clone, Debug)]
@@ -107,6 +108,13 @@ impl SelectedModel {
         Self { library, friction, selector, choices: Vec::new() }
     }
 
+    /// Puts a choice on record; returns the place of what was chosen.
+    fn record(&mut self, chosen: Option<(usize, Choice)>) -> Option<usize> {
+        let (place, choice) = chosen?;
+        self.choices.push(choice);
+        Some(place)
+    }
+
     /// Adds joint angles to a term, one at a time, while held-out rows are predicted better.
     fn grow<'a>(
         &mut self,
@@ -117,12 +125,9 @@ impl SelectedModel {
         let (mut trials, mut validations) = (Vec::<CvScore>::new(), Vec::new());
         for order in 1..=survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
-            let candidates = Candidates::with_friction(
-                survey.joints.len(),
-                library,
-                options.regression,
-                laws.clone(),
-            )?;
+            let n = survey.joints.len();
+            let candidates =
+                Candidates::with_friction(n, library, options.regression, laws.clone())?;
             if order > 1 && candidates.len() > MOST_CANDIDATES {
                 break;
             }
@@ -138,11 +143,10 @@ impl SelectedModel {
                 break;
             }
         }
-        let Some((place, choice)) = choose("joint angles in a term", &trials) else {
+        let Some(place) = self.record(choose("joint angles in a term", &trials)) else {
             return Ok(None);
         };
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
-        self.choices.push(choice);
         Ok(Some(validations.swap_remove(place)))
     }
 
@@ -161,11 +165,7 @@ impl SelectedModel {
             trials.push(validation.trial(reversal_label(part), &all, &self.selector)?);
             ways.push((validation, laws));
         }
-        let chosen = choose(REVERSAL, &trials);
-        let place = chosen.map_or(0, |(place, choice)| {
-            self.choices.push(choice);
-            place
-        });
+        let place = self.record(choose(REVERSAL, &trials)).unwrap_or(0);
         let (validation, laws) = ways.swap_remove(place);
         self.friction = laws.of(options.friction);
         Ok((validation, laws))
@@ -191,9 +191,8 @@ impl SelectedModel {
                 validation.trial((*label).into(), &offered, &self.selector)
             })
             .collect::<Result<Vec<_>, _>>()?;
-        if let Some((place, choice)) = choose_worth("friction", &trials, WORTH) {
+        if let Some(place) = self.record(choose_worth("friction", &trials, WORTH)) {
             self.friction.clone_from(&ways[place].1);
-            self.choices.push(choice);
         }
         Ok(())
     }
@@ -201,22 +200,14 @@ impl SelectedModel {
     fn choose_ebic_gamma(&mut self, validation: &CrossValidation<'_>) -> Result<(), IdentifyError> {
         let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
         let offered = validation.with_laws(&self.friction);
-        let mut ways = Vec::new();
-        for times in STRICTER {
-            let mut stricter = criterion;
-            stricter.gamma *= times;
-            ways.push(Selector::Criterion(stricter));
-        }
-        let trials = ways
+        let gammas = STRICTER.map(|times| times * criterion.gamma);
+        let stricter = |gamma| Selector::Criterion(Criterion { gamma, ..criterion });
+        let trials = gammas
             .iter()
-            .zip(STRICTER)
-            .map(|(way, times)| {
-                validation.trial(format!("{}", times * criterion.gamma), &offered, way)
-            })
+            .map(|&gamma| validation.trial(format!("{gamma}"), &offered, &stricter(gamma)))
             .collect::<Result<Vec<_>, _>>()?;
-        if let Some((place, choice)) = choose("EBIC gamma", &trials) {
-            self.selector = ways[place].clone();
-            self.choices.push(choice);
+        if let Some(place) = self.record(choose("EBIC gamma", &trials)) {
+            self.selector = stricter(gammas[place]);
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! From motion blocks to noise floor: the white noise in q, q̇ and q̈ of each joint (E7).
+//! The noise floor: white noise in q, q̇ and q̈ of each joint (E7).
 
 use crate::quantile::quantile;
 use crate::systematic_sample::SystematicSample;

@@ -1,4 +1,4 @@
-//! From normal equations of all rows to plain least squares: where the refit begins (E6).
+//! Normal equations of all rows and their plain least squares: where the refit begins (E6).
 
 use crate::factor::ActiveSet;
 use crate::step::{residual_energy, response_index};
@@ -11,20 +11,18 @@ use torquewise_regression::problem::Problem;
 /// say how much less: they keep about 13 digits.
 const EXPLAINED: f64 = 1e-10;
 
-/// The normal equations of a group over all rows, its equations weighted and added up.
+/// The normal equations of a group over all rows, its equations weighted and added up, with their
+/// plain least-squares fit.
 pub(crate) struct NormalEquations {
     /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
     pub(crate) gram: Mat<f64>,
     rows: f64,
-    pub(crate) start: OlsStart,
+    /// Least-squares weights, p.
+    pub(crate) coefficients: Vec<f64>,
+    /// Columns that depend on others.
+    pub(crate) dependent: Vec<usize>,
     /// R of \[Y τ\] of the sample, where the torque is explained but for rounding.
     pub(crate) r: Option<Mat<f64>>,
-}
-
-/// The plain least-squares fit, with the columns that depend on others found out.
-pub(crate) struct OlsStart {
-    pub(crate) coefficients: Vec<f64>,
-    pub(crate) dependent: Vec<usize>,
 }
 
 impl NormalEquations {
@@ -45,33 +43,29 @@ impl NormalEquations {
             gram[(p, p)] += weight * part.energy[own];
             rows += part.rows as f64;
         }
-        let start = OlsStart::solve(&gram, rows)?;
-        Ok(Self { gram, rows, start, r: None })
+        Self::solved(gram, rows, None)
     }
 
     /// Whether the torque is explained but for rounding.
     pub(crate) fn is_explained(&self, kept: &ActiveSet, grams: &[Gram]) -> bool {
         kept.group.equations.iter().all(|&(equation, response)| {
             let (own, part) = (response_index(grams.len(), response), &grams[equation]);
-            residual_energy(part, own, &self.start.coefficients) <= EXPLAINED * part.energy[own]
+            residual_energy(part, own, &self.coefficients) <= EXPLAINED * part.energy[own]
         })
     }
 
     /// The same from R of a sample, a row of which stands for `scale` rows.
     pub(crate) fn sharpened(self, r: Mat<f64>, scale: f64) -> Result<Self, SparseError> {
         let gram = faer::Scale(scale) * (r.transpose() * &r);
-        let start = OlsStart::solve(&gram, self.rows)?;
-        Ok(Self { gram, start, r: Some(r), ..self })
+        Self::solved(gram, self.rows, Some(r))
     }
-}
 
-impl OlsStart {
-    fn solve(gram: &Mat<f64>, rows: f64) -> Result<Self, SparseError> {
+    fn solved(gram: Mat<f64>, rows: f64, r: Option<Mat<f64>>) -> Result<Self, SparseError> {
         let p = gram.ncols().saturating_sub(1);
         let right = (0..p).map(|j| gram[(j, p)]).collect();
         let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
         let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1.0))?;
         let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
-        Ok(Self { coefficients: fit.coefficients, dependent: fit.dependent })
+        Ok(Self { gram, rows, coefficients: fit.coefficients, dependent: fit.dependent, r })
     }
 }

@@ -1,4 +1,4 @@
-//! From activation to patterns: clusters of rows, named by the part of the torque they activate.
+//! Clusters of rows, named by the part of the torque they activate.
 
 use crate::activation::{Activation, Scaling};
 use crate::error::IdentifyError;

@@ -1,5 +1,4 @@
-//! From what the user wants to options of a library: candidates, regressions, friction and
-//! selection.
+//! Options of a library: candidates, regressions, friction and selection.
 
 use crate::friction::FrictionKind;
 use serde::{Deserialize, Serialize};

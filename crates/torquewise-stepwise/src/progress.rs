@@ -1,4 +1,4 @@
-//! From work under way to the stage it is in, for whoever watches.
+//! The stage that work under way is in, for whoever watches.
 
 use std::fmt;
 

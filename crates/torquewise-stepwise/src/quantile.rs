@@ -1,4 +1,4 @@
-//! From values, a share to the value below which that share of them lies.
+//! The value below which a share of some values lies.
 
 /// The value below which a share of the values lies; zero of none.
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {

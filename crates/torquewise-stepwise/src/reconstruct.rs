@@ -1,4 +1,4 @@
-//! From sums of a library to equations of motion: the method of the paper on one page.
+//! The method of the paper on one page.
 
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;

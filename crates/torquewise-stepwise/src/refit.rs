@@ -111,7 +111,7 @@ pub(crate) fn refit(
             let base = base(fit, grams, &pieces, (parts, scale))?;
             let of_part = |part: usize| {
                 let own = pieces.iter().skip(part).step_by(parts);
-                let start = &base.start.coefficients;
+                let start = &base.coefficients;
                 Ok(Part::new(&fit.normal_sums(start, draws, (plan.seed, part as u64), own)?))
             };
             let parts = (0..parts).into_par_iter().map(of_part);
@@ -235,8 +235,7 @@ impl GroupRefit<'_> {
             .filter(|(j, share)| **share > 0.0 && !estimate.active.contains(j))
             .map(|(j, &share)| (self.fit.kept.columns[j], share))
             .collect();
-        let dependent =
-            self.base.start.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
+        let dependent = self.base.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
         let residual_rms = self.residual_rms(&estimate.active, &exact);
         Ok(Refitted { terms, dropped, dependent, residual_rms })
     }
@@ -248,7 +247,7 @@ impl GroupRefit<'_> {
     /// sample times the square root of how many rows each sampled one stands for.
     fn equations(&self, weights: &[f64]) -> Equations {
         let p = self.fit.n_columns();
-        let start = &self.base.start.coefficients;
+        let start = &self.base.coefficients;
         let (mut more, mut bias) = (Mat::<f64>::zeros(p + 1, p + 1), Mat::zeros(p + 1, p + 1));
         let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
         for (part, &weight) in self.parts.iter().zip(weights) {
@@ -274,7 +273,7 @@ impl GroupRefit<'_> {
             spread: Mat::from_fn(p, p, spread),
             floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
         };
-        for &j in &self.base.start.dependent {
+        for &j in &self.base.dependent {
             equations.information[(j, j)] = 0.0;
         }
         equations
@@ -283,11 +282,10 @@ impl GroupRefit<'_> {
     /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
     fn estimate(&self, equations: &Equations, least: f64) -> Estimate {
         let plain = || {
-            let active: Vec<usize> = (0..self.fit.n_columns())
-                .filter(|j| !self.base.start.dependent.contains(j))
-                .collect();
+            let active: Vec<usize> =
+                (0..self.fit.n_columns()).filter(|j| !self.base.dependent.contains(j)).collect();
             Estimate {
-                coefficients: active.iter().map(|&j| self.base.start.coefficients[j]).collect(),
+                coefficients: active.iter().map(|&j| self.base.coefficients[j]).collect(),
                 std_errors: vec![0.0; active.len()],
                 active,
             }

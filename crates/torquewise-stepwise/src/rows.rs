@@ -1,5 +1,4 @@
-//! From motion to samples: q as angles; q̇, q̈ and friction as variables; τ as responses; by
-//! pattern.
+//! Rows of a motion as samples of a regression: q as angles, q̇, q̈ and friction as variables.
 
 use faer::Mat;
 use std::borrow::Cow;

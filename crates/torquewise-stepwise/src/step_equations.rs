@@ -1,5 +1,4 @@
-//! From candidates, patterns to steps: which rows are asked for which candidates, and what they
-//! say.
+//! The steps: which rows are asked for which candidates, and what they say.
 
 use crate::candidates::Candidates;
 use crate::patterns::index_of;

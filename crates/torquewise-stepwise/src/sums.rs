@@ -1,4 +1,4 @@
-//! From rows of each pattern to sums of a library: what a step is asked, and its answer.
+//! Sums of a library over the rows of each pattern.
 
 use crate::error::IdentifyError;
 use crate::library::{Basis, SummedLibrary};

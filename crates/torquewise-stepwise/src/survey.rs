@@ -1,4 +1,4 @@
-//! From recording to survey: one look at the whole log, and an even sample of it, in fixed memory.
+//! One look at the whole log, and an even sample of it, in fixed memory.
 
 use crate::error::IdentifyError;
 use crate::noise::{NoiseFloor, NoiseSum};

@@ -1,4 +1,4 @@
-//! From records in order to every k-th of them, k a power of two: even samples of logs that add up.
+//! Every k-th of some records, k a power of two: even samples of logs that add up.
 
 use serde::{Deserialize, Serialize};
 

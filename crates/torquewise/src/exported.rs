@@ -7,16 +7,12 @@ use std::env::consts::{ARCH, DLL_SUFFIX, OS};
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
-use std::time::Duration;
+use std::process::{Command, Stdio};
 use torquewise_export::{
     Precision, Program, fmu_archive, fmu_sources, onto_urdf, ros_package, to_c, to_latex, to_mjcf,
     to_python, to_rust, to_urdf,
 };
 use torquewise_model::Model;
-use torquewise_motion::whole_file::{WorkFolder, undo_by};
 
 /// What is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +74,8 @@ pub struct ExportOptions<'a> {
     pub binary: bool,
     /// Whether a model is written whose mass matrix is not positive definite.
     pub force: bool,
+    /// An empty folder for the work of the compiler; without, a temporary one of the system.
+    pub work: Option<&'a Path>,
 }
 
 /// Files of a model.
@@ -128,7 +126,7 @@ pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
         Target::Rust => files = single(to_rust(&program, precision)?),
         Target::Python => files = single(to_python(&program)),
         Target::Latex => files = single(to_latex(model, &version)),
-        Target::Fmu => files = vec![(String::new(), unit(&program, name, options.binary)?)],
+        Target::Fmu => files = vec![(String::new(), unit(&program, options)?)],
         Target::Ros2 => {
             let package = ros_package(&program, name)?;
             files.extend(package.into_iter().map(|(path, text)| (path, text.into_bytes())));
@@ -156,6 +154,7 @@ impl<'a> ExportOptions<'a> {
             onto: None,
             binary: true,
             force: false,
+            work: None,
         }
     }
 }
@@ -168,23 +167,38 @@ pub fn function_name(stem: &str) -> String {
     if plain { name } else { format!("arm{name}") }
 }
 
-fn unit(program: &Program, name: &str, has_binary: bool) -> Result<Vec<u8>, Error> {
-    let sources = fmu_sources(program, name)?;
-    if !has_binary {
+fn unit(program: &Program, options: &ExportOptions<'_>) -> Result<Vec<u8>, Error> {
+    let sources = fmu_sources(program, options.name)?;
+    if !options.binary {
         return Ok(fmu_archive(&sources, None)?);
     }
-    let (path, bytes) = binary(&sources, name)?;
+    let (path, bytes) = match options.work {
+        Some(folder) => binary(&sources, options.name, folder)?,
+        None => {
+            let made = tempfile::tempdir();
+            let made = made.map_err(|source| Error::NoCompiler { compiler: compiler(), source })?;
+            binary(&sources, options.name, made.path())?
+        }
+    };
     Ok(fmu_archive(&sources, Some((&path, &bytes)))?)
+}
+
+/// The compiler of C, with its arguments, that the environment names.
+fn compiler() -> String {
+    env::var("CC").ok().filter(|cc| !cc.is_empty()).unwrap_or_else(|| "cc".into())
 }
 
 /// Where FMI 2.0 wants the binary of this machine, and its bytes.
 ///
 /// - `sources`: path within the unit and text; those under `sources/` that end in `_fmu.c` and
 ///   `.c` are compiled together
-fn binary(sources: &[(String, String)], name: &str) -> Result<(String, Vec<u8>), Error> {
-    let compiler = env::var("CC").ok().filter(|cc| !cc.is_empty()).unwrap_or_else(|| "cc".into());
+fn binary(
+    sources: &[(String, String)],
+    name: &str,
+    folder: &Path,
+) -> Result<(String, Vec<u8>), Error> {
+    let compiler = compiler();
     let in_folder = |source: io::Error| Error::NoCompiler { compiler: compiler.clone(), source };
-    let folder = WorkFolder::create().map_err(in_folder)?;
     // As for make, CC may hold arguments; a path may hold spaces.
     let mut words: Vec<&str> = compiler.split_whitespace().collect();
     if words.is_empty() || Path::new(&compiler).exists() {
@@ -192,20 +206,20 @@ fn binary(sources: &[(String, String)], name: &str) -> Result<(String, Vec<u8>),
     }
     let mut command = Command::new(words[0]);
     command.args(&words[1..]);
-    command.current_dir(folder.path()).args(["-std=c99", "-O2", "-fPIC", "-shared"]);
+    command.current_dir(folder).args(["-std=c99", "-O2", "-fPIC", "-shared"]);
     command.arg("-fvisibility=hidden");
     for (path, text) in sources {
         let Some(file) = path.strip_prefix("sources/") else { continue };
-        fs::write(folder.path().join(file), text).map_err(in_folder)?;
+        fs::write(folder.join(file), text).map_err(in_folder)?;
         command.arg(file);
     }
     let library = format!("{name}{DLL_SUFFIX}");
-    let complaints = folder.path().join("complaints");
+    let complaints = folder.join("complaints");
     command.args(["-o", &library, "-lm"]).stdin(Stdio::null()).stdout(Stdio::null());
     // What the compiler writes between goes where it is removed.
-    command.env("TMPDIR", folder.path());
+    command.env("TMPDIR", folder);
     command.stderr(File::create(&complaints).map_err(in_folder)?);
-    if !succeeds(&mut command).map_err(in_folder)? {
+    if !command.status().map_err(in_folder)?.success() {
         let complaint = fs::read(&complaints).map_err(in_folder)?;
         let complaint = match String::from_utf8_lossy(&complaint).trim() {
             "" => "it says nothing".to_owned(),
@@ -213,35 +227,8 @@ fn binary(sources: &[(String, String)], name: &str) -> Result<(String, Vec<u8>),
         };
         return Err(Error::Compiler { compiler, complaint });
     }
-    let bytes = fs::read(folder.path().join(&library)).map_err(in_folder)?;
+    let bytes = fs::read(folder.join(&library)).map_err(in_folder)?;
     Ok((format!("binaries/{}/{library}", platform()), bytes))
-}
-
-/// Whether a command succeeds; it ends with this program where that is abandoned.
-fn succeeds(command: &mut Command) -> io::Result<bool> {
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(command, 0);
-    let child = Arc::new(Mutex::new(command.spawn()?));
-    let running = Arc::clone(&child);
-    let _cleanup =
-        undo_by(move || end(&mut running.lock().unwrap_or_else(PoisonError::into_inner)));
-    loop {
-        let ended = child.lock().unwrap_or_else(PoisonError::into_inner).try_wait()?;
-        match ended {
-            Some(status) => return Ok(status.success()),
-            None => thread::sleep(Duration::from_millis(5)),
-        }
-    }
-}
-
-/// Ends a compiler and what it started.
-fn end(child: &mut Child) {
-    #[cfg(unix)]
-    if let Some(group) = i32::try_from(child.id()).ok().and_then(rustix::process::Pid::from_raw) {
-        // Ignored: it has ended.
-        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
-    }
-    let _ = child.kill().and_then(|()| child.wait());
 }
 
 /// The name FMI 2.0 gives this machine, which knows no others than x86.

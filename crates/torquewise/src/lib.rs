@@ -24,8 +24,7 @@
 //! ```
 //!
 //! Features, all on by default: `formats` for logs beside plain CSV, `simulation` for arms with known
-//! truth and controllers, `figures` for reports and exported code, `experiments` for those of the
-//! paper.
+//! truth and controllers, `figures` for reports and exported code.
 
 mod setting;
 mod error;
@@ -63,8 +62,6 @@ pub use miette::Diagnostic;
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
 pub use setting::{Remedy, Setting, Wording};
-#[cfg(feature = "experiments")]
-pub use torquewise_experiments as experiments;
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
 pub use torquewise_identify as diagnose;

@@ -1,7 +1,7 @@
 //! Torque that others put on an arm, and when they touched it.
 
 use crate::error::Result;
-use crate::files::{check_files, read_model, write_whole};
+use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
@@ -109,7 +109,7 @@ impl Written {
             .chain(names)
             .map(|name| Column::new(name.as_str(), ColumnKind::Number))
             .collect();
-        let writer = TableWriter::create(file, &columns)?;
+        let writer = TableWriter::create(&staged(file)?, &columns)?;
         Ok(Self { writer, columns: vec![Vec::new(); n_joints + 1], rows: 0 })
     }
 

@@ -6,7 +6,9 @@ mod summary;
 
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
 use crate::error::{CliError, Result};
-use crate::files::{check_files, read_arm, read_friction, read_model, read_twin, write_whole};
+use crate::files::{
+    check_files, read_arm, read_friction, read_model, read_twin, staged, write_whole,
+};
 use crate::outcome::Outcome;
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -202,7 +204,7 @@ fn write_table(file: &Path, compared: &Compared) -> Result<()> {
     }
     let columns: Vec<Column> =
         names.into_iter().map(|name| Column::new(name, ColumnKind::Number)).collect();
-    let mut writer = TableWriter::create(file, &columns)?;
+    let mut writer = TableWriter::create(&staged(file)?, &columns)?;
     writer.append(&values)?;
     Ok(writer.finish()?)
 }

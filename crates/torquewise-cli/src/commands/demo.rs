@@ -1,7 +1,7 @@
 //! The whole way at once: a log, its patterns, its equations, and how well they predict.
 
 use crate::error::Result;
-use crate::files::{check_rows, create_folder, read_arm, write_whole};
+use crate::files::{check_rows, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::table::Table;
@@ -135,9 +135,9 @@ fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
 fn write_files(arguments: &Arguments, log: &Motion, found: &[Found], svg: &str) -> Result<()> {
     let folder = &arguments.output;
     create_folder(folder)?;
-    write_motion(&folder.join("log.csv"), log)?;
+    write_motion(&staged(&folder.join("log.csv"))?, log)?;
     for found in found {
-        found.fit.model.save(folder.join(found.file))?;
+        found.fit.model.save(staged(&folder.join(found.file))?)?;
     }
     write_whole(&folder.join("torque.svg"), svg)
 }

@@ -4,7 +4,7 @@ mod figure;
 mod summary;
 
 use crate::error::Result;
-use crate::files::{check_files, create_folder, read_arm, write_whole};
+use crate::files::{check_files, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
@@ -149,7 +149,7 @@ fn plan_and_write(arguments: &Arguments, limits: &[Limits], files: &Files) -> Re
 
 fn write_log(file: &Path, recording: &Planned) -> Result<()> {
     let contents = Contents { tau: false, ..Contents::default() };
-    let mut writer = LogWriter::create(file, recording.joints(), contents)?;
+    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), contents)?;
     recording.read(&mut |_, block| Ok(writer.append(block)?))?;
     Ok(writer.finish()?)
 }

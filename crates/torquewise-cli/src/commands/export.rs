@@ -1,7 +1,7 @@
 //! From model to source code, an FMU or a ROS 2 package.
 
 use crate::error::{CliError, Result};
-use crate::files::{check_files, create_folder, read_model, read_text, write_whole};
+use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::table::Table;
 use clap::{Args, ValueEnum};
@@ -106,13 +106,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_paths(arguments, vectors.as_ref())?;
     let model = read_model(&arguments.model)?;
     let onto = arguments.onto.as_ref().map(|onto| read_text(onto)).transpose()?;
+    let has_binary = *to == Target::Fmu && !arguments.no_binary;
+    let work = has_binary.then(work_folder).transpose()?;
     let options = ExportOptions {
         name: &name(arguments),
         precision: precision(arguments.precision),
         reversal: arguments.reversal,
         onto: onto.as_ref().map(|text| (&text[..], &arguments.lock[..])),
-        binary: !arguments.no_binary,
+        binary: has_binary,
         force: arguments.force,
+        work: work.as_deref(),
     };
     let exported = exported::export(&model, to.library(), &options)?;
     match (&exported.files[..], to) {

@@ -4,7 +4,7 @@ use crate::arguments::{PlanArguments, RobotArguments};
 use crate::call_costs::CallCosts;
 use crate::conditioning;
 use crate::error::Result;
-use crate::files::{check_files, write_whole};
+use crate::files::{check_files, staged, write_whole};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::score_table;
@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         }
     }
     let fit = Fit::new(&log).options(options).observer(&watch()).run()?;
-    fit.model.save(&arguments.output)?;
+    fit.model.save(staged(&arguments.output)?)?;
     let test = test.map(|test| test.prepare_as(fit.model.training.filter, Rows::WithRawTorque));
     let test = test.transpose()?;
 

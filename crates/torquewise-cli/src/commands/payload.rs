@@ -1,7 +1,7 @@
 //! What hangs on the last link of an arm whose model is known.
 
 use crate::error::Result;
-use crate::files::{check_files, read_model};
+use crate::files::{check_files, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     text += &left.text();
     let mut json = object(&found);
     if let Some(output) = &arguments.output {
-        found.added_to(&model)?.save(output)?;
+        found.added_to(&model)?.save(staged(output)?)?;
         let file = output.display().to_string();
         text.extend([format!("\nmodel of the arm with its load: {file}\n")]);
         json["file"] = json!(file);

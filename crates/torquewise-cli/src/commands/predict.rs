@@ -2,7 +2,7 @@
 
 use crate::conditioning;
 use crate::error::Result;
-use crate::files::{check_files, read_model};
+use crate::files::{check_files, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::signal_arguments::{ProfileArguments, SignalArguments};
@@ -70,7 +70,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let names = written.column_names(model.n_joints());
     let columns: Vec<Column> =
         names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
-    let mut writer = TableWriter::create(&arguments.output, &columns)?;
+    let mut writer = TableWriter::create(&staged(&arguments.output)?, &columns)?;
     let mut range = MotionRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;

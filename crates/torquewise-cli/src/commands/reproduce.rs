@@ -1,4 +1,4 @@
-//! From nothing to every simulated experiment of the paper and those beyond it.
+//! `torquewise reproduce`: the simulated experiments of the paper and those beyond it.
 
 use crate::error::{CliError, Result};
 use crate::files::{check_files, create_folder, write_whole};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use torquewise::experiments::{Claim, Results, Settings, figures, page, reproduce};
+use torquewise_paper::{Claim, Results, Settings, page, reproduce};
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
 #[derive(Args, Debug)]
@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     write_whole(&numbers, &results.to_json().map_err(failed)?)?;
     write_whole(&report, &page(&results).map_err(failed)?)?;
     let mut files = Vec::new();
-    for figure in figures(&results) {
+    for figure in results.figures() {
         let file = output.join(format!("{}.svg", figure.name));
         write_whole(&file, &figure.svg().map_err(failed)?)?;
         files.push(file.display().to_string());
@@ -81,21 +81,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 fn claims_text(results: &Results) -> String {
     let claim = |claim: &Claim| {
-        let (source, words, verdict) = (claim.source, claim.claim, claim.verdict().name());
-        format!("{source}: {verdict}\n  claim: {words}\n  here:  {}\n", claim.measurement())
+        let (source, words, verdict) = (claim.source, claim.claim, claim.verdict.name());
+        format!("{source}: {verdict}\n  claim: {words}\n  here:  {}\n", claim.measured)
     };
-    results.claims.iter().map(claim).collect::<Vec<_>>().join("\n")
+    results.claims().map(claim).collect::<Vec<_>>().join("\n")
 }
 
 fn claims_json(results: &Results) -> Vec<Value> {
-    let claims = results.claims.iter();
-    claims
+    results
+        .claims()
         .map(|claim| {
             json!({
                 "claim": claim.claim,
                 "source": claim.source,
-                "measured": claim.measurement(),
-                "verdict": claim.verdict(),
+                "measured": claim.measured,
+                "verdict": claim.verdict,
             })
         })
         .collect()

@@ -3,7 +3,7 @@
 use crate::arguments::noise_levels;
 use crate::commands::arms;
 use crate::error::Result;
-use crate::files::{check_files, check_rows, read_arm, read_friction, read_twin};
+use crate::files::{check_files, check_rows, read_arm, read_friction, read_twin, staged};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
@@ -136,7 +136,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 const MOST_NOISY_ROWS: f64 = 2e7;
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
-    let mut writer = LogWriter::create(file, recording.joints(), Contents::default())?;
+    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), Contents::default())?;
     let shown = watch();
     let write = Watched::new(recording, &shown, "writing", (None, 1));
     write.read(&mut |_, block| Ok(writer.append(block)?))?;

@@ -3,7 +3,7 @@
 use crate::arguments::RobotArguments;
 use crate::commands::fit;
 use crate::error::Result;
-use crate::files::{check_files, write_whole};
+use crate::files::{check_files, staged, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::Outcome;
 use crate::progress::watch;
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let options = FitOptions { seed, friction, geometry, ..FitOptions::default() };
     match solve_sums(summary, &arguments.selection.apply_to(options), &watch())? {
         Solved::Model(fit) => {
-            fit.model.save(&arguments.output)?;
+            fit.model.save(staged(&arguments.output)?)?;
             let mut outcome = fit::outcome(&fit, &fit.summary()?, false);
             let file = arguments.output.display().to_string();
             outcome.text.extend([format!("\nmodel: {file}\n")]);

@@ -4,6 +4,7 @@ use crate::arrays::array::{Array, Arrays, LONGEST_NAME, MAX_COLUMNS, Order};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};
 use crate::arrays::numbers::{Element, Numbers, pass};
 use crate::error::LogError;
+use crate::format::Format;
 use flate2::read::ZlibDecoder;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
@@ -12,10 +13,13 @@ use std::path::{Path, PathBuf};
 /// Structures within structures that are followed.
 const DEEPEST: usize = 16;
 
+/// The class of arrays of cells.
+const CELLS: u8 = 1;
+
 /// Bytes of the names of all fields of a structure at most.
 const LONGEST_NAMES: u64 = 1 << 20;
 
-/// Variables, cells and fields of a file at most, with empty ones.
+/// Variables and fields of a file at most, with empty ones.
 const MOST_PARTS: usize = 1_000_000;
 
 /// A file and the shapes of its arrays.
@@ -46,7 +50,7 @@ impl Mat {
         }
         let mut walk = Walk::default();
         let walked = walk.file(&mut BufReader::new(input));
-        walked.map_err(|source| LogError::Mat { file: file.into(), source })?;
+        walked.map_err(LogError::decode(file, Format::Mat))?;
         Ok(Self { file: file.into(), arrays: walk.arrays, bodies: walk.bodies })
     }
 }
@@ -70,7 +74,7 @@ impl Arrays for Mat {
             }
             Ok(Numbers::new(input, element))
         };
-        open().map_err(|source| LogError::Mat { file: file.clone(), source })
+        open().map_err(LogError::decode(file, Format::Mat))
     }
 }
 
@@ -88,21 +92,23 @@ impl Walk {
     fn file(&mut self, input: &mut dyn Read) -> io::Result<()> {
         let mut header = [0; 128];
         input.read_exact(&mut header)?;
-        let is_big_endian = match &header[124..] {
-            [0, 1, b'I', b'M'] => false,
-            [1, 0, b'M', b'I'] => true,
+        match &header[124..] {
+            [0, 1, b'I', b'M'] => {}
+            [1, 0, b'M', b'I'] => {
+                return Err(wrong("its numbers are big-endian, an encoding that is not read"));
+            }
             [0, 2, b'I', b'M'] => {
                 return Err(wrong("it is of version 7.3: save it with the option -v7"));
             }
             _ => return Err(wrong("it does not begin as a MAT file of version 5 does")),
-        };
-        let mut elements = Elements::new(input, 128, is_big_endian);
+        }
+        let mut elements = Elements::new(input, 128);
         while let Some(tag) = elements.next()? {
             match tag.kind {
                 MATRIX => elements.within(tag, |inner| self.matrix(inner, None, 0))?,
                 COMPRESSED => {
                     self.compressed = Some(tag.start);
-                    elements.bytes_within(tag, |bytes| self.inflated(bytes, is_big_endian))?;
+                    elements.bytes_within(tag, |bytes| self.inflated(bytes))?;
                     self.compressed = None;
                 }
                 _ => elements.skip(tag)?,
@@ -111,9 +117,9 @@ impl Walk {
         Ok(())
     }
 
-    fn inflated(&mut self, bytes: &mut dyn Read, is_big_endian: bool) -> io::Result<()> {
+    fn inflated(&mut self, bytes: &mut dyn Read) -> io::Result<()> {
         let mut plain = ZlibDecoder::new(bytes);
-        let mut elements = Elements::new(&mut plain, 0, is_big_endian);
+        let mut elements = Elements::new(&mut plain, 0);
         let tag = elements.require()?;
         if tag.kind == MATRIX {
             elements.within(tag, |inner| self.matrix(inner, None, 0))?;
@@ -132,45 +138,28 @@ impl Walk {
     ) -> io::Result<()> {
         self.n_parts += 1;
         if self.n_parts > MOST_PARTS {
-            return Err(wrong("it has over 1000000 variables, cells and fields"));
+            return Err(wrong("it has over 1000000 variables and fields"));
         }
         let Some(tag) = elements.next()? else {
             // An empty part has no body at all.
             return Ok(());
         };
         let flags = elements.body(tag, 16)?;
-        let is_big_endian = elements.is_big_endian();
-        let class = if is_big_endian { flags.get(3) } else { flags.first() };
-        let class = *class.ok_or(io::ErrorKind::UnexpectedEof)?;
+        let class = *flags.first().ok_or(io::ErrorKind::UnexpectedEof)?;
         let tag = elements.require()?;
         let dimensions = elements.body(tag, LONGEST_NAME as u64)?;
-        let dimensions = sizes(&dimensions, is_big_endian);
+        let dimensions = sizes(&dimensions);
         let own_name = text(elements)?;
         let name = name.unwrap_or(own_name);
         match class {
-            1 if depth < DEEPEST => self.cells(elements, &name, &dimensions, depth),
             2 if depth < DEEPEST => self.structures(elements, &name, &dimensions, depth),
             3 if depth < DEEPEST => {
                 text(elements)?;
                 self.structures(elements, &name, &dimensions, depth)
             }
-            6..=15 => self.numbers(elements, name, &dimensions),
+            CELLS | 6..=15 => self.numbers(elements, name, &dimensions, class),
             _ => Ok(()),
         }
-    }
-
-    fn cells(
-        &mut self,
-        elements: &mut Elements<'_>,
-        name: &str,
-        dimensions: &[usize],
-        depth: usize,
-    ) -> io::Result<()> {
-        for k in 1..=count(dimensions) {
-            let tag = elements.require()?;
-            self.part(elements, tag, format!("{name}{{{k}}}"), depth)?;
-        }
-        Ok(())
     }
 
     fn structures(
@@ -182,7 +171,7 @@ impl Walk {
     ) -> io::Result<()> {
         let tag = elements.require()?;
         let length = elements.body(tag, 8)?;
-        let length = sizes(&length, elements.is_big_endian()).first().copied().unwrap_or(0);
+        let length = sizes(&length).first().copied().unwrap_or(0);
         let tag = elements.require()?;
         let names = elements.body(tag, LONGEST_NAMES)?;
         let fields: Vec<String> = names.chunks(length.max(1)).map(up_to_zero).collect();
@@ -215,6 +204,7 @@ impl Walk {
         elements: &mut Elements<'_>,
         name: String,
         dimensions: &[usize],
+        class: u8,
     ) -> io::Result<()> {
         let (rows, columns) = match dimensions {
             // The workspace of functions has no name.
@@ -229,7 +219,10 @@ impl Walk {
             return Err(wrong("it has over 10000 arrays of several numbers"));
         }
         let tag = elements.require()?;
-        let element = element(tag, &array, elements.is_big_endian());
+        let element = match class {
+            CELLS => Err("an array holds cells, an encoding that is not read"),
+            _ => element(tag, &array),
+        };
         self.bodies.push(Body { compressed: self.compressed, start: tag.start, element });
         self.arrays.push(array);
         Ok(())
@@ -237,9 +230,9 @@ impl Walk {
 }
 
 /// What the element with this tag holds, as the body of an array.
-fn element(tag: Tag, array: &Array, is_big_endian: bool) -> Result<Element, &'static str> {
+fn element(tag: Tag, array: &Array) -> Result<Element, &'static str> {
     let kind = kind_of(tag.kind).ok_or("an array of numbers holds something else")?;
-    let element = Element { kind, is_big_endian };
+    let element = Element { kind, is_big_endian: false };
     let bytes = array.count().and_then(|count| count.checked_mul(element.size() as u64));
     if bytes == Some(tag.length) {
         Ok(element)

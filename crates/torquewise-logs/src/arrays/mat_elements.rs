@@ -26,17 +26,12 @@ pub(super) struct Elements<'a> {
     /// Bytes before this place.
     at: u64,
     left: u64,
-    is_big_endian: bool,
 }
 
 impl<'a> Elements<'a> {
     /// Elements from place `at` to the end of `input`.
-    pub(super) fn new(input: &'a mut dyn Read, at: u64, is_big_endian: bool) -> Self {
-        Self { input, at, left: u64::MAX, is_big_endian }
-    }
-
-    pub(super) fn is_big_endian(&self) -> bool {
-        self.is_big_endian
+    pub(super) fn new(input: &'a mut dyn Read, at: u64) -> Self {
+        Self { input, at, left: u64::MAX }
     }
 
     /// The next tag; `None` where the bytes end before it.
@@ -48,7 +43,7 @@ impl<'a> Elements<'a> {
             return Ok(None);
         }
         let (first, second) = head.split_at_checked(4).ok_or(io::ErrorKind::UnexpectedEof)?;
-        let kind = self.word(first).ok_or(io::ErrorKind::UnexpectedEof)?;
+        let kind = word(first).ok_or(io::ErrorKind::UnexpectedEof)?;
         if kind >> 16 != 0 {
             let length = u64::from(kind >> 16);
             let small = second.try_into().ok().filter(|_| length <= 4);
@@ -56,7 +51,7 @@ impl<'a> Elements<'a> {
             let start = self.at - 4;
             return Ok(Some(Tag { kind: kind & 0xffff, length, start, small: Some(small) }));
         }
-        let length = u64::from(self.word(second).ok_or(io::ErrorKind::UnexpectedEof)?);
+        let length = u64::from(word(second).ok_or(io::ErrorKind::UnexpectedEof)?);
         Ok(Some(Tag { kind, length, start: self.at, small: None }))
     }
 
@@ -103,8 +98,7 @@ impl<'a> Elements<'a> {
         if tag.small.is_some() || tag.length > self.left {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }
-        let (at, is_big_endian) = (self.at, self.is_big_endian);
-        let mut inner = Elements { input: &mut *self.input, at, left: tag.length, is_big_endian };
+        let mut inner = Elements { input: &mut *self.input, at: self.at, left: tag.length };
         let done = work(&mut inner)?;
         inner.pass(inner.left)?;
         self.passed(tag.length);
@@ -146,11 +140,10 @@ impl<'a> Elements<'a> {
         self.passed(passed);
         if passed < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
     }
+}
 
-    fn word(&self, bytes: &[u8]) -> Option<u32> {
-        let bytes = bytes.try_into().ok()?;
-        Some(if self.is_big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
-    }
+fn word(bytes: &[u8]) -> Option<u32> {
+    Some(u32::from_le_bytes(bytes.try_into().ok()?))
 }
 
 /// What contradicts the format.
@@ -176,12 +169,7 @@ pub(super) fn kind_of(kind: u32) -> Option<Kind> {
 }
 
 /// The 32-bit whole numbers in a body; one that is negative counts as 0.
-pub(super) fn sizes(body: &[u8], is_big_endian: bool) -> Vec<usize> {
+pub(super) fn sizes(body: &[u8]) -> Vec<usize> {
     let (items, _) = body.as_chunks::<4>();
-    let size = |item: &[u8; 4]| {
-        let size =
-            if is_big_endian { i32::from_be_bytes(*item) } else { i32::from_le_bytes(*item) };
-        usize::try_from(size).unwrap_or(0)
-    };
-    items.iter().map(size).collect()
+    items.iter().map(|item| usize::try_from(i32::from_le_bytes(*item)).unwrap_or(0)).collect()
 }

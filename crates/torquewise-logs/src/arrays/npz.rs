@@ -4,6 +4,7 @@ use crate::arrays::array::{Array, Arrays, LONGEST_NAME, Order};
 use crate::arrays::npy::{self, Header};
 use crate::arrays::numbers::{Element, Numbers, pass};
 use crate::error::LogError;
+use crate::format::Format;
 use crate::guarded::guarded;
 use flate2::CrcReader;
 use flate2::read::DeflateDecoder;
@@ -11,7 +12,6 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use zip::read::ZipFile;
-use zip::result::ZipError;
 use zip::{CompressionMethod, ZipArchive};
 
 /// Bytes of a header that are looked at.
@@ -44,7 +44,7 @@ impl Npz {
         let mut npz = Self { file: file.into(), arrays: Vec::new(), entries: Vec::new() };
         for place in 0..archive.len() {
             let found = guarded(file, || {
-                let entry = archive.by_index(place).map_err(LogError::npz(file))?;
+                let entry = archive.by_index(place).map_err(LogError::decode(file, Format::Npz))?;
                 read_entry(file, entry)
             })?;
             let Some((name, entry)) = found else { continue };
@@ -85,7 +85,7 @@ impl Arrays for Npz {
             pass(&mut checked, before)?;
             Ok(Numbers::new(Box::new(checked), element))
         };
-        open().map_err(LogError::damaged(file))
+        open().map_err(LogError::decode(file, Format::Npz))
     }
 }
 
@@ -122,7 +122,7 @@ fn read_entry<R: Read>(
     let name = entry.name().strip_suffix(".npy").unwrap_or(entry.name()).to_owned();
     let mut head = Vec::new();
     let n_head = (&mut entry).take(MAX_HEADER).read_to_end(&mut head);
-    n_head.map_err(LogError::damaged(file))?;
+    n_head.map_err(LogError::decode(file, Format::Npz))?;
     if name.len() > LONGEST_NAME {
         return Ok(None);
     }
@@ -145,8 +145,7 @@ fn archive(file: &Path) -> Result<ZipArchive<BufReader<File>>, LogError> {
         return Err(LogError::Empty { file: file.into() });
     }
     guarded(file, || {
-        ZipArchive::new(BufReader::new(input))
-            .map_err(|source: ZipError| LogError::npz(file)(source))
+        ZipArchive::new(BufReader::new(input)).map_err(LogError::decode(file, Format::Npz))
     })
 }
 

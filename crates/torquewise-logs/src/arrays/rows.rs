@@ -5,6 +5,7 @@ use crate::arrays::mat::Mat;
 use crate::arrays::npz::Npz;
 use crate::arrays::numbers::Numbers;
 use crate::error::{LogError, Place};
+use crate::format::Format;
 use crate::rows::Rows;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -99,13 +100,14 @@ impl Rows for ArrayRows {
         if let Some((first, others)) = columns.split_first() {
             let expected = instants(*first);
             if let Some(other) = others.iter().find(|column| instants(**column) != expected) {
-                return Err(LogError::ArrayLength {
-                    file: self.file.clone(),
-                    column: self.names[*other].clone(),
-                    found: instants(*other),
-                    first: self.names[*first].clone(),
-                    expected,
-                });
+                let problem = format!(
+                    ": column {} has {} values, column {} has {expected}",
+                    self.names[*other],
+                    instants(*other),
+                    self.names[*first],
+                );
+                let help = "use arrays with the same number of instants";
+                return Err(LogError::unusable(self.file.display(), &problem, help));
             }
         }
         self.instants = columns.first().map_or(0, |first| instants(*first));
@@ -114,7 +116,7 @@ impl Rows for ArrayRows {
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
-        let damaged = LogError::damaged(&self.file);
+        let damaged = LogError::decode(&self.file, Format::of(&self.file)?);
         if self.row == self.instants {
             for stream in self.streams.iter_mut().filter(|stream| stream.is_last) {
                 stream.numbers.finish().map_err(&damaged)?;

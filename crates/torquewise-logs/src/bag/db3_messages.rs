@@ -2,6 +2,7 @@
 
 use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::LogError;
+use crate::format::Format;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, params};
 use std::collections::VecDeque;
@@ -43,7 +44,7 @@ const GENERATED: &str = "SELECT (SELECT COUNT(*) FROM pragma_table_xinfo('messag
 
 /// All topics of a bag, with the number of their messages.
 pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
-    let refused = LogError::database(file);
+    let refused = LogError::decode(file, Format::Db3);
     let connection = open(file)?;
     let mut statement = connection.0.prepare(TOPICS).map_err(&refused)?;
     let topics = statement.query_map([], |row| {
@@ -77,7 +78,7 @@ impl Db3Messages {
         let n_indices: i64 = connection
             .0
             .query_row(INDICES, [], |row| row.get(0))
-            .map_err(LogError::database(file))?;
+            .map_err(LogError::decode(file, Format::Db3))?;
         Ok(Self {
             file: file.into(),
             connection,
@@ -90,7 +91,7 @@ impl Db3Messages {
     }
 
     fn next_page(&mut self) -> Result<(), LogError> {
-        let refused = LogError::database(&self.file);
+        let refused = LogError::decode(&self.file, Format::Db3);
         let mut statement = self.connection.0.prepare_cached(self.query).map_err(&refused)?;
         let (received, id) = self.last;
         let mut rows =
@@ -138,7 +139,7 @@ fn open(file: &Path) -> Result<Bag, LogError> {
     let mut shared = OsString::from(file);
     shared.push("-shm");
     let shared = Some(PathBuf::from(shared)).filter(|path| !path.exists()).map(SharedMemory);
-    let refused = LogError::database(file);
+    let refused = LogError::decode(file, Format::Db3);
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = match unchanging(file) {
         Some(address) => Connection::open_with_flags(address, flags | OpenFlags::SQLITE_OPEN_URI),

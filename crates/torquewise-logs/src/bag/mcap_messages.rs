@@ -2,6 +2,7 @@
 
 use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::LogError;
+use crate::format::Format;
 use crate::guarded::guarded;
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
@@ -71,7 +72,7 @@ impl McapMessages {
         let refused = |source| {
             // What the parser says is drawn for a terminal and speaks of its own code.
             let source = if matches!(source, McapError::Parse(_)) { cut_short() } else { source };
-            LogError::Mcap { file: file.clone(), source: Box::new(source) }
+            LogError::decode(&file, Format::Mcap)(source)
         };
         guarded(&file, || Ok(self.next_message()))?.map_err(refused)
     }

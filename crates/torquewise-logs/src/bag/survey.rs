@@ -1,14 +1,13 @@
 //! From bag to what its joint states hold: found in one pass before the rows are read.
 
 use crate::bag::aligned::{Aligned, Holds};
-#[cfg(feature = "bags")]
 use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
-#[cfg(feature = "bags")]
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::messages::{JOINT_STATE, Messages, Topic};
 use crate::error::{LogError, Place, shown};
 use crate::joints;
+use crate::source::Wanted;
 use std::path::Path;
 
 /// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.
@@ -21,7 +20,6 @@ pub(crate) enum Storage {
     Mcap,
 }
 
-#[cfg(feature = "bags")]
 impl Storage {
     fn topics(self, file: &Path) -> Result<Vec<Topic>, LogError> {
         match self {
@@ -36,30 +34,6 @@ impl Storage {
             Self::Mcap => Box::new(McapMessages::open(file, Some(topic))?),
         })
     }
-}
-
-#[cfg(not(feature = "bags"))]
-impl Storage {
-    fn topics(self, file: &Path) -> Result<Vec<Topic>, LogError> {
-        Err(self.not_built(file))
-    }
-
-    fn messages(self, file: &Path, _topic: &str) -> Result<Box<dyn Messages>, LogError> {
-        Err(self.not_built(file))
-    }
-
-    fn not_built(self, file: &Path) -> LogError {
-        let extension = format!("{self:?}").to_lowercase();
-        LogError::NotBuilt { file: file.into(), extension, feature: "bags" }
-    }
-}
-
-/// What is to be read of a bag.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Wanted<'a> {
-    pub(crate) topic: Option<&'a str>,
-    /// Joints, in order; those of the first message unless given.
-    pub(crate) joints: &'a [String],
 }
 
 /// Which time a message has.
@@ -155,7 +129,13 @@ impl Survey {
         }
         if n_found == 0 || found.is_empty() {
             let (wanted, found) = (self.joints.join(", "), shown_names(&found));
-            return Err(LogError::NoSuchJoints { file: file.into(), wanted, found });
+            let problem =
+                format!(" has no message of the joints {wanted}, its first names {found}");
+            return Err(LogError::unusable(
+                file.display(),
+                &problem,
+                "name joints as the bag does",
+            ));
         }
         let first = match self.clock {
             Stamps::Sent => first_stamp,
@@ -168,9 +148,9 @@ impl Survey {
 
 /// Decodes a message, or says what is wrong with it.
 pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState, LogError> {
-    let malformed = |wrong: super::joint_state::Malformed| LogError::Message {
-        place: place(),
-        reason: wrong.reason(),
+    let malformed = |wrong: super::joint_state::Malformed| {
+        let problem = format!(": the message is no joint state, {}", wrong.reason());
+        LogError::unusable(place(), &problem, "record or convert the bag again")
     };
     JointState::decode(bytes).map_err(malformed)
 }
@@ -208,17 +188,28 @@ fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String,
     let found = || {
         if topics.is_empty() { "none".into() } else { listed(&topics.iter().collect::<Vec<_>>()) }
     };
+    let refused = |problem: &str, help| Err(LogError::unusable(file.display(), problem, help));
     match (wanted, read.as_slice()) {
         (Some(wanted), read) if read.iter().any(|topic| topic.name == wanted) => Ok(wanted.into()),
         (Some(wanted), _) => {
-            let (file, topic) = (file.into(), shown(wanted.as_bytes()));
-            Err(LogError::NoSuchTopic { file, topic, found: found() })
+            let topic = shown(wanted.as_bytes());
+            refused(
+                &format!(" has no joint states on topic {topic}, its topics are {}", found()),
+                "choose one of type sensor_msgs/msg/JointState that has messages",
+            )
         }
         (None, [only]) => Ok(only.name.clone()),
-        (None, []) => Err(LogError::NoJointState { file: file.into(), found: found() }),
-        (None, several) => {
-            Err(LogError::SeveralTopics { file: file.into(), found: listed(several) })
-        }
+        (None, []) => refused(
+            &format!(
+                " has no joint states (sensor_msgs/msg/JointState in CDR), its topics are {}",
+                found()
+            ),
+            "record /joint_states",
+        ),
+        (None, several) => refused(
+            &format!(" has several topics of joint states, {}", listed(several)),
+            "choose one by its name, in the options or by topic = \"…\" in a profile",
+        ),
     }
 }
 

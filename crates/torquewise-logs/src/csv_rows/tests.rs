@@ -24,7 +24,8 @@ fn read(text: &[u8]) -> Result<Vec<Vec<f64>>, LogError> {
 }
 
 fn message(text: &[u8]) -> String {
-    read(text).unwrap_err().to_string()
+    let error = read(text).unwrap_err();
+    format!("{error}: {}", miette::Diagnostic::help(&error).unwrap())
 }
 
 #[test]

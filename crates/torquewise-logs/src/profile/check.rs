@@ -7,8 +7,12 @@ use crate::profile::unit;
 use crate::profile::{Columns, Parts, PerJoint, Profile};
 
 impl Profile {
-    /// Makes sure that values can be right by themselves and agree in the number of joints.
-    pub(super) fn check(&self, from: &str) -> Result<(), LogError> {
+    /// Makes sure that values can be right by themselves and agree in the number of joints; `from`
+    /// names the profile in messages. A profile that is read from text has been checked.
+    ///
+    /// # Errors
+    /// [`LogError::ProfileKey`] or [`LogError::JointName`].
+    pub fn check(&self, from: &str) -> Result<(), LogError> {
         let wrong = |key: &str, found: String, expected: String| {
             Err(LogError::ProfileKey { profile: from.into(), key: key.into(), found, expected })
         };

@@ -14,7 +14,6 @@ const SAMPLE: usize = 20_000;
 /// What the rows tell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Measured {
-    pub(super) n_rows: u64,
     /// Median of the steps of the clock, in its own unit.
     pub(super) step: Option<f64>,
     /// Largest absolute position.
@@ -23,7 +22,7 @@ pub(super) struct Measured {
     pub(super) ratio: Option<f64>,
 }
 
-/// Reads all rows once; those after the first 20 000 are counted only.
+/// Reads the first 20 000 rows.
 pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Measured, LogError> {
     let place = |name: &String| names.iter().position(|known| known == name);
     let of = |signal| -> Vec<usize> {
@@ -37,12 +36,10 @@ pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Me
     rows.choose(&chosen)?;
     let mut row = vec![0.0; chosen.len()];
     let mut columns = vec![Vec::new(); chosen.len()];
-    let mut n_rows = 0;
-    while rows.next(&mut row)? {
-        n_rows += 1;
-        if columns.first().is_some_and(|first: &Vec<f64>| first.len() < SAMPLE) {
-            columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
-        }
+    while columns.first().is_some_and(|first: &Vec<f64>| first.len() < SAMPLE)
+        && rows.next(&mut row)?
+    {
+        columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
     }
     let (t, rest) = columns.split_at(time.len());
     let (q_values, dq_values) = rest.split_at(q.len());
@@ -50,7 +47,6 @@ pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Me
     let step = t.first().and_then(|t| median_step(t));
     let seconds = step.map_or(1.0, |step| unit_of(step).1);
     Ok(Measured {
-        n_rows,
         step,
         largest_q: largest.map(|x| x.abs()).reduce(f64::max),
         ratio: t.first().and_then(|t| ratio(t, seconds, q_values, dq_values)),

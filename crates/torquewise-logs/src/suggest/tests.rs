@@ -76,41 +76,31 @@ fn velocity_in_another_unit_than_position_is_told_by_slopes() {
 }
 
 #[test]
-fn joints_named_within_columns_and_files_beside_are_found() {
+fn joints_named_within_columns_are_found() {
     let folder = tempfile::tempdir().unwrap();
-    let of = |signal: &str| format!("t,- hip_joint_{signal},- knee_joint_{signal}");
-    for (name, signal) in [("arm_position", "position"), ("arm_effort", "effort")] {
-        let file = folder.path().join(format!("{name}.csv"));
-        write(&file, &of(signal), 100, |k| vec![0.01 * k, wave(k).0, 1.0]);
-    }
-    let other = folder.path().join("other.csv");
-    write(&other, &of("velocity"), 90, |k| vec![0.01 * k, 0.0, 0.0]);
+    let file = folder.path().join("arm.csv");
+    write(&file, "t,- hip_joint_position,- knee_joint_position", 100, |k| {
+        vec![0.01 * k, wave(k).0, 1.0]
+    });
 
-    let (_, profile) = readable(&folder.path().join("arm_position.csv"));
+    let (_, profile) = readable(&file);
 
-    assert_eq!(
-        (profile.beside.len(), profile.joints),
-        (1, vec!["hip_joint".into(), "knee_joint".into()])
-    );
-    let names = ["torque.- hip_joint_effort", "torque.- knee_joint_effort"].map(str::to_owned);
-    assert_eq!(profile.tau.unwrap().columns, Some(Columns::Names(names.to_vec())));
-    assert!(profile.dq.is_none());
+    assert_eq!(profile.joints, ["hip_joint", "knee_joint"]);
+    assert!(profile.dq.is_none() && profile.tau.is_none());
 }
 
 #[test]
 fn what_no_file_tells_is_left_to_be_filled_in() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("pos_read_data.csv");
-    write(&file, "Joint_1,Joint_2", 100, |k| vec![k, 50.0]);
-    write(&folder.path().join("curr_data.csv"), "Joint_1,Joint_2", 100, |k| vec![k, 2.0]);
+    let file = folder.path().join("run.csv");
+    write(&file, "pos1,pos2,current1,current2", 100, |k| vec![k, 50.0, 2.0, 2.0]);
 
     let suggestion = suggest(&file).unwrap();
 
     assert!(!suggestion.is_complete);
     for line in [
         "# rate = 1000.0",
-        "current = \"curr_data.csv\"",
-        "columns = \"current.Joint_\"",
+        "columns = \"current\"",
         "# unit = \"A\"",
         "# torque_constant = [1.0, 1.0] # N·m/A, sign included",
     ] {

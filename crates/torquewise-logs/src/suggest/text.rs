@@ -4,7 +4,6 @@ use crate::layout::Signal;
 use crate::suggest::Suggestion;
 use crate::suggest::guess::{Family, Found};
 use crate::suggest::measure::{Measured, unit_of, units_of};
-use crate::suggest::neighbours::Neighbour;
 use std::f64::consts::PI;
 
 /// Positions beyond this \[rad\] are degrees, or angles of motors.
@@ -52,7 +51,7 @@ pub(super) fn of_bag(joints: &[String], columns: &[String]) -> Suggestion {
 }
 
 /// A profile for a file of columns.
-pub(super) fn of_columns(found: &Found, measured: &Measured, beside: &[Neighbour]) -> Suggestion {
+pub(super) fn of_columns(found: &Found, measured: &Measured) -> Suggestion {
     let mut draft = Draft::default();
     draft.line("robot = \"\"");
     if let Some(q) = found.get(Signal::Q) {
@@ -67,7 +66,6 @@ pub(super) fn of_columns(found: &Found, measured: &Measured, beside: &[Neighbour
         draft.line("# rate = 1000.0");
         draft.reason("No column is called t, time or stamp: fill in rate.");
     }
-    neighbours(&mut draft, beside);
     if let Some(time) = &found.time {
         clock(&mut draft, time, measured);
     }
@@ -77,24 +75,6 @@ pub(super) fn of_columns(found: &Found, measured: &Measured, beside: &[Neighbour
         draft.reason(format!("Not taken, since others fit better: {names}."));
     }
     draft.finish(found.time.is_some() && found.get(Signal::Q).is_some())
-}
-
-fn neighbours(draft: &mut Draft, beside: &[Neighbour]) {
-    for neighbour in beside {
-        let signals: Vec<_> = neighbour.signals.iter().map(|signal| signal.name()).collect();
-        draft.reason(format!(
-            "{} has as many rows and is read beside the log for {}.",
-            neighbour.file,
-            signals.join(", ")
-        ));
-    }
-    if !beside.is_empty() {
-        draft.line("");
-        draft.line("[beside]");
-        for Neighbour { name, file, .. } in beside {
-            draft.line(format!("{name} = {}", quoted(file)));
-        }
-    }
 }
 
 fn signals(draft: &mut Draft, found: &Found, measured: &Measured) {

@@ -1,8 +1,7 @@
 //! Arrays of NumPy and MATLAB: read as columns, time along their longer side.
 #![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use crate::made_mats::{compressed, doubles, element, mat, small_element, structure, variable};
 use ndarray::{Array1, Array2, ShapeBuilder};
 use ndarray_npy::NpzWriter;
 use std::fs::File;
@@ -163,7 +162,7 @@ fn an_array_that_claims_more_than_it_has_allocates_nothing() {
 #[test]
 fn a6_names_of_many_arrays_take_no_more_than_stated() {
     let folder = tempfile::tempdir().unwrap();
-    // 100 000 cells of a structure, whose one field has a name of 64 kB.
+    // 100 000 elements of a structure, whose one field has a name of 64 kB.
     let name = vec![b'n'; 65_535];
     let field = variable(6, [2, 1], "", &[element(9, &[0; 16])]);
     let content = [
@@ -175,10 +174,14 @@ fn a6_names_of_many_arrays_take_no_more_than_stated() {
     let refused = read(&long, &Options::default());
     assert!(matches!(refused, Err(LogError::NoColumn { .. })), "{refused:?}");
 
-    // Empty cells take no time either.
-    let empty = element(14, b"").repeat(1_100_000);
-    let cells = mat(&folder, &[compressed(&variable(1, [1, 1_100_000], "c", &[empty]))]);
-    let refused = read(&cells, &Options::default()).unwrap_err();
+    // Empty fields take no time either.
+    let content = [
+        small_element(5, &8_i32.to_le_bytes()),
+        element(1, b"field\0\0\0"),
+        element(14, b"").repeat(1_100_000),
+    ];
+    let fields = mat(&folder, &[compressed(&variable(2, [1, 1_100_000], "c", &content))]);
+    let refused = read(&fields, &Options::default()).unwrap_err();
     assert!(format!("{refused:?}").contains("over 1000000"), "{refused:?}");
 }
 
@@ -216,7 +219,7 @@ fn a8_arrays_of_long_names_and_too_many_columns_are_passed_over_or_refused() {
     let many = npz(&folder, |_| {});
     assert!(matches!(
         read(&long, &Options::default()),
-        Err(LogError::NoColumn { .. } | LogError::Npz { .. })
+        Err(LogError::NoColumn { .. } | LogError::Decode { .. })
     ));
 
     let file = File::create(&many).unwrap();
@@ -296,71 +299,6 @@ fn a_header_of_many_brackets_is_refused() {
     assert!(matches!(refused, Err(LogError::Array { .. })), "{refused:?}");
 }
 
-/// An element of a MAT file: tag, body, padding.
-fn element(kind: u32, body: &[u8]) -> Vec<u8> {
-    let mut bytes = [kind.to_le_bytes(), u32::try_from(body.len()).unwrap().to_le_bytes()].concat();
-    bytes.extend(body);
-    bytes.resize(bytes.len().next_multiple_of(8), 0);
-    bytes
-}
-
-/// An element whose body of at most four bytes stands in its tag.
-fn small_element(kind: u32, body: &[u8]) -> Vec<u8> {
-    let head = kind | u32::try_from(body.len()).unwrap() << 16;
-    let mut bytes = head.to_le_bytes().to_vec();
-    bytes.extend(body);
-    bytes.resize(8, 0);
-    bytes
-}
-
-/// A variable of a class, with the elements that the class has.
-fn variable(class: u32, size: [usize; 2], name: &str, content: &[Vec<u8>]) -> Vec<u8> {
-    let flags: Vec<u8> = [class, 0].iter().flat_map(|word| word.to_le_bytes()).collect();
-    let size: Vec<u8> =
-        size.iter().flat_map(|n| i32::try_from(*n).unwrap().to_le_bytes()).collect();
-    let name = name.as_bytes();
-    let name = if name.len() <= 4 { small_element(1, name) } else { element(1, name) };
-    let parts = [element(6, &flags), element(5, &size), name, content.concat()].concat();
-    element(14, &parts)
-}
-
-fn doubles(name: &str, values: &Array2<f64>) -> Vec<u8> {
-    // By column.
-    let by_column: Vec<u8> = values.t().iter().flat_map(|x| x.to_le_bytes()).collect();
-    variable(6, [values.nrows(), values.ncols()], name, &[element(9, &by_column)])
-}
-
-/// A structure of one element.
-fn structure(name: &str, fields: &[(&str, Vec<u8>)]) -> Vec<u8> {
-    let names = fields.iter().flat_map(|(name, _)| {
-        let mut name = name.as_bytes().to_vec();
-        name.resize(32, 0);
-        name
-    });
-    let names: Vec<u8> = names.collect();
-    let mut content = vec![small_element(5, &32_i32.to_le_bytes()), element(1, &names)];
-    content.extend(fields.iter().map(|(_, value)| value.clone()));
-    variable(2, [1, 1], name, &content)
-}
-
-fn compressed(variable: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(variable).unwrap();
-    let body = encoder.finish().unwrap();
-    let length = u32::try_from(body.len()).unwrap();
-    [15_u32.to_le_bytes().to_vec(), length.to_le_bytes().to_vec(), body].concat()
-}
-
-fn mat(folder: &TempDir, variables: &[Vec<u8>]) -> PathBuf {
-    let file = folder.path().join("log.mat");
-    let mut bytes = vec![b' '; 124];
-    bytes[..19].copy_from_slice(b"MATLAB 5.0 MAT-file");
-    bytes.extend([0, 1, b'I', b'M']);
-    bytes.extend(variables.concat());
-    std::fs::write(&file, bytes).unwrap();
-    file
-}
-
 fn column(values: &Array1<f64>) -> Array2<f64> {
     values.clone().insert_axis(ndarray::Axis(1))
 }
@@ -408,16 +346,24 @@ fn a_plain_mat_file_needs_no_profile() {
 }
 
 #[test]
-fn other_versions_of_the_format_are_told_what_to_do() {
+fn encodings_that_are_not_read_are_told() {
     let folder = tempfile::tempdir().unwrap();
     let file = mat(&folder, &[]);
     let mut bytes = std::fs::read(&file).unwrap();
-    bytes[124..].copy_from_slice(&[0, 2, b'I', b'M']);
-    std::fs::write(&file, bytes).unwrap();
-
-    let refused = read(&file, &Options::default()).unwrap_err();
-
-    assert!(refused.to_string().contains("save it again with -v7"), "{refused}");
+    for (version, reason) in
+        [([0, 2, b'I', b'M'], "version 7.3"), ([1, 0, b'M', b'I'], "big-endian")]
+    {
+        bytes[124..].copy_from_slice(&version);
+        std::fs::write(&file, &bytes).unwrap();
+        let refused = format!("{:?}", read(&file, &Options::default()).unwrap_err());
+        assert!(refused.contains(reason), "{refused}");
+    }
+    let cells = variable(1, [2, 1], "q", &[doubles("", &tall(1)), doubles("", &tall(1))]);
+    let file = mat(&folder, &[cells, doubles("t", &column(&t()))]);
+    let refused = read(&file, &with("rate = 1.0\nq = { columns = \"q\" }")).unwrap_err();
+    assert!(format!("{refused:?}").contains("holds cells"), "{refused:?}");
+    // Cells that are not asked for do no harm.
+    assert!(read(&file, &with("rate = 1.0\nq = { columns = \"t\" }")).is_ok());
 }
 
 fn is_refused_wherever_cut(file: &Path, options: &Options) {

@@ -4,6 +4,7 @@ mod arrays;
 mod bags;
 mod hostile_parquet;
 mod made_bags;
+mod made_mats;
 mod oracle;
 mod profiles;
 mod real_robots;

@@ -47,7 +47,13 @@ fn read(file: &PathBuf, profile: &str) -> Vec<Motion> {
 }
 
 fn refused(file: &PathBuf, profile: &str) -> String {
-    open(file, profile).and_then(|logs| logs.read_all()).unwrap_err().to_string()
+    open(file, profile).and_then(|logs| logs.read_all()).map_err(told).unwrap_err()
+}
+
+/// The message of an error and what to do.
+fn told(error: LogError) -> String {
+    let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
+    format!("{error}: {}", help.unwrap_or_default())
 }
 
 const EPSILON: f64 = 1e-12;

@@ -1,11 +1,11 @@
 //! From pieces of raw logs to the same motion at several bandwidths, beside the raw torque (E12).
 
+use crate::MotionError;
 use crate::memory::Memory;
 use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
 use crate::signals::delay::shift;
-use crate::signals::error::SignalError;
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Raw, TAU};
 use crate::signals::settings::{Conditioning, Cutoff};
@@ -47,9 +47,9 @@ impl Bandwidths {
     ///   the cut-off
     ///
     /// # Errors
-    /// Those of [`condition`](crate::signals::condition()); [`SignalError::TooFewRows`] if no piece is long
+    /// Those of [`condition`](crate::signals::condition()); [`MotionError::TooFewRows`] if no piece is long
     /// enough.
-    pub fn new(pieces: &[Raw], settings: &Conditioning) -> Result<Self, SignalError> {
+    pub fn new(pieces: &[Raw], settings: &Conditioning) -> Result<Self, MotionError> {
         let settings = Conditioning { cutoff: Cutoff::Off, ..*settings };
         let total: usize = pieces.iter().map(|piece| piece.t.len()).sum();
         let every = total.div_ceil(ROWS).max(1);
@@ -73,7 +73,7 @@ impl Bandwidths {
             (0..joints.len()).map(|joint| raw_torque(&cleaned, joint)).collect();
         let rows = torques.first().map_or(0, Vec::len);
         if rows == 0 {
-            return Err(SignalError::TooFewRows { rows: total, needed: 4 });
+            return Err(MotionError::TooFewRows { rows: total, needed: 4 });
         }
         let target = Mat::from_fn(rows, joints.len(), |row, joint| torques[joint][row]);
         Ok(Self { joints, pieces: cleaned, target })
@@ -98,7 +98,7 @@ impl Bandwidths {
     ///
     /// # Errors
     /// Those of [`condition`](crate::signals::condition()).
-    pub fn motion(&self, cutoff: f64) -> Result<Option<Motion>, SignalError> {
+    pub fn motion(&self, cutoff: f64) -> Result<Option<Motion>, MotionError> {
         let mut seen = Vec::with_capacity(self.pieces.len());
         for piece in &self.pieces {
             let plan = Plan { cutoff: Some(cutoff), ..piece.plan.clone() };

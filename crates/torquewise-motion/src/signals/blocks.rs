@@ -1,7 +1,7 @@
 //! From Raw blocks to Motion blocks: a trajectory of any length, in fixed memory.
 
+use crate::MotionError;
 use crate::signals::clean::{Even, Outliers, clean};
-use crate::signals::error::SignalError;
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, Raw};
 use crate::signals::resample::count_gaps;
@@ -56,10 +56,10 @@ impl Conditioner {
     /// Takes the next rows and hands out those that are done, in order.
     ///
     /// # Errors
-    /// Those of [`condition_by`](crate::signals::condition_by), and [`SignalError::Block`] if the block has
+    /// Those of [`condition_by`](crate::signals::condition_by), and [`MotionError::Block`] if the block has
     /// other joints or signals than the first. Rows are counted from the first of the trajectory,
     /// those of shapes and values from the first of the block.
-    pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>, SignalError> {
+    pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>, MotionError> {
         let columns = block.columns()?;
         self.plan.check(&columns)?;
         self.join(&columns)?;
@@ -74,7 +74,7 @@ impl Conditioner {
     ///
     /// # Errors
     /// Those of [`Conditioner::push`].
-    pub fn finish(&mut self) -> Result<Vec<Motion>, SignalError> {
+    pub fn finish(&mut self) -> Result<Vec<Motion>, MotionError> {
         if self.waiting.t.is_empty() {
             return Ok(Vec::new());
         }
@@ -88,7 +88,7 @@ impl Conditioner {
     }
 
     /// Appends the rows of a block to those that wait.
-    fn join(&mut self, block: &Columns) -> Result<(), SignalError> {
+    fn join(&mut self, block: &Columns) -> Result<(), MotionError> {
         let Some(&first) = block.t.first() else { return Ok(()) };
         if self.origin.is_none() {
             self.origin = Some(first);
@@ -97,11 +97,11 @@ impl Conditioner {
             return Ok(());
         }
         if self.waiting.t.last().is_some_and(|last| first <= *last) {
-            return Err(SignalError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
+            return Err(MotionError::TimeOrder { row: self.rows_before + self.waiting.t.len() });
         }
         let pairs = || self.waiting.signals.iter().zip(&block.signals);
         if pairs().any(|(waiting, new)| waiting.is_some() != new.is_some()) {
-            return Err(SignalError::Block);
+            return Err(MotionError::Block);
         }
         let new = self.waiting.t.len().saturating_sub(1);
         self.waiting.t.extend_from_slice(&block.t);
@@ -115,7 +115,7 @@ impl Conditioner {
 
     /// Conditions the first `rows` that wait, hands out those of them that no later row can
     /// change, and forgets those that no row to come depends on.
-    fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>, SignalError> {
+    fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>, MotionError> {
         let part = self.waiting.head(rows);
         let origin = self.origin.unwrap_or_default();
         let even = clean(&part, &self.plan.base, (origin, self.rows_before))?;

@@ -1,6 +1,6 @@
 //! From order, cut-off to second-order sections: Butterworth low-pass filters, and running them.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use std::f64::consts::PI;
 
 /// Highest order a filter may have.
@@ -26,15 +26,15 @@ pub struct Section {
 /// scipy.signal.butter, of the same order of sections.
 ///
 /// # Errors
-/// [`SignalError::Order`] or [`SignalError::Cutoff`].
-pub fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>, SignalError> {
+/// [`MotionError::FilterOrder`] or [`MotionError::Cutoff`].
+pub fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>, MotionError> {
     if order == 0 || order > MAX_ORDER {
-        return Err(SignalError::Order { order, limit: MAX_ORDER });
+        return Err(MotionError::FilterOrder { order, limit: MAX_ORDER });
     }
     let reachable = cutoff.is_finite() && rate.is_finite() && cutoff > 0.0 && cutoff < 0.5 * rate;
     // Below this the poles round to 1.
     if !reachable || cutoff < 1e-7 * rate {
-        return Err(SignalError::Cutoff { cutoff, rate });
+        return Err(MotionError::Cutoff { cutoff, rate });
     }
     let warped = (PI * cutoff / rate).tan();
     let mut sections = Vec::with_capacity(order.div_ceil(2));

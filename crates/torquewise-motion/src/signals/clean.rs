@@ -1,6 +1,6 @@
 //! From columns to even columns: spikes out, then onto even time stamps.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use crate::signals::outliers::{Hampel, replace_outliers, spike_scale};
 use crate::signals::raw::{Columns, NAMES};
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
@@ -29,7 +29,7 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    pub(crate) fn of(columns: &Columns, outliers: bool) -> Result<Self, SignalError> {
+    pub(crate) fn of(columns: &Columns, outliers: bool) -> Result<Self, MotionError> {
         let timing = timing(&columns.t)?;
         let hampel = outliers.then(Hampel::default);
         let mut scales = [const { Vec::new() }; 4];
@@ -71,7 +71,7 @@ pub(crate) fn clean(
     columns: &Columns,
     base: &Base,
     origin: (f64, usize),
-) -> Result<Even, SignalError> {
+) -> Result<Even, MotionError> {
     let mut outliers = Vec::new();
     let despiked = columns.map(columns.t.clone(), |place, joint, column| {
         let mut column = column.to_vec();
@@ -92,7 +92,7 @@ pub(crate) fn clean(
     if base.timing.is_even() {
         let off = (now.rate / base.timing.rate - 1.0).abs();
         if now.jitter > STRAY || off > STRAY {
-            return Err(SignalError::Uneven { row: origin.1 + now.longest_step_row });
+            return Err(MotionError::Uneven { row: origin.1 + now.longest_step_row });
         }
         return Ok(Even { first: origin.1, columns: despiked, outliers });
     }

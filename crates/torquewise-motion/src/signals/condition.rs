@@ -1,9 +1,9 @@
 //! From Raw to Motion: one trajectory, cleaned, made even, filtered and derived.
 
+use crate::MotionError;
 use crate::signals::clean::{Even, Outliers, clean};
 use crate::signals::delay::{Shift, lag};
 use crate::signals::derivative::even_derivative;
-use crate::signals::error::SignalError;
 use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, DQ, NAMES, Q, Raw, matrix};
@@ -34,8 +34,8 @@ pub struct Conditioned {
 /// signals, derivatives, torque advanced by its delay, ends trimmed, rows left out.
 ///
 /// # Errors
-/// [`SignalError`] that says which signal of which joint, and what to do.
-pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned, SignalError> {
+/// [`MotionError`] that says which signal of which joint, and what to do.
+pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned, MotionError> {
     let columns = raw.columns()?;
     let (plan, even) = Plan::with_even(&columns, settings)?;
     finish(&columns, &even, &plan)
@@ -44,8 +44,8 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned, Sign
 /// Conditions a trajectory by a plan made from another one of the same arm.
 ///
 /// # Errors
-/// Those of [`condition`], and [`SignalError::Block`] if the joints differ.
-pub fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, SignalError> {
+/// Those of [`condition`], and [`MotionError::Block`] if the joints differ.
+pub fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, MotionError> {
     let columns = raw.columns()?;
     plan.check(&columns)?;
     let first = columns.t.first().copied().unwrap_or_default();
@@ -53,13 +53,13 @@ pub fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, SignalError> 
     finish(&columns, &even, plan)
 }
 
-fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, SignalError> {
+fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, MotionError> {
     plan.check(columns)?;
     let filtered = filter(even, plan)?;
     let smooth = smooth(&filtered, even.first, plan)?;
     let rows = even.columns.t.len();
     let kept = plan.trim..rows.saturating_sub(plan.trim);
-    let motion = smooth.rows(kept, plan.keep_every)?.ok_or(SignalError::NothingLeft { rows })?;
+    let motion = smooth.rows(kept, plan.keep_every)?.ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
     let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
     let dq = even_derivative(q.as_ref(), plan.rate, 1)?;
@@ -136,7 +136,7 @@ fn gains(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Vec<Option<f64>> {
 }
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.
-fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shift>>, SignalError> {
+fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shift>>, MotionError> {
     let Some(measured) = &filtered.signals[DQ] else { return Ok(Vec::new()) };
     let every = plan.keep_every_for_lag();
     let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);

@@ -1,6 +1,6 @@
 //! From spectra of q and τ to cut-off frequency: up to where a signal stands above its noise.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use crate::signals::noise::{median, quantisation};
 use crate::signals::spectrum::{Spectrum, welch, whitened};
 use std::fmt;
@@ -85,14 +85,14 @@ pub struct SignalCutoff {
 /// - `x`: m values at `rate` \[Hz\], without spikes
 ///
 /// # Errors
-/// [`SignalError::TooFewRows`] below 64 rows, or [`SignalError::NotFinite`].
-pub fn signal_cutoff(x: &[f64], rate: f64, kind: Kind) -> Result<SignalCutoff, SignalError> {
+/// [`MotionError::TooFewRows`] below 64 rows, or [`MotionError::NotFiniteAt`].
+pub fn signal_cutoff(x: &[f64], rate: f64, kind: Kind) -> Result<SignalCutoff, MotionError> {
     if x.len() < 64 {
-        return Err(SignalError::TooFewRows { rows: x.len(), needed: 64 });
+        return Err(MotionError::TooFewRows { rows: x.len(), needed: 64 });
     }
     if !rate.is_finite() || rate <= 2.0 * LOWEST {
         let expected = "above 1 Hz to choose a cut-off, or set one";
-        return Err(SignalError::Setting { what: "rate of the log", value: rate, expected });
+        return Err(MotionError::Setting { what: "rate of the log", value: rate, expected });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded below")]
     let segment = ((SEGMENT * rate).min(x.len() as f64 / 4.0) as usize).clamp(16, x.len() / 2);
@@ -176,7 +176,7 @@ fn smoothed(spectrum: &Spectrum) -> Vec<f64> {
 
 /// Frequency below which 95 % of the power of the speed lies, of what is below `cutoff`; from one
 /// segment, as motion may be slower than those of the spectrum.
-fn motion(x: &[f64], rate: f64, cutoff: f64) -> Result<f64, SignalError> {
+fn motion(x: &[f64], rate: f64, cutoff: f64) -> Result<f64, MotionError> {
     let speed: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let spectrum = welch(&speed, rate, speed.len())?;
     let total: f64 = bins(&spectrum).filter(|(f, _)| *f <= cutoff).map(|(_, s)| s).sum();

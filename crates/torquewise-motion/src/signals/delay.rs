@@ -1,6 +1,6 @@
 //! Two signals → delay between them, and a signal → the same signal shifted in time.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
@@ -31,17 +31,17 @@ pub struct Shift {
 ///   result is right to a thousandth of it.
 ///
 /// # Errors
-/// [`SignalError::Setting`] unless the range holds 1 to 10 000 steps.
+/// [`MotionError::Setting`] unless the range holds 1 to 10 000 steps.
 pub fn best_shift(
     mut error: impl FnMut(f64) -> f64,
     range: RangeInclusive<f64>,
     resolution: f64,
-) -> Result<Shift, SignalError> {
+) -> Result<Shift, MotionError> {
     let (begin, end) = (*range.start(), *range.end());
     let steps = ((end - begin) / resolution).ceil();
     if !(1.0..=MAX_STEPS as f64).contains(&steps) || !begin.is_finite() {
         let expected = "1 to 10000 steps of the resolution";
-        return Err(SignalError::Setting { what: "range of shifts", value: steps, expected });
+        return Err(MotionError::Setting { what: "range of shifts", value: steps, expected });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
     let steps = steps as usize;
@@ -162,7 +162,7 @@ pub fn lag(
     measured: &[f64],
     rate: f64,
     range: RangeInclusive<f64>,
-) -> Result<Option<Shift>, SignalError> {
+) -> Result<Option<Shift>, MotionError> {
     let longest = range.start().abs().max(range.end().abs());
     let edge = longest * rate + TAPS as f64;
     let n = derived.len().min(measured.len());

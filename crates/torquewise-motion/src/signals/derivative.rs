@@ -1,6 +1,6 @@
 //! From filtered q to q̇, q̈: derivatives of evenly sampled signals without delay.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use crate::{LocalPolynomial, derivative};
 use faer::{Mat, MatRef};
 
@@ -21,14 +21,14 @@ pub const REACH: usize = DEGREE / 2;
 /// - returns: m×n, per s^`order`
 ///
 /// # Errors
-/// [`SignalError::TooFewRows`] below seven rows, or [`SignalError::Motion`].
+/// [`MotionError::TooFewRows`] below seven rows, or [`MotionError`].
 pub fn even_derivative(
     x: MatRef<'_, f64>,
     rate: f64,
     order: usize,
-) -> Result<Mat<f64>, SignalError> {
+) -> Result<Mat<f64>, MotionError> {
     if x.nrows() <= DEGREE {
-        return Err(SignalError::TooFewRows { rows: x.nrows(), needed: DEGREE + 1 });
+        return Err(MotionError::TooFewRows { rows: x.nrows(), needed: DEGREE + 1 });
     }
     // One stencil per place in the window, on exact time steps: the same bits for any part.
     let steps: Vec<f64> = (0..=DEGREE).map(|k| k as f64 - REACH as f64).collect();
@@ -84,6 +84,6 @@ mod tests {
     fn too_few_rows_are_refused() {
         let found = even_derivative(Mat::zeros(6, 1).as_ref(), 1.0, 1);
 
-        assert_eq!(found, Err(SignalError::TooFewRows { rows: 6, needed: 7 }));
+        assert_eq!(found, Err(MotionError::TooFewRows { rows: 6, needed: 7 }));
     }
 }

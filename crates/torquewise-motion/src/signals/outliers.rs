@@ -1,6 +1,6 @@
 //! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use crate::signals::noise::{median, quantisation};
 
 /// Looks for spikes at most.
@@ -52,24 +52,24 @@ pub fn spike_scale(x: &[f64]) -> f64 {
 /// Source: R. Pearson et al., EURASIP J. Adv. Signal Process. 2016:87, with a line for the median.
 ///
 /// # Errors
-/// [`SignalError::Setting`], or [`SignalError::TooFewRows`] if `t` and `x` differ in length.
+/// [`MotionError::Setting`], or [`MotionError::TooFewRows`] if `t` and `x` differ in length.
 pub fn replace_outliers(
     t: &[f64],
     x: &mut [f64],
     scale: f64,
     hampel: Hampel,
-) -> Result<Vec<usize>, SignalError> {
+) -> Result<Vec<usize>, MotionError> {
     if hampel.half_window < 3 {
         let (value, expected) = (hampel.half_window as f64, "3 rows or more");
-        return Err(SignalError::Setting { what: "half window of outliers", value, expected });
+        return Err(MotionError::Setting { what: "half window of outliers", value, expected });
     }
     if hampel.threshold.is_nan() || hampel.threshold <= 0.0 {
         let expected = "above 0";
         let value = hampel.threshold;
-        return Err(SignalError::Setting { what: "threshold of outliers", value, expected });
+        return Err(MotionError::Setting { what: "threshold of outliers", value, expected });
     }
     if t.len() != x.len() {
-        return Err(SignalError::TooFewRows { rows: t.len().min(x.len()), needed: x.len() });
+        return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: x.len() });
     }
     let mut is_spike = vec![false; x.len()];
     let mut spikes = Vec::new();

@@ -1,11 +1,11 @@
 //! From first part of a log, settings to Plan: what every part of it goes through.
 
+use crate::MotionError;
 use crate::signals::butterworth::{low_pass, settle_time};
 use crate::signals::clean::{Base, Even, clean};
 use crate::signals::cutoff::{CutoffChoice, Kind, SignalCutoff, choose, signal_cutoff};
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
-use crate::signals::error::SignalError;
 use crate::signals::raw::{Columns, DDQ, DQ, NAMES, Q, Raw, TAU};
 use crate::signals::settings::{Conditioning, Cutoff, Derive, Trim};
 
@@ -36,8 +36,8 @@ impl Plan {
     /// Decides on rate, cut-off and trim from a trajectory or its first part.
     ///
     /// # Errors
-    /// [`SignalError`] about settings, shapes, stamps, or too few rows.
-    pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self, SignalError> {
+    /// [`MotionError`] about settings, shapes, stamps, or too few rows.
+    pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self, MotionError> {
         Self::with_even(&raw.columns()?, settings).map(|(plan, _)| plan)
     }
 
@@ -45,7 +45,7 @@ impl Plan {
     pub(crate) fn with_even(
         columns: &Columns,
         settings: &Conditioning,
-    ) -> Result<(Self, Even), SignalError> {
+    ) -> Result<(Self, Even), MotionError> {
         settings.check()?;
         let base = Base::of(columns, settings.outliers)?;
         let even = clean(columns, &base, (columns.t[0], 0))?;
@@ -149,9 +149,9 @@ impl Plan {
     }
 
     /// Refuses signals that are not those planned for, and plans that need others.
-    pub(crate) fn check(&self, columns: &Columns) -> Result<(), SignalError> {
+    pub(crate) fn check(&self, columns: &Columns) -> Result<(), MotionError> {
         if columns.joints != self.joints {
-            return Err(SignalError::Block);
+            return Err(MotionError::Block);
         }
         let needed: &[usize] = match self.settings.derive {
             Derive::FromPosition => &[],
@@ -160,15 +160,15 @@ impl Plan {
         };
         match needed.iter().find(|place| columns.signals[**place].is_none()) {
             Some(&place) => {
-                Err(SignalError::Missing { what: "conditioning", signal: NAMES[place] })
+                Err(MotionError::Unmeasured { what: "conditioning", signal: NAMES[place] })
             }
             None => Ok(()),
         }
     }
 }
 
-fn choose_cutoff(columns: &Columns, rate: f64) -> Result<CutoffChoice, SignalError> {
-    let of = |place: usize, kind| -> Result<Vec<SignalCutoff>, SignalError> {
+fn choose_cutoff(columns: &Columns, rate: f64) -> Result<CutoffChoice, MotionError> {
+    let of = |place: usize, kind| -> Result<Vec<SignalCutoff>, MotionError> {
         let all = columns.signals[place].iter().flatten().zip(&columns.joints);
         all.map(|(x, joint)| signal_cutoff(x, rate, kind).map_err(|e| e.of(NAMES[place], joint)))
             .collect()

@@ -1,6 +1,6 @@
 //! From log columns to Raw: what was measured of one trajectory, shapes checked.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use crate::signals::spline::check_increasing;
 use faer::Mat;
 
@@ -40,13 +40,13 @@ pub(crate) struct Columns {
 
 impl Raw {
     /// Checks shapes, finiteness and time order, and takes the columns apart.
-    pub(crate) fn columns(&self) -> Result<Columns, SignalError> {
+    pub(crate) fn columns(&self) -> Result<Columns, MotionError> {
         let (rows, n) = (self.t.len(), self.joints.len());
         if n == 0 {
-            return Err(crate::MotionError::NoJoints.into());
+            return Err(MotionError::NoJoints);
         }
         check_increasing(&self.t).map_err(|e| match e {
-            order @ SignalError::TimeOrder { .. } => order,
+            order @ MotionError::TimeOrder { .. } => order,
             other => other.of("t", "every joint"),
         })?;
         let all = [Some(&self.q), self.dq.as_ref(), self.ddq.as_ref(), self.tau.as_ref()];
@@ -54,7 +54,7 @@ impl Raw {
         for ((signal, values), columns) in NAMES.into_iter().zip(all).zip(&mut signals) {
             let Some(values) = values else { continue };
             if (values.nrows(), values.ncols()) != (rows, n) {
-                return Err(SignalError::Shape {
+                return Err(MotionError::Shape {
                     signal,
                     rows: values.nrows(),
                     columns: values.ncols(),
@@ -65,7 +65,7 @@ impl Raw {
             for (joint, name) in self.joints.iter().enumerate() {
                 let column = values.col_as_slice(joint);
                 if let Some(row) = column.iter().position(|x| !x.is_finite()) {
-                    return Err(SignalError::NotFinite { row }.of(signal, name));
+                    return Err(MotionError::NotFiniteAt { row }.of(signal, name));
                 }
             }
             *columns = Some((0..n).map(|joint| values.col_as_slice(joint).to_vec()).collect());
@@ -102,8 +102,8 @@ impl Columns {
     pub(crate) fn map(
         &self,
         t: Vec<f64>,
-        mut work: impl FnMut(usize, usize, &[f64]) -> Result<Vec<f64>, SignalError>,
-    ) -> Result<Self, SignalError> {
+        mut work: impl FnMut(usize, usize, &[f64]) -> Result<Vec<f64>, MotionError>,
+    ) -> Result<Self, MotionError> {
         let mut signals = [const { None }; 4];
         for (place, columns) in self.present() {
             let mut mapped = Vec::with_capacity(columns.len());

@@ -1,7 +1,7 @@
 //! From uneven time stamps to even ones: how even a log is, and its signals on an even grid.
 
+use crate::MotionError;
 use crate::Repairs;
-use crate::signals::error::SignalError;
 use crate::signals::spline::{check_increasing, interpolate};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef, Side};
@@ -54,11 +54,11 @@ impl Timing {
 /// How evenly `t` \[s\] is stamped.
 ///
 /// # Errors
-/// [`SignalError::TooFewRows`] below four rows, [`SignalError::NotFinite`] or
-/// [`SignalError::TimeOrder`].
-pub fn timing(t: &[f64]) -> Result<Timing, SignalError> {
+/// [`MotionError::TooFewRows`] below four rows, [`MotionError::NotFiniteAt`] or
+/// [`MotionError::TimeOrder`].
+pub fn timing(t: &[f64]) -> Result<Timing, MotionError> {
     if t.len() < 4 {
-        return Err(SignalError::TooFewRows { rows: t.len(), needed: 4 });
+        return Err(MotionError::TooFewRows { rows: t.len(), needed: 4 });
     }
     check_increasing(t)?;
     let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -97,8 +97,8 @@ fn line_deviation(t: &[f64]) -> f64 {
 /// Stamps `origin` + k/`rate` that lie within `t`, and the first k.
 ///
 /// # Errors
-/// [`SignalError::Gap`] if that would be many more rows than `t` has.
-pub fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>), SignalError> {
+/// [`MotionError::Gap`] if that would be many more rows than `t` has.
+pub fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>), MotionError> {
     let Timing { rate, longest_step: gap, longest_step_row: row, .. } = *timing;
     let (Some(begin), Some(end)) = (t.first(), t.last()) else { return Ok((0, Vec::new())) };
     // Rounding must not lose the first or last row.
@@ -106,7 +106,7 @@ pub fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>)
     let last = ((end - origin) * rate + 1e-6).floor();
     let rows = (last - first + 1.0).max(0.0);
     if rows.is_nan() || rows > MAX_GROWTH * t.len() as f64 + 1000.0 {
-        return Err(SignalError::Gap { row, gap, step: 1.0 / rate, rows });
+        return Err(MotionError::Gap { row, gap, step: 1.0 / rate, rows });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
     let (first, rows) = (first as usize, rows as usize);
@@ -195,10 +195,10 @@ impl Resampler {
     ///
     /// # Errors
     /// Those of [`interpolate`].
-    pub fn column(&self, x: &[f64]) -> Result<Vec<f64>, SignalError> {
+    pub fn column(&self, x: &[f64]) -> Result<Vec<f64>, MotionError> {
         let last = self.rows.last().map_or(0, |row| row + 1);
         if x.len() < last {
-            return Err(SignalError::TooFewRows { rows: x.len(), needed: last });
+            return Err(MotionError::TooFewRows { rows: x.len(), needed: last });
         }
         let x: Vec<f64> = self.rows.iter().map(|&row| x[row]).collect();
         let mut values = interpolate(&self.t, &x, &self.at)?;
@@ -267,7 +267,7 @@ pub fn resample(
     x: MatRef<'_, f64>,
     at: &[f64],
     rate: f64,
-) -> Result<Mat<f64>, SignalError> {
+) -> Result<Mat<f64>, MotionError> {
     check_increasing(t)?;
     let resampler = Resampler::new(t, at, rate);
     let mut resampled = Mat::zeros(at.len(), x.ncols());

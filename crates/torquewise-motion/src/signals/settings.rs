@@ -1,7 +1,7 @@
 //! From wishes to Conditioning: how raw signals are to be conditioned.
 
+use crate::MotionError;
 use crate::signals::butterworth::low_pass;
-use crate::signals::error::SignalError;
 
 /// The cut-off of the low-pass filter that all signals pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,8 +70,8 @@ impl Default for Conditioning {
 
 impl Conditioning {
     /// Refuses what no log could be conditioned with.
-    pub(crate) fn check(&self) -> Result<(), SignalError> {
-        let setting = |what, value, expected| Err(SignalError::Setting { what, value, expected });
+    pub(crate) fn check(&self) -> Result<(), MotionError> {
+        let setting = |what, value, expected| Err(MotionError::Setting { what, value, expected });
         // At this rate any order is a filter, so only the order is judged.
         low_pass(self.order, 1.0, 4.0)?;
         if let Some(rate) = self.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {

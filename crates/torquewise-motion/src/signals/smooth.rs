@@ -1,10 +1,10 @@
 //! From even columns, Plan to smooth q, q̇, q̈, τ, and the rows of them that are kept.
 
+use crate::MotionError;
 use crate::signals::butterworth::low_pass;
 use crate::signals::clean::Even;
 use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
-use crate::signals::error::SignalError;
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, DDQ, DQ, Q, TAU, matrix};
 use crate::signals::settings::Derive;
@@ -25,7 +25,7 @@ pub(crate) struct Smooth {
 }
 
 /// Every signal through the low-pass filter of the plan, if it has one.
-pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, SignalError> {
+pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
     let sections = low_pass(plan.settings.order, cutoff, plan.rate)?;
@@ -37,7 +37,7 @@ pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, SignalError> {
 }
 
 /// Derivatives of the filtered signals, and the torque advanced by its delay.
-pub(crate) fn smooth(filtered: &Columns, first: usize, plan: &Plan) -> Result<Smooth, SignalError> {
+pub(crate) fn smooth(filtered: &Columns, first: usize, plan: &Plan) -> Result<Smooth, MotionError> {
     let of = |place: usize| filtered.signals[place].as_deref().map(matrix);
     let (q, derive) =
         (matrix(filtered.signals[Q].as_deref().unwrap_or_default()), plan.settings.derive);
@@ -65,7 +65,7 @@ impl Smooth {
         &self,
         indices: Range<usize>,
         keep_every: usize,
-    ) -> Result<Option<Motion>, SignalError> {
+    ) -> Result<Option<Motion>, MotionError> {
         let end = indices.end.min(self.first + self.t.len());
         let begin = indices.start.max(self.first).next_multiple_of(keep_every);
         let rows: Vec<usize> =

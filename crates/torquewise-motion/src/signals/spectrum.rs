@@ -1,6 +1,6 @@
 //! From signal to power spectral density: Welch's periodogram, plain or whitened by differences.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 use realfft::RealFftPlanner;
 use std::f64::consts::PI;
 
@@ -27,14 +27,14 @@ pub struct Spectrum {
 /// scipy.signal.welch.
 ///
 /// # Errors
-/// [`SignalError::TooFewRows`] or [`SignalError::NotFinite`].
-pub fn welch(x: &[f64], rate: f64, segment: usize) -> Result<Spectrum, SignalError> {
+/// [`MotionError::TooFewRows`] or [`MotionError::NotFiniteAt`].
+pub fn welch(x: &[f64], rate: f64, segment: usize) -> Result<Spectrum, MotionError> {
     let n = segment.max(MIN_SEGMENT);
     if x.len() < n {
-        return Err(SignalError::TooFewRows { rows: x.len(), needed: n });
+        return Err(MotionError::TooFewRows { rows: x.len(), needed: n });
     }
     if let Some(row) = x.iter().position(|x| !x.is_finite()) {
-        return Err(SignalError::NotFinite { row });
+        return Err(MotionError::NotFiniteAt { row });
     }
     let hann: Vec<f64> =
         (0..n).map(|k| 0.5 - 0.5 * (2.0 * PI * k as f64 / n as f64).cos()).collect();
@@ -50,7 +50,7 @@ pub fn welch(x: &[f64], rate: f64, segment: usize) -> Result<Spectrum, SignalErr
         }
         // The buffers are those the transform made, which is all that it checks.
         if transform.process(&mut windowed, &mut bins).is_err() {
-            return Err(SignalError::TooFewRows { rows: x.len(), needed: n });
+            return Err(MotionError::TooFewRows { rows: x.len(), needed: n });
         }
         for (density, bin) in density.iter_mut().zip(&bins) {
             *density += scale * bin.norm_sqr();
@@ -81,7 +81,7 @@ pub fn whitened(
     rate: f64,
     segment: usize,
     differences: u8,
-) -> Result<Spectrum, SignalError> {
+) -> Result<Spectrum, MotionError> {
     let mut x = x.to_vec();
     for _ in 0..differences {
         x = x.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,6 +1,6 @@
 //! From samples at any times to values between them: the cubic spline.
 
-use crate::signals::error::SignalError;
+use crate::MotionError;
 
 /// Values at `at` of the cubic spline through (`t`, `x`), with no knot at the second and the last
 /// but one sample.
@@ -13,14 +13,14 @@ use crate::signals::error::SignalError;
 /// scipy.interpolate.CubicSpline.
 ///
 /// # Errors
-/// [`SignalError::TooFewRows`], [`SignalError::NotFinite`] or [`SignalError::TimeOrder`].
-pub fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, SignalError> {
+/// [`MotionError::TooFewRows`], [`MotionError::NotFiniteAt`] or [`MotionError::TimeOrder`].
+pub fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, MotionError> {
     if t.len() < 4 || x.len() < t.len() {
-        return Err(SignalError::TooFewRows { rows: t.len().min(x.len()), needed: 4 });
+        return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: 4 });
     }
     check_increasing(t)?;
     if let Some(row) = x.iter().position(|x| !x.is_finite()) {
-        return Err(SignalError::NotFinite { row });
+        return Err(MotionError::NotFiniteAt { row });
     }
     let slopes = slopes(t, x);
     let mut piece = 0;
@@ -39,12 +39,12 @@ pub fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, SignalE
 }
 
 /// Refuses stamps that are not finite, stand still or go back.
-pub(crate) fn check_increasing(t: &[f64]) -> Result<(), SignalError> {
+pub(crate) fn check_increasing(t: &[f64]) -> Result<(), MotionError> {
     if let Some(row) = t.iter().position(|t| !t.is_finite()) {
-        return Err(SignalError::NotFinite { row });
+        return Err(MotionError::NotFiniteAt { row });
     }
     match t.windows(2).position(|pair| pair[1] <= pair[0]) {
-        Some(before) => Err(SignalError::TimeOrder { row: before + 1 }),
+        Some(before) => Err(MotionError::TimeOrder { row: before + 1 }),
         None => Ok(()),
     }
 }
@@ -117,6 +117,6 @@ mod tests {
     fn stamps_that_stand_still_are_refused() {
         let found = interpolate(&[0.0, 1.0, 1.0, 2.0], &[0.0; 4], &[0.5]);
 
-        assert_eq!(found, Err(SignalError::TimeOrder { row: 2 }));
+        assert_eq!(found, Err(MotionError::TimeOrder { row: 2 }));
     }
 }

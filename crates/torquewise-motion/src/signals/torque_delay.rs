@@ -1,8 +1,8 @@
 //! From Raw to delay: how long the torque of a log lags its motion.
 
+use crate::MotionError;
 use crate::signals::butterworth::low_pass;
 use crate::signals::delay::{Shift, best_shift, shift};
-use crate::signals::error::SignalError;
 use crate::signals::plan::Plan;
 use crate::signals::raw::Raw;
 use crate::signals::settings::Conditioning;
@@ -49,8 +49,8 @@ const MOST_COLUMNS: usize = 500;
 ///   its standard errors, or if there is too little motion to tell
 ///
 /// # Errors
-/// Those of [`condition`](crate::signals::condition()), and [`SignalError::Missing`] without torque.
-pub fn torque_delay(raw: &Raw, settings: &Conditioning) -> Result<Option<Shift>, SignalError> {
+/// Those of [`condition`](crate::signals::condition()), and [`MotionError::Unmeasured`] without torque.
+pub fn torque_delay(raw: &Raw, settings: &Conditioning) -> Result<Option<Shift>, MotionError> {
     let columns = raw.columns()?;
     let (plan, even) = Plan::with_even(&columns, settings)?;
     plan.check(&even.columns)?;
@@ -125,8 +125,8 @@ struct Seen {
 
 impl Seen {
     /// `None` if nothing moves.
-    fn of(smooth: &Smooth, plan: &Plan) -> Result<Option<Self>, SignalError> {
-        let missing = SignalError::Missing { what: "the delay of the torque", signal: "tau" };
+    fn of(smooth: &Smooth, plan: &Plan) -> Result<Option<Self>, MotionError> {
+        let missing = MotionError::Unmeasured { what: "the delay of the torque", signal: "tau" };
         let tau = smooth.tau.as_ref().ok_or(missing)?;
         let every = plan.keep_every_for_lag();
         let (trim, m) = (plan.trim, smooth.dq.nrows());

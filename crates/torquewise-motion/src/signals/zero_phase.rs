@@ -1,7 +1,7 @@
 //! From signal to smoothed signal: a filter run forwards and backwards, so that nothing is delayed.
 
+use crate::MotionError;
 use crate::signals::butterworth::{Section, low_pass, sosfilt, sosfilt_zi};
-use crate::signals::error::SignalError;
 use faer::{Mat, MatRef};
 
 /// Runs `x` through the sections forwards and backwards, in place.
@@ -13,15 +13,15 @@ use faer::{Mat, MatRef};
 /// scipy.signal.sosfiltfilt.
 ///
 /// # Errors
-/// [`SignalError::TooFewRows`] unless `x` is longer than the padding, or
-/// [`SignalError::NotFinite`].
-pub fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<(), SignalError> {
+/// [`MotionError::TooFewRows`] unless `x` is longer than the padding, or
+/// [`MotionError::NotFiniteAt`].
+pub fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<(), MotionError> {
     let (pad, n) = (padding(sections), x.len());
     if n <= pad {
-        return Err(SignalError::TooFewRows { rows: n, needed: pad + 1 });
+        return Err(MotionError::TooFewRows { rows: n, needed: pad + 1 });
     }
     if let Some(row) = x.iter().position(|x| !x.is_finite()) {
-        return Err(SignalError::NotFinite { row });
+        return Err(MotionError::NotFiniteAt { row });
     }
     let (first, last) = (x[0], x[n - 1]);
     let mut padded = Vec::with_capacity(n + 2 * pad);
@@ -62,7 +62,7 @@ pub fn low_pass_columns(
     rate: f64,
     cutoff: f64,
     order: usize,
-) -> Result<Mat<f64>, SignalError> {
+) -> Result<Mat<f64>, MotionError> {
     let sections = low_pass(order, cutoff, rate)?;
     let mut filtered = x.to_owned();
     for column in 0..filtered.ncols() {

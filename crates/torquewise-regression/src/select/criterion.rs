@@ -1,4 +1,4 @@
-//! From normal equations to terms that explain more than noise: forward, then backward, by t² (E5).
+//! Terms that explain more than noise: forward, then backward, by t² (E5).
 
 use crate::cholesky;
 use crate::error::SparseError;

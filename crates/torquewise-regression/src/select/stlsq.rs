@@ -1,4 +1,4 @@
-//! From problem to Selection by sequentially thresholded least squares, the selector of SINDy.
+//! Sequentially thresholded least squares, the selector of SINDy.
 
 use crate::error::SparseError;
 use crate::problem::{Problem, Ridge, Selection, require};

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::elbow::{elbow, inertias};
+use torquewise_regression::elbow::elbow;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::kmeans::{Clustering, KMeans, kmeans};
 
@@ -44,8 +44,8 @@ fn activation(seed: u64, rows: [usize; 3], sign_weight: f64, noise: f64) -> Vec<
 }
 
 fn clusters_found(points: &[[f64; 2]]) -> usize {
-    let curve = inertias(points, 8, &KMeans::default());
-    elbow(&curve.expect("finite points, more than eight"))
+    let inertia = |k| kmeans(points, k, &KMeans::default()).expect("finite points").inertia;
+    elbow(&(1..=8).map(inertia).collect::<Vec<f64>>())
 }
 
 fn inertia_of(points: &[[f64; 2]], assignment: &[usize], k: usize) -> f64 {

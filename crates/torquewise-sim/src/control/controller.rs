@@ -1,11 +1,10 @@
-//! From desired and measured motion to torque command: PID, controllers 1 and 2, two beyond the
-//! paper.
+//! Controllers: PID, 1 and 2 of the paper, and two beyond it.
 
 use crate::control::gains::Gains;
 use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::Slopes;
 use crate::control::period::period;
-use crate::error::{SimError, check_between, check_joints};
+use crate::error::{SimError, check_above_zero, check_joints};
 use crate::state::State;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
@@ -96,8 +95,7 @@ impl<'a> Controller<'a> {
     pub fn with_limit(mut self, limit: &[f64]) -> Result<Self, SimError> {
         check_joints("the limit of the torque", limit.len(), self.limit.len())?;
         for &limit in limit {
-            let above = [f64::MIN_POSITIVE, f64::INFINITY];
-            check_between("the limit of the torque [N·m]", limit, above, "above 0")?;
+            check_above_zero("the limit of the torque [N·m]", limit)?;
         }
         self.limit = limit.to_vec();
         Ok(self)
@@ -108,8 +106,7 @@ impl<'a> Controller<'a> {
     /// # Errors
     /// [`SimError::Setting`].
     pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self, SimError> {
-        let above = [f64::MIN_POSITIVE, f64::INFINITY];
-        check_between("the cut-off of the velocity [Hz]", cutoff, above, "above 0")?;
+        check_above_zero("the cut-off of the velocity [Hz]", cutoff)?;
         self.cutoff = cutoff;
         Ok(self)
     }

@@ -1,5 +1,4 @@
-//! From bandwidth, inertia to Gains: one rule, so that controllers are compared and not their
-//! tuning.
+//! Gains by one rule, so that controllers are compared and not their tuning.
 
 use crate::control::knowledge::Knowledge;
 use crate::error::{SimError, check_between, check_joints};

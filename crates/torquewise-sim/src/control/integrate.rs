@@ -1,4 +1,4 @@
-//! From slope, state to state some time later: Dormand and Prince's method with error control.
+//! Dormand and Prince's method with error control.
 
 use crate::error::SimError;
 

@@ -1,4 +1,4 @@
-//! From model to Knowledge: what a controller may ask about the arm before it.
+//! What a controller may ask about the arm before it.
 
 use crate::control::plant::Plant;
 use crate::error::SimError;

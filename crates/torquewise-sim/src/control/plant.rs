@@ -1,7 +1,7 @@
-//! From arm, friction, drives, encoders to Plant: what a controller has before it.
+//! What a controller has before it: arm, friction, drives and encoders.
 
 use crate::control::integrate::Integrator;
-use crate::error::{SimError, check_between, check_joints};
+use crate::error::{SimError, check_above_zero, check_between, check_joints};
 use crate::{Arm, Friction};
 
 /// An arm as it is met: τ + τ_external = M(q) q̈ + C(q, q̇) q̇ + G(q) + F(q̇), method.md (1) (17).
@@ -80,16 +80,14 @@ impl Plant {
         check_joints("the limit of the torque", self.drive.limit.len(), n)?;
         let any = [0.0, f64::MAX];
         for &limit in &self.drive.limit {
-            let above = [f64::MIN_POSITIVE, f64::INFINITY];
-            check_between("the limit of the torque [N·m]", limit, above, "above 0")?;
+            check_above_zero("the limit of the torque [N·m]", limit)?;
         }
         let sensors = &self.sensors;
         check_between("the delay of the torque [s]", self.drive.delay, [0.0, 0.1], "0 to 0.1")?;
         check_between("the step of the encoder [rad]", sensors.step, any, "0 or more")?;
         check_between("the noise of the position [rad]", sensors.noise, any, "0 or more")?;
         check_between("the noise of the torque [N·m]", sensors.torque_noise, any, "0 or more")?;
-        let above = [f64::MIN_POSITIVE, f64::INFINITY];
-        check_between("the cut-off of the velocity [Hz]", sensors.cutoff, above, "above 0")?;
+        check_above_zero("the cut-off of the velocity [Hz]", sensors.cutoff)?;
         check_between("the tolerance", self.tolerance, [1e-13, 1e-3], "1e-13 to 1e-3")
     }
 

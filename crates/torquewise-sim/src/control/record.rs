@@ -1,4 +1,4 @@
-//! From plant, desired motion to Recorded: a log as an arm in velocity mode gives it.
+//! A log as an arm in velocity mode gives it.
 
 use crate::control::gains::mean_inertia;
 use crate::control::knowledge::sum;

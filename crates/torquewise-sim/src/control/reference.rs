@@ -1,4 +1,4 @@
-//! From arm, period, seed to desired motion: smooth, periodic, at rest between its periods.
+//! Desired motions: smooth, periodic, at rest between their periods.
 
 use crate::Arm;
 use crate::error::{SimError, check_between};

@@ -74,23 +74,21 @@ fn a_broken_table_is_refused() {
 
 #[test]
 fn numbers_that_no_arm_can_have_are_refused() {
-    let mass = Arm::from_dh_toml(&table("mass = 2.0", "mass = -2.0")).unwrap_err();
-    let nan = Arm::from_dh_toml(&table("mass = 2.0", "mass = nan")).unwrap_err();
-    let inertia = Arm::from_dh_toml(&table("[0.1, 0.1, 0.1, ", "[0.1, 0.1, -0.1, ")).unwrap_err();
-    let rotor = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\nrotor = -1.0")).unwrap_err();
-    let shift = Arm::from_dh_toml(&table("d = 0.0", "d = inf\noffset = 0.0")).unwrap_err();
-    let angle = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\noffset = nan")).unwrap_err();
-    let range = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\nrange = [1.0, -1.0]")).unwrap_err();
-    let gravity = Arm::from_dh_toml(&format!("gravity = [0.0, nan, 0.0]\n{}", table("", "")));
+    let cases = [
+        ("mass = 2.0", "mass = -2.0", "Mass"),
+        ("mass = 2.0", "mass = nan", "Mass"),
+        ("[0.1, 0.1, 0.1, ", "[0.1, 0.1, -0.1, ", "Inertia"),
+        ("d = 0.0", "d = 0.0\nrotor = -1.0", "Inertia"),
+        ("d = 0.0", "d = inf\noffset = 0.0", "NotFinite"),
+        ("d = 0.0", "d = 0.0\noffset = nan", "NotFinite"),
+        ("d = 0.0", "d = 0.0\nrange = [1.0, -1.0]", "Range"),
+        ("name = \"one\"", "name = \"one\"\ngravity = [0.0, nan, 0.0]", "NotFinite"),
+    ];
 
-    assert!(matches!(mass, SimError::Mass { mass: -2.0, .. }), "{mass}");
-    assert!(matches!(nan, SimError::Mass { .. }), "{nan}");
-    assert!(matches!(inertia, SimError::Inertia { .. }), "{inertia}");
-    assert!(matches!(rotor, SimError::Inertia { .. }), "{rotor}");
-    assert!(matches!(shift, SimError::NotFinite { .. }), "{shift}");
-    assert!(matches!(angle, SimError::NotFinite { .. }), "{angle}");
-    assert!(matches!(range, SimError::Range { lower: 1.0, upper: -1.0, .. }), "{range}");
-    assert!(matches!(gravity, Err(SimError::NotFinite { what: "gravity", .. })));
+    for (replaced, by, variant) in cases {
+        let error = Arm::from_dh_toml(&table(replaced, by)).unwrap_err();
+        assert!(format!("{error:?}").starts_with(variant), "{by}: {error:?}");
+    }
 }
 
 #[test]

@@ -1,11 +1,11 @@
-//! From library, limits to parts of a recording: those that tell most about the coefficients.
+//! The parts of a recording: those that tell most about the coefficients.
 
 use crate::error::SimError;
 use crate::excite::information::Information;
 use crate::excite::library::Library;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, Sweep};
-use crate::excite::path::seconds_of;
+use crate::excite::segment::glide_seconds;
 use crate::excite::sines::Sines;
 use crate::random::between;
 use faer::Mat;
@@ -239,4 +239,22 @@ impl Task<'_> {
         let room = 0.7 * self.seconds / PERIOD_SHARE[1];
         middle.clamp(PERIOD[0], PERIOD[1]).min(room)
     }
+}
+
+/// Time at rest at the beginning and at the end \[s\].
+pub(crate) const REST: f64 = 0.5;
+
+/// Time \[s\] that parts take with the glides between them.
+fn seconds_of<'a>(
+    home: &[f64],
+    parts: impl IntoIterator<Item = &'a Part>,
+    limits: &[Bounds],
+) -> f64 {
+    let (mut seconds, mut at) = (2.0 * REST, home.to_vec());
+    for part in parts {
+        let next = part.anchor();
+        seconds += glide_seconds(&at, &next, limits) + part.seconds();
+        at = next;
+    }
+    seconds + glide_seconds(&at, home, limits)
 }

@@ -1,4 +1,4 @@
-//! From arm, wishes to limits: what each joint may do, and what the plan keeps to.
+//! What each joint may do, and what the plan keeps to.
 
 use crate::Arm;
 use crate::error::{SimError, check_between};

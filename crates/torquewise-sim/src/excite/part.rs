@@ -1,4 +1,4 @@
-//! From limits, random numbers to parts: what informs, each at rest in one pose at both ends.
+//! Parts of a recording: what informs, each at rest in one pose at both ends.
 
 use crate::excite::limits::Bounds;
 use crate::excite::segment::{Segment, ramp_seconds};

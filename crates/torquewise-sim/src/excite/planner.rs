@@ -1,4 +1,4 @@
-//! From limits to three recordings: what a model can be reconstructed from, on one page.
+//! Three recordings that a model can be reconstructed from, on one page.
 
 use crate::error::{SimError, check_between};
 use crate::excite::design::{Effort, Recipe, Task};

@@ -1,9 +1,10 @@
-//! From path to recording: rows at a rate, made anew each time they are read, and their peaks.
+//! A planned recording: parts with glides between them, its rows at a rate, and their peaks.
 
 use crate::error::SimError;
+use crate::excite::design::REST;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
-use crate::excite::path::Path;
+use crate::excite::segment::{Segment, glide};
 use crate::state::State;
 use faer::Mat;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
@@ -16,7 +17,10 @@ pub struct Planned {
     joints: Vec<String>,
     rate: f64,
     parts: Vec<Part>,
-    path: Path,
+    home: Vec<f64>,
+    /// When each begins \[s\], and what it is.
+    segments: Vec<(f64, Segment)>,
+    seconds: f64,
 }
 
 /// How far a joint goes in a recording.
@@ -45,13 +49,27 @@ impl Planned {
         parts: Vec<Part>,
         limits: &[Bounds],
     ) -> Self {
-        let path = Path::new(home, &parts, limits);
-        Self { name, joints: joints.to_vec(), rate, parts, path }
+        let hold = || Segment::Hold { at: home.to_vec(), seconds: REST };
+        let (mut all, mut at) = (vec![hold()], home.to_vec());
+        for part in &parts {
+            let next = part.anchor();
+            all.push(glide(&at, &next, limits));
+            all.extend(part.segments());
+            at = next;
+        }
+        all.extend([glide(&at, home, limits), hold()]);
+        let (mut segments, mut seconds) = (Vec::with_capacity(all.len()), 0.0);
+        for segment in all.into_iter().filter(|segment| segment.seconds() > 0.0) {
+            let start = seconds;
+            seconds += segment.seconds();
+            segments.push((start, segment));
+        }
+        Self { name, joints: joints.to_vec(), rate, parts, home: home.to_vec(), segments, seconds }
     }
 
     /// How long it takes \[s\].
     pub fn seconds(&self) -> f64 {
-        self.path.seconds()
+        self.seconds
     }
 
     /// Rows per second.
@@ -66,7 +84,7 @@ impl Planned {
 
     /// The pose at both ends \[rad\], n.
     pub fn home(&self) -> &[f64] {
-        self.path.home()
+        &self.home
     }
 
     /// Number of rows m, the last at or just beyond the end.
@@ -82,14 +100,27 @@ impl Planned {
 
     /// The state at a time \[s\]; at rest at home before and after the recording.
     pub fn state_at(&self, t: f64) -> State {
-        let mut state = State::at_rest(self.path.home());
-        self.path.state_at(t, &mut state);
+        let mut state = State::at_rest(&self.home);
+        self.write_state(t, &mut state);
         state
+    }
+
+    fn write_state(&self, t: f64, state: &mut State) {
+        let next = self.segments.partition_point(|(start, _)| *start <= t);
+        match next.checked_sub(1).and_then(|place| self.segments.get(place)) {
+            Some((start, segment)) if t < self.seconds => segment.state_at(t - start, state),
+            _ => *state = State::at_rest(&self.home),
+        }
     }
 
     /// Times \[s\] between which the motion is smooth, the first and last instant among them.
     pub(crate) fn breaks(&self) -> Vec<f64> {
-        self.path.breaks()
+        let inner = |(start, segment): &(f64, Segment)| {
+            let start = *start;
+            let within = segment.breaks().into_iter().map(move |t| start + t);
+            std::iter::once(start).chain(within).collect::<Vec<_>>()
+        };
+        self.segments.iter().flat_map(inner).chain([self.seconds]).collect()
     }
 
     pub(crate) fn parts(&self) -> &[Part] {
@@ -112,10 +143,10 @@ impl Planned {
             acceleration: 0.0,
         };
         let mut peaks = vec![none; self.joints.len()];
-        let mut state = State::at_rest(self.path.home());
+        let mut state = State::at_rest(&self.home);
         let step = 1.0 / (self.rate * BETWEEN_ROWS as f64);
         for instant in 0..self.n_rows() * BETWEEN_ROWS {
-            self.path.state_at(instant as f64 * step, &mut state);
+            self.write_state(instant as f64 * step, &mut state);
             for (i, peak) in peaks.iter_mut().enumerate() {
                 let [least, greatest] = peak.position;
                 peak.position = [least.min(state.q[i]), greatest.max(state.q[i])];
@@ -159,10 +190,10 @@ impl Planned {
         let (m, n) = (rows.len(), self.joints.len());
         let [mut q, mut dq, mut ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
         let mut t = Vec::with_capacity(m);
-        let mut state = State::at_rest(self.path.home());
+        let mut state = State::at_rest(&self.home);
         for (k, row) in rows.enumerate() {
             t.push(row as f64 / self.rate);
-            self.path.state_at(row as f64 / self.rate, &mut state);
+            self.write_state(row as f64 / self.rate, &mut state);
             for i in 0..n {
                 (q[(k, i)], dq[(k, i)]) = (state.q[i], state.dq[i]);
                 ddq[(k, i)] = state.ddq[i];

@@ -1,4 +1,4 @@
-//! Recording → waypoints → YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
+//! A recording as waypoints and YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
 
 use crate::error::SimError;
 use crate::excite::recording::Planned;

@@ -1,4 +1,4 @@
-//! From limits, poses to segments: held, moved or swept, with exact velocity and acceleration.
+//! Segments of a motion: held, moved or swept, with exact velocity and acceleration.
 
 use crate::excite::limits::Bounds;
 use crate::excite::sines::Sines;

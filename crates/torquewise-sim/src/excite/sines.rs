@@ -1,5 +1,4 @@
-//! From limits, random numbers to sines: a period of a Fourier series per joint, at rest at both
-//! ends.
+//! A period of a Fourier series per joint, at rest at both ends.
 
 use crate::excite::limits::Bounds;
 use crate::random::{between, log_between, normal};

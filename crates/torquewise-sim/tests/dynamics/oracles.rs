@@ -52,34 +52,18 @@ fn urdf_arm(file: &str, locked: &[String]) -> Option<Arm> {
 }
 
 #[test]
-fn puma560_torques_agree_with_pinocchio() {
-    let Some(oracle) = shared("oracle/puma560-3.csv") else {
-        return;
-    };
-
-    assert_agrees(&Arm::builtin("puma560-3").unwrap(), &oracle);
-}
-
-#[test]
-fn ur5_torques_agree_with_pinocchio() {
-    let (Some(arm), Some(oracle)) = (urdf_arm("robots/ur5.urdf", &[]), shared("oracle/ur5.csv"))
-    else {
-        return;
-    };
-
-    assert_agrees(&arm, &oracle);
-}
-
-#[test]
-fn panda_torques_agree_with_pinocchio_when_the_fingers_are_locked() {
+fn torques_agree_with_pinocchio() {
     let fingers = ["panda_finger_joint1".to_string(), "panda_finger_joint2".to_string()];
-    let (Some(arm), Some(oracle)) =
-        (urdf_arm("robots/panda.urdf", &fingers), shared("oracle/panda.csv"))
-    else {
-        return;
-    };
-
-    assert_agrees(&arm, &oracle);
+    let arms = [
+        (Some(Arm::builtin("puma560-3").unwrap()), "oracle/puma560-3.csv"),
+        (urdf_arm("robots/ur5.urdf", &[]), "oracle/ur5.csv"),
+        (urdf_arm("robots/panda.urdf", &fingers), "oracle/panda.csv"),
+    ];
+    for (arm, oracle) in arms {
+        if let (Some(arm), Some(oracle)) = (arm, shared(oracle)) {
+            assert_agrees(&arm, &oracle);
+        }
+    }
 }
 
 #[test]

@@ -129,7 +129,7 @@ fn blocks_that_do_not_follow_are_refused() {
     let stranger =
         conditioner.push(&Raw { joints: vec!["x".into(), "y".into()], ..rows(&raw, 500, 600) });
 
-    assert_eq!(repeated.unwrap_err(), SignalError::TimeOrder { row: 500 });
-    assert_eq!(no_tau.unwrap_err(), SignalError::Block);
-    assert_eq!(stranger.unwrap_err(), SignalError::Block);
+    assert_eq!(repeated.unwrap_err(), MotionError::TimeOrder { row: 500 });
+    assert_eq!(no_tau.unwrap_err(), MotionError::Block);
+    assert_eq!(stranger.unwrap_err(), MotionError::Block);
 }

@@ -158,8 +158,11 @@ fn a_step_has_settled_when_it_is_said_to_have() {
 
 #[test]
 fn impossible_filters_are_refused() {
-    assert_eq!(low_pass(0, 1.0, 10.0), Err(SignalError::Order { order: 0, limit: MAX_ORDER }));
+    assert_eq!(
+        low_pass(0, 1.0, 10.0),
+        Err(MotionError::FilterOrder { order: 0, limit: MAX_ORDER })
+    );
     for cutoff in [0.0, -1.0, 5.0, f64::NAN, 1e-9] {
-        assert!(matches!(low_pass(4, cutoff, 10.0), Err(SignalError::Cutoff { .. })));
+        assert!(matches!(low_pass(4, cutoff, 10.0), Err(MotionError::Cutoff { .. })));
     }
 }

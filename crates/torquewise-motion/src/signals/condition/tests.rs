@@ -166,8 +166,9 @@ fn errors_say_which_signal_of_which_joint() {
     raw.tau.as_mut().unwrap()[(17, 0)] = f64::NAN;
     let error = condition(&raw, &Conditioning::default()).unwrap_err();
     assert_eq!(error.to_string(), "cannot condition tau of joint arm_1");
-    let source = error.source().unwrap().to_string();
-    assert_eq!(source, "not finite at row 17: drop the row or repair the signal");
+    assert_eq!(error.source().unwrap().to_string(), "not finite at row 17");
+    let help = miette::Diagnostic::help(&error).unwrap().to_string();
+    assert_eq!(help, "drop the row or repair the signal");
 
     let short = measure(&Measured { n: 40, ..BAD });
     assert!(condition(&short, &Conditioning::default()).is_err());
@@ -176,11 +177,11 @@ fn errors_say_which_signal_of_which_joint() {
     no_velocity.dq = None;
     let settings = Conditioning { derive: Derive::FromVelocity, ..Default::default() };
     let error = condition(&no_velocity, &settings).unwrap_err();
-    assert!(matches!(error, SignalError::Missing { signal: "dq", .. }));
+    assert!(matches!(error, MotionError::Unmeasured { signal: "dq", .. }));
 
     let settings = Conditioning { trim: Trim::Seconds(30.0), ..Default::default() };
     let error = condition(&measure(&BAD), &settings).unwrap_err();
-    assert!(matches!(error, SignalError::NothingLeft { .. }));
+    assert!(matches!(error, MotionError::NothingLeft { .. }));
     assert_eq!(NAMES[TAU], "tau");
 }
 

@@ -66,12 +66,12 @@ fn a_gap_that_would_fill_memory_is_refused() {
 
     let found = timing(&t).unwrap();
 
-    assert!(matches!(grid(&t, 0.0, &found), Err(SignalError::Gap { row: 100, .. })));
+    assert!(matches!(grid(&t, 0.0, &found), Err(MotionError::Gap { row: 100, .. })));
 }
 
 #[test]
 fn a_repeated_stamp_is_refused() {
-    assert_eq!(timing(&[0.0, 1.0, 1.0, 2.0]), Err(SignalError::TimeOrder { row: 2 }));
+    assert_eq!(timing(&[0.0, 1.0, 1.0, 2.0]), Err(MotionError::TimeOrder { row: 2 }));
 }
 
 #[test]

@@ -140,6 +140,6 @@ fn a_signal_no_longer_than_the_padding_is_refused() {
     let short = filtfilt(&sections, &mut [0.0; 15]);
     let broken = filtfilt(&sections, &mut [f64::NAN; 16]);
 
-    assert_eq!(short, Err(SignalError::TooFewRows { rows: 15, needed: 16 }));
-    assert_eq!(broken, Err(SignalError::NotFinite { row: 0 }));
+    assert_eq!(short, Err(MotionError::TooFewRows { rows: 15, needed: 16 }));
+    assert_eq!(broken, Err(MotionError::NotFiniteAt { row: 0 }));
 }

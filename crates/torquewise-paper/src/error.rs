@@ -1,0 +1,40 @@
+//! What can keep an experiment from being done.
+#![expect(missing_docs, reason = "each message explains its fields")]
+
+use torquewise_identify::IdentifyError;
+use torquewise_model::ModelError;
+use torquewise_motion::MotionError;
+use torquewise_regression::SparseError;
+use torquewise_report::ReportError;
+use torquewise_sim::SimError;
+
+/// Why there are no results, figures or report.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PaperError {
+    #[error(transparent)]
+    Simulation(#[from] SimError),
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Sparse(#[from] SparseError),
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    #[error("experiment {experiment}")]
+    Identify { experiment: String, source: IdentifyError },
+    #[error("no thread can be started for the experiments: free some memory or allow more threads")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+    #[error("a trial was planned but not done: this is a fault of the program, report it")]
+    NotDone,
+    #[error("{what} is {found}, expected {expected}: change the settings")]
+    Setting { what: &'static str, found: String, expected: &'static str },
+    #[error("the results cannot be written as JSON")]
+    Json(#[from] serde_json::Error),
+}
+
+/// Names the experiment in which a reconstruction failed.
+pub(crate) fn within(experiment: impl Into<String>) -> impl FnOnce(IdentifyError) -> PaperError {
+    |source| PaperError::Identify { experiment: experiment.into(), source }
+}

@@ -1,0 +1,130 @@
+//! From name to plan: the methods that are compared, and the one choice in which variants differ.
+
+use serde::Serialize;
+use torquewise_identify::plan::{LibraryOptions, Regression};
+use torquewise_identify::{PatternPlan, Plan};
+use torquewise_regression::select::Selector;
+use torquewise_regression::select::lasso::Lasso;
+use torquewise_regression::select::stlsq::Stlsq;
+use torquewise_stepwise::activation::Scaling;
+
+/// A coefficient larger than this counts as active in the paper.
+pub(crate) const ACTIVE: f64 = 0.1;
+
+/// The methods compared in every experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Method {
+    /// Stepwise over the energy library \[E4\], terms judged against the noise \[E5\].
+    Energy,
+    /// Stepwise over the paper's product library, everything else the same.
+    Product,
+    /// One-shot SINDy whose terms are chosen by LASSO (5) at the best information criterion, then
+    /// refitted.
+    SindyLasso,
+    /// The stepwise product plan in a single step: what is left of it without the steps.
+    SindyCriterion,
+    /// One-shot SINDy as it is usually run: thresholded least squares at the paper's 0.1.
+    Sindy,
+}
+
+/// How the library of a method is fitted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct MethodPlan {
+    /// Candidates, regressions and the rule for which terms stay.
+    pub options: LibraryOptions,
+    /// Clustering.
+    pub patterns: PatternPlan,
+}
+
+impl From<MethodPlan> for Plan {
+    fn from(plan: MethodPlan) -> Self {
+        Self { patterns: plan.patterns, ..Self::from(plan.options) }
+    }
+}
+
+impl Method {
+    /// Those of cases 1–3, ours first.
+    pub(crate) const ALL: [Self; 4] = [Self::Energy, Self::Product, Self::SindyLasso, Self::Sindy];
+    /// Those of the sweeps. In strong noise LASSO with BIC keeps thousands of terms, whose refit
+    /// takes minutes.
+    pub(crate) const SWEPT: [Self; 4] =
+        [Self::Energy, Self::Product, Self::SindyCriterion, Self::Sindy];
+
+    /// Its name in tables and figures.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Energy => "stepwise, energy library",
+            Self::Product => "stepwise, product library",
+            Self::SindyLasso => "one-shot SINDy, LASSO + BIC + refit",
+            Self::SindyCriterion => "one-shot SINDy, our rule",
+            Self::Sindy => "one-shot SINDy, |c| > 0.1",
+        }
+    }
+
+    /// The plan behind it.
+    pub(crate) fn plan(self) -> MethodPlan {
+        let options = match self {
+            Self::Energy => LibraryOptions::default(),
+            Self::Product => LibraryOptions::product(),
+            Self::SindyLasso => LibraryOptions { selector: lasso(), ..LibraryOptions::sindy() },
+            Self::SindyCriterion => {
+                LibraryOptions { regression: Regression::OneShot, ..LibraryOptions::product() }
+            }
+            Self::Sindy => LibraryOptions::sindy(),
+        };
+        // How often a term stays in resampled logs is not asked here.
+        let options = LibraryOptions { bags: 0, ..options };
+        MethodPlan { options, ..MethodPlan::default() }
+    }
+}
+
+/// LASSO, the point of its path by the Bayesian information criterion, refitted.
+pub(crate) fn lasso() -> Selector {
+    Selector::Lasso(Lasso::default())
+}
+
+/// The paper's rule for active terms, |coefficient| > 0.1.
+pub(crate) fn threshold() -> Selector {
+    Selector::Stlsq(Stlsq { threshold: ACTIVE, ..Stlsq::default() })
+}
+
+/// The same plan with another rule for which terms stay.
+pub(crate) fn selecting(plan: &MethodPlan, selector: Selector) -> MethodPlan {
+    let mut plan = plan.clone();
+    plan.options.selector = selector;
+    plan
+}
+
+/// The same plan in a single step on all rows.
+pub(crate) fn in_one_step(mut plan: MethodPlan) -> MethodPlan {
+    plan.options.regression = Regression::OneShot;
+    plan
+}
+
+/// The same plan with or without the correction for noise in q, q̇ and q̈ \[E7\].
+pub(crate) fn correcting_noise(mut plan: MethodPlan, noise_correction: bool) -> MethodPlan {
+    plan.options.noise_correction = noise_correction;
+    plan
+}
+
+/// The same plan with the activation index as printed, in place of the scaled one \[E1\].
+pub(crate) fn with_printed_index(mut plan: MethodPlan) -> MethodPlan {
+    plan.patterns.scaling = Scaling::Paper;
+    plan.patterns.clusters = Some(3);
+    plan
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_methods_differ_in_library_steps_and_rule_only() {
+        let [energy, product, lasso, sindy] = Method::ALL.map(|method| method.plan().options);
+
+        assert_eq!(LibraryOptions { library: product.library, ..energy }, product);
+        assert_eq!(LibraryOptions { selector: sindy.selector.clone(), ..lasso.clone() }, sindy);
+        assert_eq!((sindy.regression, lasso.noise_correction), (Regression::OneShot, false));
+    }
+}

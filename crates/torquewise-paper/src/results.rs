@@ -1,0 +1,214 @@
+//! What an experiment found, as plain data: tables and claims to save, charts to look at.
+
+use crate::error::PaperError;
+use crate::settings::Settings;
+use crate::spread::Spread;
+use serde::Serialize;
+use torquewise_report::html::number::significant;
+use torquewise_report::html::{Chart, Column, Label};
+use torquewise_report::{ReportError, chart_figure, html};
+
+/// All experiments.
+///
+/// Of the same settings everything is the same at any number of threads, but for computing times,
+/// which stand under keys named `seconds`.
+#[derive(Clone, Debug, Serialize)]
+pub struct Results {
+    /// What was done.
+    pub settings: Settings,
+    /// What was found, in the order of the paper, then beyond it.
+    pub studies: Vec<Study>,
+}
+
+/// One experiment.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Study {
+    /// What it is about, with the figures of the paper.
+    pub heading: &'static str,
+    /// How to read it; may be empty.
+    pub text: &'static str,
+    /// Claims of the paper that it judges.
+    pub claims: Vec<Claim>,
+    /// What was measured.
+    pub tables: Vec<Table>,
+    /// What rests on computing time.
+    #[serde(rename = "seconds")]
+    pub timed: Timed,
+    /// What is drawn.
+    #[serde(skip)]
+    pub figures: Vec<Figure>,
+}
+
+/// Claims and tables of computing times, which differ from run to run.
+#[derive(Clone, Debug, Default, Serialize)]
+#[expect(missing_docs, reason = "as those of a study")]
+pub struct Timed {
+    pub claims: Vec<Claim>,
+    pub tables: Vec<Table>,
+}
+
+/// A claim of the paper, judged by what was measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Claim {
+    /// What the paper says.
+    pub claim: &'static str,
+    /// Where it says so.
+    pub source: &'static str,
+    /// What is measured here.
+    pub measured: String,
+    /// Whether it holds.
+    pub verdict: Verdict,
+}
+
+/// Whether a claim holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// As it stands.
+    Holds,
+    /// Under a condition that the measurement names.
+    HoldsInPart,
+    /// The measurement says otherwise.
+    Contradicted,
+}
+
+impl Verdict {
+    /// The verdict on a claim that holds, or at least does in part.
+    pub(crate) fn when(holds: bool, in_part: bool) -> Self {
+        match (holds, in_part) {
+            (true, _) => Self::Holds,
+            (false, true) => Self::HoldsInPart,
+            (false, false) => Self::Contradicted,
+        }
+    }
+
+    /// As one reads it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::HoldsInPart => "holds in part",
+            Self::Contradicted => "contradicted",
+        }
+    }
+}
+
+/// Rows under headings.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "as their names say")]
+pub struct Table {
+    pub caption: &'static str,
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A cell of a table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+#[expect(missing_docs, reason = "as their names say")]
+pub enum Cell {
+    Text(String),
+    Count(usize),
+    Number(f64),
+    Spread(Spread),
+}
+
+impl Cell {
+    /// As one reads it: numbers to three digits, of spreads to two with their range.
+    fn text(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Count(count) => count.to_string(),
+            Self::Number(number) => significant(*number, 3),
+            Self::Spread(Spread { median, least, greatest }) => {
+                let [middle, low, high] = [*median, *least, *greatest].map(|x| significant(x, 2));
+                if low == high { middle } else { format!("{middle} ({low}–{high})") }
+            }
+        }
+    }
+}
+
+macro_rules! cells {
+    ($($kind:ident $from:ty),*) => {
+        $(impl From<$from> for Cell {
+            fn from(value: $from) -> Self {
+                Self::$kind(value.into())
+            }
+        })*
+    };
+}
+cells!(Text &str, Text String, Count usize, Number f64, Spread Spread);
+
+impl Table {
+    /// A table without rows; `columns` are divided by semicolons.
+    pub(crate) fn new(caption: &'static str, columns: &str) -> Self {
+        let columns = columns.split(';').map(str::to_owned).collect();
+        Self { caption, columns, rows: Vec::new() }
+    }
+
+    /// Adds a column of each joint.
+    pub(crate) fn with_joints(mut self, what: &str, n_joints: usize) -> Self {
+        self.columns.extend((1..=n_joints).map(|joint| format!("{what}, joint {joint}")));
+        self
+    }
+
+    /// Adds a row.
+    pub(crate) fn push(&mut self, row: impl IntoIterator<Item = Cell>) {
+        self.rows.push(row.into_iter().collect());
+    }
+
+    /// The table as a part of a page.
+    pub(crate) fn to_html(&self) -> html::Table {
+        let columns = self.columns.iter().enumerate().map(|(place, heading)| {
+            let numeric =
+                self.rows.iter().all(|row| !matches!(row.get(place), Some(Cell::Text(_))));
+            if numeric { Column::numbers(heading) } else { Column::words(heading) }
+        });
+        let row = |row: &Vec<Cell>| row.iter().map(|cell| Label::from(cell.text())).collect();
+        html::Table {
+            caption: self.caption.into(),
+            columns: columns.collect(),
+            rows: self.rows.iter().map(row).collect(),
+        }
+    }
+}
+
+/// Charts that belong together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Name of its file, without the ending.
+    pub name: String,
+    /// What is seen in it.
+    pub caption: String,
+    /// Its charts.
+    pub charts: Vec<Chart>,
+}
+
+impl Figure {
+    /// The figure as an SVG text.
+    ///
+    /// # Errors
+    /// [`ReportError`] if it cannot be drawn.
+    pub fn svg(&self) -> Result<String, ReportError> {
+        chart_figure(&self.caption, &self.charts, if self.charts.len() == 2 { 2 } else { 1 })
+    }
+}
+
+impl Results {
+    /// The results as JSON, one object.
+    ///
+    /// # Errors
+    /// [`PaperError::Json`] if they cannot be written.
+    pub fn to_json(&self) -> Result<String, PaperError> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// All claims, those that rest on computing time among them.
+    pub fn claims(&self) -> impl Iterator<Item = &Claim> {
+        self.studies.iter().flat_map(|study| study.claims.iter().chain(&study.timed.claims))
+    }
+
+    /// All figures.
+    pub fn figures(&self) -> impl Iterator<Item = &Figure> {
+        self.studies.iter().flat_map(|study| &study.figures)
+    }
+}

@@ -1,0 +1,118 @@
+//! Coefficients of the energy models beside the truth, and how often their intervals hold it.
+
+use crate::error::PaperError;
+use crate::method::Method;
+use crate::results::{Study, Table};
+use crate::settings::Settings;
+use crate::study::cases;
+use crate::trial::Trials;
+use crate::truth::true_energies;
+use std::collections::BTreeMap;
+use torquewise_model::{EnergyTerm, Form, Model};
+use torquewise_report::html::number::significant;
+use torquewise_sim::Arm;
+
+/// A normal variable is within this many standard deviations in 90 of 100 cases.
+const NINETY_PERCENT: f64 = 1.645;
+
+/// Coefficient and standard error of each term of a model.
+type Found = BTreeMap<EnergyTerm, (f64, f64)>;
+
+/// Cases 2 and 3.
+pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+    let truth = true_energies(&Arm::builtin(settings.arm)?);
+    let mut coverage = Table::new(
+        "Energy models of all seeds: are the true terms found, and do the intervals of ±1.645 \
+         standard errors hold the true coefficients in 90 % of the cases, as they should?",
+        "case;runs with exactly the true terms;true terms missed;other terms found;\
+         intervals that hold the truth;share [%]",
+    );
+    let mut terms = Table::new(
+        "Coefficients of M(q) [kg·m²] and V(q) [J], case 3.",
+        "term;truth;found, first seed;standard error;intervals that hold",
+    );
+    for case in [2, 3] {
+        let done = trials.all(&cases::seeds(settings, case, Method::Energy))?;
+        let runs: Vec<Found> = done.iter().map(|trial| coefficients(&trial.model)).collect();
+        let extra = |run: &Found| run.keys().filter(|term| !truth.contains_key(term)).count();
+        let missed = |run: &Found| truth.keys().filter(|term| !run.contains_key(term)).count();
+        let exact = runs.iter().filter(|run| extra(run) + missed(run) == 0).count();
+        let counts = truth.iter().map(|(term, &truth)| count(term, truth, &runs));
+        let (covered, found) = counts.fold((0, 0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
+        coverage.push([
+            usize::from(case).into(),
+            format!("{exact} of {}", runs.len()).into(),
+            runs.iter().map(missed).sum::<usize>().into(),
+            runs.iter().map(extra).sum::<usize>().into(),
+            format!("{covered} of {found}").into(),
+            (100.0 * covered as f64 / found.max(1) as f64).into(),
+        ]);
+        for (term, &truth) in truth.iter().filter(|_| case == 3) {
+            let (covered, found) = count(term, truth, &runs);
+            let number = |part: fn(&(f64, f64)) -> f64, digits| {
+                let first = runs.first().and_then(|run| run.get(term));
+                first.map_or_else(|| "–".to_owned(), |first| significant(part(first), digits))
+            };
+            terms.push([
+                term.name().into(),
+                significant(truth, 6).into(),
+                number(|(estimate, _)| *estimate, 6).into(),
+                number(|(_, std_error)| *std_error, 2).into(),
+                format!("{covered} of {found}").into(),
+            ]);
+        }
+    }
+    let heading = "Coefficients and their errors";
+    Ok(Study { heading, tables: vec![coverage, terms], ..Study::default() })
+}
+
+fn coefficients(model: &Model) -> Found {
+    let Form::Energy(terms) = &model.form else { return Found::new() };
+    terms.iter().map(|w| (w.term.clone(), (w.coefficient, w.std_error))).collect()
+}
+
+/// Runs whose 90 % interval holds the truth, and runs that found the term at all.
+fn count(term: &EnergyTerm, truth: f64, runs: &[Found]) -> (usize, usize) {
+    let found = runs.iter().filter_map(|run| run.get(term));
+    let holds = |(estimate, std_error): &&(f64, f64)| {
+        (estimate - truth).abs() <= NINETY_PERCENT * std_error
+    };
+    (found.clone().filter(holds).count(), found.count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Cell;
+    use torquewise_model::library::energy_library;
+
+    #[test]
+    fn an_interval_holds_the_truth_within_1_645_standard_errors() {
+        let term = energy_library(1, None).remove(0);
+        let run = |estimate| Found::from([(term.clone(), (estimate, 0.1))]);
+
+        let counts = count(&term, 1.0, &[run(1.16), run(0.84), run(1.17), Found::new()]);
+
+        assert_eq!(counts, (2, 3));
+    }
+
+    /// The energy model of the reference arm over five logs: terms, error and intervals.
+    #[test]
+    fn in_noise_the_true_terms_are_found_and_the_intervals_hold_the_truth() {
+        let settings = Settings { seconds: 200.0, seeds: 5, ..Settings::full(1) };
+        let plans = [2, 3].map(|case| cases::seeds(&settings, case, Method::Energy)).concat();
+        let trials = Trials::run(&[], &plans, settings.seed, &|_| {}).unwrap();
+
+        let found = study(&settings, &trials).unwrap();
+
+        for row in &found.tables[0].rows {
+            assert_eq!(row[1], "5 of 5".into(), "{row:?}");
+            // 115 intervals of 90 %, 23 of each log sharing its noise.
+            let Cell::Number(share) = row[5] else { panic!("{row:?}") };
+            assert!((80.0..=98.0).contains(&share), "{row:?}");
+        }
+        for trial in trials.all(&plans).unwrap() {
+            assert!(trial.worst_percent() < 0.6, "{:?}", trial.nrmse_percent);
+        }
+    }
+}

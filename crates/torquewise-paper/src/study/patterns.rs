@@ -1,0 +1,260 @@
+//! Purity of the patterns in noisy motions, with the scaled and with the printed index (Fig. 1–3).
+
+use crate::charts::points;
+use crate::error::{PaperError, within};
+use crate::results::{Claim, Figure, Study, Table, Verdict};
+use crate::scenario::Decibels;
+use crate::settings::Settings;
+use torquewise_identify::{PatternPlan, Patterns, Survey, find_patterns, survey};
+use torquewise_motion::{Motion, Pattern};
+use torquewise_report::html::number::significant;
+use torquewise_report::html::{Axis, Band, Chart, Colour, Guide, Mark, Series};
+use torquewise_stepwise::activation::Scaling;
+
+/// The clusters of the paper.
+const CLUSTERS: usize = 3;
+/// Rows of a cloud at most.
+const CLOUD_ROWS: usize = 1_500;
+/// Part of the motion that is shown \[s\].
+const SHOWN_SECONDS: f64 = 16.0;
+/// A pattern is found if so many percent of its rows are truly of it.
+const PURE: f64 = 95.0;
+
+/// Three clusters by one index, and how many the elbow asks for.
+struct Clustered {
+    index: &'static str,
+    patterns: Patterns,
+    elbow: usize,
+    /// Share of the rows taken for the least pure pattern that truly show it \[%\].
+    least_percent: f64,
+}
+
+impl Clustered {
+    fn is_as_the_paper_says(&self) -> bool {
+        self.elbow == CLUSTERS && self.least_percent >= PURE
+    }
+}
+
+/// Finds and judges the patterns at three levels of noise.
+pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
+    let mut scenario = settings.scenario(Decibels::CLUSTERING, settings.seed);
+    let simulation = scenario.simulate()?;
+    let truth = &simulation.truth;
+    let mut table = Table::new(
+        "Purity: share of the labelled rows that truly show the pattern. Found: share of the true \
+         rows that are labelled so. Three clusters in every row of the table.",
+        "noise on q/dq/ddq;index;k at the elbow;pattern;rows, true;rows, labelled;purity [%];\
+         found [%]",
+    );
+    let (mut figures, mut claims) = (Vec::new(), Vec::new());
+    for noise in [Decibels::CLUSTERING, Decibels::case(2), Decibels::case(3)] {
+        scenario.noise = noise;
+        let log = scenario.record(&simulation)?;
+        let look = survey(&log).map_err(within("patterns"))?;
+        let mut judge = |index, scaling| -> Result<Clustered, PaperError> {
+            let (patterns, elbow) = clustered(&look, scaling)?;
+            let least_percent = judge(&mut table, noise, (index, &patterns, elbow), &log, truth);
+            Ok(Clustered { index, patterns, elbow, least_percent })
+        };
+        let both = [judge("scaled", Scaling::Scaled)?, judge("printed", Scaling::Paper)?];
+        if noise == Decibels::CLUSTERING {
+            claims.push(claim(&both));
+            figures = vec![plane(&both, &log, truth), elbow(&both), motion(&both[0], &log)];
+        }
+    }
+    let text = "Why the printed index fails: it was made for motion in one direction. For motion \
+                the other way the sum of the rates is negative and I = 1 − W‖a‖₁, which passes \
+                through 0, the place of standstill, where ‖a‖₁ = 1/W. Scaling each joint by its \
+                range and keeping W below 1/n leaves the switch S(a) to decide [E1].";
+    let heading = "Patterns (Fig. 1–3)";
+    Ok(Study { heading, text, claims, tables: vec![table], figures, ..Study::default() })
+}
+
+/// Three clusters, and how many the elbow asks for.
+fn clustered(look: &Survey, scaling: Scaling) -> Result<(Patterns, usize), PaperError> {
+    let plan = PatternPlan { scaling, ..PatternPlan::default() };
+    let free = find_patterns(look, &plan).map_err(within("patterns"))?;
+    let elbow = free.n_clusters();
+    if elbow == CLUSTERS {
+        return Ok((free, elbow));
+    }
+    let three = PatternPlan { clusters: Some(CLUSTERS), ..plan };
+    Ok((find_patterns(look, &three).map_err(within("patterns"))?, elbow))
+}
+
+/// Adds a row for each pattern and returns the purity of the least pure \[%\].
+fn judge(
+    table: &mut Table,
+    noise: Decibels,
+    (index, patterns, elbow): (&'static str, &Patterns, usize),
+    log: &Motion,
+    truth: &[Pattern],
+) -> f64 {
+    let labels = patterns.label(log);
+    let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
+    let mut least = f64::INFINITY;
+    for pattern in Pattern::ALL {
+        let rows = truth.iter().filter(|truth| **truth == pattern).count();
+        let labelled = labels.iter().filter(|label| **label == pattern).count();
+        let both = labels.iter().zip(truth);
+        let right = both.filter(|(label, truth)| **label == pattern && label == truth).count();
+        let purity = percent(right, labelled);
+        least = least.min(purity);
+        table.push([
+            noise.name().into(),
+            index.into(),
+            elbow.into(),
+            pattern.name().into(),
+            rows.into(),
+            labelled.into(),
+            purity.into(),
+            percent(right, rows).into(),
+        ]);
+    }
+    least
+}
+
+fn claim([scaled, printed]: &[Clustered; 2]) -> Claim {
+    let measured = format!(
+        "Noise {}: with the index as printed the elbow is at k = {} and the least pure of three \
+         clusters holds {} % rows of its pattern; with the scaled index [E1] k = {} and {} %.",
+        Decibels::CLUSTERING.name(),
+        printed.elbow,
+        significant(printed.least_percent, 3),
+        scaled.elbow,
+        significant(scaled.least_percent, 3),
+    );
+    Claim {
+        claim: "Clustering the activation index gives three clusters, chosen by the elbow, that \
+                are standstill, uniform and variable velocity.",
+        source: "Fig. 1–3",
+        measured,
+        verdict: Verdict::when(printed.is_as_the_paper_says(), scaled.is_as_the_paper_says()),
+    }
+}
+
+fn plane(both: &[Clustered; 2], log: &Motion, truth: &[Pattern]) -> Figure {
+    let stride = log.n_rows().div_ceil(CLOUD_ROWS).max(1);
+    let rows: Vec<usize> = (0..log.n_rows()).step_by(stride).collect();
+    let part = log.select(&rows);
+    let chart = |found: &Clustered| {
+        let indices = found.patterns.activation.over(&part);
+        let cloud = |pattern: Pattern| {
+            let own = indices.iter().zip(&rows).filter(|(_, row)| truth[**row] == pattern);
+            let points = own.map(|(point, _)| *point).collect();
+            Series::new(pattern.name(), Mark::Cloud, Colour::Pattern(pattern), points)
+        };
+        let mut series: Vec<Series> = Pattern::ALL.into_iter().map(cloud).collect();
+        let centres = found.patterns.centres.clone();
+        series.push(Series::new("cluster centres", Mark::Rings, Colour::Series(1), centres));
+        Chart {
+            title: format!("The {} index", found.index),
+            x: Axis::named("activation of the velocity, I(dq) [–]"),
+            y: Axis::named("activation of the acceleration, I(ddq) [–]"),
+            series,
+            ..Chart::default()
+        }
+    };
+    Figure {
+        name: "fig1_activation".into(),
+        caption:
+            "Fig. 1: each dot is a row of the log, coloured by what the arm truly does; rings \
+                  are the centres of three clusters."
+                .into(),
+        charts: both.iter().map(chart).collect(),
+    }
+}
+
+fn elbow(both: &[Clustered; 2]) -> Figure {
+    let (mut series, mut guides) = (Vec::new(), Vec::new());
+    for (place, Clustered { index, patterns, elbow, .. }) in both.iter().enumerate() {
+        let whole = patterns.inertia.first().copied().unwrap_or(1.0);
+        let points = (1..).zip(&patterns.inertia);
+        let points = points.map(|(k, inertia)| [f64::from(k), inertia / whole]).collect();
+        let label = format!("{index} index");
+        series.push(Series::new(label, Mark::DottedLine, Colour::Series(place), points));
+        guides.push(Guide::at_x(*elbow as f64, format!("elbow, {index}")));
+    }
+    Figure {
+        name: "fig2_elbow".into(),
+        caption:
+            "Fig. 2: what is left of the sum of squared distances to the centres with 1, 2, … \
+                  clusters."
+                .into(),
+        charts: vec![Chart {
+            title: "Inertia of k clusters".into(),
+            x: Axis::whole("clusters k"),
+            y: Axis::log("inertia over that of one cluster [–]"),
+            series,
+            guides,
+            ..Chart::default()
+        }],
+    }
+}
+
+fn motion(scaled: &Clustered, log: &Motion) -> Figure {
+    let rows: Vec<usize> =
+        (0..log.n_rows()).take_while(|&row| log.t()[row] <= SHOWN_SECONDS).collect();
+    let part = log.select(&rows);
+    let (t, labels) = (part.t(), scaled.patterns.label(&part));
+    let joint = |joint: usize| {
+        let dq: Vec<f64> = part.dq().col(joint).iter().copied().collect();
+        let points = points(t, &dq);
+        Series::new(format!("joint {}", joint + 1), Mark::Line, Colour::Series(joint), points)
+    };
+    let band = |pattern: Pattern| {
+        let mut spans: Vec<[f64; 2]> = Vec::new();
+        for row in (0..t.len()).filter(|&row| labels[row] == pattern) {
+            let until = t.get(row + 1).copied().unwrap_or(t[row]);
+            match spans.last_mut() {
+                Some([_, end]) if end.total_cmp(&t[row]).is_eq() => *end = until,
+                _ => spans.push([t[row], until]),
+            }
+        }
+        Band { label: pattern.name().into(), colour: Colour::Pattern(pattern), spans }
+    };
+    Figure {
+        name: "fig3_patterns".into(),
+        caption: "Fig. 3: the clusters of the scaled index over time: dwell, acceleration, cruise \
+                  and braking, told apart from noisy velocities and accelerations alone."
+            .into(),
+        charts: vec![Chart {
+            title: "Joint speeds, coloured by the pattern found".into(),
+            x: Axis::named("time [s]"),
+            y: Axis::named("joint speed [rad/s]"),
+            series: (0..part.n_joints()).map(joint).collect(),
+            bands: Pattern::ALL.into_iter().map(band).collect(),
+            ..Chart::default()
+        }],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Cell;
+
+    #[test]
+    fn the_scaled_index_finds_every_pattern_and_the_printed_one_loses_standstill() {
+        let settings = Settings { arm: "puma560-3", seconds: 120.0, ..Settings::quick(1) };
+
+        let found = study(&settings).unwrap();
+
+        assert_eq!(found.claims[0].verdict, Verdict::HoldsInPart, "{:?}", found.claims);
+        let rows = &found.tables[0].rows;
+        assert_eq!(rows.len(), 3 * 2 * 3);
+        for patterns in rows.chunks(3) {
+            let purity = |row: &Vec<Cell>| match row[6] {
+                Cell::Number(percent) => percent,
+                _ => f64::NAN,
+            };
+            let least = patterns.iter().map(purity).fold(100.0, f64::min);
+            if patterns[0][1] == "scaled".into() {
+                assert_eq!(patterns[0][2], 3.into());
+                assert!(least >= 99.0, "{patterns:?}");
+            } else {
+                assert!(least < 90.0, "{patterns:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! Trials: one reconstruction each, its cost, its terms and its error on another motion.
+
+use crate::error::{PaperError, within};
+use crate::method::{ACTIVE, MethodPlan};
+use crate::scenario::{Scenario, outside};
+use cpu_time::ThreadTime;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+use torquewise_identify::{reconstruct, score};
+use torquewise_model::{Form, Model};
+use torquewise_motion::Motion;
+use torquewise_stepwise::Progress as Stage;
+
+/// What is to be tried.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TrialPlan {
+    pub scenario: Scenario,
+    /// How it becomes a model.
+    pub plan: MethodPlan,
+}
+
+impl TrialPlan {
+    /// The same plan with each of some seeds, from that of the scenario on.
+    pub(crate) fn seeds(from: &Scenario, plan: &MethodPlan, seeds: u64) -> Vec<Self> {
+        let seed = |step| Scenario { seed: from.seed.wrapping_add(step), ..from.clone() };
+        (0..seeds).map(|step| Self { scenario: seed(step), plan: plan.clone() }).collect()
+    }
+}
+
+/// How far the work is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// What is being done.
+    pub doing: &'static str,
+    /// Trials done so far.
+    pub done: usize,
+    /// All trials.
+    pub total: usize,
+}
+
+/// Trials that are done.
+#[derive(Clone, Debug)]
+pub(crate) struct Trials(Vec<(TrialPlan, Trial)>);
+
+impl Trials {
+    /// Does each trial once: those to be timed one by one, then the others on all cores.
+    ///
+    /// Each runs in a pool of one thread, so that its time is that of one thread.
+    pub(crate) fn run(
+        timed: &[TrialPlan],
+        others: &[TrialPlan],
+        seed: u64,
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Result<Self, PaperError> {
+        let mut plans: Vec<TrialPlan> = Vec::new();
+        let mut n_timed = 0;
+        for (place, plan) in timed.iter().chain(others).enumerate() {
+            if !plans.contains(plan) {
+                plans.push(plan.clone());
+                n_timed += usize::from(place < timed.len());
+            }
+        }
+        let mut tests = BTreeMap::new();
+        for arm in plans.iter().map(|plan| plan.scenario.arm) {
+            if !tests.contains_key(arm) {
+                tests.insert(arm, outside(arm, seed)?);
+            }
+        }
+        let (done, total) = (AtomicUsize::new(0), plans.len());
+        let attempt = |plan: &TrialPlan, doing| -> Result<Trial, PaperError> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+            let trial = pool.install(|| attempt(plan, &tests[plan.scenario.arm]));
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(Progress { doing, done, total });
+            trial
+        };
+        let mut trials = Vec::with_capacity(total);
+        for plan in &plans[..n_timed] {
+            trials.push((plan.clone(), attempt(plan, "timed trials")?));
+        }
+        let queue = Mutex::new(plans[n_timed..].iter());
+        let next = || queue.lock().ok().and_then(|mut queue| queue.next());
+        let worker = || -> Result<Vec<(TrialPlan, Trial)>, PaperError> {
+            let mut own = Vec::new();
+            while let Some(plan) = next() {
+                own.push((plan.clone(), attempt(plan, "trials")?));
+            }
+            Ok(own)
+        };
+        std::thread::scope(|scope| {
+            let workers: Vec<_> =
+                (0..rayon::current_num_threads()).map(|_| scope.spawn(worker)).collect();
+            for worker in workers {
+                let own = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+                trials.extend(own?);
+            }
+            Ok(Self(trials))
+        })
+    }
+
+    /// The trial of a plan.
+    pub(crate) fn get(&self, plan: &TrialPlan) -> Result<&Trial, PaperError> {
+        let found = self.0.iter().find(|(known, _)| known == plan);
+        found.map(|(_, trial)| trial).ok_or(PaperError::NotDone)
+    }
+
+    /// The trials of a plan with each of some seeds.
+    pub(crate) fn all(&self, plans: &[TrialPlan]) -> Result<Vec<&Trial>, PaperError> {
+        plans.iter().map(|plan| self.get(plan)).collect()
+    }
+}
+
+/// CPU time of a reconstruction \[s\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cost {
+    /// Survey and clusters.
+    pub patterns: f64,
+    /// Normal equations and the selection of terms: the regression.
+    pub regression: f64,
+    /// The last fit of the kept terms on all rows.
+    pub refit: f64,
+}
+
+impl Cost {
+    /// All of it \[s\].
+    pub(crate) fn total(&self) -> f64 {
+        self.patterns + self.regression + self.refit
+    }
+}
+
+/// What came of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Trial {
+    /// What was found.
+    pub model: Model,
+    pub candidates: usize,
+    /// Candidates offered in each step.
+    pub candidates_by_step: Vec<usize>,
+    /// Coefficients kept.
+    pub terms: usize,
+    /// Those of them with |coefficient| > 0.1, which the paper calls active.
+    pub active: usize,
+    /// RMSE / std of the torque of each joint outside the training log \[%\], n.
+    pub nrmse_percent: Vec<f64>,
+    /// RMSE of the same \[N·m\], n.
+    pub rmse: Vec<f64>,
+    /// CPU time on one thread.
+    pub cost: Cost,
+}
+
+impl Trial {
+    /// The error of the worst joint \[%\].
+    pub(crate) fn worst_percent(&self) -> f64 {
+        self.nrmse_percent.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+/// Does a trial and judges it on a motion it has not seen.
+///
+/// The cost is that of the calling thread: it counts all of the work if that runs in a pool of one
+/// thread.
+fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
+    let log = trial.scenario.record(&trial.scenario.simulate()?)?;
+    let named = || within(name_of(trial));
+    let mut stopwatch = Stopwatch::start();
+    let plan = trial.plan.clone().into();
+    let found = reconstruct(&log, &plan, &mut |stage| stopwatch.enter(stage)).map_err(named())?;
+    let scores = score(&found.model, test).map_err(named())?;
+    let coefficients = coefficients(&found.model.form);
+    Ok(Trial {
+        candidates: found.candidates,
+        candidates_by_step: found.steps.iter().map(|step| step.candidates).collect(),
+        terms: coefficients.len(),
+        active: coefficients.iter().filter(|c| c.abs() > ACTIVE).count(),
+        nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
+        rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
+        cost: stopwatch.cost,
+        model: found.model,
+    })
+}
+
+/// All coefficients of a model.
+fn coefficients(form: &Form) -> Vec<f64> {
+    match form {
+        Form::Torque(joints) => joints.iter().flatten().map(|w| w.coefficient).collect(),
+        Form::Energy(terms) => terms.iter().map(|w| w.coefficient).collect(),
+    }
+}
+
+fn name_of(trial: &TrialPlan) -> String {
+    let Scenario { arm, seconds, noise, seed } = &trial.scenario;
+    format!("{arm}, {seconds} s, noise {}, seed {seed}", noise.name())
+}
+
+/// The same model judged after each of its steps, without the last fit: NRMSE \[%\], n each.
+pub(crate) fn judge_steps(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>, PaperError> {
+    (1..=model.stages.len())
+        .map(|step| {
+            let stage = model.after_step(step)?;
+            let scores = score(&stage, test).map_err(within(format!("step {step}")))?;
+            Ok(scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect())
+        })
+        .collect()
+}
+
+/// Time of this thread, sorted by the stage of the work.
+struct Stopwatch {
+    since: Duration,
+    stage: Stage,
+    cost: Cost,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        Self { since: now(), stage: Stage::Survey, cost: Cost::default() }
+    }
+
+    fn enter(&mut self, stage: Stage) {
+        let now = now();
+        let spent = now.saturating_sub(self.since).as_secs_f64();
+        match self.stage {
+            Stage::Survey | Stage::Patterns => self.cost.patterns += spent,
+            Stage::Geometry | Stage::OmittedTerms | Stage::Sums | Stage::Step(_) => {
+                self.cost.regression += spent;
+            }
+            Stage::Refit | Stage::Done => self.cost.refit += spent,
+        }
+        (self.since, self.stage) = (now, stage);
+    }
+}
+
+/// CPU time of this thread; zero where the system does not tell.
+fn now() -> Duration {
+    ThreadTime::try_now().map_or(Duration::ZERO, |time| time.as_duration())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method::Method;
+    use crate::scenario::{Decibels, outside};
+
+    #[test]
+    fn a_trial_without_noise_predicts_another_motion() {
+        let noise = Decibels::NONE;
+        let scenario = Scenario { arm: "planar-2", seconds: 60.0, noise, seed: 3 };
+        let plan = TrialPlan { scenario, plan: Method::Energy.plan() };
+
+        let trial = attempt(&plan, &outside("planar-2", 3).unwrap()).unwrap();
+
+        assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
+        assert_eq!(trial.candidates_by_step.len(), 3);
+        assert!(0 < trial.active && trial.active <= trial.terms);
+
+        let steps = judge_steps(&trial.model, &outside("planar-2", 3).unwrap()).unwrap();
+        assert!(steps[2][0] < steps[0][0], "{steps:?}");
+    }
+
+    #[test]
+    fn time_counts_for_the_stage_it_is_spent_in() {
+        let mut stopwatch = Stopwatch::start();
+        stopwatch.enter(Stage::Sums);
+        let before = stopwatch.cost;
+        let sum: f64 = (0..2_000_000).map(|k| f64::from(k).sqrt()).sum();
+        assert!(sum > 0.0);
+        stopwatch.enter(Stage::Refit);
+
+        assert!(stopwatch.cost.regression > before.regression);
+        assert!(stopwatch.cost.refit < f64::EPSILON);
+    }
+
+    #[test]
+    fn trials_do_not_depend_on_threads_and_one_that_fails_is_reported() {
+        let plan = |seconds, seed| {
+            let noise = Decibels::case(3);
+            let scenario = Scenario { arm: "planar-2", seconds, noise, seed };
+            TrialPlan { scenario, plan: Method::Energy.plan() }
+        };
+        let plans: Vec<TrialPlan> = [1, 2, 3, 2].map(|seed| plan(30.0, seed)).into();
+        let errors = |threads: usize| -> Vec<Vec<f64>> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let run = || Trials::run(&plans[..1], &plans, 1, &|_| {});
+            let trials = pool.install(run).unwrap();
+            assert_eq!(trials.0.len(), 3, "each once");
+            let all = trials.all(&plans).unwrap();
+            all.into_iter().map(|trial| trial.nrmse_percent.clone()).collect()
+        };
+
+        assert_eq!(errors(1), errors(3));
+        let failed = Trials::run(&[], &[plan(0.1, 1)], 1, &|_| {});
+        assert!(matches!(failed, Err(PaperError::Identify { .. })), "{failed:?}");
+    }
+}
