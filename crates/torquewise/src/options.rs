@@ -120,30 +120,6 @@ impl FitOptions {
         Self { regression: Regression::OneShot, ..Self::default() }
     }
 
-    pub(crate) fn check_bounds(&self) -> Result<(), Error> {
-        let counts = [
-            (Setting::Interaction, self.interaction, 1..=16),
-            (Setting::TrigOrder, self.trig_order.map(usize::from), 1..=8),
-            (Setting::GravityOrder, self.gravity_order.map(usize::from), 1..=8),
-            (Setting::Clusters, self.clusters, 1..=9),
-            (Setting::Bootstrap, self.n_bootstrap, 0..=1_000),
-        ];
-        for (setting, count, bounds) in counts {
-            if count.is_some_and(|count| !bounds.contains(&count)) {
-                let [least, most] = [bounds.start(), bounds.end()];
-                let reason = format!("expected a number from {least} to {most}");
-                return Err(Error::WrongValue { setting, reason });
-            }
-        }
-        match self.threshold {
-            Some(x) if !(x >= 0.0 && x.is_finite()) => Err(Error::WrongValue {
-                setting: Setting::Threshold,
-                reason: "expected a number that is zero or more".to_owned(),
-            }),
-            _ => Ok(()),
-        }
-    }
-
     /// How rows are clustered.
     fn patterns(&self) -> PatternPlan {
         let Self { activation: scaling, clusters, seed, .. } = *self;
