@@ -13,8 +13,10 @@ use torquewise_stepwise::IdentifyError;
 #[non_exhaustive]
 pub enum Error {
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Log(#[from] LogError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -172,13 +172,12 @@ fn unit(program: &Program, options: &ExportOptions<'_>) -> Result<Vec<u8>, Error
     if !options.binary {
         return Ok(fmu_archive(&sources, None)?);
     }
-    let (path, bytes) = match options.work {
-        Some(folder) => binary(&sources, options.name, folder)?,
-        None => {
-            let made = tempfile::tempdir();
-            let made = made.map_err(|source| Error::NoCompiler { compiler: compiler(), source })?;
-            binary(&sources, options.name, made.path())?
-        }
+    let (path, bytes) = if let Some(folder) = options.work {
+        binary(&sources, options.name, folder)?
+    } else {
+        let made = tempfile::tempdir();
+        let made = made.map_err(|source| Error::NoCompiler { compiler: compiler(), source })?;
+        binary(&sources, options.name, made.path())?
     };
     Ok(fmu_archive(&sources, Some((&path, &bytes)))?)
 }

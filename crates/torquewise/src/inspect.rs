@@ -5,6 +5,7 @@ use crate::log::Prepared;
 use crate::observe::{Observer, Watched};
 use crate::summary::AllRepairs;
 use serde::Serialize;
+use serde_json::json;
 use std::collections::BTreeMap;
 use torquewise_identify::excitation::findings;
 use torquewise_identify::{PatternPlan, Patterns, Survey, Warning, find_patterns, survey};
@@ -46,42 +47,6 @@ pub struct Inspection {
     /// Signals that are not recorded: of `dq`, `ddq`, `tau`.
     pub missing: Vec<&'static str>,
     repairs: BTreeMap<String, Repairs>,
-}
-
-/// A joint of an inspected log, as programs read it.
-#[derive(Serialize)]
-struct JointFacts<'a> {
-    name: &'a str,
-    q_range: [f64; 2],
-    dq_peak: f64,
-    ddq_peak: f64,
-    tau_mean: Option<f64>,
-    tau_std: Option<f64>,
-    noise: JointNoise,
-}
-
-#[derive(Serialize)]
-struct JointNoise {
-    q: f64,
-    dq: f64,
-    ddq: f64,
-}
-
-/// An inspection, as programs read it.
-#[derive(Serialize)]
-struct Facts<'a> {
-    files: &'a [String],
-    joints: Vec<JointFacts<'a>>,
-    rows: usize,
-    trajectories: usize,
-    gaps: usize,
-    seconds: f64,
-    rate_hz: f64,
-    patterns: Vec<PatternRows>,
-    missing: &'a [&'static str],
-    missing_patterns: Vec<&'static str>,
-    ignored_columns: &'a [String],
-    conditioning: AllRepairs<'a>,
 }
 
 /// Looks through a log.
@@ -172,32 +137,34 @@ impl Inspection {
 
 impl Serialize for Inspection {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Survey { noise, rows, trajectories, seconds, .. } = &self.survey;
         let survey = &self.survey;
-        let joints = survey.joints.iter().enumerate().map(|(joint, name)| JointFacts {
-            name,
-            q_range: survey.q_range[joint],
-            dq_peak: survey.dq_peak[joint],
-            ddq_peak: survey.ddq_peak[joint],
-            tau_mean: self.has_tau().then_some(survey.torque_mean[joint]),
-            tau_std: self.has_tau().then_some(survey.torque_std[joint]),
-            noise: JointNoise { q: noise.q[joint], dq: noise.dq[joint], ddq: noise.ddq[joint] },
+        let noise = &survey.noise;
+        let joints = survey.joints.iter().enumerate().map(|(joint, name)| {
+            json!({
+                "name": name,
+                "q_range": survey.q_range[joint],
+                "dq_peak": survey.dq_peak[joint],
+                "ddq_peak": survey.ddq_peak[joint],
+                "tau_mean": self.has_tau().then_some(survey.torque_mean[joint]),
+                "tau_std": self.has_tau().then_some(survey.torque_std[joint]),
+                "noise": { "q": noise.q[joint], "dq": noise.dq[joint], "ddq": noise.ddq[joint] },
+            })
         });
         let absent = Pattern::ALL.iter().filter(|name| !self.patterns.present.contains(name));
-        Facts {
-            files: &self.files,
-            joints: joints.collect(),
-            rows: *rows,
-            trajectories: *trajectories,
-            gaps: self.gaps(),
-            seconds: *seconds,
-            rate_hz: survey.rate(),
-            patterns: PatternRows::of(self.counts),
-            missing: &self.missing,
-            missing_patterns: absent.map(|name| name.name()).collect(),
-            ignored_columns: &self.ignored_columns,
-            conditioning: AllRepairs::of(&self.repairs),
-        }
-        .serialize(serializer)
+        let found = json!({
+            "files": self.files,
+            "joints": joints.collect::<Vec<_>>(),
+            "rows": survey.rows,
+            "trajectories": survey.trajectories,
+            "gaps": self.gaps(),
+            "seconds": survey.seconds,
+            "rate_hz": survey.rate(),
+            "patterns": PatternRows::of(self.counts),
+            "missing": self.missing,
+            "missing_patterns": absent.map(|name| name.name()).collect::<Vec<_>>(),
+            "ignored_columns": self.ignored_columns,
+            "conditioning": AllRepairs::of(&self.repairs),
+        });
+        found.serialize(serializer)
     }
 }

@@ -31,6 +31,31 @@ impl FitOptions {
         options.check_bounds()?;
         Ok(options)
     }
+
+    /// Fails where a number is out of its bounds.
+    pub(crate) fn check_bounds(&self) -> Result<(), Error> {
+        let counts = [
+            (Setting::Interaction, self.interaction, 1..=16),
+            (Setting::TrigOrder, self.trig_order.map(usize::from), 1..=8),
+            (Setting::GravityOrder, self.gravity_order.map(usize::from), 1..=8),
+            (Setting::Clusters, self.clusters, 1..=9),
+            (Setting::Bootstrap, self.n_bootstrap, 0..=1_000),
+        ];
+        for (setting, count, bounds) in counts {
+            if count.is_some_and(|count| !bounds.contains(&count)) {
+                let [least, most] = [bounds.start(), bounds.end()];
+                let reason = format!("expected a number from {least} to {most}");
+                return Err(Error::WrongValue { setting, reason });
+            }
+        }
+        match self.threshold {
+            Some(x) if !(x >= 0.0 && x.is_finite()) => Err(Error::WrongValue {
+                setting: Setting::Threshold,
+                reason: "expected a number that is zero or more".to_owned(),
+            }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// A choice by words.

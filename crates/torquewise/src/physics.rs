@@ -3,6 +3,7 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::{Serialize, Serializer};
+use serde_json::json;
 use std::f64::consts::PI;
 use std::fmt;
 use torquewise_model::checks::{DrivingFriction, driving_friction, weakest_state};
@@ -176,56 +177,31 @@ impl fmt::Display for PhysicsCheck {
     }
 }
 
-/// What programs read of it.
-#[derive(Serialize)]
-#[expect(clippy::struct_excessive_bools, reason = "one for each property")]
-struct Written<'a> {
-    states: usize,
-    passed: bool,
-    feasible: bool,
-    positive_definite: bool,
-    symmetric: bool,
-    skew: bool,
-    friction_passive: bool,
-    smallest_eigenvalue: f64,
-    asymmetry: f64,
-    skew_defect: f64,
-    trained: WrittenRange<'a>,
-    whole_turn: WrittenRange<'a>,
-}
-
-#[derive(Serialize)]
-struct WrittenRange<'a> {
-    states: usize,
-    smallest_eigenvalue: f64,
-    q: &'a [f64],
-}
-
-impl<'a> WrittenRange<'a> {
-    fn of(checks: &'a Checks) -> Self {
-        let Checks { states, smallest_eigenvalue, ref weakest_q, .. } = *checks;
-        Self { states, smallest_eigenvalue, q: weakest_q }
-    }
-}
-
 impl Serialize for PhysicsCheck {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Self { trained, whole, driving } = self;
-        Written {
-            states: trained.states + whole.states,
-            passed: trained.passed() && whole.passed(),
-            feasible: self.feasible(),
-            positive_definite: self.feasible(),
-            symmetric: self.is_symmetric(),
-            skew: self.is_skew(),
-            friction_passive: driving.is_none(),
-            smallest_eigenvalue: self.smallest_eigenvalue(),
-            asymmetry: self.asymmetry(),
-            skew_defect: self.skew_defect(),
-            trained: WrittenRange::of(trained),
-            whole_turn: WrittenRange::of(whole),
-        }
-        .serialize(serializer)
+        let range = |checks: &Checks| {
+            json!({
+                "states": checks.states,
+                "smallest_eigenvalue": checks.smallest_eigenvalue,
+                "q": checks.weakest_q,
+            })
+        };
+        let found = json!({
+            "states": trained.states + whole.states,
+            "passed": trained.passed() && whole.passed(),
+            "feasible": self.feasible(),
+            "positive_definite": self.feasible(),
+            "symmetric": self.is_symmetric(),
+            "skew": self.is_skew(),
+            "friction_passive": driving.is_none(),
+            "smallest_eigenvalue": self.smallest_eigenvalue(),
+            "asymmetry": self.asymmetry(),
+            "skew_defect": self.skew_defect(),
+            "trained": range(trained),
+            "whole_turn": range(whole),
+        });
+        found.serialize(serializer)
     }
 }
 

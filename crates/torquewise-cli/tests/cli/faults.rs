@@ -304,24 +304,3 @@ fn d28_motions_that_would_fill_the_memory_are_refused() {
     assert!(said.code == 2 && said.stderr.contains("held in memory"), "{said:?}");
     assert_eq!(terminal.files(), Vec::<String>::new());
 }
-
-/// What a program does not import it cannot call.
-#[cfg(target_os = "linux")]
-#[test]
-fn the_program_knows_no_way_to_a_network() {
-    let Ok(listed) = Command::new("nm").args(["-D", "--undefined-only", PROGRAM]).output() else {
-        println!("skipped: there is no nm to list what the program imports");
-        return;
-    };
-    let listed = String::from_utf8(listed.stdout).unwrap();
-    let imports = |name: &str| {
-        let own = |line: &str| {
-            line.split_whitespace().last().map(|own| own.split('@').next() == Some(name))
-        };
-        listed.lines().any(|line| own(line) == Some(true))
-    };
-    assert!(imports("write"), "no imports were listed");
-    for name in ["connect", "getaddrinfo", "listen", "accept4", "sendto"] {
-        assert!(!imports(name), "{name} is imported");
-    }
-}
