@@ -114,7 +114,6 @@ pub(crate) fn fit_options(
         geometry: geometry(options, joints)?,
         counterbalanced: keyword(options, "counterbalance")?.unwrap_or_default(),
         noise_correction: keyword(options, "noise_correction")?.unwrap_or(true),
-        physical: keyword(options, "physical")?.unwrap_or(true),
         patterns,
         seed,
     };
@@ -133,7 +132,7 @@ fn refuse_unknown(options: &Bound<'_, PyDict>) -> PyResult<()> {
     Err(UsageError::new_err(format!(
         "{name} is no option of a fit: expected library, method, friction, interaction, trig_order, \
          gravity_order, select, threshold, bags, urdf, lock, gravity, counterbalance, \
-         noise_correction, physical, activation, clusters or seed"
+         noise_correction, activation, clusters or seed"
     )))
 }
 

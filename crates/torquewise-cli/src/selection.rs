@@ -59,10 +59,6 @@ pub(crate) struct SelectionArguments {
     /// Leave the bias that measurement noise causes in the fit, as --method sindy always does
     #[arg(long)]
     no_noise_correction: bool,
-    /// Fit a chain by least squares alone, without what physics asks of masses, rotors and
-    /// friction: for comparison, its mass matrix may not be positive definite
-    #[arg(long)]
-    unconstrained: bool,
     /// Resampled logs to count in how many each term of a library stays [default: 50; 0 with
     /// --method sindy]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
@@ -82,7 +78,6 @@ impl SelectionArguments {
         options.bags = self.bags.map(usize::from);
         options.counterbalanced.clone_from(&self.counterbalance);
         options.noise_correction = !self.no_noise_correction;
-        options.physical = !self.unconstrained;
         options
     }
 
@@ -93,7 +88,6 @@ impl SelectionArguments {
             ("--threshold", self.threshold.is_some()),
             ("--no-noise-correction", self.no_noise_correction),
             ("--bags", self.bags.is_some()),
-            ("--unconstrained", self.unconstrained),
         ];
         all.into_iter().find(|(_, given)| *given).map(|(name, _)| name)
     }

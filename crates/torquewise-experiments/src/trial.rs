@@ -121,7 +121,7 @@ impl Stopwatch {
         let spent = now.saturating_sub(self.since).as_secs_f64();
         match self.stage {
             Progress::Survey | Progress::Patterns => self.cost.patterns += spent,
-            Progress::Geometry | Progress::OmittedTerms | Progress::Sums | Progress::Step(_) => {
+            Progress::Geometry | Progress::Sums | Progress::Step(_) => {
                 self.cost.regression += spent;
             }
             Progress::Refit | Progress::Done => self.cost.refit += spent,

@@ -66,7 +66,6 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
         "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),
         "friction": laws.map(friction_json).collect::<Vec<_>>(),
         "choices": model.choices,
-        "omitted": model.training.omitted,
         "conditioning": AllRepairs::of(&model.training.conditioning),
     }))
 }

@@ -54,8 +54,6 @@ pub struct FitOptions {
     pub counterbalanced: Vec<String>,
     /// Whether the bias that noise in q, q̇, q̈ leaves is taken out (E7).
     pub noise_correction: bool,
-    /// Whether a chain must be a physical arm (E14).
-    pub physical: bool,
     /// How rows are clustered.
     pub patterns: PatternPlan,
     /// Seed of everything random.
@@ -77,7 +75,6 @@ impl Default for FitOptions {
             geometry: None,
             counterbalanced: Vec::new(),
             noise_correction: true,
-            physical: true,
             patterns: PatternPlan::default(),
             seed: 0,
         }
@@ -220,7 +217,6 @@ impl FitOptions {
             ("urdf", self.geometry.is_some(), is_chain, chain),
             ("counterbalance", !self.counterbalanced.is_empty(), is_chain, chain),
             ("bags", self.bags.is_some(), !is_chain, of_terms),
-            ("unconstrained", !self.physical, is_chain, chain),
         ];
         let given = all.into_iter().filter(|(_, given, _, _)| *given);
         given.map(|(name, _, is_used, user)| (name, is_used, user)).collect()
@@ -247,7 +243,6 @@ impl FitOptions {
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,
-                    physical: self.physical,
                 })
             }
         };

@@ -5,7 +5,7 @@ use crate::fit::FitResult;
 use crate::physics::MassMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use torquewise_model::model::{Choice, OmittedTerms, PriceOfPhysics};
+use torquewise_model::model::Choice;
 use torquewise_motion::Repairs;
 use torquewise_stepwise::NoiseFloor;
 
@@ -30,8 +30,6 @@ pub struct FitSummary<'a> {
     pub active_total: usize,
     pub steps: Vec<StepSummary<'a>>,
     pub choices: &'a [Choice],
-    pub omitted: Option<&'a OmittedTerms>,
-    pub price_of_physics: Option<&'a PriceOfPhysics>,
     pub noise: &'a NoiseFloor,
     pub dropped: Vec<DroppedTerm<'a>>,
     pub mass_matrix: MassMatrix,
@@ -109,8 +107,6 @@ impl FitResult {
             active_total: model.n_coefficients(),
             steps: steps.collect(),
             choices: &model.choices,
-            omitted: training.omitted.as_ref(),
-            price_of_physics: training.price_of_physics.as_ref(),
             noise: &self.noise,
             dropped: dropped
                 .map(|term| DroppedTerm { term: &term.name, inclusion: term.inclusion })

@@ -295,7 +295,6 @@ class Chain(_Estimator):
         urdf=None,
         counterbalance=None,
         noise_correction=True,
-        physical=True,
         seed=0,
         rate=100.0,
     ):
@@ -303,7 +302,6 @@ class Chain(_Estimator):
         self.urdf = urdf
         self.counterbalance = counterbalance
         self.noise_correction = noise_correction
-        self.physical = physical
         self.seed = seed
         self.rate = rate
 

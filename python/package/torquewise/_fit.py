@@ -174,8 +174,8 @@ def fit(log: Any = None, *, progress: Progress = None, **options: Any) -> Fit:
         Joints that a spring or a weight balances.
     select, threshold, bags, interaction, trig_order, gravity_order
         How the terms of a library are offered and selected, see ``torquewise fit --help``.
-    noise_correction, physical
-        Whether bias by noise is taken out; whether a chain must be a physical arm.
+    noise_correction
+        Whether bias by noise is taken out.
     activation, clusters, seed
         How rows are clustered; seed of everything random.
     progress

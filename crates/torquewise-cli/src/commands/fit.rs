@@ -196,8 +196,6 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
             "\n{} of {} candidates kept, {:.2} s\n",
             summary.active_total, summary.candidates, fit.seconds
         ));
-        text.extend(summary.omitted.map(|found| format!("{found}\n")));
-        text.extend(summary.price_of_physics.map(|price| format!("{price}\n")));
     }
     let (notes, warnings): (Vec<&Warning>, Vec<&Warning>) =
         fit.warnings.iter().partition(|warning| warning.is_remark());

@@ -113,7 +113,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     if arguments.format == Format::Text {
         if arguments.explain {
             text.extend(model.choices.iter().map(choice_text));
-            text.extend(model.training.omitted.as_ref().map(|found| format!("\n{found}\n")));
         }
         text.push_str(&conditioning::text(&model.training.conditioning));
         text.extend(physics.as_ref().map(|physics| format!("\n{physics}")));

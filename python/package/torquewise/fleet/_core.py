@@ -151,7 +151,6 @@ def solve(part: Part, plan: Plan) -> tuple[str | None, bytes | None, dict[str, A
         "friction",
         "counterbalance",
         "noise_correction",
-        "physical",
         "seed",
         "urdf",
         "lock",
