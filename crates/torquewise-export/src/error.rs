@@ -28,10 +28,7 @@ pub enum ExportError {
          say: log the joint angles themselves"
     )]
     Coupled,
-    #[error(
-        "the link of {joint} is no body that can be, no simulator takes it: fit without \
-         --unconstrained"
-    )]
+    #[error("the link of {joint} is no body that can be, and no simulator takes it")]
     Infeasible { joint: String },
     #[error("the URDF cannot take up the model")]
     Urdf(#[from] torquewise_sim::SimError),

@@ -321,10 +321,6 @@ fn curve(graph: &mut Graph, term: &FrictionTerm) -> Id {
     };
     match term.direction {
         Direction::Both => value,
-        Direction::Forward => {
-            let holds = graph.call(Function::Positive, speed);
-            graph.mul(value, holds)
-        }
         Direction::Backward => {
             let opposite = graph.neg(speed);
             let holds = graph.call(Function::Positive, opposite);

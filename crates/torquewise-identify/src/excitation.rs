@@ -1,7 +1,7 @@
 //! From sample of a log to findings: what its motion cannot determine, in words a person can act
 //! on.
 
-use crate::rough::{Rough, rough};
+use crate::rough::unexplained_part;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::fmt;
@@ -55,7 +55,7 @@ pub enum Finding {
         share: f64,
     },
     /// A torque that fits those of the other joints with the opposite sign alone.
-    Contrary {
+    WrongSign {
         /// Name of the joint.
         joint: String,
     },
@@ -72,11 +72,6 @@ pub enum Finding {
         joint: String,
         /// Share of the torque that no rough model explains.
         residual: f64,
-    },
-    /// A torque that falls as the joint accelerates.
-    Backward {
-        /// Name of the joint.
-        joint: String,
     },
 }
 
@@ -95,14 +90,6 @@ const LEAST_RESIDUAL: f64 = 0.005;
 
 /// A torque that a rough model explains no better than this is none of the motion.
 const MOST_RESIDUAL: f64 = 0.85;
-/// A rough model that leaves less than this knows which way a joint is driven.
-const MOST_LEFT: f64 = 0.5;
-/// A negative inertia is believed if friction spends less than this part of the power, …
-const LEAST_FRICTION: f64 = 0.003;
-/// … and if the inertia explains this part of the torque, or friction gives this part of the power.
-const LEAST_INERTIA: f64 = 0.02;
-const MOST_FRICTION: f64 = -0.05;
-
 /// Rows that tell a command.
 const COMMAND_ROWS: usize = 2_000;
 
@@ -178,16 +165,9 @@ fn of_torque(survey: &Survey, joint: usize) -> Option<Finding> {
     if !moves(survey, joint) || survey.torque_std[joint] <= 0.0 {
         return None;
     }
-    let Rough { left, inertia, inertia_share, friction_power } = rough(&survey.sample, joint)?;
-    let name = survey.joints[joint].clone();
-    let is_backward = inertia < 0.0
-        && left < MOST_LEFT
-        && friction_power < LEAST_FRICTION
-        && (inertia_share > LEAST_INERTIA || friction_power < MOST_FRICTION);
-    if is_backward {
-        return Some(Finding::Backward { joint: name });
-    }
-    (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint: name, residual: left })
+    let left = unexplained_part(&survey.sample, joint)?;
+    let joint = survey.joints[joint].clone();
+    (left > MOST_RESIDUAL).then_some(Finding::Unrelated { joint, residual: left })
 }
 
 fn moves(survey: &Survey, joint: usize) -> bool {
@@ -292,16 +272,11 @@ impl fmt::Display for Finding {
                  were cut off: check the limits of its drive and sensor, and drive it more gently",
                 100.0 * share
             ),
-            Self::Contrary { joint } => write!(
+            Self::WrongSign { joint } => write!(
                 f,
                 "the torque of {joint} contradicts those of the other joints, which it would fit \
                  with the opposite sign: check the sign of its torque, gear or torque constant \
                  against its position"
-            ),
-            Self::Backward { joint } => write!(
-                f,
-                "the torque of {joint} falls as it accelerates, as if its inertia were negative: \
-                 check the sign of its torque, gear or torque constant against its position"
             ),
         }
     }
@@ -364,21 +339,6 @@ mod tests {
         let found = of(&off);
         assert_eq!(found.len(), 2, "{found:?}");
         assert!(found.iter().all(|finding| matches!(finding, Finding::Unrelated { .. })));
-    }
-
-    #[test]
-    fn a_torque_of_the_wrong_sign_is_told() {
-        for (friction, share) in [(0.0, 0.5), (0.3, 0.5), (1.5, 0.2)] {
-            let arm = |[q, dq, ddq]: [f64; 3]| {
-                3.0 * q.sin() + friction * (dq + dq.signum()) + share * ddq
-            };
-            let right = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], arm);
-            let wrong = log([(1.0, 3.0, 0.0), (0.8, 4.3, 1.0)], |x| -arm(x));
-            assert_eq!(of(&right), []);
-            let found = of(&wrong);
-            assert_eq!(found.len(), 2, "{friction} {share}: {found:?}");
-            assert!(found.iter().all(|finding| matches!(finding, Finding::Backward { .. })));
-        }
     }
 
     #[test]

@@ -8,13 +8,13 @@ use crate::estimate::{Linearisation, Solved};
 use crate::prune::prune;
 use crate::reconstruction::Reconstruction;
 use crate::unseen::{held_out, whole_logs};
-use crate::warning::{UntriedTerm, Warning};
+use crate::warning::Warning;
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use torquewise_model::model::{Choice, OmittedTerms};
+use torquewise_model::model::Choice;
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
 };
@@ -44,8 +44,6 @@ pub(crate) struct Fitted {
     pub(crate) residual_rms: Vec<f64>,
     /// What the search chose.
     pub(crate) choices: Vec<Choice>,
-    pub(crate) omitted: OmittedTerms,
-    pub(crate) warning: Option<UntriedTerm>,
 }
 
 impl Fitted {
@@ -59,15 +57,12 @@ impl Fitted {
         patterns: Patterns,
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, residual_rms, mut choices, omitted, warning } = self;
+        let Self { solved, residual_rms, mut choices } = self;
         let (chain, friction) = parameters(&solved.at, &solved.covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
-        warnings.extend(warning.map(Warning::OmittedTerm));
         let mut training = survey.training(residual_rms);
-        training.omitted = Some(omitted);
-        training.price_of_physics = Some(solved.price);
         training.held_out_rms = held_out_rms(&solved.at, &survey.sample)?;
         let mut model = Model {
             joints: survey.joints.clone(),

@@ -16,7 +16,6 @@ use torquewise_stepwise::survey::thinned;
 
 mod couplings;
 mod residual;
-mod augment;
 mod joint_friction;
 mod loads;
 mod ripple;
@@ -28,8 +27,6 @@ pub(crate) struct Learned {
     /// What was fitted: what stands beside the links, which of the geometry moved.
     pub(crate) spec: ChainSpec,
     pub(crate) choices: Vec<Choice>,
-    /// Rows on which terms that are not the chain's are tried.
-    pub(crate) rows: Rows,
     /// Friction that may be offered.
     pub(crate) laws: FrictionLibrary,
 }
@@ -60,8 +57,6 @@ const SNAP_ROUNDS: usize = 15;
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
 pub(crate) const LAST_ROWS: usize = 4_000;
-/// Rows that terms beside those of the chain are tried on.
-pub(crate) const TRIED_ROWS: usize = 1_500;
 /// A log of fewer rows after its filter leaves several geometries about as likely: which is found
 /// first is chance.
 const SHORT: usize = 1_000;
@@ -329,9 +324,7 @@ impl<'a> ChainLearner<'a> {
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search)?;
-        let rows = self.rows(&spec, TRIED_ROWS)?;
-        let laws = self.laws.clone();
-        Ok(Learned { chain, spec, choices, rows, laws })
+        Ok(Learned { chain, spec, choices, laws: self.laws.clone() })
     }
 
     fn choose(

@@ -6,7 +6,7 @@
 //! without rounding: those of many logs may be taken apart, saved, merged in any order, and
 //! [solved](solve) for the model that fitting all logs together gives, bit for bit.
 
-pub mod rough;
+mod rough;
 pub mod clipped;
 pub mod excitation;
 pub mod disagreement;
@@ -24,12 +24,11 @@ pub mod estimate;
 mod chain_spec;
 mod learn;
 mod prune;
-mod omitted;
 pub mod reconstruction;
 mod framed;
 mod unseen;
 mod fitted;
-mod contrary;
+mod torque_sign;
 pub mod rounds;
 pub mod settings;
 pub mod summary;

@@ -179,9 +179,7 @@ impl Payload {
 }
 
 fn chain_of(model: &Model) -> Result<&RigidChain, IdentifyError> {
-    let reason = "it has none: a load hangs on a link, fit the arm with --library chain or --urdf";
-    let chain = model.chain.as_ref();
-    Ok(chain.ok_or_else(|| ModelError::Chain { reason: reason.to_owned() })?)
+    Ok(model.chain.as_ref().ok_or(ModelError::NoChain)?)
 }
 
 /// What one pass over the rows adds up to.

@@ -20,9 +20,6 @@ pub struct ChainOptions {
     /// Whether the bias that noise in q, q̇, q̈ leaves in the normal equations is to be taken out
     /// (E7).
     pub noise_correction: bool,
-    /// Whether all parameters must be such that a physical arm has them (E14); without, for
-    /// comparison, they are those of least squares alone.
-    pub physical: bool,
 }
 
 /// Where the joint axes of an arm lie, known beforehand.
@@ -63,7 +60,6 @@ impl Default for ChainOptions {
             friction: FrictionKind::Auto,
             counterbalanced: Vec::new(),
             noise_correction: true,
-            physical: true,
         }
     }
 }

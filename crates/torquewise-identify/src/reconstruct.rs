@@ -1,12 +1,12 @@
 //! From recording to Reconstruction: sums of its logs, then the steps of the paper or a learned
 //! chain.
 
-use crate::contrary::FoundChain;
 use crate::plan::{ChainOptions, Method, Plan};
 use crate::reconstruction::{Progress, Reconstruction};
 use crate::rounds::{Request, Round};
 use crate::score::score;
 use crate::summary::{Pass, Summary, summarise};
+use crate::torque_sign::SignTest;
 use crate::warning::Warning;
 use torquewise_motion::Recording;
 use torquewise_stepwise::error::IdentifyError;
@@ -123,9 +123,9 @@ fn by_chain(
         Round::Again(request) => Ok(Solution::Request(request)),
         Round::Done(fitted) => {
             let patterns = find_patterns(&survey, &settings.patterns)?;
-            let chain = FoundChain::at(&fitted.solved.at, options.geometry.is_some())?;
+            let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some())?;
             let mut found = fitted.report(survey, patterns, seed)?;
-            Warning::retain_founded(&mut found.warnings, &found.model, options.physical);
+            Warning::retain_founded(&mut found.warnings, &found.model);
             found.doubt_torque(|_| Ok(chain))?;
             progress(Progress::Done);
             Ok(Solution::Model(Box::new(found)))

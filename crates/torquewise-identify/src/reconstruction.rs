@@ -1,8 +1,8 @@
 //! From log to Reconstruction: what was found, how, and what was said on the way.
 
 use crate::clipped::clipped;
-use crate::contrary::FoundChain;
 use crate::excitation::Finding;
+use crate::torque_sign::SignTest;
 use crate::warning::Warning;
 use torquewise_model::{Model, Torque};
 use torquewise_stepwise::error::IdentifyError;
@@ -55,7 +55,7 @@ impl Reconstruction {
         let LibraryFit { model, patterns, noise, candidates, steps, dropped, .. } = fit;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
-        found.doubt_torque(|survey| FoundChain::search(survey, seed))?;
+        found.doubt_torque(|survey| SignTest::search(survey, seed))?;
         Ok(found)
     }
 
@@ -68,7 +68,7 @@ impl Reconstruction {
     /// [`IdentifyError::Chain`] if the chain is of another arm, [`IdentifyError::Model`].
     pub(crate) fn doubt_torque(
         &mut self,
-        chain: impl FnOnce(&Survey) -> Result<FoundChain, IdentifyError>,
+        chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
         let left = training.residual_rms.iter().zip(&training.torque_std).enumerate();
@@ -80,26 +80,18 @@ impl Reconstruction {
                 self.warnings.push(Warning::Excitation(Finding::Clipped { joint, share }));
             }
         }
-        let is = |of: fn(&Finding) -> bool| {
-            self.warnings.iter().any(|own| matches!(own, Warning::Excitation(found) if of(found)))
-        };
-        let is_backward = |found: &Finding| matches!(found, Finding::Backward { .. });
-        if is(|found| matches!(found, Finding::Clipped { .. }))
-            || missed.is_empty() && !is(is_backward) && !self.has_negative_inertia()?
+        let is_clipped =
+            |own: &Warning| matches!(own, Warning::Excitation(Finding::Clipped { .. }));
+        if self.warnings.iter().any(is_clipped)
+            || missed.is_empty() && !self.has_negative_inertia()?
         {
             return Ok(());
         }
         // An arm of which no chain is found, for rows or joints, has nothing to compare with.
         let Ok(chain) = chain(&self.survey) else { return Ok(()) };
-        let contrary = chain.contrary(&self.survey.sample)?;
-        if !contrary.is_empty() {
-            // All joints tell more than each alone.
-            self.warnings
-                .retain(|own| !matches!(own, Warning::Excitation(found) if is_backward(found)));
-        }
-        for joint in contrary {
+        for joint in chain.wrong_signs(&self.survey.sample)? {
             let joint = self.survey.joints[joint].clone();
-            self.warnings.push(Warning::Excitation(Finding::Contrary { joint }));
+            self.warnings.push(Warning::Excitation(Finding::WrongSign { joint }));
         }
         Ok(())
     }

@@ -6,22 +6,16 @@
 use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
-use crate::omitted::{Tried, test_omitted_terms};
-use crate::plan::{ChainOptions, FrictionKind};
+use crate::plan::ChainOptions;
 use crate::reconstruction::Progress;
-use crate::warning::UntriedTerm;
 use serde::{Deserialize, Serialize};
-use torquewise_model::model::{Choice, OmittedTerms};
+use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::{Survey, thinned};
 
-/// Terms beyond those of a chain at most.
-const MOST_FURTHER: usize = 12;
-/// So many terms are refused before no other is offered: the log is too short to tell.
-const MOST_REFUSED: usize = 2;
 /// Passes over all rows at most.
 const MOST_PASSES: usize = 5;
 /// Rows of a block of time, of which there should be many.
@@ -38,8 +32,6 @@ pub struct Request {
     passes: Passes,
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
-    omitted: OmittedTerms,
-    warning: Option<UntriedTerm>,
 }
 
 /// What a pass came to.
@@ -64,9 +56,7 @@ impl Request {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Self, IdentifyError> {
         progress(Progress::Geometry);
-        let mut learned = learn(&survey.sample, options, seed)?;
-        progress(Progress::OmittedTerms);
-        let Tried { certificate, warning, .. } = complete(&mut learned, survey, options.friction)?;
+        let learned = learn(&survey.sample, options, seed)?;
         progress(Progress::Refit);
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
@@ -78,7 +68,7 @@ impl Request {
         }
         let choices = learned.choices;
         let joints = survey.joints.clone();
-        Ok(Self { joints, passes, sizes, choices, omitted: certificate, warning })
+        Ok(Self { joints, passes, sizes, choices })
     }
 
     /// The same for logs of so many rows.
@@ -150,9 +140,7 @@ impl Request {
                     let passes = self.passes.without_noise_correction(MOST_PASSES);
                     return Ok(Round::Again(Box::new(Self { passes, ..self })));
                 }
-                let Self { choices, omitted, warning, .. } = self;
-                let fitted = Fitted { solved, residual_rms, choices, omitted, warning };
-                Round::Done(Box::new(fitted))
+                Round::Done(Box::new(Fitted { solved, residual_rms, choices: self.choices }))
             }
         })
     }
@@ -181,7 +169,6 @@ fn linearised(
         coupling: chain.geometry.coupling().clone(),
         robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),
-        physical: options.physical,
         prior: spec.search.prior,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
@@ -204,26 +191,4 @@ fn linearised(
         seed,
     };
     Ok(cut_for(at.scaled_by(sample)?, sample.n_rows()))
-}
-
-/// Takes in, one by one, terms of the energy library that explain what no chain does, until no
-/// other seems to, or too many were refused.
-fn complete(
-    learned: &mut Learned,
-    survey: &Survey,
-    friction: FrictionKind,
-) -> Result<Tried, IdentifyError> {
-    let mut refused = Vec::new();
-    let mut tried = test_omitted_terms(learned, survey, friction, &refused)?;
-    for _ in 0..MOST_FURTHER {
-        let Some(term) = tried.missing.take() else { break };
-        if !learned.offer(&term, &survey.sample)? {
-            refused.push(term);
-        }
-        tried = test_omitted_terms(learned, survey, friction, &refused)?;
-        if refused.len() == MOST_REFUSED {
-            break;
-        }
-    }
-    Ok(tried)
 }

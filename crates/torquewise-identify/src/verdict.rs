@@ -88,7 +88,7 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
         Warning::Excitation(Finding::Together { joints, .. }) => {
             Some(format!("{} always move together", list(joints)))
         }
-        Warning::Excitation(Finding::Backward { joint } | Finding::Contrary { joint }) => {
+        Warning::Excitation(Finding::WrongSign { joint }) => {
             Some(format!("the torque of {joint} has the wrong sign"))
         }
         Warning::Excitation(Finding::Clipped { joint, .. }) => {

@@ -3,7 +3,6 @@
 use crate::disagreement::Disagreement;
 use crate::drift::Drift;
 use crate::excitation::{Finding, findings};
-use serde::{Deserialize, Serialize};
 use std::fmt;
 use torquewise_model::Model;
 use torquewise_motion::Pattern;
@@ -57,8 +56,6 @@ pub enum Warning {
     Disagreement(Disagreement),
     /// Friction changes along long logs.
     Drift(Drift),
-    /// A term that was not offered explains what no chain of rigid bodies does.
-    OmittedTerm(UntriedTerm),
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -68,43 +65,16 @@ pub enum Warning {
     },
 }
 
-/// A term that was not offered, and what it would explain (E10).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct UntriedTerm {
-    /// Its name.
-    pub term: String,
-    /// Name of the joint that gains most.
-    pub joint: String,
-    /// By what part the RMS of its residual falls on held-out rows.
-    pub part: f64,
-    /// Whether it is a law of friction that was not asked for.
-    pub friction: bool,
-    /// Whether a fit with it predicted held-out rows no better.
-    pub refused: bool,
-}
-
 /// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
 const LARGEST_ANGLE: f64 = 50.0;
 
 /// A library that leaves this part of a joint's torque has explained little.
 const LITTLE: f64 = 0.5;
-/// What to make of an omitted term.
-fn advice(friction: bool, refused: bool) -> &'static str {
-    if friction {
-        "there is more friction than was asked for; try --friction auto"
-    } else if refused {
-        "yet a fit with it predicts these no better as a whole, so it was left out; a longer log \
-         would tell"
-    } else {
-        "something there is no chain of rigid bodies, such as a spring, an elastic gear or a \
-         torque that is not measured"
-    }
-}
 
 impl Warning {
     /// Whether it is good to know, but no reason to doubt the model.
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. } | Self::OmittedTerm(_))
+        matches!(self, Self::PatternMissing(_) | Self::Dependent { .. })
     }
 
     pub(crate) fn of_library(survey: &Survey, fit: &LibraryFit) -> Vec<Self> {
@@ -121,16 +91,13 @@ impl Warning {
 
     /// Leaves out what a rough look at the torque of a joint found amiss, where the model predicts
     /// its held-out rows well: a rough look knows neither the other joints nor the noise.
-    ///
-    /// - `physical`: whether the model is such as a physical arm has, which fits no wrong sign
-    pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model, physical: bool) {
+    pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
         let Some(errors) = model.training.held_out_errors() else { return };
         let is_predicted = |joint: &str| {
             model.joints.iter().zip(&errors).any(|(name, error)| name == joint && *error < POOR)
         };
         warnings.retain(|warning| match warning {
             Self::Excitation(Finding::Unrelated { joint, .. }) => !is_predicted(joint),
-            Self::Excitation(Finding::Backward { joint }) => !(physical && is_predicted(joint)),
             _ => true,
         });
     }
@@ -217,12 +184,6 @@ impl fmt::Display for Warning {
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
-            Self::OmittedTerm(UntriedTerm { term, joint, part, friction, refused }) => write!(
-                f,
-                "{term} would lower the residual of {joint} by {:.0} % on held-out rows: {}",
-                100.0 * part,
-                advice(*friction, *refused)
-            ),
             Self::Units { joint, largest } => write!(
                 f,
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"
@@ -261,18 +222,9 @@ mod tests {
         let unrelated = |joint: &str| {
             Warning::Excitation(Finding::Unrelated { joint: joint.into(), residual: 0.9 })
         };
-        let backward = |joint: &str| Warning::Excitation(Finding::Backward { joint: joint.into() });
-        let doubts = || {
-            ["joint1", "joint2"].into_iter().flat_map(|joint| [unrelated(joint), backward(joint)])
-        };
-        let left = |physical: bool| {
-            let mut warnings: Vec<Warning> = doubts().collect();
-            Warning::retain_founded(&mut warnings, &model(), physical);
-            warnings
-        };
+        let mut warnings = vec![unrelated("joint1"), unrelated("joint2")];
+        Warning::retain_founded(&mut warnings, &model());
 
-        assert_eq!(left(true), [unrelated("joint2"), backward("joint2")]);
-        // Without physics a wrong sign is fitted as well as a right one.
-        assert_eq!(left(false), [backward("joint1"), unrelated("joint2"), backward("joint2")]);
+        assert_eq!(warnings, [unrelated("joint2")]);
     }
 }

@@ -5,51 +5,56 @@ use std::io;
 use std::path::PathBuf;
 
 /// Why a model cannot be read or applied.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ModelError {
-    #[error("{} cannot be read: check that it exists and may be read", file.display())]
+    #[error("{} cannot be read", file.display())]
+    #[diagnostic(help("check that it exists and may be read"))]
     Read { file: PathBuf, source: io::Error },
-    #[error(
-        "{} cannot be written: check that its folder exists, may be written and has room",
-        file.display()
-    )]
+    #[error("{} cannot be written", file.display())]
+    #[diagnostic(help("check that its folder exists, may be written and has room"))]
     Write { file: PathBuf, source: io::Error },
     #[error("no model in {}", file.display())]
+    #[diagnostic(forward(source))]
     InFile { file: PathBuf, source: Box<ModelError> },
     #[error("the model has {model} joints, the log {log}: it is a model of another arm")]
     JointCount { model: usize, log: usize },
     #[error(
-        "the model is of joints {}, the log of {}: it is a model of another arm; \
-         rename the joints of the log if they are the same",
+        "the model is of joints {}, the log of {}: it is a model of another arm",
         model.join(", "), log.join(", ")
     )]
+    #[diagnostic(help("rename the joints of the log if they are the same"))]
     JointNames { model: Vec<String>, log: Vec<String> },
     #[error("{what} has {found} entries, expected {expected}: one per joint")]
     Shape { what: &'static str, found: usize, expected: usize },
-    #[error("not a model file: {reason}; it may be cut off or of another program: fit it anew")]
+    #[error("not a model file: {reason}")]
+    #[diagnostic(help("it may be cut off or of another program: fit the model anew"))]
     NotAModel { reason: String },
-    #[error(
-        "the model file has version {found}, this program reads up to version {known}: \
-         update torquewise, or fit the model anew"
-    )]
+    #[error("the model file has version {found}, this program reads version {known}")]
+    #[diagnostic(help("fit the model anew, or use the program that wrote it"))]
     Version { found: u64, known: u64 },
-    #[error("the model has steps 1 to {known}, step {found} was asked for: name one of them")]
+    #[error("the model has steps 1 to {known}, step {found} was asked for")]
+    #[diagnostic(help("name one of its steps"))]
     Step { found: usize, known: usize },
-    #[error("the model file is damaged: {what} is not finite in {place}; fit the model anew")]
+    #[error("the model file is damaged: {what} is not finite in {place}")]
+    #[diagnostic(help("fit the model anew"))]
     NotFinite { what: &'static str, place: String },
     #[error(
-        "the model file is damaged: {what} of the friction {place} is {found}, expected \
-         {expected}; fit the model anew"
+        "the model file is damaged: {what} of the friction {place} is {found}, expected {expected}"
     )]
+    #[diagnostic(help("fit the model anew"))]
     Friction { what: &'static str, place: String, found: String, expected: &'static str },
     #[error(transparent)]
     Motion(#[from] torquewise_motion::MotionError),
     #[error(
-        "the energy of {joints} joints has too many terms to list, those of {most} joints at most: \
-         choose fewer joints by a profile, or the product library"
+        "the energy of {joints} joints has too many terms to list, those of {most} joints at most"
     )]
+    #[diagnostic(help("choose fewer joints by a profile, or the product library"))]
     TooManyJoints { joints: usize, most: usize },
-    #[error("the chain of the model cannot be used, {reason}: take a file that is whole")]
+    #[error("the chain of the model cannot be used: {reason}")]
+    #[diagnostic(help("take a file that is whole"))]
     Chain { reason: String },
+    #[error("the model has no chain of rigid bodies")]
+    #[diagnostic(help("fit the log along a chain, learned or given"))]
+    NoChain,
 }

@@ -2,7 +2,7 @@
 
 use crate::error::ModelError;
 use crate::friction::{Direction, FrictionLaw, FrictionTerm};
-use crate::model::{Form, Model, OmittedTerms, Weighted};
+use crate::model::{Form, Model, Weighted};
 use crate::term::Term;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
@@ -10,9 +10,8 @@ use std::path::Path;
 use torquewise_motion::whole_file::write_whole;
 use torquewise_motion::{bounded_file, unfit_joint_name};
 
-/// Version of the file format this program writes, and the newest it reads. Version 1 had neither
-/// friction nor choices, version 2 no chain.
-pub const FILE_VERSION: u64 = 3;
+/// Version of the file format that is written and read.
+pub const FILE_VERSION: u64 = 1;
 
 /// Factors of a term at most, and multiples of an angle: what a term is worked out by stays exact.
 const MOST_ORDER: u8 = 32;
@@ -73,8 +72,8 @@ pub fn to_json(model: &Model) -> Result<String, ModelError> {
 /// Reads the text of a model file.
 ///
 /// # Errors
-/// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if a
-/// newer program wrote it, [`ModelError::Shape`], [`ModelError::NotFinite`] or
+/// [`ModelError::NotAModel`] if it is cut off, no JSON or no model, [`ModelError::Version`] if it
+/// is of another version, [`ModelError::Shape`], [`ModelError::NotFinite`] or
 /// [`ModelError::Friction`] if its parts do not fit.
 pub fn from_json(text: &str) -> Result<Model, ModelError> {
     let not_a_model =
@@ -84,7 +83,7 @@ pub fn from_json(text: &str) -> Result<Model, ModelError> {
     if header.format != FORMAT {
         return Err(ModelError::NotAModel { reason: format!("its format is {:?}", header.format) });
     }
-    if !(1..=FILE_VERSION).contains(&header.version) {
+    if header.version != FILE_VERSION {
         return Err(ModelError::Version { found: header.version, known: FILE_VERSION });
     }
     if let Some(fields) = value.as_object_mut() {
@@ -128,18 +127,7 @@ fn check(model: &Model) -> Result<(), ModelError> {
     for (log, repairs) in &model.training.conditioning {
         finite("the longest gap of a log", repairs.longest_gap, || log.clone())?;
     }
-    model.training.omitted.as_ref().map_or(Ok(()), check_omitted)
-}
-
-fn check_omitted(omitted: &OmittedTerms) -> Result<(), ModelError> {
-    let best = || omitted.best.first().map_or_else(String::new, |best| best.term.clone());
-    finite("what an unused term gains", omitted.held_out, best)?;
-    finite("the standard error of that", omitted.held_out_std_error, best)?;
-    omitted.best.iter().try_for_each(|unused| {
-        let term = || unused.term.clone();
-        finite("the share of an unused term", unused.share, term)?;
-        finite("its share of a joint", unused.of_joint, term)
-    })
+    Ok(())
 }
 
 fn check_form(form: &Form, n: usize) -> Result<(), ModelError> {

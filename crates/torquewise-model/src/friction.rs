@@ -72,8 +72,6 @@ pub enum Direction {
     /// Both.
     #[default]
     Both,
-    /// v > 0
-    Forward,
     /// v < 0
     Backward,
 }
@@ -88,7 +86,6 @@ impl Direction {
     pub(crate) fn holds(self, speed: f64) -> bool {
         match self {
             Self::Both => true,
-            Self::Forward => speed > 0.0,
             Self::Backward => speed < 0.0,
         }
     }
@@ -271,7 +268,6 @@ impl FrictionTerm {
     fn condition(&self, bracket: impl Fn(&str) -> String) -> String {
         match self.direction {
             Direction::Both => String::new(),
-            Direction::Forward => bracket(">"),
             Direction::Backward => bracket("<"),
         }
     }

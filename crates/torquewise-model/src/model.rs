@@ -8,7 +8,6 @@ use crate::term::{Sum, Term, collect};
 pub use crate::weighted::Weighted;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::fmt;
 use torquewise_motion::Repairs;
 
 /// The two shapes a model comes in.
@@ -66,37 +65,6 @@ pub struct Candidate {
     pub complexity: usize,
 }
 
-/// What terms that were not offered to a fit would explain of its residual, each on its own (E10).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct OmittedTerms {
-    /// Terms that were tried.
-    pub candidates: usize,
-    /// Rows they were tried on.
-    pub rows: usize,
-    /// Those that would lower the residual most, the best first.
-    pub best: Vec<Unused>,
-    /// By what part the residual of the joint of the best falls (RMS) on blocks of time left out
-    /// while term and coefficient were chosen; negative where it rises.
-    pub held_out: f64,
-    /// Standard error of that.
-    pub held_out_std_error: f64,
-}
-
-/// A term that is not in a model, and what it would explain.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Unused {
-    /// Its name.
-    pub term: String,
-    /// Part of the weighted sum of squares of the residual that would go.
-    pub share: f64,
-    /// Joint that gains most.
-    pub joint: String,
-    /// By what part the RMS of the residual of that joint would fall.
-    pub of_joint: f64,
-}
-
 /// How signals were filtered.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -105,17 +73,6 @@ pub struct Filter {
     pub cutoff_hz: f64,
     /// Seconds by which the torque lagged the motion.
     pub delay: f64,
-}
-
-/// A fit whose parameters are physical beside the best one without (E14).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct PriceOfPhysics {
-    /// By what part the residual is larger (RMS).
-    pub residual: f64,
-    /// By what part the error on held-out folds is larger; below 0 it is smaller. `None` where a
-    /// log has too few folds.
-    pub held_out: Option<f64>,
 }
 
 /// The data a model was fitted on, kept to judge what it is asked later.
@@ -134,18 +91,12 @@ pub struct Training {
     pub dq_peak: Vec<f64>,
     /// Largest acceleration of each joint \[rad/s²\], n.
     pub ddq_peak: Vec<f64>,
-    /// What terms that were not offered would explain, where that was looked at.
-    #[serde(alias = "overlooked", default, skip_serializing_if = "Option::is_none")]
-    pub omitted: Option<OmittedTerms>,
     /// How the signals were filtered, if they were.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub filter: Option<Filter>,
     /// What was repaired in each log, by its name; logs that are sound are not listed (E12).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub conditioning: BTreeMap<String, Repairs>,
-    /// What it costs that the parameters are physical, where they are (E14).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub price_of_physics: Option<PriceOfPhysics>,
     /// RMS of the residual torque of each joint \[N·m\] that noise in q, q̇ and q̈ does not explain,
     /// n, where a chain was fitted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -192,50 +143,6 @@ impl Training {
             if *std > 0.0 { unseen.max(*own) / std } else { 0.0 }
         };
         Some(left.zip(&self.torque_std).map(part).collect())
-    }
-}
-
-impl Unused {
-    /// By what part the RMS of the residual would fall, all joints counted by their noise.
-    pub fn of_residual(&self) -> f64 {
-        1.0 - (1.0 - self.share).max(0.0).sqrt()
-    }
-}
-
-impl fmt::Display for PriceOfPhysics {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let more = |part: f64| if part < 0.0 { "smaller" } else { "larger" };
-        let percent = |part: f64| 100.0 * part.abs();
-        let residual = self.residual;
-        write!(
-            f,
-            "physical parameters: residual {:.2} % {} than by least squares alone",
-            percent(residual),
-            more(residual)
-        )?;
-        self.held_out.map_or(Ok(()), |held| {
-            write!(f, ", error on held-out folds {:.2} % {}", percent(held), more(held))
-        })
-    }
-}
-
-impl fmt::Display for OmittedTerms {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} more terms tried one by one: ", self.candidates)?;
-        let Some(best) = self.best.first() else {
-            return write!(f, "none would lower the residual");
-        };
-        write!(
-            f,
-            "none would lower the residual by more than {:.2} % RMS ({}), \
-             that of {} by {:.1} %, on held-out rows by {:.1} ± {:.1} %",
-            100.0 * best.of_residual(),
-            best.term,
-            best.joint,
-            100.0 * best.of_joint,
-            100.0 * self.held_out,
-            100.0 * self.held_out_std_error,
-        )
     }
 }
 

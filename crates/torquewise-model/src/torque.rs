@@ -260,9 +260,7 @@ impl Torque {
     /// [`ModelError::Shape`] if one has another length than the model has joints.
     pub fn forward_dynamics(&self, [q, dq, tau]: [&[f64]; 3]) -> Result<Vec<f64>, ModelError> {
         let n = self.n_joints;
-        if tau.len() != n {
-            return Err(ModelError::Shape { what: "tau", found: tau.len(), expected: n });
-        }
+        self.check_length("tau", tau)?;
         let held = self.at(q, dq, &vec![0.0; n])?;
         let free = Mat::from_fn(n, 1, |joint, _| tau[joint] - held[joint]);
         let solved = self.mass_matrix(q)?.partial_piv_lu().solve(free);

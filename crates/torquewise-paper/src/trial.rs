@@ -222,7 +222,7 @@ impl Stopwatch {
         let spent = now.saturating_sub(self.since).as_secs_f64();
         match self.stage {
             Stage::Survey | Stage::Patterns => self.cost.patterns += spent,
-            Stage::Geometry | Stage::OmittedTerms | Stage::Sums | Stage::Step(_) => {
+            Stage::Geometry | Stage::Sums | Stage::Step(_) => {
                 self.cost.regression += spent;
             }
             Stage::Refit | Stage::Done => self.cost.refit += spent,

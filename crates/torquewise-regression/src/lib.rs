@@ -18,8 +18,6 @@ pub mod accumulate;
 pub mod row_sums;
 pub mod triangle;
 mod cholesky;
-mod orthonormal;
-pub mod screen;
 pub mod problem;
 pub mod elimination;
 pub mod select;

@@ -233,7 +233,6 @@ pub fn friction(term: &FrictionTerm) -> Markup {
     let relation = match term.direction {
         Direction::Both if law.is_empty() => return Markup::trusted(String::new()),
         Direction::Both => return math(&law),
-        Direction::Forward => "&gt;",
         Direction::Backward => "&lt;",
     };
     math(&format!(

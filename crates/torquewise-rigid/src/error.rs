@@ -1,7 +1,7 @@
-//! What can keep a chain from being learned.
+//! Why a chain cannot be learned.
 
 /// An error of this crate.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ChainError {
     /// Signals of different shapes.
     #[error("{what} has {found} entries where {expected} were expected")]
@@ -15,9 +15,9 @@ pub enum ChainError {
     },
     /// Too little to learn from.
     #[error(
-        "{rows} rows of {joints} joints cannot determine a chain: at least {needed} are needed; \
-         record a longer motion"
+        "{rows} rows of {joints} joints cannot determine a chain: at least {needed} are needed"
     )]
+    #[diagnostic(help("record a longer motion"))]
     TooFewRows {
         /// Rows at hand.
         rows: usize,
@@ -27,10 +27,8 @@ pub enum ChainError {
         needed: usize,
     },
     /// The normal equations have no solution in floating point.
-    #[error(
-        "the normal equations of the chain cannot be solved: \
-         are there joints that never move, or values that are not finite?"
-    )]
+    #[error("the normal equations of the chain cannot be solved")]
+    #[diagnostic(help("look for joints that never move and for values that are not finite"))]
     Singular,
     /// More joints than the recursion holds.
     #[error("a chain of {joints} joints is too long; at most {most} joints")]

@@ -1,5 +1,5 @@
-//! Inertial parameters that a rigid body can have: pseudo-inertia, log-Cholesky parameters, and the
-//! divergence from a nominal body (E14).
+//! Inertial parameters that a rigid body can have: pseudo-inertia, and the divergence from a nominal
+//! body (E14).
 
 use crate::geometry::Placement;
 use crate::recursion::PER_BODY;
@@ -61,37 +61,6 @@ pub fn seen_from(inertial: &[f64], placement: &Placement) -> Inertial {
 pub fn is_feasible(inertial: &[f64]) -> bool {
     Cholesky::new(pseudo_inertia(inertial)).is_some()
 }
-
-/// Log-Cholesky parameters of a feasible body: P = LLᵀ with L upper triangular, the logarithms of
-/// its diagonal and the six entries above it. `None` if no body has these inertial parameters.
-///
-/// Source: C. Rucker, P. Wensing, *Smooth parameterization of rigid-body inertia*, RA-L (2022).
-pub fn log_cholesky(inertial: &[f64]) -> Option<Inertial> {
-    // With J the exchange of rows, P = LLᵀ for an upper L where JPJ = KKᵀ for the lower K = JLJ.
-    let p = pseudo_inertia(inertial);
-    let exchanged = Matrix4::from_fn(|i, j| p[(3 - i, 3 - j)]);
-    let lower = Cholesky::new(exchanged)?.l();
-    let upper = Matrix4::from_fn(|i, j| lower[(3 - i, 3 - j)]);
-    let mut out = [0.0; PER_BODY];
-    for (k, out) in out.iter_mut().enumerate() {
-        let (i, j) = TRIANGLE[k];
-        *out = if i == j { upper[(i, i)].ln() } else { upper[(i, j)] };
-    }
-    Some(out)
-}
-
-/// The inertial parameters of log-Cholesky parameters: feasible whatever these are.
-pub fn from_log_cholesky(parameters: &Inertial) -> Inertial {
-    let mut upper = Matrix4::zeros();
-    for (&(i, j), &x) in TRIANGLE.iter().zip(parameters) {
-        upper[(i, j)] = if i == j { x.exp() } else { x };
-    }
-    inertial_of(&(upper * upper.transpose()))
-}
-
-/// Entries of an upper triangle, the diagonal first.
-const TRIANGLE: [(usize, usize); PER_BODY] =
-    [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 /// The inertial parameters of a link: a body of the given mass \[kg\] around a centre \[m\], spread
 /// by `spread` \[m\] in all directions and along the line from the origin to `end` \[m\].
@@ -157,20 +126,6 @@ mod tests {
         assert_relative_eq!(p[4], 0.0, epsilon = 1e-15);
         assert_relative_eq!(p[5], 2.0 * 0.36 / 3.0, epsilon = 1e-15);
         assert_relative_eq!(p[1], 0.6, epsilon = 1e-15);
-    }
-
-    #[test]
-    fn log_cholesky_goes_there_and_back() {
-        let parameters = log_cholesky(&link()).unwrap();
-        for (a, b) in from_log_cholesky(&parameters).iter().zip(link()) {
-            assert_relative_eq!(*a, b, epsilon = 1e-14);
-        }
-    }
-
-    #[test]
-    fn any_log_cholesky_parameters_are_a_body() {
-        let parameters = std::array::from_fn(|k| ((k * k) as f64 * 0.7).sin());
-        assert!(is_feasible(&from_log_cholesky(&parameters)));
     }
 
     #[test]

@@ -1,5 +1,5 @@
 //! From chain, rows to what it leaves of them, and how each of its parameters would change that
-//! (E10).
+//! (E11).
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;

@@ -14,6 +14,7 @@ pub enum IdentifyError {
     #[error(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(#[from] ModelError),
     #[error("the log has {rows} rows, at least {needed} are needed to fit {joints} joints")]
     #[diagnostic(help("record a longer motion"))]
@@ -48,6 +49,7 @@ pub enum IdentifyError {
     #[diagnostic(help("check that it is measured, or leave the joint out"))]
     ConstantTorque(String),
     #[error("no chain of rigid bodies could be learned: {0}")]
+    #[diagnostic(forward(0))]
     Chain(#[from] torquewise_rigid::ChainError),
     #[error("the numbers of the log cannot be worked with")]
     #[diagnostic(help(

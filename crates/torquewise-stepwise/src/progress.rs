@@ -17,8 +17,6 @@ pub enum Progress {
     Step(usize),
     /// The kept terms are fitted on all rows.
     Refit,
-    /// Terms that were not offered are tried (E10).
-    OmittedTerms,
     /// All is done.
     Done,
 }
@@ -32,7 +30,6 @@ impl fmt::Display for Progress {
             Self::Sums => out.write_str("summing"),
             Self::Step(step) => write!(out, "selecting terms, step {step}"),
             Self::Refit => out.write_str("fitting all rows"),
-            Self::OmittedTerms => out.write_str("testing omitted terms"),
             Self::Done => out.write_str("done"),
         }
     }

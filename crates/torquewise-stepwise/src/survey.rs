@@ -294,10 +294,8 @@ impl Survey {
             q_range: self.q_range.clone(),
             dq_peak: self.dq_peak.clone(),
             ddq_peak: self.ddq_peak.clone(),
-            omitted: None,
             filter: None,
             conditioning: BTreeMap::new(),
-            price_of_physics: None,
             unexplained_rms: Vec::new(),
             held_out_rms: Vec::new(),
         }

@@ -185,8 +185,6 @@ pub(crate) fn timed<T>(
         let spent = pair[1].1.duration_since(pair[0].1).as_secs_f64();
         match pair[0].0 {
             Progress::Step(_) | Progress::Geometry => step_seconds.push(spent),
-            // A chain grows by terms that were omitted.
-            Progress::OmittedTerms => step_seconds.last_mut().into_iter().for_each(|s| *s += spent),
             _ => {}
         }
     }

@@ -263,7 +263,6 @@ impl FitOptions {
                     friction: self.friction.unwrap_or(usual.friction),
                     counterbalanced: self.counterbalanced.clone(),
                     noise_correction: usual.noise_correction && self.noise_correction,
-                    ..usual
                 })
             }
         };

@@ -15,9 +15,7 @@ use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
 /// [`Error::Model`] if the model is no chain of rigid bodies, [`Error::Arm`] if a link is none that
 /// can be.
 pub fn arm(model: &Model) -> Result<Arm, Error> {
-    let reason = || "it has none: fit the log with the library chain, or with a URDF".to_owned();
-    let none = || ModelError::Chain { reason: reason() };
-    let chain = model.chain.as_ref().ok_or_else(none)?;
+    let chain = model.chain.as_ref().ok_or(ModelError::NoChain)?;
     let axes = chain.axes()?;
     let n = model.n_joints();
     let mut rotors = vec![0.0; n];

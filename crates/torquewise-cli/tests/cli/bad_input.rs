@@ -142,18 +142,17 @@ fn half_a_model_is_refused() {
     for line in
         ["show half.json", "evaluate half.json log.csv", "predict half.json log.csv -o out.csv"]
     {
-        terminal.refused(line, &["half.json", "cut off", "fit it anew"]);
+        terminal.refused(line, &["half.json", "cut off", "fit the model anew"]);
     }
 }
 
 #[test]
 fn a_model_of_a_newer_version_is_refused() {
     let terminal = Terminal::with_model();
-    let model = terminal.read("model.json").replacen("\"version\": 3", "\"version\": 99", 1);
+    let model = terminal.read("model.json").replacen("\"version\": 1", "\"version\": 99", 1);
     terminal.write("newer.json", &model);
 
-    terminal
-        .refused("show newer.json", &["version 99", "reads up to version 3", "update torquewise"]);
+    terminal.refused("show newer.json", &["version 99", "reads version 1", "fit the model anew"]);
 }
 
 #[test]

@@ -155,7 +155,7 @@ fn powers_that_would_fill_the_memory_are_refused_at_once() {
             "q_range": [[-1, 1], [-1, 1], [-1, 1], [-1, 1]], "dq_peak": {ones}, "ddq_peak": {ones}}}"#
         );
         format!(
-            r#"{{"format": "torquewise-model", "version": 2, "joints": ["a", "b", "c", "d"],
+            r#"{{"format": "torquewise-model", "version": 1, "joints": ["a", "b", "c", "d"],
             "form": {{"energy": [{{"term": {term}, "coefficient": 1.0, "std_error": 0.0}}]}},
             "stages": [], "training": {training}, "choices": [], "friction": []}}"#
         )

@@ -178,10 +178,10 @@ fn friction(n: usize) -> Vec<Weighted<FrictionTerm>> {
         let width = if joint % 2 == 0 { 0.02 } else { 0.0 };
         let laws = [
             (FrictionLaw::Offset, Direction::Both),
-            (FrictionLaw::Viscous, Direction::Forward),
+            (FrictionLaw::Viscous, Direction::Both),
             (FrictionLaw::Viscous, Direction::Backward),
             (FrictionLaw::Coulomb { width }, Direction::Both),
-            (FrictionLaw::Stribeck { speed: 0.1, width }, Direction::Forward),
+            (FrictionLaw::Stribeck { speed: 0.1, width }, Direction::Backward),
         ];
         for (place, (law, direction)) in laws.into_iter().enumerate() {
             let term = FrictionTerm { direction, ..FrictionTerm::of_joint(n, joint, law) };

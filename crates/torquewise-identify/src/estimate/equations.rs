@@ -4,14 +4,11 @@ use super::linearisation::Linearisation;
 use faer::{ColRef, Mat};
 use torquewise_regression::normal_sums::corrected;
 use torquewise_rigid::Geometry;
-use torquewise_rigid::feasible::{Prior, Quadratic, curvature};
+use torquewise_rigid::feasible::Quadratic;
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};
-use torquewise_stepwise::error::IdentifyError;
 
 /// Price of a step, relative to the diagonal of the normal equations.
 const ROUNDING: f64 = 1e-11;
-/// Ridge of the unconstrained optimum, relative to the curvature.
-const RIDGE: f64 = 1e-9;
 
 /// The normal equations in the units of the parameters.
 pub(super) struct Equations {
@@ -86,20 +83,6 @@ impl Equations {
 
     pub(super) fn quadratic(&self) -> Quadratic<'_> {
         Quadratic { hessian: &self.hessian, right: &self.right }
-    }
-
-    /// The optimum without physics; what the log does not tell is held by a small ridge.
-    pub(super) fn unconstrained(&self) -> Result<Vec<f64>, IdentifyError> {
-        let p = self.right.len();
-        let mut ridged = self.hessian.clone();
-        let most = (0..p).fold(0.0_f64, |most, j| most.max(ridged[(j, j)]));
-        for j in 0..p {
-            let own = ridged[(j, j)].max(RIDGE * most).max(f64::MIN_POSITIVE);
-            ridged[(j, j)] += RIDGE * own;
-        }
-        let cost = Quadratic { hessian: &ridged, right: &self.right };
-        let factor = curvature(cost, &Prior::default(), 0.0, &vec![0.0; p])?;
-        Ok(factor.solve(&self.right))
     }
 }
 

@@ -1,11 +1,10 @@
-//! From sums that nothing moves any more to parameters, what is certain of them, and what physics
-//! cost (E11) (E14).
+//! From sums that nothing moves any more to parameters, and what is certain of them (E11) (E14).
 
 use super::linearisation::Linearisation;
 use super::step::{Step, Tuning};
 use faer::{ColRef, Mat};
-use torquewise_model::model::{Choice, PriceOfPhysics};
-use torquewise_rigid::feasible::{Prior, curvature};
+use torquewise_model::model::Choice;
+use torquewise_rigid::feasible::curvature;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, choose_worth};
 
@@ -26,8 +25,6 @@ pub(crate) struct Solved {
     pub(crate) covariance: Mat<f64>,
     /// How the strength of the prior was chosen.
     pub(crate) choice: Option<Choice>,
-    /// What physics costs, beside the optimum without.
-    pub(crate) price: PriceOfPhysics,
 }
 
 impl Step<'_> {
@@ -105,21 +102,11 @@ impl Step<'_> {
         let p = self.before.len();
         let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
         let solution = self.minimum(&equations, active, &tuning)?;
-        let feasible = self.whole(active, &solution);
-        let unconstrained = self.whole(active, &equations.unconstrained()?);
-        let [physical, free] = [&feasible, &unconstrained].map(|x| self.squares(&self.gram, x));
-        let residual = if free > 0.0 { (physical / free).sqrt() - 1.0 } else { 0.0 };
-        let held_out = self.held_out_price(&tuning)?;
-
-        let own = if self.at.structure.physical {
-            (self.prior.clone(), tuning.strength)
-        } else {
-            (Prior::default(), 0.0)
-        };
-        let factor = curvature(equations.quadratic(), &own.0, own.1, &solution)?;
+        let strength = tuning.strength;
+        let factor = curvature(equations.quadratic(), &self.prior, strength, &solution)?;
         let mut middle = self.scores(active);
         // The prior is as uncertain as it is weak.
-        own.0.add_slopes(&solution, own.1, &mut vec![0.0; active.len()], &mut middle);
+        self.prior.add_slopes(&solution, strength, &mut vec![0.0; active.len()], &mut middle);
         let half = factor.solve_matrix(&middle);
         let own = factor.solve_matrix(&half.transpose().to_owned());
         let mut covariance = Mat::zeros(p, p);
@@ -129,7 +116,6 @@ impl Step<'_> {
             }
         }
         let at = self.at.clone().freed(active);
-        let price = PriceOfPhysics { residual, held_out };
-        Ok(Solved { at, covariance, choice: tuning.choice, price })
+        Ok(Solved { at, covariance, choice: tuning.choice })
     }
 }

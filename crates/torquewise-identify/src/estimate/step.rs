@@ -90,11 +90,7 @@ impl<'a> Step<'a> {
     /// Half the sum of squares at parameters in the linearisation, with what the priors add:
     /// infinite where the prior does not allow them.
     pub(super) fn cost(&self, x: &[f64], tuning: &Tuning) -> f64 {
-        let prior = if self.at.structure.physical {
-            tuning.strength * self.prior.value(x).unwrap_or(f64::INFINITY)
-        } else {
-            0.0
-        };
+        let prior = tuning.strength * self.prior.value(x).unwrap_or(f64::INFINITY);
         self.all.cost(self.at, x) + prior + cost_of_pull(self.at, x, tuning.prior)
     }
 
@@ -134,9 +130,6 @@ impl<'a> Step<'a> {
         active: &[usize],
         tuning: &Tuning,
     ) -> Result<Vec<f64>, IdentifyError> {
-        if !self.at.structure.physical {
-            return equations.unconstrained();
-        }
         let allowed =
             if self.prior.value(&self.before).is_some() { &self.before } else { &self.start };
         let start: Vec<f64> = active.iter().map(|&k| allowed[k]).collect();

@@ -128,20 +128,4 @@ impl Step<'_> {
         let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
         (self.squares(held, x) / equations.max(1.0)).sqrt()
     }
-
-    /// By what part the error on held-out folds is larger than that of the optimum without physics,
-    /// both at the geometry of all rows; `None` if folds are few.
-    pub(super) fn held_out_price(&self, tuning: &Tuning) -> Result<Option<f64>, IdentifyError> {
-        let linear = self.at.linear_indices();
-        let pair = (tuning.strength, tuning.prior);
-        let Some((_, physical)) = self.best_of(&linear, &[pair])? else { return Ok(None) };
-        let mut free = Vec::with_capacity(FOLDS);
-        for fold in (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0) {
-            let (held, rest, _) = self.without(fold);
-            let best = rest.of(&linear, self.at, (0.0, 0.0)).unconstrained()?;
-            free.push(self.error(&held, fold, &self.whole(&linear, &best)));
-        }
-        let (physical, free) = (mean(&physical[0]), mean(&free));
-        Ok((free > 0.0).then(|| physical / free - 1.0))
-    }
 }

@@ -54,7 +54,7 @@ fn all_laws() -> Vec<Weighted<FrictionTerm>> {
     vec![
         weighted(coupled(FrictionLaw::Offset), 0.3),
         weighted(coupled(FrictionLaw::Viscous), 1.2),
-        weighted(directed(FrictionLaw::Coulomb { width: 0.01 }, Direction::Forward), 0.7),
+        weighted(directed(FrictionLaw::Coulomb { width: 0.01 }, Direction::Backward), 0.7),
         weighted(directed(FrictionLaw::Viscous, Direction::Backward), 0.2),
         weighted(directed(FrictionLaw::Stribeck { speed: 0.05, width: 0.0 }, Direction::Both), 0.4),
     ]
@@ -99,16 +99,13 @@ fn a_width_smooths_the_reversal_and_nothing_else() {
 #[test]
 fn a_directed_law_acts_in_its_direction_only() {
     for law in [EXACT, FrictionLaw::Viscous, FrictionLaw::Stribeck { speed: 1.0, width: 0.1 }] {
-        let [forward, backward] =
-            [Direction::Forward, Direction::Backward].map(|direction| directed(law, direction));
-        let both = directed(law, Direction::Both);
+        let [both, backward] = [Direction::Both, Direction::Backward].map(|d| directed(law, d));
         for v in [0.3, -0.3] {
-            let (acts, rests) = if v > 0.0 { (&forward, &backward) } else { (&backward, &forward) };
             let dq = [7.0, v];
-            assert_eq!([acts.value(&dq), rests.value(&dq)], [law.value(v), 0.0], "{law:?}");
+            assert_eq!(backward.value(&dq), if v < 0.0 { law.value(v) } else { 0.0 }, "{law:?}");
             assert_eq!(both.value(&dq), law.value(v));
         }
-        assert_eq!([forward.value(&[1.0, 0.0]), backward.value(&[1.0, 0.0])], [0.0, 0.0]);
+        assert_eq!(backward.value(&[1.0, 0.0]), 0.0);
     }
 }
 
@@ -160,7 +157,6 @@ fn terms_read_as_their_formulas() {
     let names = [
         (directed(EXACT, Direction::Both), "sign(dq2)"),
         (directed(EXACT, Direction::Backward), "sign(dq2) [dq2 < 0]"),
-        (directed(FrictionLaw::Viscous, Direction::Forward), "dq2 [dq2 > 0]"),
         (directed(stribeck, Direction::Both), "exp(-(dq2/0.05)^2)*sign(dq2)"),
         (directed(FrictionLaw::Offset, Direction::Both), "1 [joint2]"),
         (directed(FrictionLaw::Coulomb { width: 0.01 }, Direction::Both), "tanh(dq2/0.01)"),
@@ -172,10 +168,10 @@ fn terms_read_as_their_formulas() {
     for (term, name) in names {
         assert_eq!(term.name(), name);
     }
-    let tex = directed(stribeck, Direction::Forward).latex();
+    let tex = directed(stribeck, Direction::Backward).latex();
     assert_eq!(
         tex,
-        r"e^{-(\dot q_{2}/0.05)^{2}}\,\operatorname{sign}(\dot q_{2})\,[\dot q_{2} > 0]"
+        r"e^{-(\dot q_{2}/0.05)^{2}}\,\operatorname{sign}(\dot q_{2})\,[\dot q_{2} < 0]"
     );
 }
 
@@ -229,8 +225,8 @@ fn a_saved_model_keeps_friction_steps_and_choices() {
 }
 
 #[test]
-fn a_file_of_version_1_still_reads() {
-    let old = r#"{"format": "torquewise-model", "version": 1, "joints": ["pivot"],
+fn a_file_without_optional_parts_reads() {
+    let plain = r#"{"format": "torquewise-model", "version": 1, "joints": ["pivot"],
         "form": {"torque": [[{
             "term": {
                 "factors": [{"multiples": [1], "function": "sin", "power": 1}],
@@ -243,14 +239,14 @@ fn a_file_of_version_1_still_reads() {
         "training": {"rows": 5, "residual_rms": [0.1], "torque_std": [1.0],
             "q_range": [[-1.0, 1.0]], "dq_peak": [2.0], "ddq_peak": [3.0]}}"#;
 
-    let read = from_json(old).unwrap();
+    let read = from_json(plain).unwrap();
 
     assert!(read.friction.is_empty() && read.choices.is_empty());
     let tau = Torque::new(&read).at(&[0.5], &[4.0], &[0.0]).unwrap();
     assert_eq!(tau, [3.3 * 0.5_f64.sin()]);
-    for version in ["0", "4"] {
-        let other = old.replace("\"version\": 1", &format!("\"version\": {version}"));
-        assert!(matches!(from_json(&other), Err(ModelError::Version { known: 3, .. })));
+    for version in ["0", "3"] {
+        let other = plain.replace("\"version\": 1", &format!("\"version\": {version}"));
+        assert!(matches!(from_json(&other), Err(ModelError::Version { known: 1, .. })));
     }
 }
 
@@ -262,7 +258,7 @@ fn friction_that_cannot_be_is_refused() {
         term: FrictionTerm { shaft, ..good.term.clone() },
         ..good.clone()
     };
-    let offset = directed(FrictionLaw::Offset, Direction::Forward);
+    let offset = directed(FrictionLaw::Offset, Direction::Backward);
     let hostile = [
         shaft(vec![1.0]),
         shaft(vec![0.0, 1.0, 0.0]),
@@ -300,9 +296,9 @@ fn a_tampered_file_is_refused_with_the_place() {
     let whole = to_json(&model(all_laws())).unwrap();
     let tampered = [
         ("\"speed\": 0.05", "\"speed\": 0", "the Stribeck speed of the friction exp("),
-        ("\"width\": 0.01", "\"width\": -0.01", "the width of the friction sign(dq2) [dq2 > 0]"),
+        ("\"width\": 0.01", "\"width\": -0.01", "the width of the friction sign(dq2) [dq2 < 0]"),
         ("\"speed\": 0.05", "\"speed\": 1e999", "number out of range"),
-        ("\"direction\": \"forward\"", "\"direction\": \"sideways\"", "unknown variant"),
+        ("\"direction\": \"backward\"", "\"direction\": \"sideways\"", "unknown variant"),
         ("\"speed\": 0.05", "\"speed\": 0.05, \"mass\": 1", "unknown field"),
     ];
 
@@ -332,8 +328,7 @@ fn friction_term() -> impl Strategy<Value = FrictionTerm> {
         (0.0..0.2).prop_map(|width| FrictionLaw::Coulomb { width }),
         (0.01..1.0, 0.0..0.2).prop_map(|(speed, width)| FrictionLaw::Stribeck { speed, width }),
     ];
-    let direction =
-        prop_oneof![Just(Direction::Both), Just(Direction::Forward), Just(Direction::Backward)];
+    let direction = prop_oneof![Just(Direction::Both), Just(Direction::Backward)];
     (proptest::collection::vec(-2.0..2.0, 2), law, direction)
         .prop_map(|(shaft, law, direction)| FrictionTerm { shaft, law, direction, load: false })
 }
@@ -395,10 +390,10 @@ fn another_reversal_changes_friction_at_reversal_alone() {
         Torque::new(model).friction(&[0.0; 2], &[speed, speed]).unwrap()
     };
     assert_eq!(at(&sharp, 0.4), at(&smooth, 0.4));
-    // tanh(0.5) of the directed law becomes tanh(50), which is 1.
-    let grown = at(&sharp, 0.005)[1] - at(&smooth, 0.005)[1];
-    assert!((grown - 0.7 * (1.0 - 0.5_f64.tanh())).abs() < 1e-12, "{grown}");
-    assert_eq!(at(&sharp.after_step(1).unwrap(), 0.005), at(&sharp, 0.005));
+    // tanh(−0.5) of the directed law becomes tanh(−50), which is −1.
+    let grown = at(&sharp, -0.005)[1] - at(&smooth, -0.005)[1];
+    assert!((grown + 0.7 * (1.0 - 0.5_f64.tanh())).abs() < 1e-12, "{grown}");
+    assert_eq!(at(&sharp.after_step(1).unwrap(), -0.005), at(&sharp, -0.005));
 }
 
 #[test]

@@ -125,16 +125,12 @@ fn words(findings: &Findings<'_>) -> String {
         1 => " One term is friction.".into(),
         many => format!(" {} terms are friction.", count(many)),
     };
-    let untried = found.model.training.omitted.as_ref();
-    let untried = untried.map_or_else(String::new, |untried| format!(" {untried}."));
     let [kept, offered] = [found.model.n_coefficients(), found.candidates].map(count);
     let checks = findings.checks.map_or_else(String::new, |checks| {
         let passed = if checks.passed() { "passed" } else { "did not pass" };
         format!(" It {passed} the physical checks at {} states.", count(checks.states))
     });
-    format!(
-        "The model has {kept} terms, of {offered} candidates.{friction} {form}{checks}{untried}"
-    )
+    format!("The model has {kept} terms, of {offered} candidates.{friction} {form}{checks}")
 }
 
 /// Errors of each joint: on the test log, on held-out blocks of time, on the fitted log.

@@ -162,8 +162,5 @@ pub(crate) fn section(outcome: &Outcome) -> String {
             .collect();
         lines.push(format!("- {}: **{}** of {}\n", choice.what, choice.chosen, tried.join(", ")));
     }
-    if let Some(certificate) = &first.model.training.omitted {
-        lines.push(format!("\n{certificate}.\n"));
-    }
     lines.concat()
 }

@@ -1,5 +1,5 @@
-//! From chain, sample of a log to motors that are wired the wrong way round: with their torques
-//! turned, a chain of rigid bodies explains those of all joints far better.
+//! Torques of the wrong sign: turned round, a chain of rigid bodies explains those of all joints far
+//! better.
 
 use crate::drive_terms::{DriveTerm, columns};
 use crate::estimate::{Linearisation, Structure};
@@ -28,14 +28,14 @@ const LOOKS: usize = 3;
 /// Where the axes of an arm lie, and what loads its joints beside the links, as far as a fit to
 /// torques of any sign has found them.
 #[derive(Debug)]
-pub(crate) struct FoundChain {
+pub(crate) struct SignTest {
     geometry: Geometry,
     /// Parameters of the geometry that may move.
     free: Vec<usize>,
     drive: Vec<DriveTerm>,
 }
 
-impl FoundChain {
+impl SignTest {
     /// What a pass over all rows was made at.
     ///
     /// - `is_given`: whether its axes were known beforehand, and so stay
@@ -73,7 +73,7 @@ impl FoundChain {
     ///
     /// # Errors
     /// [`IdentifyError::Chain`] if a chain is of another arm than the sample.
-    pub(crate) fn contrary(mut self, sample: &Motion) -> Result<Vec<usize>, IdentifyError> {
+    pub(crate) fn wrong_signs(mut self, sample: &Motion) -> Result<Vec<usize>, IdentifyError> {
         let motion = thinned(sample, ROWS);
         let n = motion.n_joints();
         self.drive.extend(mirrored(&self.drive));
@@ -88,6 +88,10 @@ impl FoundChain {
             Tried { signs, left: chain.as_ref().map_or(f64::INFINITY, left), chain }
         };
         let as_it_is = tried(0, &self.geometry, &self.free);
+        let all_turned = (1_u32 << n) - 1;
+        // Without friction a motion and its torque turned round fit alike: kinetic energy tells.
+        let is_mirrored =
+            as_it_is.chain.as_ref().is_some_and(|chain| self.kinetic_energy(chain, &motion) < 0.0);
         let mut found = 0;
         let mut geometry = self.geometry.clone();
         for look in 0..LOOKS {
@@ -106,10 +110,13 @@ impl FoundChain {
             else {
                 return Ok(Vec::new());
             };
-            if left > QUARTER * as_it_is.left {
+            if left > QUARTER * as_it_is.left && !(is_mirrored && signs == all_turned) {
                 return Ok(Vec::new());
             }
             (found, geometry) = (signs, chain.geometry);
+        }
+        if is_mirrored && found == all_turned {
+            return Ok((0..n).collect());
         }
         // Of several, each must tell by itself.
         let left = |signs: u32| tried(signs, &geometry, &[]).left;
