@@ -39,7 +39,8 @@ fn check(root: &Path) -> Result<Vec<String>> {
         broken.push(format!("{total} lines of Rust, at most {MOST_LINES} are allowed"));
     }
     // Cargo refuses circles; this edge would be none.
-    let manifest: toml::Table = read(&root.join("crates/torquewise-identify/Cargo.toml"))?.parse()?;
+    let manifest: toml::Table =
+        read(&root.join("crates/torquewise-identify/Cargo.toml"))?.parse()?;
     if manifest.get("dependencies").is_some_and(|own| own.get("torquewise-sim").is_some()) {
         broken.push("torquewise-identify must not know true arms: its tests alone may".into());
     }

@@ -42,7 +42,8 @@ impl Language for C {
 pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<String, ExportError> {
     check_name(name)?;
     program.check_precision(precision)?;
-    let (n, real) = (program.n_joints(), if precision == Precision::Single { "float" } else { "double" });
+    let (n, real) =
+        (program.n_joints(), if precision == Precision::Single { "float" } else { "double" });
     let lines = |roots: &[Id], arguments: &[&str], result| {
         statements(&Body::of(&program.graph, roots, &C(precision)), precision, arguments, result)
     };

@@ -36,7 +36,10 @@ pub fn to_python(program: &Program) -> Result<String, ExportError> {
     // Signals by the names of their entries, steps, results.
     let lines = |roots: &[Id], read: Vec<String>, results: &str, columns: Option<usize>| {
         let body = Body::of(&program.graph, roots, &Python);
-        read.into_iter().chain(steps(&body)).chain(body.listed(results, columns)).collect::<Vec<_>>()
+        read.into_iter()
+            .chain(steps(&body))
+            .chain(body.listed(results, columns))
+            .collect::<Vec<_>>()
     };
     let signals = |names: &[&str]| -> Vec<String> {
         names.iter().map(|signal| unpacked(signal, n, signal)).collect()
@@ -48,7 +51,7 @@ pub fn to_python(program: &Program) -> Result<String, ExportError> {
         let columns = quantity.is_matrix().then_some(n);
         context! {
             name => quantity.name(),
-            signals => quantity.signals(),
+            signals => quantity.signals().to_vec(),
             doc => doc(*quantity, roots),
             lines => lines(roots, signals(quantity.signals()), "return ", columns),
         }

@@ -27,7 +27,8 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
         filled(
             template,
             context! {
-                package, name,
+                package => package.as_str(),
+                name,
                 version => program.version(),
                 inclusion => inclusion(program, name),
                 upper => name.to_uppercase(),
@@ -36,7 +37,7 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
             },
         )
     };
-    let node = |source: &str| Ok::<_, ExportError>(file(NODE)? + source);
+    let head = file(NODE)?;
     Ok(vec![
         ("package.xml".into(), manifest(&package)?),
         ("CMakeLists.txt".into(), file(include_str!("templates/CMakeLists.txt.j2"))?),
@@ -46,8 +47,8 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
             "config/external_torque.yaml".into(),
             file(include_str!("templates/external_torque.yaml.j2"))?,
         ),
-        ("src/feed_forward.cpp".into(), node(include_str!("assets/feed_forward.cpp"))?),
-        ("src/external_torque.cpp".into(), node(include_str!("assets/external_torque.cpp"))?),
+        ("src/feed_forward.cpp".into(), head.clone() + include_str!("assets/feed_forward.cpp")),
+        ("src/external_torque.cpp".into(), head + include_str!("assets/external_torque.cpp")),
     ])
 }
 

@@ -51,7 +51,8 @@ pub fn to_rust(program: &Program, precision: Precision) -> Result<String, Export
         }
     };
     let functions = program.functions.iter();
-    let functions = functions.map(|(quantity, roots)| function(*quantity, roots, quantity.signals()));
+    let functions =
+        functions.map(|(quantity, roots)| function(*quantity, roots, quantity.signals()));
     let memory = program.memory.as_ref().map(|memory| {
         let body = Body::of(&program.graph, &memory.states, &Rust(precision));
         let after = memory.after.iter().map(|(quantity, roots)| {
