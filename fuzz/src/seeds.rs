@@ -1,13 +1,13 @@
 //! Small valid files of every format, made by the program or by the libraries of the formats.
 
 use crate::made_bags::{KIND, Made, joint_state, write, write_mcap};
-use crate::reader::Reader;
 use anyhow::{Context, Result};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use mcap::WriteOptions;
 use std::fs;
 use std::io::{Cursor, Write};
+use std::iter;
 use std::path::Path;
 use torquewise::dynamics::plan::{MotionKind, MotionPlan};
 use torquewise::dynamics::{Arm, simulate};
@@ -19,90 +19,87 @@ use torquewise::{Fit, FitOptions};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-/// A seed in parts that are mutated on their own, where a checksum covers them.
+/// A seed in parts that are mutated on their own, where a checksum covers them or they are packed.
 #[derive(Clone, Debug)]
-pub enum Seed {
-    /// As it stands in the file.
-    Whole(Vec<u8>),
-    /// Members of a zip archive.
-    Zip(Vec<(String, Vec<u8>)>),
-    /// A header of 20 bytes, the checksum of the rest, and the rest.
-    Framed(Vec<u8>),
-    /// The header of a MAT file and its elements, each of which is compressed.
-    Mat(Vec<u8>, Vec<Vec<u8>>),
+pub struct Seed {
+    /// Its parts.
+    pub parts: Vec<Vec<u8>>,
+    pack: fn(&[Vec<u8>]) -> Vec<u8>,
 }
 
 impl Seed {
     /// The bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
-        match self {
-            Self::Whole(bytes) => bytes.clone(),
-            Self::Zip(members) => zipped(members).unwrap_or_default(),
-            Self::Framed(bytes) => {
-                let mut bytes = bytes.clone();
-                if let Some((header, body)) = bytes.split_at_mut_checked(24) {
-                    header[12..20].copy_from_slice(&(body.len() as u64).to_le_bytes());
-                    header[20..].copy_from_slice(&crc32fast::hash(body).to_le_bytes());
-                }
-                bytes
-            }
-            Self::Mat(header, elements) => {
-                let mut bytes = header.clone();
-                for element in elements {
-                    let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
-                    let packed = packed.write_all(element).and_then(|()| packed.finish());
-                    let packed = packed.unwrap_or_default();
-                    bytes.extend(15_u32.to_le_bytes());
-                    bytes.extend(u32::try_from(packed.len()).unwrap_or(u32::MAX).to_le_bytes());
-                    bytes.extend(packed);
-                }
-                bytes
-            }
-        }
+        (self.pack)(&self.parts)
+    }
+
+    /// As it stands in the file.
+    fn whole(bytes: Vec<u8>) -> Self {
+        Self { parts: vec![bytes], pack: <[Vec<u8>]>::concat }
     }
 }
 
-fn zipped(members: &[(String, Vec<u8>)]) -> Result<Vec<u8>> {
-    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    for (place, (name, bytes)) in members.iter().enumerate() {
-        let method =
-            if place % 2 == 0 { CompressionMethod::Stored } else { CompressionMethod::Deflated };
-        let options = SimpleFileOptions::default().compression_method(method);
-        archive.start_file(name.as_str(), options)?;
-        archive.write_all(bytes)?;
+/// The arrays of a log, in the order of their parts.
+const ARRAYS: [&str; 5] = ["t", "q", "dq", "ddq", "tau"];
+
+/// A zip archive of arrays.
+fn zipped(members: &[Vec<u8>]) -> Vec<u8> {
+    let archive = || -> Result<Vec<u8>> {
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        let methods = [CompressionMethod::Stored, CompressionMethod::Deflated].into_iter().cycle();
+        for ((name, bytes), method) in ARRAYS.iter().zip(members).zip(methods) {
+            let options = SimpleFileOptions::default().compression_method(method);
+            archive.start_file(format!("{name}.npy"), options)?;
+            archive.write_all(bytes)?;
+        }
+        Ok(archive.finish()?.into_inner())
+    };
+    archive().unwrap_or_default()
+}
+
+/// A header of 20 bytes, the checksum of the rest, and the rest.
+fn framed(parts: &[Vec<u8>]) -> Vec<u8> {
+    let (mut header, body) = (parts[0].clone(), parts[1..].concat());
+    header.resize(24, 0);
+    header[12..20].copy_from_slice(&(body.len() as u64).to_le_bytes());
+    header[20..].copy_from_slice(&crc32fast::hash(&body).to_le_bytes());
+    [header, body].concat()
+}
+
+/// The header of a MAT file and its elements, each of which is compressed.
+fn compressed(parts: &[Vec<u8>]) -> Vec<u8> {
+    let mut bytes = parts[0].clone();
+    for element in &parts[1..] {
+        let mut packed = ZlibEncoder::new(Vec::new(), Compression::fast());
+        let packed = packed.write_all(element).and_then(|()| packed.finish());
+        let packed = packed.unwrap_or_default();
+        bytes.extend(15_u32.to_le_bytes());
+        bytes.extend(u32::try_from(packed.len()).unwrap_or(u32::MAX).to_le_bytes());
+        bytes.extend(packed);
     }
-    Ok(archive.finish()?.into_inner())
+    bytes
 }
 
 /// The seeds of a reader, the same every time.
 ///
 /// # Errors
 /// Those of making them.
-pub fn seeds(reader: Reader) -> Result<Vec<Seed>> {
-    match reader {
-        Reader::Csv | Reader::Parquet | Reader::Db3 | Reader::Mcap | Reader::Npz | Reader::Mat => {
-            of_log(reader)
-        }
-        _ => of_text(reader),
-    }
-}
-
-fn of_log(reader: Reader) -> Result<Vec<Seed>> {
+pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
     let folder = tempfile::tempdir()?;
+    let file = folder.path().join(format!("log.{reader}"));
+    let array_columns = |name: &str| if name == "t" { 1 } else { 2 };
     Ok(match reader {
-        Reader::Csv | Reader::Parquet => {
-            let file = folder.path().join(format!("log.{}", reader.name()));
+        "csv" | "parquet" => {
             let mut writer = LogWriter::create(&file, motion(40)?.joints(), Contents::default())?;
             writer.append(&motion(40)?)?;
             writer.finish()?;
-            vec![Seed::Whole(fs::read(file)?)]
+            vec![Seed::whole(fs::read(file)?)]
         }
-        Reader::Db3 | Reader::Mcap => {
-            let file = folder.path().join(format!("bag.{}", reader.name()));
+        "db3" | "mcap" => {
             let topics = [("/joint_states", KIND), ("/other", "std_msgs/msg/String")];
             write(&file, &topics, &messages());
-            let mut found = vec![Seed::Whole(fs::read(&file)?)];
-            if reader == Reader::Mcap {
+            let mut found = vec![Seed::whole(fs::read(&file)?)];
+            if reader == "mcap" {
                 // Without checksums, what lies behind them is reached.
                 let open = WriteOptions::default()
                     .compression(None)
@@ -111,69 +108,72 @@ fn of_log(reader: Reader) -> Result<Vec<Seed>> {
                     .calculate_summary_section_crc(false)
                     .calculate_attachment_crcs(false);
                 write_mcap(&file, &topics, &messages(), open);
-                found.push(Seed::Whole(fs::read(&file)?));
+                found.push(Seed::whole(fs::read(&file)?));
             }
             found
         }
-        Reader::Npz => {
-            let array =
-                |name: &str| (format!("{name}.npy"), npy(30, if name == "t" { 1 } else { 2 }));
-            let seed = Seed::Zip(["t", "q", "dq", "ddq", "tau"].map(array).to_vec());
-            vec![Seed::Whole(seed.bytes()), seed]
+        "npz" => {
+            let parts = ARRAYS.map(|name| npy(30, array_columns(name))).to_vec();
+            let seed = Seed { parts, pack: zipped };
+            vec![Seed::whole(seed.bytes()), seed]
         }
-        Reader::Mat => {
-            let element = |name: &str| matrix(name, 30, if name == "t" { 1 } else { 2 });
-            let elements = ["t", "q", "dq", "ddq", "tau"].map(element);
+        "mat" => {
             let mut header = format!("{:<116}", "MATLAB 5.0 MAT-file").into_bytes();
             header.extend([0; 8]);
             header.extend([0, 1]);
             header.extend(b"IM");
-            let plain = Seed::Whole([header.clone(), elements.concat()].concat());
-            vec![plain, Seed::Mat(header, elements.to_vec())]
+            let elements = ARRAYS.map(|name| matrix(name, 30, array_columns(name)));
+            let parts: Vec<Vec<u8>> = iter::once(header).chain(elements).collect();
+            vec![Seed::whole(parts.concat()), Seed { parts, pack: compressed }]
         }
-        _ => Vec::new(),
-    })
-}
-
-fn of_text(reader: Reader) -> Result<Vec<Seed>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let text = |path: &str| -> Result<Seed> {
-        let file = root.join(path);
-        Ok(Seed::Whole(fs::read(&file).with_context(|| format!("no {}", file.display()))?))
-    };
-    let literal = |text: &str| Seed::Whole(text.as_bytes().to_vec());
-    Ok(match reader {
-        Reader::Model => {
-            let log = motion(400)?;
-            let model = |options| -> Result<Seed> {
-                let model = Fit::new(&log).options(options).run()?.model.clone();
-                Ok(Seed::Whole(torquewise::model::file::to_json(&model)?.into_bytes()))
-            };
+        "model" => {
             let chain = FitOptions {
                 library: Some(torquewise::Library::Chain),
                 friction: Some(torquewise::FrictionKind::Auto),
                 ..FitOptions::default()
             };
+            let log = motion(400)?;
+            let model = |options| -> Result<Seed> {
+                let model = Fit::new(&log).options(options).run()?.model.clone();
+                Ok(Seed::whole(torquewise::model::file::to_json(&model)?.into_bytes()))
+            };
             vec![model(FitOptions::default())?, model(chain)?]
         }
-        Reader::Moments => {
+        "moments" => {
             let method = Method::Library(LibraryOptions::default());
             let plan = Plan { method, patterns: PatternPlan::default(), seed: 0 };
-            let summary = summarise(&motion(400)?, &plan, "", &mut |_| ())?;
-            vec![Seed::Framed(summary.to_bytes()?)]
+            let bytes = summarise(&motion(400)?, &plan, "", &mut |_| ())?.to_bytes()?;
+            let (header, body) = bytes.split_at(24);
+            vec![Seed { parts: vec![header.to_vec(), body.to_vec()], pack: framed }]
         }
-        Reader::Profile => vec![
-            text("profiles/kuka_kr300.toml")?,
-            text("profiles/tiago_arm.toml")?,
-            text("profiles/ur10.toml")?,
-        ],
-        Reader::Dh => vec![text("crates/torquewise-sim/src/arms/planar-2.toml")?],
-        Reader::Friction => vec![literal(
-            "width = 0.01\n[joint1]\ncoulomb = 4.0\nstiction = 6.0\nspeed = 0.1\nviscous = 2.0\n\
-             backward = { coulomb = 3.0, stiction = 4.0, speed = 0.1, viscous = 1.0 }\n[joint2]\ncoulomb = 1.0\nstiffness = 100\ndamping = 1\n",
-        )],
+        "profile" => ["kuka_kr300", "tiago_arm", "ur10"]
+            .iter()
+            .map(|name| text(&format!("profiles/{name}.toml")))
+            .collect::<Result<_>>()?,
+        "dh" => vec![text("crates/torquewise-sim/src/arms/planar-2.toml")?],
+        "friction" => vec![Seed::whole(FRICTION.into())],
         _ => vec![text("examples/three-joint.urdf")?],
     })
+}
+
+const FRICTION: &str = "\
+width = 0.01
+[joint1]
+coulomb = 4.0
+stiction = 6.0
+speed = 0.1
+viscous = 2.0
+backward = { coulomb = 3.0, stiction = 4.0, speed = 0.1, viscous = 1.0 }
+[joint2]
+coulomb = 1.0
+stiffness = 100
+damping = 1
+";
+
+/// A file of the repository.
+fn text(path: &str) -> Result<Seed> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
+    Ok(Seed::whole(fs::read(&file).with_context(|| format!("no {}", file.display()))?))
 }
 
 fn motion(rows: u32) -> Result<Motion> {

@@ -3,59 +3,72 @@
 use crate::{python, tidy};
 use anyhow::{Context, Result, bail};
 use std::env;
+use std::env::consts::EXE_SUFFIX;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::Instant;
 
-/// Crates that the library without its default features may be made of.
-const MOST_LEAN_CRATES: usize = 99;
+/// What cargo builds, and the crates it may be made of, with itself.
+const MOST_CRATES: [(&str, usize); 2] =
+    [("--package torquewise-cli", 200), ("--package torquewise --no-default-features", 100)];
 
-/// How long mutated files are tried, by all readers together.
-const FUZZ_SECONDS: u32 = 60;
+/// Largest program that users get \[bytes\].
+const LARGEST_PROGRAM: u64 = 20_000_000;
 
 /// Runs every check and stops at the first that fails.
 ///
 /// # Errors
 /// The step that failed.
 pub(crate) fn run(root: &Path) -> Result<()> {
-    cargo(root, "fmt --all -- --check")?;
-    announce("xtask tidy");
+    let (begun, tree) = (Instant::now(), changes(root));
+    let step = |name: &str| eprintln!("\n=== {} s: {name}", begun.elapsed().as_secs());
+    let cargo = |line: &str| {
+        step(&format!("cargo {line}"));
+        cargo(root, line)
+    };
+    cargo("fmt --all -- --check")?;
+    step("tidy");
     tidy::run(root)?;
-    supply_chain(root)?;
-    announce("crates of the lean library");
-    lean_crates(root)?;
-    cargo(root, "clippy --workspace --all-targets -- -D warnings")?;
-    cargo(root, "clippy --package torquewise --no-default-features -- -D warnings")?;
-    cargo(root, "doc --workspace --no-deps --lib")?;
-    let has_nextest = command(root, "nextest --version")
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .status()
-        .is_ok_and(|status| status.success());
-    // A machine without nextest runs the same tests.
-    cargo(
-        root,
-        if has_nextest {
-            "nextest run --workspace"
+    step("number of crates");
+    MOST_CRATES.iter().try_for_each(|(of, most)| check_crates(root, of, *most))?;
+    if succeeds(root, "deny --version") {
+        cargo("deny --log-level error check licenses bans sources")?;
+        if succeeds(root, "deny fetch db") {
+            cargo("deny --log-level error check advisories")?;
         } else {
-            "test --workspace --lib --bins --tests"
-        },
-    )?;
-    cargo(root, "test --workspace --doc")?;
+            step("NOT CHECKED: advisories, as their database cannot be had");
+        }
+    } else {
+        step("NOT CHECKED: licences, sources and advisories; `cargo install cargo-deny`");
+    }
+    cargo("clippy --workspace --all-targets -- -D warnings")?;
+    cargo("clippy --package torquewise --no-default-features -- -D warnings")?;
+    cargo("doc --workspace --no-deps --lib")?;
+    // A machine without nextest runs the same tests.
+    cargo(if succeeds(root, "nextest --version") {
+        "nextest run --workspace"
+    } else {
+        "test --workspace --lib --bins --tests"
+    })?;
+    cargo("test --workspace --doc")?;
     // With the features of the workspace, so that nothing is compiled again.
-    cargo(root, "build --workspace --lib --examples")?;
+    cargo("build --workspace --lib --examples")?;
     let target = target(root);
     for example in examples(root)? {
-        announce(&format!("example {example}"));
-        run_example(root, &target.join("debug/examples").join(&example))?;
+        step(&format!("example {example}"));
+        call(Command::new(target.join("debug/examples").join(&example)).current_dir(root))?;
     }
-    cargo(
-        root,
-        &format!("run --package torquewise-fuzz -- --cases 1000000 --seconds {FUZZ_SECONDS}"),
-    )?;
-    announce("python");
+    step("python");
     python::run(root, &target)?;
-    announce("all passed");
+    cargo("build --release")?;
+    step("the program that users get");
+    run_release(&target.join(format!("release/torquewise{EXE_SUFFIX}")), &target.join("demo"))?;
+    step("clean work tree");
+    if changes(root) != tree {
+        bail!("files of the work tree changed: see `git status`");
+    }
+    step("all passed");
     Ok(())
 }
 
@@ -64,11 +77,25 @@ pub(crate) fn target(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from)
 }
 
-/// Runs an example that was built.
-fn run_example(root: &Path, program: &Path) -> Result<()> {
-    let status = Command::new(program).current_dir(root).stdin(Stdio::null()).status();
-    let status = status.with_context(|| format!("cannot start {}", program.display()))?;
-    if status.success() { Ok(()) } else { bail!("{} failed: see above", program.display()) }
+/// What git says of the work tree; nothing where it is none.
+fn changes(root: &Path) -> Option<String> {
+    let output = Command::new("git").current_dir(root).args(["status", "--porcelain"]).output();
+    let output = output.ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Fails where a program is too large, or cannot do what it is first asked for.
+fn run_release(program: &Path, folder: &Path) -> Result<()> {
+    let size = fs::metadata(program).with_context(|| format!("no {}", program.display()))?.len();
+    eprintln!("{:.1} MB", size as f64 / 1e6);
+    if size > LARGEST_PROGRAM {
+        bail!("{} has {size} bytes, at most {LARGEST_PROGRAM} are allowed", program.display());
+    }
+    if folder.exists() {
+        fs::remove_dir_all(folder)?;
+    }
+    fs::create_dir_all(folder)?;
+    call(Command::new(program).arg("demo").current_dir(folder))
 }
 
 /// Names of the examples of the front door, by number.
@@ -83,57 +110,41 @@ fn examples(root: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Licences, sources and versions of all crates, where `cargo deny` is installed; advisories where
-/// their database can be had.
-fn supply_chain(root: &Path) -> Result<()> {
-    let runs = |line: &str| {
-        let quiet = command(root, line).stdout(Stdio::null()).stderr(Stdio::null()).status();
-        quiet.is_ok_and(|status| status.success())
-    };
-    announce("supply chain");
-    if !runs("deny --version") {
-        eprintln!("skipped: `cargo install cargo-deny` to check licences, sources and versions");
-        return Ok(());
-    }
-    cargo(root, "deny --log-level error check licenses bans sources")?;
-    if !runs("deny fetch db") {
-        eprintln!("advisories are not checked: their database cannot be had");
-        return Ok(());
-    }
-    cargo(root, "deny --log-level error check advisories")
-}
-
-/// Fails where the lean library is made of more crates than it may.
-fn lean_crates(root: &Path) -> Result<()> {
-    let line = "tree --package torquewise --no-default-features --edges normal --prefix none \
-                --format {p}";
-    let listed = command(root, line).output().context("cannot start cargo tree")?;
+/// Fails where something is made of more crates than it may.
+fn check_crates(root: &Path, of: &str, most: usize) -> Result<()> {
+    let line = format!("tree {of} --edges normal,build --prefix none --format {{p}}");
+    let listed = command(root, &line).output().context("cannot start cargo tree")?;
     let listed = String::from_utf8_lossy(&listed.stdout).into_owned();
     let mut crates: Vec<&str> =
         listed.lines().map(|line| line.split(" (").next().unwrap_or(line)).collect();
     crates.sort_unstable();
     crates.dedup();
-    match crates.len() {
-        0 => bail!("cargo tree lists nothing"),
-        n if n > MOST_LEAN_CRATES => bail!("{n} crates, at most {MOST_LEAN_CRATES} are allowed"),
-        n => eprintln!("{n}"),
+    eprintln!("{of}: {}", crates.len());
+    if crates.is_empty() || crates.len() > most {
+        bail!("{of}: {} crates, at most {most} are allowed", crates.len());
     }
     Ok(())
 }
 
-fn announce(name: &str) {
-    eprintln!("\n=== {name}");
-}
-
 /// Runs cargo with the words of a line.
 fn cargo(root: &Path, line: &str) -> Result<()> {
-    announce(&format!("cargo {line}"));
-    let status = command(root, line).status();
-    let status = status.with_context(|| format!("cannot start `cargo {line}`"))?;
-    if status.success() { Ok(()) } else { bail!("`cargo {line}` failed: see above") }
+    call(&mut command(root, line)).with_context(|| format!("`cargo {line}` failed"))
 }
 
-/// The cargo that runs this program, without standard input.
+fn succeeds(root: &Path, line: &str) -> bool {
+    let quiet = command(root, line).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    quiet.is_ok_and(|status| status.success())
+}
+
+/// Runs a program without standard input.
+pub(crate) fn call(command: &mut Command) -> Result<()> {
+    let name = command.get_program().display().to_string();
+    let status = command.stdin(Stdio::null()).status();
+    let status = status.with_context(|| format!("cannot start {name}"))?;
+    if status.success() { Ok(()) } else { bail!("{name} failed: see above") }
+}
+
+/// The cargo that runs this program.
 fn command(root: &Path, line: &str) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root).args(line.split_whitespace()).stdin(Stdio::null());
@@ -149,6 +160,6 @@ mod tests {
     fn a_failing_step_is_named() {
         let error = cargo(Path::new("."), "no-such-chore").unwrap_err();
 
-        assert_eq!(error.to_string(), "`cargo no-such-chore` failed: see above");
+        assert_eq!(error.to_string(), "`cargo no-such-chore` failed");
     }
 }

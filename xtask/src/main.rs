@@ -12,7 +12,7 @@ usage: cargo xtask <chore>
 
   ci     everything a change must pass, the same for people and machines
   python the suite of the Python package, on what `cargo build --workspace --lib` built
-  tidy   which crate may import which, and that ARCHITECTURE.md names what exists";
+  tidy   that ARCHITECTURE.md names what exists, and how long files are";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

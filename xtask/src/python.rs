@@ -1,5 +1,6 @@
 //! The suite of the Python package, on the engine that the workspace was built with.
 
+use crate::ci::call;
 use anyhow::{Context, Result, bail};
 use std::env;
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
@@ -31,15 +32,15 @@ pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
     let inside = environment.join(if cfg!(windows) { "Scripts/python" } else { "bin/python" });
     let needs = requirements(&root.join("python/pyproject.toml"))?;
     if !is_there(inside.as_os_str()) {
-        call(Command::new(&python).args(["-m", "venv"]).arg(&environment), root)?;
+        call(Command::new(&python).args(["-m", "venv"]).arg(&environment))?;
     }
     let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    call(Command::new(&inside).args(install).args(needs), root)?;
+    call(Command::new(&inside).args(install).args(needs))?;
     let mut suite = Command::new(&inside);
     suite
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
         .arg(root.join("python/tests"));
-    call(suite.env("PYTHONPATH", &site), &folder)
+    call(suite.env("PYTHONPATH", &site).current_dir(&folder))
 }
 
 /// Copies the package, and the engine under the name that Python loads.
@@ -85,13 +86,6 @@ fn is_there(program: &OsStr) -> bool {
     let mut command = Command::new(program);
     command.arg("--version").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
     command.status().is_ok_and(|status| status.success())
-}
-
-fn call(command: &mut Command, folder: &Path) -> Result<()> {
-    let name = command.get_program().display().to_string();
-    let status = command.current_dir(folder).stdin(Stdio::null()).status();
-    let status = status.with_context(|| format!("cannot start {name}"))?;
-    if status.success() { Ok(()) } else { bail!("{name} failed: see above") }
 }
 
 #[cfg(test)]

@@ -1,32 +1,13 @@
-//! Rules that no compiler checks: dependencies between crates point one way, and the paths that
-//! ARCHITECTURE.md names exist.
+//! Rules that no compiler checks: the paths that ARCHITECTURE.md names exist, files and repository
+//! are no longer than they may be, and the learner does not know the arms it is tried on.
 
 use anyhow::{Context, Result, bail};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// A crate, what it may import of the others, and what its tests may import beside.
-type Layer = (&'static str, &'static str, &'static str);
-
-/// The table of `ARCHITECTURE.md`. A new edge between crates starts with a change here.
-const LAYERS: [Layer; 15] = [
-    ("motion", "", ""),
-    ("regression", "", ""),
-    ("rigid", "regression", "motion model sim"),
-    ("model", "motion rigid", "sim"),
-    ("logs", "motion", "sim"),
-    // Of rigid, stepwise knows the error alone, which its own holds.
-    ("stepwise", "motion regression model rigid", "sim"),
-    ("identify", "motion regression model rigid stepwise", "sim logs"),
-    ("sim", "motion regression rigid model stepwise", ""),
-    ("report", "motion model stepwise identify", "sim"),
-    ("export", "rigid model sim", ""),
-    ("paper", "motion regression model sim stepwise identify report", ""),
-    ("", "motion regression model sim logs stepwise identify report export", ""),
-    ("cli", "torquewise paper", "sim logs"),
-    ("python", "torquewise", ""),
-    ("xtask", "", ""),
-];
+/// Lines of a file of Rust, and of all of them.
+const MOST_LINES_OF_FILE: usize = 400;
+const MOST_LINES: usize = 96_000;
 
 /// Prints every broken rule.
 ///
@@ -42,53 +23,45 @@ pub(crate) fn run(root: &Path) -> Result<()> {
 
 fn check(root: &Path) -> Result<Vec<String>> {
     let mut broken = missing_paths(root, &read(&root.join("ARCHITECTURE.md"))?);
-    let mut folders: Vec<_> = fs::read_dir(root.join("crates"))?
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<std::io::Result<_>>()?;
-    folders.extend(["python", "xtask"].map(|folder| root.join(folder)));
-    for folder in folders {
-        let manifest = read(&folder.join("Cargo.toml"))?;
-        broken.extend(edges(&manifest.parse().context("a Cargo.toml is no TOML")?));
+    let mut files = Vec::new();
+    for folder in ["crates", "fuzz", "python", "xtask"] {
+        rust_files(&root.join(folder), &mut files)?;
     }
-    broken.sort();
+    let mut total = 0;
+    for file in files {
+        let lines = read(&file)?.lines().count();
+        total += lines;
+        if lines > MOST_LINES_OF_FILE {
+            broken.push(format!("{} has {lines} lines", file.display()));
+        }
+    }
+    if total > MOST_LINES {
+        broken.push(format!("{total} lines of Rust, at most {MOST_LINES} are allowed"));
+    }
+    // Cargo refuses circles; this edge would be none.
+    let manifest: toml::Table =
+        read(&root.join("crates/torquewise-identify/Cargo.toml"))?.parse()?;
+    if manifest.get("dependencies").is_some_and(|own| own.get("torquewise-sim").is_some()) {
+        broken.push("torquewise-identify must not know true arms: its tests alone may".into());
+    }
     Ok(broken)
 }
 
-/// Dependencies of a crate on others of the workspace that the table does not hold.
-fn edges(manifest: &toml::Table) -> Vec<String> {
-    let name = manifest.get("package").and_then(|package| package.get("name")?.as_str());
-    let name = name.unwrap_or_default();
-    let Some((_, may, tests_may)) = LAYERS.iter().find(|(layer, _, _)| package_name(layer) == name)
-    else {
-        return vec![format!("crate {name} has no layer: give it one in xtask/src/tidy.rs")];
-    };
-    let allowed = |names: &str, found: &str| {
-        names.split_whitespace().any(|layer| package_name(layer) == found)
-    };
-    let mut broken = Vec::new();
-    for (table, of_tests) in
-        [("dependencies", false), ("build-dependencies", false), ("dev-dependencies", true)]
-    {
-        let found = manifest.get(table).and_then(toml::Value::as_table).into_iter().flatten();
-        for (found, _) in found.filter(|(found, _)| found.starts_with("torquewise")) {
-            if !(allowed(may, found) || of_tests && allowed(tests_may, found)) {
-                broken.push(format!(
-                    "{name} must not have {found} among its {table}: move the code, or change the \
-                     table in xtask/src/tidy.rs first"
-                ));
+/// The files of Rust in a folder and those in it, but for what tools leave there.
+fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) -> Result<()> {
+    for entry in fs::read_dir(folder).with_context(|| format!("no {}", folder.display()))? {
+        let (entry, skipped) = (entry?, ["target", "corpus", "artifacts", "coverage"]);
+        let (path, name) = (entry.path(), entry.file_name());
+        let name = name.to_string_lossy();
+        if entry.file_type()?.is_dir() {
+            if !name.starts_with('.') && !skipped.contains(&&*name) {
+                rust_files(&path, files)?;
             }
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            files.push(path);
         }
     }
-    broken
-}
-
-/// The name of the package of a layer.
-fn package_name(layer: &str) -> String {
-    match layer {
-        "" | "torquewise" => "torquewise".to_owned(),
-        "xtask" => "xtask".to_owned(),
-        layer => format!("torquewise-{layer}"),
-    }
+    Ok(())
 }
 
 /// Paths between backticks in a text that do not exist.
@@ -110,33 +83,11 @@ fn read(file: &Path) -> Result<String> {
 mod tests {
     use super::*;
 
-    fn broken(text: &str) -> Vec<String> {
-        edges(&text.parse().unwrap())
-    }
-
     #[test]
     fn the_workspace_is_tidy() {
         let broken = check(&crate::root()).unwrap();
 
         assert!(broken.is_empty(), "{}", broken.join("\n"));
-    }
-
-    #[test]
-    fn the_learner_may_not_import_true_arms_but_its_tests_may() {
-        let of = |table: &str| {
-            let name = "[package]\nname = 'torquewise-identify'\n";
-            broken(&format!("{name}[{table}]\ntorquewise-sim.workspace = true\n"))
-        };
-
-        assert!(of("dependencies")[0].starts_with("torquewise-identify must not have"));
-        assert!(of("dev-dependencies").is_empty());
-    }
-
-    #[test]
-    fn a_crate_without_a_layer_is_named() {
-        let broken = broken("[package]\nname = 'torquewise-extra'\n");
-
-        assert!(broken[0].contains("torquewise-extra has no layer"));
     }
 
     #[test]

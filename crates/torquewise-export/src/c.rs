@@ -3,7 +3,9 @@
 use crate::error::ExportError;
 use crate::graph::{Function, Id};
 use crate::program::{Memory, Precision, Program, Quantity};
+use crate::template::filled;
 use crate::text::{Body, Language, signal_of};
+use minijinja::context;
 use std::fmt::Write;
 
 struct C(Precision);
@@ -40,189 +42,62 @@ impl Language for C {
 pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<String, ExportError> {
     check_name(name)?;
     program.check_precision(precision)?;
-    let (upper, real) = (name.to_uppercase(), real(precision));
-    let mut text = format!("/* {}\n{} */\n", program.version(), introduction(program, name));
-    let mut put = |line: &str| {
-        text.push_str(line);
-        text.push('\n');
+    let (n, real) =
+        (program.n_joints(), if precision == Precision::Single { "float" } else { "double" });
+    let lines = |roots: &[Id], arguments: &[&str], result| {
+        statements(&Body::of(&program.graph, roots, &C(precision)), precision, arguments, result)
     };
-    put(&format!("#ifndef {upper}_H\n#define {upper}_H\n"));
-    put("#ifdef __cplusplus\nextern \"C\" {\n#endif\n");
-    put(&format!("#define {upper}_JOINTS {}", program.n_joints()));
-    put(&format!("#define {upper}_STEPS {}\n", program.steps));
-    put(&format!("const char *{name}_version(void);"));
-    put(&format!("int {name}_joints(void);"));
-    put("/* Null for a joint that is not one of 0 to joints - 1. */");
-    put(&format!("const char *{name}_joint_name(int joint);"));
-    for quantity in Quantity::ALL {
-        put(&format!("{};", signature(program, name, quantity, real)));
-    }
-    if let Some(memory) = &program.memory {
-        put(&memory_declarations(program, memory, name, real));
-    }
-    put(&observer_declarations(program, name, real));
-    put("\n#ifdef __cplusplus\n}\n#endif\n\n#endif\n");
-    put(&format!("#ifndef {upper}_DECLARATIONS_ONLY\n\n#include <math.h>\n"));
-    put(&identity(program, name));
-    put(&signs(program, real));
-    for (quantity, roots) in &program.functions {
-        put(&function(program, name, (*quantity, roots), precision));
-    }
-    if let Some(memory) = &program.memory {
-        put(&memory_functions(program, memory, name, precision));
-    }
-    put(&observer_functions(program, name, precision));
-    put("#endif");
-    Ok(text)
-}
-
-/// The state of Dahl elements and the declarations of its functions.
-fn memory_declarations(program: &Program, memory: &Memory, name: &str, real: &str) -> String {
-    let (n, count) = (program.n_joints(), memory.states.len());
-    let mut text = format!(
-        "\n/* What friction remembers: call {name}_reset once and {name}_step at every sample of \
-         q.\n   Functions that end in _after are at the last sample; {name}_torque and \
-         {name}_friction have no\n   memory and are as after a long way in the direction of \
-         dq.\n\n   step                            {}\n   torque_after                    {} */\n\
-         #define {}_ELEMENTS {count}\n\
-         typedef struct {{\n    {real} q[{n}];\n    {real} x[{count}];\n    int started;\n}} \
-         {name}_state;\n\
-         void {name}_reset({name}_state *state);\n{};",
-        program.cost_of(&memory.states),
-        program.cost_of(&memory.after[0].1),
-        name.to_uppercase(),
-        step_signature(program, name, real)
-    );
-    for (quantity, _) in &memory.after {
-        // Writing to a String cannot fail.
-        let _ = write!(text, "\n{};", after_signature(program, name, *quantity, real));
-    }
-    text
-}
-
-fn step_signature(program: &Program, name: &str, real: &str) -> String {
-    format!("void {name}_step({name}_state *state, const {real} q[{}])", program.n_joints())
-}
-
-fn after_signature(program: &Program, name: &str, quantity: Quantity, real: &str) -> String {
-    let n = program.n_joints();
-    let signals = Memory::signals(quantity).map(|signal| format!("const {real} {signal}[{n}], "));
-    let (result, signals) = (quantity.result(), signals.collect::<String>());
-    let quantity = quantity.name();
-    format!(
-        "void {name}_{quantity}_after(const {name}_state *state, {signals}{real} {result}[{n}])"
-    )
-}
-
-fn memory_functions(
-    program: &Program,
-    memory: &Memory,
-    name: &str,
-    precision: Precision,
-) -> String {
-    let (real, language) = (real(precision), C(precision));
-    let (n, count, zero) = (program.n_joints(), memory.states.len(), language.constant(0.0));
-    let mut lines = vec![
-        format!("void {name}_reset({name}_state *state)\n{{"),
-        format!("    for (int j = 0; j < {n}; j++) state->q[j] = {zero};"),
-        format!("    for (int k = 0; k < {count}; k++) state->x[k] = {zero};"),
-        "    state->started = 0;\n}\n".into(),
-        format!("{}\n{{", step_signature(program, name, real)),
-        format!("    for (int j = 0; j < {n} && !state->started; j++) state->q[j] = q[j];"),
-    ];
-    let body = Body::of(&program.graph, &memory.states, &language);
-    lines.extend(statements(&body, precision, &["q"], "state->x"));
-    lines.push(format!("    for (int j = 0; j < {n}; j++) state->q[j] = q[j];"));
-    lines.push("    state->started = 1;\n}\n".into());
-    for (quantity, roots) in &memory.after {
-        let body = Body::of(&program.graph, roots, &language);
-        let arguments: Vec<&str> =
-            ["state"].into_iter().chain(Memory::signals(*quantity)).collect();
-        lines.push(format!("{}\n{{", after_signature(program, name, *quantity, real)));
-        lines.extend(statements(&body, precision, &arguments, quantity.result()));
-        lines.push("}\n".into());
-    }
-    lines.join("\n")
-}
-
-/// The momentum observer and the declarations of its functions.
-fn observer_declarations(program: &Program, name: &str, real: &str) -> String {
-    let n = program.n_joints();
-    let friction = match program.memory {
-        Some(_) => format!("    {name}_state friction;\n"),
-        None => String::new(),
+    let signals = |names: &[&str]| -> String {
+        names.iter().map(|signal| format!("const {real} {signal}[{n}], ")).collect()
     };
-    format!(
-        "\n/* External torque by the momentum observer: call {name}_observer_reset once and\n   \
-         {name}_observer_step at every sample, dt [s] after the last, with the torque of the \
-         motors.\n   external [N m] follows what others put on the joints as a low-pass; gain \
-         [1/s] is 2 pi times\n   its bandwidth [Hz].\n\n   \
-         observer_step                   {} */\n\
-         typedef struct {{\n{friction}    {real} last[{}];\n    {real} external[{n}];\n    \
-         int started;\n}} {name}_observer;\n\
-         void {name}_observer_reset({name}_observer *observer);\n{};",
-        program.cost_of(&program.momentum),
-        2 * n,
-        observer_signature(program, name, real)
-    )
-}
-
-fn observer_signature(program: &Program, name: &str, real: &str) -> String {
-    let n = program.n_joints();
-    format!(
-        "void {name}_observer_step(\n    {name}_observer *observer, {real} gain, {real} dt, \
-         const {real} q[{n}], const {real} dq[{n}],\n    const {real} tau[{n}], {real} \
-         external[{n}])"
-    )
-}
-
-fn observer_functions(program: &Program, name: &str, precision: Precision) -> String {
-    let (real, language, n) = (real(precision), C(precision), program.n_joints());
-    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| language.constant(number));
-    let exp = language.call(Function::Exp, "-gain*dt");
-    let body = Body::of(&program.graph, &program.momentum, &language);
-    let (parameter, argument, mut arguments) = match program.memory {
-        Some(_) => (format!("const {name}_state *state, "), "&observer->friction, ", vec!["state"]),
-        None => (String::new(), "", vec![]),
+    let function = |(quantity, roots): &(Quantity, Vec<Id>)| {
+        let (own, result) = (quantity.name(), quantity.result());
+        let (signals, count) = (signals(quantity.signals()), roots.len());
+        context! {
+            costs => format!("{own:18}{:24}{}", quantity.formula(), program.cost_of(roots)),
+            head => format!("void {name}_{own}({signals}{real} {result}[{count}])"),
+            lines => lines(roots, quantity.signals(), result),
+        }
     };
-    arguments.extend(["q", "dq"]);
-    let mut lines = vec![format!(
-        "static void {name}_momentum(\n    {parameter}const {real} q[{n}], const {real} dq[{n}], \
-         {real} now[{}])\n{{",
-        2 * n
-    )];
-    lines.extend(statements(&body, precision, &arguments, "now"));
-    lines.push(format!("}}\n\nvoid {name}_observer_reset({name}_observer *observer)\n{{"));
-    if program.memory.is_some() {
-        lines.push(format!("    {name}_reset(&observer->friction);"));
-    }
-    lines.push(format!(
-        "    for (int k = 0; k < {}; k++) observer->last[k] = {zero};\n    \
-         for (int j = 0; j < {n}; j++) observer->external[j] = {zero};\n    \
-         observer->started = 0;\n}}\n\n{}\n{{\n    {real} now[{}];",
-        2 * n,
-        observer_signature(program, name, real),
-        2 * n
-    ));
-    if program.memory.is_some() {
-        lines.push(format!("    {name}_step(&observer->friction, q);"));
-    }
-    lines.push(format!(
-        "    {name}_momentum({argument}q, dq, now);\n    \
-         for (int j = 0; j < {n}; j++) now[{n} + j] += tau[j];\n    \
-         if (observer->started && dt > {zero}) {{\n        \
-         const {real} stays = {exp};\n        \
-         for (int j = 0; j < {n}; j++) {{\n            \
-         const {real} rate = (now[j] - observer->last[j])/dt;\n            \
-         const {real} own = {half}*(now[{n} + j] + observer->last[{n} + j]);\n            \
-         observer->external[j] = stays*observer->external[j] + ({one} - stays)*(rate - own);\n        \
-         }}\n    }}\n    \
-         for (int k = 0; k < {}; k++) observer->last[k] = now[k];\n    \
-         for (int j = 0; j < {n}; j++) external[j] = observer->external[j];\n    \
-         observer->started = 1;\n}}\n",
-        2 * n
-    ));
-    lines.join("\n")
+    let after = |(quantity, roots): &(Quantity, Vec<Id>)| {
+        let (own, result) = (quantity.name(), quantity.result());
+        let arguments: Vec<&str> = Memory::signals(*quantity).collect();
+        let signals = signals(&arguments);
+        context! {
+            head => format!(
+                "void {name}_{own}_after(const {name}_state *state, {signals}{real} {result}[{n}])"
+            ),
+            lines => lines(roots, &[&["state"], &arguments[..]].concat(), result),
+        }
+    };
+    let memory = program.memory.as_ref().map(|memory| {
+        context! {
+            elements => memory.states.len(),
+            step_cost => program.cost_of(&memory.states).to_string(),
+            torque_cost => program.cost_of(&memory.after[0].1).to_string(),
+            step => lines(&memory.states, &["q"], "state->x"),
+            after => memory.after.iter().map(after).collect::<Vec<_>>(),
+        }
+    });
+    let state: &[&str] = if memory.is_some() { &["state"] } else { &[] };
+    filled(
+        include_str!("templates/model.c.j2"),
+        context! {
+            name, real, n, memory,
+            upper => name.to_uppercase(),
+            f => if precision == Precision::Single { "f" } else { "" },
+            steps => program.steps,
+            version => program.version(),
+            quoted_version => quoted(&program.version()),
+            remarks => program.remarks(),
+            joints => program.joints.iter().map(|joint| quoted(joint)).collect::<Vec<_>>(),
+            has_sign => program.calls(Function::Sign),
+            has_positive => program.calls(Function::Positive),
+            functions => program.functions.iter().map(function).collect::<Vec<_>>(),
+            momentum => lines(&program.momentum, &[state, &["q", "dq"]].concat(), "now"),
+            momentum_cost => program.cost_of(&program.momentum).to_string(),
+        },
+    )
 }
 
 /// The first lines of a file that calls the functions of a C file as MODEL(name); they define
@@ -247,96 +122,12 @@ pub(crate) fn check_name(name: &str) -> Result<(), ExportError> {
     }
 }
 
-fn real(precision: Precision) -> &'static str {
-    match precision {
-        Precision::Double => "double",
-        Precision::Single => "float",
-    }
-}
-
-fn introduction(program: &Program, name: &str) -> String {
-    let upper = name.to_uppercase();
-    let mut text = format!(
-        "\n   q [rad], dq [rad/s], ddq [rad/s^2], tau [N m], m [kg m^2], one entry per joint.\n   \
-         Results may be written over arguments. Compile this file, and where its functions are\n   \
-         called write #define {upper}_DECLARATIONS_ONLY before #include.\n"
-    );
-    for quantity in Quantity::ALL {
-        // Writing to a String cannot fail.
-        let _ = write!(
-            text,
-            "\n   {:18}{:24}{}",
-            quantity.name(),
-            quantity.formula(),
-            program.cost(quantity)
-        );
-    }
-    text + "\n\n   " + &program.remarks().join("\n   ")
-}
-
-/// `void arm_torque(const double q[3], const double dq[3], const double ddq[3], double tau[3])`
-fn signature(program: &Program, name: &str, quantity: Quantity, real: &str) -> String {
-    let n = program.n_joints();
-    let signals = quantity.signals().iter().map(|signal| format!("const {real} {signal}[{n}]"));
-    let count = if quantity.is_matrix() { n * n } else { n };
-    let result = format!("{real} {}[{count}]", quantity.result());
-    let arguments: Vec<String> = signals.chain([result]).collect();
-    format!("void {name}_{}({})", quantity.name(), arguments.join(", "))
-}
-
-fn identity(program: &Program, name: &str) -> String {
-    let upper = name.to_uppercase();
-    let names: Vec<String> = program.joints.iter().map(|joint| quoted(joint)).collect();
-    format!(
-        "const char *{name}_version(void)\n{{\n    return {};\n}}\n\n\
-         int {name}_joints(void)\n{{\n    return {upper}_JOINTS;\n}}\n\n\
-         const char *{name}_joint_name(int joint)\n{{\n    \
-         static const char *const names[] = {{\n        {}\n    }};\n    \
-         return joint >= 0 && joint < {upper}_JOINTS ? names[joint] : 0;\n}}\n",
-        quoted(&program.version()),
-        names.join(",\n        ")
-    )
-}
-
-fn signs(program: &Program, real: &str) -> String {
-    let zero = if real == "float" { "0.0f" } else { "0.0" };
-    let one = if real == "float" { "1.0f" } else { "1.0" };
-    let mut text = String::new();
-    if program.calls(Function::Sign) {
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "static {real} sign({real} x)\n{{\n    \
-             return ({real})((x > {zero}) - (x < {zero}));\n}}"
-        );
-    }
-    if program.calls(Function::Positive) {
-        let _ = writeln!(
-            text,
-            "static {real} positive({real} x)\n{{\n    return x > {zero} ? {one} : {zero};\n}}"
-        );
-    }
-    text
-}
-
-fn function(
-    program: &Program,
-    name: &str,
-    (quantity, roots): (Quantity, &[Id]),
-    precision: Precision,
-) -> String {
-    let body = Body::of(&program.graph, roots, &C(precision));
-    let mut lines = vec![signature(program, name, quantity, real(precision)), "{".into()];
-    lines.extend(statements(&body, precision, quantity.signals(), quantity.result()));
-    lines.push("}\n".into());
-    lines.join("\n")
-}
-
 /// The statements of a function; what is no argument is read from its state.
 ///
 /// - `result`: where results are written, one after the other
 fn statements(body: &Body, precision: Precision, arguments: &[&str], result: &str) -> Vec<String> {
-    let (real, mut lines) = (real(precision), Vec::new());
+    let mut lines = Vec::new();
+    let real = if precision == Precision::Single { "float" } else { "double" };
     let suffix = if precision == Precision::Single { "f" } else { "" };
     for &input in &body.inputs {
         let (signal, joint) = signal_of(input);
@@ -345,26 +136,26 @@ fn statements(body: &Body, precision: Precision, arguments: &[&str], result: &st
             "x" => "state->x",
             _ => "state->q",
         };
-        lines.push(format!("    const {real} {signal}{} = {from}[{joint}];", joint + 1));
+        lines.push(format!("const {real} {signal}{} = {from}[{joint}];", joint + 1));
     }
     for angle in &body.angles {
         let j = angle.joint + 1;
         for (letter, function, _) in
             [('s', "sin", angle.sin), ('c', "cos", angle.cos)].iter().filter(|(_, _, held)| *held)
         {
-            lines.push(format!("    const {real} {letter}{j} = {function}{suffix}(q{j});"));
+            lines.push(format!("const {real} {letter}{j} = {function}{suffix}(q{j});"));
         }
     }
     for (step, expression) in &body.steps {
-        lines.push(format!("    const {real} {step} = {expression};"));
+        lines.push(format!("const {real} {step} = {expression};"));
     }
     for (place, expression) in body.results.iter().enumerate() {
-        lines.push(format!("    {result}[{place}] = {expression};"));
+        lines.push(format!("{result}[{place}] = {expression};"));
     }
     let state_is_read = body.inputs.iter().any(|&input| !arguments.contains(&signal_of(input).0));
     let is_read = |argument: &str| body.reads(argument) || argument == "state" && state_is_read;
     for argument in arguments.iter().filter(|argument| !is_read(argument)) {
-        lines.push(format!("    (void){argument};"));
+        lines.push(format!("(void){argument};"));
     }
     lines
 }

@@ -41,4 +41,6 @@ pub enum ExportError {
     Archive(#[from] zip::result::ZipError),
     #[error("the archive cannot be filled")]
     Fill(#[from] std::io::Error),
+    #[error("the code cannot be written")]
+    Template(#[from] minijinja::Error),
 }

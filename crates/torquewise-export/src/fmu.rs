@@ -3,8 +3,9 @@
 use crate::c::{check_name, inclusion, quoted, to_c};
 use crate::error::ExportError;
 use crate::program::{Precision, Program, Quantity};
-use std::fmt::Write as _;
-use std::io::{Cursor, Write as _};
+use crate::xml::Xml;
+use std::io::{Cursor, Write};
+use std::ops::Range;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -31,7 +32,7 @@ pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)
         quoted(&guid(program)),
     );
     Ok(vec![
-        ("modelDescription.xml".into(), description(program, name)),
+        ("modelDescription.xml".into(), description(program, name)?),
         (format!("sources/{name}.c"), code),
         (format!("sources/{name}_fmu.c"), wrapper),
     ])
@@ -65,57 +66,76 @@ fn guid(program: &Program) -> String {
 }
 
 /// Units of the signals: name, and exponents of their base units.
-const UNITS: [(&str, &str); 8] = [
-    ("rad", r#"rad="1""#),
-    ("rad/s", r#"s="-1" rad="1""#),
-    ("rad/s2", r#"s="-2" rad="1""#),
-    ("N.m", r#"kg="1" m="2" s="-2""#),
-    ("kg.m2", r#"kg="1" m="2""#),
-    ("kg.m2/s", r#"kg="1" m="2" s="-1""#),
-    ("1/(kg.m2)", r#"kg="-1" m="-2""#),
-    ("Hz", r#"s="-1""#),
+const UNITS: [(&str, &[(&str, &str)]); 8] = [
+    ("rad", &[("rad", "1")]),
+    ("rad/s", &[("s", "-1"), ("rad", "1")]),
+    ("rad/s2", &[("s", "-2"), ("rad", "1")]),
+    ("N.m", &[("kg", "1"), ("m", "2"), ("s", "-2")]),
+    ("kg.m2", &[("kg", "1"), ("m", "2")]),
+    ("kg.m2/s", &[("kg", "1"), ("m", "2"), ("s", "-1")]),
+    ("1/(kg.m2)", &[("kg", "-1"), ("m", "-2")]),
+    ("Hz", &[("s", "-1")]),
 ];
 
-fn description(program: &Program, name: &str) -> String {
-    let n = program.n_joints();
-    let files = format!(
-        "    <SourceFiles>\n      <File name=\"{name}.c\"/>\n      \
-         <File name=\"{name}_fmu.c\"/>\n    </SourceFiles>\n"
+fn description(program: &Program, name: &str) -> Result<String, ExportError> {
+    let mut xml = Xml::new();
+    xml.open(
+        "fmiModelDescription",
+        &[
+            ("fmiVersion", "2.0"),
+            ("modelName", name),
+            ("guid", &guid(program)),
+            ("description", "Torque model of a robot arm"),
+            ("generationTool", concat!("torquewise ", env!("CARGO_PKG_VERSION"))),
+            ("variableNamingConvention", "structured"),
+            ("numberOfEventIndicators", "0"),
+        ],
     );
-    let units = UNITS.map(|(name, base)| {
-        format!("    <Unit name=\"{name}\">\n      <BaseUnit {base}/>\n    </Unit>\n")
-    });
-    let units = units.concat();
-    let (variables, outputs) = variables(program);
-    let mut unknowns = String::new();
-    // Counted from 1, after four inputs of each joint and the parameter.
-    for index in 4 * n + 2..=4 * n + 1 + outputs {
-        // Writing to a String cannot fail.
-        let _ = writeln!(unknowns, "      <Unknown index=\"{index}\"/>");
+    let identifier = ("modelIdentifier", name);
+    let kinds: [(&str, &[(&str, &str)]); 2] = [
+        ("ModelExchange", &[identifier]),
+        ("CoSimulation", &[identifier, ("canHandleVariableCommunicationStepSize", "true")]),
+    ];
+    for (kind, attributes) in kinds {
+        xml.open(kind, attributes);
+        xml.open("SourceFiles", &[]);
+        xml.leaf("File", &[("name", &format!("{name}.c"))]);
+        xml.leaf("File", &[("name", &format!("{name}_fmu.c"))]);
+        xml.close("SourceFiles");
+        xml.close(kind);
     }
-    format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\" \
-         modelName=\"{name}\" guid=\"{}\"\n  description=\"Torque model of a robot arm\" \
-         generationTool=\"torquewise {}\"\n  variableNamingConvention=\"structured\" \
-         numberOfEventIndicators=\"0\">\n  <ModelExchange modelIdentifier=\"{name}\">\n{files}  \
-         </ModelExchange>\n  <CoSimulation modelIdentifier=\"{name}\" \
-         canHandleVariableCommunicationStepSize=\"true\">\n{files}  </CoSimulation>\n  \
-         <UnitDefinitions>\n{units}  </UnitDefinitions>\n  <ModelVariables>\n{variables}  \
-         </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n{unknowns}    </Outputs>\n    \
-         <InitialUnknowns>\n{unknowns}    </InitialUnknowns>\n  </ModelStructure>\n\
-         </fmiModelDescription>\n",
-        guid(program),
-        env!("CARGO_PKG_VERSION"),
-    )
+    xml.open("UnitDefinitions", &[]);
+    for (unit, base) in UNITS {
+        xml.open("Unit", &[("name", unit)]);
+        xml.leaf("BaseUnit", base);
+        xml.close("Unit");
+    }
+    xml.close("UnitDefinitions");
+    let outputs = variables(program, &mut xml);
+    xml.open("ModelStructure", &[]);
+    for list in ["Outputs", "InitialUnknowns"] {
+        xml.open(list, &[]);
+        for index in outputs.clone() {
+            // Counted from 1.
+            xml.leaf("Unknown", &[("index", &(index + 1).to_string())]);
+        }
+        xml.close(list);
+    }
+    xml.close("ModelStructure");
+    xml.close("fmiModelDescription");
+    xml.finish()
 }
 
-/// The variables as XML in the order of their value references, and how many are outputs.
-fn variables(program: &Program) -> (String, usize) {
+/// Writes the variables in the order of their value references; which are outputs.
+fn variables(program: &Program, xml: &mut Xml) -> Range<usize> {
     let n = program.n_joints();
     let mut rows: Vec<(String, &str, String)> = Vec::new();
-    let of_joint = |joint: usize| format!("joint {}", escaped(&program.joints[joint]));
+    let of_joint = |joint: usize| format!("joint {}", program.joints[joint]);
+    let vector = |name: &str, unit: &'static str| -> Vec<(String, &str, String)> {
+        (0..n).map(|j| (format!("{name}[{}]", j + 1), unit, of_joint(j))).collect()
+    };
     for (signal, unit) in [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2"), ("effort", "N.m")] {
-        rows.extend((0..n).map(|j| (format!("{signal}[{}]", j + 1), unit, of_joint(j))));
+        rows.extend(vector(signal, unit));
     }
     rows.push(("bandwidth".into(), "Hz", "of external torque".into()));
     for quantity in Quantity::ALL {
@@ -134,40 +154,30 @@ fn variables(program: &Program) -> (String, usize) {
                 (format!("{name}[{},{}]", i + 1, j + 1), unit, text)
             }));
         } else {
-            rows.extend((0..n).map(|j| (format!("{name}[{}]", j + 1), unit, of_joint(j))));
+            rows.extend(vector(name, unit));
         }
     }
-    rows.extend((0..n).map(|j| (format!("external[{}]", j + 1), "N.m", of_joint(j))));
-    let mut text = String::new();
+    rows.extend(vector("external", "N.m"));
+    xml.open("ModelVariables", &[]);
     for (place, (name, unit, description)) in rows.iter().enumerate() {
         let (causality, variability, start) = match place {
-            _ if place < 4 * n => ("input", "continuous", " start=\"0\""),
-            _ if place == 4 * n => ("parameter", "tunable", " start=\"10\""),
-            _ => ("output", "continuous", ""),
+            _ if place < 4 * n => ("input", "continuous", Some(("start", "0"))),
+            _ if place == 4 * n => ("parameter", "tunable", Some(("start", "10"))),
+            _ => ("output", "continuous", None),
         };
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "    <ScalarVariable name=\"{name}\" valueReference=\"{place}\" \
-             causality=\"{causality}\" variability=\"{variability}\" description=\"{description}\">\n\
-             \x20     <Real unit=\"{unit}\"{start}/>\n    </ScalarVariable>"
+        xml.open(
+            "ScalarVariable",
+            &[
+                ("name", name),
+                ("valueReference", &place.to_string()),
+                ("causality", causality),
+                ("variability", variability),
+                ("description", description),
+            ],
         );
+        xml.leaf("Real", &[("unit", *unit)].into_iter().chain(start).collect::<Vec<_>>());
+        xml.close("ScalarVariable");
     }
-    (text, rows.len() - 4 * n - 1)
-}
-
-/// Text in which XML finds no tags.
-pub(crate) fn escaped(text: &str) -> String {
-    let mut escaped = String::new();
-    for letter in text.chars() {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            letter if letter.is_control() => escaped.push(' '),
-            letter => escaped.push(letter),
-        }
-    }
-    escaped
+    xml.close("ModelVariables");
+    4 * n + 1..rows.len()
 }

@@ -39,6 +39,7 @@ mod momentum;
 pub mod program;
 pub mod members;
 mod text;
+mod template;
 pub mod c;
 pub mod rust;
 pub mod python;

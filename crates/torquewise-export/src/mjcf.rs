@@ -14,7 +14,8 @@ use torquewise_model::Model;
 /// [`ExportError::NoChain`], [`ExportError::Coupled`], [`ExportError::Infeasible`].
 pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
     let robot = Robot::of(model)?;
-    let mut xml = Xml::new(version);
+    let mut xml = Xml::new();
+    xml.comment(version);
     let radius = radius(&robot);
     xml.open("mujoco", &[("model", &robot.name)]);
     xml.leaf("compiler", &[("angle", "radian"), ("autolimits", "true")]);

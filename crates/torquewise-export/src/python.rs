@@ -1,8 +1,11 @@
 //! From program to one file of Python that needs the standard library alone.
 
+use crate::error::ExportError;
 use crate::graph::{Function, Id};
 use crate::program::{Memory, Program, Quantity};
+use crate::template::filled;
 use crate::text::{Body, Language};
+use minijinja::context;
 use std::fmt::Write;
 
 struct Python;
@@ -25,157 +28,78 @@ impl Language for Python {
 }
 
 /// A Python module with the functions `torque`, `gravity` and so on; see `docs/export.md`.
-pub fn to_python(program: &Program) -> String {
-    let mut text = format!(
-        "\"\"\"{}\n\nq [rad], dq [rad/s], ddq [rad/s^2] are sequences with one number per joint; \
-         results are lists,\ntau [N m], and a list of rows for inertia [kg m^2].\n{}\n\"\"\"\n\n\
-         from math import cos, exp, sin, tanh\n\n\
-         __all__ = [\n    \"VERSION\",\n    \"JOINTS\",\n    \"JOINT_NAMES\",\n    \"STEPS\",\n",
-        program.version(),
-        program.remarks().join("\n"),
-    );
-    for quantity in Quantity::ALL {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "    \"{}\",", quantity.name());
-    }
-    if program.memory.is_some() {
-        text += "    \"State\",\n";
-    }
-    text += "    \"Observer\",\n";
-    let names: Vec<String> =
-        program.joints.iter().map(|joint| format!("    {},\n", quoted(joint))).collect();
-    let _ = write!(
-        text,
-        "]\n\nVERSION = {}\nJOINTS = {}\nJOINT_NAMES = (\n{})\nSTEPS = {}\n\n\n",
-        quoted(&program.version()),
-        program.n_joints(),
-        names.concat(),
-        program.steps
-    );
-    if program.calls(Function::Sign) {
-        text += "def _sign(x):\n    return float(x > 0.0) - float(x < 0.0)\n\n\n";
-    }
-    if program.calls(Function::Positive) {
-        text += "def _positive(x):\n    return float(x > 0.0)\n\n\n";
-    }
-    let functions = program.functions.iter();
-    let functions = functions.map(|(quantity, roots)| function(program, *quantity, roots));
-    text += &functions.collect::<Vec<_>>().join("\n\n");
-    if let Some(memory) = &program.memory {
-        text += &state(program, memory);
-    }
-    text + &observer(program)
-}
-
-fn function(program: &Program, quantity: Quantity, roots: &[Id]) -> String {
-    let (n, body) = (program.n_joints(), Body::of(&program.graph, roots, &Python));
-    let mut lines = vec![
-        format!("def {}({}):", quantity.name(), quantity.signals().join(", ")),
-        format!("    \"\"\"{}: {}\"\"\"", quantity.formula(), program.cost(quantity)),
-    ];
-    let unpacked = quantity.signals().iter().map(|signal| unpacked(signal, n, signal));
-    let columns = quantity.is_matrix().then_some(n);
-    let results = body.listed("return ", columns);
-    lines.extend(unpacked.chain(steps(&body)).chain(results).map(|line| format!("    {line}")));
-    lines.push(String::new());
-    lines.join("\n")
-}
-
-/// What friction remembers, as a class.
-fn state(program: &Program, memory: &Memory) -> String {
-    let (n, count) = (program.n_joints(), memory.states.len());
-    let body = Body::of(&program.graph, &memory.states, &Python);
-    let mut step = vec![
-        unpacked("q", n, "q"),
-        unpacked("last", n, "q if self._q is None else self._q"),
-        unpacked("x", count, "self._x"),
-    ];
-    step.extend(steps(&body).chain(body.listed("self._x = ", None)));
-    step.push(format!("self._q = ({})", names("q", n)));
-    let mut methods = vec![
-        method("__init__", &[], "Knows nothing of the way so far.", &["self.reset()".into()]),
-        method(
-            "reset",
-            &[],
-            "Forgets the way so far.",
-            &["self._q = None".into(), format!("self._x = [0.0] * {count}")],
-        ),
-        method(
-            "step",
-            &["q"],
-            &format!("Takes the next sample of q: {}", program.cost_of(&memory.states)),
-            &step,
-        ),
-    ];
-    for (quantity, roots) in &memory.after {
+///
+/// # Errors
+/// [`ExportError::Template`] if it cannot be written.
+pub fn to_python(program: &Program) -> Result<String, ExportError> {
+    let n = program.n_joints();
+    // Signals by the names of their entries, steps, results.
+    let lines = |roots: &[Id], read: Vec<String>, results: &str, columns: Option<usize>| {
         let body = Body::of(&program.graph, roots, &Python);
-        let signals: Vec<&str> = Memory::signals(*quantity).collect();
-        let mut lines: Vec<String> = vec![
-            "if self._q is None:".into(),
-            "    raise ValueError(\"give step() a sample of q first\")".into(),
-            unpacked("q", n, "self._q"),
+        read.into_iter()
+            .chain(steps(&body))
+            .chain(body.listed(results, columns))
+            .collect::<Vec<_>>()
+    };
+    let signals = |names: &[&str]| -> Vec<String> {
+        names.iter().map(|signal| unpacked(signal, n, signal)).collect()
+    };
+    let doc = |quantity: Quantity, roots: &[Id]| {
+        format!("{}: {}", quantity.formula(), program.cost_of(roots))
+    };
+    let functions = program.functions.iter().map(|(quantity, roots)| {
+        let columns = quantity.is_matrix().then_some(n);
+        context! {
+            name => quantity.name(),
+            signals => quantity.signals().to_vec(),
+            doc => doc(*quantity, roots),
+            lines => lines(roots, signals(quantity.signals()), "return ", columns),
+        }
+    });
+    let memory = program.memory.as_ref().map(|memory| {
+        let count = memory.states.len();
+        let after = memory.after.iter().map(|(quantity, roots)| {
+            let own: Vec<&str> = Memory::signals(*quantity).collect();
+            let state = vec![unpacked("q", n, "self._q"), unpacked("x", count, "self._x")];
+            context! {
+                name => quantity.name(),
+                signals => [&["self"], &own[..]].concat(),
+                doc => doc(*quantity, roots),
+                lines => lines(roots, [state, signals(&own)].concat(), "return ", None),
+            }
+        });
+        let read = vec![
+            unpacked("q", n, "q"),
+            unpacked("last", n, "q if self._q is None else self._q"),
             unpacked("x", count, "self._x"),
         ];
-        lines.extend(signals.iter().map(|signal| unpacked(signal, n, signal)));
-        lines.extend(steps(&body).chain(body.listed("return ", None)));
-        let doc = format!("{}: {}", quantity.formula(), program.cost_of(roots));
-        methods.push(method(&format!("{}_after", quantity.name()), &signals, &doc, &lines));
-    }
-    format!(
-        "\n\nclass State:\n    \
-         \"\"\"What friction remembers: give `step` every sample of q.\n\n    \
-         What ends in `_after` is at the last sample; `torque` and `friction` have no memory \
-         and are as\n    after a long way in the direction of dq.\n    \"\"\"\n\n{}",
-        methods.join("\n")
-    )
-}
-
-/// The momentum observer, as a class.
-fn observer(program: &Program) -> String {
-    let n = program.n_joints();
-    let body = Body::of(&program.graph, &program.momentum, &Python);
-    let mut lines = vec![unpacked("q", n, "q"), unpacked("dq", n, "dq")];
-    let [memory, start, step, call] = match &program.memory {
-        Some(memory) => {
-            lines.push(unpacked("x", memory.states.len(), "x"));
-            [
-                ", x",
-                "\n        self._friction = State()",
-                "\n        self._friction.step(q)",
-                "q, dq, self._friction._x",
-            ]
+        let mut step = lines(&memory.states, read, "self._x = ", None);
+        step.push(format!("self._q = ({})", names("q", n)));
+        context! {
+            elements => count,
+            step_cost => program.cost_of(&memory.states).to_string(),
+            step,
+            after => after.collect::<Vec<_>>(),
         }
-        None => ["", "", "", "q, dq"],
-    };
-    lines.extend(steps(&body).chain(body.listed("return ", Some(n))));
-    format!(
-        "\n\ndef _momentum(q, dq{memory}):\n    \
-         \"\"\"Momentum, and the part of its change that is neither motor nor external.\"\"\"\n    \
-         {}\n\n\nclass Observer:\n    \
-         \"\"\"External torque by the momentum observer: give `step` every sample.\"\"\"\n\n    \
-         def __init__(self):\n        \"\"\"Has seen nothing.\"\"\"\n        self.reset()\n\n    \
-         def reset(self):\n        \"\"\"Forgets the samples so far.\"\"\"\n        \
-         self._last = None\n        self._external = [0.0] * {n}{start}\n\n    \
-         def step(self, gain, dt, q, dq, tau):\n        \
-         \"\"\"What others put on the joints [N m], low-passed: {}\n\n        \
-         `gain` [1/s] is 2 pi times the bandwidth [Hz], `dt` [s] the time since the last sample,\n\
-         \x20       `tau` the torque of the motors.\n        \"\"\"{step}\n        \
-         momentum, change = _momentum({call})\n        \
-         change = [change[j] + tau[j] for j in range({n})]\n        \
-         if self._last is not None and dt > 0.0:\n            \
-         stays = exp(-gain * dt)\n            for j in range({n}):\n                \
-         rate = (momentum[j] - self._last[0][j]) / dt\n                \
-         own = 0.5 * (change[j] + self._last[1][j])\n                \
-         self._external[j] = stays * self._external[j] + (1.0 - stays) * (rate - own)\n        \
-         self._last = (momentum, change)\n        return list(self._external)\n",
-        lines.join("\n    "),
-        program.cost_of(&program.momentum)
+    });
+    let mut read = signals(&["q", "dq"]);
+    read.extend(program.memory.iter().map(|memory| unpacked("x", memory.states.len(), "x")));
+    filled(
+        include_str!("templates/model.py.j2"),
+        context! {
+            n, memory,
+            steps => program.steps,
+            version => program.version(),
+            quoted_version => quoted(&program.version()),
+            remarks => program.remarks(),
+            joints => program.joints.iter().map(|joint| quoted(joint)).collect::<Vec<_>>(),
+            has_sign => program.calls(Function::Sign),
+            has_positive => program.calls(Function::Positive),
+            functions => functions.collect::<Vec<_>>(),
+            momentum => lines(&program.momentum, read, "return ", Some(n)),
+            momentum_cost => program.cost_of(&program.momentum).to_string(),
+        },
     )
-}
-
-fn method(name: &str, signals: &[&str], doc: &str, lines: &[String]) -> String {
-    let (arguments, lines) = ([&["self"], signals].concat().join(", "), lines.join("\n        "));
-    format!("    def {name}({arguments}):\n        \"\"\"{doc}\"\"\"\n        {lines}\n")
 }
 
 /// The entries of a sequence by their names; refuses a sequence of another length.

@@ -32,7 +32,8 @@ pub struct RobotFile {
 /// [`ExportError::NoChain`], [`ExportError::Coupled`], [`ExportError::Infeasible`].
 pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
     let robot = Robot::of(model)?;
-    let mut xml = Xml::new(version);
+    let mut xml = Xml::new();
+    xml.comment(version);
     let radius = radius(&robot);
     xml.open("robot", &[("name", &robot.name)]);
     for (name, rgba) in COLOURS {

@@ -11,18 +11,28 @@ pub(crate) struct Xml {
 }
 
 impl Xml {
-    /// A document that begins with a comment.
-    pub(crate) fn new(comment: &str) -> Self {
+    /// An empty document.
+    pub(crate) fn new() -> Self {
         let mut own = Self { writer: Writer::new_with_indent(Vec::new(), b' ', 2), failed: None };
         own.write(Event::Decl(BytesDecl::new("1.0", Some("utf-8"), None)));
-        own.write(Event::Comment(BytesText::new(&format!(" {comment} "))));
         own
+    }
+
+    /// A remark.
+    pub(crate) fn comment(&mut self, text: &str) {
+        self.write(Event::Comment(BytesText::new(&format!(" {text} "))));
+    }
+
+    /// An element that holds text.
+    pub(crate) fn text(&mut self, name: &str, attributes: &[(&str, &str)], text: &str) {
+        self.open(name, attributes);
+        self.write(Event::Text(BytesText::new(text)));
+        self.close(name);
     }
 
     /// Begins an element.
     pub(crate) fn open(&mut self, name: &str, attributes: &[(&str, &str)]) {
-        let element = BytesStart::new(name).with_attributes(attributes.iter().copied());
-        self.write(Event::Start(element));
+        self.write(Event::Start(element(name, attributes)));
     }
 
     /// Ends it.
@@ -32,8 +42,7 @@ impl Xml {
 
     /// An element with nothing in it.
     pub(crate) fn leaf(&mut self, name: &str, attributes: &[(&str, &str)]) {
-        let element = BytesStart::new(name).with_attributes(attributes.iter().copied());
-        self.write(Event::Empty(element));
+        self.write(Event::Empty(element(name, attributes)));
     }
 
     fn write(&mut self, event: Event<'_>) {
@@ -54,4 +63,13 @@ impl Xml {
         text.push('\n');
         Ok(text)
     }
+}
+
+/// Values are escaped; control characters, which XML cannot hold, become blanks.
+fn element<'a>(name: &'a str, attributes: &[(&str, &str)]) -> BytesStart<'a> {
+    let mut element = BytesStart::new(name);
+    for (key, value) in attributes {
+        element.push_attribute((*key, value.replace(char::is_control, " ").as_str()));
+    }
+    element
 }

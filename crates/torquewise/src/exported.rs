@@ -124,7 +124,7 @@ pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<
     match to {
         Target::C => files = single(to_c(&program, name, precision)?),
         Target::Rust => files = single(to_rust(&program, precision)?),
-        Target::Python => files = single(to_python(&program)),
+        Target::Python => files = single(to_python(&program)?),
         Target::Latex => files = single(to_latex(model, &version)),
         Target::Fmu => files = vec![(String::new(), unit(&program, options)?)],
         Target::Ros2 => {

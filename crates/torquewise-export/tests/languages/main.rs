@@ -111,7 +111,9 @@ fn exported_python_computes_what_the_model_predicts() {
     }
     for model in arms() {
         let folder = tempfile::tempdir().unwrap();
-        check(&model, |program, states| run::python(folder.path(), &to_python(program), states));
+        check(&model, |program, states| {
+            run::python(folder.path(), &to_python(program).unwrap(), states)
+        });
     }
 }
 
@@ -123,7 +125,7 @@ fn the_cost_is_what_a_call_carries_out() {
     for model in arms() {
         let (program, folder) = (Program::of(&model).unwrap(), tempfile::tempdir().unwrap());
 
-        let done = run::counted(folder.path(), &to_python(&program));
+        let done = run::counted(folder.path(), &to_python(&program).unwrap());
 
         for (quantity, done) in Quantity::ALL.into_iter().zip(done) {
             let cost = program.cost(quantity);
@@ -284,7 +286,9 @@ fn exported_rust_remembers_the_path() {
 #[test]
 fn exported_python_remembers_the_path() {
     if run::has("python3") {
-        check_path(|folder, program, way| run::python_along(folder, &to_python(program), way));
+        check_path(|folder, program, way| {
+            run::python_along(folder, &to_python(program).unwrap(), way)
+        });
     }
 }
 

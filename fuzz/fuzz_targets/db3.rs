@@ -1,8 +1,0 @@
-//! `cargo +nightly fuzz run fuzz-db3 --features libfuzzer`.
-#![no_main]
-
-use torquewise_fuzz::reader::{Reader, Tried};
-
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    Tried::here(Reader::Db3).one(bytes);
-});
