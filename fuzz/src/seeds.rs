@@ -84,6 +84,7 @@ fn compressed(parts: &[Vec<u8>]) -> Vec<u8> {
 ///
 /// # Errors
 /// Those of making them.
+#[expect(clippy::too_many_lines, reason = "one reader after the other")]
 pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join(format!("log.{reader}"));

@@ -48,7 +48,9 @@ pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<Strin
         statements(&Body::of(&program.graph, roots, &C(precision)), precision, arguments, result)
     };
     let signals = |names: &[&str]| -> String {
-        names.iter().map(|signal| format!("const {real} {signal}[{n}], ")).collect()
+        let own: Vec<String> =
+            names.iter().map(|signal| format!("const {real} {signal}[{n}], ")).collect();
+        own.concat()
     };
     let function = |(quantity, roots): &(Quantity, Vec<Id>)| {
         let (own, result) = (quantity.name(), quantity.result());

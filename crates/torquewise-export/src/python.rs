@@ -31,6 +31,7 @@ impl Language for Python {
 ///
 /// # Errors
 /// [`ExportError::Template`] if it cannot be written.
+#[expect(clippy::too_many_lines, reason = "one value of the template after the other")]
 pub fn to_python(program: &Program) -> Result<String, ExportError> {
     let n = program.n_joints();
     // Signals by the names of their entries, steps, results.

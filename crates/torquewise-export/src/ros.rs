@@ -70,7 +70,9 @@ fn manifest(package: &str) -> Result<String, ExportError> {
     xml.text("maintainer", &[("email", "you@example.com")], "you");
     xml.text("license", &[], "Proprietary");
     xml.text("buildtool_depend", &[], "ament_cmake");
-    DEPENDS.iter().for_each(|name| xml.text("depend", &[], name));
+    for name in DEPENDS {
+        xml.text("depend", &[], name);
+    }
     xml.text("exec_depend", &[], "effort_controllers");
     xml.open("export", &[]);
     xml.text("build_type", &[], "ament_cmake");

@@ -112,6 +112,7 @@ fn drawable(axis: &Axis, x: f64) -> bool {
     x.abs() < LARGEST && (!axis.log || x > 1.0 / LARGEST)
 }
 
+#[expect(clippy::too_many_lines, reason = "one panel, drawn from back to front")]
 fn axes<X, Y>(
     area: &Area<'_>,
     chart: &Chart,
