@@ -57,12 +57,11 @@ fn zipped(members: &[Vec<u8>]) -> Vec<u8> {
     archive().unwrap_or_default()
 }
 
-/// A header of 20 bytes, the checksum of the rest, and the rest.
+/// A header of 12 bytes, the checksum of the rest, and the rest.
 fn framed(parts: &[Vec<u8>]) -> Vec<u8> {
     let (mut header, body) = (parts[0].clone(), parts[1..].concat());
-    header.resize(24, 0);
-    header[12..20].copy_from_slice(&(body.len() as u64).to_le_bytes());
-    header[20..].copy_from_slice(&crc32fast::hash(&body).to_le_bytes());
+    header.resize(16, 0);
+    header[12..].copy_from_slice(&crc32fast::hash(&body).to_le_bytes());
     [header, body].concat()
 }
 
@@ -144,7 +143,7 @@ pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
             let method = Method::Library(LibraryOptions::default());
             let plan = Plan { method, patterns: PatternPlan::default(), seed: 0 };
             let bytes = summarise(&motion(400)?, &plan, "", &mut |_| ())?.to_bytes()?;
-            let (header, body) = bytes.split_at(24);
+            let (header, body) = bytes.split_at(16);
             vec![Seed { parts: vec![header.to_vec(), body.to_vec()], pack: framed }]
         }
         "profile" => ["kuka_kr300", "tiago_arm", "ur10"]

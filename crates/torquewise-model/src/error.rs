@@ -45,6 +45,7 @@ pub enum ModelError {
     #[diagnostic(help("fit the model anew"))]
     Friction { what: &'static str, place: String, found: String, expected: &'static str },
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Motion(#[from] torquewise_motion::MotionError),
     #[error(
         "the energy of {joints} joints has too many terms to list, those of {most} joints at most"

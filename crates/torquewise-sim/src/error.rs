@@ -134,6 +134,7 @@ pub enum SimError {
     #[diagnostic(help("lower its bandwidth, or raise the rate or the limits of the torque"))]
     Diverged { t: f64 },
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(#[from] ModelError),
 
     // Planning a motion

@@ -12,6 +12,7 @@ pub enum IdentifyError {
     #[error(transparent)]
     Read(ReadError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
     #[diagnostic(transparent)]

@@ -22,6 +22,7 @@ pub enum Error {
     #[diagnostic(transparent)]
     Identify(IdentifyError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(#[from] ModelError),
     #[error(transparent)]
     Read(ReadError),

@@ -29,7 +29,7 @@ fn an_empty_file_is_refused() {
     let terminal = Terminal::with_model();
     terminal.write("bad.csv", "");
 
-    refuse_everywhere(&terminal, &["bad.csv is empty", "expected a header"]);
+    refuse_everywhere(&terminal, &["bad.csv is empty", "a log begins with a header"]);
 }
 
 #[test]

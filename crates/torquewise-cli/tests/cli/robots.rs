@@ -120,7 +120,7 @@ fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
     }
     terminal.done("fit three.csv -o library.json");
     terminal.refused("export library.json --to urdf -o x.urdf", &["--library chain"]);
-    terminal.refused("payload library.json three.csv", &["--library chain"]);
+    terminal.refused("payload library.json three.csv", &["fit the log along a chain"]);
 }
 
 /// A log whose second motor does less for a time, because somebody pushes.
