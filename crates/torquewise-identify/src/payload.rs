@@ -1,17 +1,19 @@
 //! From a model of the arm and a log with a load on its last link to the load (E15).
 
+mod rows;
+
 use faer::{ColRef, Mat};
 use serde::Serialize;
-use torquewise_model::friction::FrictionLaw;
 use torquewise_model::shaft_friction::Estimated;
-use torquewise_model::{LinkFrame, Model, ModelError, RigidChain, Torque};
+use torquewise_model::{LinkFrame, Model, ModelError, RigidChain};
 use torquewise_motion::Recording;
 use torquewise_rigid::feasible::{Prior, Quadratic, curvature, minimise};
 use torquewise_rigid::geometry::Placement;
 use torquewise_rigid::inertia::{plain_link, seen_from};
 use torquewise_rigid::recursion::PER_BODY;
-use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_stepwise::error::IdentifyError;
+
+use rows::{Columns, Weights, squares_with, state_of, visit};
 
 /// A body on the last link of an arm.
 ///
@@ -53,10 +55,6 @@ struct Block {
 const MOST_BLOCKS: usize = 256;
 /// Rows between two at which the uncertainty of the arm is taken in.
 const SPARSE: usize = 8;
-/// A joint slower than so many half widths of its reversal is at rest: its friction may be anything.
-const AT_REST: f64 = 3.0;
-/// What the square of such a row counts.
-const SHARE_AT_REST: f64 = 0.1;
 /// Spread of a nominal load \[m\], and its least mass \[kg\].
 const NOMINAL: (f64, f64) = (0.05, 1e-3);
 /// How strongly a load is held at the nominal one, in squares of the noise: alone it leaves a mass
@@ -194,73 +192,6 @@ struct Sums {
     rows: usize,
 }
 
-/// One over the noise of each joint, and its speed at rest.
-struct Weights {
-    weight: Vec<f64>,
-    rest: Vec<f64>,
-}
-
-impl Weights {
-    fn of(model: &Model) -> Self {
-        let rest = |joint: usize| {
-            let widths = model.friction.iter().filter(|own| own.term.acts_on(joint)).map(|own| {
-                match own.term.law {
-                    FrictionLaw::Coulomb { width } => width,
-                    _ => 0.0,
-                }
-            });
-            AT_REST * widths.fold(0.0_f64, f64::max)
-        };
-        let training = &model.training;
-        let noise = if training.held_out_rms.is_empty() {
-            &training.residual_rms
-        } else {
-            &training.held_out_rms
-        };
-        let one = |joint: usize| match noise.get(joint) {
-            Some(rms) if *rms > 0.0 => 1.0 / rms,
-            _ => 1.0,
-        };
-        let n = model.n_joints();
-        Self { weight: (0..n).map(one).collect(), rest: (0..n).map(rest).collect() }
-    }
-
-    /// The weight of the square of a row of a joint.
-    fn square(&self, joint: usize, speed: f64) -> f64 {
-        let share = if speed.abs() < self.rest[joint] { SHARE_AT_REST } else { 1.0 };
-        share * self.weight[joint].powi(2)
-    }
-}
-
-/// Columns of the last body at a state, n×10.
-struct Columns<'a> {
-    kinematics: Kinematics,
-    inertial: Vec<f64>,
-    chain: &'a RigidChain,
-    moved: Moved<f64>,
-    torque: Vec<f64>,
-}
-
-impl<'a> Columns<'a> {
-    fn of(chain: &'a RigidChain) -> Result<Self, IdentifyError> {
-        let kinematics = Kinematics::new(&chain.axes()?);
-        let (inertial, torque) = (chain.inertial(), vec![0.0; chain.n_joints()]);
-        Ok(Self { kinematics, inertial, chain, moved: Moved::default(), torque })
-    }
-
-    fn at(&mut self, [q, dq, ddq]: [&[f64]; 3], out: &mut Mat<f64>) {
-        let state = State { q, dq, ddq };
-        self.kinematics.inverse_dynamics(state, &self.inertial, &mut self.moved, &mut self.torque);
-        out.fill(0.0);
-        let first = PER_BODY * (self.chain.n_joints() - 1);
-        self.moved.regressor(|joint, parameter, value| {
-            if let Some(own) = parameter.checked_sub(first) {
-                out[(joint, own)] = value;
-            }
-        });
-    }
-}
-
 impl Sums {
     fn over(
         model: &Model,
@@ -386,68 +317,11 @@ impl Sums {
     }
 }
 
-/// Squares of what is left of each joint with the load, n.
-fn squares_with(
-    model: &Model,
-    chain: &RigidChain,
-    recording: &(impl Recording + ?Sized),
-    load: &[f64; PER_BODY],
-) -> Result<Vec<f64>, IdentifyError> {
-    let n = model.n_joints();
-    let mut columns = Columns::of(chain)?;
-    let (mut y, mut squares) = (Mat::zeros(n, PER_BODY), vec![0.0; n]);
-    visit(model, recording, &mut |block, left, _| {
-        for row in 0..block.n_rows() {
-            columns.at(state_of(block, row).each_ref().map(Vec::as_slice), &mut y);
-            let loads = &y * ColRef::from_slice(load);
-            for joint in 0..n {
-                squares[joint] += (left[(row, joint)] - loads[joint]).powi(2);
-            }
-        }
-        Ok(())
-    })?;
-    Ok(squares)
-}
-
 impl Block {
     fn add(&mut self, other: &Self) {
         self.information = &self.information + &other.information;
         self.right.iter_mut().zip(&other.right).for_each(|(own, b)| *own += b);
     }
-}
-
-/// Rows of a block of time: shorter than those of a reader, as a log for a load is short.
-const BLOCK_ROWS: usize = 128;
-
-/// Blocks of a log, what a model leaves of their torque, and what each of its laws of friction is.
-type Visit<'a> =
-    dyn FnMut(&torquewise_motion::Motion, &Mat<f64>, &Mat<f64>) -> Result<(), IdentifyError> + 'a;
-
-fn visit(
-    model: &Model,
-    recording: &(impl Recording + ?Sized),
-    see: &mut Visit<'_>,
-) -> Result<(), IdentifyError> {
-    let torque = Torque::new(model);
-    let mut path = torque.path();
-    recording
-        .read(&mut |trajectory, block| {
-            let followed = path.follow(trajectory, block);
-            let laws = torque.laws(&followed)?;
-            let left = block.require_tau()? - torque.over(&followed)?;
-            for first in (0..block.n_rows()).step_by(BLOCK_ROWS) {
-                let rows: Vec<usize> = (first..block.n_rows().min(first + BLOCK_ROWS)).collect();
-                let part = block.select(&rows);
-                let of = |x: &Mat<f64>| x.subrows(first, rows.len()).to_owned();
-                see(&part, &of(&left), &of(&laws))?;
-            }
-            Ok(())
-        })
-        .map_err(IdentifyError::Read)
-}
-
-fn state_of(block: &torquewise_motion::Motion, row: usize) -> [Vec<f64>; 3] {
-    [block.q(), block.dq(), block.ddq()].map(|x| x.row(row).iter().copied().collect())
 }
 
 /// Mass, centre and moments about the centre with their standard errors, seen from a frame.

@@ -2,31 +2,29 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::LazyLock;
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
-use torquewise_identify::{IdentifyError, Plan, Reconstruction, reconstruct, score};
+use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::model::Choice;
 use torquewise_model::{FrictionTerm, Model, Torque, check, from_json, to_json};
-use torquewise_motion::{Motion, Signals};
+use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
 /// White noise in the torque, as a part of its spread.
-const NOISE: f64 = 0.01;
+pub(crate) const NOISE: f64 = 0.01;
 
-type Friction = Vec<(FrictionTerm, f64)>;
+pub(crate) type Friction = Vec<(FrictionTerm, f64)>;
 
-fn sines(arm: &Arm, seconds: f64, seed: u64) -> Motion {
+pub(crate) fn sines(arm: &Arm, seconds: f64, seed: u64) -> Motion {
     let plan = MotionPlan { kind: MotionKind::Sines, seconds, rate: 50.0, seed };
     simulate(arm, &plan).unwrap().motion
 }
 
 /// The motion with friction and noise in its torque.
-fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motion {
+pub(crate) fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motion {
     let mut random = ChaCha8Rng::seed_from_u64(9);
     let mut signals = motion.clone().into_signals();
     let (dq, tau) = (&signals.dq, signals.tau.as_mut().unwrap());
@@ -44,24 +42,24 @@ fn rubbing(motion: &Motion, friction: &Friction, noise: f64) -> Motion {
     Motion::new(signals).unwrap()
 }
 
-fn plan(friction: FrictionKind) -> Plan {
+pub(crate) fn plan(friction: FrictionKind) -> Plan {
     ChainOptions { friction, ..ChainOptions::default() }.into()
 }
 
-fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
+pub(crate) fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
     reconstruct(motion, &plan(friction), &mut |_| {}).unwrap()
 }
 
 /// Half width of the smooth sign of a joint that moves so: that of the learner, since a sharper one
 /// is something that linear friction does not have.
-fn width(motion: &Motion, joint: usize) -> f64 {
+pub(crate) fn width(motion: &Motion, joint: usize) -> f64 {
     let peak = motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()));
     // To two digits.
     format!("{:.1e}", 0.01 * peak).parse().unwrap()
 }
 
 /// Offset, viscous and dry friction of each joint.
-fn linear(motion: &Motion, joints: &[[f64; 3]]) -> Friction {
+pub(crate) fn linear(motion: &Motion, joints: &[[f64; 3]]) -> Friction {
     let laws = |(joint, [offset, viscous, dry]): (usize, &[f64; 3])| {
         let sign = FrictionLaw::Coulomb { width: width(motion, joint) };
         let laws = [(FrictionLaw::Offset, *offset), (FrictionLaw::Viscous, *viscous), (sign, *dry)];
@@ -71,7 +69,7 @@ fn linear(motion: &Motion, joints: &[[f64; 3]]) -> Friction {
 }
 
 /// The coefficient that was found for a law on a shaft, whatever its width.
-fn coefficient(found: &Reconstruction, wanted: &FrictionTerm) -> f64 {
+pub(crate) fn coefficient(found: &Reconstruction, wanted: &FrictionTerm) -> f64 {
     let kind = std::mem::discriminant(&wanted.law);
     let like = |term: &FrictionTerm| {
         term.shaft == wanted.shaft && std::mem::discriminant(&term.law) == kind
@@ -80,20 +78,20 @@ fn coefficient(found: &Reconstruction, wanted: &FrictionTerm) -> f64 {
 }
 
 /// What was chosen, if there was a choice.
-fn chosen<'a>(found: &'a Reconstruction, what: &str) -> Option<&'a str> {
+pub(crate) fn chosen<'a>(found: &'a Reconstruction, what: &str) -> Option<&'a str> {
     let mut choices = found.model.choices.iter();
     choices.find(|choice| choice.what == what).map(|choice| choice.chosen.as_str())
 }
 
-fn reference_arm() -> Arm {
+pub(crate) fn reference_arm() -> Arm {
     Arm::builtin("puma560-3").unwrap()
 }
 
-fn reference_log() -> Motion {
+pub(crate) fn reference_log() -> Motion {
     sines(&reference_arm(), 40.0, 1)
 }
 
-fn reference_friction() -> Friction {
+pub(crate) fn reference_friction() -> Friction {
     linear(&reference_log(), &[[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]])
 }
 
@@ -103,7 +101,7 @@ static REFERENCE: LazyLock<Reconstruction> = LazyLock::new(|| {
 });
 
 /// Positions and speeds of an arm in motion.
-fn states(arm: &Arm) -> Vec<(Vec<f64>, Vec<f64>)> {
+pub(crate) fn states(arm: &Arm) -> Vec<(Vec<f64>, Vec<f64>)> {
     let motion = sines(arm, 10.0, 3);
     let row = |x: faer::MatRef<'_, f64>, row| x.row(row).iter().copied().collect();
     (0..motion.n_rows()).step_by(10).map(|k| (row(motion.q(), k), row(motion.dq(), k))).collect()
@@ -198,7 +196,7 @@ fn every_choice_is_on_record_with_its_errors() {
 }
 
 /// Roll, pitch, roll, as at the end of an arm.
-const WRIST: &str = r#"
+pub(crate) const WRIST: &str = r#"
 name = "wrist"
 base_rpy = [0.9, 0.0, 0.0]
 [[joints]]
@@ -335,89 +333,5 @@ fn friction_that_reverses_sharply_is_learned_so() {
             (has_friction - truth).abs() < 0.05 * truth,
             "joint {joint}: {has_friction}, not {truth}"
         );
-    }
-}
-
-#[test]
-fn a_short_log_is_searched_from_several_seeds() {
-    let arm = Arm::builtin("planar-2").unwrap();
-    let searches = |seconds: f64| {
-        let found = fit(&sines(&arm, seconds, 1), FrictionKind::None);
-        let of_seeds = |choice: &&Choice| choice.what == "seed of the search";
-        found.model.choices.iter().find(of_seeds).map_or(1, |choice| choice.from.len())
-    };
-
-    assert_eq!([searches(10.0), searches(30.0)], [4, 1]);
-}
-
-#[test]
-fn without_friction_none_is_listed() {
-    let arm = reference_arm();
-
-    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &vec![], NOISE), FrictionKind::None);
-
-    assert!(found.model.friction.is_empty());
-    let scores = score(&found.model, &sines(&arm, 10.0, 2)).unwrap();
-    assert!(scores.joints.iter().all(|joint| joint.nrmse_percent < 1.0), "{scores:?}");
-}
-
-#[test]
-fn a_pendulum_is_a_chain_of_one() {
-    let pendulum = WRIST.split("[[joints]]").take(2).collect::<Vec<_>>().join("[[joints]]");
-    let arm = Arm::from_dh_toml(&pendulum).unwrap();
-    let motion = sines(&arm, 20.0, 1);
-    let friction = linear(&motion, &[[0.1, 0.5, 0.8]]);
-
-    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Auto);
-
-    let test = rubbing(&sines(&arm, 10.0, 2), &friction, 0.0);
-    let scores = score(&found.model, &test).unwrap();
-    assert!(scores.joints[0].nrmse_percent < 1.0, "{scores:?}");
-}
-
-#[test]
-fn the_same_seed_gives_the_same_chain_model_at_any_number_of_threads() {
-    let motion = sines(&Arm::builtin("planar-2").unwrap(), 20.0, 1);
-    let log = rubbing(&motion, &linear(&motion, &[[0.1, 1.0, 1.0]; 2]), NOISE);
-    let model_with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| to_json(&fit(&log, FrictionKind::Auto).model).unwrap())
-    };
-
-    assert_eq!(model_with(1), model_with(2));
-}
-
-#[test]
-fn too_few_rows_for_a_chain_are_named() {
-    let arm = Arm::builtin("generic-6").unwrap();
-    let log = sines(&arm, 1.1, 1);
-
-    let error = reconstruct(&log, &plan(FrictionKind::Linear), &mut |_| {}).unwrap_err();
-
-    assert!(matches!(error, IdentifyError::Chain(_)), "{error}");
-    assert!(error.to_string().contains("55 rows of 6 joints"), "{error}");
-}
-
-#[test]
-fn joints_that_never_move_do_not_panic() {
-    let log = sines(&reference_arm(), 3.0, 1);
-    for moving in [0, 1, 2] {
-        let signals = log.clone().into_signals();
-        let held = |x: &Mat<f64>| {
-            Mat::from_fn(
-                x.nrows(),
-                3,
-                |row, joint| {
-                    if joint < moving { x[(row, joint)] } else { 0.0 }
-                },
-            )
-        };
-        let (q, dq, ddq) = (held(&signals.q), held(&signals.dq), held(&signals.ddq));
-        let log = Motion::new(Signals { q, dq, ddq, ..signals }).unwrap();
-
-        let found = fit(&log, FrictionKind::Auto);
-
-        let tau = Torque::new(&found.model).over(&log).unwrap();
-        assert!(tau.is_all_finite(), "{moving} joints move");
     }
 }

@@ -2,6 +2,7 @@
 
 mod bristles;
 mod chain;
+mod chain_limits;
 mod disagreement;
 mod excited;
 mod friction;

@@ -5,7 +5,6 @@
 
 use faer::Mat;
 use proptest::prelude::*;
-use torquewise_model::checks::driving_friction;
 use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_model::print::{latex, text};
@@ -16,12 +15,12 @@ use torquewise_model::{
 };
 use torquewise_motion::{Motion, Signals};
 
-fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
+pub(crate) fn weighted<T>(term: T, coefficient: f64) -> Weighted<T> {
     Weighted { term, coefficient, std_error: 0.01, inclusion: Some(0.98) }
 }
 
 /// Two joints with an inertia, a Coriolis and a gravity term, and this friction.
-fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
+pub(crate) fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
     let one = Term::one(2);
     let gravity = one.clone().times(Trig::Sin, 0, 1, 1);
     let coriolis = one.clone().times(Trig::Sin, 1, 1, 1).times_dq(0).times_dq(1);
@@ -41,9 +40,9 @@ fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
     }
 }
 
-const EXACT: FrictionLaw = FrictionLaw::Coulomb { width: 0.0 };
+pub(crate) const EXACT: FrictionLaw = FrictionLaw::Coulomb { width: 0.0 };
 
-fn directed(law: FrictionLaw, direction: Direction) -> FrictionTerm {
+pub(crate) fn directed(law: FrictionLaw, direction: Direction) -> FrictionTerm {
     FrictionTerm { direction, ..FrictionTerm::of_joint(2, 1, law) }
 }
 
@@ -394,41 +393,4 @@ fn another_reversal_changes_friction_at_reversal_alone() {
     let grown = at(&sharp, -0.005)[1] - at(&smooth, -0.005)[1];
     assert!((grown + 0.7 * (1.0 - 0.5_f64.tanh())).abs() < 1e-12, "{grown}");
     assert_eq!(at(&sharp.after_step(1).unwrap(), -0.005), at(&sharp, -0.005));
-}
-
-#[test]
-fn friction_under_load_follows_the_gravity_of_its_joint() {
-    let loaded = directed(EXACT, Direction::Both).under_load();
-    assert_eq!(
-        [loaded.name(), loaded.latex()].concat(),
-        "sign(dq2)*|G2|\
-        \\operatorname{sign}(\\dot q_{2})\\,|G_{2}|"
-    );
-    let knee = Weighted {
-        term: Term::one(2).times(Trig::Sin, 1, 1, 1),
-        coefficient: -4.0,
-        std_error: 0.0,
-        inclusion: None,
-    };
-    let mut rubbing = model(vec![weighted(loaded, 0.1)]);
-    let Form::Torque(equations) = &mut rubbing.form else { unreachable!() };
-    equations[1].push(knee);
-    let torque = Torque::new(&rubbing);
-    let (q, dq, ddq) = ([0.3, 0.5], [1.0, -0.2], [0.0, 3.0]);
-
-    let friction = torque.friction(&q, &dq).unwrap();
-
-    assert_eq!(friction[0], 0.0);
-    assert!((friction[1] + 0.1 * 4.0 * 0.5_f64.sin()).abs() < 1e-15, "{friction:?}");
-    let bare = Torque::new(&Model { friction: vec![], ..rubbing.clone() });
-    let whole = torque.at(&q, &dq, &ddq).unwrap()[1] - bare.at(&q, &dq, &ddq).unwrap()[1];
-    assert!((whole - friction[1]).abs() < 1e-14);
-    assert!(driving_friction(&rubbing).is_none());
-    rubbing.friction[0].coefficient = -0.1;
-    assert!(driving_friction(&rubbing).is_some());
-
-    let shared = FrictionTerm { shaft: vec![1.0, 1.0], ..rubbing.friction[0].term.clone() };
-    rubbing.friction[0].term = shared;
-    let refused = to_json(&rubbing).unwrap_err();
-    assert!(refused.to_string().contains("of one joint"), "{refused}");
 }

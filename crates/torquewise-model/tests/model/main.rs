@@ -2,6 +2,7 @@
 
 mod chain;
 mod friction;
+mod friction_load;
 mod model;
 mod physics;
 mod rigid_chain;

@@ -1,0 +1,95 @@
+//! Logs that are short, still, without friction or of one joint, fitted along a chain.
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
+use crate::chain::{NOISE, WRIST, fit, linear, plan, reference_arm, rubbing, sines};
+use faer::Mat;
+use torquewise_identify::plan::FrictionKind;
+use torquewise_identify::{IdentifyError, reconstruct, score};
+use torquewise_model::model::Choice;
+use torquewise_model::{Torque, to_json};
+use torquewise_motion::{Motion, Signals};
+use torquewise_sim::Arm;
+
+#[test]
+fn a_short_log_is_searched_from_several_seeds() {
+    let arm = Arm::builtin("planar-2").unwrap();
+    let searches = |seconds: f64| {
+        let found = fit(&sines(&arm, seconds, 1), FrictionKind::None);
+        let of_seeds = |choice: &&Choice| choice.what == "seed of the search";
+        found.model.choices.iter().find(of_seeds).map_or(1, |choice| choice.from.len())
+    };
+
+    assert_eq!([searches(10.0), searches(30.0)], [4, 1]);
+}
+
+#[test]
+fn without_friction_none_is_listed() {
+    let arm = reference_arm();
+
+    let found = fit(&rubbing(&sines(&arm, 30.0, 1), &vec![], NOISE), FrictionKind::None);
+
+    assert!(found.model.friction.is_empty());
+    let scores = score(&found.model, &sines(&arm, 10.0, 2)).unwrap();
+    assert!(scores.joints.iter().all(|joint| joint.nrmse_percent < 1.0), "{scores:?}");
+}
+
+#[test]
+fn a_pendulum_is_a_chain_of_one() {
+    let pendulum = WRIST.split("[[joints]]").take(2).collect::<Vec<_>>().join("[[joints]]");
+    let arm = Arm::from_dh_toml(&pendulum).unwrap();
+    let motion = sines(&arm, 20.0, 1);
+    let friction = linear(&motion, &[[0.1, 0.5, 0.8]]);
+
+    let found = fit(&rubbing(&motion, &friction, NOISE), FrictionKind::Auto);
+
+    let test = rubbing(&sines(&arm, 10.0, 2), &friction, 0.0);
+    let scores = score(&found.model, &test).unwrap();
+    assert!(scores.joints[0].nrmse_percent < 1.0, "{scores:?}");
+}
+
+#[test]
+fn the_same_seed_gives_the_same_chain_model_at_any_number_of_threads() {
+    let motion = sines(&Arm::builtin("planar-2").unwrap(), 20.0, 1);
+    let log = rubbing(&motion, &linear(&motion, &[[0.1, 1.0, 1.0]; 2]), NOISE);
+    let model_with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| to_json(&fit(&log, FrictionKind::Auto).model).unwrap())
+    };
+
+    assert_eq!(model_with(1), model_with(2));
+}
+
+#[test]
+fn too_few_rows_for_a_chain_are_named() {
+    let arm = Arm::builtin("generic-6").unwrap();
+    let log = sines(&arm, 1.1, 1);
+
+    let error = reconstruct(&log, &plan(FrictionKind::Linear), &mut |_| {}).unwrap_err();
+
+    assert!(matches!(error, IdentifyError::Chain(_)), "{error}");
+    assert!(error.to_string().contains("55 rows of 6 joints"), "{error}");
+}
+
+#[test]
+fn joints_that_never_move_do_not_panic() {
+    let log = sines(&reference_arm(), 3.0, 1);
+    for moving in [0, 1, 2] {
+        let signals = log.clone().into_signals();
+        let held = |x: &Mat<f64>| {
+            Mat::from_fn(
+                x.nrows(),
+                3,
+                |row, joint| {
+                    if joint < moving { x[(row, joint)] } else { 0.0 }
+                },
+            )
+        };
+        let (q, dq, ddq) = (held(&signals.q), held(&signals.dq), held(&signals.ddq));
+        let log = Motion::new(Signals { q, dq, ddq, ..signals }).unwrap();
+
+        let found = fit(&log, FrictionKind::Auto);
+
+        let tau = Torque::new(&found.model).over(&log).unwrap();
+        assert!(tau.is_all_finite(), "{moving} joints move");
+    }
+}
