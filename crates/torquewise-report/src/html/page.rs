@@ -40,7 +40,7 @@ const CHART_LICENCE: &str = include_str!("../assets/uPlot-LICENSE.txt");
 impl Page {
     /// The page as one HTML text that needs no other file and no network.
     ///
-    /// Checked against: `tests/report/browser.rs`, in a real browser.
+    /// Checked against: `python/tests/test_report_page.py`, in a real browser.
     ///
     /// # Errors
     /// [`ReportError::Page`] if a template cannot be filled.

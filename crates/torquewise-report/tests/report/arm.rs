@@ -1,9 +1,7 @@
-//! The report of a learned chain of six joints: what comes first, what is left out, how long it is.
+//! The report of a learned chain of six joints: what comes first, and what is left out.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
-use crate::browser::{Desk, OVERFLOW, UNFOLD};
-use serde_json::json;
 use std::f64::consts::FRAC_PI_2;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
@@ -108,70 +106,4 @@ fn the_verdict_comes_first_and_what_a_chain_does_not_have_is_left_out() {
     let foot = html.split("<footer>").nth(1).unwrap().split("</footer>").next().unwrap();
     assert!(foot.contains("torquewise 1.2.3. Report: 2001-02-04. Newest log: 2001-02-03."));
     assert!(foot.contains("fit a.csv -o &#x27;my model.json&#x27;"), "{foot}");
-}
-
-#[test]
-fn six_joints_fit_a_short_page_and_a_narrow_screen() {
-    let Some(mut desk) = Desk::new() else { return };
-    let mut tab = desk.open(&report());
-
-    tab.resize(1400, 900);
-    let height = tab.value("document.documentElement.scrollHeight").as_u64().unwrap();
-    let beside = tab.value(
-        "document.querySelector('nav ol').getBoundingClientRect().right < \
-                            document.querySelector('main').getBoundingClientRect().left",
-    );
-    tab.resize(400, 900);
-    let folded = tab.value("document.querySelector('nav details').open");
-    let overflow = tab.value(OVERFLOW);
-    let covered = tab.value(
-        "[...document.querySelectorAll('.bars .name')].filter((name) => \
-         [...name.querySelectorAll('math')].some((math) => math.getBoundingClientRect().right > \
-         name.nextElementSibling.getBoundingClientRect().left)).length",
-    );
-    tab.value(UNFOLD);
-
-    assert!((3_000..12_000).contains(&height), "{height} px");
-    assert_eq!((beside, folded), (json!(true), json!(false)), "contents");
-    assert_eq!(covered, 0, "names reach over bars");
-    assert_eq!((overflow, tab.value(OVERFLOW)), (json!(0), json!(0)));
-    assert_eq!(tab.complaints(), [""; 0]);
-}
-
-#[test]
-fn the_skeleton_is_moved_by_the_log_and_turned_by_dragging() {
-    let Some(mut desk) = Desk::new() else { return };
-    let mut tab = desk.open(&report());
-    // Distance of each axis from the one before, and how the last one stands.
-    let axes = "document.querySelector('.skeleton').axes";
-    let state = format!("JSON.stringify({axes}.at(-1))");
-    let lengths = format!(
-        "{axes}.slice(1).map(({{ origin }}, i) => \
-         Math.hypot(...origin.map((x, k) => x - {axes}[i].origin[k])).toFixed(6))"
-    );
-    let picture = "document.querySelector('.skeleton canvas').toDataURL()";
-    let start = (tab.value(&state), tab.value(picture));
-
-    let at = tab.middle(".player input");
-    tab.mouse("mousePressed", at, 1);
-    tab.mouse("mouseReleased", at, 1);
-    let later = (tab.value(&state), tab.value(picture));
-    let [x, y] = tab.middle(".skeleton canvas");
-    tab.mouse("mousePressed", [x, y], 1);
-    tab.mouse("mouseMoved", [x + 80.0, y + 20.0], 1);
-    tab.mouse("mouseReleased", [x + 80.0, y + 20.0], 1);
-    let turned = (tab.value(&state), tab.value(picture));
-    let at = tab.middle(".player button");
-    tab.mouse("mousePressed", at, 1);
-    tab.mouse("mouseReleased", at, 1);
-    let waited = "new Promise((done) => setTimeout(() => done(0), 300))";
-    tab.value(waited);
-
-    assert_ne!(start.0, later.0, "the slider moves it");
-    assert_ne!(start.1, later.1);
-    assert_eq!(later.0, turned.0, "a drag turns the view alone");
-    assert_ne!(later.1, turned.1);
-    assert_ne!(tab.value(&state), turned.0, "it plays");
-    assert_eq!(tab.value(&lengths), json!(vec!["0.300000"; JOINTS - 1]), "links keep their length");
-    assert_eq!(tab.complaints(), [""; 0]);
 }

@@ -1,7 +1,5 @@
-//! Reports, read as text and opened in a real browser.
+//! Reports, read as text; `python/tests/test_report_page.py` opens them in a real browser.
 
 mod arm;
-mod browser;
 mod call_cost;
-mod chromium;
 mod friction;
