@@ -71,4 +71,12 @@ impl Place {
             Self::Inertia(i, j) => format!("M{},{}", i + 1, j + 1),
         }
     }
+
+    /// The same in LaTeX: `V` or `M_{1,2}`.
+    pub fn latex(self) -> String {
+        match self {
+            Self::Potential => "V".into(),
+            Self::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
+        }
+    }
 }

@@ -127,23 +127,13 @@ fn energy_lines(energies: &[Equation], share: &str) -> Vec<String> {
 fn energies(model: &Model, selection: &Selection) -> (Vec<Equation>, usize) {
     let Form::Energy(terms) = &model.form else { return (Vec::new(), 0) };
     let mut left_out = 0;
-    let groups = by_place(terms).into_iter().filter(|(place, _)| selection.has_energy(*place));
+    let groups =
+        weighted_energies(terms).into_iter().filter(|(place, _)| selection.has_energy(*place));
     let equations = groups
         .map(|(place, terms)| {
-            let function = |w: &Weighted<EnergyTerm>| Weighted {
-                term: w.term.function.clone(),
-                coefficient: w.coefficient,
-                std_error: w.std_error,
-                inclusion: w.inclusion,
-            };
-            let terms = terms.into_iter().map(function).collect();
             let (terms, more) = selection.of(shortest(terms, model.chain.is_some()));
             left_out += more;
-            let latex = match place {
-                Place::Potential => "V".to_owned(),
-                Place::Inertia(i, j) => format!("M_{{{},{}}}", i + 1, j + 1),
-            };
-            Equation { name: place.name(), latex, terms, friction: Vec::new() }
+            Equation { name: place.name(), latex: place.latex(), terms, friction: Vec::new() }
         })
         .filter(|equation| !equation.terms.is_empty())
         .collect();
@@ -316,10 +306,15 @@ fn signed<T>(weighted: &Weighted<T>, function: &str) -> String {
 }
 
 /// Energy terms grouped: M₁₁, M₁₂, … then V.
-fn by_place(terms: &[Weighted<EnergyTerm>]) -> Vec<(Place, Vec<&Weighted<EnergyTerm>>)> {
-    let mut groups: BTreeMap<Place, Vec<&Weighted<EnergyTerm>>> = BTreeMap::new();
+pub fn weighted_energies(terms: &[Weighted<EnergyTerm>]) -> Vec<(Place, Vec<Weighted<Term>>)> {
+    let mut groups: BTreeMap<Place, Vec<Weighted<Term>>> = BTreeMap::new();
     for weighted in terms {
-        groups.entry(weighted.term.place).or_default().push(weighted);
+        groups.entry(weighted.term.place).or_default().push(Weighted {
+            term: weighted.term.function.clone(),
+            coefficient: weighted.coefficient,
+            std_error: weighted.std_error,
+            inclusion: weighted.inclusion,
+        });
     }
     let (potential, inertia): (Vec<_>, Vec<_>) =
         groups.into_iter().partition(|(place, _)| *place == Place::Potential);

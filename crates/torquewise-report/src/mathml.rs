@@ -1,22 +1,21 @@
-//! From terms and weights to MathML: equations to read in a browser, with the digits that mean
+//! From the LaTeX of terms to MathML: equations to read in a browser, with the digits that mean
 //! something.
 
 use crate::html::Markup;
 use crate::html::markup::escape;
 use crate::html::number::{aligned, count};
-use std::collections::BTreeMap;
+use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
 use std::fmt::Write;
-use torquewise_model::friction::{Direction, FrictionLaw};
-use torquewise_model::print::with_error;
-use torquewise_model::term::Factor;
-use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Trig, Weighted};
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::print::{weighted_energies, with_error};
+use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Weighted};
 
 /// A sum with its left side, before it is written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Equation {
     /// Its name in plain text.
     pub name: String,
-    /// What the sum is, as made by [`place`] or [`torque`].
+    /// What the sum is, as made by [`math`].
     pub left: Markup,
     /// Words beside the left side: a joint's name, a unit; may be empty.
     pub note: String,
@@ -128,118 +127,49 @@ const CERTAIN: f64 = 0.995;
 
 /// The equations of an energy: M₁₁, M₁₂, …, then V.
 pub fn energies(terms: &[Weighted<EnergyTerm>]) -> Vec<Equation> {
-    let mut groups: BTreeMap<Place, Vec<Weighted<Term>>> = BTreeMap::new();
-    for weighted in terms {
-        groups.entry(weighted.term.place).or_default().push(Weighted {
-            term: weighted.term.function.clone(),
-            coefficient: weighted.coefficient,
-            std_error: weighted.std_error,
-            inclusion: weighted.inclusion,
-        });
-    }
-    let (potential, inertia): (Vec<_>, Vec<_>) =
-        groups.into_iter().partition(|(place, _)| *place == Place::Potential);
     let equation = |(at, terms): (Place, Vec<Weighted<Term>>)| {
         let unit = if at == Place::Potential { "J" } else { "kg·m²" };
         Equation {
             name: at.name(),
-            left: place(at),
+            left: math(&format!("{}=", at.latex())),
             note: format!("[{unit}]"),
             terms,
             unit: Some(unit),
             ..Equation::default()
         }
     };
-    inertia.into_iter().chain(potential).map(equation).collect()
-}
-
-/// M₁₂ = or V =, joints counted from 1.
-pub fn place(place: Place) -> Markup {
-    let name = match place {
-        Place::Potential => "<mi>V</mi>".to_owned(),
-        Place::Inertia(i, j) if i < 9 && j < 9 => {
-            format!("<msub><mi>M</mi><mn>{}{}</mn></msub>", i + 1, j + 1)
-        }
-        Place::Inertia(i, j) => {
-            let (i, j) = (i + 1, j + 1);
-            format!("<msub><mi>M</mi><mrow><mn>{i}</mn><mo>,</mo><mn>{j}</mn></mrow></msub>")
-        }
-    };
-    math(&format!("{name}<mo>=</mo>"))
-}
-
-/// τ₂ =, for the joint at a place counted from 0.
-pub fn torque(joint: usize) -> Markup {
-    math(&format!("<msub><mi>τ</mi><mn>{}</mn></msub><mo>=</mo>", joint + 1))
-}
-
-/// F₂ =, the friction of the joint at a place counted from 0.
-pub fn friction_torque(joint: usize) -> Markup {
-    math(&format!("<msub><mi>F</mi><mn>{}</mn></msub><mo>=</mo>", joint + 1))
+    weighted_energies(terms).into_iter().map(equation).collect()
 }
 
 /// A term: sin q₂ cos² q₃ q̇₁ q̇₂.
 pub fn term(term: &Term) -> Markup {
-    let mut parts: Vec<String> = term.factors.iter().map(factor).collect();
-    for (dots, powers) in [(DOT, &term.dq), (TWO_DOTS, &term.ddq)] {
-        for (joint, &power) in powers.iter().enumerate().filter(|&(_, &power)| power > 0) {
-            parts.push(rate(dots, joint, power));
-        }
-    }
-    if parts.is_empty() {
-        return math("<mn>1</mn>");
-    }
-    math(&parts.join("<mspace width=\"0.2em\"/>"))
+    let latex = term.latex();
+    math(if latex.is_empty() { "1" } else { &latex })
 }
 
 /// f(v) of a friction term: sign q̇₂, e^−(q̇₂/0.05)² sign q̇₂; nothing for an offset.
 pub fn friction(term: &FrictionTerm) -> Markup {
-    let speed = shaft(&term.shaft);
-    let several = term.shaft.iter().filter(|shaft| **shaft != 0.0).count() > 1;
-    let whole = if several { brackets(&speed) } else { speed.clone() };
-    let sign = |width: f64| {
-        if width > 0.0 {
-            format!("<mi>tanh</mi>{}", brackets(&over(&whole, width)))
-        } else {
-            format!("<mi>sign</mi>{}", brackets(&speed))
-        }
-    };
-    let law = match term.law {
-        FrictionLaw::Offset => String::new(),
-        FrictionLaw::Viscous => whole.clone(),
-        FrictionLaw::Coulomb { width } => sign(width),
-        FrictionLaw::Stribeck { speed: stribeck, width } => {
-            let ratio = brackets(&over(&whole, stribeck));
-            let square = format!("<mo>−</mo><msup><mrow>{ratio}</mrow><mn>2</mn></msup>");
-            format!(
-                "<msup><mi>e</mi><mrow>{square}</mrow></msup><mspace width=\"0.2em\"/>{}",
-                sign(width)
-            )
-        }
-        FrictionLaw::Dahl { travel } => {
-            let joint = term.element().map_or(0, |(joint, _)| joint + 1);
-            let angle = format!("<msub><mi>q</mi><mn>{joint}</mn></msub>");
-            format!("<msub><mi>x</mi><mn>{travel}</mn></msub>{}", brackets(&angle))
-        }
-    };
-    let load = match term.joint() {
-        Some(joint) if term.load => format!(
-            "<mspace width=\"0.2em\"/><mo>|</mo><msub><mi>G</mi><mn>{}</mn></msub><mo>|</mo>",
-            joint + 1
-        ),
-        _ => String::new(),
-    };
-    let law = law + &load;
-    let relation = match term.direction {
-        Direction::Both if law.is_empty() => return Markup::trusted(String::new()),
-        Direction::Both => return math(&law),
-        Direction::Backward => "&lt;",
-    };
-    math(&format!(
-        "{law}<mspace width=\"0.4em\"/><mo stretchy=\"false\">[</mo>{speed}<mo>{relation}</mo>\
-         <mn>0</mn><mo stretchy=\"false\">]</mo>"
-    ))
+    let latex = term.latex();
+    if latex.is_empty() { Markup::default() } else { math(&latex) }
 }
+
+/// LaTeX as MathML.
+pub fn math(latex: &str) -> Markup {
+    let (storage, mut html) = (Storage::new(), String::new());
+    // Writing to a String cannot fail.
+    let _ = push_mathml(&mut html, Parser::new(latex, &storage), RenderConfig::default());
+    Markup::trusted(MENDED.iter().fold(html, |html, (from, to)| html.replace(from, to)))
+}
+
+/// What the renderer writes that a browser does not take, or sets badly, and what it becomes: a
+/// space is no base of a power, a sign is no tag, and combining marks sit right in any font, an
+/// accent only in one made for mathematics.
+const MENDED: [(&str, &str); 4] = [
+    ("<msup><mspace width=\"0.1667em\" />", "<mspace width=\"0.1667em\" /><msup>"),
+    ("<mo><</mo>", "<mo>&lt;</mo>"),
+    ("<mover><mi>q</mi><mi>˙</mi></mover>", "<mi>\u{1d45e}\u{307}</mi>"),
+    ("<mover><mi>q</mi><mi>¨</mi></mover>", "<mi>\u{1d45e}\u{308}</mi>"),
+];
 
 /// Its unit, as that of a coefficient.
 fn friction_unit(term: &FrictionTerm) -> &'static str {
@@ -249,85 +179,6 @@ fn friction_unit(term: &FrictionTerm) -> &'static str {
         (_, false) => "N·m",
         (_, true) => "",
     }
-}
-
-/// The speed of a shaft: q̇₂, q̇₅ + q̇₆.
-fn shaft(shaft: &[f64]) -> String {
-    let mut text = String::new();
-    for (joint, weight) in shaft.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-        match (*weight < 0.0, text.is_empty()) {
-            (true, _) => text.push_str("<mo>−</mo>"),
-            (false, true) => {}
-            (false, false) => text.push_str("<mo>+</mo>"),
-        }
-        if (weight.abs() - 1.0).abs() > f64::EPSILON {
-            push(&mut text, format_args!("<mn>{}</mn>", weight.abs()));
-        }
-        text.push_str(&rate(DOT, joint, 1));
-    }
-    text
-}
-
-fn over(speed: &str, number: f64) -> String {
-    format!("<mrow>{speed}</mrow><mo>/</mo><mn>{number}</mn>")
-}
-
-fn brackets(inner: &str) -> String {
-    format!("<mo stretchy=\"false\">(</mo>{inner}<mo stretchy=\"false\">)</mo>")
-}
-
-fn factor(factor: &Factor) -> String {
-    let name = match factor.function {
-        Trig::Sin => "sin",
-        Trig::Cos => "cos",
-    };
-    let function = match factor.power {
-        1 => format!("<mi>{name}</mi>"),
-        power => format!("<msup><mi>{name}</mi><mn>{power}</mn></msup>"),
-    };
-    let multiples: Vec<(usize, i8)> =
-        factor.multiples.iter().copied().enumerate().filter(|&(_, k)| k != 0).collect();
-    let angle = angle(&multiples);
-    match multiples.as_slice() {
-        [(_, 1)] => format!("{function}<mspace width=\"0.15em\"/>{angle}"),
-        _ => format!("{function}<mo stretchy=\"false\">(</mo>{angle}<mo stretchy=\"false\">)</mo>"),
-    }
-}
-
-/// q₂, 2q₂, q₂ + q₃.
-fn angle(multiples: &[(usize, i8)]) -> String {
-    let mut text = String::new();
-    for (place, &(joint, k)) in multiples.iter().enumerate() {
-        match (k < 0, place) {
-            (true, _) => text.push_str("<mo>−</mo>"),
-            (false, 0) => {}
-            (false, _) => text.push_str("<mo>+</mo>"),
-        }
-        if k.unsigned_abs() > 1 {
-            push(&mut text, format_args!("<mn>{}</mn>", k.unsigned_abs()));
-        }
-        push(&mut text, format_args!("<msub><mi>q</mi><mn>{}</mn></msub>", joint + 1));
-    }
-    text
-}
-
-/// Combining marks sit right in any font; an accent of MathML only in one made for mathematics.
-const DOT: char = '\u{307}';
-const TWO_DOTS: char = '\u{308}';
-/// What a lone q in MathML looks like.
-const ITALIC_Q: char = '\u{1d45e}';
-
-fn rate(dots: char, joint: usize, power: u8) -> String {
-    let q = format!("<mi>{ITALIC_Q}{dots}</mi>");
-    let joint = joint + 1;
-    match power {
-        1 => format!("<msub>{q}<mn>{joint}</mn></msub>"),
-        power => format!("<msubsup>{q}<mn>{joint}</mn><mn>{power}</mn></msubsup>"),
-    }
-}
-
-fn math(inner: &str) -> Markup {
-    Markup::trusted(format!("<math>{inner}</math>"))
 }
 
 /// Size of a coefficient, and its standard error, both with the digits that mean something.
@@ -356,18 +207,13 @@ fn push(html: &mut String, text: std::fmt::Arguments<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use torquewise_model::Trig;
+    use torquewise_model::friction::Direction;
+    use torquewise_model::term::Factor;
 
     fn equation(terms: Vec<Weighted<Term>>) -> Equation {
         let (name, note) = ("\"tau2".into(), "<elbow>".into());
-        Equation {
-            name,
-            left: torque(1),
-            note,
-            terms,
-            friction: Vec::new(),
-            unit: None,
-            left_out: 0,
-        }
+        Equation { name, left: math(r"\tau_{2}="), note, terms, ..Equation::default() }
     }
 
     fn weighted(coefficient: f64, std_error: f64) -> Weighted<Term> {
@@ -381,12 +227,14 @@ mod tests {
 
         let html = term(&product).to_string();
 
-        let cosine = "<msup><mi>cos</mi><mn>2</mn></msup><mspace width=\"0.15em\"/>\
-                      <msub><mi>q</mi><mn>3</mn></msub>";
-        assert!(html.starts_with(&format!("<math>{cosine}")), "{html}");
-        assert!(html.contains("<mi>𝑞̇</mi><mn>1</mn><mn>2</mn></msubsup>"), "{html}");
-        assert!(html.ends_with("<mi>𝑞̈</mi><mn>2</mn></msub></math>"), "{html}");
-        assert_eq!(term(&Term::one(1)).as_str(), "<math><mn>1</mn></math>");
+        let cosine = "<msup><mi>cos</mi><mrow><mn>2</mn></mrow></msup>";
+        assert!(html.starts_with(&format!("<math display=\"inline\">{cosine}")), "{html}");
+        let square = "<mi>𝑞̇</mi><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></msubsup>";
+        assert!(html.contains(square), "{html}");
+        assert!(html.ends_with("<mi>𝑞̈</mi><mrow><mn>2</mn></mrow></msub></math>"), "{html}");
+        let after = term(&Term::one(3).times(Trig::Sin, 1, 1, 1).times(Trig::Cos, 2, 1, 2));
+        assert!(after.as_str().contains(&format!("/>{cosine}")), "{after}");
+        assert_eq!(term(&Term::one(1)).as_str(), "<math display=\"inline\"><mn>1</mn></math>");
     }
 
     fn rubbing(shaft: [f64; 2], law: FrictionLaw, direction: Direction) -> FrictionTerm {
@@ -395,27 +243,29 @@ mod tests {
 
     #[test]
     fn friction_is_written_as_its_law() {
-        let dq2 = "<msub><mi>𝑞̇</mi><mn>2</mn></msub>";
+        let dq2 = "<msub><mi>𝑞̇</mi><mrow><mn>2</mn></mrow></msub>";
         let (knee, both) = ([0.0, 1.0], Direction::Both);
         let written = |term: &FrictionTerm| friction(term).to_string();
 
         let stribeck = FrictionLaw::Stribeck { speed: 0.05, width: 0.0 };
         let html = written(&rubbing(knee, stribeck, Direction::Backward));
-        assert!(html.starts_with("<math><msup><mi>e</mi>"), "{html}");
-        assert!(html.contains(&format!("<mrow>{dq2}</mrow><mo>/</mo><mn>0.05</mn>")), "{html}");
+        assert!(html.starts_with("<math display=\"inline\"><msup><mi>e</mi>"), "{html}");
+        assert!(html.contains(&format!("{dq2}<mo>/</mo><mn>0.05</mn>")), "{html}");
         assert!(html.contains("<mi>sign</mi>"), "{html}");
         assert!(html.contains(&format!("{dq2}<mo>&lt;</mo><mn>0</mn>")), "{html}");
         let smooth = written(&rubbing(knee, FrictionLaw::Coulomb { width: 0.01 }, both));
         assert!(smooth.contains("<mi>tanh</mi>") && !smooth.contains("sign"), "{smooth}");
         assert_eq!(written(&rubbing(knee, FrictionLaw::Offset, both)), "");
         let viscous = written(&rubbing(knee, FrictionLaw::Viscous, both));
-        assert_eq!(viscous, format!("<math>{dq2}</math>"));
+        assert_eq!(viscous, format!("<math display=\"inline\">{dq2}</math>"));
         let wrist = written(&rubbing([1.0, -0.5], FrictionLaw::Viscous, both));
-        let half = format!("<mo>−</mo><mn>0.5</mn>{dq2}<mo stretchy=\"false\">)</mo>");
+        let thin = "<mspace width=\"0.16666667em\" />";
+        let close = "<mo symmetric=\"false\" stretchy=\"false\">)</mo>";
+        let half = format!("<mo>−</mo><mn>0.5</mn>{thin}{dq2}{close}");
         assert!(wrist.contains(&half), "{wrist}");
         let smooth = FrictionLaw::Coulomb { width: 0.01 };
         let wrist = written(&rubbing([1.0, -0.5], smooth, both));
-        assert!(wrist.contains(&format!("{half}</mrow><mo>/</mo>")), "{wrist}");
+        assert!(wrist.contains(&format!("{half}<mo>/</mo>")), "{wrist}");
     }
 
     #[test]
@@ -448,9 +298,10 @@ mod tests {
 
         let html = term(&sine).to_string();
 
-        let angle = "<msub><mi>q</mi><mn>2</mn></msub><mo>−</mo><mn>2</mn>\
-                     <msub><mi>q</mi><mn>3</mn></msub>";
-        assert!(html.contains(&format!("(</mo>{angle}<mo")), "{html}");
+        let [second, third] =
+            [2, 3].map(|joint| format!("<msub><mi>q</mi><mrow><mn>{joint}</mn></mrow></msub>"));
+        let twice = "<mo>−</mo><mn>2</mn><mspace width=\"0.16666667em\" />";
+        assert!(html.contains(&format!("(</mo>{second}{twice}{third}<mo")), "{html}");
     }
 
     #[test]
@@ -486,7 +337,7 @@ mod tests {
         let equations = energies(&places);
 
         let left: Vec<&str> = equations.iter().map(|equation| equation.left.as_str()).collect();
-        assert!(left[0].contains("<mn>12</mn>") && left[1].contains("<mn>22</mn>"), "{left:?}");
+        assert!(left[0].contains("<mn>1,2</mn>") && left[1].contains("<mn>2,2</mn>"), "{left:?}");
         assert!(left[2].contains("<mi>V</mi>"), "{left:?}");
     }
 }

@@ -4,7 +4,7 @@
 use crate::fit_report::Findings;
 use crate::html::number::count;
 use crate::html::{Item, Section};
-use crate::mathml::{Equation, energies, friction_torque, torque};
+use crate::mathml::{Equation, energies, math};
 use std::collections::BTreeMap;
 use torquewise_model::print::{weighted_equations, weighted_friction};
 use torquewise_model::{Form, Term, Weighted};
@@ -65,7 +65,7 @@ fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
     let equation = |(joint, friction): (usize, Vec<_>)| Equation {
         name: format!("Friction of {}", model.joints[joint]),
-        left: friction_torque(joint),
+        left: math(&format!("F_{{{}}}=", joint + 1)),
         note: format!("friction of {} [N·m]", model.joints[joint]),
         friction,
         ..Equation::default()
@@ -81,7 +81,7 @@ fn torques(findings: &Findings<'_>) -> Vec<Equation> {
         let sizes = importance.iter().map(|term| (term.name.as_str(), term.rms)).collect();
         let all = Equation {
             name: format!("Torque of {}", model.joints[joint]),
-            left: torque(joint),
+            left: math(&format!(r"\tau_{{{}}}=", joint + 1)),
             note: format!("{} [N·m]", model.joints[joint]),
             terms,
             friction,
