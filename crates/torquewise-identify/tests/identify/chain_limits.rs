@@ -1,5 +1,4 @@
 //! Logs that are short, still, without friction or of one joint, fitted along a chain.
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
 
 use crate::chain::{NOISE, WRIST, fit, linear, plan, reference_arm, rubbing, sines};
 use faer::Mat;
