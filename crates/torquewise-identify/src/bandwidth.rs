@@ -1,4 +1,5 @@
-//! From Raw logs to their bandwidth: where a learned chain predicts held-out raw torque best (E12).
+//! Cut-off of the filter and delay of the torque: where a learned chain predicts held-out raw torque
+//! best (E12) (E19).
 
 use crate::plan::Plan;
 use crate::reconstruct::{Solution, solve};
@@ -9,8 +10,9 @@ use crate::unseen::{BLOCKS, Errors, even_blocks, held_out};
 use rayon::prelude::*;
 use torquewise_model::model::{Candidate, Choice};
 use torquewise_motion::RawRecording;
+use torquewise_motion::signals::bandwidth::Band;
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::held_out::standard_error;
+use torquewise_stepwise::held_out::{mean, standard_error};
 
 /// Of cut-offs whose errors differ by no more than this part, the lowest is taken: it lets the
 /// least noise through.
@@ -20,6 +22,10 @@ const SEARCHES: usize = 2;
 /// A chain that was searched at a bandwidth this little worse than the best need not be searched
 /// again there.
 const NEAR: f64 = 0.02;
+/// A delay must lower the error by this part, and by so many standard errors of the gain over the
+/// blocks: what friction lacks can pass for a small one.
+const LEAST_GAIN: f64 = 0.03;
+const LEAST_CERTAINTY: f64 = 2.0;
 
 /// Logs at their bandwidth.
 #[derive(Debug)]
@@ -28,24 +34,26 @@ pub struct Tuned<R> {
     pub recording: R,
     /// The chain that was searched, and the first pass over all rows that it asks for.
     pub request: Request,
-    /// How the cut-off was chosen.
-    pub choice: Option<Choice>,
+    /// How cut-off and delay were chosen.
+    pub choices: Vec<Choice>,
 }
 
-/// One target for all bandwidths: errors of each can be compared.
+/// A cut-off \[Hz\] and a delay of the torque \[s\], and what they leave of raw torque.
 struct Tried {
     cutoff: f64,
+    delay: f64,
     errors: Errors,
 }
 
-/// Searches a chain, and the bandwidth at which it predicts the raw torque of held-out blocks of
-/// time best (E12).
+/// Searches a chain, and the bandwidth and the delay at which it predicts the raw torque of held-out
+/// blocks of time best (E12) (E19).
 ///
 /// Each candidate filters the motion by itself, the chain's parameters are fitted to the torque of
 /// the other blocks at that bandwidth, and what they predict is compared with the torque as it was
 /// measured. A low cut-off loses torque, a high one lets noise into q̇ and q̈. Where the best is far
 /// from where the chain was searched, it is searched again halfway: a geometry needs more rows than
-/// a narrow band has, and less noise than a wide one.
+/// a narrow band has, and less noise than a wide one. A delay is taken only for a clear gain, and
+/// the chain searched again with it.
 ///
 /// - `plan`: for a chain
 ///
@@ -56,26 +64,27 @@ pub fn tune<L: RawRecording>(
     plan: &Plan,
     progress: &mut dyn FnMut(Progress),
 ) -> Result<Tuned<L::Filtered>, IdentifyError> {
-    let mut cutoff = logs.first_cutoff();
+    let (mut cutoff, mut delay) = (logs.first_cutoff(), no_delay(logs));
     let mut searches = 0;
     loop {
-        let recording = logs.filtered(cutoff).map_err(IdentifyError::Read)?;
+        let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let summary = summarise(&recording, plan, "", progress)?;
         let Solution::Request(request) = solve(summary, plan, progress)? else {
             return Err(IdentifyError::NoLibrary);
         };
         searches += 1;
-        let Some(judged) = judge(logs, &request)? else {
-            return Ok(Tuned { recording, request: *request, choice: None });
+        let Some(grid) = Grid::of(logs, &request)? else {
+            return Ok(Tuned { recording, request: *request, choices: Vec::new() });
         };
-        if judged.is_near(cutoff) || searches == SEARCHES {
-            return judged.tuned(logs, *request);
+        let is_near = grid.is_near(cutoff) && grid.best.delay == delay;
+        if is_near || searches == SEARCHES {
+            return grid.tuned(logs, *request);
         }
-        cutoff = (cutoff * judged.best).sqrt();
+        (cutoff, delay) = ((cutoff * grid.best.cutoff).sqrt(), grid.best.delay);
     }
 }
 
-/// Chooses the bandwidth alone, for a chain that was searched on other logs of the arm (E12).
+/// Chooses cut-off and delay alone, for a chain that was searched on other logs of the arm (E12).
 ///
 /// # Errors
 /// [`IdentifyError`]: the reader's message, or an arm of other joints.
@@ -83,60 +92,122 @@ pub fn tune_from<L: RawRecording>(
     logs: &L,
     request: Request,
 ) -> Result<Tuned<L::Filtered>, IdentifyError> {
-    if let Some(judged) = judge(logs, &request)? {
-        return judged.tuned(logs, request);
+    if let Some(grid) = Grid::of(logs, &request)? {
+        return grid.tuned(logs, request);
     }
-    let recording = logs.filtered(logs.first_cutoff()).map_err(IdentifyError::Read)?;
-    Ok(Tuned { recording, request, choice: None })
+    let recording = logs.filtered(logs.first_cutoff(), no_delay(logs));
+    Ok(Tuned { recording: recording.map_err(IdentifyError::Read)?, request, choices: Vec::new() })
 }
 
-/// Candidates that were tried, at least one.
-struct Judged {
-    tried: Vec<Tried>,
-    /// Error of the best.
-    least: f64,
-    /// The lowest cut-off near it.
-    best: f64,
+/// The delay that is set, or none.
+fn no_delay(logs: &impl RawRecording) -> f64 {
+    match logs.delays()[..] {
+        [set] => set,
+        _ => 0.0,
+    }
 }
 
-fn judge(logs: &impl RawRecording, request: &Request) -> Result<Option<Judged>, IdentifyError> {
-    let tried = tried(logs, request)?;
-    let Some(least) = tried.iter().map(|tried| tried.errors.all()).reduce(f64::min) else {
-        return Ok(None);
-    };
-    let lowest = tried.iter().find(|tried| tried.errors.all() <= (1.0 + ALIKE) * least);
-    Ok(lowest.map(|tried| tried.cutoff).map(|best| Judged { tried, least, best }))
+/// What candidates leave of raw torque: cut-offs without a delay and with the best one, and delays
+/// at the best cut-off.
+struct Grid {
+    /// At the chosen delay, by ascending cut-off.
+    cutoffs: Vec<Tried>,
+    /// At the best cut-off, by ascending delay; the one that is set.
+    delays: Vec<Tried>,
+    best: Chosen,
 }
 
-impl Judged {
+#[derive(Clone, Copy)]
+struct Chosen {
+    cutoff: f64,
+    delay: f64,
+}
+
+impl Grid {
+    /// `None` where the logs are too short.
+    fn of(logs: &impl RawRecording, request: &Request) -> Result<Option<Self>, IdentifyError> {
+        let none = no_delay(logs);
+        let cutoffs = cutoffs(logs, request, none)?;
+        let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
+        let delays = at(logs, request, cutoff, &logs.delays())?;
+        let delay = clear_delay(&delays, none).unwrap_or(none);
+        if delay == none {
+            let best = Chosen { cutoff, delay };
+            return Ok(Some(Self { cutoffs, delays, best }));
+        }
+        let cutoffs = self::cutoffs(logs, request, delay)?;
+        let best = lowest_near_best(&cutoffs).map(|cutoff| Chosen { cutoff, delay });
+        Ok(best.map(|best| Self { cutoffs, delays, best }))
+    }
+
     /// Whether a cut-off does about as well as the best.
     fn is_near(&self, cutoff: f64) -> bool {
-        let here = self.tried.iter().rfind(|tried| tried.cutoff <= cutoff);
-        here.is_some_and(|here| here.errors.all() <= (1.0 + NEAR) * self.least)
+        let here = self.cutoffs.iter().rfind(|tried| tried.cutoff <= cutoff);
+        let least = self.cutoffs.iter().map(|tried| tried.errors.all()).reduce(f64::min);
+        here.zip(least).is_some_and(|(here, least)| here.errors.all() <= (1.0 + NEAR) * least)
     }
 
-    /// Logs at the best cut-off.
+    /// Logs at the best cut-off and delay.
     fn tuned<L: RawRecording>(
         &self,
         logs: &L,
         request: Request,
     ) -> Result<Tuned<L::Filtered>, IdentifyError> {
-        let recording = logs.filtered(self.best).map_err(IdentifyError::Read)?;
-        Ok(Tuned { recording, request, choice: Some(choice(&self.tried, self.best)) })
+        let Chosen { cutoff, delay } = self.best;
+        let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
+        let hertz = |cutoff: f64| format!("{cutoff:.2} Hz");
+        let milliseconds = |delay: f64| format!("{:.1} ms", 1e3 * delay);
+        let choice = |what: &str, chosen: String, rule: &str, from: Vec<Candidate>| Choice {
+            what: what.to_owned(),
+            chosen,
+            rule: format!("{rule} in raw torque, {BLOCKS} blocks of time held out"),
+            from,
+        };
+        let of = |tried: &Tried, label: String| Candidate {
+            label,
+            error: tried.errors.all(),
+            std_error: standard_error(&tried.errors.by_block()),
+            complexity: 1,
+        };
+        let cutoffs = self.cutoffs.iter().map(|tried| of(tried, hertz(tried.cutoff))).collect();
+        let delays = self.delays.iter().map(|tried| of(tried, milliseconds(tried.delay))).collect();
+        let choices = vec![
+            choice("cut-off of the filter", hertz(cutoff), "lowest near the least error", cutoffs),
+            choice("delay of the torque", milliseconds(delay), "none but for a clear gain", delays),
+        ];
+        let settled = [self.cutoffs.len(), self.delays.len()];
+        let choices = choices.into_iter().zip(settled).filter(|(_, count)| *count > 1);
+        let choices = choices.map(|(choice, _)| choice).collect();
+        Ok(Tuned { recording, request, choices })
     }
 }
 
-/// What candidates leave of the target: every second one, then those beside the best.
-fn tried(logs: &impl RawRecording, request: &Request) -> Result<Vec<Tried>, IdentifyError> {
-    let one = |cutoff: f64| -> Result<Option<Tried>, IdentifyError> {
-        let motion = logs.sample(cutoff).map_err(IdentifyError::Read)?;
-        let Some(motion) = motion else { return Ok(None) };
-        let errors =
-            held_out(request.linearisation(), &motion, logs.raw_torque(), &even_blocks(&motion))?;
-        Ok(errors.map(|errors| Tried { cutoff, errors }))
-    };
+/// Of cut-offs near the least error the lowest.
+fn lowest_near_best(tried: &[Tried]) -> Option<f64> {
+    let least = tried.iter().map(|tried| tried.errors.all()).reduce(f64::min)?;
+    let near = tried.iter().filter(|tried| tried.errors.all() <= (1.0 + ALIKE) * least);
+    near.map(|tried| tried.cutoff).reduce(f64::min)
+}
+
+/// The delay of least error, where it is clearly better than none.
+fn clear_delay(tried: &[Tried], none: f64) -> Option<f64> {
+    let best = tried.iter().min_by(|a, b| a.errors.all().total_cmp(&b.errors.all()))?;
+    let without = tried.iter().find(|tried| tried.delay == none)?;
+    let pairs = without.errors.by_block().into_iter().zip(best.errors.by_block());
+    let gains: Vec<f64> = pairs.map(|(without, best)| (without / best).ln()).collect();
+    let gain = (without.errors.all() / best.errors.all()).ln();
+    let is_clear = gain > LEAST_GAIN && mean(&gains) > LEAST_CERTAINTY * standard_error(&gains);
+    is_clear.then_some(best.delay)
+}
+
+/// What cut-offs leave with a delay: every second one, then those beside the best.
+fn cutoffs(
+    logs: &impl RawRecording,
+    request: &Request,
+    delay: f64,
+) -> Result<Vec<Tried>, IdentifyError> {
     let all = |cutoffs: Vec<f64>| -> Result<Vec<Tried>, IdentifyError> {
-        let found = cutoffs.par_iter().map(|&cutoff| one(cutoff));
+        let found = cutoffs.par_iter().map(|&cutoff| at(logs, request, cutoff, &[delay]));
         Ok(found.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
     };
     let cutoffs = logs.cutoffs();
@@ -150,20 +221,17 @@ fn tried(logs: &impl RawRecording, request: &Request) -> Result<Vec<Tried>, Iden
     Ok(tried)
 }
 
-fn choice(tried: &[Tried], chosen: f64) -> Choice {
-    let label = |cutoff: f64| format!("{cutoff:.2} Hz");
-    let candidate = |tried: &Tried| Candidate {
-        label: label(tried.cutoff),
-        error: tried.errors.all(),
-        std_error: standard_error(&tried.errors.by_block()),
-        complexity: 1,
-    };
-    Choice {
-        what: "cut-off of the filter".into(),
-        chosen: label(chosen),
-        rule: format!(
-            "lowest near the least error in raw torque, {BLOCKS} blocks of time held out"
-        ),
-        from: tried.iter().map(candidate).collect(),
-    }
+/// What delays leave at a cut-off; nothing where the logs are too short.
+fn at(
+    logs: &impl RawRecording,
+    request: &Request,
+    cutoff: f64,
+    delays: &[f64],
+) -> Result<Vec<Tried>, IdentifyError> {
+    let band = logs.band(cutoff, delays).map_err(IdentifyError::Read)?;
+    let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
+    let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
+    let errors = held_out(request.linearisation(), &motion, &targets, &even_blocks(&motion))?;
+    let tried = torques.iter().zip(errors.into_iter().flatten());
+    Ok(tried.map(|(torque, errors)| Tried { cutoff, delay: torque.delay, errors }).collect())
 }

@@ -7,7 +7,7 @@ use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
 use crate::prune::prune;
 use crate::reconstruction::Reconstruction;
-use crate::unseen::{held_out, whole_logs};
+use crate::unseen::{Errors, HeldOut, held_out, regions, whole_logs};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -29,6 +29,8 @@ use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Rows on which the error of blocks that were held out is found, at most.
 const HELD_OUT_ROWS: usize = 4_000;
+/// Rows over which a filter carries torque: a period of its cut-off, of which it leaves eight rows.
+const FILTER_ROWS: usize = 8;
 /// Draws of the parameters that the errors of the equations are estimated from.
 const DRAWS: usize = 40;
 /// Size of these draws in standard deviations: small, so that all is linear.
@@ -63,7 +65,8 @@ impl Fitted {
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
         let mut training = survey.training(residual_rms);
-        training.held_out_rms = held_out_rms(&solved.at, &survey.sample)?;
+        (training.held_out_rms, training.held_out_by_region_rms) =
+            held_out_rms(&solved.at, &survey.sample)?;
         let mut model = Model {
             joints: survey.joints.clone(),
             form: Form::Energy(terms),
@@ -153,13 +156,21 @@ fn unexplained(
     Ok(training.residual_rms.iter().enumerate().map(of_joint).collect())
 }
 
-/// RMS of what is left of the torque of each joint on whole logs, or on blocks of time of a single
-/// one, that were held out \[N·m\]; nothing where there are too few rows.
-fn held_out_rms(at: &Linearisation, sample: &Motion) -> Result<Vec<f64>, IdentifyError> {
-    let sample = thinned(sample, HELD_OUT_ROWS);
-    let tau = sample.require_tau()?.to_owned();
-    let errors = held_out(at, &sample, &tau, &whole_logs(&sample))?;
-    Ok(errors.map_or_else(Vec::new, |errors| errors.rms_by_joint()))
+/// RMS of what is left of the torque of each joint \[N·m\] on whole logs, or on blocks of time of a
+/// single one, that were held out; and on regions of configuration (E20). Nothing where there are
+/// too few rows.
+fn held_out_rms(
+    at: &Linearisation,
+    sample: &Motion,
+) -> Result<(Vec<f64>, Vec<f64>), IdentifyError> {
+    let few = thinned(sample, HELD_OUT_ROWS);
+    let every = sample.n_rows().div_ceil(few.n_rows().max(1)).max(1);
+    let tau = few.require_tau()?.to_owned();
+    let rms = |blocks: &[HeldOut]| -> Result<Vec<f64>, IdentifyError> {
+        let errors = held_out(at, &few, &[(&tau, &tau)], blocks)?;
+        Ok(errors.and_then(|all| all.first().map(Errors::rms_by_joint)).unwrap_or_default())
+    };
+    Ok((rms(&whole_logs(&few))?, rms(&regions(&few, FILTER_ROWS.div_ceil(every)))?))
 }
 
 /// Equal energy terms joined.

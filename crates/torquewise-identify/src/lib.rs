@@ -26,6 +26,7 @@ mod learn;
 mod prune;
 pub mod reconstruction;
 mod framed;
+mod regions;
 mod unseen;
 mod fitted;
 mod torque_sign;

@@ -8,6 +8,7 @@ use crate::fitted::Fitted;
 use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
 use crate::reconstruction::Progress;
+use crate::regions::Regions;
 use serde::{Deserialize, Serialize};
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
@@ -146,12 +147,11 @@ impl Request {
     }
 }
 
-/// Blocks and folds for a log of so many rows.
+/// Blocks for a log of so many rows.
 fn cut_for(at: Linearisation, rows: usize) -> Linearisation {
     let [least, most] = BLOCK_ROWS;
     let block_rows = (rows / BLOCKS).next_power_of_two().clamp(least, most);
-    let fold_rows = rows.div_ceil(FOLDS).div_ceil(block_rows).max(1) * block_rows;
-    Linearisation { block_rows, fold_rows, ..at }
+    Linearisation { block_rows, ..at }
 }
 
 /// The chain as it was learned, ready for a pass over a sample.
@@ -187,7 +187,7 @@ fn linearised(
         noise: white,
         raw_noise: options.noise_correction && filtered,
         block_rows: BLOCK_ROWS[0],
-        fold_rows: 1,
+        regions: Regions::of(sample, FOLDS),
         seed,
     };
     Ok(cut_for(at.scaled_by(sample)?, sample.n_rows()))

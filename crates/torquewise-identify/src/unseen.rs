@@ -1,9 +1,9 @@
 //! From a chain, motion to what it leaves of a torque on blocks of time that it was not fitted on.
 
 use crate::estimate::Linearisation;
+use crate::regions::Regions;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
-use std::ops::Range;
 use torquewise_motion::Motion;
 use torquewise_stepwise::error::IdentifyError;
 
@@ -62,17 +62,39 @@ pub(crate) fn geometric_mean(x: &[f64]) -> f64 {
     (logs / x.len().max(1) as f64).exp()
 }
 
-/// Rows that are held out together, and those around them that are not fitted on.
+/// Rows that are held out together, and those around them, themselves among them, that are not
+/// fitted on; both ascending.
 pub(crate) struct HeldOut {
-    rows: Range<usize>,
-    around: Range<usize>,
+    rows: Vec<usize>,
+    around: Vec<usize>,
+}
+
+/// Regions of configuration that are held out.
+const REGIONS: usize = 5;
+
+/// Regions of configuration of a motion, each with the rows before and after it by so many: the
+/// filter carries torque there (E20).
+pub(crate) fn regions(motion: &Motion, margin: usize) -> Vec<HeldOut> {
+    let (m, regions) = (motion.n_rows(), Regions::of(motion, REGIONS));
+    let place: Vec<usize> = (0..m).map(|row| regions.of_row(motion, row)).collect();
+    let of = |region: usize| -> HeldOut {
+        let near = |row: &usize| {
+            let (first, end) = (row.saturating_sub(margin), (row + margin + 1).min(m));
+            place[first..end].contains(&region)
+        };
+        let rows = (0..m).filter(|&row| place[row] == region).collect();
+        HeldOut { rows, around: (0..m).filter(near).collect() }
+    };
+    (0..REGIONS).map(of).filter(|block| !block.rows.is_empty()).collect()
 }
 
 /// Blocks of time of a motion with their neighbours: the filter carries torque there.
 pub(crate) fn even_blocks(motion: &Motion) -> Vec<HeldOut> {
     let edge = |block: usize| block * motion.n_rows() / BLOCKS;
     let around = |block: usize| edge(block.saturating_sub(1))..edge((block + 2).min(BLOCKS));
-    (0..BLOCKS).map(|k| HeldOut { rows: edge(k)..edge(k + 1), around: around(k) }).collect()
+    let block =
+        |k: usize| HeldOut { rows: (edge(k)..edge(k + 1)).collect(), around: around(k).collect() };
+    (0..BLOCKS).map(block).collect()
 }
 
 /// Whole logs where there are four or more, of very many some together; blocks of time of fewer.
@@ -89,14 +111,17 @@ pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
     let logs = edges.len() - 1;
     let groups = logs.min(BLOCKS);
     let edge = |group: usize| edges[group * logs / groups];
-    let rows = (0..groups).map(|group| edge(group)..edge(group + 1));
+    let rows = (0..groups).map(|group| (edge(group)..edge(group + 1)).collect::<Vec<usize>>());
     rows.map(|rows| HeldOut { around: rows.clone(), rows }).collect()
 }
 
+/// The torque of a motion: what is fitted to, and what is to be predicted \[N·m\], m×n each.
+pub(crate) type Target<'a> = (&'a Mat<f64>, &'a Mat<f64>);
+
 /// What the parameters of a chain, fitted to the torque of a motion but for a block of rows and
-/// those around it, leave of a target in that block. The geometry takes one step.
+/// those around it, leave of what is to be predicted in that block, for each target. The geometry
+/// takes one step.
 ///
-/// - `target`: \[N·m\], m×n
 /// - returns: `None` where there are too few rows, or nothing can be solved
 ///
 /// # Errors
@@ -104,61 +129,71 @@ pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
 pub(crate) fn held_out(
     at: &Linearisation,
     motion: &Motion,
-    target: &Mat<f64>,
+    targets: &[Target<'_>],
     blocks: &[HeldOut],
-) -> Result<Option<Errors>, IdentifyError> {
+) -> Result<Option<Vec<Errors>>, IdentifyError> {
     let (m, n) = (motion.n_rows(), motion.n_joints());
     if m < BLOCKS * LEAST_ROWS {
         return Ok(None);
     }
     let (columns, weights) = at.columns_of(motion)?;
-    let tau = motion.require_tau()?;
     let p = columns.ncols();
-    let rows = |block: Range<usize>, joint: usize| {
-        columns.submatrix(joint * m + block.start, 0, block.len(), p)
+    let rows = |block: &[usize], joint: usize| {
+        Mat::from_fn(block.len(), p, |k, j| columns[(joint * m + block[k], j)])
     };
-    let sums = |block: Range<usize>| {
-        let (mut gram, mut right) = (Mat::<f64>::zeros(p, p), Mat::<f64>::zeros(p, 1));
+    let sums = |block: &[usize]| {
+        let (mut gram, mut right) = (Mat::<f64>::zeros(p, p), Mat::<f64>::zeros(p, targets.len()));
         for joint in 0..n {
-            let own = rows(block.clone(), joint);
-            let response = Mat::from_fn(own.nrows(), 1, |row, _| {
-                let row = block.start + row;
-                weights[joint * m + row] * tau[(row, joint)]
+            let own = rows(block, joint);
+            let responses = Mat::from_fn(own.nrows(), targets.len(), |row, k| {
+                let row = block[row];
+                weights[joint * m + row] * targets[k].0[(row, joint)]
             });
-            gram += own.transpose() * own;
-            right += own.transpose() * response;
+            gram += own.transpose() * &own;
+            right += own.transpose() * responses;
         }
         (gram, right)
     };
-    let (gram, right) = sums(0..m);
+    let (gram, right) = sums(&(0..m).collect::<Vec<usize>>());
     let around: Vec<(Mat<f64>, Mat<f64>)> =
-        blocks.iter().map(|block| sums(block.around.clone())).collect();
-    let spread: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
+        blocks.iter().map(|block| sums(&block.around)).collect();
     let largest = (0..p).fold(0.0_f64, |most, k| gram[(k, k)].max(most));
-    let parts = |ridge: f64| -> Option<Vec<Vec<f64>>> {
+    // Coefficients without each block, p×targets.
+    let solved = |ridge: &f64| -> Option<Vec<Mat<f64>>> {
         let own = |k: usize| ridge * gram[(k, k)].max(LEAST_SQUARE * largest);
-        let of_block = |(block, (own_gram, own_right)): (&HeldOut, &(Mat<f64>, Mat<f64>))| {
+        let without = |(own_gram, own_right): &(Mat<f64>, Mat<f64>)| {
             let mut rest = &gram - own_gram;
             (0..p).for_each(|k| rest[(k, k)] += own(k));
-            let solved = rest.llt(Side::Lower).ok()?.solve(&right - own_right);
-            let left = |joint: usize| {
-                let fitted = rows(block.rows.clone(), joint) * &solved;
-                let squares = block.rows.clone().enumerate().map(|(k, row)| {
-                    (target[(row, joint)] - fitted[(k, 0)] / weights[joint * m + row]).powi(2)
-                });
-                squares.sum::<f64>() / block.rows.len() as f64 / spread[joint]
-            };
-            Some((0..n).map(left).collect())
+            Some(rest.llt(Side::Lower).ok()?.solve(&right - own_right))
         };
-        blocks.iter().zip(&around).map(of_block).collect()
+        around.iter().map(without).collect()
     };
-    let roots: Vec<f64> = spread.iter().map(|variance| variance.sqrt()).collect();
+    let solved: Vec<Vec<Mat<f64>>> = RIDGES.iter().filter_map(solved).collect();
     let shares: Vec<f64> = blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
-    let of = |ridge: &f64| {
-        Some(Errors { parts: parts(*ridge)?, shares: shares.clone(), spread: roots.clone() })
+    let of = |(k, (_, target)): (usize, &Target<'_>)| -> Option<Errors> {
+        let spread: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
+        let parts = |solved: &Vec<Mat<f64>>| -> Vec<Vec<f64>> {
+            let of_block = |(block, solved): (&HeldOut, &Mat<f64>)| {
+                let left = |joint: usize| {
+                    let fitted = rows(&block.rows, joint) * solved.col(k);
+                    let squares = block.rows.iter().zip(fitted.iter()).map(|(&row, fitted)| {
+                        (target[(row, joint)] - fitted / weights[joint * m + row]).powi(2)
+                    });
+                    squares.sum::<f64>() / block.rows.len() as f64 / spread[joint]
+                };
+                (0..n).map(left).collect()
+            };
+            blocks.iter().zip(solved).map(of_block).collect()
+        };
+        let roots: Vec<f64> = spread.iter().map(|variance| variance.sqrt()).collect();
+        let errors = solved.iter().map(|solved| Errors {
+            parts: parts(solved),
+            shares: shares.clone(),
+            spread: roots.clone(),
+        });
+        errors.min_by(|a, b| a.all().total_cmp(&b.all()))
     };
-    let found = RIDGES.iter().filter_map(of);
-    Ok(found.min_by(|a, b| a.all().total_cmp(&b.all())))
+    Ok(targets.iter().enumerate().map(of).collect())
 }
 
 fn variance(x: &Mat<f64>, column: usize) -> f64 {
@@ -191,14 +226,22 @@ mod tests {
         let four = motion(&[0.0, 0.1, 0.2, 0.0, 0.1, 0.0, 0.1, 0.2, 0.3, 0.0]);
         let one = motion(&(0..240).map(f64::from).collect::<Vec<_>>());
 
-        let logs: Vec<_> = whole_logs(&four).into_iter().map(|b| (b.rows, b.around)).collect();
-        let blocks: Vec<_> = whole_logs(&one).into_iter().map(|b| (b.rows, b.around)).collect();
+        let ends = |rows: &[usize]| (rows[0], rows[rows.len() - 1] + 1);
+        let of = |motion: &Motion| -> Vec<_> {
+            let blocks = whole_logs(motion).into_iter();
+            blocks.map(|block| (ends(&block.rows), ends(&block.around))).collect()
+        };
+        let (logs, blocks) = (of(&four), of(&one));
 
-        assert_eq!(logs, [(0..3, 0..3), (3..5, 3..5), (5..9, 5..9), (9..10, 9..10)]);
+        assert_eq!(
+            logs.iter().map(|(rows, _)| *rows).collect::<Vec<_>>(),
+            [(0, 3), (3, 5), (5, 9), (9, 10)]
+        );
+        assert!(logs.iter().all(|(rows, around)| rows == around));
         assert_eq!(blocks.len(), BLOCKS);
-        assert_eq!(blocks[0], (0..10, 0..20));
-        assert_eq!(blocks[5], (50..60, 40..70));
-        assert_eq!(blocks[BLOCKS - 1], (230..240, 220..240));
+        assert_eq!(blocks[0], ((0, 10), (0, 20)));
+        assert_eq!(blocks[5], ((50, 60), (40, 70)));
+        assert_eq!(blocks[BLOCKS - 1], ((230, 240), (220, 240)));
     }
 
     #[test]
@@ -208,9 +251,29 @@ mod tests {
         let groups = whole_logs(&many);
 
         assert_eq!(groups.len(), BLOCKS);
-        assert_eq!(groups[0].rows.start, 0);
-        assert!(groups.windows(2).all(|pair| pair[0].rows.end == pair[1].rows.start));
-        assert!(groups.iter().all(|group| group.rows.start % 2 == 0));
-        assert_eq!(groups[BLOCKS - 1].rows.end, many.n_rows());
+        let all: Vec<usize> = groups.iter().flat_map(|group| group.rows.clone()).collect();
+        assert_eq!(all, (0..many.n_rows()).collect::<Vec<_>>());
+        assert!(groups.iter().all(|group| group.rows[0] % 2 == 0));
+    }
+
+    #[test]
+    fn a_region_is_held_out_with_the_rows_beside_it() {
+        // Two dwells, apart.
+        let q =
+            Mat::from_fn(200, 1, |row, _| if row < 100 { 0.0 } else { 1.0 } + 1e-3 * row as f64);
+        let Signals { t, dq, ddq, joints, .. } = motion(&vec![0.0; 200]).into_signals();
+        let motion = Motion::new(Signals { t, dq, ddq, joints, q, tau: None }).unwrap();
+
+        let blocks = regions(&motion, 3);
+
+        let mut seen: Vec<usize> = blocks.iter().flat_map(|block| block.rows.clone()).collect();
+        seen.sort_unstable();
+        assert_eq!(seen, (0..200).collect::<Vec<_>>());
+        for block in &blocks {
+            let (first, last) = (block.rows[0], block.rows[block.rows.len() - 1]);
+            assert!(last < 100 || first >= 100, "{first} to {last}");
+            let around = (block.around[0], block.around[block.around.len() - 1]);
+            assert_eq!(around, (first.saturating_sub(3), (last + 3).min(199)));
+        }
     }
 }

@@ -204,6 +204,7 @@ mod tests {
             residual_rms: vec![0.1, 0.1],
             torque_std: vec![1.0, 1.0],
             held_out_rms: vec![0.1, 0.9],
+            held_out_by_region_rms: vec![0.1, 0.2],
             ..Training::default()
         };
         Model {

@@ -6,10 +6,9 @@ use crate::logs::Logs;
 use crate::pieces::Pieces;
 use crate::raw_noise::RawNoise;
 use crate::trajectory::{Done, Trajectory};
-use faer::Mat;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
-use torquewise_motion::signals::bandwidth::Bandwidths;
+use torquewise_motion::signals::bandwidth::{Band, Bandwidths};
 use torquewise_motion::signals::cutoff::Decided;
 use torquewise_motion::signals::{
     ConditionReport, Conditioning, Cutoff, CutoffChoice, Raw, condition,
@@ -20,8 +19,7 @@ use torquewise_motion::{
 
 /// Logs whose signals are conditioned as they are read: [`torquewise_motion::signals`] tells how.
 ///
-/// The cut-off, and the lag of the torque if it is asked for, are chosen once, from all logs, and
-/// hold for all.
+/// The cut-off is chosen once, from all logs, and holds for all.
 #[derive(Clone, Debug)]
 pub struct ConditionedLogs {
     logs: Logs,
@@ -32,12 +30,15 @@ pub struct ConditionedLogs {
     repairs: Arc<Mutex<Vec<Repairs>>>,
 }
 
-/// Logs, and pieces of them at any bandwidth, from which that of all is chosen.
+/// Logs, and pieces of them at any bandwidth and with any delay of the torque, from which those of
+/// all are chosen.
 #[derive(Clone, Debug)]
 pub struct RawLogs {
     conditioned: ConditionedLogs,
     first: Raw,
     bandwidths: Bandwidths,
+    cutoffs: Vec<f64>,
+    delays: Vec<f64>,
 }
 
 impl ConditionedLogs {
@@ -45,36 +46,19 @@ impl ConditionedLogs {
     ///
     /// A cut-off that is not set is that of the spectra: [`RawLogs`] lead to a better one.
     ///
-    /// - `find_delay`: whether the lag of the torque is estimated, in place of that of `settings`
-    ///
     /// # Errors
     /// [`LogError`] if the logs cannot be read, or [`LogError::Signals`] if they cannot be
     /// conditioned.
-    pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self, LogError> {
+    pub fn new(logs: Logs, settings: &Conditioning) -> Result<Self, LogError> {
         let pieces = Pieces::read(&logs)?;
-        Self::chosen(logs, settings, find_delay, &pieces)
+        Self::chosen(logs, settings, &pieces)
     }
 
-    fn chosen(
-        logs: Logs,
-        settings: &Conditioning,
-        find_delay: bool,
-        pieces: &Pieces,
-    ) -> Result<Self, LogError> {
-        let refused = |source| signals(&logs, 0, source);
-        let first = pieces.longest()?;
-        let mut report = condition(first, settings).map_err(refused)?.report;
+    fn chosen(logs: Logs, settings: &Conditioning, pieces: &Pieces) -> Result<Self, LogError> {
+        let found = condition(pieces.longest()?, settings);
+        let report = found.map_err(|source| signals(&logs, 0, source))?.report;
         let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
-        let mut settings = Conditioning { cutoff, ..*settings };
-        if find_delay && logs.has_tau() {
-            let lag = pieces.lag(&settings).map_err(refused)?;
-            if lag != 0.0 {
-                settings.delay += lag;
-                let choice = report.choice.take();
-                report = condition(first, &settings).map_err(refused)?.report;
-                report.choice = choice;
-            }
-        }
+        let settings = Conditioning { cutoff, ..*settings };
         Ok(Self::of(logs, pieces.clock, settings, report))
     }
 
@@ -167,21 +151,26 @@ impl ConditionedLogs {
 }
 
 impl RawLogs {
-    /// Looks at pieces of all logs, settles how all are conditioned but for their bandwidth, and
-    /// keeps the pieces to choose that by.
+    /// Looks at pieces of all logs, settles how all are conditioned but for bandwidth and delay,
+    /// and keeps the pieces to choose these by. A cut-off that is set is the only one tried.
     ///
-    /// - `find_delay`: as for [`ConditionedLogs::new`]
+    /// - `find_delay`: whether delays of the torque other than that of `settings` are tried
     ///
     /// # Errors
     /// As [`ConditionedLogs::new`], and if the logs hold no torque.
     pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self, LogError> {
         logs.require_tau()?;
         let pieces = Pieces::read(&logs)?;
-        let conditioned = ConditionedLogs::chosen(logs, settings, find_delay, &pieces)?;
+        let conditioned = ConditionedLogs::chosen(logs, settings, &pieces)?;
         let first = pieces.longest()?.clone();
         let bandwidths = Bandwidths::new(&pieces.all, &conditioned.settings);
         let bandwidths = bandwidths.map_err(|source| signals(&conditioned.logs, 0, source))?;
-        Ok(Self { conditioned, first, bandwidths })
+        let cutoffs = match settings.cutoff {
+            Cutoff::Hz(cutoff) => vec![cutoff],
+            Cutoff::Auto | Cutoff::Off => bandwidths.cutoffs(),
+        };
+        let delays = if find_delay { bandwidths.delays() } else { vec![settings.delay] };
+        Ok(Self { conditioned, first, bandwidths, cutoffs, delays })
     }
 
     /// The logs at the bandwidth that is set, or that of the spectra.
@@ -196,8 +185,11 @@ impl RawLogs {
     /// [`ReadError`] if the logs cannot be conditioned.
     pub fn beside_raw_torque(&self) -> Result<Option<Motion>, ReadError> {
         let Some(cutoff) = self.conditioned.report.cutoff else { return Ok(None) };
-        let Some(motion) = self.sample(cutoff)? else { return Ok(None) };
-        let tau = Some(self.raw_torque().clone());
+        let delay = self.conditioned.settings.delay;
+        let Some(Band { motion, mut torques }) = self.band(cutoff, &[delay])? else {
+            return Ok(None);
+        };
+        let tau = torques.pop().map(|torque| torque.raw);
         Ok(Some(Motion::new(Signals { tau, ..motion.into_signals() })?))
     }
 }
@@ -210,20 +202,20 @@ impl RawRecording for RawLogs {
     }
 
     fn cutoffs(&self) -> Vec<f64> {
-        self.bandwidths.cutoffs()
+        self.cutoffs.clone()
     }
 
-    fn sample(&self, cutoff: f64) -> Result<Option<Motion>, ReadError> {
-        Ok(self.bandwidths.motion(cutoff)?)
+    fn delays(&self) -> Vec<f64> {
+        self.delays.clone()
     }
 
-    fn raw_torque(&self) -> &Mat<f64> {
-        self.bandwidths.target()
+    fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>, ReadError> {
+        Ok(self.bandwidths.band(cutoff, delays)?)
     }
 
-    fn filtered(&self, cutoff: f64) -> Result<ConditionedLogs, ReadError> {
+    fn filtered(&self, cutoff: f64, delay: f64) -> Result<ConditionedLogs, ReadError> {
         let ConditionedLogs { logs, clock, settings, report, .. } = &self.conditioned;
-        let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), ..*settings };
+        let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), delay, ..*settings };
         let found = condition(&self.first, &settings).map_err(|e| signals(logs, 0, e))?.report;
         let decided = Decided::HeldOut;
         let choice = report.choice.clone().map(|was| CutoffChoice { cutoff, decided, ..was });

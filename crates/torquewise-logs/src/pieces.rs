@@ -5,8 +5,7 @@ use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
 use std::borrow::Cow;
-use torquewise_motion::MotionError;
-use torquewise_motion::signals::{Conditioning, Raw, torque_delay};
+use torquewise_motion::signals::Raw;
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;
@@ -45,23 +44,6 @@ impl Pieces {
     /// [`LogError::NoFiles`] if there is none.
     pub(crate) fn longest(&self) -> Result<&Raw, LogError> {
         self.all.iter().rev().max_by_key(|piece| piece.t.len()).ok_or(LogError::NoFiles)
-    }
-
-    /// The middle one of the lags that pieces show \[s\]; none where fewer than half of them do.
-    ///
-    /// # Errors
-    /// Those of [`torque_delay()`].
-    pub(crate) fn lag(&self, settings: &Conditioning) -> Result<f64, MotionError> {
-        let mut lags = Vec::new();
-        for piece in &self.all {
-            match torque_delay(piece, settings) {
-                Ok(lag) => lags.push(lag.map_or(0.0, |lag| lag.seconds)),
-                Err(error) if error.is_too_short() => {}
-                Err(error) => return Err(error),
-            }
-        }
-        lags.sort_by(f64::total_cmp);
-        Ok(lags.get(lags.len() / 2).copied().unwrap_or_default())
     }
 }
 

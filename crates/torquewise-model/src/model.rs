@@ -105,6 +105,9 @@ pub struct Training {
     /// out, n, where a chain was fitted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub held_out_rms: Vec<f64>,
+    /// The same on regions of configuration that were held out, n (E20).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub held_out_by_region_rms: Vec<f64>,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).
@@ -132,17 +135,18 @@ pub struct Model {
 }
 
 impl Training {
-    /// Error of each joint on blocks of time that were held out, or its residual where that is
-    /// larger, over the standard deviation of its torque, n; `None` where no block was held out.
+    /// Error of each joint on rows that were held out, by time or by region, whichever is larger,
+    /// over the standard deviation of its torque, n; `None` where nothing was held out.
     pub fn held_out_errors(&self) -> Option<Vec<f64>> {
         if self.held_out_rms.is_empty() {
             return None;
         }
-        let left = self.held_out_rms.iter().zip(&self.residual_rms);
-        let part = |((unseen, own), std): ((&f64, &f64), &f64)| {
-            if *std > 0.0 { unseen.max(*own) / std } else { 0.0 }
+        let part = |(joint, by_time): (usize, &f64)| {
+            let by_region = self.held_out_by_region_rms.get(joint).copied().unwrap_or(0.0);
+            let std = self.torque_std[joint];
+            if std > 0.0 { by_time.max(by_region) / std } else { 0.0 }
         };
-        Some(left.zip(&self.torque_std).map(part).collect())
+        Some(self.held_out_rms.iter().enumerate().map(part).collect())
     }
 }
 

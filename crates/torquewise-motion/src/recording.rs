@@ -1,7 +1,7 @@
 //! From recording to Motion blocks: one or several trajectories, read in order and in fixed memory.
 
 use crate::motion::Motion;
-use faer::Mat;
+use crate::signals::bandwidth::Band;
 
 /// Rows of a block at most. Every reader cuts each trajectory at multiples of it, so that sums over
 /// blocks are taken in the same order, and have the same bits, however a log is stored.
@@ -69,32 +69,32 @@ pub trait Recording {
     }
 }
 
-/// Logs before their filter: what they become at any bandwidth.
+/// Logs before their filter: what they become at any bandwidth, and with any delay of the torque.
 pub trait RawRecording: Sync {
-    /// The logs at one bandwidth.
+    /// The logs once cut-off and delay are settled.
     type Filtered: Recording;
 
     /// Where a search for the bandwidth may begin: a cut-off \[Hz\].
     fn first_cutoff(&self) -> f64;
 
-    /// Cut-offs worth trying \[Hz\], ascending.
+    /// Cut-offs worth trying \[Hz\], ascending; the one that is set.
     fn cutoffs(&self) -> Vec<f64>;
 
-    /// A sample of motion and torque filtered at a cut-off, in the order of time; at the same
-    /// instants for each. `None` where the logs are too short for it.
+    /// Seconds by which the torque may lag the motion; those that are set.
+    fn delays(&self) -> Vec<f64>;
+
+    /// A sample of motion filtered at a cut-off, in the order of time, at the same instants for
+    /// each, with the torque advanced by each delay. `None` where the logs are too short for it.
     ///
     /// # Errors
     /// As [`Recording::read`].
-    fn sample(&self, cutoff: f64) -> Result<Option<Motion>, ReadError>;
+    fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>, ReadError>;
 
-    /// The torque at these instants as it was measured, but for spikes \[N·m\], m×n.
-    fn raw_torque(&self) -> &Mat<f64>;
-
-    /// All rows, filtered at a cut-off.
+    /// All rows, filtered at a cut-off, their torque advanced by a delay.
     ///
     /// # Errors
     /// As [`Recording::read`].
-    fn filtered(&self, cutoff: f64) -> Result<Self::Filtered, ReadError>;
+    fn filtered(&self, cutoff: f64, delay: f64) -> Result<Self::Filtered, ReadError>;
 }
 
 impl Recording for Motion {

@@ -39,7 +39,6 @@ mod smooth;
 pub mod report;
 pub mod condition;
 pub mod blocks;
-mod torque_delay;
 pub mod bandwidth;
 
 pub use blocks::Conditioner;
@@ -51,5 +50,4 @@ pub use plan::Plan;
 pub use raw::Raw;
 pub use report::{ConditionReport, SignalReport};
 pub use settings::{Conditioning, Cutoff, Derive, Trim};
-pub use torque_delay::torque_delay;
 pub use zero_phase::low_pass_columns;

@@ -53,7 +53,8 @@ pub struct BlockSums {
     rows: u64,
     gram: Mat<f64>,
     bias: Mat<f64>,
-    scores: Mat<f64>,
+    /// Σ s sᵀ of its instants, where these err alike and not the whole block.
+    instants: Option<Mat<f64>>,
     energies: Vec<f64>,
 }
 
@@ -72,22 +73,13 @@ impl BlockSums {
         let m = rows.nrows() / equations.max(1);
         let mut gram = Mat::zeros(p + 1, p + 1);
         add_gram_of_equations(&mut gram, rows, equations, 1.0);
-        let mut scores = Mat::zeros(p, p);
-        match alike {
-            Alike::Block => {
-                // s = Jᵀe stands in the last row of the Gram matrix.
-                let score = Mat::from_fn(1, p, |_, j| SCORE_UNIT * gram[(p, j)]);
-                add_gram(&mut scores, score.as_ref(), 1.0);
-            }
-            Alike::Instant => {
-                let score = |row: usize, j: usize| -> f64 {
-                    let own = (0..equations).map(|equation| equation * m + row);
-                    own.map(|k| rows[(k, j)] * rows[(k, p)]).sum()
-                };
-                let score = Mat::from_fn(m, p, |row, j| SCORE_UNIT * score(row, j));
-                add_gram(&mut scores, score.as_ref(), 1.0);
-            }
-        }
+        let instants = (alike == Alike::Instant).then(|| {
+            let score = |row: usize, j: usize| -> f64 {
+                let own = (0..equations).map(|equation| equation * m + row);
+                own.map(|k| rows[(k, j)] * rows[(k, p)]).sum()
+            };
+            squares(&Mat::from_fn(m, p, |row, j| SCORE_UNIT * score(row, j)))
+        });
         let residual = rows.col(p);
         let energies = (0..equations)
             .flat_map(|equation| {
@@ -101,7 +93,7 @@ impl BlockSums {
                 sums
             })
             .collect();
-        Self { fold, rows: m as u64, gram, bias: Mat::zeros(p + 1, p + 1), scores, energies }
+        Self { fold, rows: m as u64, gram, bias: Mat::zeros(p + 1, p + 1), instants, energies }
     }
 
     /// Adds the same rows once more, seen through more noise, `share` times; and takes the rows as
@@ -110,6 +102,22 @@ impl BlockSums {
         add_gram_of_equations(&mut self.bias, noisy, self.energies.len() / PER_EQUATION, share);
         self.bias -= faer::Scale(share) * &self.gram;
     }
+
+    /// Σ s sᵀ of the rows that err alike, without what noise adds to a score s = Jᵀe.
+    fn scores(&self) -> Mat<f64> {
+        let p = self.gram.ncols() - 1;
+        self.instants.clone().unwrap_or_else(|| {
+            let score = |j: usize| self.gram[(p, j)] - self.bias[(p, j)];
+            squares(&Mat::from_fn(1, p, |_, j| SCORE_UNIT * score(j)))
+        })
+    }
+}
+
+/// Xᵀ X.
+fn squares(x: &Mat<f64>) -> Mat<f64> {
+    let mut gram = Mat::zeros(x.ncols(), x.ncols());
+    add_gram(&mut gram, x.as_ref(), 1.0);
+    gram
 }
 
 fn packed(matrix: &Mat<f64>) -> Vec<f64> {
@@ -149,7 +157,7 @@ impl NormalSums {
         let fold = block.fold % self.grams.len();
         self.grams[fold].add(0, &packed(&block.gram))?;
         self.bias.add(0, &packed(&block.bias))?;
-        self.scores.add(0, &packed(&block.scores))?;
+        self.scores.add(0, &packed(&block.scores()))?;
         self.energies.add(0, &block.energies)?;
         self.rows[fold] += block.rows;
         self.blocks += 1;

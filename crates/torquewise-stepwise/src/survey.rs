@@ -298,6 +298,7 @@ impl Survey {
             conditioning: BTreeMap::new(),
             unexplained_rms: Vec::new(),
             held_out_rms: Vec::new(),
+            held_out_by_region_rms: Vec::new(),
         }
     }
 

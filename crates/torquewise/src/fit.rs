@@ -74,7 +74,8 @@ impl<'a> Fit<'a> {
     fn run_log(&self, log: &Log) -> Result<FitResult, Error> {
         log.files().require_tau()?;
         let plan = self.options.plan(log.facts())?;
-        let rows = if log.filter == Filter::Auto { Rows::WithRawTorque } else { Rows::Filtered };
+        let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
+        let rows = if is_chosen { Rows::WithRawTorque } else { Rows::Filtered };
         let mut fit = fit_at_best(log.prepare(rows)?, &plan, self.observer)?;
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
@@ -155,14 +156,14 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
         Method::Library(_) => Plan { seed: plan.seed, ..Plan::chain() },
     };
     let timed = timed(observer, |progress| {
-        let Tuned { recording, request, choice } = tune(raw.as_ref(), &by_chain, progress)?;
+        let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
         let watched = Watched::new(&log, observer, "reading", (rows, 2));
         let mut found = match &plan.method {
             Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
             Method::Library(_) => reconstruct(&watched, plan, progress)?,
         };
-        found.model.choices.splice(0..0, choice);
+        found.model.choices.splice(0..0, choices);
         Ok((Some(log), found))
     })?;
     Ok(timed.into())

@@ -29,7 +29,7 @@ pub struct Log {
     logs: Logs,
     /// How its signals are filtered.
     pub filter: Filter,
-    /// Seconds by which torque lags motion; without, it is estimated where signals are filtered.
+    /// Seconds by which torque lags motion; without, a fit chooses it where signals are filtered.
     pub delay: Option<f64>,
 }
 
@@ -133,9 +133,8 @@ impl Log {
         };
         let delay = self.delay.unwrap_or_default();
         let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
-        let find_delay = self.delay.is_none();
         let filtered = |settings: &Conditioning, logs: Logs| -> Result<Prepared, Error> {
-            let logs = ConditionedLogs::new(logs, settings, find_delay)?;
+            let logs = ConditionedLogs::new(logs, settings)?;
             Ok(Prepared::Conditioned(Box::new(logs)))
         };
         match rows {
@@ -146,7 +145,7 @@ impl Log {
             }
             Rows::Settled => filtered(&Conditioning { rate: Some(f64::MAX), ..settings }, logs),
             Rows::WithRawTorque => {
-                Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, find_delay)?)))
+                Ok(Prepared::Raw(Box::new(RawLogs::new(logs, &settings, self.delay.is_none())?)))
             }
         }
     }

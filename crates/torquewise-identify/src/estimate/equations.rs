@@ -21,12 +21,8 @@ pub(super) struct Equations {
 impl Equations {
     pub(super) fn new(gram: &Mat<f64>, bias: &Mat<f64>, at: &Linearisation) -> Self {
         let p = at.n_parameters();
-        let part = |x: &Mat<f64>| x.submatrix(0, 0, p, p).to_owned();
         // Sums that a correction cannot be told from rounding in are taken as they are.
-        let (corrected, bias) = match corrected(&part(gram), &part(bias)) {
-            Ok(corrected) => (corrected, bias.clone()),
-            Err(_) => (part(gram), Mat::zeros(p + 1, p + 1)),
-        };
+        let corrected = corrected(gram, bias).unwrap_or_else(|_| gram.clone());
         // Where torque tells nothing, the difference of two rounded matrices may be negative, and
         // nothing would hold the parameters: a step has this small price of its own.
         let own = |i: usize, j: usize| if i == j { ROUNDING * gram[(j, j)] } else { 0.0 };
@@ -34,9 +30,8 @@ impl Equations {
             (corrected[(i, j)] + own(i, j)) / (at.scales[i] * at.scales[j])
         });
         let known = &hessian * ColRef::from_slice(&at.parameters());
-        let right =
-            (0..p).map(|j| (gram[(p, j)] - bias[(p, j)]) / at.scales[j] + known[j]).collect();
-        Self { hessian, right, squares: gram[(p, p)] - bias[(p, p)] }
+        let right = (0..p).map(|j| corrected[(p, j)] / at.scales[j] + known[j]).collect();
+        Self { hessian, right, squares: corrected[(p, p)] }
     }
 
     /// Half the sum of squares at parameters of the linearisation, its noise taken out.

@@ -1,6 +1,7 @@
 //! From a structure and its parameters to rows [J e] of a block of motion.
 
 use crate::drive_terms::{DriveTerm, Gravity, columns};
+use crate::regions::Regions;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 use torquewise_model::RobotNames;
@@ -47,8 +48,8 @@ pub struct Linearisation {
     pub(crate) raw_noise: bool,
     /// Rows of a block of time.
     pub(crate) block_rows: usize,
-    /// Rows of a log that stay together in a fold of cross-validation.
-    pub(crate) fold_rows: usize,
+    /// What is held out together in cross-validation: blocks of time of one region (E20).
+    pub(crate) regions: Regions,
     /// Seed of the draws of noise.
     pub(crate) seed: u64,
 }
@@ -111,7 +112,7 @@ impl Linearisation {
             && noise.iter().all(|noise| noise.len() == n && finite(noise))
             && [&self.geometry, &self.linear, &self.weights, &self.scales].iter().all(|x| finite(x))
             && self.block_rows > 0
-            && self.fold_rows > 0
+            && self.regions.is_sound(n)
     }
 
     /// Travels \[rad\] of the elements by which friction remembers the path.

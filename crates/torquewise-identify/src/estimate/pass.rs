@@ -19,9 +19,6 @@ struct Block {
     motion: Motion,
     /// What noise of the raw samples became in these rows, if that is known.
     noise: Option<Motion>,
-    fold: usize,
-    /// Stream of random numbers: the same for the same rows, wherever their log stands.
-    stream: u64,
 }
 
 /// Adds up the normal equations of a recording at a linearisation (E11), with the bias that noise
@@ -38,10 +35,9 @@ pub fn add_up(
     let mut sums: Vec<NormalSums> = (0..lanes).map(|_| empty()).collect();
     for log in 0..recording.n_logs() {
         let mut waiting: Vec<Block> = Vec::new();
-        let mut place = LogPlace::default();
         let mut path = Path::new(at.n_joints(), &at.travels());
         let mut take = |trajectory, motion: &Motion, noise: Option<&Motion>| {
-            place.cut((&path.follow(trajectory, motion), noise), at, &mut waiting);
+            cut(&path.follow(trajectory, motion), noise, at.block_rows, &mut waiting);
             if waiting.len() >= AT_ONCE {
                 flush(&mut waiting, &mut sums, at)?;
             }
@@ -73,50 +69,25 @@ fn read(
     recording.read_log(log, &mut |trajectory, motion| take(trajectory, motion, None))
 }
 
-/// How far a log was read.
-#[derive(Default)]
-struct LogPlace {
-    /// What tells this log from others: the bits of its first row.
-    key: Option<u64>,
-    rows: usize,
+/// Cuts what a reader hands over into blocks of time.
+fn cut(motion: &Motion, noise: Option<&Motion>, block_rows: usize, out: &mut Vec<Block>) {
+    let rows: Vec<usize> = (0..motion.n_rows()).collect();
+    out.extend(rows.chunks(block_rows.max(1)).map(|rows| Block {
+        motion: motion.select(rows),
+        noise: noise.map(|noise| noise.select(rows)),
+    }));
 }
 
-impl LogPlace {
-    /// Cuts what a reader hands over into blocks of time.
-    fn cut(
-        &mut self,
-        (motion, noise): (&Motion, Option<&Motion>),
-        at: &Linearisation,
-        out: &mut Vec<Block>,
-    ) {
-        let m = motion.n_rows();
-        if m == 0 {
-            return;
-        }
-        let key = *self.key.get_or_insert_with(|| key_of(motion));
-        for start in (0..m).step_by(at.block_rows.max(1)) {
-            let end = (start + at.block_rows.max(1)).min(m);
-            let rows: Vec<usize> = (start..end).collect();
-            let first = self.rows + start;
-            let offset = usize::try_from(key % 64).unwrap_or(0);
-            out.push(Block {
-                motion: motion.select(&rows),
-                noise: noise.map(|noise| noise.select(&rows)),
-                fold: first / at.fold_rows.max(1) + offset,
-                stream: key.wrapping_add(first as u64),
-            });
-        }
-        self.rows += m;
+impl Block {
+    /// Stream of random numbers: the same for the same rows, wherever their log stands.
+    fn stream(&self) -> u64 {
+        let signals = [self.motion.q(), self.motion.dq(), self.motion.ddq()];
+        let signals = signals.into_iter().chain(self.motion.tau());
+        let values = signals.flat_map(|x| (0..x.ncols()).flat_map(move |j| x.col(j).iter()));
+        values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
+            (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
+        })
     }
-}
-
-/// A number that depends on the first row of a log and on nothing else.
-fn key_of(motion: &Motion) -> u64 {
-    let signals = [motion.q(), motion.dq(), motion.ddq()];
-    let values = signals.into_iter().flat_map(|x| (0..x.ncols()).map(move |joint| x[(0, joint)]));
-    values.fold(0xcbf2_9ce4_8422_2325, |key: u64, x| {
-        (key ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29)
-    })
 }
 
 fn flush(
@@ -138,13 +109,13 @@ fn flush(
 fn summed(block: &Block, at: &Linearisation) -> Result<BlockSums, IdentifyError> {
     let motion = &block.motion;
     let (rows, weights) = at.rows(motion, motion)?;
-    let mut sums =
-        BlockSums::new(block.fold, rows.as_ref(), &weights, (at.n_joints(), Alike::Block));
+    let fold = at.regions.of_row(motion, motion.n_rows() / 2);
+    let mut sums = BlockSums::new(fold, rows.as_ref(), &weights, (at.n_joints(), Alike::Block));
     let noise = match &block.noise {
         Some(noise) => Some(side_by_side(noise)),
         None => (!at.noise.is_none()).then(|| {
             let mut random = ChaCha8Rng::seed_from_u64(at.seed);
-            random.set_stream(block.stream);
+            random.set_stream(block.stream());
             at.noise.draw(&mut random, motion.n_rows())
         }),
     };

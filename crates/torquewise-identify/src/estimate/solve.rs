@@ -49,16 +49,18 @@ impl Step<'_> {
         Ok(if is_better { (more, free) } else { (active, held) })
     }
 
-    /// The spread of the scores of some parameters: Σ s sᵀ over blocks of time, since neighbours
-    /// are alike.
+    /// The spread of the scores of some parameters: Σ (s − s̄)(s − s̄)ᵀ over blocks of time, since
+    /// neighbours are alike.
     fn scores(&self, indices: &[usize]) -> Mat<f64> {
         let (scores, blocks) = (self.sums.scores(), self.sums.blocks() as f64);
+        let p = self.before.len();
+        let sum = |j: usize| self.gram[(p, j)] - self.bias[(p, j)];
         // Few blocks scatter less than many would.
         let few = blocks / (blocks - 1.0).max(1.0);
         let scales = &self.at.scales;
         Mat::from_fn(indices.len(), indices.len(), |i, j| {
             let (i, j) = (indices[i], indices[j]);
-            few * scores[(i, j)] / (scales[i] * scales[j])
+            few * (scores[(i, j)] - sum(i) * sum(j) / blocks) / (scales[i] * scales[j])
         })
     }
 

@@ -66,7 +66,7 @@ impl Step<'_> {
         let choice = Some(Choice {
             what: STRENGTH.into(),
             chosen: trials[place].label.clone(),
-            rule: format!("least error, {} folds of blocks in time", errors[place].len()),
+            rule: format!("least error, {} regions held out", errors[place].len()),
             from: listed(&trials),
         });
         let tuning = Tuning { strength, prior, choice, errors: errors[place].clone() };

@@ -55,7 +55,7 @@ fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
     let a = files.add("a.csv", &format!("t,q1\n{}{}", swing(0..2_000), swing(3_000..3_010)));
     let b = files.add("b.csv", &format!("t,q1\n{}", swing(0..2_000)));
     let logs = Logs::open(&[a, b.clone()]).unwrap();
-    let conditioned = ConditionedLogs::new(logs, &Conditioning::default(), false).unwrap();
+    let conditioned = ConditionedLogs::new(logs, &Conditioning::default()).unwrap();
 
     let mut numbers = Vec::new();
     conditioned
@@ -83,7 +83,7 @@ fn repairs_are_those_of_each_log_in_any_order_and_one_reading_of_one_log_is_enou
     let spoilt = files.add("spoilt.csv", &spoilt);
     let open = |paths: [&PathBuf; 2]| {
         let logs = Logs::open(&paths.map(Clone::clone)).unwrap();
-        ConditionedLogs::new(logs, &Conditioning::default(), false).unwrap()
+        ConditionedLogs::new(logs, &Conditioning::default()).unwrap()
     };
     let (logs, other) = (open([&sound, &spoilt]), open([&spoilt, &sound]));
 
@@ -268,7 +268,7 @@ fn noise_of_raw_samples_goes_where_their_rows_go() {
     let short = files.add("b.csv", &noisy_swing(5_000));
     let open = |paths: &[PathBuf]| {
         let settings = Conditioning { cutoff: Cutoff::Hz(3.0), ..Conditioning::default() };
-        ConditionedLogs::new(Logs::open(paths).unwrap(), &settings, false).unwrap()
+        ConditionedLogs::new(Logs::open(paths).unwrap(), &settings).unwrap()
     };
     let logs = open(&[long, short.clone()]);
 

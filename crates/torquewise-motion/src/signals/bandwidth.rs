@@ -5,9 +5,9 @@ use crate::memory::Memory;
 use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
 use crate::signals::cutoff::{HIGHEST, LOWEST};
-use crate::signals::delay::shift;
+use crate::signals::delay::shift_at;
 use crate::signals::plan::Plan;
-use crate::signals::raw::{Raw, TAU};
+use crate::signals::raw::{Columns, Raw, TAU};
 use crate::signals::settings::{Conditioning, Cutoff};
 use crate::signals::smooth::{Smooth, filter, smooth};
 use crate::{Motion, Signals};
@@ -23,13 +23,37 @@ const ENDS: (f64, f64) = (0.1, 2.0);
 /// Time between pieces \[s\], so that none is a neighbour of another.
 const APART: f64 = 3_600.0;
 
+/// Delays of the torque that are tried, as multiples of [`DELAY_STEP`].
+const DELAYS: std::ops::RangeInclusive<i32> = -8..=12;
+/// Step between two delays \[s\].
+const DELAY_STEP: f64 = 0.005;
+
 /// Pieces of logs that can pass filters of several bandwidths: what each makes of the motion is
-/// seen at the same instants, beside one target, the torque as it was measured but for spikes.
+/// seen at the same instants, beside the torque as it was measured but for spikes.
 #[derive(Clone, Debug)]
 pub struct Bandwidths {
     joints: Vec<String>,
     pieces: Vec<Piece>,
-    target: Mat<f64>,
+}
+
+/// Motion at one bandwidth, beside torque advanced by some delays.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// Filtered motion, its torque as advanced by the first delay.
+    pub motion: Motion,
+    /// Torque for each delay, as it is fitted to and as it is to be predicted.
+    pub torques: Vec<DelayedTorque>,
+}
+
+/// The torque that belongs to a motion if it lags by some delay.
+#[derive(Clone, Debug)]
+pub struct DelayedTorque {
+    /// Seconds by which it lags.
+    pub delay: f64,
+    /// Filtered as the motion \[N·m\], m×n.
+    pub filtered: Mat<f64>,
+    /// As it was measured, but for spikes \[N·m\], m×n.
+    pub raw: Mat<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -69,14 +93,10 @@ impl Bandwidths {
             cleaned.push(Piece { plan, even, rows });
         }
         let joints = pieces.first().map_or_else(Vec::new, |raw| raw.joints.clone());
-        let torques: Vec<Vec<f64>> =
-            (0..joints.len()).map(|joint| raw_torque(&cleaned, joint)).collect();
-        let rows = torques.first().map_or(0, Vec::len);
-        if rows == 0 {
+        if cleaned.iter().all(|piece| piece.rows.is_empty()) {
             return Err(MotionError::TooFewRows { rows: total, needed: 4 });
         }
-        let target = Mat::from_fn(rows, joints.len(), |row, joint| torques[joint][row]);
-        Ok(Self { joints, pieces: cleaned, target })
+        Ok(Self { joints, pieces: cleaned })
     }
 
     /// Cut-offs worth trying: from 0.5 Hz to what the rate allows, half an octave apart.
@@ -88,27 +108,39 @@ impl Bandwidths {
             .collect()
     }
 
-    /// Raw torque at the rows that are compared \[N·m\], m×n.
-    pub fn target(&self) -> &Mat<f64> {
-        &self.target
+    /// Delays of the torque worth trying \[s\], ascending.
+    pub fn delays(&self) -> Vec<f64> {
+        DELAYS.map(|step| f64::from(step) * DELAY_STEP).collect()
     }
 
-    /// Motion and torque filtered at a cut-off \[Hz\], at the rows that are compared; `None` where
-    /// a piece is too short for it. Pieces are an hour apart.
+    /// Motion and torque filtered at a cut-off \[Hz\], at the rows that are compared, and that
+    /// torque advanced by each delay \[s\]; `None` where a piece is too short for it. Pieces are an
+    /// hour apart.
     ///
     /// # Errors
     /// Those of [`condition`](crate::signals::condition()).
-    pub fn motion(&self, cutoff: f64) -> Result<Option<Motion>, MotionError> {
-        let mut seen = Vec::with_capacity(self.pieces.len());
+    pub fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>, MotionError> {
+        let (mut seen, mut filtered) = (Vec::new(), Vec::new());
         for piece in &self.pieces {
-            let plan = Plan { cutoff: Some(cutoff), ..piece.plan.clone() };
-            let filtered = match filter(&piece.even, &plan) {
-                Ok(filtered) => filtered,
+            let mut plan = Plan { cutoff: Some(cutoff), ..piece.plan.clone() };
+            plan.settings.delay = 0.0;
+            let columns = match filter(&piece.even, &plan) {
+                Ok(columns) => columns,
                 Err(error) if error.is_too_short() => return Ok(None),
                 Err(error) => return Err(error),
             };
-            seen.push(smooth(&filtered, piece.even.first, &plan)?);
+            seen.push(smooth(&columns, piece.even.first, &plan)?);
+            filtered.push(columns);
         }
+        let raw: Vec<&Columns> = self.pieces.iter().map(|piece| &piece.even.columns).collect();
+        let filtered: Vec<&Columns> = filtered.iter().collect();
+        let torques: Vec<DelayedTorque> = (delays.iter())
+            .map(|&delay| {
+                let [filtered, raw] =
+                    [&filtered, &raw].map(|columns| self.advanced(columns, delay));
+                DelayedTorque { delay, filtered, raw }
+            })
+            .collect();
         let pick = |of: fn(&Smooth) -> &Mat<f64>| self.picked(&seen, of);
         let states = self.states(&seen);
         let motion = Motion::new(Signals {
@@ -117,16 +149,36 @@ impl Bandwidths {
             q: pick(|smooth| &smooth.q),
             dq: pick(|smooth| &smooth.dq),
             ddq: pick(|smooth| &smooth.ddq),
-            tau: Some(pick(|smooth| smooth.tau.as_ref().unwrap_or(&smooth.q))),
+            tau: torques.first().map(|torque| torque.filtered.clone()),
         })?;
-        Ok(Some(motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)))))
+        let motion = motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)));
+        Ok(Some(Band { motion, torques }))
+    }
+
+    fn n_rows(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.rows.len()).sum()
+    }
+
+    /// Torque at the rows that are compared, advanced by a delay, m×n.
+    fn advanced(&self, columns: &[&Columns], delay: f64) -> Mat<f64> {
+        let mut out = Mat::zeros(self.n_rows(), self.joints.len());
+        for joint in 0..self.joints.len() {
+            let of = |(columns, piece): (&&Columns, &Piece)| {
+                let tau = columns.signals[TAU].as_ref().map(|tau| &tau[joint][..]);
+                let rows = piece.rows.iter().copied();
+                tau.map_or_else(Vec::new, |tau| shift_at(tau, piece.plan.rate, delay, rows))
+            };
+            let values = columns.iter().zip(&self.pieces).flat_map(of);
+            out.col_as_slice_mut(joint).iter_mut().zip(values).for_each(|(x, value)| *x = value);
+        }
+        out
     }
 
     /// What friction remembers of the path at the rows that are compared, which are few of those it
     /// is followed along.
     fn states(&self, seen: &[Smooth]) -> Mat<f64> {
         let n = self.joints.len();
-        let mut states = Mat::zeros(self.target.nrows(), n * TRAVELS.len());
+        let mut states = Mat::zeros(self.n_rows(), n * TRAVELS.len());
         let mut out = 0;
         for (smooth, piece) in seen.iter().zip(&self.pieces) {
             let mut path = Path::new(n, &TRAVELS);
@@ -145,7 +197,7 @@ impl Bandwidths {
 
     fn stamps(&self) -> Vec<f64> {
         let mut begin = 0.0;
-        let mut stamps = Vec::with_capacity(self.target.nrows());
+        let mut stamps = Vec::with_capacity(self.n_rows());
         for Piece { even, rows, .. } in &self.pieces {
             let t = &even.columns.t;
             stamps.extend(rows.iter().map(|&row| begin + t[row] - t[0]));
@@ -164,14 +216,4 @@ impl Bandwidths {
             .collect();
         Mat::from_fn(rows.len(), self.joints.len(), |row, joint| rows[row].0[(rows[row].1, joint)])
     }
-}
-
-/// Cleaned torque of a joint at the rows that are compared, advanced by its delay.
-fn raw_torque(pieces: &[Piece], joint: usize) -> Vec<f64> {
-    let of = |piece: &Piece| -> Vec<f64> {
-        let tau = piece.even.columns.signals[TAU].as_ref().map(|tau| &tau[joint]);
-        let tau = tau.map(|tau| shift(tau, piece.plan.rate, piece.plan.settings.delay));
-        piece.rows.iter().map(|&row| tau.as_ref().map_or(0.0, |tau| tau[row])).collect()
-    };
-    pieces.iter().flat_map(of).collect()
 }

@@ -95,11 +95,21 @@ fn golden(mut f: impl FnMut(f64) -> f64, mut low: f64, mut high: f64, width: f64
 ///
 /// - `x`: m values at `rate` \[Hz\]
 pub fn shift(x: &[f64], rate: f64, seconds: f64) -> Vec<f64> {
+    shift_at(x, rate, seconds, 0..x.len())
+}
+
+/// The same at some rows only.
+pub(crate) fn shift_at(
+    x: &[f64],
+    rate: f64,
+    seconds: f64,
+    rows: impl Iterator<Item = usize>,
+) -> Vec<f64> {
     let samples = seconds * rate;
     let whole = samples.floor();
     let rest = samples - whole;
     if x.is_empty() || seconds == 0.0 || !samples.is_finite() {
-        return x.to_vec();
+        return rows.map(|row| x[row]).collect();
     }
     // Beyond this every value is a reflection anyway.
     let far = 2.0 * x.len() as f64;
@@ -112,7 +122,7 @@ pub fn shift(x: &[f64], rate: f64, seconds: f64) -> Vec<f64> {
         let terms = (1 - taps..=taps).zip(&weights);
         terms.map(|(k, w)| w * reflected(x, row + whole + k)).sum::<f64>() / sum
     };
-    (0..x.len().cast_signed()).map(value).collect()
+    rows.map(|row| value(row.cast_signed())).collect()
 }
 
 /// Windowed sinc at `u` samples.

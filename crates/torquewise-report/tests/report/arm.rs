@@ -40,6 +40,7 @@ fn model(joints: &[String]) -> Model {
         residual_rms: vec![0.1; JOINTS],
         torque_std: vec![1.0; JOINTS],
         held_out_rms: vec![0.2; JOINTS],
+        held_out_by_region_rms: vec![0.1; JOINTS],
         ..Training::default()
     };
     Model {
