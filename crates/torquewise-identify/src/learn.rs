@@ -7,7 +7,7 @@ use couplings::Searched;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_motion::Motion;
-use torquewise_rigid::search::all_parameters;
+use torquewise_rigid::search::{Found, all_parameters};
 use torquewise_rigid::{Chain, Geometry, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -57,18 +57,11 @@ const SNAP_ROUNDS: usize = 15;
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
 pub(crate) const LAST_ROWS: usize = 4_000;
-/// A log of fewer rows after its filter leaves several geometries about as likely: which is found
-/// first is chance.
-const SHORT: usize = 1_000;
-/// Searches that are made then.
-const SEARCHES: u64 = 4;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
-/// Learns the chain of an arm, choosing on held-out blocks of time.
-///
-/// Where the log is short, several searches are made, each from another seed; where the geometry is
-/// given, none.
+/// Learns the chain of an arm: searches its geometry, where that is not given, and chooses all that
+/// is fitted on held-out blocks of time.
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
@@ -78,56 +71,6 @@ pub(crate) fn learn(
     options: &ChainOptions,
     seed: u64,
 ) -> Result<Learned, IdentifyError> {
-    if motion.n_rows() >= SHORT || options.geometry.is_some() {
-        let Attempt { learner, spec, chain, choices } = attempt(motion, options, seed)?;
-        return learner.finish(spec, &chain, choices);
-    }
-    let (mut found, mut failed) = (Vec::new(), None);
-    for more in 0..SEARCHES {
-        let seed = seed.wrapping_add(more);
-        match attempt(motion, options, seed)
-            .and_then(|attempt| Ok((attempt.judged(seed)?, attempt)))
-        {
-            Ok(judged) => found.push(judged),
-            Err(error) => failed = failed.or(Some(error)),
-        }
-    }
-    if let (true, Some(error)) = (found.is_empty(), failed) {
-        return Err(error);
-    }
-    found.sort_by_key(|(judged, _)| judged.complexity);
-    let trials: Vec<CvScore> = found.iter().map(|(judged, _)| judged.clone()).collect();
-    let mut choices = Vec::new();
-    let place = record("seed of the search", &trials, &mut choices);
-    let Attempt { learner, spec, chain, choices: made } = found.swap_remove(place).1;
-    choices.extend(made);
-    learner.finish(spec, &chain, choices)
-}
-
-/// What one search came to.
-struct Attempt<'a> {
-    learner: ChainLearner<'a>,
-    spec: ChainSpec,
-    chain: Chain,
-    choices: Vec<Choice>,
-}
-
-impl Attempt<'_> {
-    /// How it does on held-out rows, and how many numbers it takes.
-    fn judged(&self, seed: u64) -> Result<CvScore, IdentifyError> {
-        let rows = self.learner.rows(&self.spec, TRIAL_ROWS)?;
-        let judged = trial(seed.to_string(), &self.spec, &rows, &self.chain, ROUNDS)?;
-        let complexity = self.spec.free.len() + self.spec.drive.len();
-        Ok(CvScore { complexity, ..judged })
-    }
-}
-
-/// Searches the geometry and chooses all that is fitted, from one seed.
-fn attempt<'a>(
-    motion: &'a Motion,
-    options: &ChainOptions,
-    seed: u64,
-) -> Result<Attempt<'a>, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
     let balanced = loads::balanced(motion, &options.counterbalanced)?;
     let mut learner = ChainLearner::new(motion);
@@ -147,7 +90,7 @@ fn attempt<'a>(
     };
     let shares = has_friction && learner.shafts(&mut spec, &chain, &mut choices)?;
     if shares && !is_given {
-        choices.retain(|choice: &Choice| choice.what != PRIOR);
+        choices.retain(|choice: &Choice| choice.what != PRIOR && choice.what != GEOMETRY);
         (chain, starts) = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
     learner.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
@@ -163,10 +106,21 @@ fn attempt<'a>(
     if !is_given {
         chain = learner.right_angles(&mut spec, &chain, &starts, &mut choices)?;
     }
-    Ok(Attempt { learner, spec, chain, choices })
+    learner.finish(spec, &chain, choices)
 }
 
 const PRIOR: &str = "prior of right angles";
+const GEOMETRY: &str = "geometry";
+
+/// How often the best geometry was found.
+fn found_geometry(found: &Found) -> Choice {
+    Choice {
+        what: GEOMETRY.to_owned(),
+        chosen: format!("found {} times in {} starts", found.times, found.starts),
+        rule: "starts until three lead to the same best arm".to_owned(),
+        from: Vec::new(),
+    }
+}
 
 /// A label, what is fitted, and from where.
 type Way = (String, ChainSpec, Chain);
@@ -238,7 +192,9 @@ impl<'a> ChainLearner<'a> {
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
     ) -> Result<(Chain, Vec<Chain>), IdentifyError> {
-        let mut starts = search(&self.rows(spec, LAST_ROWS)?, &spec.search)?;
+        let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search)?;
+        choices.push(found_geometry(&found));
+        let mut starts = found.chains;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
         let rows = self.rows(spec, TRIAL_ROWS)?;

@@ -59,8 +59,8 @@ impl SignTest {
         let drive: Vec<DriveTerm> = rotors.chain(DriveTerm::friction(laws.linear())).collect();
         let motion = thinned(&survey.sample, ROWS);
         let extras = columns(&drive, &motion, None);
-        let chains = search(&rows(&motion, &extras)?, &Search { seed, ..Search::default() })?;
-        let geometry = chains.into_iter().next().map(|chain| chain.geometry);
+        let found = search(&rows(&motion, &extras)?, &Search { seed, ..Search::default() })?;
+        let geometry = found.chains.into_iter().next().map(|chain| chain.geometry);
         let geometry = geometry.ok_or(ChainError::Singular)?;
         Ok(Self { geometry, free: all_parameters(survey.joints.len()), drive })
     }

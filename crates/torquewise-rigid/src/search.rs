@@ -15,7 +15,8 @@ use simba::simd::SimdValue;
 /// How a chain is looked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Search {
-    /// Starts: arms whose axes lie at right angles at random.
+    /// Starts at most: arms whose axes lie at right angles at random. Fewer are made where several
+    /// of them lead to the same arm.
     pub starts: usize,
     /// How many of them, the best, are refined on all rows.
     pub finalists: usize,
@@ -42,7 +43,7 @@ pub struct Search {
 impl Default for Search {
     fn default() -> Self {
         Self {
-            starts: 24,
+            starts: 48,
             finalists: 4,
             glance_rows: 120,
             start_rows: 400,
@@ -144,13 +145,33 @@ pub fn all_parameters(n_joints: usize) -> Vec<usize> {
     (0..PER_BASE + PER_JOINT * n_joints.saturating_sub(1)).collect()
 }
 
-/// Learns chains from rows, the best first.
+/// Starts that are made before it is looked whether they agree.
+const BATCH: usize = 6;
+/// Starts that must lead to the best arm before no more are made.
+const AGREEING: usize = 3;
+/// Two arms whose residuals differ by less than this part, geometric mean of the joints, are one.
+const SAME: f64 = 0.02;
+/// A residual below this part of the torque is nothing, when arms are compared.
+const NOTHING: f64 = 1e-3;
+
+/// What a search came to.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// Chains refined on all rows, the best first.
+    pub chains: Vec<Chain>,
+    /// How many starts led to as good an arm as the best.
+    pub times: usize,
+    /// Starts that were made.
+    pub starts: usize,
+}
+
+/// Learns chains from rows, from random starts until three of them lead to the same best arm.
 ///
 /// The same seed gives the same chains at any number of threads.
 ///
 /// # Errors
 /// [`ChainError::TooFewRows`], or [`ChainError::Singular`] if no start can be fitted.
-pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
+pub fn search(rows: &Rows, search: &Search) -> Result<Found, ChainError> {
     let n = rows.n_joints();
     let needed = PER_BODY * n;
     if rows.len() < needed {
@@ -159,26 +180,38 @@ pub fn search(rows: &Rows, search: &Search) -> Result<Vec<Chain>, ChainError> {
     let weights = first_weights(rows);
     let (glance, start) = (rows.thinned(search.glance_rows), rows.thinned(search.start_rows));
     let free = all_parameters(n);
-    let mut found: Vec<(usize, Chain)> = (0..search.starts)
-        .into_par_iter()
-        .filter_map(|place| {
-            let fitted = right_angles(&glance, &weights, search, place)?;
-            // A joint whose torque is mostly noise must not dominate the others.
-            let first = Chain::new(&fitted, &glance, &weights);
-            let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
-            Some((place, refine(&start, &first, &free, &weighed).ok()?))
-        })
-        .collect();
-    let rank = |chain: &Chain| score(chain, &start);
-    found.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
+    let made = |place: usize| {
+        let fitted = right_angles(&glance, &weights, search, place)?;
+        // A joint whose torque is mostly noise must not dominate the others.
+        let first = Chain::new(&fitted, &glance, &weights);
+        let weighed = Search { weighings: START_WEIGHINGS, ..search.clone() };
+        Some((place, refine(&start, &first, &free, &weighed).ok()?))
+    };
+    let rank = |chain: &Chain| score(chain, &start, LEAST_RESIDUAL);
+    let mut found: Vec<(usize, Chain)> = Vec::new();
+    let (mut starts, mut times) = (0, 0);
+    while starts < search.starts && times < AGREEING {
+        let batch = starts..(starts + BATCH).min(search.starts);
+        starts = batch.end;
+        found.extend(batch.into_par_iter().filter_map(made).collect::<Vec<_>>());
+        found.sort_by(|a, b| rank(&a.1).total_cmp(&rank(&b.1)).then(a.0.cmp(&b.0)));
+        times = found.iter().filter(|own| are_same(&own.1, &found[0].1, &start)).count();
+    }
     found.truncate(search.finalists.max(1));
     let finals = rows.thinned(search.final_rows);
     let mut chains: Vec<Chain> = found
         .into_par_iter()
         .filter_map(|(_, chain)| refine(&finals, &chain, &free, search).ok())
         .collect();
-    chains.sort_by(|a, b| score(a, &finals).total_cmp(&score(b, &finals)));
-    if chains.is_empty() { Err(ChainError::Singular) } else { Ok(chains) }
+    let rank = |chain: &Chain| score(chain, &finals, LEAST_RESIDUAL);
+    chains.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+    if chains.is_empty() { Err(ChainError::Singular) } else { Ok(Found { chains, times, starts }) }
+}
+
+/// Whether two chains explain the rows alike.
+fn are_same(a: &Chain, b: &Chain, rows: &Rows) -> bool {
+    let score = |chain| score(chain, rows, NOTHING / FIRST_NOISE);
+    (score(a) - score(b)).abs() < SAME * rows.n_joints() as f64
 }
 
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a
@@ -188,17 +221,17 @@ pub fn glance(rows: &Rows, search: &Search) -> f64 {
     let (weights, glance) = (first_weights(rows), rows.thinned(search.glance_rows));
     let left = (0..search.starts).into_par_iter().filter_map(|place| {
         let fitted = right_angles(&glance, &weights, search, place)?;
-        Some(score(&Chain::new(&fitted, &glance, &weights), rows))
+        Some(score(&Chain::new(&fitted, &glance, &weights), rows, LEAST_RESIDUAL))
     });
     let least = left.reduce_with(f64::min).unwrap_or(f64::INFINITY);
     FIRST_NOISE * (least / rows.n_joints() as f64).exp()
 }
 
-/// Sum over joints of the logarithm of the residual's part of the torque: what chains of different
-/// weights are compared by.
-fn score(chain: &Chain, rows: &Rows) -> f64 {
+/// Sum over joints of the logarithm of the residual's part of the torque, `least` or more: what
+/// chains of different weights are compared by.
+fn score(chain: &Chain, rows: &Rows, least: f64) -> f64 {
     let parts = chain.residual_rms.iter().zip(first_weights(rows));
-    parts.map(|(rms, weight)| (rms * weight).max(LEAST_RESIDUAL).ln()).sum()
+    parts.map(|(rms, weight)| (rms * weight).max(least).ln()).sum()
 }
 
 /// Refines the free parameters of a geometry, joints weighed by what is left of them.

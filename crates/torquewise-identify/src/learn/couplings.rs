@@ -1,7 +1,7 @@
 //! From chain, rows to chain whose joints are turned by several logged coordinates, where the log
 //! has it.
 
-use super::{ChainLearner, ROUNDS, SHORT, TRIAL_ROWS};
+use super::{ChainLearner, ROUNDS, TRIAL_ROWS};
 use crate::chain_spec::{ChainSpec, record, trial};
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
@@ -73,11 +73,9 @@ impl ChainLearner<'_> {
     /// much better than without.
     fn promising(&self, spec: &ChainSpec) -> Result<Option<(String, Search)>, IdentifyError> {
         let (most, count) = GLANCE;
-        // A short log is searched from several seeds: each looks from one start.
-        let starts = if self.motion.n_rows() < SHORT { 1 } else { most };
         let rows = self.rows(spec, count)?;
         let known = &spec.search.coupling;
-        let look = Search { starts, ..spec.search.clone() };
+        let look = Search { starts: most, ..spec.search.clone() };
         let pairs = (1..self.motion.n_joints())
             .flat_map(|joint| [-1, 1].map(|ratio| Coupled { joint, driver: joint - 1, ratio }));
         let is_new = |own: &Coupled| {
