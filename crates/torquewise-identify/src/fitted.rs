@@ -14,7 +14,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
-use torquewise_model::model::Choice;
+use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
 };
@@ -46,6 +46,10 @@ pub(crate) struct Fitted {
     pub(crate) residual_rms: Vec<f64>,
     /// What the search chose.
     pub(crate) choices: Vec<Choice>,
+    /// How often it found the geometry.
+    pub(crate) found: Option<GeometryFound>,
+    /// RMS of what it left of each joint \[N·m\], n.
+    pub(crate) searched_rms: Vec<f64>,
 }
 
 impl Fitted {
@@ -59,14 +63,16 @@ impl Fitted {
         patterns: Patterns,
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
-        let Self { solved, residual_rms, mut choices } = self;
+        let Self { solved, residual_rms, mut choices, found, searched_rms } = self;
         let (chain, friction) = parameters(&solved.at, &solved.covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
+        warnings.extend(Warning::of_refit(&searched_rms, &residual_rms));
         let mut training = survey.training(residual_rms);
         (training.held_out_rms, training.held_out_by_region_rms) =
             held_out_rms(&solved.at, &survey.sample)?;
+        training.geometry_found = found;
         let mut model = Model {
             joints: survey.joints.clone(),
             form: Form::Energy(terms),

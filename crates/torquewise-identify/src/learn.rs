@@ -5,9 +5,9 @@ use crate::drive_terms::{DriveTerm, columns};
 use crate::plan::{ChainOptions, FrictionKind};
 use couplings::Searched;
 use rayon::prelude::*;
-use torquewise_model::model::Choice;
+use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
-use torquewise_rigid::search::{Found, all_parameters};
+use torquewise_rigid::search::all_parameters;
 use torquewise_rigid::{Chain, Geometry, Rows, Search, refine, search};
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
@@ -29,6 +29,8 @@ pub(crate) struct Learned {
     pub(crate) choices: Vec<Choice>,
     /// Friction that may be offered.
     pub(crate) laws: FrictionLibrary,
+    /// How often the geometry was found, where it was searched.
+    pub(crate) found: Option<GeometryFound>,
 }
 
 /// Pulls to right angles that are tried, the strongest first.
@@ -90,7 +92,7 @@ pub(crate) fn learn(
     };
     let shares = has_friction && learner.shafts(&mut spec, &chain, &mut choices)?;
     if shares && !is_given {
-        choices.retain(|choice: &Choice| choice.what != PRIOR && choice.what != GEOMETRY);
+        choices.retain(|choice: &Choice| choice.what != PRIOR);
         (chain, starts) = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
     learner.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
@@ -110,17 +112,6 @@ pub(crate) fn learn(
 }
 
 const PRIOR: &str = "prior of right angles";
-const GEOMETRY: &str = "geometry";
-
-/// How often the best geometry was found.
-fn found_geometry(found: &Found) -> Choice {
-    Choice {
-        what: GEOMETRY.to_owned(),
-        chosen: format!("found {} times in {} starts", found.times, found.starts),
-        rule: "starts until three lead to the same best arm".to_owned(),
-        from: Vec::new(),
-    }
-}
 
 /// A label, what is fitted, and from where.
 type Way = (String, ChainSpec, Chain);
@@ -148,6 +139,8 @@ struct ChainLearner<'a> {
     motion: &'a Motion,
     /// Friction that is offered.
     laws: FrictionLibrary,
+    /// How often the geometry was found.
+    found: Option<GeometryFound>,
 }
 
 impl<'a> ChainLearner<'a> {
@@ -156,7 +149,7 @@ impl<'a> ChainLearner<'a> {
             motion.dq().col(joint).iter().fold(0.0_f64, |peak, dq| peak.max(dq.abs()))
         };
         let laws = FrictionLibrary::new((0..motion.n_joints()).map(speed).collect());
-        Self { motion, laws }
+        Self { motion, laws, found: None }
     }
 
     fn rows(&self, spec: &ChainSpec, count: usize) -> Result<Rows, IdentifyError> {
@@ -187,13 +180,13 @@ impl<'a> ChainLearner<'a> {
 
     /// Searches the geometry, then chooses how strongly it is held to right angles.
     fn geometry(
-        &self,
+        &mut self,
         spec: &mut ChainSpec,
         known: Option<Chain>,
         choices: &mut Vec<Choice>,
     ) -> Result<(Chain, Vec<Chain>), IdentifyError> {
         let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search)?;
-        choices.push(found_geometry(&found));
+        self.found = Some(GeometryFound { times: found.times, starts: found.starts });
         let mut starts = found.chains;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
@@ -280,7 +273,7 @@ impl<'a> ChainLearner<'a> {
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search)?;
-        Ok(Learned { chain, spec, choices, laws: self.laws.clone() })
+        Ok(Learned { chain, spec, choices, laws: self.laws.clone(), found: self.found })
     }
 
     fn choose(

@@ -10,7 +10,7 @@ use crate::plan::ChainOptions;
 use crate::reconstruction::Progress;
 use crate::regions::Regions;
 use serde::{Deserialize, Serialize};
-use torquewise_model::model::Choice;
+use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
 use torquewise_regression::normal_sums::{FOLDS, NormalSums};
 use torquewise_stepwise::error::IdentifyError;
@@ -33,6 +33,9 @@ pub struct Request {
     passes: Passes,
     pub(crate) sizes: Sizes,
     choices: Vec<Choice>,
+    found: Option<GeometryFound>,
+    /// RMS of what the search left of each joint \[N·m\], n.
+    searched_rms: Vec<f64>,
 }
 
 /// What a pass came to.
@@ -67,9 +70,10 @@ impl Request {
         if options.geometry.is_some() {
             passes = passes.with_given_geometry();
         }
-        let choices = learned.choices;
+        let Learned { chain, choices, found, .. } = learned;
         let joints = survey.joints.clone();
-        Ok(Self { joints, passes, sizes, choices })
+        let searched_rms = chain.residual_rms;
+        Ok(Self { joints, passes, sizes, choices, found, searched_rms })
     }
 
     /// The same for logs of so many rows.
@@ -141,7 +145,8 @@ impl Request {
                     let passes = self.passes.without_noise_correction(MOST_PASSES);
                     return Ok(Round::Again(Box::new(Self { passes, ..self })));
                 }
-                Round::Done(Box::new(Fitted { solved, residual_rms, choices: self.choices }))
+                let Self { choices, found, searched_rms, .. } = self;
+                Round::Done(Box::new(Fitted { solved, residual_rms, choices, found, searched_rms }))
             }
         })
     }

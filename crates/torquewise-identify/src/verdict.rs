@@ -5,6 +5,7 @@ use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
 use crate::warning::{POOR, Warning};
 use std::fmt;
+use torquewise_model::model::GeometryFound;
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
 /// joints.
@@ -47,6 +48,7 @@ impl Verdict {
         let useless = joints(&|error| error.is_nan() || error >= USELESS);
         let poor = joints(&|error| (POOR..USELESS).contains(&error));
         let grave = grave(&found.warnings);
+        let doubts = doubts(found);
         let mut because = Vec::new();
         if !useless.is_empty() {
             because.push(format!(
@@ -57,11 +59,12 @@ impl Verdict {
         because.extend(grave);
         let grade = if !because.is_empty() {
             Grade::Unusable
-        } else if geometric_mean(&errors) <= GOOD && poor.is_empty() {
+        } else if geometric_mean(&errors) <= GOOD && poor.is_empty() && doubts.is_empty() {
             Grade::Good
         } else {
             Grade::Usable
         };
+        because.extend(doubts);
         because.extend(one_way(&found.warnings));
         if !poor.is_empty() {
             because.push(format!(
@@ -105,6 +108,22 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
         _ => None,
     };
     warnings.iter().filter_map(of).collect()
+}
+
+/// A geometry that fewer starts than this led to may be another.
+const SURE: usize = 3;
+
+/// What keeps a model from being good, whatever its error on held-out rows.
+fn doubts(found: &Reconstruction) -> Vec<String> {
+    let geometry = found.model.training.geometry_found.filter(|found| found.times < SURE);
+    let geometry = geometry.map(|GeometryFound { times, starts }| {
+        format!("its geometry was found by only {times} of {starts} starts")
+    });
+    let refit = found.warnings.iter().find_map(|warning| match warning {
+        Warning::Refit { .. } => Some("all rows are fitted worse than a sample of them".to_owned()),
+        _ => None,
+    });
+    geometry.into_iter().chain(refit).collect()
 }
 
 /// Joints of which only one direction was seen.

@@ -3,6 +3,7 @@
 use crate::disagreement::Disagreement;
 use crate::drift::Drift;
 use crate::excitation::{Finding, findings};
+use crate::unseen::geometric_mean;
 use std::fmt;
 use torquewise_model::Model;
 use torquewise_motion::Pattern;
@@ -56,6 +57,11 @@ pub enum Warning {
     Disagreement(Disagreement),
     /// Friction changes along long logs.
     Drift(Drift),
+    /// The fit to all rows leaves far more than the search did on a sample.
+    Refit {
+        /// Residual of the fit over that of the search, geometric mean of the joints.
+        ratio: f64,
+    },
     /// Positions larger than any joint turns.
     Units {
         /// Name of the joint.
@@ -67,6 +73,9 @@ pub enum Warning {
 
 /// Eight turns, in radians: more than a joint makes, less than half a turn written in degrees.
 const LARGEST_ANGLE: f64 = 50.0;
+
+/// The fit to all rows may leave this many times what the search left on a sample.
+const MOST_REFIT: f64 = 1.1;
 
 /// A library that leaves this part of a joint's torque has explained little.
 const LITTLE: f64 = 0.5;
@@ -117,6 +126,14 @@ impl Warning {
             (residual > LITTLE).then_some(Self::Unexplained { library, joint, residual })
         });
         missing.map(Self::NoOrder).chain(unexplained).collect()
+    }
+
+    /// Whether a fit to all rows left more than the search it came from, RMS of each joint.
+    pub(crate) fn of_refit(searched_rms: &[f64], residual_rms: &[f64]) -> Option<Self> {
+        let pairs = searched_rms.iter().zip(residual_rms).filter(|(a, b)| **a > 0.0 && **b > 0.0);
+        let ratios: Vec<f64> = pairs.map(|(searched, left)| left / searched).collect();
+        let ratio = geometric_mean(&ratios);
+        (ratio > MOST_REFIT).then_some(Self::Refit { ratio })
     }
 
     pub(crate) fn of_survey(survey: &Survey) -> Vec<Self> {
@@ -184,6 +201,11 @@ impl fmt::Display for Warning {
             Self::Excitation(finding) => write!(f, "{finding}"),
             Self::Disagreement(logs) => write!(f, "{logs}"),
             Self::Drift(drift) => write!(f, "{drift}"),
+            Self::Refit { ratio } => write!(
+                f,
+                "the fit to all rows leaves {ratio:.2} times the torque that the search left on a \
+                 sample of them: the log disagrees with itself, or with physics"
+            ),
             Self::Units { joint, largest } => write!(
                 f,
                 "{joint} reaches {largest:.0}: positions are taken as radians; are these degrees?"

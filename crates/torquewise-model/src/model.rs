@@ -108,6 +108,19 @@ pub struct Training {
     /// The same on regions of configuration that were held out, n (E20).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub held_out_by_region_rms: Vec<f64>,
+    /// How often the geometry of a chain was found, where it was searched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub geometry_found: Option<GeometryFound>,
+}
+
+/// How often a search of the geometry found it: an arm that a single start led to may be another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeometryFound {
+    /// Starts that led to as good an arm as the best.
+    pub times: usize,
+    /// Starts that were made.
+    pub starts: usize,
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).

@@ -299,6 +299,7 @@ impl Survey {
             unexplained_rms: Vec::new(),
             held_out_rms: Vec::new(),
             held_out_by_region_rms: Vec::new(),
+            geometry_found: None,
         }
     }
 

@@ -5,7 +5,7 @@ use crate::fit::FitResult;
 use crate::physics::MassMatrix;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use torquewise_model::model::Choice;
+use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Repairs;
 use torquewise_stepwise::NoiseFloor;
 
@@ -25,6 +25,7 @@ pub struct FitSummary<'a> {
     pub held_out_by_region_percent: Vec<f64>,
     pub cutoff_hz: Option<f64>,
     pub delay_s: Option<f64>,
+    pub geometry_found: Option<GeometryFound>,
     pub conditioning: AllRepairs<'a>,
     pub candidates: usize,
     pub candidates_by_step: Vec<usize>,
@@ -104,6 +105,7 @@ impl FitResult {
             held_out_by_region_percent: percent(&training.held_out_by_region_rms),
             cutoff_hz: training.filter.map(|filter| filter.cutoff_hz),
             delay_s: training.filter.map(|filter| filter.delay),
+            geometry_found: training.geometry_found,
             conditioning: AllRepairs::of(&training.conditioning),
             candidates: self.candidates,
             candidates_by_step: self.steps.iter().map(|step| step.candidates).collect(),

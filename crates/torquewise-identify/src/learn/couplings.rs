@@ -31,7 +31,7 @@ impl ChainLearner<'_> {
     /// Searches the geometry, then looks for joints that the coordinate of the joint before turns
     /// as well, as behind a parallelogram \[E18\].
     pub(super) fn coupled_geometry(
-        &self,
+        &mut self,
         spec: &ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<Searched, IdentifyError> {
@@ -61,7 +61,7 @@ impl ChainLearner<'_> {
     }
 
     fn searched(
-        &self,
+        &mut self,
         mut spec: ChainSpec,
         choices: &mut Vec<Choice>,
     ) -> Result<Searched, IdentifyError> {
