@@ -6,7 +6,7 @@ use crate::spread::Spread;
 use serde::Serialize;
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Chart, Column, Label};
-use torquewise_report::{ReportError, chart_figure, html};
+use torquewise_report::{chart_figure, html};
 
 /// All experiments.
 ///
@@ -60,6 +60,23 @@ pub struct Claim {
     pub verdict: Verdict,
 }
 
+impl Claim {
+    /// A claim that holds, or at least does in part.
+    pub(crate) fn new(
+        source: &'static str,
+        claim: &'static str,
+        measured: String,
+        [holds, in_part]: [bool; 2],
+    ) -> Self {
+        let verdict = match (holds, in_part) {
+            (true, _) => Verdict::Holds,
+            (false, true) => Verdict::HoldsInPart,
+            (false, false) => Verdict::Contradicted,
+        };
+        Self { claim, source, measured, verdict }
+    }
+}
+
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -73,15 +90,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a claim that holds, or at least does in part.
-    pub(crate) fn when(holds: bool, in_part: bool) -> Self {
-        match (holds, in_part) {
-            (true, _) => Self::Holds,
-            (false, true) => Self::HoldsInPart,
-            (false, false) => Self::Contradicted,
-        }
-    }
-
     /// As one reads it.
     pub fn name(self) -> &'static str {
         match self {
@@ -156,6 +164,15 @@ impl Table {
         self.rows.push(row.into_iter().collect());
     }
 
+    /// Adds a row of some cells, then others of one kind.
+    pub(crate) fn push_with<const N: usize, C: Into<Cell>>(
+        &mut self,
+        head: [Cell; N],
+        others: impl IntoIterator<Item = C>,
+    ) {
+        self.push(head.into_iter().chain(others.into_iter().map(C::into)));
+    }
+
     /// The table as a part of a page.
     pub(crate) fn to_html(&self) -> html::Table {
         let columns = self.columns.iter().enumerate().map(|(place, heading)| {
@@ -187,9 +204,10 @@ impl Figure {
     /// The figure as an SVG text.
     ///
     /// # Errors
-    /// [`ReportError`] if it cannot be drawn.
-    pub fn svg(&self) -> Result<String, ReportError> {
-        chart_figure(&self.caption, &self.charts, if self.charts.len() == 2 { 2 } else { 1 })
+    /// [`PaperError::Report`] if it cannot be drawn.
+    pub fn svg(&self) -> Result<String, PaperError> {
+        let columns = if self.charts.len() == 2 { 2 } else { 1 };
+        Ok(chart_figure(&self.caption, &self.charts, columns)?)
     }
 }
 

@@ -4,7 +4,6 @@ pub(crate) mod patterns;
 pub(crate) mod orders;
 pub(crate) mod cost;
 pub(crate) mod cases;
-pub(crate) mod recorded;
 pub(crate) mod control;
 pub(crate) mod ablation;
 pub(crate) mod sweeps;

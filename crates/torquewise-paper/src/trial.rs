@@ -1,14 +1,15 @@
 //! Trials: one reconstruction each, its cost, its terms and its error on another motion.
 
 use crate::error::{PaperError, within};
-use crate::method::{ACTIVE, MethodPlan};
+use crate::method::ACTIVE;
 use crate::scenario::{Scenario, outside};
+use crate::spread::Spread;
 use cpu_time::ThreadTime;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use torquewise_identify::{reconstruct, score};
+use torquewise_identify::{Plan, reconstruct, score};
 use torquewise_model::{Form, Model};
 use torquewise_motion::Motion;
 use torquewise_stepwise::Progress as Stage;
@@ -18,12 +19,13 @@ use torquewise_stepwise::Progress as Stage;
 pub(crate) struct TrialPlan {
     pub scenario: Scenario,
     /// How it becomes a model.
-    pub plan: MethodPlan,
+    pub plan: Plan,
 }
 
 impl TrialPlan {
     /// The same plan with each of some seeds, from that of the scenario on.
-    pub(crate) fn seeds(from: &Scenario, plan: &MethodPlan, seeds: u64) -> Vec<Self> {
+    pub(crate) fn seeds(from: &Scenario, plan: impl Into<Plan>, seeds: u64) -> Vec<Self> {
+        let plan = plan.into();
         let seed = |step| Scenario { seed: from.seed.wrapping_add(step), ..from.clone() };
         (0..seeds).map(|step| Self { scenario: seed(step), plan: plan.clone() }).collect()
     }
@@ -54,61 +56,86 @@ impl Trials {
         seed: u64,
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<Self, PaperError> {
-        let mut plans: Vec<TrialPlan> = Vec::new();
+        let mut plans: Vec<&TrialPlan> = Vec::new();
         let mut n_timed = 0;
-        for (place, plan) in timed.iter().chain(others).enumerate() {
-            if !plans.contains(plan) {
-                plans.push(plan.clone());
-                n_timed += usize::from(place < timed.len());
-            }
-        }
         let mut tests = BTreeMap::new();
-        for arm in plans.iter().map(|plan| plan.scenario.arm) {
+        for (place, plan) in timed.iter().chain(others).enumerate() {
+            if plans.contains(&plan) {
+                continue;
+            }
+            plans.push(plan);
+            n_timed += usize::from(place < timed.len());
+            let arm = plan.scenario.arm;
             if !tests.contains_key(arm) {
                 tests.insert(arm, outside(arm, seed)?);
             }
         }
         let (done, total) = (AtomicUsize::new(0), plans.len());
-        let attempt = |plan: &TrialPlan, doing| -> Result<Trial, PaperError> {
+        let attempt = |plan: &TrialPlan, doing| -> Result<(TrialPlan, Trial), PaperError> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-            let trial = pool.install(|| attempt(plan, &tests[plan.scenario.arm]));
+            let trial = pool.install(|| attempt(plan, &tests[plan.scenario.arm]))?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(Progress { doing, done, total });
-            trial
+            Ok((plan.clone(), trial))
         };
-        let mut trials = Vec::with_capacity(total);
-        for plan in &plans[..n_timed] {
-            trials.push((plan.clone(), attempt(plan, "timed trials")?));
-        }
-        let queue = Mutex::new(plans[n_timed..].iter());
+        let (timed, others) = plans.split_at(n_timed);
+        let mut trials: Vec<_> =
+            timed.iter().map(|plan| attempt(plan, "timed trials")).collect::<Result<_, _>>()?;
+        let queue = Mutex::new(others.iter());
         let next = || queue.lock().ok().and_then(|mut queue| queue.next());
-        let worker = || -> Result<Vec<(TrialPlan, Trial)>, PaperError> {
-            let mut own = Vec::new();
-            while let Some(plan) = next() {
-                own.push((plan.clone(), attempt(plan, "trials")?));
-            }
-            Ok(own)
-        };
+        let worker =
+            || std::iter::from_fn(next).map(|plan| attempt(plan, "trials")).collect::<Vec<_>>();
         std::thread::scope(|scope| {
             let workers: Vec<_> =
                 (0..rayon::current_num_threads()).map(|_| scope.spawn(worker)).collect();
             for worker in workers {
                 let own = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-                trials.extend(own?);
+                trials.extend(own.into_iter().collect::<Result<Vec<_>, _>>()?);
             }
             Ok(Self(trials))
         })
     }
 
-    /// The trial of a plan.
-    pub(crate) fn get(&self, plan: &TrialPlan) -> Result<&Trial, PaperError> {
-        let found = self.0.iter().find(|(known, _)| known == plan);
-        found.map(|(_, trial)| trial).ok_or(PaperError::NotDone)
+    /// The trials of one plan with each of some seeds.
+    pub(crate) fn runs(&self, plans: &[TrialPlan]) -> Result<Runs<'_>, PaperError> {
+        let find = |plan| self.0.iter().find(|(known, _)| known == plan);
+        let done = plans.iter().map(|plan| Ok(&find(plan).ok_or(PaperError::NotDone)?.1));
+        Ok(Runs(done.collect::<Result<_, PaperError>>()?))
+    }
+}
+
+/// Trials that differ in their seed, one at least.
+#[derive(Debug)]
+pub(crate) struct Runs<'a>(pub Vec<&'a Trial>);
+
+impl<'a> Runs<'a> {
+    pub(crate) fn first(&self) -> &'a Trial {
+        self.0[0]
     }
 
-    /// The trials of a plan with each of some seeds.
-    pub(crate) fn all(&self, plans: &[TrialPlan]) -> Result<Vec<&Trial>, PaperError> {
-        plans.iter().map(|plan| self.get(plan)).collect()
+    pub(crate) fn spread(&self, number: impl Fn(&Trial) -> f64) -> Spread {
+        Spread::of(self.0.iter().map(|trial| number(trial)))
+    }
+
+    /// Of the coefficients kept.
+    pub(crate) fn terms(&self) -> Spread {
+        self.spread(|trial| trial.terms as f64)
+    }
+
+    /// Of the coefficients that the paper calls active.
+    pub(crate) fn active(&self) -> Spread {
+        self.spread(|trial| trial.active as f64)
+    }
+
+    /// Of the error of each joint \[%\].
+    pub(crate) fn errors(&self) -> Vec<Spread> {
+        Spread::of_columns(self.0.iter().map(|trial| trial.nrmse_percent.as_slice()))
+    }
+
+    /// Of the error of the joint whose median is the largest \[%\].
+    pub(crate) fn worst(&self) -> Spread {
+        let worst = self.errors().into_iter().max_by(|a, b| a.median.total_cmp(&b.median));
+        worst.unwrap_or(Spread::of([]))
     }
 }
 
@@ -150,13 +177,6 @@ pub(crate) struct Trial {
     pub cost: Cost,
 }
 
-impl Trial {
-    /// The error of the worst joint \[%\].
-    pub(crate) fn worst_percent(&self) -> f64 {
-        self.nrmse_percent.iter().copied().fold(0.0, f64::max)
-    }
-}
-
 /// Does a trial and judges it on a motion it has not seen.
 ///
 /// The cost is that of the calling thread: it counts all of the work if that runs in a pool of one
@@ -165,8 +185,8 @@ fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
     let named = || within(name_of(trial));
     let mut stopwatch = Stopwatch::start();
-    let plan = trial.plan.clone().into();
-    let found = reconstruct(&log, &plan, &mut |stage| stopwatch.enter(stage)).map_err(named())?;
+    let found =
+        reconstruct(&log, &trial.plan, &mut |stage| stopwatch.enter(stage)).map_err(named())?;
     let scores = score(&found.model, test).map_err(named())?;
     let coefficients = coefficients(&found.model.form);
     Ok(Trial {
@@ -242,19 +262,21 @@ mod tests {
     use crate::method::Method;
     use crate::scenario::{Decibels, outside};
 
+    fn plan(noise: Decibels, seconds: f64, seed: u64) -> TrialPlan {
+        let scenario = Scenario { arm: "planar-2", seconds, noise, seed };
+        TrialPlan { scenario, plan: Method::Energy.options().into() }
+    }
+
     #[test]
     fn a_trial_without_noise_predicts_another_motion() {
-        let noise = Decibels::NONE;
-        let scenario = Scenario { arm: "planar-2", seconds: 60.0, noise, seed: 3 };
-        let plan = TrialPlan { scenario, plan: Method::Energy.plan() };
+        let test = outside("planar-2", 3).unwrap();
 
-        let trial = attempt(&plan, &outside("planar-2", 3).unwrap()).unwrap();
+        let trial = attempt(&plan(Decibels::NONE, 60.0, 3), &test).unwrap();
 
         assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
         assert_eq!(trial.candidates_by_step.len(), 3);
         assert!(0 < trial.active && trial.active <= trial.terms);
-
-        let steps = judge_steps(&trial.model, &outside("planar-2", 3).unwrap()).unwrap();
+        let steps = judge_steps(&trial.model, &test).unwrap();
         assert!(steps[2][0] < steps[0][0], "{steps:?}");
     }
 
@@ -273,23 +295,18 @@ mod tests {
 
     #[test]
     fn trials_do_not_depend_on_threads_and_one_that_fails_is_reported() {
-        let plan = |seconds, seed| {
-            let noise = Decibels::case(3);
-            let scenario = Scenario { arm: "planar-2", seconds, noise, seed };
-            TrialPlan { scenario, plan: Method::Energy.plan() }
-        };
-        let plans: Vec<TrialPlan> = [1, 2, 3, 2].map(|seed| plan(30.0, seed)).into();
+        let plans = [1, 2, 3, 2].map(|seed| plan(Decibels::case(3), 30.0, seed));
         let errors = |threads: usize| -> Vec<Vec<f64>> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let run = || Trials::run(&plans[..1], &plans, 1, &|_| {});
             let trials = pool.install(run).unwrap();
             assert_eq!(trials.0.len(), 3, "each once");
-            let all = trials.all(&plans).unwrap();
+            let all = trials.runs(&plans).unwrap().0;
             all.into_iter().map(|trial| trial.nrmse_percent.clone()).collect()
         };
 
         assert_eq!(errors(1), errors(3));
-        let failed = Trials::run(&[], &[plan(0.1, 1)], 1, &|_| {});
+        let failed = Trials::run(&[], &[plan(Decibels::case(3), 0.1, 1)], 1, &|_| {});
         assert!(matches!(failed, Err(PaperError::Identify { .. })), "{failed:?}");
     }
 }

@@ -1,15 +1,15 @@
 //! What each choice buys: a method with one choice changed at a time, in case 3.
 
 use crate::error::PaperError;
-use crate::method::{
-    Method, MethodPlan, correcting_noise, in_one_step, lasso, selecting, threshold,
-    with_printed_index,
-};
-use crate::results::{Cell, Study, Table};
+use crate::method::{Method, lasso, threshold};
+use crate::results::{Study, Table};
 use crate::scenario::{Decibels, outside};
 use crate::settings::Settings;
 use crate::spread::Spread;
 use crate::trial::{TrialPlan, Trials, judge_steps};
+use torquewise_identify::plan::{LibraryOptions, Regression};
+use torquewise_identify::{PatternPlan, Plan};
+use torquewise_stepwise::activation::Scaling;
 
 /// The row with the paper's constants of the activation index.
 const PRINTED: &str = "activation index as printed";
@@ -17,29 +17,34 @@ const PRINTED: &str = "activation index as printed";
 const BEFORE_REFIT: &str = "no refit after the last step";
 
 /// Family, what is changed, the equation that this puts to the test, the plan.
-type Variant = (&'static str, &'static str, &'static str, MethodPlan);
+type Variant = (&'static str, &'static str, &'static str, Plan);
 
 fn variants() -> Vec<Variant> {
     let mut variants = Vec::new();
+    let uncorrected = |options| LibraryOptions { noise_correction: false, ..options };
     for method in [Method::Energy, Method::Product] {
-        let (name, plan) = (method.name(), method.plan());
+        let (name, options) = (method.name(), method.options());
+        let selecting = |selector| LibraryOptions { selector, ..options.clone() }.into();
+        let patterns =
+            PatternPlan { scaling: Scaling::Paper, clusters: Some(3), ..PatternPlan::default() };
+        let one_step = LibraryOptions { regression: Regression::OneShot, ..options.clone() };
+        let plan = Plan::from(options.clone());
         variants.extend([
             (name, "as it is", "", plan.clone()),
-            (name, PRINTED, "[E1]", with_printed_index(plan.clone())),
-            (name, "one step, all rows", "", in_one_step(plan.clone())),
-            (name, "terms chosen by LASSO + BIC", "[E5]", selecting(&plan, lasso())),
-            (name, "terms chosen by |c| > 0.1", "[E5]", selecting(&plan, threshold())),
-            (name, BEFORE_REFIT, "[E6]", plan.clone()),
-            (name, "no noise correction", "[E7]", correcting_noise(plan, false)),
+            (name, PRINTED, "[E1]", Plan { patterns, ..plan.clone() }),
+            (name, "one step, all rows", "", one_step.into()),
+            (name, "terms chosen by LASSO + BIC", "[E5]", selecting(lasso())),
+            (name, "terms chosen by |c| > 0.1", "[E5]", selecting(threshold())),
+            (name, BEFORE_REFIT, "[E6]", plan),
+            (name, "no noise correction", "[E7]", uncorrected(options.clone()).into()),
         ]);
     }
-    let (name, chosen) = ("one-shot SINDy", Method::SindyCriterion.plan());
-    let uncorrected = correcting_noise(chosen.clone(), false);
+    let (name, chosen) = ("one-shot SINDy", Method::SindyCriterion.options());
     variants.extend([
-        (name, "terms chosen by |c| > 0.1", "", Method::Sindy.plan()),
-        (name, "terms chosen by LASSO + BIC", "", Method::SindyLasso.plan()),
-        (name, "terms chosen by the criterion", "[E5]", uncorrected),
-        (name, "criterion, noise correction", "[E7]", chosen),
+        (name, "terms chosen by |c| > 0.1", "", Method::Sindy.options().into()),
+        (name, "terms chosen by LASSO + BIC", "", Method::SindyLasso.options().into()),
+        (name, "terms chosen by the criterion", "[E5]", uncorrected(chosen.clone()).into()),
+        (name, "criterion, noise correction", "[E7]", chosen.into()),
     ]);
     variants
 }
@@ -49,7 +54,7 @@ fn variants() -> Vec<Variant> {
 fn seeds(settings: &Settings, (_, change, _, plan): &Variant) -> Vec<TrialPlan> {
     let scenario = settings.scenario(Decibels::case(3), settings.seed);
     let seeds = if *change == PRINTED { 1 } else { settings.sweep_seeds };
-    TrialPlan::seeds(&scenario, plan, seeds)
+    TrialPlan::seeds(&scenario, plan.clone(), seeds)
 }
 
 /// All trials.
@@ -66,19 +71,16 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     )
     .with_joints("error [%]", test.n_joints());
     for variant in variants() {
-        let done = trials.all(&seeds(settings, &variant))?;
+        let runs = trials.runs(&seeds(settings, &variant))?;
         let (family, change, equation, _) = variant;
-        let mut errors = Vec::new();
-        for trial in &done {
-            let steps =
-                if change == BEFORE_REFIT { judge_steps(&trial.model, &test)? } else { vec![] };
-            errors.push(steps.last().unwrap_or(&trial.nrmse_percent).clone());
+        let mut errors = runs.errors();
+        if change == BEFORE_REFIT {
+            let steps = runs.0.iter().map(|trial| judge_steps(&trial.model, &test));
+            let steps = steps.collect::<Result<Vec<_>, _>>()?;
+            errors = Spread::of_columns(steps.iter().filter_map(|s| s.last().map(Vec::as_slice)));
         }
-        let terms = Spread::of(done.iter().map(|trial| trial.terms as f64));
-        let head: [Cell; 5] =
-            [family.into(), change.into(), equation.into(), done.len().into(), terms.into()];
-        let errors = Spread::of_columns(errors.iter().map(Vec::as_slice));
-        table.push(head.into_iter().chain(errors.into_iter().map(Cell::from)));
+        let (count, terms) = (runs.0.len().into(), runs.terms().into());
+        table.push_with([family.into(), change.into(), equation.into(), count, terms], errors);
     }
     let text = "One choice of a stepwise method is changed at a time, in case 3. The two libraries \
                 beside each other test [E4]; “one step” takes the steps away and leaves everything \

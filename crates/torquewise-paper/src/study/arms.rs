@@ -5,7 +5,7 @@ use crate::method::Method;
 use crate::results::{Cell, Study, Table, Timed};
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
-use crate::trial::{Cost, Trial, TrialPlan, Trials};
+use crate::trial::{Cost, TrialPlan, Trials};
 use crate::truth::true_energies;
 use std::collections::BTreeSet;
 use torquewise_model::library::{angle_functions, energy_library};
@@ -21,7 +21,7 @@ const GRAVITY_ORDER: u8 = 2;
 pub(crate) fn plans(settings: &Settings) -> Vec<TrialPlan> {
     let plan = |&(arm, seconds): &(&'static str, f64)| TrialPlan {
         scenario: Scenario { arm, seconds, noise: Decibels::case(3), seed: settings.seed },
-        plan: Method::Energy.plan(),
+        plan: Method::Energy.options().into(),
     };
     settings.arms.iter().rev().map(plan).collect()
 }
@@ -36,11 +36,15 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     );
     let mut times = Table::new("CPU time of the energy library.", "arm;[s]");
     for plan in plans(settings).iter().rev() {
-        let trial = trials.get(plan)?;
+        let runs = trials.runs(std::slice::from_ref(plan))?;
+        let trial = runs.first();
         let arm = Arm::builtin(plan.scenario.arm)?;
         let [energy, product, sindy] = candidates(arm.n_joints());
         let truth: BTreeSet<EnergyTerm> = true_energies(&arm).into_keys().collect();
-        let right = right_terms(trial, &truth);
+        let right = match &trial.model.form {
+            Form::Energy(terms) => terms.iter().filter(|w| truth.contains(&w.term)).count(),
+            Form::Torque(_) => 0,
+        };
         let errors: Vec<String> = trial.nrmse_percent.iter().map(|x| significant(*x, 2)).collect();
         table.push([
             plan.scenario.arm.into(),
@@ -51,7 +55,7 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
             format!("{right} of {}", truth.len()).into(),
             (trial.terms - right).into(),
             errors.join(" / ").into(),
-            trial.worst_percent().into(),
+            runs.worst().median.into(),
         ]);
         times.push([Cell::from(plan.scenario.arm), Cost::total(&trial.cost).into()]);
     }
@@ -67,25 +71,10 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
 fn candidates(n: usize) -> [usize; 3] {
     let [angles, gravity] =
         [TRIG_ORDER, GRAVITY_ORDER].map(|order| angle_functions(n, order).len());
-    let whole = (0..=2).map(|degree| monomials(2 * n, degree)).sum::<usize>();
-    let product = gravity + angles * (monomials(n, 2) + n);
-    [energy_library(n, None).len(), product, angles * whole]
-}
-
-/// Number of monomials of one degree in some variables, degree ≤ 2.
-fn monomials(variables: usize, degree: usize) -> usize {
-    match degree {
-        0 => 1,
-        1 => variables,
-        _ => variables * (variables + 1) / 2,
-    }
-}
-
-fn right_terms(trial: &Trial, truth: &BTreeSet<EnergyTerm>) -> usize {
-    match &trial.model.form {
-        Form::Energy(terms) => terms.iter().filter(|w| truth.contains(&w.term)).count(),
-        Form::Torque(_) => 0,
-    }
+    // Monomials of degree 2 in some variables.
+    let squares = |variables: usize| variables * (variables + 1) / 2;
+    let product = gravity + angles * (squares(n) + n);
+    [energy_library(n, None).len(), product, angles * (1 + 2 * n + squares(2 * n))]
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
 
 use crate::error::{PaperError, within};
-use crate::results::{Claim, Figure, Study, Table, Verdict};
+use crate::results::{Claim, Figure, Study, Table};
 use crate::scenario::Decibels;
 use crate::settings::Settings;
 use torquewise_report::order_charts;
@@ -80,16 +80,14 @@ fn claim(clean: &[OrderCurve]) -> Claim {
         curve.chosen == 0 || worst(curve, curve.chosen) <= SETTLED * worst(curve, 0)
     };
     let settled = clean.iter().filter(has_settled).count();
-    Claim {
-        claim: "The least-squares residual falls fast up to a certain order and hardly beyond it, \
-                which gives the orders of each library.",
-        source: "Fig. 5",
-        measured: format!(
-            "Orders chosen without noise: {}.",
-            chosen.collect::<Vec<_>>().join("; ")
-        ),
-        verdict: Verdict::when(settled == clean.len(), settled > 0),
-    }
+    let chosen: Vec<String> = chosen.collect();
+    Claim::new(
+        "Fig. 5",
+        "The least-squares residual falls fast up to a certain order and hardly beyond it, which \
+         gives the orders of each library.",
+        format!("Orders chosen without noise: {}.", chosen.join("; ")),
+        [settled == clean.len(), settled > 0],
+    )
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::charts::points;
 use crate::error::{PaperError, within};
-use crate::results::{Claim, Figure, Study, Table, Verdict};
+use crate::results::{Cell, Claim, Figure, Study, Table};
 use crate::scenario::Decibels;
 use crate::settings::Settings;
 use torquewise_identify::{PatternPlan, Patterns, Survey, find_patterns, survey};
@@ -29,12 +29,6 @@ struct Clustered {
     least_percent: f64,
 }
 
-impl Clustered {
-    fn is_as_the_paper_says(&self) -> bool {
-        self.elbow == CLUSTERS && self.least_percent >= PURE
-    }
-}
-
 /// Finds and judges the patterns at three levels of noise.
 pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
     let mut scenario = settings.scenario(Decibels::CLUSTERING, settings.seed);
@@ -51,12 +45,25 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
         scenario.noise = noise;
         let log = scenario.record(&simulation)?;
         let look = survey(&log).map_err(within("patterns"))?;
-        let mut judge = |index, scaling| -> Result<Clustered, PaperError> {
+        let mut judged = |index: &'static str, scaling| -> Result<Clustered, PaperError> {
             let (patterns, elbow) = clustered(&look, scaling)?;
-            let least_percent = judge(&mut table, noise, (index, &patterns, elbow), &log, truth);
+            let labels = patterns.label(&log);
+            let mut least_percent = f64::INFINITY;
+            for pattern in Pattern::ALL {
+                let rows = truth.iter().filter(|truth| **truth == pattern).count();
+                let labelled = labels.iter().filter(|label| **label == pattern).count();
+                let both = labels.iter().zip(truth).filter(|(label, _)| **label == pattern);
+                let right = both.filter(|(label, truth)| label == truth).count();
+                let percent = |whole: usize| 100.0 * right as f64 / whole.max(1) as f64;
+                let head = [noise.name().into(), index.into(), elbow.into()];
+                let counts = [pattern.name().into(), rows.into(), labelled.into()];
+                let shares = [percent(labelled), percent(rows)].map(Cell::from);
+                table.push(head.into_iter().chain(counts).chain(shares));
+                least_percent = least_percent.min(percent(labelled));
+            }
             Ok(Clustered { index, patterns, elbow, least_percent })
         };
-        let both = [judge("scaled", Scaling::Scaled)?, judge("printed", Scaling::Paper)?];
+        let both = [judged("scaled", Scaling::Scaled)?, judged("printed", Scaling::Paper)?];
         if noise == Decibels::CLUSTERING {
             claims.push(claim(&both));
             figures = vec![plane(&both, &log, truth), elbow(&both), motion(&both[0], &log)];
@@ -82,38 +89,6 @@ fn clustered(look: &Survey, scaling: Scaling) -> Result<(Patterns, usize), Paper
     Ok((find_patterns(look, &three).map_err(within("patterns"))?, elbow))
 }
 
-/// Adds a row for each pattern and returns the purity of the least pure \[%\].
-fn judge(
-    table: &mut Table,
-    noise: Decibels,
-    (index, patterns, elbow): (&'static str, &Patterns, usize),
-    log: &Motion,
-    truth: &[Pattern],
-) -> f64 {
-    let labels = patterns.label(log);
-    let percent = |part: usize, whole: usize| 100.0 * part as f64 / whole.max(1) as f64;
-    let mut least = f64::INFINITY;
-    for pattern in Pattern::ALL {
-        let rows = truth.iter().filter(|truth| **truth == pattern).count();
-        let labelled = labels.iter().filter(|label| **label == pattern).count();
-        let both = labels.iter().zip(truth);
-        let right = both.filter(|(label, truth)| **label == pattern && label == truth).count();
-        let purity = percent(right, labelled);
-        least = least.min(purity);
-        table.push([
-            noise.name().into(),
-            index.into(),
-            elbow.into(),
-            pattern.name().into(),
-            rows.into(),
-            labelled.into(),
-            purity.into(),
-            percent(right, rows).into(),
-        ]);
-    }
-    least
-}
-
 fn claim([scaled, printed]: &[Clustered; 2]) -> Claim {
     let measured = format!(
         "Noise {}: with the index as printed the elbow is at k = {} and the least pure of three \
@@ -124,13 +99,13 @@ fn claim([scaled, printed]: &[Clustered; 2]) -> Claim {
         scaled.elbow,
         significant(scaled.least_percent, 3),
     );
-    Claim {
-        claim: "Clustering the activation index gives three clusters, chosen by the elbow, that \
-                are standstill, uniform and variable velocity.",
-        source: "Fig. 1–3",
+    Claim::new(
+        "Fig. 1–3",
+        "Clustering the activation index gives three clusters, chosen by the elbow, that are \
+         standstill, uniform and variable velocity.",
         measured,
-        verdict: Verdict::when(printed.is_as_the_paper_says(), scaled.is_as_the_paper_says()),
-    }
+        [printed, scaled].map(|own| own.elbow == CLUSTERS && own.least_percent >= PURE),
+    )
 }
 
 fn plane(both: &[Clustered; 2], log: &Motion, truth: &[Pattern]) -> Figure {
@@ -232,7 +207,7 @@ fn motion(scaled: &Clustered, log: &Motion) -> Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::Cell;
+    use crate::results::Verdict;
 
     #[test]
     fn the_scaled_index_finds_every_pattern_and_the_printed_one_loses_standstill() {

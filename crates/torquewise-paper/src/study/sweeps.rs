@@ -1,14 +1,15 @@
 //! Error of every method against noise and against the length of the log.
 
-use crate::charts::{places, spread_series};
+use crate::charts::colour;
 use crate::error::PaperError;
 use crate::method::Method;
-use crate::results::{Cell, Figure, Study, Table};
+use crate::results::{Figure, Study, Table};
 use crate::scenario::{Decibels, Scenario};
 use crate::settings::Settings;
 use crate::spread::Spread;
 use crate::trial::{TrialPlan, Trials};
-use torquewise_report::html::{Axis, Chart, Mark};
+use torquewise_report::html::{Axis, Chart, Mark, Series};
+use torquewise_sim::Arm;
 
 /// One method at one point.
 type Point = (Method, Scenario);
@@ -30,7 +31,7 @@ fn lengths(settings: &Settings) -> Vec<Point> {
 /// The trials of a point; one-shot SINDy with its threshold, the slowest, has one seed.
 fn seeds(settings: &Settings, (method, scenario): &Point) -> Vec<TrialPlan> {
     let seeds = if *method == Method::Sindy { 1 } else { settings.sweep_seeds };
-    TrialPlan::seeds(scenario, &method.plan(), seeds)
+    TrialPlan::seeds(scenario, method.options(), seeds)
 }
 
 /// All trials.
@@ -45,21 +46,17 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     let (mut tables, mut charts) = (Vec::new(), Vec::new());
     for (caption, points) in captions.into_iter().zip([noise(settings), lengths(settings)]) {
         let mut table = Table::new(caption, "method;noise;log [s];runs;terms")
-            .with_joints("error [%]", trials.get(&seeds(settings, &points[0])[0])?.rmse.len());
+            .with_joints("error [%]", Arm::builtin(settings.arm)?.n_joints());
         let mut worst = Vec::new();
-        for (method, scenario) in &points {
-            let done = trials.all(&seeds(settings, &(*method, scenario.clone())))?;
-            let errors = Spread::of_columns(done.iter().map(|t| t.nrmse_percent.as_slice()));
-            let terms = Spread::of(done.iter().map(|trial| trial.terms as f64));
-            let head: [Cell; 5] = [
-                method.name().into(),
-                scenario.noise.name().into(),
-                scenario.seconds.into(),
-                done.len().into(),
-                terms.into(),
-            ];
-            table.push(head.into_iter().chain(errors.iter().map(|error| (*error).into())));
-            worst.push((*method, Spread::worst(&errors)));
+        for point in &points {
+            let runs = trials.runs(&seeds(settings, point))?;
+            let (method, Scenario { noise, seconds, .. }) = point;
+            let (count, terms) = (runs.0.len().into(), runs.terms().into());
+            table.push_with(
+                [method.name().into(), noise.name().into(), (*seconds).into(), count, terms],
+                runs.errors(),
+            );
+            worst.push(runs.worst());
         }
         charts.push(chart(caption, &points, &worst));
         tables.push(table);
@@ -75,7 +72,7 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     Ok(Study { heading, tables, figures: vec![figure], ..Study::default() })
 }
 
-fn chart(caption: &str, points: &[Point], worst: &[(Method, Spread)]) -> Chart {
+fn chart(caption: &str, points: &[Point], worst: &[Spread]) -> Chart {
     let mut levels: Vec<Decibels> = points.iter().map(|(_, scenario)| scenario.noise).collect();
     levels.dedup();
     let is_noise = levels.len() > 1;
@@ -85,13 +82,17 @@ fn chart(caption: &str, points: &[Point], worst: &[(Method, Spread)]) -> Chart {
     };
     let line = |method: Method| {
         let own = points.iter().zip(worst).filter(|((other, _), _)| *other == method);
-        let own = own.map(|((_, scenario), (_, error))| (x(scenario), *error));
-        spread_series(method, Mark::DottedLine, own)
+        let own = own.map(|((_, scenario), error)| {
+            ([x(scenario), error.median], [error.least, error.greatest])
+        });
+        let (points, spread) = own.unzip();
+        Series { spread, ..Series::new(method.name(), Mark::DottedLine, colour(method), points) }
     };
     Chart {
         title: caption.trim_end_matches('.').into(),
         x: if is_noise {
-            places("signal-to-noise ratio of q/dq/ddq", levels.iter().map(Decibels::name))
+            let places = levels.iter().map(Decibels::name).collect();
+            Axis { places, ..Axis::named("signal-to-noise ratio of q/dq/ddq") }
         } else {
             Axis::log("recorded time [s]")
         },
