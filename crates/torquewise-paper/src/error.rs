@@ -31,9 +31,6 @@ pub enum PaperError {
     #[error("a trial was planned but not done")]
     #[diagnostic(help("this is a fault of the program, report it"))]
     NotDone,
-    #[error("{what} is {found}, expected {expected}")]
-    #[diagnostic(help("change the settings"))]
-    Setting { what: &'static str, found: String, expected: &'static str },
     #[error("the results cannot be written as JSON")]
     Json(#[from] serde_json::Error),
 }

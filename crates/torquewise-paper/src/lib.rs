@@ -21,7 +21,15 @@ mod settings;
 mod trial;
 mod results;
 mod charts;
-mod study;
+mod study {
+    pub(crate) mod patterns;
+    pub(crate) mod orders;
+    pub(crate) mod cost;
+    pub(crate) mod cases;
+    pub(crate) mod coefficients;
+    pub(crate) mod control;
+    pub(crate) mod beyond;
+}
 mod reproduce;
 mod page;
 

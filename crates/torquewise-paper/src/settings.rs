@@ -1,6 +1,5 @@
 //! From how much is done to settings: which arm, how many seeds, how long the logs.
 
-use crate::error::PaperError;
 use crate::scenario::{Decibels, Scenario};
 use serde::Serialize;
 
@@ -14,11 +13,11 @@ pub struct Settings {
     /// Length of the training logs \[s\].
     #[serde(rename = "log_length")]
     pub seconds: f64,
-    /// Seeds, each another motion and other noise.
+    /// Seeds, one at least, each another motion and other noise.
     pub seeds: u64,
-    /// Seeds whose runs are timed, with nothing else at work.
+    /// Seeds, one at least, whose runs are timed, with nothing else at work.
     pub timed_seeds: u64,
-    /// Seeds at each point of a sweep and each row of the ablation.
+    /// Seeds, one at least, at each point of a sweep and each row of the ablation.
     pub sweep_seeds: u64,
     /// Noise of the noise sweep.
     pub noise_levels: Vec<Decibels>,
@@ -86,48 +85,5 @@ impl Settings {
     /// A log of the arm and the length of most experiments.
     pub(crate) fn scenario(&self, noise: Decibels, seed: u64) -> Scenario {
         Scenario { arm: self.arm, seconds: self.seconds, noise, seed }
-    }
-
-    /// Whether every experiment has something to do.
-    ///
-    /// # Errors
-    /// [`PaperError::Setting`], naming the setting at fault.
-    pub fn check(&self) -> Result<(), PaperError> {
-        let counts = [
-            ("the number of seeds", self.seeds),
-            ("the number of timed seeds", self.timed_seeds),
-            ("the number of seeds of a sweep", self.sweep_seeds),
-        ];
-        for (what, count) in counts {
-            if !(1..=1000).contains(&count) {
-                let found = count.to_string();
-                return Err(PaperError::Setting { what, found, expected: "from 1 to 1000" });
-            }
-        }
-        let once = std::iter::once(&self.seconds);
-        let lengths = self.lengths.iter().chain(once).chain(&self.recordings);
-        match lengths.chain(self.arms.iter().map(|(_, s)| s)).find(|s| s.is_nan() || **s < 10.0) {
-            Some(seconds) => Err(PaperError::Setting {
-                what: "the length of a log [s]",
-                found: seconds.to_string(),
-                expected: "10 or more",
-            }),
-            None => Ok(()),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn settings_that_ask_for_nothing_are_refused() {
-        let none = Settings { seeds: 0, ..Settings::quick(1) };
-        let short = Settings { lengths: vec![f64::NAN], ..Settings::quick(1) };
-
-        assert!(Settings::quick(1).check().is_ok() && Settings::full(1).check().is_ok());
-        assert!(matches!(none.check(), Err(PaperError::Setting { .. })));
-        assert!(matches!(short.check(), Err(PaperError::Setting { .. })));
     }
 }

@@ -142,19 +142,10 @@ impl<'a> Runs<'a> {
 /// CPU time of a reconstruction \[s\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Cost {
-    /// Survey and clusters.
-    pub patterns: f64,
-    /// Normal equations and the selection of terms: the regression.
+    /// Normal equations and the selection of terms.
     pub regression: f64,
-    /// The last fit of the kept terms on all rows.
-    pub refit: f64,
-}
-
-impl Cost {
-    /// All of it \[s\].
-    pub(crate) fn total(&self) -> f64 {
-        self.patterns + self.regression + self.refit
-    }
+    /// That, clustering, and the last fit of the kept terms on all rows.
+    pub total: f64,
 }
 
 /// What came of it.
@@ -184,9 +175,17 @@ pub(crate) struct Trial {
 fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
     let named = || within(name_of(trial));
-    let mut stopwatch = Stopwatch::start();
-    let found =
-        reconstruct(&log, &trial.plan, &mut |stage| stopwatch.enter(stage)).map_err(named())?;
+    let (start, mut regression) = (now(), Duration::ZERO);
+    let (mut since, mut is_regression) = (start, false);
+    let mut enter = |stage| {
+        if is_regression {
+            regression += now().saturating_sub(since);
+        }
+        since = now();
+        is_regression = matches!(stage, Stage::Geometry | Stage::Sums | Stage::Step(_));
+    };
+    let found = reconstruct(&log, &trial.plan, &mut enter).map_err(named())?;
+    let total = now().saturating_sub(start).as_secs_f64();
     let scores = score(&found.model, test).map_err(named())?;
     let coefficients = coefficients(&found.model.form);
     Ok(Trial {
@@ -196,7 +195,7 @@ fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
         active: coefficients.iter().filter(|c| c.abs() > ACTIVE).count(),
         nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
-        cost: stopwatch.cost,
+        cost: Cost { regression: regression.as_secs_f64(), total },
         model: found.model,
     })
 }
@@ -225,32 +224,6 @@ pub(crate) fn judge_steps(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>,
         .collect()
 }
 
-/// Time of this thread, sorted by the stage of the work.
-struct Stopwatch {
-    since: Duration,
-    stage: Stage,
-    cost: Cost,
-}
-
-impl Stopwatch {
-    fn start() -> Self {
-        Self { since: now(), stage: Stage::Survey, cost: Cost::default() }
-    }
-
-    fn enter(&mut self, stage: Stage) {
-        let now = now();
-        let spent = now.saturating_sub(self.since).as_secs_f64();
-        match self.stage {
-            Stage::Survey | Stage::Patterns => self.cost.patterns += spent,
-            Stage::Geometry | Stage::Sums | Stage::Step(_) => {
-                self.cost.regression += spent;
-            }
-            Stage::Refit | Stage::Done => self.cost.refit += spent,
-        }
-        (self.since, self.stage) = (now, stage);
-    }
-}
-
 /// CPU time of this thread; zero where the system does not tell.
 fn now() -> Duration {
     ThreadTime::try_now().map_or(Duration::ZERO, |time| time.as_duration())
@@ -276,21 +249,10 @@ mod tests {
         assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
         assert_eq!(trial.candidates_by_step.len(), 3);
         assert!(0 < trial.active && trial.active <= trial.terms);
+        let Cost { regression, total } = trial.cost;
+        assert!(0.0 < regression && regression < total, "{regression} {total}");
         let steps = judge_steps(&trial.model, &test).unwrap();
         assert!(steps[2][0] < steps[0][0], "{steps:?}");
-    }
-
-    #[test]
-    fn time_counts_for_the_stage_it_is_spent_in() {
-        let mut stopwatch = Stopwatch::start();
-        stopwatch.enter(Stage::Sums);
-        let before = stopwatch.cost;
-        let sum: f64 = (0..2_000_000).map(|k| f64::from(k).sqrt()).sum();
-        assert!(sum > 0.0);
-        stopwatch.enter(Stage::Refit);
-
-        assert!(stopwatch.cost.regression > before.regression);
-        assert!(stopwatch.cost.refit < f64::EPSILON);
     }
 
     #[test]

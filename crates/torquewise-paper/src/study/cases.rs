@@ -8,7 +8,7 @@ use crate::scenario::{Decibels, outside};
 use crate::settings::Settings;
 use crate::spread::Spread;
 use crate::trial::{TrialPlan, Trials, judge_steps};
-use crate::truth::{true_energies, true_torques};
+use crate::truth::{true_energies, true_products};
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
 use torquewise_report::html::number::significant;
@@ -56,10 +56,8 @@ pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         table.push_with(head, [runs.active(), runs.terms()]);
     }
     let arm = Arm::builtin(settings.arm)?;
-    let energies = true_energies(&arm);
-    let products = true_torques(&energies, arm.n_joints()).concat();
-    let products: Vec<f64> = products.into_iter().map(|(weight, _)| weight).collect();
-    let energies: Vec<f64> = energies.into_values().collect();
+    let energies: Vec<f64> = true_energies(&arm).into_values().collect();
+    let products = true_products(&arm);
     let active = |weights: &[f64]| weights.iter().filter(|weight| weight.abs() > ACTIVE).count();
     for (name, weights) in [("functions of M(q) and V(q)", &energies), ("products", &products)] {
         table.push_with(["truth".into(), name.into()], [active(weights), weights.len()]);

@@ -59,7 +59,7 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         let runs = trials.runs(&seeds(settings, options))?;
         let steps = listed(&runs, " + ");
         sizes.push([name.into(), rule.into(), steps.into(), runs.first().candidates.into()]);
-        let costs = [|cost: &Cost| cost.regression, Cost::total];
+        let costs = [|cost: &Cost| cost.regression, |cost: &Cost| cost.total];
         let costs = costs.map(|part| runs.spread(|trial| part(&trial.cost)));
         times.push_with([name.into(), rule.into()], costs);
         rows.push((name, rule, runs));
@@ -108,7 +108,7 @@ fn time(rows: &[Row<'_>]) -> Claim {
         let median =
             |part: fn(&Cost) -> f64| both.map(|runs| runs.spread(|trial| part(&trial.cost)).median);
         let ([own, other], [own_total, other_total]) =
-            (median(|cost| cost.regression), median(Cost::total));
+            (median(|cost| cost.regression), median(|cost| cost.total));
         faster.push(other > own);
         parts.push(format!(
             "{rule} beside {baseline}: {} s and {} s, ratio {} (with clustering and refit {})",
