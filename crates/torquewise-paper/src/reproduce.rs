@@ -2,7 +2,7 @@
 
 use crate::error::PaperError;
 use crate::results::{Results, Study};
-use crate::settings::Settings;
+use crate::scenario::Settings;
 use crate::study::{beyond, cases, coefficients, control, cost, orders, patterns};
 use crate::trial::{Progress, Trials};
 

@@ -2,17 +2,18 @@
 
 use crate::error::{PaperError, within};
 use crate::method::ACTIVE;
+use crate::results::Spread;
 use crate::scenario::{Scenario, outside};
-use crate::spread::Spread;
 use cpu_time::ThreadTime;
+use faer::Mat;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
-use torquewise_model::{Form, Model};
+use torquewise_model::{Form, Model, Stage, Torque};
 use torquewise_motion::Motion;
-use torquewise_stepwise::Progress as Stage;
+use torquewise_stepwise::Progress as Work;
 
 /// What is to be tried.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,14 +84,15 @@ impl Trials {
             timed.iter().map(|plan| attempt(plan, "timed trials")).collect::<Result<_, _>>()?;
         let queue = Mutex::new(others.iter());
         let next = || queue.lock().ok().and_then(|mut queue| queue.next());
-        let worker =
-            || std::iter::from_fn(next).map(|plan| attempt(plan, "trials")).collect::<Vec<_>>();
+        let worker = || -> Result<Vec<_>, PaperError> {
+            std::iter::from_fn(next).map(|plan| attempt(plan, "trials")).collect()
+        };
         std::thread::scope(|scope| {
             let workers: Vec<_> =
                 (0..rayon::current_num_threads()).map(|_| scope.spawn(worker)).collect();
             for worker in workers {
                 let own = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-                trials.extend(own.into_iter().collect::<Result<Vec<_>, _>>()?);
+                trials.extend(own?);
             }
             Ok(Self(trials))
         })
@@ -177,12 +179,12 @@ fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
     let named = || within(name_of(trial));
     let (start, mut regression) = (now(), Duration::ZERO);
     let (mut since, mut is_regression) = (start, false);
-    let mut enter = |stage| {
+    let mut enter = |work| {
         if is_regression {
             regression += now().saturating_sub(since);
         }
         since = now();
-        is_regression = matches!(stage, Stage::Geometry | Stage::Sums | Stage::Step(_));
+        is_regression = matches!(work, Work::Geometry | Work::Sums | Work::Step(_));
     };
     let found = reconstruct(&log, &trial.plan, &mut enter).map_err(named())?;
     let total = now().saturating_sub(start).as_secs_f64();
@@ -213,15 +215,32 @@ fn name_of(trial: &TrialPlan) -> String {
     format!("{arm}, {seconds} s, noise {}, seed {seed}", noise.name())
 }
 
-/// The same model judged after each of its steps, without the last fit: NRMSE \[%\], n each.
-pub(crate) fn judge_steps(model: &Model, test: &Motion) -> Result<Vec<Vec<f64>>, PaperError> {
-    (1..=model.stages.len())
-        .map(|step| {
-            let stage = model.after_step(step)?;
-            let scores = score(&stage, test).map_err(within(format!("step {step}")))?;
-            Ok(scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect())
+/// A model after one of its steps, without the last fit.
+#[derive(Debug)]
+pub(crate) struct Step {
+    pub name: String,
+    /// What it predicts of a motion \[N·m\], m×n.
+    pub torque: Mat<f64>,
+    /// NRMSE of the same \[%\], n.
+    pub nrmse_percent: Vec<f64>,
+}
+
+/// A model after each of its steps, made ready to predict a motion.
+pub(crate) fn steps(
+    model: &Model,
+    ready: impl Fn(&Model) -> Model,
+    motion: &Motion,
+) -> Result<Vec<Step>, PaperError> {
+    let step = |(place, stage): (usize, &Stage)| {
+        let model = ready(&model.after_step(place + 1)?);
+        let scores = score(&model, motion).map_err(within(format!("step {}", place + 1)))?;
+        Ok(Step {
+            name: stage.name.clone(),
+            torque: Torque::new(&model).over(motion)?,
+            nrmse_percent: scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect(),
         })
-        .collect()
+    };
+    model.stages.iter().enumerate().map(step).collect()
 }
 
 /// CPU time of this thread; zero where the system does not tell.
@@ -251,8 +270,8 @@ mod tests {
         assert!(0 < trial.active && trial.active <= trial.terms);
         let Cost { regression, total } = trial.cost;
         assert!(0.0 < regression && regression < total, "{regression} {total}");
-        let steps = judge_steps(&trial.model, &test).unwrap();
-        assert!(steps[2][0] < steps[0][0], "{steps:?}");
+        let steps = steps(&trial.model, Model::clone, &test).unwrap();
+        assert!(steps[2].nrmse_percent[0] < steps[0].nrmse_percent[0], "{steps:?}");
     }
 
     #[test]

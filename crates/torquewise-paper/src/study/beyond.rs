@@ -1,18 +1,16 @@
 //! Beyond the paper: what each choice buys, more noise, less data, more joints.
 
-use crate::charts::colour;
+use crate::charts::{chart, colour};
 use crate::error::PaperError;
 use crate::method::{Method, lasso, threshold};
-use crate::results::{Figure, Study, Table, Timed};
-use crate::scenario::{Decibels, Scenario, outside};
-use crate::settings::Settings;
-use crate::spread::Spread;
-use crate::trial::{TrialPlan, Trials, judge_steps};
+use crate::results::{Figure, Spread, Study, Table, Timed};
+use crate::scenario::{Decibels, Scenario, Settings, outside};
+use crate::trial::{Trial, TrialPlan, Trials, steps};
 use crate::truth::true_energies;
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_identify::{PatternPlan, Plan};
-use torquewise_model::Form;
 use torquewise_model::library::{angle_functions, energy_library};
+use torquewise_model::{Form, Model};
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Axis, Chart, Mark, Series};
 use torquewise_sim::Arm;
@@ -85,9 +83,9 @@ pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study, Pa
         let (family, change, equation, _) = variant;
         let mut errors = runs.errors();
         if change == BEFORE_REFIT {
-            let steps = runs.0.iter().map(|trial| judge_steps(&trial.model, &test));
-            let steps = steps.collect::<Result<Vec<_>, _>>()?;
-            errors = Spread::of_columns(steps.iter().filter_map(|s| s.last().map(Vec::as_slice)));
+            let last = |trial: &&Trial| Ok(steps(&trial.model, Model::clone, &test)?.pop());
+            let last = runs.0.iter().map(last).collect::<Result<Vec<_>, PaperError>>()?;
+            errors = Spread::of_columns(last.iter().flatten().map(|step| &step.nrmse_percent[..]));
         }
         let (count, terms) = (runs.0.len().into(), runs.terms().into());
         table.push_with([family.into(), change.into(), equation.into(), count, terms], errors);
@@ -140,21 +138,20 @@ pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study, Pape
             );
             worst.push(runs.worst());
         }
-        charts.push(chart(caption, &points, &worst));
+        charts.push(sweep(caption, &points, &worst));
         tables.push(table);
     }
-    let figure = Figure {
-        name: "beyond_sweeps".into(),
-        caption: "Error of the worst joint outside the training log, median with range over the \
-                  seeds; one-shot SINDy with its threshold has one seed."
-            .into(),
+    let figure = Figure::new(
+        "beyond_sweeps",
+        "Error of the worst joint outside the training log, median with range over the seeds; \
+         one-shot SINDy with its threshold has one seed.",
         charts,
-    };
+    );
     let heading = "More noise, less data";
     Ok(Study { heading, tables, figures: vec![figure], ..Study::default() })
 }
 
-fn chart(caption: &str, points: &[Point], worst: &[Spread]) -> Chart {
+fn sweep(caption: &str, points: &[Point], worst: &[Spread]) -> Chart {
     let mut levels: Vec<Decibels> = points.iter().map(|(_, scenario)| scenario.noise).collect();
     levels.dedup();
     let is_noise = levels.len() > 1;
@@ -170,18 +167,14 @@ fn chart(caption: &str, points: &[Point], worst: &[Spread]) -> Chart {
         let (points, spread) = own.unzip();
         Series { spread, ..Series::new(method.name(), Mark::DottedLine, colour(method), points) }
     };
-    Chart {
-        title: caption.trim_end_matches('.').into(),
-        x: if is_noise {
-            let places = levels.iter().map(Decibels::name).collect();
-            Axis { places, ..Axis::named("signal-to-noise ratio of q/dq/ddq") }
-        } else {
-            Axis::log("recorded time [s]")
-        },
-        y: Axis::log("RMSE / std(torque), worst joint [%]"),
-        series: Method::SWEPT.into_iter().map(line).collect(),
-        ..Chart::default()
-    }
+    let axis = if is_noise {
+        let places = levels.iter().map(Decibels::name).collect();
+        Axis { places, ..Axis::named("signal-to-noise ratio of q/dq/ddq") }
+    } else {
+        Axis::log("recorded time [s]")
+    };
+    let y = Axis::log("RMSE / std(torque), worst joint [%]");
+    chart(caption.trim_end_matches('.'), axis, y, Method::SWEPT.into_iter().map(line).collect())
 }
 
 /// N₁ of the product libraries that are counted, and of their gravity step.

@@ -1,16 +1,13 @@
 //! Cases 1–3: terms kept (Fig. 7), torque outside the training log (Fig. 8), step by step (Fig. 10).
 
-use crate::charts::{after_step, colour, columns, torque_charts};
+use crate::charts::{colour, step_lines, torque_charts};
 use crate::error::PaperError;
 use crate::method::{ACTIVE, Method};
-use crate::results::{Claim, Figure, Study, Table};
-use crate::scenario::{Decibels, outside};
-use crate::settings::Settings;
-use crate::spread::Spread;
-use crate::trial::{TrialPlan, Trials, judge_steps};
+use crate::results::{Claim, Figure, Spread, Study, Table};
+use crate::scenario::{Decibels, Settings, outside};
+use crate::trial::{self, TrialPlan, Trials};
 use crate::truth::{true_energies, true_products};
 use torquewise_model::{Model, Torque};
-use torquewise_motion::Motion;
 use torquewise_report::html::number::significant;
 use torquewise_sim::Arm;
 
@@ -98,8 +95,8 @@ pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, Paper
 
 /// Fig. 8: torque outside the training log.
 pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
-    let test = Test::new(settings)?;
-    let n = test.motion.n_joints();
+    let test = outside(settings.arm, settings.seed)?;
+    let n = test.n_joints();
     let mut table = Table::new("Median and range over the seeds.", "case;method;runs")
         .with_joints("error [%]", n)
         .with_joints("RMSE [N·m]", n);
@@ -111,22 +108,32 @@ pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, Pape
             let rmse = Spread::of_columns(runs.0.iter().map(|trial| trial.rmse.as_slice()));
             let head = [usize::from(case).into(), method.name().into(), runs.0.len().into()];
             table.push_with(head, runs.errors().into_iter().chain(rmse));
-            let torque = test.predict(&runs.first().model)?;
+            let torque = Torque::new(&runs.first().model).over(&test)?;
             predicted.push((method.name().to_owned(), colour(method), torque));
         }
         // The method to look at lies on top.
         predicted.reverse();
-        figures.push(Figure {
-            name: format!("fig8_case{case}"),
-            caption: format!(
+        let noise = Decibels::case(case).name();
+        figures.push(Figure::new(
+            format!("fig8_case{case}"),
+            format!(
                 "Fig. 8, case {case}: smooth motion that no training log holds, without noise. \
-                 Models of the first seed; noise in the log they are learned from: {}. A \
+                 Models of the first seed; noise in the log they are learned from: {noise}. A \
                  prediction that leaves the range of the torque that is needed is cut off.",
-                Decibels::case(case).name()
             ),
-            charts: torque_charts(&test.t, &test.needed, &predicted, &format!("case {case}")),
-        });
+            torque_charts(&test, STRIDE, &predicted, &format!("case {case}"))?,
+        ));
     }
+    Ok(Study {
+        heading: "Torque outside the training log (Fig. 8)",
+        claims: extrapolation(settings, trials)?,
+        tables: vec![table],
+        figures,
+        ..Study::default()
+    })
+}
+
+fn extrapolation(settings: &Settings, trials: &Trials) -> Result<Vec<Claim>, PaperError> {
     let worst = |case, method| -> Result<f64, PaperError> {
         Ok(trials.runs(&seeds(settings, case, method))?.worst().median)
     };
@@ -161,69 +168,38 @@ pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, Pape
         ),
         [third > FAILED && lasso > FAILED, third > FAILED || lasso > FAILED],
     );
-    Ok(Study {
-        heading: "Torque outside the training log (Fig. 8)",
-        claims: vec![extrapolates, fails],
-        tables: vec![table],
-        figures,
-        ..Study::default()
-    })
-}
-
-/// The motion outside the training log, and of its shown rows time and torque.
-struct Test {
-    motion: Motion,
-    t: Vec<f64>,
-    needed: Vec<Vec<f64>>,
-}
-
-impl Test {
-    fn new(settings: &Settings) -> Result<Self, PaperError> {
-        let motion = outside(settings.arm, settings.seed)?;
-        let t = motion.t().iter().copied().step_by(STRIDE).collect();
-        Ok(Self { t, needed: columns(motion.require_tau()?, STRIDE), motion })
-    }
-
-    fn predict(&self, model: &Model) -> Result<Vec<Vec<f64>>, PaperError> {
-        Ok(columns(Torque::new(model).over(&self.motion)?.as_ref(), STRIDE))
-    }
+    Ok(vec![extrapolates, fails])
 }
 
 /// Fig. 10, simulated: both libraries after each step, on the first log of case 2.
 pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
-    let test = Test::new(settings)?;
+    let test = outside(settings.arm, settings.seed)?;
     let mut table = Table::new(
         "Error outside the training log after each step, case 2, first seed.",
         "method;after",
     )
-    .with_joints("error [%]", test.motion.n_joints());
-    let (mut parts, mut falls) = (Vec::new(), Vec::new());
+    .with_joints("error [%]", test.n_joints());
+    let (mut figures, mut parts, mut falls) = (Vec::new(), Vec::new(), Vec::new());
     for method in [Method::Energy, Method::Product] {
-        let runs = trials.runs(&seeds(settings, 2, method)[..1])?;
-        let errors = judge_steps(&runs.first().model, &test.motion)?;
-        let names = runs.first().model.stages.iter().map(|stage| stage.name.as_str());
-        let refit = ("refit of all terms on all rows", &runs.first().nrmse_percent);
-        for (name, errors) in names.zip(&errors).chain([refit]) {
+        let trial = trials.runs(&seeds(settings, 2, method)[..1])?.first();
+        let steps = trial::steps(&trial.model, Model::clone, &test)?;
+        let refit = ("refit of all terms on all rows", &trial.nrmse_percent);
+        let all = steps.iter().map(|step| (step.name.as_str(), &step.nrmse_percent));
+        for (name, errors) in all.chain([refit]) {
             table.push_with([method.name().into(), name.into()], errors.iter().copied());
         }
-        let mean = |step: &Vec<f64>| step.iter().sum::<f64>() / step.len() as f64;
-        let means: Vec<f64> = errors.iter().map(mean).collect();
+        let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+        let means: Vec<f64> = steps.iter().map(|step| mean(&step.nrmse_percent)).collect();
         falls.push(means.windows(2).all(|pair| pair[1] < pair[0]));
         let means: Vec<String> = means.iter().map(|mean| significant(*mean, 3)).collect();
         parts.push(format!("{} % ({})", means.join(", "), method.name()));
+        if method == Method::Energy {
+            let caption =
+                format!("Fig. 10, simulated: after each step ({}, case 2).", method.name());
+            let charts = torque_charts(&test, STRIDE, &step_lines(steps), "steps")?;
+            figures.push(Figure::new("fig10_steps", caption, charts));
+        }
     }
-    let method = Method::Energy;
-    let model = &trials.runs(&seeds(settings, 2, method)[..1])?.first().model;
-    let after = |(step, stage): (usize, &torquewise_model::Stage)| {
-        let (label, colour) = after_step(step, &stage.name);
-        Ok((label, colour, test.predict(&model.after_step(step + 1)?)?))
-    };
-    let after = model.stages.iter().enumerate().map(after).collect::<Result<Vec<_>, PaperError>>();
-    let figure = Figure {
-        name: "fig10_steps".into(),
-        caption: format!("Fig. 10, simulated: after each step ({}, case 2).", method.name()),
-        charts: torque_charts(&test.t, &test.needed, &after?, "steps"),
-    };
     let claim = Claim::new(
         "Fig. 10, here simulated",
         "Each step makes the predicted torque more accurate.",
@@ -237,7 +213,7 @@ pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         heading: "Step by step (Fig. 10)",
         claims: vec![claim],
         tables: vec![table],
-        figures: vec![figure],
+        figures,
         ..Study::default()
     })
 }

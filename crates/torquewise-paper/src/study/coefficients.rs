@@ -3,7 +3,7 @@
 use crate::error::PaperError;
 use crate::method::Method;
 use crate::results::{Study, Table};
-use crate::settings::Settings;
+use crate::scenario::Settings;
 use crate::study::cases;
 use crate::trial::Trials;
 use crate::truth::true_energies;

@@ -1,10 +1,12 @@
 //! An arm with friction, recorded, learned and controlled: friction, torque after each step, tracking
 //! (Fig. 10, 11).
 
-use crate::charts::{after_step, columns, points, torque_charts};
+use crate::charts::{chart, points, step_lines, torque_charts};
 use crate::error::{PaperError, within};
 use crate::results::{Claim, Figure, Study, Table};
-use crate::settings::Settings;
+use crate::scenario::Settings;
+use crate::trial;
+use faer::Mat;
 use rayon::prelude::*;
 use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::reconstruct;
@@ -15,7 +17,8 @@ use torquewise_report::html::number::significant;
 use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
 use torquewise_sim::control::knowledge::sharp;
 use torquewise_sim::control::{
-    Gains, Law, Learned, Periodic, Plant, Sensors, compare, mean_inertia, periodic, record,
+    Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, compare, mean_inertia, periodic,
+    record,
 };
 use torquewise_sim::excite::{self as excite, Planned, Wishes};
 use torquewise_sim::{Arm, Friction, Stribeck};
@@ -50,6 +53,15 @@ const FASTEST: f64 = 1.2;
 const SHOWN: usize = 20;
 /// Controller 2 is clearly better than controller 1 below this share of its error.
 const FEWER: f64 = 0.5;
+/// The controllers that are compared, and what they know.
+const NAMES: [&str; 6] = [
+    "PID",
+    "controller 1",
+    "controller 2",
+    "computed torque",
+    "controller 1, perfect model",
+    "controller 2, perfect model",
+];
 
 /// Records, learns, predicts and controls.
 pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
@@ -137,72 +149,51 @@ fn friction(plant: &Plant, model: &Model) -> Result<(Table, Figure), PaperError>
         let off = truth.iter().zip(&learned).map(|(truth, f)| ((f - truth) / truth).abs());
         worst_percent.push(100.0 * off.fold(0.0, f64::max));
         let line = |label, mark, colour, f| Series::new(label, mark, colour, points(&speed, f));
-        charts.push(Chart {
-            title: format!("Joint {}: friction", joint + 1),
-            x: Axis::named("speed [rad/s]"),
-            y: Axis::named("friction [N·m]"),
-            series: vec![
-                line("plant", Mark::BroadLine, Colour::Measured, &truth),
-                line("model", Mark::Line, Colour::Series(0), &learned),
-            ],
-            guides: [-DEAD_ZONE, DEAD_ZONE].map(|at| Guide::at_x(at, "")).to_vec(),
-            ..Chart::default()
-        });
+        let series = vec![
+            line("plant", Mark::BroadLine, Colour::Measured, &truth),
+            line("model", Mark::Line, Colour::Series(0), &learned),
+        ];
+        let (x, y) = (Axis::named("speed [rad/s]"), Axis::named("friction [N·m]"));
+        let guides = [-DEAD_ZONE, DEAD_ZONE].map(|at| Guide::at_x(at, "")).to_vec();
+        let title = format!("Joint {}: friction", joint + 1);
+        charts.push(Chart { guides, ..chart(title, x, y, series) });
     }
     let mut table = Table::new("Learned friction, from 0.06 rad/s on, both directions.", "")
         .with_joints("largest error of f(v) [%]", n);
     table.push_with(["".into()], worst_percent);
-    let figure = Figure {
-        name: "fig10_friction".into(),
-        caption: "Stribeck friction (17), true and learned. Between the dashed lines it is not \
-                  judged: a model smooths its reversal there."
-            .into(),
+    let figure = Figure::new(
+        "fig10_friction",
+        "Stribeck friction (17), true and learned. Between the dashed lines it is not judged: a \
+         model smooths its reversal there.",
         charts,
-    };
+    );
     Ok((table, figure))
 }
 
 /// The torque that a motion takes, and what each step predicts of it.
 fn steps(plant: &Plant, model: &Model, wanted: &Motion) -> Result<(Table, Figure), PaperError> {
     let rows: Vec<usize> = (0..wanted.n_rows()).step_by(SHOWN).collect();
-    let motion = wanted.select(&rows);
-    let n = motion.n_joints();
-    let mut needed = vec![Vec::with_capacity(rows.len()); n];
-    for row in 0..motion.n_rows() {
-        let [q, dq, ddq] = [motion.q(), motion.dq(), motion.ddq()]
-            .map(|x| x.row(row).iter().copied().collect::<Vec<f64>>());
-        for (needed, tau) in needed.iter_mut().zip(plant.needed_torque(&q, &dq, &ddq)) {
-            needed.push(tau);
-        }
-    }
-    let mut table = Table::new("RMSE over the spread of the torque after each step.", "after")
-        .with_joints("error [%]", n);
-    let mut predicted = Vec::new();
-    for (step, stage) in model.stages.iter().enumerate() {
-        let torque = Torque::new(&sharp(&model.after_step(step + 1)?)).over(&motion)?;
-        let torque = columns(torque.as_ref(), 1);
-        let errors = torque.iter().zip(&needed).map(|(tau, needed)| nrmse(tau, needed));
-        table.push_with([stage.name.clone().into()], errors);
-        let (label, colour) = after_step(step, &stage.name);
-        predicted.push((label, colour, torque));
-    }
-    let figure = Figure {
-        name: "fig10_control".into(),
-        caption: "Fig. 10, simulated with friction: what the motion of the next figure takes, and \
-                  what each step predicts of it."
-            .into(),
-        charts: torque_charts(motion.t(), &needed, &predicted, "control"),
+    let mut signals = wanted.select(&rows).into_signals();
+    let needed = |row: usize| {
+        let at = |x: &Mat<f64>| x.row(row).iter().copied().collect::<Vec<f64>>();
+        plant.needed_torque(&at(&signals.q), &at(&signals.dq), &at(&signals.ddq))
     };
+    let needed: Vec<Vec<f64>> = (0..rows.len()).map(needed).collect();
+    signals.tau = Some(Mat::from_fn(rows.len(), needed[0].len(), |row, j| needed[row][j]));
+    let motion = Motion::new(signals)?;
+    let mut table = Table::new("RMSE over the spread of the torque after each step.", "after")
+        .with_joints("error [%]", motion.n_joints());
+    let steps = trial::steps(model, sharp, &motion)?;
+    for step in &steps {
+        table.push_with([step.name.clone().into()], step.nrmse_percent.iter().copied());
+    }
+    let figure = Figure::new(
+        "fig10_control",
+        "Fig. 10, simulated with friction: what the motion of the next figure takes, and what each \
+         step predicts of it.",
+        torque_charts(&motion, 1, &step_lines(steps), "control")?,
+    );
     Ok((table, figure))
-}
-
-/// RMSE over the standard deviation of what is needed \[%\].
-fn nrmse(found: &[f64], needed: &[f64]) -> f64 {
-    let m = needed.len().max(1) as f64;
-    let mean = needed.iter().sum::<f64>() / m;
-    let spread = needed.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
-    let wrong = found.iter().zip(needed).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
-    100.0 * (wrong / spread).sqrt()
 }
 
 /// PID, controllers 1 and 2 with the model, and the latter with the truth, all with the gains that
@@ -221,14 +212,6 @@ fn tracking(
     let perfect = [Law::Controller1, Law::Controller2];
     let mut found = compare(plant, &known, &learned, &gains, wanted)?;
     found.extend(compare(plant, plant, &perfect, &gains, wanted)?);
-    let names = [
-        "PID",
-        "controller 1",
-        "controller 2",
-        "computed torque",
-        "controller 1, perfect model",
-        "controller 2, perfect model",
-    ];
     let n = wanted.n_joints();
     let mut table = Table::new(
         "Second period; the same gains for all, critically damped at 15 rad/s by the inertia of \
@@ -239,38 +222,14 @@ fn tracking(
     .with_joints("of PID [%]", n);
     let pid = found[0].rms_error(settle);
     let mut worst = Vec::new();
-    for (name, found) in names.iter().zip(&found) {
+    for (name, found) in NAMES.iter().zip(&found) {
         let errors = found.rms_error(settle);
         let shares: Vec<f64> = errors.iter().zip(&pid).map(|(error, pid)| error / pid).collect();
         let percent = shares.iter().map(|share| 100.0 * share);
         table.push_with([(*name).into()], errors.iter().map(|error| 1e3 * error).chain(percent));
         worst.push(shares.into_iter().fold(0.0, f64::max));
     }
-    let t: Vec<f64> = wanted.t().iter().copied().step_by(SHOWN).collect();
-    let chart = |joint: usize| {
-        // PID, controller 1 and controller 2.
-        let series = names.iter().zip(&found).take(3).enumerate().map(|(place, (name, found))| {
-            let error = found.error.col_as_slice(joint).iter().step_by(SHOWN);
-            let points = t.iter().zip(error).map(|(&t, &error)| [t, 1e3 * error]);
-            Series::new(*name, Mark::Line, Colour::Series(place), points.collect())
-        });
-        Chart {
-            title: format!("Joint {}: tracking error", joint + 1),
-            x: Axis::named("time [s]"),
-            y: Axis::named("error [mrad]"),
-            series: series.collect(),
-            linked: Some("control".into()),
-            ..Chart::default()
-        }
-    };
-    let figure = Figure {
-        name: "fig11_tracking".into(),
-        caption: "Fig. 11, simulated: position error with the same gains, of PID, of controller 1 \
-                  with what slow motion shows (18), and of controller 2 with the whole model (19), \
-                  at 1 kHz. The first period begins with an empty integral and does not count."
-            .into(),
-        charts: (0..n).map(chart).collect(),
-    };
+    let figure = tracking_figure(wanted, &found);
     let percent = |place: usize| significant(100.0 * worst[place], 2);
     let (first, second) = (worst[1], worst[2]);
     let claim = Claim::new(
@@ -288,4 +247,26 @@ fn tracking(
         [first < 1.0 && second < FEWER * first, second < first && second < 1.0],
     );
     Ok((table, figure, claim))
+}
+
+fn tracking_figure(wanted: &Motion, found: &[Tracking]) -> Figure {
+    let t: Vec<f64> = wanted.t().iter().copied().step_by(SHOWN).collect();
+    let of_joint = |joint: usize| {
+        // PID, controller 1 and controller 2.
+        let series = NAMES.iter().zip(found).take(3).enumerate().map(|(place, (name, found))| {
+            let error = found.error.col_as_slice(joint).iter().step_by(SHOWN);
+            let points = t.iter().zip(error).map(|(&t, &error)| [t, 1e3 * error]);
+            Series::new(*name, Mark::Line, Colour::Series(place), points.collect())
+        });
+        let (x, y) = (Axis::named("time [s]"), Axis::named("error [mrad]"));
+        let title = format!("Joint {}: tracking error", joint + 1);
+        Chart { linked: Some("control".into()), ..chart(title, x, y, series.collect()) }
+    };
+    Figure::new(
+        "fig11_tracking",
+        "Fig. 11, simulated: position error with the same gains, of PID, of controller 1 with what \
+         slow motion shows (18), and of controller 2 with the whole model (19), at 1 kHz. The \
+         first period begins with an empty integral and does not count.",
+        (0..wanted.n_joints()).map(of_joint).collect(),
+    )
 }

@@ -3,8 +3,7 @@
 use crate::error::PaperError;
 use crate::method::{Method, lasso, threshold};
 use crate::results::{Claim, Study, Table, Timed};
-use crate::scenario::Decibels;
-use crate::settings::Settings;
+use crate::scenario::{Decibels, Settings};
 use crate::trial::{Cost, Runs, TrialPlan, Trials};
 use torquewise_identify::plan::LibraryOptions;
 use torquewise_report::html::number::significant;

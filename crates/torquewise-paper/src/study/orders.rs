@@ -2,8 +2,7 @@
 
 use crate::error::{PaperError, within};
 use crate::results::{Claim, Figure, Study, Table};
-use crate::scenario::Decibels;
-use crate::settings::Settings;
+use crate::scenario::{Decibels, Settings};
 use torquewise_report::order_charts;
 use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
 
@@ -43,15 +42,13 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
         logs.push((format!("noise {}", noise.name()), curves));
     }
     let named: Vec<_> = logs.iter().map(|(name, curves)| (name.clone(), &curves[..])).collect();
-    let figure = Figure {
-        name: "fig5_orders".into(),
-        caption:
-            "Fig. 5: least squares on one half of the rows, judged on the other: the residual \
-                  of the worst joint over the standard deviation of its torque. Of a step, only \
-                  its own terms change with N₁."
-                .into(),
-        charts: order_charts(&named),
-    };
+    let figure = Figure::new(
+        "fig5_orders",
+        "Fig. 5: least squares on one half of the rows, judged on the other: the residual of the \
+         worst joint over the standard deviation of its torque. Of a step, only its own terms \
+         change with N₁.",
+        order_charts(&named),
+    );
     Ok(Study {
         heading: "Orders (Fig. 5)",
         claims: vec![claim(&logs[0].1)],
