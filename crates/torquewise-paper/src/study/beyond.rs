@@ -19,7 +19,7 @@ use torquewise_stepwise::activation::Scaling;
 /// All trials, the longest first.
 pub(crate) fn plans(settings: &Settings) -> [Vec<TrialPlan>; 2] {
     let variants = variants().into_iter().flat_map(|variant| variant_seeds(settings, &variant));
-    let points = [noise(settings), lengths(settings)].concat();
+    let points = points(settings).concat();
     let points = points.iter().flat_map(|point| point_seeds(settings, point));
     [arm_plans(settings), variants.chain(points).collect()]
 }
@@ -100,18 +100,20 @@ pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study, Pa
 /// One method at one point.
 type Point = (Method, Scenario);
 
-/// Each level of noise.
-fn noise(settings: &Settings) -> Vec<Point> {
-    let levels = settings.noise_levels.iter().map(|&noise| settings.scenario(noise, settings.seed));
-    levels.flat_map(|scenario| Method::SWEPT.map(|method| (method, scenario.clone()))).collect()
-}
-
-/// Each length of the log, with the noise of case 3, for the methods that are not ruined by it.
-fn lengths(settings: &Settings) -> Vec<Point> {
-    let scenario = settings.scenario(Decibels::case(3), settings.seed);
-    let lengths = settings.lengths.iter().map(|&seconds| Scenario { seconds, ..scenario.clone() });
-    let methods = [Method::Energy, Method::Product, Method::SindyCriterion];
-    lengths.flat_map(|scenario| methods.map(|method| (method, scenario.clone()))).collect()
+/// Each level of noise; then each length of the log, with the noise of case 3, for the methods that
+/// are not ruined by it.
+fn points(settings: &Settings) -> [Vec<Point>; 2] {
+    let noisy = |noise| settings.scenario(noise, settings.seed);
+    let levels = settings.noise_levels.iter().map(|&noise| noisy(noise));
+    let long = |&seconds| Scenario { seconds, ..noisy(Decibels::case(3)) };
+    let every = |scenario: Scenario, methods: &[Method]| -> Vec<Point> {
+        methods.iter().map(|&method| (method, scenario.clone())).collect()
+    };
+    let unruined = [Method::Energy, Method::Product, Method::SindyCriterion];
+    [
+        levels.flat_map(|scenario| every(scenario, &Method::SWEPT)).collect(),
+        settings.lengths.iter().map(long).flat_map(|log| every(log, &unruined)).collect(),
+    ]
 }
 
 /// The trials of a point; one-shot SINDy with its threshold, the slowest, has one seed.
@@ -124,7 +126,7 @@ fn point_seeds(settings: &Settings, (method, scenario): &Point) -> Vec<TrialPlan
 pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
     let captions = ["More and more noise.", "Longer and longer logs, noise of case 3."];
     let (mut tables, mut charts) = (Vec::new(), Vec::new());
-    for (caption, points) in captions.into_iter().zip([noise(settings), lengths(settings)]) {
+    for (caption, points) in captions.into_iter().zip(points(settings)) {
         let mut table = Table::new(caption, "method;noise;log [s];runs;terms")
             .with_joints("error [%]", Arm::builtin(settings.arm)?.n_joints());
         let mut worst = Vec::new();

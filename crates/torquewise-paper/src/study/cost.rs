@@ -18,7 +18,8 @@ const LASSO: &str = "LASSO";
 /// |coefficient| > 0.1.
 const THRESHOLD: &str = "|c| > 0.1";
 
-/// The three methods of the figure, and LASSO and the threshold for all, like with like.
+/// The three methods of the figure (0, 1 and 6), and LASSO and the threshold for all, like with
+/// like.
 fn methods() -> [(&'static str, &'static str, LibraryOptions); 7] {
     let product = |selector| LibraryOptions { selector, ..Method::Product.options() };
     [
@@ -42,12 +43,9 @@ pub(crate) fn plans(settings: &Settings) -> Vec<TrialPlan> {
     methods().into_iter().flat_map(|(_, _, options)| seeds(settings, options)).collect()
 }
 
-/// A method, its rule for which terms stay, and what came of it.
-type Row<'a> = (&'static str, &'static str, Runs<'a>);
-
 /// What each method costs.
 pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
-    let mut rows: Vec<Row<'_>> = Vec::new();
+    let mut all = Vec::new();
     let mut sizes = Table::new("Candidates.", "method;which terms stay;in each step;in all");
     let mut times = Table::new(
         "CPU time of one thread, median and range over the timed runs, done one by one. Compare \
@@ -61,13 +59,13 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         let costs = [|cost: &Cost| cost.regression, |cost: &Cost| cost.total];
         let costs = costs.map(|part| runs.spread(|trial| part(&trial.cost)));
         times.push_with([name.into(), rule.into()], costs);
-        rows.push((name, rule, runs));
+        all.push(runs);
     }
     Ok(Study {
         heading: "Candidates and time (Fig. 6)",
-        claims: vec![candidates(&rows)],
+        claims: vec![candidates(&all)],
         tables: vec![sizes],
-        timed: Timed { claims: vec![time(&rows)], tables: vec![times] },
+        timed: Timed { claims: vec![time(&all)], tables: vec![times] },
         ..Study::default()
     })
 }
@@ -78,12 +76,8 @@ fn listed(runs: &Runs<'_>, divider: &str) -> String {
     steps.collect::<Vec<_>>().join(divider)
 }
 
-fn find<'a, 'b>(rows: &'a [Row<'b>], name: &str, rule: &str) -> &'a Runs<'b> {
-    &rows.iter().find(|row| (row.0, row.1) == (name, rule)).unwrap_or(&rows[0]).2
-}
-
-fn candidates(rows: &[Row<'_>]) -> Claim {
-    let (stepwise, sindy) = (find(rows, PRODUCT, CRITERION), find(rows, SINDY, THRESHOLD));
+fn candidates(all: &[Runs<'_>]) -> Claim {
+    let [energy, stepwise, sindy] = [0, 1, 6].map(|row| &all[row]);
     let largest = |runs: &Runs<'_>| runs.first().candidates_by_step.iter().max().copied();
     Claim::new(
         "Fig. 6(a)",
@@ -92,22 +86,22 @@ fn candidates(rows: &[Row<'_>]) -> Claim {
             "{} candidates in the three steps, {} in one shot; {} in the energy library [E4].",
             listed(stepwise, ", "),
             sindy.first().candidates_by_step[0],
-            find(rows, ENERGY, CRITERION).first().candidates
+            energy.first().candidates
         ),
         [largest(stepwise) < largest(sindy), false],
     )
 }
 
-fn time(rows: &[Row<'_>]) -> Claim {
-    let pairs =
-        [(CRITERION, THRESHOLD), (CRITERION, CRITERION), (LASSO, LASSO), (THRESHOLD, THRESHOLD)];
+fn time(all: &[Runs<'_>]) -> Claim {
+    let methods = methods();
     let (mut parts, mut faster) = (Vec::new(), Vec::new());
-    for (rule, baseline) in pairs {
-        let both = [find(rows, PRODUCT, rule), find(rows, SINDY, baseline)];
-        let median =
-            |part: fn(&Cost) -> f64| both.map(|runs| runs.spread(|trial| part(&trial.cost)).median);
-        let ([own, other], [own_total, other_total]) =
-            (median(|cost| cost.regression), median(|cost| cost.total));
+    for pair in [[1, 6], [1, 4], [2, 5], [3, 6]] {
+        let [rule, baseline] = pair.map(|row| methods[row].1);
+        let median = |part: fn(&Cost) -> f64| {
+            pair.map(|row| all[row].spread(|trial| part(&trial.cost)).median)
+        };
+        let [own, other] = median(|cost| cost.regression);
+        let [own_total, other_total] = median(|cost| cost.total);
         faster.push(other > own);
         parts.push(format!(
             "{rule} beside {baseline}: {} s and {} s, ratio {} (with clustering and refit {})",
