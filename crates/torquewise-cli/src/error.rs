@@ -51,7 +51,8 @@ pub(crate) enum CliError {
     ))]
     ModelOfAnotherArm { model: String, arm: String },
     #[error("the experiments cannot be done")]
-    Experiment { source: Box<dyn Error + Send + Sync> },
+    #[diagnostic(forward(source))]
+    Experiment { source: torquewise_paper::PaperError },
     #[error("the results cannot be written to standard output")]
     #[diagnostic(help("check where it is redirected to"))]
     Stdout { source: io::Error },

@@ -1,7 +1,9 @@
 //! One look for all charts.
 
 use crate::method::Method;
-use crate::spread::Spread;
+use crate::trial::Step;
+use faer::{Mat, MatRef};
+use torquewise_motion::{Motion, MotionError};
 use torquewise_report::html::{Axis, Chart, Colour, Mark, Series};
 
 /// The colour of a method in every chart.
@@ -20,49 +22,53 @@ pub(crate) fn points(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(&x, &y)| [x, y]).collect()
 }
 
-/// Medians with bars from the least to the greatest.
-pub(crate) fn spread_series(
-    method: Method,
-    mark: Mark,
-    points: impl Iterator<Item = (f64, Spread)>,
-) -> Series {
-    let (points, spread) = points.map(|(x, y)| ([x, y.median], [y.least, y.greatest])).unzip();
-    Series { spread, ..Series::new(method.name(), mark, colour(method), points) }
+/// A chart of some series.
+pub(crate) fn chart(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Chart {
+    Chart { title: title.into(), x, y, series, ..Chart::default() }
 }
 
-/// Torque over time: what is needed, and what is predicted of it.
+/// Name, colour and torque of what is drawn, m×n.
+pub(crate) type Line = (String, Colour, Mat<f64>);
+
+/// Torque over time, a chart of each joint: what a motion takes, and what is predicted of it, every
+/// so many rows.
 ///
 /// The axis is that of what is needed, with a margin, so that a bad prediction does not flatten it.
-pub(crate) fn torque_chart<'a>(
-    joint: usize,
-    t: &[f64],
-    needed: &[f64],
-    predicted: impl Iterator<Item = (String, Colour, &'a [f64])>,
+pub(crate) fn torque_charts(
+    motion: &Motion,
+    stride: usize,
+    predicted: &[Line],
     linked: &str,
-) -> Chart {
-    let measured = Series::new("needed", Mark::BroadLine, Colour::Measured, points(t, needed));
-    let others = predicted
-        .map(|(label, colour, tau)| Series::new(label, Mark::Line, colour, points(t, tau)));
-    let low = needed.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = needed.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let margin = (0.15 * (high - low)).max(1e-6);
-    Chart {
-        title: format!("Joint {}", joint + 1),
-        x: Axis::named("time [s]"),
-        y: Axis { range: Some([low - margin, high + margin]), ..Axis::named("torque [N·m]") },
-        series: std::iter::once(measured).chain(others).collect(),
-        linked: Some(linked.into()),
-        ..Chart::default()
-    }
+) -> Result<Vec<Chart>, MotionError> {
+    let t = motion.t().iter().step_by(stride);
+    let needed = motion.require_tau()?;
+    let of_joint = |joint: usize| {
+        let over_time = |tau: MatRef<'_, f64>| -> Vec<[f64; 2]> {
+            t.clone()
+                .zip(tau.col(joint).iter().step_by(stride))
+                .map(|(&t, &tau)| [t, tau])
+                .collect()
+        };
+        let needed = over_time(needed);
+        let low = needed.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+        let high = needed.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        let margin = (0.15 * (high - low)).max(1e-6);
+        let y = Axis { range: Some([low - margin, high + margin]), ..Axis::named("torque [N·m]") };
+        let mut series = vec![Series::new("needed", Mark::BroadLine, Colour::Measured, needed)];
+        series.extend(predicted.iter().map(|(label, colour, torque)| {
+            Series::new(label, Mark::Line, *colour, over_time(torque.as_ref()))
+        }));
+        let title = format!("Joint {}", joint + 1);
+        Chart { linked: Some(linked.into()), ..chart(title, Axis::named("time [s]"), y, series) }
+    };
+    Ok((0..motion.n_joints()).map(of_joint).collect())
 }
 
-/// Label and colour of the torque after a step, counted from 0.
-pub(crate) fn after_step(step: usize, name: &str) -> (String, Colour) {
-    let colour = [Colour::Series(5), Colour::Series(2), Colour::Series(1)][step.min(2)];
-    (format!("after step {}: {name}", step + 1), colour)
-}
-
-/// An axis of names.
-pub(crate) fn places(label: &str, names: impl Iterator<Item = String>) -> Axis {
-    Axis { places: names.collect(), ..Axis::named(label) }
+/// The torque after each step.
+pub(crate) fn step_lines(steps: Vec<Step>) -> Vec<Line> {
+    let colours = [5, 2, 1].map(Colour::Series);
+    let line = |(step, Step { name, torque, .. }): (usize, Step)| {
+        (format!("after step {}: {name}", step + 1), colours[step.min(2)], torque)
+    };
+    steps.into_iter().enumerate().map(line).collect()
 }

@@ -4,32 +4,33 @@
 use torquewise_identify::IdentifyError;
 use torquewise_model::ModelError;
 use torquewise_motion::MotionError;
-use torquewise_regression::SparseError;
 use torquewise_report::ReportError;
 use torquewise_sim::SimError;
 
 /// Why there are no results, figures or report.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum PaperError {
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Simulation(#[from] SimError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Motion(#[from] MotionError),
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Model(#[from] ModelError),
-    #[error(transparent)]
-    Sparse(#[from] SparseError),
     #[error(transparent)]
     Report(#[from] ReportError),
     #[error("experiment {experiment}")]
+    #[diagnostic(forward(source))]
     Identify { experiment: String, source: IdentifyError },
-    #[error("no thread can be started for the experiments: free some memory or allow more threads")]
+    #[error("no thread can be started for the experiments")]
+    #[diagnostic(help("free some memory or allow more threads"))]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    #[error("a trial was planned but not done: this is a fault of the program, report it")]
+    #[error("a trial was planned but not done")]
+    #[diagnostic(help("this is a fault of the program, report it"))]
     NotDone,
-    #[error("{what} is {found}, expected {expected}: change the settings")]
-    Setting { what: &'static str, found: String, expected: &'static str },
     #[error("the results cannot be written as JSON")]
     Json(#[from] serde_json::Error),
 }

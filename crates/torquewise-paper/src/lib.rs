@@ -13,22 +13,27 @@
 //! ```
 
 mod error;
-mod spread;
 mod truth;
 mod scenario;
 mod method;
-mod settings;
-mod trial;
 mod results;
+mod trial;
 mod charts;
-mod study;
+mod study {
+    pub(crate) mod patterns;
+    pub(crate) mod orders;
+    pub(crate) mod cost;
+    pub(crate) mod cases;
+    pub(crate) mod coefficients;
+    pub(crate) mod control;
+    pub(crate) mod beyond;
+}
 mod reproduce;
 mod page;
 
 pub use error::PaperError;
 pub use page::page;
 pub use reproduce::reproduce;
-pub use results::{Cell, Claim, Figure, Results, Study, Table, Timed, Verdict};
-pub use settings::Settings;
-pub use spread::Spread;
+pub use results::{Cell, Claim, Figure, Results, Spread, Study, Table, Timed, Verdict};
+pub use scenario::Settings;
 pub use trial::Progress;

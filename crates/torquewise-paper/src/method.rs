@@ -1,12 +1,10 @@
-//! From name to plan: the methods that are compared, and the one choice in which variants differ.
+//! The methods that are compared: what each offers, and which terms stay.
 
 use serde::Serialize;
 use torquewise_identify::plan::{LibraryOptions, Regression};
-use torquewise_identify::{PatternPlan, Plan};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::lasso::Lasso;
 use torquewise_regression::select::stlsq::Stlsq;
-use torquewise_stepwise::activation::Scaling;
 
 /// A coefficient larger than this counts as active in the paper.
 pub(crate) const ACTIVE: f64 = 0.1;
@@ -28,21 +26,6 @@ pub(crate) enum Method {
     Sindy,
 }
 
-/// How the library of a method is fitted.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct MethodPlan {
-    /// Candidates, regressions and the rule for which terms stay.
-    pub options: LibraryOptions,
-    /// Clustering.
-    pub patterns: PatternPlan,
-}
-
-impl From<MethodPlan> for Plan {
-    fn from(plan: MethodPlan) -> Self {
-        Self { patterns: plan.patterns, ..Self::from(plan.options) }
-    }
-}
-
 impl Method {
     /// Those of cases 1–3, ours first.
     pub(crate) const ALL: [Self; 4] = [Self::Energy, Self::Product, Self::SindyLasso, Self::Sindy];
@@ -62,8 +45,8 @@ impl Method {
         }
     }
 
-    /// The plan behind it.
-    pub(crate) fn plan(self) -> MethodPlan {
+    /// What it offers, and which terms stay.
+    pub(crate) fn options(self) -> LibraryOptions {
         let options = match self {
             Self::Energy => LibraryOptions::default(),
             Self::Product => LibraryOptions::product(),
@@ -74,8 +57,7 @@ impl Method {
             Self::Sindy => LibraryOptions::sindy(),
         };
         // How often a term stays in resampled logs is not asked here.
-        let options = LibraryOptions { bags: 0, ..options };
-        MethodPlan { options, ..MethodPlan::default() }
+        LibraryOptions { bags: 0, ..options }
     }
 }
 
@@ -89,39 +71,13 @@ pub(crate) fn threshold() -> Selector {
     Selector::Stlsq(Stlsq { threshold: ACTIVE, ..Stlsq::default() })
 }
 
-/// The same plan with another rule for which terms stay.
-pub(crate) fn selecting(plan: &MethodPlan, selector: Selector) -> MethodPlan {
-    let mut plan = plan.clone();
-    plan.options.selector = selector;
-    plan
-}
-
-/// The same plan in a single step on all rows.
-pub(crate) fn in_one_step(mut plan: MethodPlan) -> MethodPlan {
-    plan.options.regression = Regression::OneShot;
-    plan
-}
-
-/// The same plan with or without the correction for noise in q, q̇ and q̈ \[E7\].
-pub(crate) fn correcting_noise(mut plan: MethodPlan, noise_correction: bool) -> MethodPlan {
-    plan.options.noise_correction = noise_correction;
-    plan
-}
-
-/// The same plan with the activation index as printed, in place of the scaled one \[E1\].
-pub(crate) fn with_printed_index(mut plan: MethodPlan) -> MethodPlan {
-    plan.patterns.scaling = Scaling::Paper;
-    plan.patterns.clusters = Some(3);
-    plan
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn the_methods_differ_in_library_steps_and_rule_only() {
-        let [energy, product, lasso, sindy] = Method::ALL.map(|method| method.plan().options);
+        let [energy, product, lasso, sindy] = Method::ALL.map(Method::options);
 
         assert_eq!(LibraryOptions { library: product.library, ..energy }, product);
         assert_eq!(LibraryOptions { selector: sindy.selector.clone(), ..lasso.clone() }, sindy);

@@ -1,12 +1,11 @@
 //! What an experiment found, as plain data: tables and claims to save, charts to look at.
 
 use crate::error::PaperError;
-use crate::settings::Settings;
-use crate::spread::Spread;
+use crate::scenario::Settings;
 use serde::Serialize;
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Chart, Column, Label};
-use torquewise_report::{ReportError, chart_figure, html};
+use torquewise_report::{chart_figure, html};
 
 /// All experiments.
 ///
@@ -60,6 +59,23 @@ pub struct Claim {
     pub verdict: Verdict,
 }
 
+impl Claim {
+    /// A claim that holds, or at least does in part.
+    pub(crate) fn new(
+        source: &'static str,
+        claim: &'static str,
+        measured: String,
+        [holds, in_part]: [bool; 2],
+    ) -> Self {
+        let verdict = match (holds, in_part) {
+            (true, _) => Verdict::Holds,
+            (false, true) => Verdict::HoldsInPart,
+            (false, false) => Verdict::Contradicted,
+        };
+        Self { claim, source, measured, verdict }
+    }
+}
+
 /// Whether a claim holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -73,15 +89,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict on a claim that holds, or at least does in part.
-    pub(crate) fn when(holds: bool, in_part: bool) -> Self {
-        match (holds, in_part) {
-            (true, _) => Self::Holds,
-            (false, true) => Self::HoldsInPart,
-            (false, false) => Self::Contradicted,
-        }
-    }
-
     /// As one reads it.
     pub fn name(self) -> &'static str {
         match self {
@@ -156,6 +163,15 @@ impl Table {
         self.rows.push(row.into_iter().collect());
     }
 
+    /// Adds a row of some cells, then others of one kind.
+    pub(crate) fn push_with<const N: usize, C: Into<Cell>>(
+        &mut self,
+        head: [Cell; N],
+        others: impl IntoIterator<Item = C>,
+    ) {
+        self.push(head.into_iter().chain(others.into_iter().map(C::into)));
+    }
+
     /// The table as a part of a page.
     pub(crate) fn to_html(&self) -> html::Table {
         let columns = self.columns.iter().enumerate().map(|(place, heading)| {
@@ -184,12 +200,21 @@ pub struct Figure {
 }
 
 impl Figure {
+    pub(crate) fn new(
+        name: impl Into<String>,
+        caption: impl Into<String>,
+        charts: Vec<Chart>,
+    ) -> Self {
+        Self { name: name.into(), caption: caption.into(), charts }
+    }
+
     /// The figure as an SVG text.
     ///
     /// # Errors
-    /// [`ReportError`] if it cannot be drawn.
-    pub fn svg(&self) -> Result<String, ReportError> {
-        chart_figure(&self.caption, &self.charts, if self.charts.len() == 2 { 2 } else { 1 })
+    /// [`PaperError::Report`] if it cannot be drawn.
+    pub fn svg(&self) -> Result<String, PaperError> {
+        let columns = if self.charts.len() == 2 { 2 } else { 1 };
+        Ok(chart_figure(&self.caption, &self.charts, columns)?)
     }
 }
 
@@ -210,5 +235,50 @@ impl Results {
     /// All figures.
     pub fn figures(&self) -> impl Iterator<Item = &Figure> {
         self.studies.iter().flat_map(|study| &study.figures)
+    }
+}
+
+/// How repeated values lie.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// The value in the middle; the mean of the two there if the count is even.
+    pub median: f64,
+    /// The smallest.
+    pub least: f64,
+    /// The largest.
+    pub greatest: f64,
+}
+
+impl Spread {
+    /// The spread of some values; not a number if there are none.
+    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.into_iter().collect();
+        sorted.sort_by(f64::total_cmp);
+        let Some(last) = sorted.len().checked_sub(1) else {
+            return Self { median: f64::NAN, least: f64::NAN, greatest: f64::NAN };
+        };
+        let median = 0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]);
+        Self { median, least: sorted[0], greatest: sorted[last] }
+    }
+
+    /// The spread of each column of some rows of the same length.
+    pub fn of_columns<'a>(rows: impl IntoIterator<Item = &'a [f64]>) -> Vec<Self> {
+        let rows: Vec<&[f64]> = rows.into_iter().collect();
+        let columns = rows.first().map_or(0, |row| row.len());
+        (0..columns).map(|j| Self::of(rows.iter().filter_map(|row| row.get(j)).copied())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_of_an_even_count_lies_between_the_middle_two() {
+        let spread = Spread::of([4.0, 1.0, 3.0, 2.0]);
+
+        assert_eq!(spread, Spread { median: 2.5, least: 1.0, greatest: 4.0 });
+        assert!(Spread::of([]).median.is_nan());
+        assert_eq!(Spread::of_columns([&[4.0][..], &[1.0], &[3.0], &[2.0]]), [spread]);
     }
 }

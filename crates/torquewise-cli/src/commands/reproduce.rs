@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use torquewise_paper::{Claim, Results, Settings, page, reproduce};
+use torquewise_paper::{Claim, PaperError, Results, Settings, page, reproduce};
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
 #[derive(Args, Debug)]
@@ -28,8 +28,8 @@ pub(crate) struct Arguments {
     quick: bool,
 }
 
-fn failed(source: impl std::error::Error + Send + Sync + 'static) -> CliError {
-    CliError::Experiment { source: Box::new(source) }
+fn failed(source: PaperError) -> CliError {
+    CliError::Experiment { source }
 }
 
 /// Experiments, then writes.

@@ -1,12 +1,11 @@
 //! Candidates and computing time of each method (Fig. 6).
 
 use crate::error::PaperError;
-use crate::method::{Method, MethodPlan, lasso, selecting, threshold};
-use crate::results::{Claim, Study, Table, Timed, Verdict};
-use crate::scenario::Decibels;
-use crate::settings::Settings;
-use crate::spread::Spread;
-use crate::trial::{Cost, Trial, TrialPlan, Trials};
+use crate::method::{Method, lasso, threshold};
+use crate::results::{Claim, Study, Table, Timed};
+use crate::scenario::{Decibels, Settings};
+use crate::trial::{Cost, Runs, TrialPlan, Trials};
+use torquewise_identify::plan::LibraryOptions;
 use torquewise_report::html::number::significant;
 
 const ENERGY: &str = "stepwise, energy";
@@ -19,109 +18,90 @@ const LASSO: &str = "LASSO";
 /// |coefficient| > 0.1.
 const THRESHOLD: &str = "|c| > 0.1";
 
-/// The three methods of the figure, and LASSO and the threshold for all, like with like.
-fn methods() -> [(&'static str, &'static str, MethodPlan); 7] {
-    let product = Method::Product.plan();
+/// The three methods of the figure (0, 1 and 6), and LASSO and the threshold for all, like with
+/// like.
+fn methods() -> [(&'static str, &'static str, LibraryOptions); 7] {
+    let product = |selector| LibraryOptions { selector, ..Method::Product.options() };
     [
-        (ENERGY, CRITERION, Method::Energy.plan()),
-        (PRODUCT, CRITERION, product.clone()),
-        (PRODUCT, LASSO, selecting(&product, lasso())),
-        (PRODUCT, THRESHOLD, selecting(&product, threshold())),
-        (SINDY, CRITERION, Method::SindyCriterion.plan()),
-        (SINDY, LASSO, Method::SindyLasso.plan()),
-        (SINDY, THRESHOLD, Method::Sindy.plan()),
+        (ENERGY, CRITERION, Method::Energy.options()),
+        (PRODUCT, CRITERION, Method::Product.options()),
+        (PRODUCT, LASSO, product(lasso())),
+        (PRODUCT, THRESHOLD, product(threshold())),
+        (SINDY, CRITERION, Method::SindyCriterion.options()),
+        (SINDY, LASSO, Method::SindyLasso.options()),
+        (SINDY, THRESHOLD, Method::Sindy.options()),
     ]
 }
 
-fn seeds(settings: &Settings, plan: &MethodPlan) -> Vec<TrialPlan> {
+fn seeds(settings: &Settings, options: LibraryOptions) -> Vec<TrialPlan> {
     let scenario = settings.scenario(Decibels::case(3), settings.seed);
-    TrialPlan::seeds(&scenario, plan, settings.timed_seeds)
+    TrialPlan::seeds(&scenario, options, settings.timed_seeds)
 }
 
 /// The trials that are timed.
 pub(crate) fn plans(settings: &Settings) -> Vec<TrialPlan> {
-    methods().iter().flat_map(|(_, _, plan)| seeds(settings, plan)).collect()
-}
-
-/// Size and time of one method.
-struct Row<'a> {
-    name: &'static str,
-    rule: &'static str,
-    trials: Vec<&'a Trial>,
-}
-
-impl Row<'_> {
-    fn time(&self, part: fn(&Cost) -> f64) -> Spread {
-        Spread::of(self.trials.iter().map(|trial| part(&trial.cost)))
-    }
-
-    fn regression(&self) -> Spread {
-        self.time(|cost| cost.regression)
-    }
-
-    fn candidates_by_step(&self) -> &[usize] {
-        &self.trials[0].candidates_by_step
-    }
+    methods().into_iter().flat_map(|(_, _, options)| seeds(settings, options)).collect()
 }
 
 /// What each method costs.
 pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
-    let mut rows = Vec::new();
-    for (name, rule, plan) in methods() {
-        rows.push(Row { name, rule, trials: trials.all(&seeds(settings, &plan))? });
-    }
+    let mut all = Vec::new();
     let mut sizes = Table::new("Candidates.", "method;which terms stay;in each step;in all");
     let mut times = Table::new(
         "CPU time of one thread, median and range over the timed runs, done one by one. Compare \
          rows with the same rule: the rule decides as much about the time as the steps do.",
         "method;which terms stay;regression [s];with clustering and refit [s]",
     );
-    for row in &rows {
-        let steps: Vec<String> = row.candidates_by_step().iter().map(usize::to_string).collect();
-        let steps = steps.join(" + ");
-        let (name, rule) = (row.name.into(), row.rule.into());
-        sizes.push([name, rule, steps.into(), row.trials[0].candidates.into()]);
-        let (regression, total) = (row.regression().into(), row.time(Cost::total).into());
-        times.push([row.name.into(), row.rule.into(), regression, total]);
+    for (name, rule, options) in methods() {
+        let runs = trials.runs(&seeds(settings, options))?;
+        let steps = listed(&runs, " + ");
+        sizes.push([name.into(), rule.into(), steps.into(), runs.first().candidates.into()]);
+        let costs = [|cost: &Cost| cost.regression, |cost: &Cost| cost.total];
+        let costs = costs.map(|part| runs.spread(|trial| part(&trial.cost)));
+        times.push_with([name.into(), rule.into()], costs);
+        all.push(runs);
     }
     Ok(Study {
         heading: "Candidates and time (Fig. 6)",
-        claims: vec![candidates(&rows)],
+        claims: vec![candidates(&all)],
         tables: vec![sizes],
-        timed: Timed { claims: vec![time(&rows)], tables: vec![times] },
+        timed: Timed { claims: vec![time(&all)], tables: vec![times] },
         ..Study::default()
     })
 }
 
-fn find<'a, 'b>(rows: &'a [Row<'b>], name: &str, rule: &str) -> &'a Row<'b> {
-    rows.iter().find(|row| (row.name, row.rule) == (name, rule)).unwrap_or(&rows[0])
+/// Candidates in each step.
+fn listed(runs: &Runs<'_>, divider: &str) -> String {
+    let steps = runs.first().candidates_by_step.iter().map(usize::to_string);
+    steps.collect::<Vec<_>>().join(divider)
 }
 
-fn candidates(rows: &[Row<'_>]) -> Claim {
-    let [stepwise, sindy] =
-        [find(rows, PRODUCT, CRITERION), find(rows, SINDY, THRESHOLD)].map(Row::candidates_by_step);
-    let steps: Vec<String> = stepwise.iter().map(usize::to_string).collect();
-    Claim {
-        claim: "Stepwise reconstruction reduces the size of the library.",
-        source: "Fig. 6(a)",
-        measured: format!(
+fn candidates(all: &[Runs<'_>]) -> Claim {
+    let [energy, stepwise, sindy] = [0, 1, 6].map(|row| &all[row]);
+    let largest = |runs: &Runs<'_>| runs.first().candidates_by_step.iter().max().copied();
+    Claim::new(
+        "Fig. 6(a)",
+        "Stepwise reconstruction reduces the size of the library.",
+        format!(
             "{} candidates in the three steps, {} in one shot; {} in the energy library [E4].",
-            steps.join(", "),
-            sindy[0],
-            rows[0].trials[0].candidates
+            listed(stepwise, ", "),
+            sindy.first().candidates_by_step[0],
+            energy.first().candidates
         ),
-        verdict: Verdict::when(stepwise.iter().max() < sindy.iter().max(), false),
-    }
+        [largest(stepwise) < largest(sindy), false],
+    )
 }
 
-fn time(rows: &[Row<'_>]) -> Claim {
-    let pairs =
-        [(CRITERION, THRESHOLD), (CRITERION, CRITERION), (LASSO, LASSO), (THRESHOLD, THRESHOLD)];
+fn time(all: &[Runs<'_>]) -> Claim {
+    let methods = methods();
     let (mut parts, mut faster) = (Vec::new(), Vec::new());
-    for (rule, baseline) in pairs {
-        let (stepwise, sindy) = (find(rows, PRODUCT, rule), find(rows, SINDY, baseline));
-        let [own, other] = [stepwise, sindy].map(|row| row.regression().median);
-        let [own_total, other_total] = [stepwise, sindy].map(|row| row.time(Cost::total).median);
+    for pair in [[1, 6], [1, 4], [2, 5], [3, 6]] {
+        let [rule, baseline] = pair.map(|row| methods[row].1);
+        let median = |part: fn(&Cost) -> f64| {
+            pair.map(|row| all[row].spread(|trial| part(&trial.cost)).median)
+        };
+        let [own, other] = median(|cost| cost.regression);
+        let [own_total, other_total] = median(|cost| cost.total);
         faster.push(other > own);
         parts.push(format!(
             "{rule} beside {baseline}: {} s and {} s, ratio {} (with clustering and refit {})",
@@ -131,10 +111,10 @@ fn time(rows: &[Row<'_>]) -> Claim {
             significant(other_total / own_total, 2),
         ));
     }
-    Claim {
-        claim: "Stepwise reconstruction computes faster.",
-        source: "Fig. 6(b)",
-        measured: format!("CPU time of the regression, stepwise {}.", parts.join("; ")),
-        verdict: Verdict::when(faster.iter().all(|faster| *faster), faster.contains(&true)),
-    }
+    Claim::new(
+        "Fig. 6(b)",
+        "Stepwise reconstruction computes faster.",
+        format!("CPU time of the regression, stepwise {}.", parts.join("; ")),
+        [faster.iter().all(|faster| *faster), faster.contains(&true)],
+    )
 }

@@ -1,9 +1,8 @@
 //! Residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
 
 use crate::error::{PaperError, within};
-use crate::results::{Claim, Figure, Study, Table, Verdict};
-use crate::scenario::Decibels;
-use crate::settings::Settings;
+use crate::results::{Claim, Figure, Study, Table};
+use crate::scenario::{Decibels, Settings};
 use torquewise_report::order_charts;
 use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
 
@@ -43,15 +42,13 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
         logs.push((format!("noise {}", noise.name()), curves));
     }
     let named: Vec<_> = logs.iter().map(|(name, curves)| (name.clone(), &curves[..])).collect();
-    let figure = Figure {
-        name: "fig5_orders".into(),
-        caption:
-            "Fig. 5: least squares on one half of the rows, judged on the other: the residual \
-                  of the worst joint over the standard deviation of its torque. Of a step, only \
-                  its own terms change with N₁."
-                .into(),
-        charts: order_charts(&named),
-    };
+    let figure = Figure::new(
+        "fig5_orders",
+        "Fig. 5: least squares on one half of the rows, judged on the other: the residual of the \
+         worst joint over the standard deviation of its torque. Of a step, only its own terms \
+         change with N₁.",
+        order_charts(&named),
+    );
     Ok(Study {
         heading: "Orders (Fig. 5)",
         claims: vec![claim(&logs[0].1)],
@@ -80,16 +77,14 @@ fn claim(clean: &[OrderCurve]) -> Claim {
         curve.chosen == 0 || worst(curve, curve.chosen) <= SETTLED * worst(curve, 0)
     };
     let settled = clean.iter().filter(has_settled).count();
-    Claim {
-        claim: "The least-squares residual falls fast up to a certain order and hardly beyond it, \
-                which gives the orders of each library.",
-        source: "Fig. 5",
-        measured: format!(
-            "Orders chosen without noise: {}.",
-            chosen.collect::<Vec<_>>().join("; ")
-        ),
-        verdict: Verdict::when(settled == clean.len(), settled > 0),
-    }
+    let chosen: Vec<String> = chosen.collect();
+    Claim::new(
+        "Fig. 5",
+        "The least-squares residual falls fast up to a certain order and hardly beyond it, which \
+         gives the orders of each library.",
+        format!("Orders chosen without noise: {}.", chosen.join("; ")),
+        [settled == clean.len(), settled > 0],
+    )
 }
 
 #[cfg(test)]
