@@ -5,7 +5,7 @@ use std::error::Error;
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
-use torquewise::logs::blocks::RawBlock;
+use torquewise::motion::signals::Raw;
 use torquewise::logs::{LogError, Logs};
 
 /// Ways to cut each log, over which errors scatter.
@@ -63,7 +63,7 @@ fn is_test(part: f64, seconds: f64, split: Split, way: usize) -> bool {
     }
 }
 
-fn signals(block: &RawBlock) -> Vec<(&'static str, &faer::Mat<f64>)> {
+fn signals(block: &Raw) -> Vec<(&'static str, &faer::Mat<f64>)> {
     let all = [
         ("q", Some(&block.q)),
         ("dq", block.dq.as_ref()),
@@ -73,7 +73,7 @@ fn signals(block: &RawBlock) -> Vec<(&'static str, &faer::Mat<f64>)> {
     all.into_iter().filter_map(|(name, signal)| Some((name, signal?))).collect()
 }
 
-fn names(block: &RawBlock) -> String {
+fn names(block: &Raw) -> String {
     let mut text = "t".to_owned();
     for (name, signal) in signals(block) {
         for joint in 1..=signal.ncols() {
@@ -83,7 +83,7 @@ fn names(block: &RawBlock) -> String {
     text
 }
 
-fn line(block: &RawBlock, row: usize) -> String {
+fn line(block: &Raw, row: usize) -> String {
     let mut text = format!("{:?}", block.t[row]);
     for (_, signal) in signals(block) {
         for joint in 0..signal.ncols() {
