@@ -11,4 +11,4 @@ mod survey;
 mod rows;
 
 pub(crate) use rows::BagRows;
-pub(crate) use survey::{Storage, Survey};
+pub(crate) use survey::Survey;

@@ -5,24 +5,8 @@ use crate::gaps::UsualStep;
 use crate::layout::Signal;
 use crate::signal_rows::{Origin, ReadReport, SignalRows};
 use faer::Mat;
+use torquewise_motion::signals::Raw;
 use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
-
-/// Some rows of a trajectory as they were recorded, in SI units: nothing is derived or smoothed.
-///
-/// Time stamps advance, but need not be even. All values are finite.
-#[derive(Clone, Debug)]
-pub struct RawBlock {
-    /// Time stamps \[s\], m.
-    pub t: Vec<f64>,
-    /// Joint positions \[rad\], m×n.
-    pub q: Mat<f64>,
-    /// Joint velocities \[rad/s\], m×n, if recorded.
-    pub dq: Option<Mat<f64>>,
-    /// Joint accelerations \[rad/s²\], m×n, if recorded.
-    pub ddq: Option<Mat<f64>>,
-    /// Joint torques \[N·m\], m×n, if recorded.
-    pub tau: Option<Mat<f64>>,
-}
 
 /// The blocks of one log file.
 ///
@@ -85,7 +69,7 @@ impl Blocks {
     }
 
     /// The same as it was recorded.
-    pub(crate) fn next_raw(&mut self) -> Result<Option<(usize, RawBlock)>, LogError> {
+    pub(crate) fn next_raw(&mut self) -> Result<Option<(usize, Raw)>, LogError> {
         let Some(rows) = self.next_rows()? else { return Ok(None) };
         let block = self.raw_block(rows)?;
         self.hand_out(rows);
@@ -194,7 +178,7 @@ impl Blocks {
     }
 
     fn block(&self, rows: usize) -> Result<Motion, LogError> {
-        let RawBlock { t, q, dq, ddq, tau } = self.raw_block(rows)?;
+        let Raw { joints, t, q, dq, ddq, tau } = self.raw_block(rows)?;
         let has_dq = dq.is_some();
         let dq = dq.map_or_else(|| self.derived(Signal::Q, 1, rows), Ok)?;
         let ddq = ddq.map_or_else(
@@ -204,15 +188,16 @@ impl Blocks {
             },
             Ok,
         )?;
-        let signals = Signals { joints: self.joints.clone(), t, q, dq, ddq, tau };
-        Motion::new(signals).map_err(|source| self.refused(self.done, source))
+        Motion::new(Signals { joints, t, q, dq, ddq, tau })
+            .map_err(|source| self.refused(self.done, source))
     }
 
-    fn raw_block(&self, rows: usize) -> Result<RawBlock, LogError> {
+    fn raw_block(&self, rows: usize) -> Result<Raw, LogError> {
         let (start, end) = (self.done, self.done + rows);
         let part = |signal| self.signal(signal, start, end);
         let no_q = || self.refused(start, MotionError::Missing("q"));
-        Ok(RawBlock {
+        Ok(Raw {
+            joints: self.joints.clone(),
             t: self.columns[0][start..end].to_vec(),
             q: part(Signal::Q).ok_or_else(no_q)?,
             dq: part(Signal::Dq),

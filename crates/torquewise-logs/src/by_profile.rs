@@ -5,7 +5,7 @@ use crate::joints;
 use crate::layout::{Layout, Signal};
 use crate::mapping::{Mapping, Ranges, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
-use crate::profile::{Columns, Parts, PerJoint, Profile};
+use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
 use std::path::Path;
 
 /// What a file offers to a profile.
@@ -30,7 +30,7 @@ pub(crate) fn by_profile(profile: &Profile, offer: Offer<'_>) -> Result<Mapping,
     let mut present = Vec::new();
     let mut slots = Vec::new();
     for signal in Signal::ALL {
-        let parts = profile.parts(signal);
+        let parts = profile.signal(signal);
         let Some(columns) = build.columns(signal, parts, &joints)? else { continue };
         present.push(signal);
         let all = signal_slots(signal, parts, &columns);
@@ -102,11 +102,11 @@ impl Build<'_> {
     fn columns(
         &mut self,
         signal: Signal,
-        parts: Option<Parts<'_>>,
+        parts: Option<&SignalColumns>,
         joints: &[String],
     ) -> Result<Option<Vec<usize>>, LogError> {
         let key = format!("{}.columns", signal.name());
-        let names: Vec<String> = match parts.and_then(|parts| parts.columns) {
+        let names: Vec<String> = match parts.and_then(|parts| parts.columns.as_ref()) {
             Some(Columns::Names(names)) => names.clone(),
             Some(Columns::Prefix(prefix)) => self.numbered(prefix, joints.len()),
             None if self.offer.is_bag => {
@@ -206,19 +206,19 @@ fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>,
 }
 
 /// A slot for each joint.
-fn signal_slots(signal: Signal, parts: Option<Parts<'_>>, columns: &[usize]) -> Vec<Slot> {
+fn signal_slots(signal: Signal, parts: Option<&SignalColumns>, columns: &[usize]) -> Vec<Slot> {
     let Some(parts) = parts else {
         return columns.iter().map(|place| Slot::as_it_stands(*place)).collect();
     };
-    let unit = factor(signal, parts.unit).unwrap_or(1.0);
-    let of = |values: Option<&PerJoint>, joint, default| {
-        values.and_then(|values| values.of(joint)).unwrap_or(default)
+    let unit = factor(signal, parts.unit.as_deref()).unwrap_or(1.0);
+    let of = |values: &Option<PerJoint>, joint, default| {
+        values.as_ref().and_then(|values| values.of(joint)).unwrap_or(default)
     };
     let column_factor = |joint| {
-        let motor = of(parts.gear, joint, 1.0) * of(parts.torque_constant, joint, 1.0);
-        motor * of(parts.scale, joint, 1.0) * unit
+        let motor = of(&parts.gear, joint, 1.0) * of(&parts.torque_constant, joint, 1.0);
+        motor * of(&parts.scale, joint, 1.0) * unit
     };
-    let coupling = |joint: usize, column: usize| match parts.matrix {
+    let coupling = |joint: usize, column: usize| match &parts.matrix {
         Some(matrix) => matrix[joint][column],
         None => f64::from(u8::from(joint == column)),
     };
@@ -226,7 +226,7 @@ fn signal_slots(signal: Signal, parts: Option<Parts<'_>>, columns: &[usize]) -> 
         let terms = (0..columns.len())
             .map(|column| (columns[column], coupling(joint, column) * column_factor(column)));
         let terms = terms.filter(|(_, factor)| *factor != 0.0).collect();
-        Slot { terms, offset: of(parts.offset, joint, 0.0) }
+        Slot { terms, offset: of(&parts.offset, joint, 0.0) }
     };
     (0..columns.len()).map(slot).collect()
 }

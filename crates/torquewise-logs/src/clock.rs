@@ -1,10 +1,10 @@
 //! From Raw rows to the same rows at the times they were sampled: held rows out, late stamps
 //! mended.
 
-use crate::blocks::RawBlock;
 use faer::Mat;
 use std::borrow::Cow;
 use torquewise_motion::Repairs;
+use torquewise_motion::signals::Raw;
 use torquewise_motion::stats::median;
 
 /// Repeats of position and torque that a logger faster than its device makes; a longer run is an
@@ -34,7 +34,7 @@ pub(crate) struct ClockRepair {
 
 impl ClockRepair {
     /// What pieces of logs ask for.
-    pub(crate) fn of(pieces: &[RawBlock]) -> Self {
+    pub(crate) fn of(pieces: &[Raw]) -> Self {
         let (mut rows, mut repeats) = (0, 0);
         for piece in pieces {
             rows += piece.t.len();
@@ -64,7 +64,7 @@ pub(crate) struct Held {
 }
 
 /// Which rows repeat the one before.
-fn held(block: &RawBlock, state: &mut Held) -> Vec<bool> {
+fn held(block: &Raw, state: &mut Held) -> Vec<bool> {
     // Velocities may have been derived after the device, so that they never repeat.
     let signals = [Some(&block.q), block.tau.as_ref()];
     let mut found = Vec::with_capacity(block.t.len());
@@ -81,14 +81,15 @@ fn held(block: &RawBlock, state: &mut Held) -> Vec<bool> {
     found
 }
 
-fn without_held(block: &RawBlock, state: &mut Held) -> RawBlock {
+fn without_held(block: &Raw, state: &mut Held) -> Raw {
     let held = held(block, state);
     select(block, &(0..block.t.len()).filter(|row| !held[*row]).collect::<Vec<_>>())
 }
 
-fn select(block: &RawBlock, rows: &[usize]) -> RawBlock {
+fn select(block: &Raw, rows: &[usize]) -> Raw {
     let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |row, j| x[(rows[row], j)]);
-    RawBlock {
+    Raw {
+        joints: block.joints.clone(),
         t: rows.iter().map(|&row| block.t[row]).collect(),
         q: pick(&block.q),
         dq: block.dq.as_ref().map(pick),
@@ -163,7 +164,7 @@ pub(crate) struct ClockLane {
     repair: ClockRepair,
     held: Held,
     /// Rows that wait for those after them, or are needed by those.
-    waiting: Option<RawBlock>,
+    waiting: Option<Raw>,
     /// Of these, rows that were handed out.
     done: usize,
     repairs: Repairs,
@@ -175,7 +176,7 @@ impl ClockLane {
     }
 
     /// Takes a block, and hands out what is known by then.
-    pub(crate) fn push<'b>(&mut self, block: Cow<'b, RawBlock>) -> Option<Cow<'b, RawBlock>> {
+    pub(crate) fn push<'b>(&mut self, block: Cow<'b, Raw>) -> Option<Cow<'b, Raw>> {
         let block = if self.repair.held {
             let kept = without_held(&block, &mut self.held);
             self.repairs.held_rows += (block.t.len() - kept.t.len()) as u64;
@@ -201,7 +202,7 @@ impl ClockLane {
     }
 
     /// Hands out the rest.
-    pub(crate) fn finish(&mut self) -> Option<RawBlock> {
+    pub(crate) fn finish(&mut self) -> Option<Raw> {
         let waiting = self.waiting.take()?;
         let rows = waiting.t.len();
         self.hand_out(&waiting, rows)
@@ -212,7 +213,7 @@ impl ClockLane {
         &self.repairs
     }
 
-    fn hand_out(&mut self, waiting: &RawBlock, known: usize) -> Option<RawBlock> {
+    fn hand_out(&mut self, waiting: &Raw, known: usize) -> Option<Raw> {
         if known <= self.done {
             return None;
         }
@@ -231,7 +232,7 @@ impl ClockLane {
 const MEMORY: usize = 4 * WINDOW;
 
 /// Blocks of one trajectory, one after the other.
-pub(crate) fn joined(blocks: &[RawBlock]) -> RawBlock {
+pub(crate) fn joined(blocks: &[Raw]) -> Raw {
     if let [block] = blocks {
         return block.clone();
     }
@@ -239,7 +240,7 @@ pub(crate) fn joined(blocks: &[RawBlock]) -> RawBlock {
     let place: Vec<(usize, usize)> = (blocks.iter().enumerate())
         .flat_map(|(index, block)| (0..block.t.len()).map(move |row| (index, row)))
         .collect();
-    let signal = |of: &dyn Fn(&RawBlock) -> Option<&Mat<f64>>| -> Option<Mat<f64>> {
+    let signal = |of: &dyn Fn(&Raw) -> Option<&Mat<f64>>| -> Option<Mat<f64>> {
         let parts: Vec<&Mat<f64>> = blocks.iter().map(of).collect::<Option<_>>()?;
         let n = parts.first()?.ncols();
         Some(Mat::from_fn(t.len(), n, |row, joint| {
@@ -247,7 +248,8 @@ pub(crate) fn joined(blocks: &[RawBlock]) -> RawBlock {
             parts[index][(row, joint)]
         }))
     };
-    RawBlock {
+    Raw {
+        joints: blocks.first().map(|block| block.joints.clone()).unwrap_or_default(),
         q: signal(&|block| Some(&block.q)).unwrap_or_else(|| Mat::zeros(t.len(), 0)),
         dq: signal(&|block| block.dq.as_ref()),
         ddq: signal(&|block| block.ddq.as_ref()),

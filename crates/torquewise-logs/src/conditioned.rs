@@ -138,9 +138,8 @@ impl ConditionedLogs {
                 end(open.take(), out)?;
                 out.trajectory = trajectory;
             }
-            let (joints, settings) = (self.logs.joints(), &self.settings);
             let open =
-                open.get_or_insert_with(|| Trajectory::new(joints, settings, noise, self.clock));
+                open.get_or_insert_with(|| Trajectory::new(&self.settings, noise, self.clock));
             let done = open.push(block).map_err(failed(trajectory))?;
             *first = trajectory + 1;
             out.hand_out(done)

@@ -51,52 +51,33 @@ mod tests {
         (1..t.len()).filter(|row| usual.is_gap(t[*row] - t[row - 1])).collect()
     }
 
-    fn stamps(steps: impl IntoIterator<Item = f64>) -> Vec<f64> {
-        let mut t = vec![7.0];
-        t.extend(steps.into_iter().scan(7.0, |t, step| {
-            *t += step;
-            Some(*t)
-        }));
-        t
-    }
-
     #[test]
-    fn a_long_step_is_a_gap_and_four_usual_ones_are_not() {
-        let mut steps = vec![0.001; 200];
-        steps[50] = 0.004;
-        steps[120] = 0.061;
-
-        assert_eq!(gaps(&stamps(steps)), [121]);
-    }
-
-    #[test]
-    fn a_short_pause_is_bridged() {
-        let mut steps = vec![0.001; 200];
-        steps[50] = 0.05;
-
-        assert_eq!(gaps(&stamps(steps)), [0; 0]);
-    }
-
-    #[test]
-    fn a_gap_or_a_short_step_at_the_start_does_not_spoil_the_estimate() {
-        for first in [10.0, 1e-9] {
-            let steps = std::iter::once(first).chain([0.01; 40]);
-            let expected: &[usize] = if first > 1.0 { &[1] } else { &[] };
-            assert_eq!(gaps(&stamps(steps)), expected, "{first}");
+    fn long_steps_are_gaps_and_short_pauses_drift_and_jitter_are_none() {
+        let with = |place: usize, step: f64| {
+            let mut steps = vec![0.001; 200];
+            steps[place] = step;
+            steps
+        };
+        let after = |first: f64| std::iter::once(first).chain([0.01; 40]).collect();
+        let drift = (0..2_000).map(|row| 0.001 * 10_f64.powf(f64::from(row) / 1_000.0));
+        let jitter = (0..500).map(|row| 0.01 + 0.005 * f64::from(row * row).sin());
+        let cases: [(&str, Vec<f64>, &[usize]); 8] = [
+            ("four usual steps", with(50, 0.004), &[]),
+            ("over 60 ms", with(120, 0.061), &[121]),
+            ("a short pause", with(50, 0.05), &[]),
+            ("a gap at the start", after(10.0), &[1]),
+            ("a short step at the start", after(1e-9), &[]),
+            ("a rate that drifts tenfold", drift.collect(), &[]),
+            ("jitter of half a step", jitter.collect(), &[]),
+            ("no step at all", Vec::new(), &[]),
+        ];
+        for (what, steps, expected) in cases {
+            let mut t = vec![7.0];
+            t.extend(steps.into_iter().scan(7.0, |t, step| {
+                *t += step;
+                Some(*t)
+            }));
+            assert_eq!(gaps(&t), expected, "{what}");
         }
-    }
-
-    #[test]
-    fn a_rate_that_drifts_tenfold_is_followed() {
-        let steps = (0..2_000).map(|row| 0.001 * 10_f64.powf(f64::from(row) / 1_000.0));
-
-        assert_eq!(gaps(&stamps(steps)), [0; 0]);
-    }
-
-    #[test]
-    fn jitter_of_half_a_step_is_no_gap() {
-        let steps = (0..500).map(|row| 0.01 + 0.005 * f64::from(row * row).sin());
-
-        assert_eq!(gaps(&stamps(steps)), [0; 0]);
     }
 }

@@ -55,7 +55,7 @@ pub mod frame;
 pub mod signal_rows;
 pub mod source;
 mod gaps;
-pub mod blocks;
+mod blocks;
 pub mod logs;
 mod raw_noise;
 mod clock;
@@ -72,7 +72,6 @@ mod parquet_sink;
 pub mod table;
 pub mod log_writer;
 
-pub use blocks::RawBlock;
 pub use columns::{Column, ColumnKind, Values};
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};

@@ -124,26 +124,6 @@ mod tests {
     }
 
     #[test]
-    fn line_ends_and_a_byte_order_mark_are_taken_off() {
-        let mut lines = Lines::new("\u{feff}t,q1\r\n\n1,\r2".as_bytes());
-        let mut read = Vec::new();
-        while lines.advance().unwrap() == Advance::Line {
-            read.push((lines.number(), String::from_utf8_lossy(lines.line()).into_owned()));
-        }
-
-        let expected = [(1, "t,q1"), (2, ""), (3, "1,\r2")];
-        assert_eq!(read, expected.map(|(number, line)| (number, line.to_owned())));
-    }
-
-    #[test]
-    fn an_endless_line_is_given_up_in_bounded_memory() {
-        let mut lines = Lines::new(BufReader::new(std::io::repeat(b'1')));
-
-        assert_eq!(lines.advance().unwrap(), Advance::TooLong);
-        assert!(lines.line.capacity() <= 4 * MAX_LINE);
-    }
-
-    #[test]
     fn a_line_of_the_longest_length_is_read() {
         let text = std::io::repeat(b'1').take(MAX_LINE as u64).chain(&b"\r\n2"[..]);
         let mut lines = Lines::new(BufReader::new(text));

@@ -1,6 +1,6 @@
 //! From log files to Recording: several files read as one, any number of times.
 
-use crate::blocks::{Blocks, RawBlock};
+use crate::blocks::Blocks;
 use crate::error::LogError;
 use crate::frame::Frame;
 use crate::joints;
@@ -8,9 +8,9 @@ use crate::layout::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use torquewise_motion::signals::Raw;
 use torquewise_motion::{LocalPolynomial, Motion, ReadError, Recording, Repairs};
 
 /// Log files of one arm.
@@ -140,10 +140,10 @@ impl Logs {
     /// [`LogError`] if a file cannot be read or a row is wrong.
     pub fn read_all(&self) -> Result<Vec<Motion>, LogError> {
         let mut trajectories: Vec<Vec<Motion>> = Vec::new();
-        self.visit(&mut |trajectory, block| -> Result<(), LogError> {
+        self.each(None, Some(self.polynomial), Blocks::next, &mut |trajectory, block: &Motion| {
             trajectories.resize_with(trajectory + 1, Vec::new);
             trajectories[trajectory].push(block.clone());
-            Ok(())
+            Ok::<(), LogError>(())
         })?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
@@ -174,9 +174,9 @@ impl Logs {
     /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
     pub fn read_raw<E: From<LogError>>(
         &self,
-        visit: &mut dyn FnMut(usize, &RawBlock) -> Result<(), E>,
+        visit: &mut dyn FnMut(usize, &Raw) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.each(0..self.sources.len(), None, Blocks::next_raw, visit)
+        self.each(None, None, Blocks::next_raw, visit)
     }
 
     /// The same for one file, counted from 0.
@@ -186,15 +186,9 @@ impl Logs {
     pub fn read_raw_of<E: From<LogError>>(
         &self,
         file: usize,
-        visit: &mut dyn FnMut(usize, &RawBlock) -> Result<(), E>,
+        visit: &mut dyn FnMut(usize, &Raw) -> Result<(), E>,
     ) -> Result<(), E> {
-        self.each(self.only(file), None, Blocks::next_raw, visit)
-    }
-
-    /// The places of one file, or of none.
-    fn only(&self, file: usize) -> Range<usize> {
-        let end = self.sources.len();
-        file.min(end)..(file + 1).min(end)
+        self.each(Some(file), None, Blocks::next_raw, visit)
     }
 
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
@@ -234,23 +228,17 @@ impl Logs {
         self.paths.get(file).map(PathBuf::as_path)
     }
 
-    fn visit<E: From<LogError>>(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), E>,
-    ) -> Result<(), E> {
-        self.each(0..self.sources.len(), Some(self.polynomial), Blocks::next, visit)
-    }
-
+    /// Reads all files, or one of them.
     fn each<B, E: From<LogError>>(
         &self,
-        files: Range<usize>,
+        only: Option<usize>,
         polynomial: Option<LocalPolynomial>,
         next: impl Fn(&mut Blocks) -> Result<Option<(usize, B)>, LogError>,
         visit: &mut dyn FnMut(usize, &B) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut first = 0;
         for (file, source) in self.sources.iter().enumerate() {
-            if !files.contains(&file) {
+            if only.is_some_and(|only| only != file) {
                 continue;
             }
             let mut blocks = Blocks::new(source.rows()?, &self.joints, polynomial);
@@ -293,7 +281,7 @@ impl Recording for Logs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.visit(visit)
+        self.each(None, Some(self.polynomial), Blocks::next, visit)
     }
 
     fn n_logs(&self) -> usize {
@@ -305,7 +293,7 @@ impl Recording for Logs {
         log: usize,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.each(self.only(log), Some(self.polynomial), Blocks::next, visit)
+        self.each(Some(log), Some(self.polynomial), Blocks::next, visit)
     }
 }
 
@@ -348,13 +336,11 @@ fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
         return Ok(joints::numbered(expected));
     };
     match named.find(|(_, names)| *names != expected) {
-        Some((file, found)) => Err(names_differ(file, found, first, expected)),
+        Some((file, found)) => {
+            let (found, first, expected) = (found.join(", "), first.display(), expected.join(", "));
+            let problem = format!(" names its joints {found}, {first} names them {expected}");
+            Err(LogError::unusable(file.display(), &problem, "read logs of one arm together"))
+        }
         None => Ok(expected.clone()),
     }
-}
-
-fn names_differ(file: &Path, found: &[String], first: &Path, expected: &[String]) -> LogError {
-    let (found, first, expected) = (found.join(", "), first.display(), expected.join(", "));
-    let problem = format!(" names its joints {found}, {first} names them {expected}");
-    LogError::unusable(file.display(), &problem, "read logs of one arm together")
 }

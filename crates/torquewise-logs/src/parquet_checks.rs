@@ -30,15 +30,10 @@ const SCHEMA: &[i16] = &[2];
 const CHILDREN: &[i16] = &[2, 5];
 const CHUNKS: &[i16] = &[4, 1];
 
-/// Fields of the header of a page: bytes before and after compression; encoding of values, in both
-/// versions; values of a dictionary.
+/// Fields of the header of a page: bytes before and after compression; values of a dictionary.
 const PLAIN_BYTES: &[i16] = &[2];
 const STORED_BYTES: &[i16] = &[3];
-const ENCODING: [&[i16]; 2] = [&[5, 2], &[8, 4]];
 const DICTIONARY_VALUES: &[i16] = &[7, 1];
-
-/// Encodings of texts whose decoders take the number of lengths on trust.
-const OF_TEXTS: [i64; 2] = [6, 7];
 
 /// Makes sure that the metadata at the end of a file can be decoded.
 pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<(), LogError> {
@@ -130,14 +125,13 @@ fn page(input: &mut File, at: u64, left: u64) -> io::Result<Option<Page>> {
     input.seek(SeekFrom::Start(at))?;
     let mut head = Vec::new();
     input.take(LONGEST_HEADER.min(left)).read_to_end(&mut head)?;
-    let (mut plain, mut stored, mut values, mut is_text) = (-1, -1, None, false);
+    let (mut plain, mut stored, mut values) = (-1, -1, None);
     let header = walk(&head, &mut |path, found| {
         let Found::Integer(number) = found else { return };
         match path {
             PLAIN_BYTES => plain = number,
             STORED_BYTES => stored = number,
             DICTIONARY_VALUES => values = Some(number),
-            path if ENCODING.contains(&path) => is_text |= OF_TEXTS.contains(&number),
             _ => {}
         }
     });
@@ -149,8 +143,7 @@ fn page(input: &mut File, at: u64, left: u64) -> io::Result<Option<Page>> {
     // A value of a dictionary takes four bytes at least.
     let fits = values.is_none_or(|values| (0..=plain / 4).contains(&values));
     let length = header as u64 + stored;
-    let is_sound = fits && !is_text && length <= left;
-    Ok(is_sound.then_some(Page { bytes, is_dictionary: values.is_some(), length }))
+    Ok((fits && length <= left).then_some(Page { bytes, is_dictionary: values.is_some(), length }))
 }
 
 #[cfg(test)]

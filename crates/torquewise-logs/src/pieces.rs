@@ -1,6 +1,5 @@
 //! From logs to pieces of all trajectories: what the conditioning of all of them is chosen from.
 
-use crate::blocks::RawBlock;
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
@@ -28,12 +27,12 @@ impl Pieces {
     pub(crate) fn read(logs: &Logs) -> Result<Self, LogError> {
         let recorded = recorded(logs)?;
         let clock = ClockRepair::of(&recorded);
-        let mend = |piece: RawBlock| {
+        let mend = |piece: Raw| {
             let mut lane = ClockLane::new(clock);
             let mended = lane.push(Cow::Owned(piece)).map(Cow::into_owned);
-            let mut blocks: Vec<RawBlock> = mended.into_iter().chain(lane.finish()).collect();
+            let mut blocks: Vec<Raw> = mended.into_iter().chain(lane.finish()).collect();
             let only = if blocks.len() == 1 { blocks.pop() } else { None };
-            raw(logs.joints(), only.unwrap_or_else(|| joined(&blocks)))
+            only.unwrap_or_else(|| joined(&blocks))
         };
         Ok(Self { clock, all: recorded.into_iter().map(mend).collect() })
     }
@@ -48,10 +47,10 @@ impl Pieces {
 }
 
 /// The pieces as they were recorded.
-fn recorded(logs: &Logs) -> Result<Vec<RawBlock>, LogError> {
-    let (mut kept, mut every, mut count) = (Vec::<RawBlock>::new(), 1, 0);
-    let mut open: (usize, Vec<RawBlock>) = (0, Vec::new());
-    let mut take = |blocks: &mut Vec<RawBlock>| {
+fn recorded(logs: &Logs) -> Result<Vec<Raw>, LogError> {
+    let (mut kept, mut every, mut count) = (Vec::<Raw>::new(), 1, 0);
+    let mut open: (usize, Vec<Raw>) = (0, Vec::new());
+    let mut take = |blocks: &mut Vec<Raw>| {
         if !blocks.is_empty() && count % every == 0 {
             kept.push(joined(blocks));
         }
@@ -78,10 +77,4 @@ fn recorded(logs: &Logs) -> Result<Vec<RawBlock>, LogError> {
     })?;
     take(&mut open.1);
     Ok(kept)
-}
-
-/// Rows of one trajectory, under the names of its joints.
-pub(crate) fn raw(joints: &[String], block: RawBlock) -> Raw {
-    let RawBlock { t, q, dq, ddq, tau } = block;
-    Raw { joints: joints.to_vec(), q, dq, ddq, tau, t }
 }

@@ -3,7 +3,7 @@
 #[cfg(feature = "formats")]
 use crate::arrays::{ArrayFormat, ArrayRows};
 #[cfg(feature = "formats")]
-use crate::bag::{BagRows, Storage, Survey};
+use crate::bag::{BagRows, Survey};
 use crate::beside::{Beside, ClockColumn, SideBySide};
 use crate::by_profile::{Offer, by_profile};
 use crate::csv_rows::CsvRows;
@@ -63,15 +63,6 @@ struct Opening {
 /// Without bags there is nothing to survey.
 #[cfg(not(feature = "formats"))]
 type Survey = std::convert::Infallible;
-
-/// What is to be read of a bag.
-#[derive(Clone, Copy, Debug, Default)]
-#[cfg_attr(not(feature = "formats"), expect(dead_code, reason = "there are no bags"))]
-pub(crate) struct Wanted<'a> {
-    pub(crate) topic: Option<&'a str>,
-    /// Joints, in order; those of the first message unless given.
-    pub(crate) joints: &'a [String],
-}
 
 /// Where rows come from.
 #[derive(Clone, Debug)]
@@ -147,7 +138,7 @@ impl Opening {
         let format = Format::of(file)?;
         let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
         let joints = profile.map_or(&[][..], |profile| &profile.joints);
-        let survey = survey(file, format, Wanted { topic, joints })?;
+        let survey = survey(file, format, topic, joints)?;
         Ok(Self::of(file, Origin::File(format), survey, options))
     }
 
@@ -191,12 +182,18 @@ fn lines_of(file: &Path) -> Option<u64> {
 /// The rows of any file as they stand, of a bag all joints of its first message.
 pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>, LogError> {
     let format = Format::of(file)?;
-    let survey = survey(file, format, Wanted::default())?;
+    let survey = survey(file, format, None, &[])?;
     rows(file, format, survey.as_ref())
 }
 
-/// What a bag holds; `None` for another file.
-fn survey(file: &Path, format: Format, wanted: Wanted<'_>) -> Result<Option<Survey>, LogError> {
+/// What a bag holds, of a topic and of joints in their order where these are given; `None` for
+/// another file.
+fn survey(
+    file: &Path,
+    format: Format,
+    topic: Option<&str>,
+    joints: &[String],
+) -> Result<Option<Survey>, LogError> {
     // A pipe or a device gives its bytes once; a log is read several times.
     if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
         return Err(LogError::unusable(
@@ -205,13 +202,12 @@ fn survey(file: &Path, format: Format, wanted: Wanted<'_>) -> Result<Option<Surv
             "copy it to a file",
         ));
     }
-    match (format, wanted) {
-        #[cfg(feature = "formats")]
-        (Format::Db3, wanted) => Survey::new(file, Storage::Db3, wanted).map(Some),
-        #[cfg(feature = "formats")]
-        (Format::Mcap, wanted) => Survey::new(file, Storage::Mcap, wanted).map(Some),
-        _ => Ok(None),
+    #[cfg(feature = "formats")]
+    if matches!(format, Format::Db3 | Format::Mcap) {
+        return Survey::new(file, format, topic, joints).map(Some);
     }
+    let _ = (format, topic, joints);
+    Ok(None)
 }
 
 /// The rows of a file as they stand; a bag has been surveyed before.

@@ -1,8 +1,7 @@
 //! From Raw blocks of one trajectory to filtered motion, and what was repaired on the way.
 
-use crate::blocks::RawBlock;
 use crate::clock::{ClockLane, ClockRepair, joined};
-use crate::pieces::{FIRST_ROWS, raw};
+use crate::pieces::FIRST_ROWS;
 use crate::raw_noise::{NoiseLane, RawNoise};
 use std::borrow::Cow;
 use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw, condition};
@@ -17,7 +16,6 @@ pub(crate) struct Done {
 
 /// A trajectory on its way through clock and filter.
 pub(crate) struct Trajectory<'a> {
-    joints: &'a [String],
     settings: &'a Conditioning,
     noise: Option<&'a RawNoise>,
     clock: ClockLane,
@@ -27,27 +25,26 @@ pub(crate) struct Trajectory<'a> {
 /// How far the filter is.
 enum Stretch {
     /// Too few rows to plan by so far.
-    Waiting(Vec<RawBlock>),
+    Waiting(Vec<Raw>),
     Running(Box<Conditioner>, Option<Box<NoiseLane>>),
 }
 
 impl<'a> Trajectory<'a> {
     /// - `noise`: whether noise is to be filtered beside the rows
     pub(crate) fn new(
-        joints: &'a [String],
         settings: &'a Conditioning,
         noise: Option<&'a RawNoise>,
         clock: ClockRepair,
     ) -> Self {
         let (clock, stretch) = (ClockLane::new(clock), Stretch::Waiting(Vec::new()));
-        Self { joints, settings, noise, clock, stretch }
+        Self { settings, noise, clock, stretch }
     }
 
     /// Takes a block, and hands out what is done by then.
     ///
     /// # Errors
     /// Those of [`Conditioner::push`].
-    pub(crate) fn push(&mut self, block: &RawBlock) -> Result<Done, MotionError> {
+    pub(crate) fn push(&mut self, block: &Raw) -> Result<Done, MotionError> {
         match self.clock.push(Cow::Borrowed(block)) {
             Some(block) => self.filter(block),
             None => Ok(Done::default()),
@@ -73,7 +70,7 @@ impl<'a> Trajectory<'a> {
                 repairs.add(conditioner.repairs());
             }
             Stretch::Waiting(blocks) => {
-                let raw = raw(self.joints, joined(&blocks));
+                let raw = joined(&blocks);
                 match condition(&raw, self.settings) {
                     Ok(conditioned) => {
                         done.motions.push(conditioned.motion);
@@ -95,7 +92,7 @@ impl<'a> Trajectory<'a> {
         Ok((done, repairs))
     }
 
-    fn filter(&mut self, block: Cow<'_, RawBlock>) -> Result<Done, MotionError> {
+    fn filter(&mut self, block: Cow<'_, Raw>) -> Result<Done, MotionError> {
         match &mut self.stretch {
             Stretch::Waiting(blocks) => {
                 blocks.push(block.into_owned());
@@ -103,7 +100,7 @@ impl<'a> Trajectory<'a> {
                 if rows < FIRST_ROWS {
                     return Ok(Done::default());
                 }
-                let raw = raw(self.joints, joined(blocks));
+                let raw = joined(blocks);
                 let plan = Plan::new(&raw, self.settings)?;
                 let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
                 let mut conditioner = Box::new(Conditioner::new(plan));
@@ -112,7 +109,7 @@ impl<'a> Trajectory<'a> {
                 Ok(done)
             }
             Stretch::Running(conditioner, noise) => {
-                pushed(conditioner, noise.as_deref_mut(), &raw(self.joints, block.into_owned()))
+                pushed(conditioner, noise.as_deref_mut(), &block)
             }
         }
     }

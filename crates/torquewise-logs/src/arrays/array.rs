@@ -65,18 +65,6 @@ mod tests {
     use super::{Array, Order};
 
     #[test]
-    fn time_runs_along_the_longer_side_however_elements_are_stored() {
-        let array = |rows, columns, order| Array { name: "q".into(), rows, columns, order };
-        let tall = array(3, 2, Order::ByRow);
-        let flat = array(2, 3, Order::ByRow);
-
-        assert_eq!((tall.instants_and_series(), flat.instants_and_series()), ((3, 2), (3, 2)));
-        assert!(tall.is_by_instant() && !flat.is_by_instant());
-        assert!(!array(3, 2, Order::ByColumn).is_by_instant());
-        assert!(array(2, 3, Order::ByColumn).is_by_instant());
-    }
-
-    #[test]
     fn scalars_images_and_long_names_are_no_signals() {
         let array = |name: &str, rows, columns| {
             Array { name: name.into(), rows, columns, order: Order::ByRow }.is_signal()

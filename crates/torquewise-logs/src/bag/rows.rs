@@ -1,7 +1,7 @@
 //! From joint states to rows, sorted by time.
 
 use crate::bag::aligned::Aligned;
-use crate::bag::in_order::{InOrder, Stamped};
+use crate::bag::in_order::InOrder;
 use crate::bag::messages::Messages;
 use crate::bag::survey::{Survey, decoded, places};
 use crate::error::{LogError, Place};
@@ -76,7 +76,7 @@ impl BagRows {
                 Some(k) => signals[k / n].get(places[k % n]).copied().unwrap_or(f64::NAN),
             };
             let values = self.chosen.iter().map(value).collect();
-            self.in_order.push(Stamped { stamp, number, values });
+            self.in_order.push(stamp, number, values);
         }
         Ok(())
     }
@@ -98,11 +98,9 @@ impl Rows for BagRows {
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
         self.look_ahead()?;
-        let Some(next) = self.in_order.pop() else { return Ok(false) };
-        self.row = next.number;
-        for (value, read) in row.iter_mut().zip(next.values) {
-            *value = read;
-        }
+        let Some((number, values)) = self.in_order.pop() else { return Ok(false) };
+        self.row = number;
+        row.copy_from_slice(&values);
         Ok(true)
     }
 

@@ -1,59 +1,37 @@
 //! From bag to what its joint states hold: found in one pass before the rows are read.
 
-use crate::bag::aligned::{Aligned, Holds};
+use crate::bag::aligned::Aligned;
 use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::messages::{JOINT_STATE, Messages, Topic};
 use crate::error::{LogError, Place, shown};
+use crate::format::Format;
 use crate::joints;
-use crate::source::Wanted;
 use std::path::Path;
 
 /// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.
 const LONGEST_RUN: i64 = 1_000_000_000_000_000;
 
-/// How a bag is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Storage {
-    Db3,
-    Mcap,
-}
-
-impl Storage {
-    fn topics(self, file: &Path) -> Result<Vec<Topic>, LogError> {
-        match self {
-            Self::Db3 => db3_messages::topics(file),
-            Self::Mcap => mcap_messages::topics(file),
-        }
-    }
-
-    fn messages(self, file: &Path, topic: &str) -> Result<Box<dyn Messages>, LogError> {
-        Ok(match self {
-            Self::Db3 => Box::new(Db3Messages::open(file, topic)?),
-            Self::Mcap => Box::new(McapMessages::open(file, Some(topic))?),
-        })
-    }
-}
-
-/// Which time a message has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stamps {
-    /// That of its sender.
-    Sent,
-    /// That of the bag, since no sender gave any.
-    Received,
+/// The messages of a topic, from the first.
+fn messages(file: &Path, format: Format, topic: &str) -> Result<Box<dyn Messages>, LogError> {
+    Ok(match format {
+        Format::Db3 => Box::new(Db3Messages::open(file, topic)?),
+        _ => Box::new(McapMessages::open(file, Some(topic))?),
+    })
 }
 
 /// What the joint states of a bag hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "one for each question")]
 pub(crate) struct Survey {
-    storage: Storage,
+    format: Format,
     topic: String,
     pub(crate) joints: Vec<String>,
     /// Whether the joints were asked for by name, so that messages of others are passed over.
     passes_over: bool,
-    clock: Stamps,
+    /// Whether the time of a message is that of its sender, not that of the bag.
+    is_stamped: bool,
     /// Time stamp that counts as zero \[ns\].
     zero: i64,
     pub(crate) has_velocity: bool,
@@ -62,14 +40,22 @@ pub(crate) struct Survey {
 
 impl Survey {
     /// Goes through the messages of the topic that is wanted, or of the only one there is.
-    pub(crate) fn new(file: &Path, storage: Storage, wanted: Wanted<'_>) -> Result<Self, LogError> {
-        let topics = storage.topics(file)?;
+    pub(crate) fn new(
+        file: &Path,
+        format: Format,
+        topic: Option<&str>,
+        joints: &[String],
+    ) -> Result<Self, LogError> {
+        let topics = match format {
+            Format::Db3 => db3_messages::topics(file)?,
+            _ => mcap_messages::topics(file)?,
+        };
         let mut survey = Self {
-            storage,
-            topic: chosen(file, &topics, wanted.topic)?,
-            joints: wanted.joints.to_vec(),
-            passes_over: !wanted.joints.is_empty(),
-            clock: Stamps::Received,
+            format,
+            topic: chosen(file, &topics, topic)?,
+            joints: joints.to_vec(),
+            passes_over: !joints.is_empty(),
+            is_stamped: false,
             zero: 0,
             has_velocity: false,
             has_effort: false,
@@ -79,9 +65,9 @@ impl Survey {
         Ok(survey)
     }
 
-    /// The messages of the topic, from the first.
+    /// The messages of the topic.
     pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>, LogError> {
-        self.storage.messages(file, &self.topic)
+        messages(file, self.format, &self.topic)
     }
 
     /// Finds the joints in messages.
@@ -91,11 +77,7 @@ impl Survey {
 
     /// Time of a message \[ns\].
     pub(super) fn stamp(&self, state: &JointState, received: i64) -> i64 {
-        let stamp = match self.clock {
-            Stamps::Sent => state.stamp,
-            Stamps::Received => received,
-        };
-        stamp.saturating_sub(self.zero)
+        (if self.is_stamped { state.stamp } else { received }).saturating_sub(self.zero)
     }
 
     fn complete(&mut self, file: &Path) -> Result<(), LogError> {
@@ -116,9 +98,7 @@ impl Survey {
             };
             self.has_velocity |= is_known(&state.velocity);
             self.has_effort |= is_known(&state.effort);
-            if state.stamp != 0 {
-                self.clock = Stamps::Sent;
-            }
+            self.is_stamped |= state.stamp != 0;
             first_stamp = first_stamp.min(state.stamp);
             first_received = first_received.min(message.received);
             n_found += 1;
@@ -137,10 +117,7 @@ impl Survey {
                 "name joints as the bag does",
             ));
         }
-        let first = match self.clock {
-            Stamps::Sent => first_stamp,
-            Stamps::Received => first_received,
-        };
+        let first = if self.is_stamped { first_stamp } else { first_received };
         self.zero = if first > LONGEST_RUN { first } else { 0 };
         Ok(())
     }
@@ -161,15 +138,11 @@ pub(super) fn places<'a>(
     state: &JointState,
     place: impl Fn() -> Place,
 ) -> Result<Option<&'a [usize]>, LogError> {
-    match aligned.find(state) {
-        Holds::All(places) => Ok(Some(places)),
-        Holds::None => Ok(None),
-        Holds::NotThis(joint) => Err(LogError::JointGone {
-            place: place(),
-            joint: shown(joint.as_bytes()),
-            found: shown_names(&state.names),
-        }),
-    }
+    aligned.find(state).map_err(|joint| LogError::JointGone {
+        place: place(),
+        joint: shown(joint.as_bytes()),
+        found: shown_names(&state.names),
+    })
 }
 
 /// The topic to be read.

@@ -4,7 +4,7 @@ use crate::error::{LogError, shown};
 use crate::joints;
 use crate::layout::Signal;
 use crate::profile::unit;
-use crate::profile::{Columns, Parts, PerJoint, Profile};
+use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
 
 impl Profile {
     /// Makes sure that values can be right by themselves and agree in the number of joints; `from`
@@ -46,7 +46,7 @@ impl Profile {
             return wrong("leave_out", shown(name.as_bytes()), one_of(&self.joints.join(", ")));
         }
         for signal in Signal::ALL {
-            if let Some(parts) = self.parts(signal) {
+            if let Some(parts) = self.signal(signal) {
                 check_values(signal, parts, from)?;
             }
         }
@@ -58,7 +58,7 @@ impl Profile {
     pub(crate) fn check_counts(&self, n: Option<usize>, from: &str) -> Result<(), LogError> {
         let counts: Vec<_> = Signal::ALL
             .into_iter()
-            .filter_map(|signal| Some((signal, self.parts(signal)?)))
+            .filter_map(|signal| Some((signal, self.signal(signal)?)))
             .flat_map(|(signal, parts)| counts(signal, parts))
             .collect();
         let first = counts.first().map(|(key, count)| (format!("{key} has"), *count));
@@ -78,10 +78,10 @@ impl Profile {
 }
 
 /// The lists of a signal: key and number of entries.
-fn counts(signal: Signal, parts: Parts<'_>) -> Vec<(String, usize)> {
+fn counts(signal: Signal, parts: &SignalColumns) -> Vec<(String, usize)> {
     let key = |name: &str| format!("{}.{name}", signal.name());
     let mut counts = Vec::new();
-    if let Some(Columns::Names(names)) = parts.columns {
+    if let Some(Columns::Names(names)) = &parts.columns {
         counts.push((key("columns"), names.len()));
     }
     for (name, values) in numbers(parts) {
@@ -89,7 +89,7 @@ fn counts(signal: Signal, parts: Parts<'_>) -> Vec<(String, usize)> {
             counts.push((key(name), values.len()));
         }
     }
-    if let Some(matrix) = parts.matrix {
+    if let Some(matrix) = &parts.matrix {
         counts.push((key("matrix"), matrix.len()));
         let rows = (1..).zip(matrix);
         counts.extend(rows.map(|(row, values)| (key(&format!("matrix, row {row}")), values.len())));
@@ -97,37 +97,39 @@ fn counts(signal: Signal, parts: Parts<'_>) -> Vec<(String, usize)> {
     counts
 }
 
-fn numbers(parts: Parts<'_>) -> [(&'static str, Option<&PerJoint>); 4] {
-    [
-        ("scale", parts.scale),
-        ("gear", parts.gear),
-        ("torque_constant", parts.torque_constant),
-        ("offset", parts.offset),
-    ]
+fn numbers(parts: &SignalColumns) -> [(&'static str, Option<&PerJoint>); 4] {
+    let SignalColumns { scale, gear, torque_constant, offset, .. } = parts;
+    let all = [scale, gear, torque_constant, offset].map(Option::as_ref);
+    let [scale, gear, torque_constant, offset] = all;
+    [("scale", scale), ("gear", gear), ("torque_constant", torque_constant), ("offset", offset)]
 }
 
 /// Units that are known, factors that are finite and leave something of the column.
-fn check_values(signal: Signal, parts: Parts<'_>, from: &str) -> Result<(), LogError> {
+fn check_values(signal: Signal, parts: &SignalColumns, from: &str) -> Result<(), LogError> {
     let wrong = |key: &str, found: String, expected: String| {
         let key = format!("{}.{key}", signal.name());
         Err(LogError::ProfileKey { profile: from.into(), key, found, expected })
     };
-    if unit::factor(signal, parts.unit).is_none() {
-        return wrong("unit", quoted(parts.unit), one_of(&unit::known(Some(signal))));
+    let unit = parts.unit.as_deref();
+    if unit::factor(signal, unit).is_none() {
+        return wrong("unit", quoted(unit), one_of(&unit::known(Some(signal))));
     }
-    if unit::is_current(parts.unit) && parts.torque_constant.is_none() {
+    if unit::is_current(unit) && parts.torque_constant.is_none() {
         let expected = "torque_constant = [N·m/A of each motor, with its sign], and gear if the \
             motor is geared: amperes alone are no torque";
-        return wrong("unit", quoted(parts.unit), expected.into());
+        return wrong("unit", quoted(unit), expected.into());
     }
     for (key, values) in numbers(parts) {
         let Some(values) = values else { continue };
+        if signal != Signal::Tau && matches!(key, "gear" | "torque_constant") {
+            return wrong(key, "a value".into(), "none: this is a key of [tau] alone".into());
+        }
         let is_wrong = |x: &&f64| !x.is_finite() || (key != "offset" && **x == 0.0);
         if let Some(value) = values.values().iter().find(is_wrong) {
             return wrong(key, value.to_string(), "finite numbers, factors other than 0".into());
         }
     }
-    let mut entries = parts.matrix.into_iter().flatten().flatten();
+    let mut entries = parts.matrix.iter().flatten().flatten();
     if let Some(value) = entries.find(|x| !x.is_finite()) {
         return wrong("matrix", value.to_string(), "finite numbers".into());
     }

@@ -1,5 +1,4 @@
 //! MAT files of version 5, as MATLAB writes them.
-#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;

@@ -1,4 +1,5 @@
 //! Files of every format → recordings, and bad ones → errors that say where.
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 mod arrays;
 mod bags;
@@ -10,3 +11,40 @@ mod profiles;
 mod real_robots;
 mod recording;
 mod round_trip;
+
+use std::path::PathBuf;
+use torquewise_logs::{Options, Profile};
+
+/// A folder with text files.
+struct Files(tempfile::TempDir);
+
+impl Files {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn add(&self, name: &str, text: &str) -> PathBuf {
+        let file = self.0.path().join(name);
+        std::fs::write(&file, text).unwrap();
+        file
+    }
+}
+
+/// To read logs by a profile.
+fn with(profile: &str) -> Options {
+    Options { profile: Some(Profile::from_toml(profile).unwrap()), ..Options::default() }
+}
+
+/// A folder of reference values or real logs; none where the test is to be skipped.
+fn shared(name: &str) -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let folder = std::env::var_os("TORQUEWISE_SHARED").map_or(default.into(), PathBuf::from);
+    let folder = folder.join(name);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    let required = std::env::var("TORQUEWISE_SHARED_REQUIRED").is_ok_and(|value| value == "1");
+    assert!(!required, "{} does not exist", folder.display());
+    println!("skipped: {} does not exist", folder.display());
+    None
+}

@@ -1,25 +1,12 @@
 //! A log written by another program is read to the numbers that stand in it.
 
-use std::path::PathBuf;
+use crate::shared;
 use torquewise_logs::Logs;
-
-/// The folder of reference values, or why the test is skipped.
-fn shared() -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var_os("TORQUEWISE_SHARED").map_or(default.into(), PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let required = std::env::var("TORQUEWISE_SHARED_REQUIRED").is_ok_and(|value| value == "1");
-    assert!(!required, "{} does not exist", folder.display());
-    println!("skipped: {} does not exist", folder.display());
-    None
-}
 
 #[test]
 fn oracle_states_of_the_reference_arm_are_read_as_they_stand() {
-    let Some(folder) = shared() else { return };
-    let file = folder.join("oracle/puma560-3.csv");
+    let Some(folder) = shared("oracle") else { return };
+    let file = folder.join("puma560-3.csv");
     let text = std::fs::read_to_string(&file).unwrap();
 
     let parts = Logs::open(&[file]).unwrap().read_all().unwrap();

@@ -1,26 +1,12 @@
 //! Logs as robots write them: a profile turns their columns into signals in SI units.
-#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
-
+use crate::{Files, with};
 use std::f64::consts::PI;
 use std::path::PathBuf;
-use tempfile::TempDir;
-use torquewise_logs::{Clock, LogError, Logs, Options, Profile, RawBlock};
+use torquewise_logs::{Clock, LogError, Logs, Options, Profile};
 use torquewise_motion::Motion;
-
-/// A folder with text files.
-struct Files(TempDir);
+use torquewise_motion::signals::Raw;
 
 impl Files {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn add(&self, name: &str, text: &str) -> PathBuf {
-        let file = self.0.path().join(name);
-        std::fs::write(&file, text).unwrap();
-        file
-    }
-
     /// A file with a header and rows of formatted numbers.
     fn add_rows(
         &self,
@@ -32,10 +18,6 @@ impl Files {
         let lines: String = (0..rows).map(|k| row(k) + "\n").collect();
         self.add(name, &format!("{header}\n{lines}"))
     }
-}
-
-fn with(profile: &str) -> Options {
-    Options { profile: Some(Profile::from_toml(profile).unwrap()), ..Options::default() }
 }
 
 fn open(file: &PathBuf, profile: &str) -> Result<Logs, LogError> {
@@ -224,7 +206,7 @@ fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
     });
     let logs = Logs::open(&[log]).unwrap();
 
-    let mut blocks: Vec<(usize, RawBlock)> = Vec::new();
+    let mut blocks: Vec<(usize, Raw)> = Vec::new();
     logs.read_raw(&mut |trajectory, block| -> Result<(), LogError> {
         blocks.push((trajectory, block.clone()));
         Ok(())

@@ -1,25 +1,11 @@
 //! Logs of real robots are read with their profiles to the numbers that other programs find.
 //!
 //! First and last rows, in `real_robots.csv`, were worked out with numpy 2, scipy 1 and rosbags 0.11 in Python.
-#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
+use crate::shared;
 use faer::MatRef;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use torquewise_logs::{Logs, Options, Profile, ReadReport};
-
-/// The folder of real logs, or why the test is skipped.
-fn shared() -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var_os("TORQUEWISE_SHARED").map_or(default.into(), PathBuf::from);
-    let logs = folder.join("data");
-    if logs.is_dir() {
-        return Some(logs);
-    }
-    let required = std::env::var("TORQUEWISE_SHARED_REQUIRED").is_ok_and(|value| value == "1");
-    assert!(!required, "{} does not exist", logs.display());
-    println!("skipped: {} does not exist", logs.display());
-    None
-}
 
 fn profile(name: &str) -> Profile {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../profiles");
@@ -40,7 +26,7 @@ fn close(found: MatRef<'_, f64>, row: usize, expected: &str, signal: &str) {
 
 #[test]
 fn first_and_last_rows_are_those_that_other_programs_find() {
-    let Some(folder) = shared() else { return };
+    let Some(folder) = shared("data") else { return };
     for line in include_str!("real_robots.csv").lines().skip(1) {
         let fields: Vec<&str> = line.split(',').collect();
         let [log, name, joints, rows, row, t, q, dq, tau] = fields[..] else { panic!("{line}") };
@@ -83,7 +69,7 @@ fn profiles_say_the_same_after_they_were_written() {
 
 #[test]
 fn bags_of_robots_need_no_profile() {
-    let Some(folder) = shared() else { return };
+    let Some(folder) = shared("data") else { return };
     let bag = folder.join("ur10_panda_unisa/panda_exciting_trajectory.db3");
 
     let logs = Logs::open(&[bag]).unwrap();
@@ -91,27 +77,4 @@ fn bags_of_robots_need_no_profile() {
     assert_eq!((logs.joints().len(), logs.joints()[6].as_str()), (7, "fer_joint7"));
     assert!(logs.has_dq() && logs.has_tau() && !logs.has_ddq());
     assert_eq!(logs.read_all().unwrap()[0].n_rows(), 727);
-}
-
-#[test]
-fn a_raw_reading_has_the_rows_of_the_motion_and_derives_nothing() {
-    let Some(folder) = shared() else { return };
-    let file = folder.join("staubli_tx40_figaroh/pos_read_data.csv");
-    let options = Options { profile: Some(profile("staubli_tx40.toml")), ..Options::default() };
-    let logs = Logs::open_with(&[file], &options).unwrap();
-
-    let (mut q, mut t, mut rows) = (Vec::new(), Vec::new(), Vec::new());
-    logs.read_raw(&mut |trajectory, block| -> Result<(), torquewise_logs::LogError> {
-        assert_eq!((trajectory, block.dq.is_none(), block.ddq.is_none()), (0, true, true));
-        t.extend_from_slice(&block.t);
-        q.extend((0..block.t.len()).map(|row| block.q[(row, 5)]));
-        rows.push(block.t.len());
-        Ok(())
-    })
-    .unwrap();
-
-    let motion = &logs.read_all().unwrap()[0];
-    assert_eq!(rows, [vec![1024; 36], vec![136]].concat());
-    assert_eq!(motion.t(), t);
-    assert!(motion.q().col(5).iter().eq(q.iter()));
 }

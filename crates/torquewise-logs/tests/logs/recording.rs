@@ -1,26 +1,9 @@
 //! Several files are one recording, and what does not belong together is refused.
-#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
-
+use crate::Files;
 use std::path::PathBuf;
-use tempfile::TempDir;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::signals::{Conditioning, Cutoff};
 use torquewise_motion::{LocalPolynomial, Recording, Repairs};
-
-/// A folder with text files.
-struct Files(TempDir);
-
-impl Files {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn add(&self, name: &str, text: &str) -> PathBuf {
-        let file = self.0.path().join(name);
-        std::fs::write(&file, text).unwrap();
-        file
-    }
-}
 
 const ONE_JOINT: &str = "t,q1,dq1,ddq1,tau1\n0,1,2,3,4\n0.1,1,2,3,4\n";
 
@@ -131,38 +114,24 @@ fn one_named_file_names_the_joints_of_all() {
 }
 
 #[test]
-fn joint_names_that_are_not_as_many_as_the_joints_are_refused() {
-    let files = Files::new();
-    let file = files.add("a.csv", "# joints: hip\nt,q1,q2\n0,1,2\n");
-
-    let refused = Logs::open(&[file]).unwrap_err();
-
-    assert!(matches!(refused, LogError::JointNameCount { found: 1, expected: 2, .. }));
-}
-
-#[test]
-fn files_of_different_arms_are_refused() {
-    let files = Files::new();
-    let one = files.add("a.csv", ONE_JOINT);
-    let two = files.add("b.csv", "t,q1,q2\n0,1,2\n");
-
-    let refused = Logs::open(&[one, two]).unwrap_err();
-
-    assert!(matches!(refused, LogError::JointCount { found: 2, expected: 1, .. }), "{refused}");
-}
-
-#[test]
-fn files_that_cannot_be_opened_are_refused() {
+fn files_that_cannot_be_opened_or_do_not_belong_together_are_refused() {
     let files = Files::new();
     let missing = files.0.path().join("missing.csv");
     let bag = files.add("bag.mcap", "");
+    let named = files.add("named.csv", "# joints: hip\nt,q1,q2\n0,1,2\n");
+    let one = files.add("a.csv", ONE_JOINT);
+    let two = files.add("b.csv", "t,q1,q2\n0,1,2\n");
+    let folder = files.0.path().join("folder.csv");
+    std::fs::create_dir(&folder).unwrap();
 
     assert!(matches!(Logs::open(&[]), Err(LogError::NoFiles)));
     assert!(matches!(Logs::open(&[missing]), Err(LogError::Read { .. })));
     assert!(matches!(Logs::open(&[bag]), Err(LogError::Empty { .. })));
-    let folder = files.0.path().join("folder.csv");
-    std::fs::create_dir(&folder).unwrap();
     assert!(matches!(Logs::open(&[folder]), Err(LogError::EmptyFolder { .. })));
+    let refused = Logs::open(&[named]);
+    assert!(matches!(refused, Err(LogError::JointNameCount { found: 1, expected: 2, .. })));
+    let refused = Logs::open(&[one, two]);
+    assert!(matches!(refused, Err(LogError::JointCount { found: 2, expected: 1, .. })));
 }
 
 #[test]

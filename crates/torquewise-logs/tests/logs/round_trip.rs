@@ -1,5 +1,4 @@
 //! What is written is read back to the same bits, in either format.
-#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use faer::Mat;
 use proptest::prelude::*;
