@@ -5,7 +5,7 @@ use crate::robot::{Losses, Robot};
 use crate::template::filled_xml;
 use torquewise_model::Model;
 use torquewise_sim::UrdfChain;
-use torquewise_sim::urdf::edit::{Change, Dynamics, edited};
+use torquewise_sim::urdf::edit::{Dynamics, edited};
 
 /// Two geometries are one if their parameters are within this \[rad, m\].
 const SAME: f64 = 1e-6;
@@ -68,7 +68,7 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
         let joint = names[k / torquewise_rigid::geometry::PER_JOINT + 1].clone();
         return Err(ExportError::OtherGeometry { joint });
     }
-    let mut changes = Vec::new();
+    let (mut bodies, mut dynamics) = (Vec::new(), Vec::new());
     let mut left_out = left_out_of_urdf(&robot);
     for (joint, own) in chain.joints().iter().zip(&robot.joints) {
         let (inertials, kept) = joint.distributed(&own.inertial);
@@ -79,12 +79,11 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
                 joint.links[0]
             ));
         }
-        changes.extend(inertials.into_iter().map(|(link, body)| Change::Inertial { link, body }));
+        bodies.extend(inertials);
         let Losses { armature, damping, friction } = own.losses;
-        let dynamics = Dynamics { armature, damping, friction };
-        changes.push(Change::Dynamics { joint: joint.name.clone(), dynamics });
+        dynamics.push((joint.name.clone(), Dynamics { armature, damping, friction }));
     }
-    Ok(RobotFile { text: edited(text, &changes)?, left_out })
+    Ok(RobotFile { text: edited(text, &bodies, &dynamics)?, left_out })
 }
 
 /// What a URDF has no room for: of shafts that several joints turn too.
