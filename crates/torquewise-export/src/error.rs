@@ -4,38 +4,37 @@
 use torquewise_model::ModelError;
 
 /// Why a model cannot be exported.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ExportError {
     #[error("the model cannot be exported")]
+    #[diagnostic(forward(0))]
     Model(#[from] ModelError),
-    #[error(
-        "the code would hold a constant that is not finite: the coefficients of the model are too \
-         large to be multiplied; fit it in SI units"
-    )]
+    #[error("coefficients of the model are so large that a constant of the code is not finite")]
+    #[diagnostic(help("fit the model in SI units"))]
     NotFinite,
-    #[error(
-        "the code would hold the constant {constant:e}, which single precision cannot hold: \
-         export in double precision"
-    )]
+    #[error("the constant {constant:e} of the code is too large for single precision")]
+    #[diagnostic(help("export in double precision"))]
     NotSingle { constant: f64 },
-    #[error("{name:?} names no function: begin with a letter, then letters, digits and _")]
+    #[error("{name:?} cannot name functions of C")]
+    #[diagnostic(help("begin with a letter, then letters, digits and _"))]
     Name { name: String },
-    #[error("a robot file is made of links: fit the log with --library chain, or with --urdf")]
+    #[error("the model has no links, of which a robot file is made")]
+    #[diagnostic(help("fit the log with --library chain, or with --urdf"))]
     NoChain,
-    #[error(
-        "a joint of the model is turned by the coordinates of several, which a robot file cannot \
-         say: log the joint angles themselves"
-    )]
+    #[error("several coordinates turn one joint of the model, for which robot files have no word")]
+    #[diagnostic(help("log the joint angles themselves"))]
     Coupled,
-    #[error("the link of {joint} is no body that can be, and no simulator takes it")]
+    #[error(
+        "the link of {joint} has a mass or inertia that no body has, and no simulator takes it"
+    )]
+    #[diagnostic(help("fit the log anew on more motion"))]
     Infeasible { joint: String },
     #[error("the URDF cannot take up the model")]
+    #[diagnostic(forward(0))]
     Urdf(#[from] torquewise_sim::SimError),
-    #[error(
-        "the axis of {joint} lies elsewhere in the URDF than in the model: fit the log with --urdf \
-         and this file"
-    )]
+    #[error("the axis of {joint} lies elsewhere in the URDF than in the model")]
+    #[diagnostic(help("fit the log with --urdf and this file"))]
     OtherGeometry { joint: String },
     #[error("the archive cannot be made")]
     Archive(#[from] zip::result::ZipError),

@@ -3,9 +3,9 @@
 use crate::c::{check_name, inclusion, quoted, to_c};
 use crate::error::ExportError;
 use crate::program::{Precision, Program, Quantity};
-use crate::xml::Xml;
+use crate::template::filled_xml;
+use minijinja::context;
 use std::io::{Cursor, Write};
-use std::ops::Range;
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -65,79 +65,15 @@ fn guid(program: &Program) -> String {
     format!("{{torquewise-{:016x}}}", program.fingerprint)
 }
 
-/// Units of the signals: name, and exponents of their base units.
-const UNITS: [(&str, &[(&str, &str)]); 8] = [
-    ("rad", &[("rad", "1")]),
-    ("rad/s", &[("s", "-1"), ("rad", "1")]),
-    ("rad/s2", &[("s", "-2"), ("rad", "1")]),
-    ("N.m", &[("kg", "1"), ("m", "2"), ("s", "-2")]),
-    ("kg.m2", &[("kg", "1"), ("m", "2")]),
-    ("kg.m2/s", &[("kg", "1"), ("m", "2"), ("s", "-1")]),
-    ("1/(kg.m2)", &[("kg", "-1"), ("m", "-2")]),
-    ("Hz", &[("s", "-1")]),
-];
-
 fn description(program: &Program, name: &str) -> Result<String, ExportError> {
-    let mut xml = Xml::new();
-    xml.open(
-        "fmiModelDescription",
-        &[
-            ("fmiVersion", "2.0"),
-            ("modelName", name),
-            ("guid", &guid(program)),
-            ("description", "Torque model of a robot arm"),
-            ("generationTool", concat!("torquewise ", env!("CARGO_PKG_VERSION"))),
-            ("variableNamingConvention", "structured"),
-            ("numberOfEventIndicators", "0"),
-        ],
-    );
-    let identifier = ("modelIdentifier", name);
-    let kinds: [(&str, &[(&str, &str)]); 2] = [
-        ("ModelExchange", &[identifier]),
-        ("CoSimulation", &[identifier, ("canHandleVariableCommunicationStepSize", "true")]),
-    ];
-    for (kind, attributes) in kinds {
-        xml.open(kind, attributes);
-        xml.open("SourceFiles", &[]);
-        xml.leaf("File", &[("name", &format!("{name}.c"))]);
-        xml.leaf("File", &[("name", &format!("{name}_fmu.c"))]);
-        xml.close("SourceFiles");
-        xml.close(kind);
-    }
-    xml.open("UnitDefinitions", &[]);
-    for (unit, base) in UNITS {
-        xml.open("Unit", &[("name", unit)]);
-        xml.leaf("BaseUnit", base);
-        xml.close("Unit");
-    }
-    xml.close("UnitDefinitions");
-    let outputs = variables(program, &mut xml);
-    xml.open("ModelStructure", &[]);
-    for list in ["Outputs", "InitialUnknowns"] {
-        xml.open(list, &[]);
-        for index in outputs.clone() {
-            // Counted from 1.
-            xml.leaf("Unknown", &[("index", &(index + 1).to_string())]);
-        }
-        xml.close(list);
-    }
-    xml.close("ModelStructure");
-    xml.close("fmiModelDescription");
-    xml.finish()
-}
-
-/// Writes the variables in the order of their value references; which are outputs.
-fn variables(program: &Program, xml: &mut Xml) -> Range<usize> {
     let n = program.n_joints();
-    let mut rows: Vec<(String, &str, String)> = Vec::new();
     let of_joint = |joint: usize| format!("joint {}", program.joints[joint]);
-    let vector = |name: &str, unit: &'static str| -> Vec<(String, &str, String)> {
-        (0..n).map(|j| (format!("{name}[{}]", j + 1), unit, of_joint(j))).collect()
+    let vector = |name: &str, unit: &'static str| -> Vec<[String; 3]> {
+        (0..n).map(|j| [format!("{name}[{}]", j + 1), unit.into(), of_joint(j)]).collect()
     };
-    for (signal, unit) in [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2"), ("effort", "N.m")] {
-        rows.extend(vector(signal, unit));
-    }
-    rows.push(("bandwidth".into(), "Hz", "of external torque".into()));
+    let signals = [("q", "rad"), ("dq", "rad/s"), ("ddq", "rad/s2"), ("effort", "N.m")];
+    let inputs: Vec<_> = signals.iter().flat_map(|(signal, unit)| vector(signal, unit)).collect();
+    let mut outputs = Vec::new();
     for quantity in Quantity::ALL {
         let name = if quantity == Quantity::Torque { "tau" } else { quantity.name() };
         let unit = match quantity {
@@ -148,36 +84,23 @@ fn variables(program: &Program, xml: &mut Xml) -> Range<usize> {
             _ => "N.m",
         };
         if quantity.is_matrix() {
-            rows.extend((0..n * n).map(|place| {
+            outputs.extend((0..n * n).map(|place| {
                 let (i, j) = (place / n, place % n);
                 let text = format!("{} by {}", of_joint(i), of_joint(j));
-                (format!("{name}[{},{}]", i + 1, j + 1), unit, text)
+                [format!("{name}[{},{}]", i + 1, j + 1), unit.into(), text]
             }));
         } else {
-            rows.extend(vector(name, unit));
+            outputs.extend(vector(name, unit));
         }
     }
-    rows.extend(vector("external", "N.m"));
-    xml.open("ModelVariables", &[]);
-    for (place, (name, unit, description)) in rows.iter().enumerate() {
-        let (causality, variability, start) = match place {
-            _ if place < 4 * n => ("input", "continuous", Some(("start", "0"))),
-            _ if place == 4 * n => ("parameter", "tunable", Some(("start", "10"))),
-            _ => ("output", "continuous", None),
-        };
-        xml.open(
-            "ScalarVariable",
-            &[
-                ("name", name),
-                ("valueReference", &place.to_string()),
-                ("causality", causality),
-                ("variability", variability),
-                ("description", description),
-            ],
-        );
-        xml.leaf("Real", &[("unit", *unit)].into_iter().chain(start).collect::<Vec<_>>());
-        xml.close("ScalarVariable");
-    }
-    xml.close("ModelVariables");
-    4 * n + 1..rows.len()
+    outputs.extend(vector("external", "N.m"));
+    filled_xml(
+        include_str!("templates/modelDescription.xml.j2"),
+        context! {
+            name, inputs, outputs,
+            parameter => 4 * n,
+            guid => guid(program),
+            version => env!("CARGO_PKG_VERSION"),
+        },
+    )
 }

@@ -2,6 +2,7 @@
 //! out.
 
 use crate::error::ExportError;
+use minijinja::{Value, context};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,6 +10,7 @@ use std::f64::consts::PI;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, RigidChain, Torque};
+use torquewise_rigid::geometry::Placement;
 
 /// An arm as robot files describe it.
 #[derive(Clone, Debug)]
@@ -16,8 +18,9 @@ pub(crate) struct Robot {
     pub(crate) name: String,
     pub(crate) base: String,
     pub(crate) joints: Vec<RobotJoint>,
-    /// Rotors and friction on shafts that several joints turn.
-    pub(crate) shared: Vec<SharedShaft>,
+    /// Rotors and friction on shafts that several joints turn: the speed of the shaft per speed of
+    /// each joint, n, and what turns and rubs on it.
+    pub(crate) shared: Vec<(Vec<f64>, Losses)>,
     /// Parts of the model that no robot file has room for.
     pub(crate) left_out: Vec<String>,
 }
@@ -28,9 +31,7 @@ pub(crate) struct RobotJoint {
     pub(crate) name: String,
     pub(crate) link: String,
     /// Its frame at q = 0 in the one before; of the first in the world, z up.
-    pub(crate) rotation: Matrix3<f64>,
-    /// \[m\]
-    pub(crate) origin: Vector3<f64>,
+    pub(crate) frame: Placement,
     /// m, m·c and moments about the origin.
     pub(crate) inertial: [f64; 10],
     pub(crate) losses: Losses,
@@ -53,23 +54,8 @@ pub(crate) struct Losses {
     pub(crate) friction: f64,
 }
 
-/// A shaft that several joints turn.
-#[derive(Clone, Debug)]
-pub(crate) struct SharedShaft {
-    /// Its speed per speed of each joint, n.
-    pub(crate) shaft: Vec<f64>,
-    pub(crate) losses: Losses,
-}
-
-/// A body by its centre of mass.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Central {
-    pub(crate) mass: f64,
-    pub(crate) center: Vector3<f64>,
-    /// About the centre of mass.
-    pub(crate) inertia: Matrix3<f64>,
-}
-
+/// Radius of the links that are drawn, as a part of the length of the arm, and at least \[m\].
+const RADIUS: (f64, f64) = (0.04, 0.005);
 /// States that the largest torque is looked for at.
 const EFFORT_STATES: usize = 2_000;
 
@@ -94,47 +80,94 @@ impl Robot {
             let down = Vector3::from(axes.gravity());
             first.rotation = upright(&-down);
         }
-        let (own, shared, left_out) = losses(model, chain);
+        let (losses, shared, left_out) = losses(model, chain);
+        let names = chain.robot.as_ref();
         let efforts = efforts(model)?;
         let training = &model.training;
-        let joints = placements.iter().enumerate().map(|(k, placement)| {
-            let name =
-                robot_names(model, |names| names.joints[k].clone(), || model.joints[k].clone());
-            let link = robot_names(
-                model,
-                |names| names.links[k].clone(),
-                || format!("{}_link", model.joints[k]),
-            );
+        let joints = placements.into_iter().enumerate().map(|(k, frame)| {
+            let own = &model.joints[k];
             RobotJoint {
-                name,
-                link,
-                rotation: placement.rotation,
-                origin: placement.origin,
+                name: names.map_or_else(|| own.clone(), |names| names.joints[k].clone()),
+                link: names.map_or_else(|| format!("{own}_link"), |names| names.links[k].clone()),
+                frame,
                 inertial: chain.links[k],
-                losses: own[k],
+                losses: losses[k],
                 range: training.q_range.get(k).copied().unwrap_or([-PI, PI]),
                 speed: training.dq_peak.get(k).copied().unwrap_or(0.0),
                 effort: efforts[k],
             }
         });
         Ok(Self {
-            name: robot_names(model, |names| names.robot.clone(), || "arm".to_owned()),
-            base: robot_names(model, |names| names.base.clone(), || "base_link".to_owned()),
+            name: names.map_or_else(|| "arm".to_owned(), |names| names.robot.clone()),
+            base: names.map_or_else(|| "base_link".to_owned(), |names| names.base.clone()),
             joints: joints.collect(),
             shared,
             left_out,
         })
     }
+
+    /// What the templates of robot files are filled with; numbers are text.
+    pub(crate) fn values(&self, version: &str) -> Value {
+        let length: f64 = self.joints.iter().map(|joint| joint.frame.origin.norm()).sum();
+        let radius = (RADIUS.0 * length / self.joints.len() as f64).max(RADIUS.1);
+        let joints = self.joints.iter().enumerate().map(|(k, joint)| {
+            let (mass, center, inertia) = joint.central();
+            let (moments, axes) = principal(inertia);
+            let end = self.joints.get(k + 1).map_or(center, |next| next.frame.origin);
+            let i = inertia;
+            context! {
+                name => &joint.name,
+                link => &joint.link,
+                parent => k.checked_sub(1).map_or(&self.base, |before| &self.joints[before].link),
+                origin => numbers(joint.frame.origin.into()),
+                rpy => numbers(rpy(&joint.frame.rotation)),
+                quaternion => numbers(quaternion(joint.frame.rotation)),
+                mass => numbers([mass]),
+                center => numbers(center.into()),
+                inertia => [i.m11, i.m22, i.m33, i.m12, i.m13, i.m23].map(|x| numbers([x])),
+                principal => context! {
+                    moments => numbers(moments),
+                    quaternion => numbers(quaternion(axes)),
+                },
+                losses => joint.losses.values(),
+                range => joint.range.map(|x| numbers([x])),
+                speed => numbers([joint.speed]),
+                effort => numbers([joint.effort]),
+                strong => joint.effort > 0.0,
+                bar => (end.norm() > radius).then(|| bar(&end)),
+            }
+        });
+        let shared = self.shared.iter().map(|(shaft, losses)| {
+            let turns = self.joints.iter().zip(shaft).filter(|(_, part)| **part != 0.0);
+            let turns = turns.map(|(joint, part)| [joint.name.clone(), numbers([*part])]);
+            context! { losses => losses.values(), turns => turns.collect::<Vec<_>>() }
+        });
+        context! {
+            version,
+            name => &self.name,
+            base => &self.base,
+            joints => joints.collect::<Vec<_>>(),
+            shared => shared.collect::<Vec<_>>(),
+            radius => numbers([radius]),
+            housing => context! {
+                radius => numbers([1.5 * radius]),
+                length => numbers([4.0 * radius]),
+                reach => numbers([2.0 * radius]),
+            },
+        }
+    }
 }
 
-/// A name that a URDF gave, or another.
-fn robot_names(
-    model: &Model,
-    given: impl Fn(&torquewise_model::RobotNames) -> String,
-    other: impl Fn() -> String,
-) -> String {
-    let robot = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());
-    robot.map_or_else(other, given)
+/// What is drawn from the origin of a link to that of the next.
+fn bar(end: &Vector3<f64>) -> Value {
+    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
+    let turn = Rotation3::rotation_between(&Vector3::z(), end).unwrap_or_else(half_turn);
+    context! {
+        end => numbers((*end).into()),
+        middle => numbers((end / 2.0).into()),
+        rpy => numbers(turn.euler_angles().into()),
+        length => numbers([end.norm()]),
+    }
 }
 
 /// The first link that is no body.
@@ -151,10 +184,15 @@ fn upright(up: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Rotors and friction of each joint, those of shared shafts, and what is left out.
-fn losses(model: &Model, chain: &RigidChain) -> (Vec<Losses>, Vec<SharedShaft>, Vec<String>) {
+#[expect(clippy::type_complexity, reason = "three fields of a robot")]
+fn losses(
+    model: &Model,
+    chain: &RigidChain,
+) -> (Vec<Losses>, Vec<(Vec<f64>, Losses)>, Vec<String>) {
     let n = model.n_joints();
     let mut own = vec![Losses::default(); n];
-    let (mut shared, mut left_out): (Vec<SharedShaft>, Vec<String>) = (Vec::new(), Vec::new());
+    let mut shared: Vec<(Vec<f64>, Losses)> = Vec::new();
+    let mut left_out = Vec::new();
     let mut at = |shaft: &[f64], change: &dyn Fn(&mut Losses)| {
         let mut turning = (0..n).filter(|&joint| shaft[joint] != 0.0);
         if let (Some(joint), None) = (turning.next(), turning.next())
@@ -163,11 +201,11 @@ fn losses(model: &Model, chain: &RigidChain) -> (Vec<Losses>, Vec<SharedShaft>, 
             change(&mut own[joint]);
             return;
         }
-        let place = shared.iter().position(|known| known.shaft == shaft).unwrap_or_else(|| {
-            shared.push(SharedShaft { shaft: shaft.to_vec(), losses: Losses::default() });
+        let place = shared.iter().position(|(known, _)| known == shaft).unwrap_or_else(|| {
+            shared.push((shaft.to_vec(), Losses::default()));
             shared.len() - 1
         });
-        change(&mut shared[place].losses);
+        change(&mut shared[place].1);
     };
     for drive in &chain.drives {
         match drive {
@@ -221,51 +259,54 @@ fn efforts(model: &Model) -> Result<Vec<f64>, ExportError> {
     Ok(largest)
 }
 
+impl Losses {
+    fn values(&self) -> Value {
+        let [armature, damping, friction] =
+            [self.armature, self.damping, self.friction].map(|x| numbers([x]));
+        context! { armature, damping, friction }
+    }
+}
+
 impl RobotJoint {
-    /// Its link by the centre of mass.
-    pub(crate) fn central(&self) -> Central {
+    /// Mass, centre of mass and inertia about it of the link.
+    fn central(&self) -> (f64, Vector3<f64>, Matrix3<f64>) {
         let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = self.inertial;
         let center = Vector3::new(x, y, z) / mass;
         let about_origin = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
         let shift = Matrix3::identity() * center.norm_squared() - center * center.transpose();
-        Central { mass, center, inertia: about_origin - mass * shift }
-    }
-
-    /// Fixed-axis roll, pitch and yaw \[rad\] of its frame, exact where pitch is a right angle too.
-    pub(crate) fn rpy(&self) -> [f64; 3] {
-        let r = &self.rotation;
-        let pitch = (-r[(2, 0)]).atan2(r[(2, 1)].hypot(r[(2, 2)]));
-        let roll =
-            if r[(2, 1)] == 0.0 && r[(2, 2)] == 0.0 { 0.0 } else { r[(2, 1)].atan2(r[(2, 2)]) };
-        let (sine, cosine) = roll.sin_cos();
-        // What is left once the roll is taken back is a yaw and a pitch.
-        let yaw =
-            (sine * r[(0, 2)] - cosine * r[(0, 1)]).atan2(cosine * r[(1, 1)] - sine * r[(1, 2)]);
-        [roll, pitch, yaw]
+        (mass, center, about_origin - mass * shift)
     }
 }
 
-impl Central {
-    /// Its principal moments and their axes: a reader need not find them itself, to fewer digits.
-    pub(crate) fn principal(&self) -> ([f64; 3], Matrix3<f64>) {
-        let eigen = self.inertia.symmetric_eigen();
-        let mut axes = eigen.eigenvectors;
-        if axes.determinant() < 0.0 {
-            axes.column_mut(2).neg_mut();
-        }
-        (eigen.eigenvalues.into(), axes)
+/// Fixed-axis roll, pitch and yaw \[rad\], exact where pitch is a right angle too.
+fn rpy(r: &Matrix3<f64>) -> [f64; 3] {
+    let pitch = (-r[(2, 0)]).atan2(r[(2, 1)].hypot(r[(2, 2)]));
+    let roll = if r[(2, 1)] == 0.0 && r[(2, 2)] == 0.0 { 0.0 } else { r[(2, 1)].atan2(r[(2, 2)]) };
+    let (sine, cosine) = roll.sin_cos();
+    // What is left once the roll is taken back is a yaw and a pitch.
+    let yaw = (sine * r[(0, 2)] - cosine * r[(0, 1)]).atan2(cosine * r[(1, 1)] - sine * r[(1, 2)]);
+    [roll, pitch, yaw]
+}
+
+/// Principal moments and their axes: a reader need not find them itself, to fewer digits.
+fn principal(inertia: Matrix3<f64>) -> ([f64; 3], Matrix3<f64>) {
+    let eigen = inertia.symmetric_eigen();
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.column_mut(2).neg_mut();
     }
+    (eigen.eigenvalues.into(), axes)
 }
 
 /// A rotation as a unit quaternion w, x, y, z.
-pub(crate) fn quaternion(rotation: Matrix3<f64>) -> [f64; 4] {
+fn quaternion(rotation: Matrix3<f64>) -> [f64; 4] {
     let rotation = Rotation3::from_matrix_unchecked(rotation);
     let q = UnitQuaternion::from_rotation_matrix(&rotation);
     [q.w, q.i, q.j, q.k]
 }
 
 /// Numbers with all their digits, separated by spaces.
-pub(crate) fn numbers<const N: usize>(values: [f64; N]) -> String {
+fn numbers<const N: usize>(values: [f64; N]) -> String {
     // Rounding of a turn is no number to read.
     let clean = |x: f64| if x.abs() < 1e-16 { 0.0 } else { x };
     values.map(|x| format!("{:?}", clean(x))).join(" ")
@@ -281,18 +322,9 @@ mod tests {
         for pitch in [0.3, half, half - 1e-9, -half, half + 1e-8, -2.0] {
             for (roll, yaw) in [(0.0, 0.0), (0.4, -1.1), (2.8, 3.0)] {
                 let rotation = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
-                let joint = RobotJoint {
-                    name: String::new(),
-                    link: String::new(),
-                    rotation,
-                    origin: Vector3::zeros(),
-                    inertial: [0.0; 10],
-                    losses: Losses::default(),
-                    range: [0.0; 2],
-                    speed: 0.0,
-                    effort: 0.0,
-                };
-                let [roll, pitch, yaw] = joint.rpy();
+
+                let [roll, pitch, yaw] = rpy(&rotation);
+
                 let back = *Rotation3::from_euler_angles(roll, pitch, yaw).matrix();
                 assert!((back - rotation).norm() < 1e-14, "{roll} {pitch} {yaw}");
             }

@@ -4,8 +4,7 @@
 use crate::c::{check_name, inclusion, to_c};
 use crate::error::ExportError;
 use crate::program::{Precision, Program};
-use crate::template::filled;
-use crate::xml::Xml;
+use crate::template::{filled, filled_xml};
 use minijinja::context;
 
 /// The files of the package: path within it and text.
@@ -38,8 +37,10 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
         )
     };
     let head = file(NODE)?;
+    let manifest = context! { package => package.as_str(), depends => DEPENDS };
+    let manifest = filled_xml(include_str!("templates/package.xml.j2"), manifest)?;
     Ok(vec![
-        ("package.xml".into(), manifest(&package)?),
+        ("package.xml".into(), manifest),
         ("CMakeLists.txt".into(), file(include_str!("templates/CMakeLists.txt.j2"))?),
         ("config/feed_forward.yaml".into(), file(include_str!("templates/feed_forward.yaml.j2"))?),
         (format!("src/{name}.c"), to_c(program, name, Precision::Double)?),
@@ -56,27 +57,3 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
 const NODE: &str = "// {{ version }}\n\n{{ inclusion }}constexpr int N = {{ upper }}_JOINTS;\n\n";
 
 const DEPENDS: [&str; 4] = ["rclcpp", "sensor_msgs", "std_msgs", "trajectory_msgs"];
-
-fn manifest(package: &str) -> Result<String, ExportError> {
-    let mut xml = Xml::new();
-    xml.open("package", &[("format", "3")]);
-    xml.text("name", &[], package);
-    xml.text("version", &[], "0.1.0");
-    xml.text(
-        "description",
-        &[],
-        "Torque of a desired motion, and external torque, by a reconstructed model",
-    );
-    xml.text("maintainer", &[("email", "you@example.com")], "you");
-    xml.text("license", &[], "Proprietary");
-    xml.text("buildtool_depend", &[], "ament_cmake");
-    for name in DEPENDS {
-        xml.text("depend", &[], name);
-    }
-    xml.text("exec_depend", &[], "effort_controllers");
-    xml.open("export", &[]);
-    xml.text("build_type", &[], "ament_cmake");
-    xml.close("export");
-    xml.close("package");
-    xml.finish()
-}

@@ -1,6 +1,9 @@
-//! From nodes to statements of one function, in the signs that C, Rust and Python share.
+//! From program to what the templates of C, Rust and Python are filled with: functions as statements,
+//! in the signs that these languages share.
 
 use crate::graph::{Function, Graph, Id, Input, Node};
+use crate::program::{Memory, Precision, Program, Quantity};
+use minijinja::{Value, context};
 use std::collections::HashMap;
 
 /// Longest expression that is written in one line; longer ones are given names in between.
@@ -10,8 +13,107 @@ const LINE: usize = 84;
 pub(crate) trait Language {
     /// A number.
     fn constant(&self, value: f64) -> String;
-    /// f(argument); the argument is a name or an expression that needs no brackets.
-    fn call(&self, function: Function, argument: &str) -> String;
+    /// Name of a function of one value.
+    fn name(&self, function: Function) -> String;
+    /// A string literal.
+    fn quoted(&self, text: &str) -> String;
+    /// The statements that compute something.
+    fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String>;
+}
+
+/// What statements compute.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// A function of signals alone.
+    Function(Quantity),
+    /// A function at the state that friction remembers.
+    After(Quantity),
+    /// The next state of friction.
+    Step,
+    /// Momentum, and the part of its change that is neither motor nor external.
+    Momentum,
+}
+
+impl Role {
+    /// The signals that are given; what else is read is part of the state.
+    pub(crate) fn signals(self) -> Vec<&'static str> {
+        match self {
+            Self::Function(quantity) => quantity.signals().to_vec(),
+            Self::After(quantity) => Memory::signals(quantity).collect(),
+            Self::Step => vec!["q"],
+            Self::Momentum => vec!["q", "dq"],
+        }
+    }
+
+    /// The columns in which results are set, if they are a matrix.
+    pub(crate) fn columns(self, n_joints: usize) -> Option<usize> {
+        let is_matrix = match self {
+            Self::Function(quantity) | Self::After(quantity) => quantity.is_matrix(),
+            Self::Step => false,
+            Self::Momentum => true,
+        };
+        is_matrix.then_some(n_joints)
+    }
+}
+
+/// A number as C, Rust and Python write it.
+pub(crate) fn number(value: f64, precision: Precision) -> String {
+    match precision {
+        Precision::Double => format!("{value:?}"),
+        #[expect(clippy::cast_possible_truncation, reason = "single precision is asked for")]
+        Precision::Single => format!("{:?}", value as f32),
+    }
+}
+
+/// What the template of a language is filled with.
+pub(crate) fn values(program: &Program, language: &impl Language) -> Value {
+    let part = |role: Role, roots: &[Id]| {
+        let body = Body::of(&program.graph, roots, language);
+        let signals = role.signals();
+        let unread = signals.iter().copied().filter(|signal| !body.reads(signal));
+        context! {
+            unread => unread.collect::<Vec<_>>(),
+            cost => program.cost_of(roots).to_string(),
+            lines => language.statements(&body, role, program),
+            signals,
+        }
+    };
+    let function = |role: fn(Quantity) -> Role, (quantity, roots): &(Quantity, Vec<Id>)| {
+        let (name, formula) = (quantity.name(), quantity.formula());
+        context! {
+            name, formula,
+            is_matrix => quantity.is_matrix(),
+            result => quantity.result(),
+            count => roots.len(),
+            summary => format!("{name:18}{formula:24}{}", program.cost_of(roots)),
+            ..part(role(*quantity), roots)
+        }
+    };
+    let functions = |role, functions: &[(Quantity, Vec<Id>)]| -> Vec<Value> {
+        functions.iter().map(|own| function(role, own)).collect()
+    };
+    let memory = program.memory.as_ref().map(|memory| {
+        context! {
+            elements => memory.states.len(),
+            step => part(Role::Step, &memory.states),
+            after => functions(Role::After, &memory.after),
+        }
+    });
+    let version = program.version();
+    context! {
+        memory,
+        n => program.n_joints(),
+        steps => program.steps,
+        quoted_version => language.quoted(&version),
+        version,
+        remarks => program.remarks(),
+        joints => program.joints.iter().map(|joint| language.quoted(joint)).collect::<Vec<_>>(),
+        has_sign => program.calls(Function::Sign),
+        has_positive => program.calls(Function::Positive),
+        has_abs => program.calls(Function::Abs),
+        functions => functions(Role::Function, &program.functions),
+        momentum => part(Role::Momentum, &program.momentum),
+    }
 }
 
 /// sin and cos of one joint, as far as they are needed; `s1` and `c1`.
@@ -60,6 +162,22 @@ impl Body {
     /// Whether it reads a signal, by the name that [`signal_of`] has for it.
     pub(crate) fn reads(&self, signal: &str) -> bool {
         self.inputs.iter().any(|&input| signal_of(input).0 == signal)
+    }
+
+    /// Each signal by the name of its entry, and where it is read from.
+    ///
+    /// - `state`: what entries of the state begin with, which signals that are not given are read from
+    pub(crate) fn read(&self, given: &[&str], state: &str) -> Vec<(String, String)> {
+        let read = |&input: &Input| {
+            let (signal, joint) = signal_of(input);
+            let from = match signal {
+                _ if given.contains(&signal) => signal.to_owned(),
+                "x" => format!("{state}x"),
+                _ => format!("{state}q"),
+            };
+            (format!("{signal}{}", joint + 1), format!("{from}[{joint}]"))
+        };
+        self.inputs.iter().map(read).collect()
     }
 
     /// The results as an array of Rust or a list of Python, line by line.
@@ -202,7 +320,11 @@ fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> T
         Node::Call(function, a) => {
             let level =
                 if *function == Function::Reciprocal { Level::Product } else { Level::Call };
-            Text { text: language.call(*function, &at(a, Level::Sum)), level }
+            let name = match function {
+                Function::Reciprocal => format!("{}/", language.constant(1.0)),
+                other => language.name(*other),
+            };
+            Text { text: format!("{name}({})", at(a, Level::Sum)), level }
         }
         Node::Constant(_) | Node::Input(_) | Node::Sin(_) | Node::Cos(_) => {
             Text { text: String::new(), level: Level::Name }
@@ -213,18 +335,7 @@ fn joined(node: &Node, texts: &HashMap<Id, Text>, language: &impl Language) -> T
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    struct Plain;
-
-    impl Language for Plain {
-        fn constant(&self, value: f64) -> String {
-            format!("{value:?}")
-        }
-
-        fn call(&self, function: Function, argument: &str) -> String {
-            format!("{function:?}({argument})")
-        }
-    }
+    use crate::python::Python;
 
     #[test]
     fn a_result_that_stands_in_two_places_is_computed_once() {
@@ -233,7 +344,7 @@ mod tests {
         let product = graph.mul(a, b);
         let sum = graph.add(product, a);
 
-        let body = Body::of(&graph, &[a, product, product, sum], &Plain);
+        let body = Body::of(&graph, &[a, product, product, sum], &Python);
 
         assert_eq!(body.steps, [("t1".into(), "q1*q2".into())]);
         assert_eq!(body.results, ["q1", "t1", "t1", "q1 + t1"]);

@@ -1,33 +1,28 @@
 //! What can keep a figure or a report from being made.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+use torquewise_model::ModelError;
+
 /// Why there is no figure or report.
-#[derive(Debug, thiserror::Error, PartialEq, Eq)]
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
 pub enum ReportError {
-    #[error(
-        "{signal} is {rows}x{columns}, expected {expected_rows}x{expected_columns}: \
-         give one row per time stamp and one column per joint"
-    )]
-    Shape {
-        signal: String,
-        rows: usize,
-        columns: usize,
-        expected_rows: usize,
-        expected_columns: usize,
-    },
-    #[error(
-        "a figure of {rows} rows and {joints} joints shows nothing: give two rows of one joint"
-    )]
+    #[error("{signal} is {}x{}, expected {}x{}", found[0], found[1], expected[0], expected[1])]
+    #[diagnostic(help("give one row per time stamp and one column per joint"))]
+    Shape { signal: &'static str, found: [usize; 2], expected: [usize; 2] },
+    #[error("a report of {rows} rows and {joints} joints shows nothing")]
+    #[diagnostic(help("give two rows of one joint"))]
     Empty { rows: usize, joints: usize },
-    #[error("{signal} is not finite at row {row}: drop the row or repair the signal")]
-    NotFinite { signal: String, row: usize },
-    #[error("t does not increase at row {row}: sort the rows and drop repeated ones")]
-    TimeOrder { row: usize },
-    #[error("the figure cannot be drawn, {reason}: check that its values are of ordinary size")]
+    #[error("the figure cannot be drawn, {reason}")]
+    #[diagnostic(help("check that its values are of ordinary size"))]
     Drawing { reason: String },
-    #[error("the page cannot be written, {reason}: report this as an error of this program")]
-    Page { reason: String },
-    #[error("the model after step {step} cannot be evaluated, {reason}: fit it anew")]
-    Step { step: usize, reason: String },
+    #[error("the page cannot be written")]
+    #[diagnostic(help("report this as an error of this program"))]
+    Page(#[from] minijinja::Error),
+    #[error("the data of a chart cannot be written")]
+    #[diagnostic(help("report this as an error of this program"))]
+    Data(#[from] serde_json::Error),
+    #[error("the model after step {step} cannot be evaluated")]
+    #[diagnostic(help("fit it anew"))]
+    Step { step: usize, source: ModelError },
 }

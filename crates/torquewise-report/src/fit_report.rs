@@ -14,8 +14,7 @@ mod torques;
 mod geometry;
 mod friction;
 mod equations;
-mod activation;
-mod steps;
+mod method;
 pub mod call_cost;
 mod residuals;
 mod importance;
@@ -43,8 +42,8 @@ pub struct Findings<'a> {
 ///
 /// The verdict and the error of each joint come first, then what to do next; then torques, learned
 /// geometry, friction, equations, residuals, importance of terms, physical checks, the log and what
-/// was repaired in it, patterns, steps and cost in a controller. What a model does not have is left
-/// out.
+/// was repaired in it, details of the method and cost in a controller. What a model does not have is
+/// left out.
 ///
 /// # Errors
 /// [`ReportError::Shape`] if found model and diagnosis are of different arms, or there are costs of
@@ -73,7 +72,7 @@ impl<'a> Findings<'a> {
         sections.extend(self.checks.map(physics::section));
         sections.push(conditioning::section(self));
         if self.is_stepwise() {
-            sections.extend([activation::section(self), steps::section(self)?]);
+            sections.push(method::section(self)?);
         }
         if !self.costs.is_empty() {
             sections.push(call_cost::section(self)?);
@@ -106,16 +105,11 @@ impl<'a> Findings<'a> {
         let mut diagnoses = std::iter::once(self.diagnosis).chain(self.test);
         diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))?;
         let (found, expected) = (self.costs.len(), self.found.model.stages.len() + 1);
-        if found == 0 || found == expected {
-            return Ok(());
+        let signal = "costs of the steps and the whole";
+        match found {
+            0 => Ok(()),
+            _ => same_shape(signal, [found, 1], [expected, 1]),
         }
-        Err(ReportError::Shape {
-            signal: "costs of the steps and the whole".into(),
-            rows: found,
-            columns: 1,
-            expected_rows: expected,
-            expected_columns: 1,
-        })
     }
 
     fn check_shape(&self, diagnosis: &Diagnosis) -> Result<(), ReportError> {
@@ -124,27 +118,24 @@ impl<'a> Findings<'a> {
         if rows < 2 || n == 0 {
             return Err(ReportError::Empty { rows, joints: n });
         }
-        let per_joint = [
-            ("diagnosed motion", trace.motion.n_joints()),
-            ("diagnosed torque", trace.tau_hat.ncols()),
-            ("scores", diagnosis.scores.joints.len()),
-            ("residual histograms", diagnosis.histograms.len()),
-            ("residual autocorrelation", diagnosis.autocorrelation.len()),
-            ("importance of terms", diagnosis.importance.len()),
+        let shapes = [
+            ("diagnosed motion", rows, trace.motion.n_joints()),
+            ("diagnosed torque", trace.tau_hat.nrows(), trace.tau_hat.ncols()),
+            ("diagnosed patterns", trace.patterns.len(), n),
+            ("scores", rows, diagnosis.scores.joints.len()),
+            ("residual histograms", rows, diagnosis.histograms.len()),
+            ("residual autocorrelation", rows, diagnosis.autocorrelation.len()),
+            ("importance of terms", rows, diagnosis.importance.len()),
         ];
-        let mut shapes: Vec<(&str, usize, usize)> =
-            per_joint.into_iter().map(|(signal, columns)| (signal, rows, columns)).collect();
-        shapes.push(("diagnosed torque", trace.tau_hat.nrows(), n));
-        shapes.push(("diagnosed patterns", trace.patterns.len(), n));
-        match shapes.into_iter().find(|&(_, found, columns)| (found, columns) != (rows, n)) {
-            Some((signal, found, columns)) => Err(ReportError::Shape {
-                signal: signal.into(),
-                rows: found,
-                columns,
-                expected_rows: rows,
-                expected_columns: n,
-            }),
-            None => Ok(()),
-        }
+        let mut shapes = shapes.into_iter();
+        shapes.try_for_each(|(signal, m, columns)| same_shape(signal, [m, columns], [rows, n]))
     }
+}
+
+fn same_shape(
+    signal: &'static str,
+    found: [usize; 2],
+    expected: [usize; 2],
+) -> Result<(), ReportError> {
+    if found == expected { Ok(()) } else { Err(ReportError::Shape { signal, found, expected }) }
 }

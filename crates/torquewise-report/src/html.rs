@@ -33,11 +33,11 @@ pub mod skeleton;
 pub mod item;
 pub mod page;
 
-pub use bars::{BarRow, Bars};
+pub use bars::Bars;
 pub use chart::{Axis, Band, Chart, Guide, Mark, Series};
 pub use colour::Colour;
-pub use item::{Callout, Fact, Item, Tone};
-pub use markup::{Label, Markup};
+pub use item::{Callout, Item, Tone};
+pub use markup::Label;
 pub use page::{Page, Section};
 pub use table::{Column, Table};
 pub use thin::Growing;

@@ -1,8 +1,7 @@
 //! From the LaTeX of terms to MathML: equations to read in a browser, with the digits that mean
 //! something.
 
-use crate::html::Markup;
-use crate::html::markup::escape;
+use crate::html::markup::{Label, escape};
 use crate::html::number::{aligned, count};
 use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
 use std::fmt::Write;
@@ -16,7 +15,7 @@ pub struct Equation {
     /// Its name in plain text.
     pub name: String,
     /// What the sum is, as made by [`math`].
-    pub left: Markup,
+    pub left: Label,
     /// Words beside the left side: a joint's name, a unit; may be empty.
     pub note: String,
     /// Its terms, in the order in which they are to be read.
@@ -34,7 +33,7 @@ impl Equation {
     ///
     /// Each coefficient has the digits its standard error leaves standing; error, unit and share of
     /// resampled logs stand beside it in small type or appear when it is pointed at.
-    pub fn to_markup(&self) -> Markup {
+    pub fn to_markup(&self) -> Label {
         let name = escape(&self.name);
         let mut html = format!("<div class=\"equation\" role=\"group\" aria-label=\"{name}\">");
         push(&mut html, format_args!("<div class=\"left\">{}", self.left));
@@ -78,7 +77,7 @@ impl Equation {
             push(&mut html, format_args!("<div class=\"rest\">and {n} smaller terms</div>"));
         }
         html.push_str("</div>");
-        Markup::trusted(html)
+        Label::trusted(html)
     }
 }
 
@@ -142,23 +141,23 @@ pub fn energies(terms: &[Weighted<EnergyTerm>]) -> Vec<Equation> {
 }
 
 /// A term: sin q₂ cos² q₃ q̇₁ q̇₂.
-pub fn term(term: &Term) -> Markup {
+pub fn term(term: &Term) -> Label {
     let latex = term.latex();
     math(if latex.is_empty() { "1" } else { &latex })
 }
 
 /// f(v) of a friction term: sign q̇₂, e^−(q̇₂/0.05)² sign q̇₂; nothing for an offset.
-pub fn friction(term: &FrictionTerm) -> Markup {
+pub fn friction(term: &FrictionTerm) -> Label {
     let latex = term.latex();
-    if latex.is_empty() { Markup::default() } else { math(&latex) }
+    if latex.is_empty() { Label::default() } else { math(&latex) }
 }
 
 /// LaTeX as MathML.
-pub fn math(latex: &str) -> Markup {
+pub fn math(latex: &str) -> Label {
     let (storage, mut html) = (Storage::new(), String::new());
     // Writing to a String cannot fail.
     let _ = push_mathml(&mut html, Parser::new(latex, &storage), RenderConfig::default());
-    Markup::trusted(MENDED.iter().fold(html, |html, (from, to)| html.replace(from, to)))
+    Label::trusted(MENDED.iter().fold(html, |html, (from, to)| html.replace(from, to)))
 }
 
 /// What the renderer writes that a browser does not take, or sets badly, and what it becomes: a
@@ -244,28 +243,26 @@ mod tests {
     #[test]
     fn friction_is_written_as_its_law() {
         let dq2 = "<msub><mi>𝑞̇</mi><mrow><mn>2</mn></mrow></msub>";
-        let (knee, both) = ([0.0, 1.0], Direction::Both);
-        let written = |term: &FrictionTerm| friction(term).to_string();
+        let (knee, wrist, both) = ([0.0, 1.0], [1.0, -0.5], Direction::Both);
+        let smooth = FrictionLaw::Coulomb { width: 0.01 };
+        let written = |shaft, law, way| friction(&rubbing(shaft, law, way)).to_string();
 
         let stribeck = FrictionLaw::Stribeck { speed: 0.05, width: 0.0 };
-        let html = written(&rubbing(knee, stribeck, Direction::Backward));
+        let html = written(knee, stribeck, Direction::Backward);
         assert!(html.starts_with("<math display=\"inline\"><msup><mi>e</mi>"), "{html}");
         assert!(html.contains(&format!("{dq2}<mo>/</mo><mn>0.05</mn>")), "{html}");
         assert!(html.contains("<mi>sign</mi>"), "{html}");
         assert!(html.contains(&format!("{dq2}<mo>&lt;</mo><mn>0</mn>")), "{html}");
-        let smooth = written(&rubbing(knee, FrictionLaw::Coulomb { width: 0.01 }, both));
-        assert!(smooth.contains("<mi>tanh</mi>") && !smooth.contains("sign"), "{smooth}");
-        assert_eq!(written(&rubbing(knee, FrictionLaw::Offset, both)), "");
-        let viscous = written(&rubbing(knee, FrictionLaw::Viscous, both));
+        let html = written(knee, smooth, both);
+        assert!(html.contains("<mi>tanh</mi>") && !html.contains("sign"), "{html}");
+        assert_eq!(written(knee, FrictionLaw::Offset, both), "");
+        let viscous = written(knee, FrictionLaw::Viscous, both);
         assert_eq!(viscous, format!("<math display=\"inline\">{dq2}</math>"));
-        let wrist = written(&rubbing([1.0, -0.5], FrictionLaw::Viscous, both));
         let thin = "<mspace width=\"0.16666667em\" />";
         let close = "<mo symmetric=\"false\" stretchy=\"false\">)</mo>";
         let half = format!("<mo>−</mo><mn>0.5</mn>{thin}{dq2}{close}");
-        assert!(wrist.contains(&half), "{wrist}");
-        let smooth = FrictionLaw::Coulomb { width: 0.01 };
-        let wrist = written(&rubbing([1.0, -0.5], smooth, both));
-        assert!(wrist.contains(&format!("{half}<mo>/</mo>")), "{wrist}");
+        assert!(written(wrist, FrictionLaw::Viscous, both).contains(&half));
+        assert!(written(wrist, smooth, both).contains(&format!("{half}<mo>/</mo>")));
     }
 
     #[test]

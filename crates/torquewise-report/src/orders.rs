@@ -24,22 +24,18 @@ fn chart(name: &str, logs: &[(String, &[OrderCurve])]) -> Chart {
         }
         series.extend(lines(curve, log, series.len()));
     }
-    let order = if name == "energy" { "joint angles in a term" } else { "N₁" };
+    let (title, order) = match name {
+        "SINDy" => ("One-shot SINDy, whole library".into(), "N₁"),
+        "energy" => ("Energy library".into(), "joint angles in a term"),
+        step => (format!("Step: {step}"), "N₁"),
+    };
     Chart {
-        title: title(name),
+        title,
         x: Axis::whole(order),
         y: Axis::log("held-out residual, worst joint [%]"),
         series,
         guides,
         ..Chart::default()
-    }
-}
-
-fn title(name: &str) -> String {
-    match name {
-        "SINDy" => "One-shot SINDy, whole library".into(),
-        "energy" => "Energy library".into(),
-        step => format!("Step: {step}"),
     }
 }
 
@@ -50,7 +46,9 @@ fn lines(curve: &OrderCurve, log: &str, colours: usize) -> Vec<Series> {
     second.dedup();
     let line = |(place, motion_order): (usize, &u8)| {
         let points = curve.points.iter().filter(|point| point.motion_order == *motion_order);
-        let points = points.map(|point| [f64::from(point.order), worst(point)]).collect();
+        // The worst joint, in percent.
+        let worst = |point: &OrderPoint| point.residual.iter().copied().fold(0.0, f64::max);
+        let points = points.map(|point| [f64::from(point.order), 100.0 * worst(point)]).collect();
         let label = match motion_order {
             0 => log.to_owned(),
             second => format!("N₂ ≤ {second}, {log}"),
@@ -58,11 +56,6 @@ fn lines(curve: &OrderCurve, log: &str, colours: usize) -> Vec<Series> {
         Series::new(label, Mark::DottedLine, Colour::Series(colours + place), points)
     };
     second.iter().enumerate().map(line).collect()
-}
-
-/// Residual of the worst joint \[%\].
-fn worst(point: &OrderPoint) -> f64 {
-    100.0 * point.residual.iter().copied().fold(0.0, f64::max)
 }
 
 #[cfg(test)]

@@ -189,11 +189,9 @@ impl Arm {
     /// The variant of [`SimError`] that names the joint or number at fault.
     pub fn from_parts(parts: ArmParts) -> Result<Self, SimError> {
         let ArmParts { name, joints, placements, gravity, inertial, rotors, limits } = parts;
-        let mut all = Vec::with_capacity(joints.len());
         let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
-        for (((name, placement), body), (rotor, (range, velocity))) in
-            frames.zip(rotors.into_iter().zip(limits))
-        {
+        let frames = frames.zip(rotors.into_iter().zip(limits));
+        let all = frames.map(|(((name, placement), body), (rotor, (range, velocity)))| {
             let joint = Joint {
                 X_PJ: Pose { R_AB: placement.rotation, p_AB: placement.origin },
                 axis: Vector3::z_axis(),
@@ -202,9 +200,9 @@ impl Arm {
                 range: at_most_one_turn(range),
                 limits: JointLimits::new(range, velocity, 0.0),
             };
-            all.push((name, joint));
-        }
-        Self::new(name, gravity, all)
+            (name, joint)
+        });
+        Self::new(name, gravity, all.collect())
     }
 }
 
@@ -248,11 +246,8 @@ pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), SimError> {
     }
     check_finite("centre of mass", place, body.com.as_slice())?;
     check_finite("inertia", place, body.inertia.as_slice())?;
-    if is_positive_semidefinite(&body.inertia) {
-        Ok(())
-    } else {
-        Err(SimError::Inertia { place: place.into() })
-    }
+    let refused = || SimError::Inertia { place: place.into() };
+    is_positive_semidefinite(&body.inertia).then_some(()).ok_or_else(refused)
 }
 
 /// Unit vector along `axis`.
@@ -279,11 +274,8 @@ pub(crate) fn check_finite(
     place: &str,
     values: &[f64],
 ) -> Result<(), SimError> {
-    if values.iter().all(|value| value.is_finite()) {
-        Ok(())
-    } else {
-        Err(SimError::NotFinite { what, place: place.into() })
-    }
+    let refused = || SimError::NotFinite { what, place: place.into() };
+    values.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(refused)
 }
 
 #[cfg(test)]
@@ -293,14 +285,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_joint_without_limits_may_make_one_turn() {
+    fn a_joint_without_limits_may_make_one_turn_and_a_narrow_range_is_kept() {
         assert_eq!(at_most_one_turn([0.0, 0.0]), [-PI, PI]);
         assert_eq!(at_most_one_turn([f64::NEG_INFINITY, f64::INFINITY]), [-PI, PI]);
         assert_eq!(at_most_one_turn([-2.0 * PI, 2.0 * PI]), [-PI, PI]);
-    }
-
-    #[test]
-    fn a_narrow_range_is_kept() {
         assert_eq!(at_most_one_turn([-3.0, -1.0]), [-3.0, -1.0]);
     }
 }

@@ -14,56 +14,24 @@ pub struct ArmSummary {
     pub description: &'static str,
 }
 
+/// A reference arm and its table, `arms/NAME.toml`.
+macro_rules! summary {
+    ($name:literal, $joints:literal, $description:literal) => {
+        (
+            ArmSummary { name: $name, joints: $joints, description: $description },
+            include_str!(concat!("arms/", $name, ".toml")),
+        )
+    };
+}
+
 /// Every reference arm with its DH table, fewest joints first.
 const BUILTIN: [(ArmSummary, &str); 6] = [
-    (
-        ArmSummary {
-            name: "planar-2",
-            joints: 2,
-            description: "two links in a vertical plane, whose equations fit on one line",
-        },
-        include_str!("arms/planar-2.toml"),
-    ),
-    (
-        ArmSummary {
-            name: "puma560-3",
-            joints: 3,
-            description: "first three joints of the PUMA 560, the arm of the paper",
-        },
-        include_str!("arms/puma560-3.toml"),
-    ),
-    (
-        ArmSummary {
-            name: "generic-4",
-            joints: 4,
-            description: "palletiser: waist, shoulder, elbow and a turning gripper flange",
-        },
-        include_str!("arms/generic-4.toml"),
-    ),
-    (
-        ArmSummary {
-            name: "generic-5",
-            joints: 5,
-            description: "small assembly arm with pitching and rolling wrist",
-        },
-        include_str!("arms/generic-5.toml"),
-    ),
-    (
-        ArmSummary {
-            name: "generic-6",
-            joints: 6,
-            description: "industrial arm with spherical wrist",
-        },
-        include_str!("arms/generic-6.toml"),
-    ),
-    (
-        ArmSummary {
-            name: "generic-7",
-            joints: 7,
-            description: "redundant lightweight arm with offset-free shoulder and wrist",
-        },
-        include_str!("arms/generic-7.toml"),
-    ),
+    summary!("planar-2", 2, "two links in a vertical plane, whose equations fit on one line"),
+    summary!("puma560-3", 3, "first three joints of the PUMA 560, the arm of the paper"),
+    summary!("generic-4", 4, "palletiser: waist, shoulder, elbow and a turning gripper flange"),
+    summary!("generic-5", 5, "small assembly arm with pitching and rolling wrist"),
+    summary!("generic-6", 6, "industrial arm with spherical wrist"),
+    summary!("generic-7", 7, "redundant lightweight arm with offset-free shoulder and wrist"),
 ];
 
 /// The reference arms, fewest joints first.

@@ -22,7 +22,6 @@
 //! # Ok::<(), torquewise_sim::SimError>(())
 //! ```
 
-mod period;
 mod integrate;
 pub mod plant;
 mod moving;

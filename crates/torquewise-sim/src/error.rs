@@ -179,11 +179,8 @@ pub(crate) fn check_between(
     [least, most]: [f64; 2],
     expected: &'static str,
 ) -> Result<(), SimError> {
-    if (least..=most).contains(&found) {
-        Ok(())
-    } else {
-        Err(SimError::Setting { what, found, expected })
-    }
+    let refused = || SimError::Setting { what, found, expected };
+    (least..=most).contains(&found).then_some(()).ok_or_else(refused)
 }
 
 /// Refuses a number that is NaN or not above zero.

@@ -47,7 +47,7 @@ const LEAST_BEND: f64 = 1e-5;
 /// Steps of a bristle between two samples.
 const STEPS: u32 = 10;
 
-/// Friction of every joint of an arm.
+/// Friction of every joint of an arm, counted from 0; a joint that is not there panics.
 ///
 /// The sign is smooth, tanh(v/`width`), so that the motion has one solution and an integrator with
 /// error control finds it. An arm that sticks then creeps: under a load of a share s of the
@@ -98,16 +98,13 @@ struct Row {
 }
 
 impl Row {
-    fn bristles(&self) -> Option<Bristles> {
-        self.stiffness.map(|stiffness| Bristles { stiffness, damping: self.damping })
-    }
-
-    fn directions(self) -> [Stribeck; 2] {
-        let Self { coulomb, viscous, .. } = self;
+    fn laws(self) -> ([Stribeck; 2], Option<Bristles>) {
+        let Self { coulomb, viscous, damping, .. } = self;
         let stiction = self.stiction.unwrap_or(coulomb);
         let speed = self.speed.unwrap_or(Stribeck::NONE.speed);
         let forward = Stribeck { coulomb, stiction, speed, viscous };
-        [forward, self.backward.unwrap_or(forward)]
+        let bristles = self.stiffness.map(|stiffness| Bristles { stiffness, damping });
+        ([forward, self.backward.unwrap_or(forward)], bristles)
     }
 }
 
@@ -162,12 +159,8 @@ impl Friction {
         let mut table: Table = toml::from_str(text)
             .map_err(|source| SimError::FrictionTable { source: Box::new(source) })?;
         let rows = joints.iter().map(|name| table.joints.remove(name));
-        let (curves, bristles) = rows
-            .map(|row| {
-                let bristles = row.as_ref().and_then(Row::bristles);
-                (row.map_or([Stribeck::NONE; 2], Row::directions), bristles)
-            })
-            .unzip();
+        let (curves, bristles) =
+            rows.map(|row| row.map_or(([Stribeck::NONE; 2], None), Row::laws)).unzip();
         match table.joints.pop_first() {
             Some((joint, _)) => {
                 Err(SimError::UnknownJoint { what: "friction", joint, known: joints.join(", ") })
@@ -182,11 +175,9 @@ impl Friction {
         width: f64,
     ) -> Result<Self, SimError> {
         let above = |what, joint: usize, found: f64, least: f64, expected| {
-            if found.is_finite() && found >= least {
-                Ok(())
-            } else {
-                Err(SimError::Limit { what, joint: (joint + 1).to_string(), found, expected })
-            }
+            let refused =
+                || SimError::Limit { what, joint: (joint + 1).to_string(), found, expected };
+            (found.is_finite() && found >= least).then_some(()).ok_or_else(refused)
         };
         for (joint, curve) in joints.iter().enumerate().flat_map(|(j, c)| c.map(|c| (j, c))) {
             above("coulomb", joint, curve.coulomb, 0.0, "0 N·m or more")?;
@@ -219,9 +210,6 @@ impl Friction {
 
     /// Friction of a joint, counted from 0, at v \[rad/s\]: what the drive has to add \[N·m\], once
     /// bristles slip.
-    ///
-    /// # Panics
-    /// If there is no such joint.
     pub fn torque(&self, joint: usize, v: f64) -> f64 {
         self.dry(joint, v) * (v / self.width).tanh() + self.viscous(joint, v)
     }
@@ -230,9 +218,6 @@ impl Friction {
     /// \[rad/s\]; that of [`Friction::torque`] where the joint has no bristles.
     ///
     /// - `bent`: what the samples before have left; of a motion that begins, the default
-    ///
-    /// # Panics
-    /// If there is no such joint.
     pub fn next(&self, joint: usize, v: f64, seconds: f64, bent: &mut Bent) -> f64 {
         let Some(Bristles { stiffness, .. }) = self.bristles[joint] else {
             return self.torque(joint, v);
@@ -264,9 +249,6 @@ impl Friction {
 
     /// Friction of a joint at v \[rad/s\] whose bristles are bent by z \[rad\], and how fast they
     /// bend \[rad/s\]; that of [`Friction::torque`] and 0 where the joint has none.
-    ///
-    /// # Panics
-    /// If there is no such joint.
     pub fn bent(&self, joint: usize, v: f64, z: f64) -> [f64; 2] {
         let Some(Bristles { stiffness, damping }) = self.bristles[joint] else {
             return [self.torque(joint, v), 0.0];

@@ -26,7 +26,6 @@ pub mod dh;
 pub mod urdf;
 pub mod arms;
 pub mod rigid_body;
-pub mod forward;
 pub mod friction;
 pub mod plan;
 mod trajectory;

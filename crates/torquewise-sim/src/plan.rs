@@ -1,6 +1,6 @@
 //! What a simulated log should hold.
 
-use crate::error::SimError;
+use crate::error::{SimError, check_between};
 
 /// How the joints are moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -44,18 +44,14 @@ impl MotionPlan {
     /// # Errors
     /// [`SimError::Setting`], naming the number at fault.
     pub fn n_rows(&self) -> Result<usize, SimError> {
-        let check = |what, found: f64, most, expected| {
-            if found > 0.0 && found <= most {
-                Ok(())
-            } else {
-                Err(SimError::Setting { what, found, expected })
-            }
-        };
-        check("length [s]", self.seconds, 1e6, "more than 0 and at most 1000000")?;
-        check("rate [Hz]", self.rate, 1e5, "more than 0 and at most 100000")?;
+        let up_to = |most| [f64::MIN_POSITIVE, most];
+        let expected = "more than 0 and at most 1000000";
+        check_between("length [s]", self.seconds, up_to(1e6), expected)?;
+        let expected = "more than 0 and at most 100000";
+        check_between("rate [Hz]", self.rate, up_to(1e5), expected)?;
         let rows = (self.seconds * self.rate).round();
         let expected = "seconds times rate from 1 to 50000000";
-        check("number of rows", rows, MAX_ROWS, expected)?;
+        check_between("number of rows", rows, up_to(MAX_ROWS), expected)?;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -70,8 +66,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plan_without_end_or_beginning_is_refused() {
+    fn the_default_plan_has_forty_thousand_rows_and_one_without_end_or_beginning_is_refused() {
         let default = MotionPlan::default();
+        assert_eq!(default.n_rows().unwrap(), 40_000);
         let plans = [
             MotionPlan { seconds: f64::INFINITY, ..default },
             MotionPlan { seconds: -1.0, ..default },
@@ -84,10 +81,5 @@ mod tests {
         for plan in plans {
             assert!(matches!(plan.n_rows(), Err(SimError::Setting { .. })), "{plan:?}");
         }
-    }
-
-    #[test]
-    fn the_default_plan_has_forty_thousand_rows() {
-        assert_eq!(MotionPlan::default().n_rows().unwrap(), 40_000);
     }
 }

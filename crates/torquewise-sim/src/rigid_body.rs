@@ -1,36 +1,27 @@
-//! Torque, regressor, mass matrix and energy of rigid bodies and their rotors.
+//! Torque, regressor, mass matrix, energy and acceleration of rigid bodies and their rotors.
 
 use crate::arm::Arm;
-use faer::{ColRef, Mat};
+use crate::error::{SimError, check_joints};
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::linalg::solvers::Solve;
+use faer::{ColRef, Mat, Side};
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Moved, State};
 
+/// Equations of motion, method.md (1). Slices hold n numbers: `q` \[rad\], `dq` \[rad/s\], `ddq`
+/// \[rad/s²\], `tau` \[N·m\]; but for [`Arm::forward_dynamics`], one of another length panics.
 impl Arm {
-    /// Joint torque that makes the arm move: τ = M(q) q̈ + C(q, q̇) q̇ + G(q).
+    /// Joint torque that makes the arm move \[N·m\], n: τ = M(q) q̈ + C(q, q̇) q̇ + G(q).
     ///
-    /// - `q` \[rad\], `dq` \[rad/s\], `ddq` \[rad/s²\]: n each
-    /// - returns: τ \[N·m\], n
-    ///
-    /// Source: method.md (1), by the recursion of Luh, Walker and Paul (1980). Checked against:
+    /// Source: the recursion of Luh, Walker and Paul (1980). Checked against:
     /// `tests/dynamics/oracles.rs`, `tests/dynamics/identities.rs`.
-    ///
-    /// # Panics
-    /// If a slice does not hold n numbers.
     pub fn inverse_dynamics(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = vec![0.0; self.n_joints()];
-        self.inverse_dynamics_into(q, dq, ddq, &mut tau);
+        self.load(State { q, dq, ddq }, &mut Moved::default(), &mut tau);
         tau
     }
 
-    /// [`Arm::inverse_dynamics`] into the caller's buffer `tau` \[N·m\], n.
-    ///
-    /// # Panics
-    /// If a slice does not hold n numbers.
-    pub fn inverse_dynamics_into(&self, q: &[f64], dq: &[f64], ddq: &[f64], tau: &mut [f64]) {
-        self.load(State { q, dq, ddq }, &mut Moved::default(), tau);
-    }
-
-    /// [`Arm::inverse_dynamics_into`] with the bodies left in `moved` as they move.
+    /// [`Arm::inverse_dynamics`] into `tau`, with the bodies left in `moved` as they move.
     pub(crate) fn load(&self, state: State<'_, f64>, moved: &mut Moved<f64>, tau: &mut [f64]) {
         let State { q, dq, ddq } = state;
         self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau)]);
@@ -40,25 +31,13 @@ impl Arm {
         }
     }
 
-    /// Torque that holds the arm still against gravity: G(q) = ∂V/∂q.
-    ///
-    /// - `q` \[rad\]: n
-    /// - returns: G \[N·m\], n
-    ///
-    /// # Panics
-    /// If `q` does not hold n numbers.
+    /// Torque that holds the arm still against gravity \[N·m\], n: G(q) = ∂V/∂q.
     pub fn gravity_torque(&self, q: &[f64]) -> Vec<f64> {
         let still = vec![0.0; self.n_joints()];
         self.inverse_dynamics(q, &still, &still)
     }
 
-    /// Centrifugal and Coriolis torque C(q, q̇) q̇, without gravity.
-    ///
-    /// - `q` \[rad\], `dq` \[rad/s\]: n each
-    /// - returns: C q̇ \[N·m\], n
-    ///
-    /// # Panics
-    /// If a slice does not hold n numbers.
+    /// Centrifugal and Coriolis torque C(q, q̇) q̇ \[N·m\], n, without gravity.
     pub fn coriolis_torque(&self, q: &[f64], dq: &[f64]) -> Vec<f64> {
         self.check_lengths(&[("q", q), ("dq", dq)]);
         let (ddq, mut tau) = (vec![0.0; self.n_joints()], vec![0.0; self.n_joints()]);
@@ -68,18 +47,15 @@ impl Arm {
         tau
     }
 
-    /// Y of τ = Y(q, q̇, q̈) π: what each inertial parameter of each body adds to each torque.
-    ///
-    /// - `q` \[rad\], `dq` \[rad/s\], `ddq` \[rad/s²\]: n each
-    /// - returns: n×10n, ten columns for each body
+    /// Y of τ = Y(q, q̇, q̈) π, n×10n: what each inertial parameter of each body adds to each torque,
+    /// of each body m, m·c (3), and the moments about the origin of its frame, xx, yy, zz, xy, xz,
+    /// yz.
     ///
     /// The masses of the arm are not used, its kinematics are. Rotors are not among the parameters.
+    /// The frame of a body turns with its joint about z.
     ///
     /// Source: C. Atkeson, C. An, J. Hollerbach, Int. J. Robotics Research 5 (1986). Checked
     /// against: [`Arm::inverse_dynamics`].
-    ///
-    /// # Panics
-    /// If a slice does not hold n numbers.
     pub fn regressor(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Mat<f64> {
         self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq)]);
         let mut regressor = Mat::zeros(self.n_joints(), PER_BODY * self.n_joints());
@@ -89,24 +65,9 @@ impl Arm {
         regressor
     }
 
-    /// The inertial parameters π of all bodies, 10n, in the order of [`Arm::regressor`]: of each
-    /// body m, m·c (3), and the moments about the origin of its frame, xx, yy, zz, xy, xz, yz.
+    /// Joint-space inertia M(q) \[kg·m²\], n×n, symmetric: what τ answers to q̈.
     ///
-    /// The frame of a body turns with its joint about z.
-    pub fn inertial_parameters(&self) -> Vec<f64> {
-        self.inertial().to_vec()
-    }
-
-    /// Joint-space inertia M(q), symmetric: what τ answers to q̈.
-    ///
-    /// - `q` \[rad\]: n
-    /// - returns: M \[kg·m²\], n×n
-    ///
-    /// Source: method.md (1), by Walker and Orin (1982). Checked against:
-    /// `tests/dynamics/identities.rs`.
-    ///
-    /// # Panics
-    /// If `q` does not hold n numbers.
+    /// Source: Walker and Orin (1982). Checked against: `tests/dynamics/identities.rs`.
     pub fn mass_matrix(&self, q: &[f64]) -> Mat<f64> {
         self.check_lengths(&[("q", q)]);
         let mut moved = Moved::default();
@@ -115,7 +76,7 @@ impl Arm {
     }
 
     /// [`Arm::mass_matrix`] where the bodies are.
-    pub(crate) fn mass_matrix_of(&self, moved: &Moved<f64>) -> Mat<f64> {
+    fn mass_matrix_of(&self, moved: &Moved<f64>) -> Mat<f64> {
         let mut mass = Mat::zeros(self.n_joints(), self.n_joints());
         moved.mass_matrix(self.inertial(), |i, j, value| {
             (mass[(i, j)], mass[(j, i)]) = (value, value);
@@ -126,13 +87,35 @@ impl Arm {
         mass
     }
 
-    /// Kinetic energy T = ½ q̇ᵀ M(q) q̇.
+    /// Acceleration \[rad/s²\], n, that a torque causes: M(q) q̈ = τ − C(q, q̇) q̇ − G(q).
     ///
-    /// - `q` \[rad\], `dq` \[rad/s\]: n each
-    /// - returns: T \[J\]
+    /// Source: Cholesky. Checked against: `tests/dynamics/identities.rs`.
     ///
-    /// # Panics
-    /// If a slice does not hold n numbers.
+    /// # Errors
+    /// [`SimError::JointCount`] for a slice of another length than n;
+    /// [`SimError::Massless`] if a joint moves nothing that has mass or inertia.
+    pub fn forward_dynamics(
+        &self,
+        q: &[f64],
+        dq: &[f64],
+        tau: &[f64],
+    ) -> Result<Vec<f64>, SimError> {
+        let n = self.n_joints();
+        for (what, values) in [("q", q), ("dq", dq), ("tau", tau)] {
+            check_joints(what, values.len(), n)?;
+        }
+        let (ddq, mut bias) = (vec![0.0; n], vec![0.0; n]);
+        let mut moved = Moved::default();
+        self.load(State { q, dq, ddq: &ddq }, &mut moved, &mut bias);
+        let rest = Mat::from_fn(n, 1, |i, _| tau[i] - bias[i]);
+        let factor = self
+            .mass_matrix_of(&moved)
+            .llt(Side::Lower)
+            .map_err(|LltError::NonPositivePivot { index }| SimError::Massless { joint: index })?;
+        Ok(factor.solve(&rest).col_as_slice(0).to_vec())
+    }
+
+    /// Kinetic energy T = ½ q̇ᵀ M(q) q̇ \[J\].
     pub fn kinetic_energy(&self, q: &[f64], dq: &[f64]) -> f64 {
         self.check_lengths(&[("q", q), ("dq", dq)]);
         let mass = self.mass_matrix(q);
@@ -140,15 +123,9 @@ impl Arm {
         velocity.transpose() * &mass * velocity / 2.0
     }
 
-    /// Potential energy V(q) = −Σ mass · gravity · height vector, 0 at the world's origin.
-    ///
-    /// - `q` \[rad\]: n
-    /// - returns: V \[J\]
+    /// Potential energy V(q) = −Σ mass · gravity · height vector \[J\], 0 at the world's origin.
     ///
     /// Checked against: `tests/dynamics/identities.rs`.
-    ///
-    /// # Panics
-    /// If `q` does not hold n numbers.
     pub fn potential_energy(&self, q: &[f64]) -> f64 {
         self.check_lengths(&[("q", q)]);
         self.kinematics().potential_energy(q, self.inertial())

@@ -4,11 +4,11 @@ use crate::arm::Arm;
 use crate::error::{SimError, check_joints};
 use crate::friction::{Bent, Friction};
 use crate::plan::MotionPlan;
-use crate::state::State;
+use crate::state::{Rows, State};
 use crate::trajectory::Trajectory;
 use faer::Mat;
 use std::ops::Range;
-use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording, Signals};
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_rigid::Moved;
 
 /// A simulated log and what is true about it.
@@ -98,7 +98,7 @@ impl SimulatedLog {
     fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation, SimError> {
         let Self { arm, trajectory, friction } = self;
         let (m, n) = (rows.len(), arm.n_joints());
-        let [mut q, mut dq, mut ddq, mut tau] = std::array::from_fn(|_| Mat::zeros(m, n));
+        let (mut states, mut tau) = (Rows::new(m, n), Mat::zeros(m, n));
         let (mut t, mut truth) = (Vec::with_capacity(m), Vec::with_capacity(m));
         let (mut state, mut torque) = (State::at_rest(&vec![0.0; n]), vec![0.0; n]);
         let mut moved = Moved::default();
@@ -107,15 +107,12 @@ impl SimulatedLog {
             truth.push(Pattern::of(&state.dq, &state.ddq));
             let moving = torquewise_rigid::State { q: &state.q, dq: &state.dq, ddq: &state.ddq };
             arm.load(moving, &mut moved, &mut torque);
+            states.set(k, &state);
             for i in 0..n {
-                q[(k, i)] = state.q[i];
-                dq[(k, i)] = state.dq[i];
-                ddq[(k, i)] = state.ddq[i];
                 tau[(k, i)] = torque[i] + friction.next(i, state.dq[i], trajectory.step(), bent);
             }
         }
-        let joints = arm.joints().to_vec();
-        let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau: Some(tau) })?;
+        let motion = states.motion(arm.joints(), t, Some(tau))?;
         Ok(Simulation { motion, truth })
     }
 }

@@ -1,7 +1,8 @@
-//! Positions, velocities and accelerations of n joints at one instant.
+//! Positions, velocities and accelerations of n joints: at one instant, and row by row.
 
-use faer::MatRef;
-use torquewise_motion::Motion;
+use crate::error::SimError;
+use faer::{Mat, MatRef};
+use torquewise_motion::{Motion, Signals};
 
 /// Where the joints are and how they move at one instant, n each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,5 +25,39 @@ impl State {
     pub(crate) fn of(motion: &Motion, row: usize) -> Self {
         let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect();
         Self { q: of(motion.q()), dq: of(motion.dq()), ddq: of(motion.ddq()) }
+    }
+}
+
+/// States row by row, m×n each.
+#[derive(Clone, Debug)]
+pub(crate) struct Rows {
+    pub(crate) q: Mat<f64>,
+    pub(crate) dq: Mat<f64>,
+    pub(crate) ddq: Mat<f64>,
+}
+
+impl Rows {
+    pub(crate) fn new(m: usize, n: usize) -> Self {
+        let [q, dq, ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
+        Self { q, dq, ddq }
+    }
+
+    pub(crate) fn set(&mut self, row: usize, state: &State) {
+        for joint in 0..self.q.ncols() {
+            self.q[(row, joint)] = state.q[joint];
+            self.dq[(row, joint)] = state.dq[joint];
+            self.ddq[(row, joint)] = state.ddq[joint];
+        }
+    }
+
+    /// The motion of these rows at their times \[s\].
+    pub(crate) fn motion(
+        self,
+        joints: &[String],
+        t: Vec<f64>,
+        tau: Option<Mat<f64>>,
+    ) -> Result<Motion, SimError> {
+        let Self { q, dq, ddq } = self;
+        Ok(Motion::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })?)
     }
 }

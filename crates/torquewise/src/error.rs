@@ -32,9 +32,11 @@ pub enum Error {
     Arm(#[from] torquewise_sim::SimError),
     #[cfg(feature = "figures")]
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Report(#[from] torquewise_report::ReportError),
     #[cfg(feature = "figures")]
     #[error(transparent)]
+    #[diagnostic(transparent)]
     Export(#[from] torquewise_export::ExportError),
     #[error("{setting} is not used by {fitted}, which is fitted because {because}")]
     #[diagnostic(help("leave it out or choose {remedy}"))]

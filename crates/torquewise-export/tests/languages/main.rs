@@ -42,29 +42,66 @@ fn chains() -> Vec<Model> {
         .collect()
 }
 
-fn check(model: &Model, run: impl Fn(&Program, &[models::State]) -> Vec<Vec<f64>>) {
-    let program = Program::of(model).unwrap();
-    let states = states(model.n_joints(), 1000, 7);
+/// What runs exported code of a program at some states in a folder.
+type Run<'a> = &'a dyn Fn(&Path, &Program, &[models::State]) -> Vec<Vec<f64>>;
 
-    let found = run(&program, &states);
+/// Whether code computes what the model predicts, at states and along a path that it remembers.
+fn check(tool: &str, at_states: Option<Run<'_>>, along: Run<'_>) {
+    if !run::has(tool) {
+        return;
+    }
+    for (model, run) in at_states.iter().flat_map(|run| arms().into_iter().map(move |m| (m, run))) {
+        let folder = tempfile::tempdir().unwrap();
+        let states = states(model.n_joints(), 1000, 7);
 
-    let error = worst(&found, &expected(model, &states));
-    println!("{} joints: {error:.1e}", model.n_joints());
-    assert!(error < AGREES, "{} joints: {error:.1e}", model.n_joints());
+        let found = run(folder.path(), &Program::of(&model).unwrap(), &states);
+
+        let error = worst(&found, &expected(&model, &states));
+        println!("{} joints: {error:.1e}", model.n_joints());
+        assert!(error < AGREES, "{} joints: {error:.1e}", model.n_joints());
+    }
+    for model in [remembers(energies(3, 25, 1)), remembers_all(loaded(chain(6, false, 5)))] {
+        let (way, folder) = (models::way(model.n_joints()), tempfile::tempdir().unwrap());
+
+        let found = along(folder.path(), &Program::of(&model).unwrap(), &way);
+
+        assert_along(&model, &found, &way);
+    }
 }
 
 #[test]
-fn exported_c_computes_what_the_model_predicts() {
-    if !run::has("cc") {
-        return;
-    }
-    for model in arms() {
-        let folder = tempfile::tempdir().unwrap();
-        check(&model, |program, states| {
-            let code = to_c(program, "arm", Precision::Double).unwrap();
-            run::c(folder.path(), &code, "double", states)
-        });
-    }
+fn exported_c_computes_what_the_model_predicts_and_remembers_the_path() {
+    let code = |program: &Program| to_c(program, "arm", Precision::Double).unwrap();
+    check(
+        "cc",
+        Some(&|folder, program, states| run::c(folder, &code(program), "double", states)),
+        &|folder, program, way| run::c_along(folder, &code(program), way),
+    );
+}
+
+#[test]
+fn exported_rust_computes_what_the_model_predicts_and_remembers_the_path() {
+    let code = |program: &Program| to_rust(program, Precision::Double).unwrap();
+    check(
+        "rustc",
+        Some(&|folder, program, states| run::rust(folder, &code(program), states)),
+        &|folder, program, way| run::rust_along(folder, &code(program), way),
+    );
+}
+
+#[test]
+fn exported_python_computes_what_the_model_predicts_and_remembers_the_path() {
+    let code = |program: &Program| to_python(program).unwrap();
+    check(
+        "python3",
+        Some(&|folder, program, states| run::python(folder, &code(program), states)),
+        &|folder, program, way| run::python_along(folder, &code(program), way),
+    );
+}
+
+#[test]
+fn a_unit_remembers_the_path() {
+    check("cc", None, &run::unit);
 }
 
 #[test]
@@ -88,33 +125,6 @@ fn single_precision_c_is_as_good_as_single_precision() {
     let error = worst(&found, &expected(&model, &states));
     assert!(error < 1e-5 && error > 1e-9, "{error:.1e}");
     assert!(!code.contains("double"));
-}
-
-#[test]
-fn exported_rust_computes_what_the_model_predicts() {
-    if !run::has("rustc") {
-        return;
-    }
-    for model in arms() {
-        let folder = tempfile::tempdir().unwrap();
-        check(&model, |program, states| {
-            let code = to_rust(program, Precision::Double).unwrap();
-            run::rust(folder.path(), &code, states)
-        });
-    }
-}
-
-#[test]
-fn exported_python_computes_what_the_model_predicts() {
-    if !run::has("python3") {
-        return;
-    }
-    for model in arms() {
-        let folder = tempfile::tempdir().unwrap();
-        check(&model, |program, states| {
-            run::python(folder.path(), &to_python(program).unwrap(), states)
-        });
-    }
 }
 
 #[test]
@@ -240,16 +250,6 @@ fn a_latex_document_closes_what_it_opens() {
     }
 }
 
-fn check_path(run: impl Fn(&Path, &Program, &[models::State]) -> Vec<Vec<f64>>) {
-    for model in [remembers(energies(3, 25, 1)), remembers_all(loaded(chain(6, false, 5)))] {
-        let (way, folder) = (models::way(model.n_joints()), tempfile::tempdir().unwrap());
-
-        let found = run(folder.path(), &Program::of(&model).unwrap(), &way);
-
-        assert_along(&model, &found, &way);
-    }
-}
-
 /// The model's own observer takes the rate of M by differences, right to some 1e-8.
 const OBSERVES: f64 = 1e-6;
 
@@ -262,40 +262,6 @@ fn assert_along(model: &Model, found: &[Vec<f64>], way: &[models::State]) {
         let error = worst(&part(found), &part(&expected));
         println!("{n} joints, outputs from {first}: {error:.1e}");
         assert!(error < bound, "{n} joints, outputs from {first}: {error:.1e}");
-    }
-}
-
-#[test]
-fn exported_c_remembers_the_path() {
-    if run::has("cc") {
-        check_path(|folder, program, way| {
-            run::c_along(folder, &to_c(program, "arm", Precision::Double).unwrap(), way)
-        });
-    }
-}
-
-#[test]
-fn exported_rust_remembers_the_path() {
-    if run::has("rustc") {
-        check_path(|folder, program, way| {
-            run::rust_along(folder, &to_rust(program, Precision::Double).unwrap(), way)
-        });
-    }
-}
-
-#[test]
-fn exported_python_remembers_the_path() {
-    if run::has("python3") {
-        check_path(|folder, program, way| {
-            run::python_along(folder, &to_python(program).unwrap(), way)
-        });
-    }
-}
-
-#[test]
-fn a_unit_remembers_the_path() {
-    if run::has("cc") {
-        check_path(run::unit);
     }
 }
 

@@ -2,11 +2,10 @@
 
 use crate::error::ReportError;
 use crate::fit_report::Findings;
-use crate::fit_report::steps::{failed, members, nrmse_percent};
+use crate::fit_report::method::{members, nrmse_percent};
 use crate::html::number::{count, significant};
 use crate::html::{Column, Item, Label, Section, Table};
 use torquewise_identify::Diagnosis;
-use torquewise_model::Model;
 
 /// Rates of controllers \[Hz\].
 pub const RATES: [f64; 4] = [1e3, 4e3, 10e3, 40e3];
@@ -47,18 +46,15 @@ pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
         members(findings)?.into_iter().enumerate().zip(findings.costs)
     {
         let worst = |diagnosis: &Diagnosis| -> Result<f64, ReportError> {
-            worst_joint(diagnosis, &model).map_err(|error| failed(place + 1, &error))
+            let joints = nrmse_percent(&diagnosis.trace.motion, &model)
+                .map_err(|source| ReportError::Step { step: place + 1, source })?;
+            Ok(joints.into_iter().filter(|percent| percent.is_finite()).fold(0.0, f64::max))
         };
         let (on_log, on_test) = (worst(findings.diagnosis)?, findings.test.map(worst).transpose()?);
         choices.push(Choice { name, cost, on_log, on_test });
     }
     let items = vec![Item::Text(advice(&choices)), Item::Table(table(&choices))];
     Ok(Section { heading: "Cost in a controller".into(), items })
-}
-
-fn worst_joint(diagnosis: &Diagnosis, model: &Model) -> Result<f64, torquewise_model::ModelError> {
-    let joints = nrmse_percent(&diagnosis.trace.motion, model)?;
-    Ok(joints.into_iter().filter(|percent| percent.is_finite()).fold(0.0, f64::max))
 }
 
 /// The most accurate model that fits each rate, in words.

@@ -3,7 +3,7 @@
 
 use crate::fit_report::Findings;
 use crate::html::number::count;
-use crate::html::{BarRow, Bars, Colour, Item, Label, Section};
+use crate::html::{Bars, Colour, Item, Label, Section};
 use crate::mathml::{friction, term};
 use std::collections::BTreeMap;
 use torquewise_model::friction::FrictionLaw;
@@ -42,7 +42,7 @@ fn joint_bars(
     let rows: Vec<(Label, f64)> = importance
         .iter()
         .map(|found| {
-            let own = terms.get(&found.name).map(|found| term(found).into());
+            let own = terms.get(&found.name).map(|found| term(found));
             let rubs = rubbing.iter().find(|w| w.term.name() == found.name);
             let name = own.or_else(|| rubs.map(|w| friction_label(&w.term)));
             (name.unwrap_or_else(|| found.name.clone().into()), found.rms)
@@ -53,36 +53,31 @@ fn joint_bars(
         1 => "One smaller term is not shown.".into(),
         n => format!("{} smaller terms are not shown.", count(n)),
     };
-    let rows = rows.into_iter().take(MOST_TERMS);
     Bars {
         title: findings.joints()[joint].clone(),
         caption,
         label: "share of the torque [N·m]".into(),
-        series: vec![("share".into(), Colour::Series(0))],
-        rows: rows.map(|(name, rms)| BarRow { name, sizes: vec![rms] }).collect(),
-        log: false,
+        colour: Colour::Series(0),
+        rows: rows.into_iter().take(MOST_TERMS).collect(),
     }
 }
 
 fn friction_label(term: &FrictionTerm) -> Label {
-    if term.law == FrictionLaw::Offset { "offset".into() } else { friction(term).into() }
+    if term.law == FrictionLaw::Offset { "offset".into() } else { friction(term) }
 }
 
 fn dropped(findings: &Findings<'_>) -> Option<Item> {
     let all = &findings.found.dropped;
-    let row = |dropped: &torquewise_stepwise::form::Dropped| BarRow {
-        name: Label::Text(dropped.name.clone()),
-        sizes: vec![100.0 * dropped.inclusion],
-    };
+    let kept = all.iter().take(MOST_DROPPED);
+    let kept = kept.map(|dropped| (dropped.name.clone().into(), 100.0 * dropped.inclusion));
     let bars = Bars {
         title: "Terms close to being kept".into(),
         caption: "They are not in the model, though some resampled logs kept them: more rows, or \
                   other motion, would settle it."
             .into(),
         label: "resampled logs in which they were kept [%]".into(),
-        series: vec![("share".into(), Colour::Faded)],
-        rows: all.iter().take(MOST_DROPPED).map(row).collect(),
-        log: false,
+        colour: Colour::Faded,
+        rows: kept.collect(),
     };
     (!all.is_empty()).then_some(Item::Bars(vec![bars]))
 }

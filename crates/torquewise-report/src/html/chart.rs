@@ -1,6 +1,7 @@
 //! From points to chart: what is drawn, and how it is to be read.
 
 use crate::html::colour::Colour;
+use serde::Serialize;
 
 /// A chart that its reader can zoom into by dragging, and read out by pointing.
 ///
@@ -26,7 +27,7 @@ pub struct Chart {
 }
 
 /// One axis of a chart.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Axis {
     /// What it is, with the unit in brackets.
     pub label: String,

@@ -1,13 +1,13 @@
 //! From item to HTML: one part of a section.
 
 use crate::error::ReportError;
-use crate::html::bars::{Bar, Bars};
+use crate::html::bars::Bars;
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
-use crate::html::markup::{Markup, script_json};
+use crate::html::markup::{Label, script_json};
 use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
-use crate::html::table::Table;
+use crate::html::table::{Column, Table};
 use minijinja::{Environment, Value, context};
 
 /// One part of a section.
@@ -16,12 +16,8 @@ use minijinja::{Environment, Value, context};
 pub enum Item {
     /// A paragraph.
     Text(String),
-    /// A heading within the section.
-    Heading(String),
     /// A box that is seen first.
     Callout(Callout),
-    /// Numbers in large type.
-    Facts(Vec<Fact>),
     /// A table.
     Table(Table),
     /// Charts, several of them side by side where there is room.
@@ -36,7 +32,7 @@ pub enum Item {
         caption: String,
     },
     /// Equations, or other HTML taken over as it is.
-    Markup(Markup),
+    Markup(Label),
     /// Parts that are shown when asked for, and always on paper.
     Details {
         /// What they hold.
@@ -68,22 +64,6 @@ pub enum Tone {
     Note,
 }
 
-/// A number in large type.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Fact {
-    /// The number, with its unit.
-    pub value: String,
-    /// What it is.
-    pub label: String,
-}
-
-impl Fact {
-    /// A number and what it is.
-    pub fn new(value: impl Into<String>, label: impl Into<String>) -> Self {
-        Self { value: value.into(), label: label.into() }
-    }
-}
-
 /// Writes items one after the other, and numbers the charts.
 pub(crate) struct Writer<'a> {
     environment: &'a Environment<'a>,
@@ -103,14 +83,9 @@ impl<'a> Writer<'a> {
     fn item(&mut self, item: &Item) -> Result<String, ReportError> {
         let (kind, item) = match item {
             Item::Text(text) => ("text", context! { text => text.as_str() }),
-            Item::Heading(text) => ("heading", context! { text => text.as_str() }),
             Item::Callout(Callout { tone, heading, lines }) => {
-                ("callout", context! { tone => tone.name(), heading, lines })
-            }
-            Item::Facts(facts) => {
-                let pair = |fact: &Fact| vec![fact.value.clone(), fact.label.clone()];
-                let facts: Vec<_> = facts.iter().map(pair).collect();
-                ("facts", context! { facts })
+                let tone = format!("{tone:?}").to_lowercase();
+                ("callout", context! { tone, heading, lines })
             }
             Item::Table(table) => ("table", table_view(table)),
             Item::Charts(all) => {
@@ -131,10 +106,7 @@ impl<'a> Writer<'a> {
                 ("details", context! { summary => summary.as_str(), body })
             }
         };
-        self.environment
-            .get_template("item.html")
-            .and_then(|template| template.render(context! { kind, item }))
-            .map_err(|error| ReportError::Page { reason: error.to_string() })
+        Ok(self.environment.get_template("item.html")?.render(context! { kind, item })?)
     }
 
     fn chart(&mut self, chart: &Chart) -> Result<Value, ReportError> {
@@ -162,41 +134,24 @@ impl<'a> Writer<'a> {
 }
 
 fn table_view(table: &Table) -> Value {
-    let columns: Vec<_> = table
-        .columns
-        .iter()
-        .map(|c| context! { heading => c.heading.as_str(), numeric => c.numeric })
-        .collect();
+    let column = |c: &Column| context! { heading => c.heading.as_str(), numeric => c.numeric };
+    let columns: Vec<_> = table.columns.iter().map(column).collect();
     let rows: Vec<Vec<Value>> =
         table.cells().iter().map(|row| row.iter().map(|cell| safe(cell)).collect()).collect();
     context! { caption => table.caption.as_str(), columns, rows }
 }
 
 fn bars_view(bars: &Bars) -> Value {
-    let series: Vec<_> =
-        bars.series.iter().map(|(label, colour)| key(label, *colour, "band solid")).collect();
-    let rows: Vec<_> = bars
-        .drawn()
-        .into_iter()
-        .map(|(name, bars)| {
-            let bars: Vec<_> = bars.into_iter().map(bar_view).collect();
-            context! { name => safe(&name), bars }
-        })
-        .collect();
-    let has_legend = bars.series.len() > 1;
+    let row = |(name, percent, number): (String, f64, String)| {
+        context! { name => safe(&name), percent, number }
+    };
     context! {
         title => bars.title.as_str(),
         caption => bars.caption.as_str(),
         label => bars.label.as_str(),
-        log => bars.log,
-        series,
-        rows,
-        has_legend,
+        colour => bars.colour.variable(),
+        rows => bars.drawn().into_iter().map(row).collect::<Vec<_>>(),
     }
-}
-
-fn bar_view(bar: Bar) -> Value {
-    context! { percent => bar.percent, colour => bar.colour, number => bar.number }
 }
 
 /// An entry of a legend.
@@ -206,14 +161,4 @@ fn key(label: &str, colour: Colour, mark: &str) -> Value {
 
 fn safe(html: &str) -> Value {
     Value::from_safe_string(html.to_owned())
-}
-
-impl Tone {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Warning => "warning",
-            Self::Good => "good",
-            Self::Note => "note",
-        }
-    }
 }

@@ -1,17 +1,17 @@
-//! From trusted HTML to markup: what a page takes over as it is.
+//! HTML that a page takes over as it is: words, once they are escaped, and equations.
 
 use crate::error::ReportError;
 use serde::Serialize;
 use std::fmt::{self, Write};
 
-/// HTML that is not escaped: an equation, or a figure.
-///
-/// Whoever makes one from text answers for it: words of a user belong through [`escape`] first.
+/// Words or an equation, as HTML; words are escaped.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Markup(String);
+pub struct Label(String);
 
-impl Markup {
-    /// Takes HTML as it is.
+impl Label {
+    /// Takes HTML as it is: an equation, or a figure.
+    ///
+    /// Whoever makes one from text answers for it: words of a user belong through [`escape`] first.
     pub fn trusted(html: impl Into<String>) -> Self {
         Self(html.into())
     }
@@ -22,46 +22,21 @@ impl Markup {
     }
 }
 
-impl fmt::Display for Markup {
+impl fmt::Display for Label {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-/// Words, or an equation.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Label {
-    /// Words, escaped when they are written.
-    Text(String),
-    /// HTML that is not.
-    Markup(Markup),
-}
-
-impl Label {
-    /// The label as HTML.
-    pub fn to_html(&self) -> String {
-        match self {
-            Self::Text(text) => escape(text),
-            Self::Markup(markup) => markup.to_string(),
-        }
-    }
-}
-
 impl From<&str> for Label {
     fn from(text: &str) -> Self {
-        Self::Text(text.into())
+        Self(escape(text))
     }
 }
 
 impl From<String> for Label {
     fn from(text: String) -> Self {
-        Self::Text(text)
-    }
-}
-
-impl From<Markup> for Label {
-    fn from(markup: Markup) -> Self {
-        Self::Markup(markup)
+        text.as_str().into()
     }
 }
 
@@ -84,8 +59,7 @@ pub fn escape(text: &str) -> String {
 /// Data as JSON that can stand within a script tag: no letter of it can end the tag or open a
 /// comment.
 pub(crate) fn script_json(data: &impl Serialize) -> Result<String, ReportError> {
-    let json = serde_json::to_string(data)
-        .map_err(|error| ReportError::Page { reason: error.to_string() })?;
+    let json = serde_json::to_string(data)?;
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {
         match c {

@@ -43,13 +43,12 @@ impl Page {
     /// Checked against: `python/tests/test_report_page.py`, in a real browser.
     ///
     /// # Errors
-    /// [`ReportError::Page`] if a template cannot be filled.
+    /// [`ReportError::Page`] or [`ReportError::Data`] if a template cannot be filled.
     pub fn to_html(&self) -> Result<String, ReportError> {
-        let failed = |error: minijinja::Error| ReportError::Page { reason: error.to_string() };
         let mut environment = Environment::new();
         environment.set_undefined_behavior(UndefinedBehavior::SemiStrict);
-        environment.add_template("page.html", PAGE).map_err(failed)?;
-        environment.add_template("item.html", ITEM).map_err(failed)?;
+        environment.add_template("page.html", PAGE)?;
+        environment.add_template("item.html", ITEM)?;
 
         let mut writer = Writer::new(&environment);
         let mut sections = Vec::with_capacity(self.sections.len());
@@ -70,7 +69,7 @@ impl Page {
             chart_script => safe(CHART_SCRIPT),
             script => safe(&[SKELETON_SCRIPT, SCRIPT].join("\n")),
         };
-        environment.get_template("page.html").and_then(|page| page.render(filled)).map_err(failed)
+        Ok(environment.get_template("page.html")?.render(filled)?)
     }
 }
 

@@ -6,26 +6,18 @@ use crate::html::markup::script_json;
 use crate::html::number::{Plotted, rounded};
 use crate::html::thin::{MOST_POINTS, Sorted, rows_of_cloud, rows_of_curves, sorted};
 use serde::Serialize;
+use serde_json::{Value, json};
 
 #[derive(Serialize)]
 struct Spec<'a> {
-    x: AxisSpec<'a>,
-    y: AxisSpec<'a>,
+    x: Axis,
+    y: Axis,
     /// Abscissae; several series may share one.
     columns: Vec<Vec<Plotted>>,
     series: Vec<SeriesSpec<'a>>,
-    bands: Vec<BandSpec>,
-    guides: Vec<GuideSpec>,
+    bands: Vec<Value>,
+    guides: Vec<Value>,
     linked: Option<&'a str>,
-}
-
-#[derive(Serialize)]
-struct AxisSpec<'a> {
-    label: &'a str,
-    log: bool,
-    range: Option<[f64; 2]>,
-    places: &'a [String],
-    whole: bool,
 }
 
 #[derive(Serialize)]
@@ -38,18 +30,6 @@ struct SeriesSpec<'a> {
     /// Ends of the error bars, or nothing.
     low: Vec<Plotted>,
     high: Vec<Plotted>,
-}
-
-#[derive(Serialize)]
-struct BandSpec {
-    colour: String,
-    spans: Vec<Vec<Plotted>>,
-}
-
-#[derive(Serialize)]
-struct GuideSpec {
-    axis: &'static str,
-    at: f64,
 }
 
 /// The text of the script tag that holds what a chart draws.
@@ -66,8 +46,8 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
         columns.push(rounded(&x));
     }
     let spec = Spec {
-        x: axis_spec(&chart.x),
-        y: axis_spec(&chart.y),
+        x: drawable(&chart.x),
+        y: drawable(&chart.y),
         columns,
         series: series.into_iter().flatten().collect(),
         bands: chart.bands.iter().map(band_spec).collect(),
@@ -146,26 +126,25 @@ fn series_spec<'a>(
     }
 }
 
-fn axis_spec(axis: &Axis) -> AxisSpec<'_> {
+/// The axis without a range that cannot be.
+fn drawable(axis: &Axis) -> Axis {
     let usable = |range: &[f64; 2]| {
         range.iter().all(|end| end.is_finite() && (!axis.log || *end > 0.0)) && range[0] < range[1]
     };
-    let range = axis.range.filter(usable);
-    let Axis { label, log, places, whole, .. } = axis;
-    AxisSpec { label, log: *log, range, places, whole: *whole }
+    Axis { range: axis.range.filter(usable), ..axis.clone() }
 }
 
-fn band_spec(band: &Band) -> BandSpec {
-    let spans = band.spans.iter().map(|span| rounded(span)).collect();
-    BandSpec { colour: band.colour.variable(), spans }
+fn band_spec(band: &Band) -> Value {
+    let spans: Vec<_> = band.spans.iter().map(|span| rounded(span)).collect();
+    json!({ "colour": band.colour.variable(), "spans": spans })
 }
 
-fn guide_spec(guide: &Guide) -> Option<GuideSpec> {
+fn guide_spec(guide: &Guide) -> Option<Value> {
     let (axis, at) = match guide.at {
         Position::X(at) => ("x", at),
         Position::Y(at) => ("y", at),
     };
-    at.is_finite().then_some(GuideSpec { axis, at })
+    at.is_finite().then(|| json!({ "axis": axis, "at": at }))
 }
 
 #[cfg(test)]
@@ -173,7 +152,6 @@ mod tests {
     use super::*;
     use crate::html::chart::{Mark, Series};
     use crate::html::colour::Colour;
-    use serde_json::{Value, json};
 
     fn spec(chart: &Chart) -> Value {
         serde_json::from_str(&spec_json(chart).unwrap()).unwrap()

@@ -64,7 +64,7 @@ impl Table {
             let cells: Vec<String> = self
                 .rows
                 .iter()
-                .map(|row| row.get(place).map_or_else(String::new, Label::to_html))
+                .map(|row| row.get(place).map_or_else(String::new, Label::to_string))
                 .collect();
             let cells = if column.numeric { aligned(&cells) } else { cells };
             for (row, cell) in rows.iter_mut().zip(cells) {

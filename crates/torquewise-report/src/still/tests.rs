@@ -28,6 +28,11 @@ fn with(series: Series) -> Chart {
     Chart { series: vec![series], ..Chart::default() }
 }
 
+/// The picture of one chart.
+fn drawn(chart: Chart) -> String {
+    chart_figure("", &[chart], 1).unwrap()
+}
+
 /// All numbers of an attribute of an element.
 fn numbers(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
     let elements = svg.split('<').filter(|text| text.starts_with(element));
@@ -96,7 +101,7 @@ fn nothing_is_drawn_beyond_the_axes() {
         let series = Series { spread: spread.clone(), ..series };
         let (x, y, bands) = (axis.clone(), axis.clone(), bands.clone());
 
-        let svg = chart_figure("", &[Chart { x, y, bands, ..with(series) }], 1).unwrap();
+        let svg = drawn(Chart { x, y, bands, ..with(series) });
 
         let places = numbers(&svg, "polyline", "points");
         let xs = places.iter().step_by(2).copied().chain(numbers(&svg, "circle", "cx"));
@@ -114,14 +119,18 @@ fn nothing_is_drawn_beyond_the_axes() {
 }
 
 #[test]
-fn what_is_not_positive_is_not_on_a_logarithmic_axis() {
+fn what_has_no_place_on_an_axis_is_not_drawn() {
     let points = vec![[1.0, 1.0], [2.0, 0.0], [3.0, 10.0], [0.0, 5.0], [4.0, -3.0]];
-    let series = Series::new("a", Mark::Rings, Colour::Series(0), points);
-    let chart = Chart { x: Axis::log("x"), y: Axis::log("y"), ..with(series) };
+    let rings = with(Series::new("a", Mark::Rings, Colour::Series(0), points));
+    let spans = vec![[1.0, 2.0], [f64::NAN, 2.0], [8.0, f64::INFINITY], [-2.0, -1.0]];
+    let band = Band { label: String::new(), colour: Colour::Faded, spans };
+    let line = with(Series::line("a", vec![[0.0, 0.0], [10.0, 1.0]]));
 
-    let svg = chart_figure("Rings", &[chart], 1).unwrap();
+    let positive = drawn(Chart { x: Axis::log("x"), y: Axis::log("y"), ..rings });
+    let bands = drawn(Chart { bands: vec![band], ..line });
 
-    assert_eq!(svg.matches("<circle").count(), 2, "two rings");
+    assert_eq!(positive.matches("<circle").count(), 2, "two rings");
+    assert_eq!(numbers(&bands, "rect", "width").len() - 1, 2, "the paper not counted");
 }
 
 #[test]
@@ -132,7 +141,7 @@ fn long_series_are_thinned_with_their_peaks() {
         let series = Series::new("a", mark, Colour::Series(0), points.clone());
         let y = Axis { range: Some([0.0, 10.0]), ..Axis::default() };
 
-        let svg = chart_figure("Long", &[Chart { y, ..with(series) }], 1).unwrap();
+        let svg = drawn(Chart { y, ..with(series) });
 
         assert!(svg.len() < 600_000, "{mark:?}: {} bytes", svg.len());
         if mark == Mark::Line {
@@ -146,35 +155,17 @@ fn long_series_are_thinned_with_their_peaks() {
 }
 
 #[test]
-fn places_have_their_names_and_one_series_no_legend() {
+fn places_have_their_names_and_a_legend_those_of_several_series_with_points() {
     let names = ["energy", "product: |c| > 0.1"].map(String::from).to_vec();
     let x = Axis { places: names, ..Axis::default() };
-    let rings = Series::new("only", Mark::Rings, Colour::Series(0), vec![[0.0, 1.0], [1.0, 2.0]]);
-
-    let svg = chart_figure("Places", &[Chart { x, ..with(rings) }], 1).unwrap();
-
-    assert!(svg.contains("energy") && svg.contains("product: |c| &gt; 0.1"));
-    assert!(!svg.contains("only"));
-}
-
-#[test]
-fn bands_have_ends() {
-    let spans = vec![[1.0, 2.0], [f64::NAN, 2.0], [8.0, f64::INFINITY], [-2.0, -1.0]];
-    let band = Band { label: String::new(), colour: Colour::Faded, spans };
-    let line = Series::line("a", vec![[0.0, 0.0], [10.0, 1.0]]);
-
-    let svg = chart_figure("Bands", &[Chart { bands: vec![band], ..with(line) }], 1).unwrap();
-
-    let drawn = numbers(&svg, "rect", "width").len() - 1;
-    assert_eq!(drawn, 2, "the paper not counted");
-}
-
-#[test]
-fn a_series_without_points_is_not_in_the_legend() {
-    let points = |y| vec![[1.0, y], [2.0, y]];
+    let points = |y| vec![[0.0, y], [1.0, y]];
+    let only = Series::new("only", Mark::Rings, Colour::Series(0), points(1.0));
     let series = vec![Series::line("here", points(1.0)), Series::line("absent", points(f64::NAN))];
 
-    let svg = chart_figure("", &[Chart { series, ..Chart::default() }], 1).unwrap();
+    let one = drawn(Chart { x, ..with(only) });
+    let several = drawn(Chart { series, ..Chart::default() });
 
-    assert!(svg.contains("here") && !svg.contains("absent"));
+    assert!(one.contains("energy") && one.contains("product: |c| &gt; 0.1"));
+    assert!(!one.contains("only"));
+    assert!(several.contains("here") && !several.contains("absent"));
 }

@@ -1,7 +1,6 @@
 //! The report of a learned chain of six joints: what comes first, and what is left out.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
+use crate::{findings, log};
 use std::f64::consts::FRAC_PI_2;
 use torquewise_identify::excitation::Finding;
 use torquewise_identify::{PatternPlan, Reconstruction, Warning, diagnose, find_patterns, survey};
@@ -10,7 +9,6 @@ use torquewise_model::model::Training;
 use torquewise_model::rigid_chain::{Coupling, RigidChain};
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_report::{Findings, LogFile, Origin, fit_report};
-use torquewise_sim::{Arm, MotionPlan, simulate};
 
 const JOINTS: usize = 6;
 
@@ -55,8 +53,7 @@ fn model(joints: &[String]) -> Model {
 }
 
 fn report() -> String {
-    let plan = MotionPlan { seconds: 20.0, rate: 50.0, ..MotionPlan::default() };
-    let log = simulate(&Arm::builtin("generic-6").unwrap(), &plan).unwrap().motion;
+    let log = log("generic-6", 20.0);
     let survey = survey(&log).unwrap();
     let patterns = find_patterns(&survey, &PatternPlan::default()).unwrap();
     let range = Finding::Range { joint: "joint3".into(), range: 0.1 };
@@ -82,9 +79,7 @@ fn report() -> String {
         date: "2001-02-04",
     };
     let test = Some(&diagnosis);
-    let diagnosis = &diagnosis;
-    fit_report(&Findings { found: &found, diagnosis, checks: None, test, costs: &[], origin })
-        .unwrap()
+    fit_report(&Findings { test, origin, ..findings(&found, &diagnosis) }).unwrap()
 }
 
 #[test]
@@ -101,7 +96,7 @@ fn the_verdict_comes_first_and_what_a_chain_does_not_have_is_left_out() {
     ];
     let places = first.map(|words| at(words).expect(words));
     assert!(places.is_sorted() && places[4] < chart, "{places:?}, charts from {chart}");
-    for absent in ["<h2>Patterns", "<h2>Steps", "<h2>Physics", "<h2>Cost"] {
+    for absent in ["<h2>Method", "<h2>Physics", "<h2>Cost"] {
         assert_eq!(at(absent), None, "{absent}");
     }
     let foot = html.split("<footer>").nth(1).unwrap().split("</footer>").next().unwrap();

@@ -1,24 +1,15 @@
 //! A report says what each step of a model costs a controller, and which step to take.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use torquewise_identify::{Plan, diagnose, reconstruct};
-use torquewise_report::{CallCost, Findings, Origin, ReportError, fit_report};
-use torquewise_sim::{Arm, MotionPlan, simulate};
+use crate::{findings, fitted};
+use torquewise_report::{CallCost, Findings, ReportError, fit_report};
 
 /// A report of three steps and the whole, which take 0.1, 1, 2 and so many µs.
 fn report(whole: f64, n_costs: usize) -> Result<String, ReportError> {
-    let arm = Arm::builtin("planar-2").unwrap();
-    let plan = MotionPlan { seconds: 20.0, rate: 50.0, ..MotionPlan::default() };
-    let log = simulate(&arm, &plan).unwrap().motion;
-    let found = reconstruct(&log, &Plan::default(), &mut |_| ()).unwrap();
-    let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
+    let (found, diagnosis) = fitted(20.0, |_| ());
     assert_eq!(found.model.stages.len(), 3);
     let cost = |seconds| CallCost { operations: 12_345, functions: 6, seconds };
     let costs = &[1e-7, 1e-6, 2e-6, whole].map(cost)[..n_costs];
-    let (diagnosis, origin) = (&diagnosis, Origin::default());
-    let findings = Findings { found: &found, diagnosis, checks: None, test: None, costs, origin };
-    fit_report(&findings)
+    fit_report(&Findings { costs, ..findings(&found, &diagnosis) })
 }
 
 #[test]

@@ -1,26 +1,14 @@
 //! A report of a model with friction shows it as a part of its own, and loops where it remembers.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
-
-use torquewise_identify::{Plan, diagnose, reconstruct};
+use crate::{findings, fitted};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{FrictionTerm, Weighted};
-use torquewise_report::{Findings, Origin, fit_report};
-use torquewise_sim::{Arm, MotionPlan, simulate};
+use torquewise_report::{Findings, fit_report};
 
 /// The report of a fit with this friction put in its place.
 fn report(friction: &[Weighted<FrictionTerm>]) -> String {
-    let arm = Arm::builtin("planar-2").unwrap();
-    let plan = MotionPlan { seconds: 10.0, rate: 50.0, ..MotionPlan::default() };
-    let log = simulate(&arm, &plan).unwrap().motion;
-    let mut found = reconstruct(&log, &Plan::default(), &mut |_| ()).unwrap();
-    found.model.friction = friction.to_vec();
-    let diagnosis = diagnose(&found.model, &found.patterns, &log).unwrap();
-    let (test, costs) = (Some(&diagnosis), &[]);
-    let origin = Origin::default();
-    let findings =
-        Findings { found: &found, diagnosis: &diagnosis, checks: None, test, costs, origin };
-    fit_report(&findings).unwrap()
+    let (found, diagnosis) = fitted(10.0, |found| found.model.friction = friction.to_vec());
+    fit_report(&Findings { test: Some(&diagnosis), ..findings(&found, &diagnosis) }).unwrap()
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::control::gains::Gains;
 use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::Slopes;
-use crate::control::period::period;
+use crate::control::reference::period;
 use crate::error::{SimError, check_above_zero, check_joints};
 use crate::state::State;
 use torquewise_motion::Motion;

@@ -124,25 +124,27 @@ impl Integrator {
 mod tests {
     use super::*;
 
-    /// x'' = −x, x(0) = 1: where it is after some seconds.
-    fn oscillator(tolerance: f64, seconds: f64) -> Vec<f64> {
-        let mut x = vec![1.0, 0.0];
-        let mut integrator = Integrator::new(2, tolerance);
-        integrator
-            .advance(&mut x, [0.0, seconds], |x, dx| {
-                (dx[0], dx[1]) = (x[1], -x[0]);
-                Ok(())
-            })
-            .unwrap();
-        x
+    /// Where x' = slope(x) leads in some seconds.
+    fn followed<const N: usize>(
+        mut x: [f64; N],
+        tolerance: f64,
+        seconds: f64,
+        slope: impl Fn(&[f64]) -> [f64; N],
+    ) -> Result<[f64; N], SimError> {
+        let mut integrator = Integrator::new(N, tolerance);
+        integrator.advance(&mut x, [0.0, seconds], |x, dx| {
+            dx.copy_from_slice(&slope(x));
+            Ok(())
+        })?;
+        Ok(x)
     }
 
     #[test]
     fn the_error_follows_the_tolerance() {
         for tolerance in [1e-6, 1e-9, 1e-12] {
-            let x = oscillator(tolerance, 10.0);
+            let [x, dx] = followed([1.0, 0.0], tolerance, 10.0, |x| [x[1], -x[0]]).unwrap();
 
-            let wrong = (x[0] - 10.0_f64.cos()).abs().max((x[1] + 10.0_f64.sin()).abs());
+            let wrong = (x - 10.0_f64.cos()).abs().max((dx + 10.0_f64.sin()).abs());
             // Some dozens to hundreds of steps, each wrong by the tolerance at most.
             assert!(wrong < 300.0 * tolerance, "{wrong} at {tolerance}");
         }
@@ -150,29 +152,16 @@ mod tests {
 
     #[test]
     fn a_polynomial_of_degree_five_is_exact() {
-        let (mut x, mut integrator) = (vec![0.0, 1.0], Integrator::new(2, 1e-3));
-
         // x₁ is the time, so that x₀ = t⁵ from t = 1 to 3.
-        x[0] = 1.0;
-        integrator
-            .advance(&mut x, [0.0, 2.0], |x, dx| {
-                (dx[0], dx[1]) = (5.0 * x[1].powi(4), 1.0);
-                Ok(())
-            })
-            .unwrap();
+        let [x, _] = followed([1.0; 2], 1e-3, 2.0, |x| [5.0 * x[1].powi(4), 1.0]).unwrap();
 
         // Rounding only, of numbers up to 243.
-        assert!((x[0] - 243.0).abs() < 243.0 * 1e-13, "{}", x[0]);
+        assert!((x - 243.0).abs() < 243.0 * 1e-13, "{x}");
     }
 
     #[test]
     fn what_runs_away_is_an_error() {
-        let mut x = vec![1.0];
-
-        let found = Integrator::new(1, 1e-9).advance(&mut x, [0.0, 2.0], |x, dx| {
-            dx[0] = x[0] * x[0];
-            Ok(())
-        });
+        let found = followed([1.0], 1e-9, 2.0, |x| [x[0] * x[0]]);
 
         assert!(matches!(found, Err(SimError::Diverged { t }) if (t - 1.0).abs() < 1e-3));
     }

@@ -91,13 +91,7 @@ impl Plant {
         check_between("the tolerance", self.tolerance, [1e-13, 1e-3], "1e-13 to 1e-3")
     }
 
-    /// Torque that makes the arm move so: inverse dynamics and friction.
-    ///
-    /// - `q` \[rad\], `dq` \[rad/s\], `ddq` \[rad/s²\]: n each
-    /// - returns: τ \[N·m\], n
-    ///
-    /// # Panics
-    /// If a slice does not hold n numbers.
+    /// Torque \[N·m\], n, that makes the arm move so: [`Arm::inverse_dynamics`] and friction.
     pub fn needed_torque(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Vec<f64> {
         let mut tau = self.arm.inverse_dynamics(q, dq, ddq);
         for (tau, rubs) in tau.iter_mut().zip(self.friction.torques(dq)) {
@@ -106,28 +100,12 @@ impl Plant {
         tau
     }
 
-    /// Acceleration under a torque: forward dynamics less friction.
-    ///
-    /// - `q` \[rad\], `dq` \[rad/s\], `tau` \[N·m\]: n each
-    /// - returns: q̈ \[rad/s²\], n
-    ///
-    /// # Errors
-    /// [`SimError`] if a joint moves nothing that has mass.
-    ///
-    /// # Panics
-    /// If `dq` does not hold n numbers.
-    pub fn acceleration(&self, q: &[f64], dq: &[f64], tau: &[f64]) -> Result<Vec<f64>, SimError> {
-        let rubs = self.friction.torques(dq);
-        let left: Vec<f64> = tau.iter().zip(rubs).map(|(tau, rubs)| tau - rubs).collect();
-        self.arm.forward_dynamics(q, dq, &left)
-    }
-
     /// Lets a steady torque act for some seconds: q \[rad\] and dq \[rad/s\], n each, become what
     /// they are then. Limits, delay and sensors have no part in it; bristles are not bent at first.
     ///
     /// # Errors
-    /// [`SimError::JointCount`]; [`SimError`] as [`Plant::acceleration`];
-    /// [`SimError::Diverged`] if the motion cannot be followed.
+    /// [`SimError::JointCount`]; [`SimError::Massless`]; [`SimError::Diverged`] if the motion cannot
+    /// be followed.
     pub fn advance(
         &self,
         [q, dq]: [&mut [f64]; 2],

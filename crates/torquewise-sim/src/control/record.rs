@@ -3,8 +3,8 @@
 use crate::control::gains::mean_inertia;
 use crate::control::knowledge::sum;
 use crate::control::moving::{Moving, Slopes};
-use crate::control::period::period;
 use crate::control::plant::Plant;
+use crate::control::reference::period;
 use crate::error::{SimError, check_between, check_joints};
 use crate::state::State;
 use faer::Mat;

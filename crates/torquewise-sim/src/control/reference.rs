@@ -2,11 +2,11 @@
 
 use crate::Arm;
 use crate::error::{SimError, check_between};
-use faer::Mat;
+use crate::state::Rows;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
-use torquewise_motion::{Motion, Signals};
+use torquewise_motion::Motion;
 
 /// A periodic motion within the ranges of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,11 +67,16 @@ pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion, SimError> {
     )]
     let rows = (plan.seconds * plan.rate).round() as usize + 1;
     let t: Vec<f64> = (0..rows).map(|row| row as f64 / plan.rate).collect();
-    let states: Vec<Vec<[f64; 3]>> =
-        joints.iter().map(|wave| t.iter().map(|&t| wave.at(t)).collect()).collect();
-    let of = |order: usize| Mat::from_fn(rows, joints.len(), |row, j| states[j][row][order]);
-    let (q, dq, ddq) = (of(0), of(1), of(2));
-    Ok(Motion::new(Signals { joints: arm.joints().to_vec(), t, q, dq, ddq, tau: None })?)
+    let mut states = Rows::new(rows, joints.len());
+    for (row, &t) in t.iter().enumerate() {
+        for (joint, wave) in joints.iter().enumerate() {
+            let [q, dq, ddq] = wave.at(t);
+            states.q[(row, joint)] = q;
+            states.dq[(row, joint)] = dq;
+            states.ddq[(row, joint)] = ddq;
+        }
+    }
+    states.motion(arm.joints(), t, None)
 }
 
 /// The motion of one joint.
@@ -118,6 +123,25 @@ impl Wave {
             ddq += size * slow * (fast * sin_fast - slow * sin);
         }
         [q, dq, ddq]
+    }
+}
+
+/// Time between rows may differ by this share of itself: stamps are rounded.
+const SLACK: f64 = 1e-3;
+
+/// Seconds between the rows of a desired motion.
+pub(crate) fn period(motion: &Motion) -> Result<f64, SimError> {
+    let (t, rows) = (motion.t(), motion.n_rows());
+    let [first, .., last] = t else { return Err(SimError::TooFewRows { rows }) };
+    let period = (last - first) / (rows - 1) as f64;
+    let uneven = |pair: &[f64]| {
+        let step = pair.iter().copied().reduce(|before, after| after - before);
+        step.is_none_or(|step| (step - period).abs() > SLACK * period.abs())
+    };
+    match t.windows(2).position(uneven) {
+        Some(row) => Err(SimError::Uneven { row: row + 1 }),
+        None if period > 0.0 => Ok(period),
+        None => Err(SimError::Uneven { row: 1 }),
     }
 }
 

@@ -31,18 +31,6 @@ fn offset_rotor_and_range_may_be_left_out() {
 }
 
 #[test]
-fn a_rotor_adds_to_the_inertia_of_its_joint() {
-    let bare = Arm::from_dh_toml(&table("", "")).unwrap();
-    let geared = Arm::from_dh_toml(&table("d = 0.0", "d = 0.0\nrotor = 0.25")).unwrap();
-
-    assert_eq!(geared.mass_matrix(&[0.3])[(0, 0)], bare.mass_matrix(&[0.3])[(0, 0)] + 0.25);
-    assert_eq!(
-        geared.inverse_dynamics(&[0.3], &[1.0], &[2.0])[0],
-        bare.inverse_dynamics(&[0.3], &[1.0], &[2.0])[0] + 0.5
-    );
-}
-
-#[test]
 fn an_offset_shifts_the_joint_position() {
     let tilted = "name = \"one\"\nbase_rpy = [0.3, -0.8, 0.2]";
     let plain = Arm::from_dh_toml(&table("name = \"one\"", tilted)).unwrap();

@@ -4,7 +4,7 @@ use crate::error::SimError;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::random::between;
-use crate::state::State;
+use crate::state::{Rows, State};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -119,12 +119,13 @@ impl Library {
     /// The columns at some states, n·m rows by p: the joints below each other, each row times the
     /// root of the seconds it stands for.
     pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>, SimError> {
-        let (m, n) = (states.q.nrows(), states.q.ncols());
+        let Rows { q, dq, ddq } = &states.rows;
+        let (m, n) = (q.nrows(), q.ncols());
         let variables = Mat::from_fn(m, 2 * n, |row, column| {
-            if column < n { states.dq[(row, column)] } else { states.ddq[(row, column - n)] }
+            if column < n { dq[(row, column)] } else { ddq[(row, column - n)] }
         });
         let responses = Mat::zeros(m, 0);
-        let samples = Samples { angles: states.q.clone(), variables, responses };
+        let samples = Samples { angles: q.clone(), variables, responses };
         let energies = self.evaluator.columns(&samples)?;
         let mut rows = Mat::zeros(n * m, self.n_columns());
         let first = self.evaluator.design().n_columns();
@@ -138,7 +139,7 @@ impl Library {
             for (place, (law, _)) in used.enumerate() {
                 let out = rows.col_as_slice_mut(first + place * n + joint);
                 for (row, out) in out[joint * m..][..m].iter_mut().enumerate() {
-                    *out = law(states.dq[(row, joint)]);
+                    *out = law(dq[(row, joint)]);
                 }
             }
         }

@@ -4,8 +4,7 @@ use crate::excite::limits::Bounds;
 use crate::excite::segment::{Segment, ramp_seconds};
 use crate::excite::sines::Sines;
 use crate::random::{between, direction, log_between, normal};
-use crate::state::State;
-use faer::Mat;
+use crate::state::{Rows, State};
 use rand_chacha::ChaCha8Rng;
 
 /// A part of a recording that begins and ends at rest in the same pose.
@@ -22,10 +21,7 @@ pub(crate) enum Part {
 /// States at which a part is judged, with the time \[s\] each stands for.
 #[derive(Clone, Debug)]
 pub(crate) struct States {
-    /// m×n each.
-    pub(crate) q: Mat<f64>,
-    pub(crate) dq: Mat<f64>,
-    pub(crate) ddq: Mat<f64>,
+    pub(crate) rows: Rows,
     /// m
     pub(crate) seconds: Vec<f64>,
 }
@@ -253,16 +249,9 @@ fn room_of(travel: f64, limits: &Bounds) -> Option<[f64; 2]> {
 impl States {
     /// Gathers states.
     pub(crate) fn new(states: &[State], seconds: Vec<f64>) -> Self {
-        let n = states.first().map_or(0, |state| state.q.len());
-        let gather = |of: fn(&State) -> &[f64]| {
-            Mat::from_fn(states.len(), n, |row, joint| of(&states[row])[joint])
-        };
-        Self {
-            q: gather(|state| &state.q),
-            dq: gather(|state| &state.dq),
-            ddq: gather(|state| &state.ddq),
-            seconds,
-        }
+        let mut rows = Rows::new(states.len(), states.first().map_or(0, |state| state.q.len()));
+        states.iter().enumerate().for_each(|(row, state)| rows.set(row, state));
+        Self { rows, seconds }
     }
 }
 
@@ -307,12 +296,12 @@ mod tests {
         for k in 0..m / 2 {
             for joint in 0..3 {
                 let [there, back] = [k, m - 1 - k];
-                let speed = states.dq[(there, joint)];
-                let places = [there, back].map(|row| states.q[(row, joint)].to_bits());
+                let speed = states.rows.dq[(there, joint)];
+                let places = [there, back].map(|row| states.rows.q[(row, joint)].to_bits());
                 let moves = speed.abs() > 0.0;
                 assert_eq!(places[0] != places[1], moves, "no place is judged twice");
-                assert!((speed + states.dq[(back, joint)]).abs() < 1e-12);
-                assert!(states.ddq[(there, joint)].abs() <= 0.0);
+                assert!((speed + states.rows.dq[(back, joint)]).abs() < 1e-12);
+                assert!(states.rows.ddq[(there, joint)].abs() <= 0.0);
             }
         }
     }

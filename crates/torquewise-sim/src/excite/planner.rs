@@ -117,17 +117,14 @@ pub fn excite(
     let random = setting.design(&library, first, &mut |_, _| {})?;
 
     progress(1.0, "judging");
-    let peaks = [
-        recordings[0].checked_peaks(&bounds)?,
-        recordings[1].checked_peaks(&bounds)?,
-        recordings[2].checked_peaks(&bounds)?,
-    ];
+    let [standstill, uniform, variable] =
+        recordings.each_ref().map(|recording| recording.checked_peaks(&bounds));
     Ok(Excitation {
         criteria: setting.criteria(&library, &recordings)?,
         random: setting.criteria(&library, &random)?,
         not_alone: setting.not_alone(&recordings[1]),
         interaction: library.interaction,
-        peaks,
+        peaks: [standstill?, uniform?, variable?],
         recordings,
     })
 }
@@ -166,12 +163,12 @@ impl Setting<'_> {
     ) -> Result<Planned, SimError> {
         let Self { plan, joints, bounds, home } = *self;
         let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
-        let own = library.share(self.share(stage))?;
+        let (recipe, share) = self.stage(stage);
+        let own = library.share(share)?;
         let mut known = Vec::new();
         for recording in before {
             known.extend(own.rows_of(recording.parts(), 1)?);
         }
-        let recipe = self.recipe(stage);
         let task = Task { recipe, library: &own, limits: bounds, home, seconds, effort };
         // Each recording has numbers of its own, whatever the others draw.
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -184,21 +181,14 @@ impl Setting<'_> {
         Ok(Planned::new(name, joints, plan.rate, home, parts, bounds))
     }
 
-    fn recipe(&self, stage: usize) -> Recipe {
-        let dwell = self.plan.dwell;
+    /// What a recording is made of, and the part of the library it is there for.
+    fn stage(&self, stage: usize) -> (Recipe, Share) {
+        let Plan { dwell, slow_sweeps: creep, .. } = *self.plan;
         match stage {
-            0 if self.plan.slow_sweeps => Recipe::Creeps { dwell },
-            0 => Recipe::Poses { dwell },
-            1 => Recipe::Sweeps,
-            _ => Recipe::Sines,
-        }
-    }
-
-    fn share(&self, stage: usize) -> Share {
-        match stage {
-            0 => Share::Standstill { creep: self.plan.slow_sweeps },
-            1 => Share::Uniform,
-            _ => Share::Whole,
+            0 if creep => (Recipe::Creeps { dwell }, Share::Standstill { creep }),
+            0 => (Recipe::Poses { dwell }, Share::Standstill { creep }),
+            1 => (Recipe::Sweeps, Share::Uniform),
+            _ => (Recipe::Sines, Share::Whole),
         }
     }
 
@@ -211,7 +201,7 @@ impl Setting<'_> {
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(Planned::parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
-            let rows = library.share(self.share(stage))?.rows_of(parts(), DENSITY)?;
+            let rows = library.share(self.stage(stage).1)?.rows_of(parts(), DENSITY)?;
             Ok::<_, SimError>(Criterion::of(stacked(&rows).as_ref(), seconds))
         };
         let seconds: f64 = recordings.iter().map(Planned::seconds).sum();
@@ -289,14 +279,9 @@ impl Plan {
             check_between(what, found, [least, most], expected)?;
         }
         let rows = self.rate * self.seconds.iter().copied().fold(0.0, f64::max);
-        if rows > MOST_ROWS {
-            let (what, expected) = ("number of rows", "seconds times rate up to 2000000");
-            return Err(SimError::Setting { what, found: rows, expected });
-        }
-        if self.interaction == Some(0) {
-            let (what, expected) = ("interaction order", "1 or more");
-            return Err(SimError::Setting { what, found: 0.0, expected });
-        }
-        Ok(())
+        let expected = "seconds times rate up to 2000000";
+        check_between("number of rows", rows, [0.0, MOST_ROWS], expected)?;
+        let order = self.interaction.unwrap_or(1) as f64;
+        check_between("interaction order", order, [1.0, f64::INFINITY], "1 or more")
     }
 }

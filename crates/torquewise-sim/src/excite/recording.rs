@@ -5,9 +5,8 @@ use crate::excite::design::REST;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
-use crate::state::State;
-use faer::Mat;
-use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording, Signals};
+use crate::state::{Rows, State};
+use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
 
 /// A planned recording: q, q̇ and q̈ from home to home, without torque.
 #[derive(Clone, Debug)]
@@ -23,16 +22,8 @@ pub struct Planned {
     seconds: f64,
 }
 
-/// How far a joint goes in a recording.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peaks {
-    /// Least and greatest position \[rad\].
-    pub position: [f64; 2],
-    /// Largest speed \[rad/s\].
-    pub velocity: f64,
-    /// Largest acceleration \[rad/s²\].
-    pub acceleration: f64,
-}
+/// How far a joint goes in a recording: least and greatest position, largest speed and acceleration.
+pub type Peaks = Bounds;
 
 /// Instants between two rows at which limits are checked.
 const BETWEEN_ROWS: usize = 5;
@@ -187,20 +178,15 @@ impl Planned {
 
     /// The named rows.
     fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, SimError> {
-        let (m, n) = (rows.len(), self.joints.len());
-        let [mut q, mut dq, mut ddq] = std::array::from_fn(|_| Mat::zeros(m, n));
-        let mut t = Vec::with_capacity(m);
+        let mut states = Rows::new(rows.len(), self.joints.len());
+        let mut t = Vec::with_capacity(rows.len());
         let mut state = State::at_rest(&self.home);
         for (k, row) in rows.enumerate() {
             t.push(row as f64 / self.rate);
             self.write_state(row as f64 / self.rate, &mut state);
-            for i in 0..n {
-                (q[(k, i)], dq[(k, i)]) = (state.q[i], state.dq[i]);
-                ddq[(k, i)] = state.ddq[i];
-            }
+            states.set(k, &state);
         }
-        let joints = self.joints.clone();
-        Ok(Motion::new(Signals { joints, t, q, dq, ddq, tau: None })?)
+        states.motion(&self.joints, t, None)
     }
 }
 

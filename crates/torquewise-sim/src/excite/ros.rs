@@ -1,6 +1,6 @@
 //! A recording as waypoints and YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
 
-use crate::error::SimError;
+use crate::error::{SimError, check_between};
 use crate::excite::recording::Planned;
 use crate::state::State;
 use torquewise_motion::Recording;
@@ -22,10 +22,7 @@ pub struct Waypoint {
 /// # Errors
 /// [`SimError::Setting`] if `rate` is not from 1 to 1000 Hz.
 pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>, SimError> {
-    if !(1.0..=1000.0).contains(&rate) {
-        let (what, expected) = ("ROS rate [Hz]", "from 1 to 1000");
-        return Err(SimError::Setting { what, found: rate, expected });
-    }
+    check_between("ROS rate [Hz]", rate, [1.0, 1000.0], "from 1 to 1000")?;
     let breaks = recording.breaks();
     let mut points: Vec<Waypoint> = Vec::new();
     let mut add = |t: f64| {

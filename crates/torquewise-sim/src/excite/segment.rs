@@ -190,24 +190,6 @@ mod tests {
     }
 
     #[test]
-    fn velocity_and_acceleration_are_the_derivatives() {
-        let h = 1e-5;
-        for segment in [stroke([0.8, -0.6], 0.7), glide(&[0.0, 1.0], &[1.0, -1.0], &LIMITS)] {
-            for k in 1..40 {
-                let t = segment.seconds() * f64::from(k) / 40.0;
-                let [before, at, after] = [t - h, t, t + h].map(|t| state(&segment, t));
-                for i in 0..2 {
-                    let dq = (after.q[i] - before.q[i]) / (2.0 * h);
-                    let ddq = (after.dq[i] - before.dq[i]) / (2.0 * h);
-                    // Third derivatives are about ten and may jump: h times ten.
-                    assert!((dq - at.dq[i]).abs() < 1e-8, "{t}: {dq} {}", at.dq[i]);
-                    assert!((ddq - at.ddq[i]).abs() < 2e-4, "{t}: {ddq} {}", at.ddq[i]);
-                }
-            }
-        }
-    }
-
-    #[test]
     fn a_way_of_no_length_takes_no_time_and_stays() {
         let segment = glide(&[0.3, 0.4], &[0.3, 0.4], &LIMITS);
 

@@ -266,20 +266,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn velocity_and_acceleration_are_the_derivatives() {
-        let sines = Sines::draw(8.0, &LIMITS, &mut ChaCha8Rng::seed_from_u64(2));
-        let h = 1e-4;
-
-        for t in [0.1, 1.7, 5.0] {
-            let [before, at, after] = [t - h, t, t + h].map(|t| state(&sines, t));
-            for i in 0..2 {
-                let dq = (after.q[i] - before.q[i]) / (2.0 * h);
-                let ddq = (after.dq[i] - before.dq[i]) / (2.0 * h);
-                // Central difference: h² times the third and fourth derivative, some tens.
-                assert!((dq - at.dq[i]).abs() < 1e-6 && (ddq - at.ddq[i]).abs() < 1e-5);
-            }
-        }
-    }
 }

@@ -92,7 +92,7 @@ fn energies_are_those_of_the_bodies_one_by_one() {
 #[test]
 fn the_regressor_times_the_masses_is_the_torque() {
     for_states(|arm, [q, dq, ddq]| {
-        let masses = arm.inertial_parameters();
+        let masses = arm.inertial();
 
         let regressor = arm.regressor(q, dq, ddq);
 

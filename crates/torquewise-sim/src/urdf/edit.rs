@@ -5,25 +5,6 @@ use crate::urdf::chain::UrdfInertial;
 use roxmltree::{Document, Node};
 use std::ops::Range;
 
-/// What is changed in a URDF.
-#[derive(Clone, Debug)]
-pub enum Change {
-    /// The `<inertial>` of a link; without a body it is taken away.
-    Inertial {
-        /// Name of the link.
-        link: String,
-        /// Its new body.
-        body: Option<UrdfInertial>,
-    },
-    /// The `<dynamics>` of a joint.
-    Dynamics {
-        /// Name of the joint.
-        joint: String,
-        /// Its new friction.
-        dynamics: Dynamics,
-    },
-}
-
 /// Friction and rotor of a joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dynamics {
@@ -36,44 +17,38 @@ pub struct Dynamics {
     pub friction: f64,
 }
 
-/// The text with all changes made.
+/// The text with new bodies of links, of which one without is taken away, and new friction of joints.
 ///
 /// # Errors
 /// [`SimError::Urdf`] if the text is no XML, [`SimError::UnknownJoints`] if it has no
 /// link or joint of that name.
-pub fn edited(text: &str, changes: &[Change]) -> Result<String, SimError> {
+pub fn edited(
+    text: &str,
+    inertials: &[(String, Option<UrdfInertial>)],
+    dynamics: &[(String, Dynamics)],
+) -> Result<String, SimError> {
     let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
     let root = document.root_element();
     let named = |kind: &str, name: &str| {
-        let mut all = root.children().filter(|node| node.has_tag_name(kind));
-        all.find(|node| node.attribute("name") == Some(name)).ok_or_else(|| {
-            let known = root.children().filter(|node| node.has_tag_name(kind));
-            let known: Vec<&str> = known.filter_map(|node| node.attribute("name")).collect();
+        let all = || root.children().filter(|node| node.has_tag_name(kind));
+        all().find(|node| node.attribute("name") == Some(name)).ok_or_else(|| {
+            let known: Vec<&str> = all().filter_map(|node| node.attribute("name")).collect();
             SimError::UnknownJoints { unknown: name.to_owned(), known: known.join(", ") }
         })
     };
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    for change in changes {
-        edits.extend(match change {
-            Change::Inertial { link, body } => {
-                let node = named("link", link)?;
-                put(text, node, "inertial", body.as_ref().map(inertial))
-            }
-            Change::Dynamics { joint, dynamics } => {
-                let node = named("joint", joint)?;
-                put(text, node, "dynamics", Some(friction(dynamics)))
-            }
-        });
+    for (link, body) in inertials {
+        let lines = body.as_ref().map(inertial);
+        edits.extend(put(text, named("link", link)?, "inertial", lines));
     }
-    edits.sort_by_key(|(range, _)| range.start);
-    let mut out = String::with_capacity(text.len());
-    let mut at = 0;
+    for (joint, own) in dynamics {
+        edits.extend(put(text, named("joint", joint)?, "dynamics", Some(friction(own))));
+    }
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut out = text.to_owned();
     for (range, new) in edits {
-        out.push_str(&text[at..range.start]);
-        out.push_str(&new);
-        at = range.end;
+        out.replace_range(range, &new);
     }
-    out.push_str(&text[at..]);
     Ok(out)
 }
 
@@ -85,10 +60,7 @@ fn put(
     new: Option<Vec<String>>,
 ) -> Vec<(Range<usize>, String)> {
     let margin = margin_of(text, node.range().start);
-    let lines = new.map(|lines| {
-        let inner = format!("\n{margin}  ");
-        lines.join(&inner)
-    });
+    let lines = new.map(|lines| lines.join(&format!("\n{margin}  ")));
     let old: Vec<Range<usize>> = (node.children())
         .filter(|child| child.has_tag_name(name))
         .map(|child| child.range())

@@ -3,8 +3,6 @@
 use crate::arm::{Arm, JointLimits};
 use crate::error::SimError;
 use approx::assert_relative_eq;
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// A link with mass 1 kg at (0, 0, 0.1) m.
 fn link(name: &str) -> String {
@@ -245,67 +243,4 @@ fn a_file_cut_anywhere_is_refused() {
     for end in 0..text.len() {
         assert!(Arm::from_urdf(&text[..end], &[]).is_err(), "cut at {end}");
     }
-}
-
-#[test]
-fn a_file_with_any_byte_changed_is_read_or_refused() {
-    let text = two_joints("revolute", "revolute");
-
-    for at in 0..text.len() {
-        for byte in ["<", ">", "'", "/", "&", "", ":", "-", "9"] {
-            let changed = format!("{}{byte}{}", &text[..at], &text[at + 1..]);
-            if let Ok(arm) = Arm::from_urdf(&changed, &[]) {
-                assert!(arm.n_joints() <= 2);
-            }
-        }
-    }
-}
-
-#[test]
-fn a_file_with_foreign_markup_spliced_in_is_read_or_refused() {
-    let text = two_joints("revolute", "revolute").replace("<robot ", "<robot xmlns:x='k' ");
-    let mut rng = ChaCha8Rng::seed_from_u64(9);
-    let markup = [
-        "<",
-        ">",
-        "/>",
-        "</",
-        "'",
-        "=",
-        " ",
-        ":",
-        "<!--",
-        "-->",
-        "<?",
-        "?>",
-        " xmlns:y='u'",
-        " xmlns='v'",
-        " xmlns='v' x:b='1'",
-        " :b='1'",
-        "<x:link/>",
-        "<y:z>",
-        " xmlns:x=''",
-        "&#0;",
-        "&lt;",
-        "\u{fffd}",
-        "nan",
-        "1e999",
-        "<link name='a'/>",
-        "<g><g><g/></g></g>",
-        "<![CDATA[",
-    ];
-
-    let mut read = 0;
-    for _ in 0..3000 {
-        let mut changed = text.clone();
-        for _ in 0..rng.random_range(1..4) {
-            let places: Vec<usize> = changed.char_indices().map(|(at, _)| at).collect();
-            let at = rng.random_range(0..places.len());
-            let end = places[(at + rng.random_range(0..6)).min(places.len() - 1)];
-            changed.replace_range(places[at]..end, markup[rng.random_range(0..markup.len())]);
-        }
-        read += usize::from(Arm::from_urdf(&changed, &[]).is_ok());
-    }
-
-    assert!((1..2000).contains(&read), "{read} of 3000 files were still an arm");
 }

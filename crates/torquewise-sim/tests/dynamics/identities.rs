@@ -67,6 +67,12 @@ fn step(a: &[f64], h: f64, b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a + h * b).collect()
 }
 
+/// Derivative at 0 by a central difference of fourth order.
+fn slope(of: &dyn Fn(f64) -> f64) -> f64 {
+    let h = 1e-3;
+    (8.0 * (of(h) - of(-h)) - (of(2.0 * h) - of(-2.0 * h))) / (12.0 * h)
+}
+
 #[test]
 fn mass_matrix_is_symmetric_positive_definite() {
     for_states(|arm, q, _, _| {
@@ -97,16 +103,14 @@ fn torque_is_the_sum_of_inertia_coriolis_and_gravity() {
 
 #[test]
 fn power_in_is_change_of_energy() {
-    // d/dt (T + V) along q(t) = q + t dq + t² ddq / 2, by a central difference of fourth order.
+    // d/dt (T + V) along q(t) = q + t dq + t² ddq / 2.
     for_states(|arm, q, dq, ddq| {
         let energy = |t: f64| {
             let q = step(&step(q, t, dq), t * t / 2.0, ddq);
             let dq = step(dq, t, ddq);
             arm.kinetic_energy(&q, &dq) + arm.potential_energy(&q)
         };
-        let h = 1e-3;
-        let change =
-            (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+        let change = slope(&energy);
 
         let power = dot(dq, &arm.inverse_dynamics(q, dq, ddq));
 
@@ -118,7 +122,7 @@ fn power_in_is_change_of_energy() {
 
 #[test]
 fn m_dot_minus_two_c_is_skew() {
-    // q̇ᵀ (Ṁ − 2 C) q̇ = 0, Ṁ along q̇ by a central difference of fourth order.
+    // q̇ᵀ (Ṁ − 2 C) q̇ = 0, Ṁ along q̇.
     for_states(|arm, q, dq, _| {
         let n = arm.n_joints();
         let energy = |t: f64| {
@@ -126,9 +130,7 @@ fn m_dot_minus_two_c_is_skew() {
             let pairs = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
             pairs.map(|(i, j)| dq[i] * mass[(i, j)] * dq[j]).sum::<f64>()
         };
-        let h = 1e-3;
-        let m_dot =
-            (8.0 * (energy(h) - energy(-h)) - (energy(2.0 * h) - energy(-2.0 * h))) / (12.0 * h);
+        let m_dot = slope(&energy);
 
         let coriolis = 2.0 * dot(dq, &arm.coriolis_torque(q, dq));
 
@@ -153,14 +155,13 @@ fn forward_dynamics_undoes_inverse_dynamics() {
 fn gravity_torque_is_the_gradient_of_potential_energy() {
     for_states(|arm, q, _, _| {
         let gravity = arm.gravity_torque(q);
-        let h = 1e-4;
 
         for i in 0..arm.n_joints() {
             let mut direction = vec![0.0; arm.n_joints()];
             direction[i] = 1.0;
             let energy = |t: f64| arm.potential_energy(&step(q, t, &direction));
-            let gradient = (energy(h) - energy(-h)) / (2.0 * h);
-            // h² / 6 times the third derivative, as large as the torque itself, plus rounding.
+            let gradient = slope(&energy);
+            // h⁴ / 30 times the fifth derivative, as large as the torque itself, plus rounding.
             let scale = 1.0 + norm(&gravity);
             assert!((gravity[i] - gradient).abs() < 1e-8 * scale, "{}", arm.name());
         }

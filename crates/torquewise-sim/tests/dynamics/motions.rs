@@ -1,8 +1,8 @@
 //! Simulated motions: exact derivatives, true patterns, and the shares, speeds and gaps promised.
 #![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
-use torquewise_motion::Pattern;
-use torquewise_motion::Recording;
+use std::sync::LazyLock;
+use torquewise_motion::{Pattern, Recording};
 use torquewise_sim::{
     Arm, MotionKind, MotionPlan, SimError, SimulatedLog, Simulation, arms, simulate,
 };
@@ -13,9 +13,10 @@ fn plan(kind: MotionKind) -> MotionPlan {
     MotionPlan { kind, seed: 5, ..MotionPlan::default() }
 }
 
-fn puma(kind: MotionKind) -> Simulation {
-    simulate(&Arm::builtin("puma560-3").unwrap(), &plan(kind)).unwrap()
-}
+static PUMA: LazyLock<[Simulation; 3]> = LazyLock::new(|| {
+    let arm = Arm::builtin("puma560-3").unwrap();
+    KINDS.map(|kind| simulate(&arm, &plan(kind)).unwrap())
+});
 
 /// Share of the rows that show a pattern.
 fn share(simulation: &Simulation, pattern: Pattern) -> f64 {
@@ -24,65 +25,45 @@ fn share(simulation: &Simulation, pattern: Pattern) -> f64 {
 }
 
 /// Column of one joint: least and greatest value.
-fn extremes(column: &[f64]) -> (f64, f64) {
-    column.iter().fold((0.0, 0.0), |(least, most): (f64, f64), &x| (least.min(x), most.max(x)))
-}
-
-/// Pairs of neighbouring rows of one pattern, without a gap between them.
-fn neighbours(simulation: &Simulation) -> impl Iterator<Item = (usize, f64)> {
-    let Simulation { motion, truth } = simulation;
-    (1..motion.n_rows()).filter_map(|row| {
-        let dt = motion.t()[row] - motion.t()[row - 1];
-        (truth[row] == truth[row - 1] && dt < 1.5 / 250.0).then_some((row, dt))
-    })
+fn extremes<'a>(column: impl Iterator<Item = &'a f64>) -> (f64, f64) {
+    column.fold((0.0, 0.0), |(least, most): (f64, f64), &x| (least.min(x), most.max(x)))
 }
 
 #[test]
-fn velocity_and_acceleration_are_the_derivatives_of_position() {
-    for kind in KINDS {
-        let simulation = puma(kind);
-        let (q, dq) = (simulation.motion.q(), simulation.motion.dq());
-        let ddq = simulation.motion.ddq();
+fn velocity_and_acceleration_are_the_derivatives_of_position_which_never_jumps() {
+    for (kind, Simulation { motion, truth }) in KINDS.iter().zip(&*PUMA) {
+        let (t, q, dq, ddq) = (motion.t(), motion.q(), motion.dq(), motion.ddq());
         let mut checked = 0;
 
-        for (row, dt) in neighbours(&simulation) {
-            for i in 0..3 {
+        for (row, i) in (1..motion.n_rows()).flat_map(|row| (0..3).map(move |i| (row, i))) {
+            let dt = t[row] - t[row - 1];
+            let [moved, gained, mean, push] = [
+                q[(row, i)] - q[(row - 1, i)],
+                dq[(row, i)] - dq[(row - 1, i)],
+                f64::midpoint(dq[(row, i)], dq[(row - 1, i)]),
+                f64::midpoint(ddq[(row, i)], ddq[(row - 1, i)]),
+            ];
+            // Transfers between staged recordings are gaps.
+            if *kind != MotionKind::Staged {
+                let smooth = moved.abs() < 2.1 / 250.0 && gained.abs() < 6.1 / 250.0;
+                assert!(smooth, "{kind:?}: row {row}");
+            }
+            if truth[row] == truth[row - 1] && dt < 1.5 / 250.0 {
                 // One acceleration per phase, so the trapezoid is exact, but for a switch between
                 // accelerating and braking (none without cruise) and the third derivative of sines.
-                let mean = f64::midpoint(dq[(row, i)], dq[(row - 1, i)]);
-                let moved = q[(row, i)] - q[(row - 1, i)] - dt * mean;
+                let [moved, gained] = [moved - dt * mean, gained - dt * push];
                 assert!(moved.abs() < 1e-6, "{kind:?} q: row {row}, {moved:e}");
-                let mean = f64::midpoint(ddq[(row, i)], ddq[(row - 1, i)]);
-                let gained = dq[(row, i)] - dq[(row - 1, i)] - dt * mean;
                 assert!(gained.abs() < 1e-6, "{kind:?} dq: row {row}, {gained:e}");
-            }
-            checked += 1;
-        }
-        assert!(checked > 30_000, "{kind:?}: {checked}");
-    }
-}
-
-#[test]
-fn position_never_drifts_or_jumps_between_rows() {
-    for kind in [MotionKind::Moves, MotionKind::Sines] {
-        let motion = puma(kind).motion;
-        let (q, dq) = (motion.q(), motion.dq());
-
-        for row in 1..motion.n_rows() {
-            for i in 0..3 {
-                let jump = (q[(row, i)] - q[(row - 1, i)]).abs();
-                let gain = (dq[(row, i)] - dq[(row - 1, i)]).abs();
-                assert!(jump < 2.1 / 250.0 && gain < 6.1 / 250.0, "{kind:?}: row {row}");
+                checked += 1;
             }
         }
+        assert!(checked > 90_000, "{kind:?}: {checked}");
     }
 }
 
 #[test]
 fn truth_says_which_signals_are_zero() {
-    for kind in KINDS {
-        let Simulation { motion, truth } = puma(kind);
-
+    for (kind, Simulation { motion, truth }) in KINDS.iter().zip(&*PUMA) {
         for (row, &pattern) in truth.iter().enumerate() {
             let moves = (0..3).any(|i| motion.dq()[(row, i)] != 0.0);
             let accelerates = (0..3).any(|i| motion.ddq()[(row, i)] != 0.0);
@@ -112,7 +93,7 @@ fn moves_hold_all_three_patterns_in_the_shares_promised() {
 
 #[test]
 fn cruising_joints_are_clearly_not_at_rest() {
-    let Simulation { motion, truth } = puma(MotionKind::Moves);
+    let Simulation { motion, truth } = &PUMA[0];
     let cruise = |row: &usize| truth[*row] == Pattern::UniformVelocity;
 
     for i in 0..3 {
@@ -133,10 +114,8 @@ fn every_joint_crosses_most_of_its_range_both_ways_within_the_limits() {
         let motion = simulate(&arm, &plan(kind)).unwrap().motion;
 
         for (i, [lower, upper]) in arm.ranges().into_iter().enumerate() {
-            let (left, right) = extremes(motion.q().col(i).try_as_col_major().unwrap().as_slice());
-            let (back, forth) = extremes(motion.dq().col(i).try_as_col_major().unwrap().as_slice());
-            let (brake, gain) =
-                extremes(motion.ddq().col(i).try_as_col_major().unwrap().as_slice());
+            let [(left, right), (back, forth), (brake, gain)] =
+                [motion.q(), motion.dq(), motion.ddq()].map(|x| extremes(x.col(i).iter()));
             let crossed = (right - left) / (upper - lower);
 
             assert!(left >= lower - 1e-9 && right <= upper + 1e-9, "{kind:?}: joint {i}");
@@ -168,14 +147,14 @@ fn a_narrow_range_is_never_left() {
 
 #[test]
 fn staged_recordings_follow_one_another_with_gaps_between_transfers() {
-    let simulation = puma(MotionKind::Staged);
+    let simulation = &PUMA[2];
     let thirds: Vec<&[Pattern]> = simulation.truth.chunks(13_334).collect();
     let t = simulation.motion.t();
     let gaps: Vec<f64> =
         t.windows(2).map(|pair| pair[1] - pair[0]).filter(|dt| *dt > 1.001 / 250.0).collect();
 
     for pattern in [Pattern::Standstill, Pattern::UniformVelocity, Pattern::VariableVelocity] {
-        let third = share(&simulation, pattern);
+        let third = share(simulation, pattern);
         assert!((third - 1.0 / 3.0).abs() < 1e-3, "{pattern:?}: {third}");
     }
     assert!(thirds[0][..13_333].iter().all(|&p| p == Pattern::Standstill));

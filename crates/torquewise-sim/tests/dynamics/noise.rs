@@ -61,12 +61,10 @@ fn noises_of_two_signals_and_two_joints_are_independent() {
 
     let noisy = add_noise(&clean, &Noise::from_db(40.0, 40.0, 40.0).unwrap(), 4).unwrap();
 
-    let noises = [
-        noisy.q().col(0) - clean.q().col(0),
-        noisy.q().col(1) - clean.q().col(1),
-        noisy.dq().col(0) - clean.dq().col(0),
-        noisy.ddq().col(0) - clean.ddq().col(0),
-    ];
+    let of = |signal: fn(&Motion) -> MatRef<'_, f64>, joint: usize| {
+        signal(&noisy).col(joint) - signal(&clean).col(joint)
+    };
+    let noises = [of(Motion::q, 0), of(Motion::q, 1), of(Motion::dq, 0), of(Motion::ddq, 0)];
     for (k, a) in noises.iter().enumerate() {
         for b in &noises[..k] {
             let correlation = (a.transpose() * b) / a.norm_l2() / b.norm_l2();
@@ -76,16 +74,12 @@ fn noises_of_two_signals_and_two_joints_are_independent() {
 }
 
 #[test]
-fn case_1_leaves_every_bit_as_it_was() {
+fn the_cases_of_the_paper_are_its_ratios_and_the_first_leaves_every_bit_as_it_was() {
     let clean = clean();
 
     let noisy = add_noise(&clean, &Noise::case(1).unwrap(), 5).unwrap();
 
     assert_eq!((noisy.q(), noisy.dq(), noisy.ddq()), (clean.q(), clean.dq(), clean.ddq()));
-}
-
-#[test]
-fn the_cases_of_the_paper_are_its_ratios() {
     assert_eq!(Noise::case(2).unwrap(), Noise::from_db(70.0, 50.0, 30.0).unwrap());
     assert_eq!(Noise::case(3).unwrap(), Noise::from_db(60.0, 40.0, 30.0).unwrap());
 }
@@ -95,15 +89,12 @@ fn noise_of_a_joint_does_not_depend_on_the_other_joints() {
     let clean = clean();
     let noise = Noise::case(3).unwrap();
     let first_two = |x: MatRef<'_, f64>| x.subcols(0, 2).to_owned();
-    let fewer = Motion::new(Signals {
-        joints: clean.joints()[..2].to_vec(),
-        t: clean.t().to_vec(),
-        q: first_two(clean.q()),
-        dq: first_two(clean.dq()),
-        ddq: first_two(clean.ddq()),
-        tau: None,
-    })
-    .unwrap();
+    let mut signals = clean.clone().into_signals();
+    signals.joints.truncate(2);
+    for x in [&mut signals.q, &mut signals.dq, &mut signals.ddq] {
+        *x = first_two(x.as_ref());
+    }
+    let fewer = Motion::new(Signals { tau: None, ..signals }).unwrap();
 
     let (all, fewer) =
         (add_noise(&clean, &noise, 6).unwrap(), add_noise(&fewer, &noise, 6).unwrap());
@@ -116,16 +107,9 @@ fn noise_of_a_joint_does_not_depend_on_the_other_joints() {
 
 #[test]
 fn a_joint_that_never_moves_gets_no_noise() {
-    let zeros = || Mat::zeros(10, 1);
-    let still = Motion::new(Signals {
-        joints: vec!["joint1".into()],
-        t: (0..10).map(f64::from).collect(),
-        q: Mat::full(10, 1, 0.5),
-        dq: zeros(),
-        ddq: zeros(),
-        tau: None,
-    })
-    .unwrap();
+    let mut signals = clean().into_signals();
+    (signals.dq, signals.ddq) = (Mat::zeros(40_000, 3), Mat::zeros(40_000, 3));
+    let still = Motion::new(signals).unwrap();
 
     let noisy = add_noise(&still, &Noise::case(3).unwrap(), 8).unwrap();
 

@@ -1,22 +1,9 @@
 //! From torques of an independent tool and closed forms to the same torques here.
 #![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
-use std::path::{Path, PathBuf};
+use crate::shared;
+use std::path::Path;
 use torquewise_sim::Arm;
-
-/// The shared folder, or `None` where it is missing and not required.
-fn shared(file: &str) -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let folder = std::env::var("TORQUEWISE_SHARED").unwrap_or_else(|_| default.into());
-    let path = Path::new(&folder).join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    let required = std::env::var("TORQUEWISE_SHARED_REQUIRED").is_ok_and(|value| value == "1");
-    assert!(!required, "{} is required and missing", path.display());
-    println!("skipped: {} is missing", path.display());
-    None
-}
 
 /// Rows of t, q1.., dq1.., ddq1.., tau1.., each cut into q, dq, ddq and tau.
 fn states(path: &Path, n: usize) -> Vec<[Vec<f64>; 4]> {

@@ -3,13 +3,14 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
+use crate::shared;
 use approx::assert_relative_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_rigid::inertia::plain_link;
 use torquewise_rigid::{Kinematics, Moved, State};
-use torquewise_sim::urdf::edit::{Change, Dynamics, edited};
-use torquewise_sim::{Arm, SimError, UrdfChain};
+use torquewise_sim::urdf::edit::{Dynamics, edited};
+use torquewise_sim::{Arm, SimError, UrdfChain, UrdfInertial};
 
 /// An arm with a tool, a gripper whose finger mimics the other, skew axes and comments.
 const ROBOT: &str = r#"<?xml version="1.0"?>
@@ -49,15 +50,17 @@ fn names(joints: &[&str]) -> Vec<String> {
     joints.iter().map(ToString::to_string).collect()
 }
 
-/// Bodies of some size in the frames of the geometry, and the changes that put them into the file.
-fn bodies(chain: &UrdfChain, mass: f64) -> (Vec<f64>, Vec<Change>) {
+/// Bodies of links, as they are put into the file.
+type Inertials = Vec<(String, Option<UrdfInertial>)>;
+
+/// Bodies of some size in the frames of the geometry, and what is put into the file for them.
+fn bodies(chain: &UrdfChain, mass: f64) -> (Vec<f64>, Inertials) {
     let mut random = ChaCha8Rng::seed_from_u64(3);
     let (mut all, mut changes) = (Vec::new(), Vec::new());
     for joint in chain.joints() {
         let end = [0.0; 3].map(|_: f64| random.random_range(-0.3..0.3));
         let body = plain_link(mass, &end.into(), 0.1);
-        let (shared, _) = joint.distributed(&body);
-        changes.extend(shared.into_iter().map(|(link, body)| Change::Inertial { link, body }));
+        changes.extend(joint.distributed(&body).0);
         all.extend(body);
     }
     (all, changes)
@@ -67,7 +70,7 @@ fn bodies(chain: &UrdfChain, mass: f64) -> (Vec<f64>, Vec<Change>) {
 fn check(text: &str, joints: &[String], locked: &[String], mass: f64) -> String {
     let chain = UrdfChain::of_joints(text, joints, locked, None).unwrap();
     let (inertial, changes) = bodies(&chain, mass);
-    let changed = edited(text, &changes).unwrap();
+    let changed = edited(text, &changes, &[]).unwrap();
     let arm = Arm::from_urdf(&changed, locked).unwrap();
     let kinematics = Kinematics::new(chain.geometry());
     let mut random = ChaCha8Rng::seed_from_u64(4);
@@ -126,16 +129,15 @@ fn what_the_names_leave_open_is_told() {
 #[test]
 fn nothing_but_the_bodies_and_dynamics_changes() {
     let dynamics = Dynamics { armature: 0.5, damping: 0.25, friction: 2.0 };
-    let changes =
-        ["waist", "elbow"].map(|joint| Change::Dynamics { joint: joint.into(), dynamics });
-    let changed = edited(ROBOT, &changes).unwrap();
+    let changed = edited(ROBOT, &[], &["waist", "elbow"].map(|joint| (joint.into(), dynamics)));
+    let changed = changed.unwrap();
 
     let new = r#"<dynamics damping="0.25" friction="2.0" armature="0.5"/>"#;
     let expected = ROBOT.replace(r#"<dynamics damping="9"  friction="8"/>"#, new);
     let expected = expected
         .replace("<axis xyz=\"1 2 -0.5\"/>\n", &format!("<axis xyz=\"1 2 -0.5\"/>\n    {new}\n"));
     assert_eq!(changed, expected);
-    assert_eq!(edited(ROBOT, &[]).unwrap(), ROBOT);
+    assert_eq!(edited(ROBOT, &[], &[]).unwrap(), ROBOT);
 }
 
 #[test]
@@ -158,18 +160,11 @@ fn the_mounting_is_that_of_the_file_unless_gravity_is_given() {
 /// Public robots, where they are at hand.
 #[test]
 fn public_robots_take_bodies_up() {
-    let shared = std::env::var_os("TORQUEWISE_SHARED");
-    let folder = shared.map_or_else(|| "../../../shared".into(), std::path::PathBuf::from);
     let robots =
         [("ur5", 6, &[][..]), ("panda", 7, &["panda_finger_joint1", "panda_finger_joint2"])];
     for (name, n, locked) in robots {
-        let file = folder.join(format!("robots/{name}.urdf"));
-        let Ok(text) = std::fs::read_to_string(&file) else {
-            let required = std::env::var("TORQUEWISE_SHARED_REQUIRED").is_ok_and(|v| v == "1");
-            assert!(!required, "{} is missing", file.display());
-            eprintln!("skipped: {} is missing", file.display());
-            continue;
-        };
+        let Some(file) = shared(&format!("robots/{name}.urdf")) else { continue };
+        let text = std::fs::read_to_string(file).unwrap();
         let numbered: Vec<String> = (1..=n).map(|k| format!("joint{k}")).collect();
         check(&text, &numbered, &names(locked), 2.0);
     }

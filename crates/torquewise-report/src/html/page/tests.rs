@@ -2,9 +2,7 @@
 
 use super::*;
 use crate::html::skeleton::Skeleton;
-use crate::html::{
-    Axis, BarRow, Bars, Callout, Chart, Colour, Column, Fact, Markup, Series, Table, Tone,
-};
+use crate::html::{Axis, Bars, Callout, Chart, Colour, Column, Label, Series, Table, Tone};
 
 const HOSTILE: &str = "</script><img src=x onerror=\"alert(1)\">'";
 
@@ -24,9 +22,8 @@ fn page(words: &str) -> Page {
         title: word(),
         caption: word(),
         label: word(),
-        series: vec![(word(), Colour::Faded), (word(), Colour::Measured)],
-        rows: vec![BarRow { name: words.into(), sizes: vec![1.0, 2.0] }],
-        log: true,
+        colour: Colour::Faded,
+        rows: vec![(words.into(), 1.0), (words.into(), 2.0)],
     };
     let table = Table {
         caption: word(),
@@ -35,17 +32,15 @@ fn page(words: &str) -> Page {
     };
     let items = vec![
         Item::Text(word()),
-        Item::Heading(word()),
         Item::Callout(Callout {
             tone: Tone::Warning,
             heading: word(),
             lines: vec![word(), word()],
         }),
-        Item::Facts(vec![Fact::new(words, words)]),
         Item::Table(table),
         Item::Charts(vec![chart.clone(), chart.clone()]),
         Item::Bars(vec![bars]),
-        Item::Markup(Markup::trusted("<math><mi>q</mi></math>")),
+        Item::Markup(Label::trusted("<math><mi>q</mi></math>")),
         Item::Skeleton {
             skeleton: Skeleton { joints: vec![word()], ..Skeleton::default() },
             caption: word(),

@@ -14,21 +14,16 @@ fn arm() -> Arm {
              iyy='1' iyz='0' izz='1'/></inertial></link>"
         )
     };
-    let joint = |name: &str, kind: &str, ends: [&str; 2], limit: &str| {
+    let joint = |name: &str, kind: &str, [parent, child]: [&str; 2], limit: &str| {
         format!(
-            "<joint name='{name}' type='{kind}'><parent link='{}'/><child link='{}'/>\
-             <axis xyz='0 1 0'/><limit effort='1' {limit}/></joint>",
-            ends[0], ends[1]
+            "<joint name='{name}' type='{kind}'><parent link='{parent}'/><child link='{child}'/>\
+             <axis xyz='0 1 0'/><limit effort='1' {limit}/></joint>"
         )
     };
-    let text = format!(
-        "<robot name='two'>{}{}{}{}{}</robot>",
-        link("base"),
-        link("a"),
-        link("b"),
-        joint("turn", "revolute", ["base", "a"], "lower='-1' upper='3' velocity='2'"),
-        joint("roll", "continuous", ["a", "b"], "velocity='4'"),
-    );
+    let turn = joint("turn", "revolute", ["base", "a"], "lower='-1' upper='3' velocity='2'");
+    let roll = joint("roll", "continuous", ["a", "b"], "velocity='4'");
+    let links = ["base", "a", "b"].map(link).concat();
+    let text = format!("<robot name='two'>{links}{turn}{roll}</robot>");
     Arm::from_urdf(&text, &[]).unwrap()
 }
 
