@@ -49,8 +49,8 @@ pub(crate) struct SignalArguments {
     /// cut-off of the model or, where there is none, at one that is chosen, or `none`
     #[arg(long, value_name = "auto|none|HZ", default_value = "auto", value_parser = filter)]
     filter: Filter,
-    /// Seconds by which the torque lags the motion, or `auto` to estimate it where signals are
-    /// filtered
+    /// Seconds by which the torque lags the motion, or `auto`: that of the model or, in a fit of
+    /// filtered signals, the one that predicts held-out torque best
     #[arg(long, value_name = "auto|S", default_value = "auto", value_parser = delay,
           allow_hyphen_values = true)]
     delay: Delay,

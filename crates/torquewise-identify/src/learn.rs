@@ -37,8 +37,6 @@ pub(crate) struct Learned {
 const PRIORS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
 /// No axis is farther \[rad\] than this from the nearest right angle.
 const ANY_ANGLE: f64 = 1.0;
-/// Parts of that prior that are tried once axes are at right angles.
-const RELEASED: [f64; 3] = [1.0, 0.1, 0.01];
 /// Ridges that are tried, the strongest first.
 const RIDGES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 /// Weaker ones, tried where the weakest of those is the best: only a log without noise bears them.
@@ -253,14 +251,6 @@ impl<'a> ChainLearner<'a> {
         let place = record_best("right angles", &trials, sources.len(), choices);
         let (_, chosen, chain) = ways.swap_remove(place);
         *spec = chosen;
-        // What is left free lies where it lies: the prior has done its work.
-        let ways = RELEASED.map(|part| {
-            let prior = part * spec.search.prior;
-            let search = Search { prior, ..spec.search.clone() };
-            (format!("{prior:.1e}"), ChainSpec { search, ..spec.clone() })
-        });
-        let place = self.choose("prior on free axes", &ways, &chain, ROUNDS, choices)?;
-        *spec = ways[place].1.clone();
         Ok(chain)
     }
 
@@ -274,17 +264,6 @@ impl<'a> ChainLearner<'a> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search)?;
         Ok(Learned { chain, spec, choices, laws: self.laws.clone(), found: self.found })
-    }
-
-    fn choose(
-        &self,
-        what: &str,
-        ways: &[(String, ChainSpec)],
-        chain: &Chain,
-        rounds: usize,
-        choices: &mut Vec<Choice>,
-    ) -> Result<usize, IdentifyError> {
-        Ok(record(what, &self.trials(ways, chain, rounds)?, choices))
     }
 
     fn trials(

@@ -9,9 +9,8 @@ use crate::trajectory::{Done, Trajectory};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::bandwidth::{Band, Bandwidths};
-use torquewise_motion::signals::cutoff::Decided;
 use torquewise_motion::signals::{
-    ConditionReport, Conditioning, Cutoff, CutoffChoice, Raw, condition,
+    ConditionReport, Conditioning, Cutoff, CutoffFrom, Raw, condition,
 };
 use torquewise_motion::{
     BLOCK_ROWS, Motion, MotionError, RawRecording, ReadError, Recording, Repairs, Signals,
@@ -44,7 +43,8 @@ pub struct RawLogs {
 impl ConditionedLogs {
     /// Looks at pieces of all logs and settles how all are conditioned.
     ///
-    /// A cut-off that is not set is that of the spectra: [`RawLogs`] lead to a better one.
+    /// A cut-off that is not set is ten times the band of the motion: [`RawLogs`] lead to a better
+    /// one.
     ///
     /// # Errors
     /// [`LogError`] if the logs cannot be read, or [`LogError::Signals`] if they cannot be
@@ -172,7 +172,7 @@ impl RawLogs {
         Ok(Self { conditioned, first, bandwidths, cutoffs, delays })
     }
 
-    /// The logs at the bandwidth that is set, or that of the spectra.
+    /// The logs at the bandwidth that is set, or ten times that of the motion.
     pub fn conditioned(&self) -> &ConditionedLogs {
         &self.conditioned
     }
@@ -216,9 +216,11 @@ impl RawRecording for RawLogs {
         let ConditionedLogs { logs, clock, settings, report, .. } = &self.conditioned;
         let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), delay, ..*settings };
         let found = condition(&self.first, &settings).map_err(|e| signals(logs, 0, e))?.report;
-        let decided = Decided::HeldOut;
-        let choice = report.choice.clone().map(|was| CutoffChoice { cutoff, decided, ..was });
-        let report = ConditionReport { choice, ..found };
+        let cutoff_from = match report.cutoff_from {
+            CutoffFrom::Setting => CutoffFrom::Setting,
+            CutoffFrom::Motion | CutoffFrom::HeldOut => CutoffFrom::HeldOut,
+        };
+        let report = ConditionReport { cutoff_from, ..found };
         Ok(ConditionedLogs::of(logs.clone(), *clock, settings, report))
     }
 }

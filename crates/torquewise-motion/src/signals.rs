@@ -1,7 +1,7 @@
 //! From signal conditioning: what was measured of an arm to clean, evenly sampled motion.
 //!
-//! [`condition()`] takes out spikes, resamples jittery stamps, chooses one cut-off from the spectra
-//! of position and torque, passes all signals through the same zero-phase low-pass filter, derives
+//! [`condition()`] takes out spikes, resamples jittery stamps, chooses one cut-off above the band
+//! of the motion, passes all signals through the same zero-phase low-pass filter, derives
 //! velocity and acceleration without delay, and reports all of it. A [`Conditioner`] does the same
 //! to a log of any length, block by block. Everything is a function of its arguments: no files.
 //!
@@ -27,7 +27,6 @@ pub mod spline;
 pub mod resample;
 pub mod noise;
 pub mod outliers;
-pub mod spectrum;
 pub mod cutoff;
 pub mod derivative;
 pub mod delay;
@@ -44,10 +43,9 @@ pub mod bandwidth;
 pub use blocks::Conditioner;
 pub use clean::Outliers;
 pub use condition::{Conditioned, condition, condition_by};
-pub use cutoff::CutoffChoice;
 pub use delay::{Shift, best_shift, shift};
 pub use plan::Plan;
 pub use raw::Raw;
-pub use report::{ConditionReport, SignalReport};
+pub use report::{ConditionReport, CutoffFrom, SignalReport};
 pub use settings::{Conditioning, Cutoff, Derive, Trim};
 pub use zero_phase::low_pass_columns;

@@ -62,7 +62,7 @@ def read_log(
     repair
         Drops rows that go back in time or hold no number; else they are errors.
     filter, delay
-        ``"auto"``, ``"none"`` or a cut-off [Hz]; seconds by which torque lags, estimated without.
+        ``"auto"``, ``"none"`` or a cut-off [Hz]; seconds by which torque lags, chosen by a fit without.
     """
     if isinstance(log, Log):
         return log

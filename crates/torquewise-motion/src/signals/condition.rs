@@ -7,9 +7,9 @@ use crate::signals::derivative::even_derivative;
 use crate::signals::noise::{quantisation, standstill, white_noise};
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, DQ, NAMES, Q, Raw, matrix};
-use crate::signals::report::{ConditionReport, SignalReport};
+use crate::signals::report::{ConditionReport, CutoffFrom, SignalReport};
 use crate::signals::resample::{count_gaps, timing};
-use crate::signals::settings::Conditioning;
+use crate::signals::settings::{Conditioning, Cutoff};
 use crate::signals::smooth::{filter, smooth};
 use crate::{Motion, Repairs};
 use faer::Mat;
@@ -70,7 +70,10 @@ fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, Mo
         resampled: !plan.base.timing.is_even(),
         rate_out: plan.rate_out(),
         cutoff: plan.cutoff,
-        choice: plan.choice.clone(),
+        cutoff_from: match plan.settings.cutoff {
+            Cutoff::Auto => CutoffFrom::Motion,
+            Cutoff::Hz(_) | Cutoff::Off => CutoffFrom::Setting,
+        },
         order: plan.settings.order,
         outliers: even.outliers.clone(),
         signals: signal_reports(columns, even, &filtered, &dq),

@@ -3,10 +3,10 @@
 use crate::MotionError;
 use crate::signals::butterworth::{low_pass, settle_time};
 use crate::signals::clean::{Base, Even, clean};
-use crate::signals::cutoff::{CutoffChoice, Kind, SignalCutoff, choose, signal_cutoff};
+use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
-use crate::signals::raw::{Columns, DDQ, DQ, NAMES, Q, Raw, TAU};
+use crate::signals::raw::{Columns, DDQ, DQ, NAMES, Q, Raw};
 use crate::signals::settings::{Conditioning, Cutoff, Derive, Trim};
 
 /// Samples per period of the cut-off that are kept.
@@ -27,7 +27,6 @@ pub struct Plan {
     /// Samples per second before decimation \[Hz\].
     pub(crate) rate: f64,
     pub(crate) cutoff: Option<f64>,
-    pub(crate) choice: Option<CutoffChoice>,
     pub(crate) keep_every: usize,
     pub(crate) trim: usize,
 }
@@ -50,13 +49,13 @@ impl Plan {
         let base = Base::of(columns, settings.outliers)?;
         let even = clean(columns, &base, (columns.t[0], 0))?;
         let rate = base.timing.rate;
-        let choice = match settings.cutoff {
-            Cutoff::Auto => Some(choose_cutoff(&even.columns, rate)?),
-            Cutoff::Hz(_) | Cutoff::Off => None,
-        };
-        let cutoff = match (settings.cutoff, &choice) {
-            (Cutoff::Hz(cutoff), _) => Some(cutoff),
-            (_, choice) => choice.as_ref().map(|choice| choice.cutoff),
+        let cutoff = match settings.cutoff {
+            Cutoff::Auto => {
+                let q = even.columns.signals[Q].as_deref().unwrap_or_default();
+                Some(above_motion(q, rate)?)
+            }
+            Cutoff::Hz(cutoff) => Some(cutoff),
+            Cutoff::Off => None,
         };
         if let Some(cutoff) = cutoff {
             low_pass(settings.order, cutoff, rate)?;
@@ -73,7 +72,6 @@ impl Plan {
             settings: *settings,
             rate,
             cutoff,
-            choice,
             keep_every: keep_every.max(1),
             trim: 0,
         };
@@ -92,11 +90,6 @@ impl Plan {
     /// Cut-off of the low-pass filter \[Hz\], if there is one.
     pub fn cutoff(&self) -> Option<f64> {
         self.cutoff
-    }
-
-    /// What the cut-off was chosen from, if it was not set.
-    pub fn choice(&self) -> Option<&CutoffChoice> {
-        self.choice.as_ref()
     }
 
     /// Samples per second that pass the filter \[Hz\], before rows are left out.
@@ -165,15 +158,6 @@ impl Plan {
             None => Ok(()),
         }
     }
-}
-
-fn choose_cutoff(columns: &Columns, rate: f64) -> Result<CutoffChoice, MotionError> {
-    let of = |place: usize, kind| -> Result<Vec<SignalCutoff>, MotionError> {
-        let all = columns.signals[place].iter().flatten().zip(&columns.joints);
-        all.map(|(x, joint)| signal_cutoff(x, rate, kind).map_err(|e| e.of(NAMES[place], joint)))
-            .collect()
-    };
-    Ok(choose(of(Q, Kind::Position)?, of(TAU, Kind::Torque)?, rate))
 }
 
 /// A number of rows; more than any log has stays more.

@@ -1,7 +1,6 @@
 //! From conditioning to ConditionReport: everything that was found, done and left out.
 
 use crate::signals::clean::Outliers;
-use crate::signals::cutoff::CutoffChoice;
 use crate::signals::delay::Shift;
 use crate::signals::noise::{Quantisation, WhiteNoise};
 use crate::signals::resample::Timing;
@@ -37,6 +36,27 @@ impl SignalReport {
     }
 }
 
+/// Where a cut-off comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CutoffFrom {
+    /// It was set.
+    Setting,
+    /// It is ten times the band of the motion.
+    Motion,
+    /// Torque of held-out rows is predicted best with it (E19).
+    HeldOut,
+}
+
+impl fmt::Display for CutoffFrom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Setting => "as set",
+            Self::Motion => "ten times the frequency of the motion",
+            Self::HeldOut => "at which torque of held-out rows is predicted best",
+        })
+    }
+}
+
 /// What was found, done and left out in the conditioning of one trajectory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConditionReport {
@@ -52,8 +72,8 @@ pub struct ConditionReport {
     pub rate_out: f64,
     /// Cut-off of the low-pass filter \[Hz\].
     pub cutoff: Option<f64>,
-    /// What the cut-off was chosen from, if it was not set.
-    pub choice: Option<CutoffChoice>,
+    /// Where it comes from.
+    pub cutoff_from: CutoffFrom,
     /// Order of the filter.
     pub order: usize,
     /// Spikes that were replaced, by signal and joint; none without.
@@ -88,12 +108,9 @@ impl fmt::Display for ConditionReport {
             write!(f, ", as of late receipt from an even device")?;
         }
         write!(f, " -> {} rows at {:.1} Hz", self.rows_out, self.rate_out)?;
-        match (self.cutoff, &self.choice) {
-            (None, _) => write!(f, "\nno low-pass filter")?,
-            (Some(cutoff), None) => write!(f, "\ncut-off {cutoff:.2} Hz, as set")?,
-            (Some(cutoff), Some(choice)) => {
-                write!(f, "\ncut-off {cutoff:.2} Hz: {}", choice.decided)?;
-            }
+        match self.cutoff {
+            None => write!(f, "\nno low-pass filter")?,
+            Some(cutoff) => write!(f, "\ncut-off {cutoff:.2} Hz, {}", self.cutoff_from)?,
         }
         if self.trimmed > 0.0 {
             write!(f, "\n{:.2} s dropped at each end", self.trimmed)?;

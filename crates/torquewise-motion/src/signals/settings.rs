@@ -6,7 +6,7 @@ use crate::signals::butterworth::low_pass;
 /// The cut-off of the low-pass filter that all signals pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutoff {
-    /// Chosen from the spectra of position and torque.
+    /// Ten times the frequency of the motion.
     Auto,
     /// This many \[Hz\]; half the amplitude passes there.
     Hz(f64),
@@ -54,7 +54,7 @@ pub struct Conditioning {
 }
 
 impl Default for Conditioning {
-    /// Everything by itself: cut-off from the spectra, order 4, no delay.
+    /// Everything by itself: cut-off above the motion, order 4, no delay.
     fn default() -> Self {
         Self {
             cutoff: Cutoff::Auto,
