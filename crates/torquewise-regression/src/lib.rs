@@ -13,6 +13,7 @@ pub mod products;
 pub mod moments;
 pub mod gram;
 pub mod normal_sums;
+pub mod noise_correction;
 mod gather;
 pub mod accumulate;
 pub mod row_sums;

@@ -2,7 +2,7 @@
 
 use super::linearisation::Linearisation;
 use faer::{ColRef, Mat};
-use torquewise_regression::normal_sums::corrected;
+use torquewise_regression::noise_correction::corrected;
 use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::Quadratic;
 use torquewise_rigid::search::{pull_stiffness, right_angles_near};

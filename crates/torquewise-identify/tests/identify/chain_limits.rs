@@ -4,21 +4,19 @@ use crate::chain::{NOISE, WRIST, fit, linear, plan, reference_arm, rubbing, sine
 use faer::Mat;
 use torquewise_identify::plan::FrictionKind;
 use torquewise_identify::{IdentifyError, reconstruct, score};
-use torquewise_model::model::Choice;
+use torquewise_model::model::GeometryFound;
 use torquewise_model::{Torque, to_json};
 use torquewise_motion::{Motion, Signals};
 use torquewise_sim::Arm;
 
 #[test]
-fn a_short_log_is_searched_from_several_seeds() {
+fn a_search_stops_when_three_starts_lead_to_the_same_arm() {
     let arm = Arm::builtin("planar-2").unwrap();
-    let searches = |seconds: f64| {
-        let found = fit(&sines(&arm, seconds, 1), FrictionKind::None);
-        let of_seeds = |choice: &&Choice| choice.what == "seed of the search";
-        found.model.choices.iter().find(of_seeds).map_or(1, |choice| choice.from.len())
-    };
 
-    assert_eq!([searches(10.0), searches(30.0)], [4, 1]);
+    let found = fit(&sines(&arm, 30.0, 1), FrictionKind::None).model.training.geometry_found;
+
+    let GeometryFound { times, starts } = found.unwrap();
+    assert!((3..=6).contains(&times) && starts == 6, "{times} of {starts}");
 }
 
 #[test]
