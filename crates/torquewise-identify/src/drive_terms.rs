@@ -9,6 +9,12 @@ use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Kinematics};
 use torquewise_stepwise::friction::FrictionLibrary;
 
+/// A joint slower than so many half widths of the reversal of its friction is at rest: its friction
+/// may be anything.
+pub(crate) const AT_REST: f64 = 3.0;
+/// What an equation of a joint at rest is multiplied by: only its gravity is informative (E8).
+pub(crate) const WEIGHT_AT_REST: f64 = 0.1;
+
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum DriveTerm {

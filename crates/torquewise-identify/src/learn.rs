@@ -1,7 +1,7 @@
 //! From a sample of a log to chain: the geometry of the arm, its masses and its friction (E8).
 
 use crate::chain_spec::{ChainSpec, record, record_best, trial};
-use crate::drive_terms::{DriveTerm, columns};
+use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
 use crate::plan::{ChainOptions, FrictionKind};
 use couplings::Searched;
 use rayon::prelude::*;
@@ -44,11 +44,6 @@ const WEAK_RIDGES: [f64; 2] = [1e-6, 1e-8];
 /// Axes nearer to a right angle \[rad\] and to the axis before \[m\] than this are put there, if
 /// held-out rows agree.
 const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
-/// Rows of a joint slower than so many half widths of the reversal tell nothing of its friction,
-/// which may be anything at rest.
-pub(crate) const AT_REST: f64 = 3.0;
-/// Weight of such a row: small, because only its gravity is informative.
-const SHARE_AT_REST: f64 = 0.1;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
 /// The same once axes were put elsewhere.
@@ -161,10 +156,10 @@ impl<'a> ChainLearner<'a> {
         Ok(rows.with_shares(|row, joint| self.share(&motion, row, joint)))
     }
 
-    /// What the square of a row counts in a fit of the torque of a joint.
+    /// What the equation of a row of a joint is multiplied by.
     fn share(&self, motion: &Motion, row: usize, joint: usize) -> f64 {
         let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
-        if moves { 1.0 } else { SHARE_AT_REST }
+        if moves { 1.0 } else { WEIGHT_AT_REST }
     }
 
     /// The chain at a given geometry, which stays.

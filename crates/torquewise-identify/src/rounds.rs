@@ -3,9 +3,10 @@
 //! A [`Request`] is all that the next pass needs. It can be saved, so that the logs of a pass may
 //! be read apart and their sums merged.
 
+use crate::drive_terms::AT_REST;
 use crate::estimate::{Linearisation, Next, Passes, Sizes, Structure, refine, weights};
 use crate::fitted::Fitted;
-use crate::learn::{AT_REST, LAST_ROWS, Learned, learn};
+use crate::learn::{LAST_ROWS, Learned, learn};
 use crate::plan::ChainOptions;
 use crate::reconstruction::Progress;
 use crate::regions::Regions;

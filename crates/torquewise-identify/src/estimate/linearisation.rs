@@ -1,6 +1,6 @@
 //! From a structure and its parameters to rows [J e] of a block of motion.
 
-use crate::drive_terms::{DriveTerm, Gravity, columns};
+use crate::drive_terms::{DriveTerm, Gravity, WEIGHT_AT_REST, columns};
 use crate::regions::Regions;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -53,9 +53,6 @@ pub struct Linearisation {
     /// Seed of the draws of noise.
     pub(crate) seed: u64,
 }
-
-/// What an equation of a joint at rest counts: only its gravity is informative.
-const WEIGHT_AT_REST: f64 = 0.1;
 
 /// A column smaller than this part of the largest is counted as if it were of this size.
 const LEAST_COLUMN: f64 = 1e-6;

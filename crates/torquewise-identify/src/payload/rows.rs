@@ -1,5 +1,6 @@
 //! Rows for a payload: what each counts, the columns of the last body, what the model leaves.
 
+use crate::drive_terms::{AT_REST, WEIGHT_AT_REST};
 use faer::{ColRef, Mat};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, RigidChain, Torque};
@@ -7,12 +8,6 @@ use torquewise_motion::Recording;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_rigid::{Kinematics, Moved, State};
 use torquewise_stepwise::error::IdentifyError;
-
-/// A joint slower than so many half widths of its reversal is at rest: its friction may be anything.
-const AT_REST: f64 = 3.0;
-
-/// What the square of such a row counts.
-const SHARE_AT_REST: f64 = 0.1;
 
 /// Rows of a block of time: shorter than those of a reader, as a log for a load is short.
 const BLOCK_ROWS: usize = 128;
@@ -50,8 +45,8 @@ impl Weights {
 
     /// The weight of the square of a row of a joint.
     pub(super) fn square(&self, joint: usize, speed: f64) -> f64 {
-        let share = if speed.abs() < self.rest[joint] { SHARE_AT_REST } else { 1.0 };
-        share * self.weight[joint].powi(2)
+        let share = if speed.abs() < self.rest[joint] { WEIGHT_AT_REST } else { 1.0 };
+        (share * self.weight[joint]).powi(2)
     }
 }
 
