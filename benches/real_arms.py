@@ -139,11 +139,11 @@ def kinematics(arm, data, file, joints):
     """Writes the arm as a URDF without masses; its joints that are held, and all for Pinocchio."""
     text = urdf_of_dh(arm, joints) if arm.dh else (data / arm.urdf).read_text()
     text = re.sub(r"<inertial.*?</inertial>", "", text, flags=re.DOTALL)
-    file.write_text(text.replace('type="continuous"', 'type="revolute"'))
+    file.write_text(text)
     robot = pinocchio.buildModelFromUrdf(str(file))
     held = [own for own in list(robot.names)[1:] if arm.urdf and not own.startswith(arm.moving)]
     places = [robot.getJointId(name) for name in held]
-    return held, pinocchio.buildReducedModel(robot, places, np.zeros(robot.nq))
+    return held, pinocchio.buildReducedModel(robot, places, pinocchio.neutral(robot))
 
 
 class Regressor:

@@ -28,12 +28,46 @@ mod study {
     pub(crate) mod control;
     pub(crate) mod beyond;
 }
-mod reproduce;
 mod page;
 
 pub use error::PaperError;
 pub use page::page;
-pub use reproduce::reproduce;
 pub use results::{Cell, Claim, Figure, Results, Spread, Study, Table, Timed, Verdict};
 pub use scenario::Settings;
 pub use trial::Progress;
+
+use study::{beyond, cases, coefficients, control, cost, orders, patterns};
+use trial::Trials;
+
+/// Does every experiment.
+///
+/// `progress` is called when work begins or is done, from any thread.
+///
+/// # Errors
+/// What kept an experiment from being done.
+pub fn reproduce(
+    settings: &Settings,
+    progress: &(dyn Fn(Progress) + Sync),
+) -> Result<Results, PaperError> {
+    let patterns = patterns::study(settings)?;
+    // The longest first, so that no core waits for one at the end.
+    let [arms, others] = beyond::plans(settings);
+    let plans = [arms, cases::plans(settings), others].concat();
+    let trials = Trials::run(&cost::plans(settings), &plans, settings.seed, progress)?;
+    let (orders, control): (Result<Study, PaperError>, Result<Study, PaperError>) =
+        rayon::join(|| orders::study(settings), || control::study(settings));
+    let studies = vec![
+        patterns,
+        orders?,
+        cost::study(settings, &trials)?,
+        cases::terms(settings, &trials)?,
+        cases::torque(settings, &trials)?,
+        cases::steps(settings, &trials)?,
+        control?,
+        beyond::ablation(settings, &trials)?,
+        beyond::sweeps(settings, &trials)?,
+        beyond::arms(settings, &trials)?,
+        coefficients::study(settings, &trials)?,
+    ];
+    Ok(Results { settings: settings.clone(), studies })
+}

@@ -1,6 +1,5 @@
 //! The methods that are compared: what each offers, and which terms stay.
 
-use serde::Serialize;
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::lasso::Lasso;
@@ -10,8 +9,7 @@ use torquewise_regression::select::stlsq::Stlsq;
 pub(crate) const ACTIVE: f64 = 0.1;
 
 /// The methods compared in every experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Method {
     /// Stepwise over the energy library \[E4\], terms judged against the noise \[E5\].
     Energy,

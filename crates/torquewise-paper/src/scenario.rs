@@ -6,9 +6,9 @@ use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, Simulation, add_noise, simulate};
 
 /// Rows per second of every log \[Hz\].
-pub(crate) const RATE: f64 = 100.0;
+const RATE: f64 = 100.0;
 /// Length of the motion that models are judged by \[s\].
-pub(crate) const TEST_SECONDS: f64 = 20.0;
+const TEST_SECONDS: f64 = 20.0;
 /// Added to the seed of the results, so that no training log shares the seed of the test.
 const TEST_SEED: u64 = 1_000;
 
@@ -52,12 +52,11 @@ impl Decibels {
 }
 
 /// A log to learn from.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scenario {
     /// Name of a reference arm.
     pub arm: &'static str,
     /// Recorded time \[s\].
-    #[serde(rename = "log_length")]
     pub seconds: f64,
     /// Noise in q, q̇ and q̈.
     pub noise: Decibels,
@@ -68,10 +67,7 @@ pub(crate) struct Scenario {
 impl Scenario {
     /// Positioning and sorting moves without noise, and the pattern that each row truly shows.
     pub(crate) fn simulate(&self) -> Result<Simulation, PaperError> {
-        let arm = Arm::builtin(self.arm)?;
-        let kind = MotionKind::Moves;
-        let plan = MotionPlan { kind, seconds: self.seconds, rate: RATE, seed: self.seed };
-        Ok(simulate(&arm, &plan)?)
+        moved(self.arm, MotionKind::Moves, self.seconds, self.seed)
     }
 
     /// What the sensors of such an arm record.
@@ -82,10 +78,12 @@ impl Scenario {
 
 /// Twenty seconds of smooth sines without noise: the motion outside the training log.
 pub(crate) fn outside(arm: &str, seed: u64) -> Result<Motion, PaperError> {
-    let kind = MotionKind::Sines;
-    let seed = seed.wrapping_add(TEST_SEED);
-    let plan = MotionPlan { kind, seconds: TEST_SECONDS, rate: RATE, seed };
-    Ok(simulate(&Arm::builtin(arm)?, &plan)?.motion)
+    Ok(moved(arm, MotionKind::Sines, TEST_SECONDS, seed.wrapping_add(TEST_SEED))?.motion)
+}
+
+fn moved(arm: &str, kind: MotionKind, seconds: f64, seed: u64) -> Result<Simulation, PaperError> {
+    let plan = MotionPlan { kind, seconds, rate: RATE, seed };
+    Ok(simulate(&Arm::builtin(arm)?, &plan)?)
 }
 
 /// How much is done.

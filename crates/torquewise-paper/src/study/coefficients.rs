@@ -2,13 +2,13 @@
 
 use crate::error::PaperError;
 use crate::method::Method;
-use crate::results::{Study, Table};
+use crate::results::{Cell, Study, Table};
 use crate::scenario::Settings;
 use crate::study::cases;
-use crate::trial::Trials;
+use crate::trial::{Trial, Trials};
 use crate::truth::true_energies;
 use std::collections::BTreeMap;
-use torquewise_model::{EnergyTerm, Form, Model};
+use torquewise_model::{EnergyTerm, Form};
 use torquewise_report::html::number::significant;
 use torquewise_sim::Arm;
 
@@ -33,7 +33,13 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     );
     for case in [2, 3] {
         let runs = trials.runs(&cases::seeds(settings, case, Method::Energy))?;
-        let runs: Vec<Found> = runs.0.iter().map(|trial| coefficients(&trial.model)).collect();
+        let coefficients = |trial: &&Trial| match &trial.model.form {
+            Form::Energy(terms) => {
+                terms.iter().map(|w| (w.term.clone(), (w.coefficient, w.std_error))).collect()
+            }
+            Form::Torque(_) => Found::new(),
+        };
+        let runs: Vec<Found> = runs.0.iter().map(coefficients).collect();
         let extra = |run: &Found| run.keys().filter(|term| !truth.contains_key(term)).count();
         let missed = |run: &Found| truth.keys().filter(|term| !run.contains_key(term)).count();
         let exact = runs.iter().filter(|run| extra(run) + missed(run) == 0).count();
@@ -49,26 +55,17 @@ pub(crate) fn study(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         ]);
         for (term, &truth) in truth.iter().filter(|_| case == 3) {
             let (covered, found) = count(term, truth, &runs);
-            let number = |part: fn(&(f64, f64)) -> f64, digits| {
-                let first = runs.first().and_then(|run| run.get(term));
-                first.map_or_else(|| "–".to_owned(), |first| significant(part(first), digits))
-            };
-            terms.push([
-                term.name().into(),
-                significant(truth, 6).into(),
-                number(|(estimate, _)| *estimate, 6).into(),
-                number(|(_, std_error)| *std_error, 2).into(),
-                format!("{covered} of {found}").into(),
-            ]);
+            let first = runs[0].get(term).map(|(estimate, std_error)| {
+                [significant(*estimate, 6), significant(*std_error, 2)]
+            });
+            let [estimate, std_error] = first.unwrap_or(["–".to_owned(), "–".to_owned()]);
+            let held = format!("{covered} of {found}");
+            let cells = [term.name(), significant(truth, 6), estimate, std_error, held];
+            terms.push(cells.map(Cell::from));
         }
     }
     let heading = "Coefficients and their errors";
     Ok(Study { heading, tables: vec![coverage, terms], ..Study::default() })
-}
-
-fn coefficients(model: &Model) -> Found {
-    let Form::Energy(terms) = &model.form else { return Found::new() };
-    terms.iter().map(|w| (w.term.clone(), (w.coefficient, w.std_error))).collect()
 }
 
 /// Runs whose 90 % interval holds the truth, and runs that found the term at all.
@@ -83,7 +80,6 @@ fn count(term: &EnergyTerm, truth: f64, runs: &[Found]) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::Cell;
 
     /// The energy model of the reference arm over five logs: terms, error and intervals.
     #[test]
