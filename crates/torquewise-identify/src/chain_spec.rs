@@ -2,6 +2,7 @@
 //! there.
 
 use crate::drive_terms::{DriveTerm, Gravity};
+use crate::learn::residual_rms;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_rigid::{Chain, Rows, Search, fit, refine};
@@ -62,15 +63,11 @@ pub(crate) fn trial(
 /// Geometric mean over the joints of RMSE on `held` over the spread of the torque in `all`: a joint
 /// whose torque is mostly noise has no more say than the others.
 fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
-    let (m, predicted) = (held.len(), chain.torque(held));
-    let parts: Vec<f64> = (0..held.n_joints())
-        .filter_map(|joint| {
-            let spread = all.deviation_of(joint);
-            let pairs = held.torque_of(joint).iter().zip(&predicted[joint * m..]);
-            let squares: f64 = pairs.map(|(tau, found)| (tau - found).powi(2)).sum();
-            let rms = (squares / m.max(1) as f64).sqrt();
-            (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
-        })
+    let errors = residual_rms(chain, held).into_iter().enumerate();
+    let parts: Vec<f64> = errors
+        .map(|(joint, rms)| (rms, all.deviation_of(joint)))
+        .filter(|(_, spread)| *spread > 0.0)
+        .map(|(rms, spread)| (rms / spread).max(LEAST_ERROR).ln())
         .collect();
     (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
 }

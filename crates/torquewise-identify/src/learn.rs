@@ -24,6 +24,8 @@ mod ripple;
 #[derive(Clone, Debug)]
 pub(crate) struct Learned {
     pub(crate) chain: Chain,
+    /// RMS of what it leaves of each joint \[N·m\], all rows alike, n.
+    pub(crate) residual_rms: Vec<f64>,
     /// What was fitted: what stands beside the links, which of the geometry moved.
     pub(crate) spec: ChainSpec,
     pub(crate) choices: Vec<Choice>,
@@ -33,8 +35,6 @@ pub(crate) struct Learned {
     pub(crate) found: Option<GeometryFound>,
 }
 
-/// Pulls to right angles that are tried, the strongest first.
-const PRIORS: [f64; 4] = [0.3, 0.1, 0.03, 0.003];
 /// No axis is farther \[rad\] than this from the nearest right angle.
 const ANY_ANGLE: f64 = 1.0;
 /// Ridges that are tried, the strongest first.
@@ -43,7 +43,7 @@ const RIDGES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 const WEAK_RIDGES: [f64; 2] = [1e-6, 1e-8];
 /// Axes nearer to a right angle \[rad\] and to the axis before \[m\] than this are put there, if
 /// held-out rows agree.
-const SNAPS: [(f64, f64); 3] = [(0.4, 0.06), (0.2, 0.03), (0.1, 0.015)];
+const SNAP: (f64, f64) = (0.2, 0.03);
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
 /// The same once axes were put elsewhere.
@@ -85,7 +85,7 @@ pub(crate) fn learn(
     };
     let shares = has_friction && learner.shafts(&mut spec, &chain, &mut choices)?;
     if shares && !is_given {
-        choices.retain(|choice: &Choice| choice.what != PRIOR);
+        choices.retain(|choice: &Choice| choice.what != AXES);
         (chain, starts) = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
     learner.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
@@ -104,27 +104,21 @@ pub(crate) fn learn(
     learner.finish(spec, &chain, choices)
 }
 
-const PRIOR: &str = "prior of right angles";
+const AXES: &str = "axes at right angles";
 
 /// A label, what is fitted, and from where.
 type Way = (String, ChainSpec, Chain);
 
-/// Each start with its axes held at right angles, as those of nearly all arms are, then with each
-/// prior: on a short log, an axis that may lie anywhere follows the noise.
-fn priors(spec: &ChainSpec, starts: &[Chain]) -> Vec<Way> {
+/// Each start with its axes held at right angles, as those of nearly all arms are, then free: on a
+/// short log, an axis that may lie anywhere follows the noise.
+fn held_or_free(spec: &ChainSpec, starts: &[Chain]) -> Vec<Way> {
     let held = starts.iter().map(|start| {
         let (geometry, free) = start.geometry.snapped(ANY_ANGLE, 0.0);
-        let search = Search { prior: PRIORS[0], ..spec.search.clone() };
-        let spec = ChainSpec { search, free, ..spec.clone() };
+        let spec = ChainSpec { free, ..spec.clone() };
         ("held".to_owned(), spec, Chain { geometry, ..start.clone() })
     });
-    let softly = PRIORS.iter().flat_map(|&prior| {
-        starts.iter().map(move |start| {
-            let search = Search { prior, ..spec.search.clone() };
-            (format!("{prior}"), ChainSpec { search, ..spec.clone() }, start.clone())
-        })
-    });
-    held.chain(softly).collect()
+    let free = starts.iter().map(|start| ("free".to_owned(), spec.clone(), start.clone()));
+    held.chain(free).collect()
 }
 
 /// The log in the hands of the learner.
@@ -171,7 +165,7 @@ impl<'a> ChainLearner<'a> {
         Ok(Searched { spec, chain, starts: Vec::new() })
     }
 
-    /// Searches the geometry, then chooses how strongly it is held to right angles.
+    /// Searches the geometry, then chooses whether its axes are held at right angles.
     fn geometry(
         &mut self,
         spec: &mut ChainSpec,
@@ -184,12 +178,12 @@ impl<'a> ChainLearner<'a> {
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
         let rows = self.rows(spec, TRIAL_ROWS)?;
-        let ways = priors(spec, &starts);
+        let ways = held_or_free(spec, &starts);
         let trials = ways
             .par_iter()
             .map(|(label, spec, start)| trial(label.clone(), spec, &rows, start, ROUNDS))
             .collect::<Result<Vec<CvScore>, IdentifyError>>()?;
-        let (_, chosen, start) = &ways[record_best(PRIOR, &trials, starts.len(), choices)];
+        let (_, chosen, start) = &ways[record_best(AXES, &trials, starts.len(), choices)];
         spec.clone_from(chosen);
         let rows = self.rows(spec, spec.search.final_rows)?;
         let chain = refine(&rows, start, &spec.free, &spec.search)?;
@@ -229,15 +223,14 @@ impl<'a> ChainLearner<'a> {
     ) -> Result<Chain, IdentifyError> {
         let rows = self.rows(spec, TRIAL_ROWS)?;
         let sources: Vec<&Chain> = std::iter::once(chain).chain(starts).collect();
-        let mut ways: Vec<Way> = Vec::new();
-        for (angle, distance) in SNAPS {
-            for source in &sources {
+        let (angle, distance) = SNAP;
+        let mut ways: Vec<Way> = (sources.iter())
+            .map(|source| {
                 let (geometry, free) = source.geometry.snapped(angle, distance);
                 let label = format!("{angle} rad, {distance} m: {} free", free.len());
-                let start = Chain { geometry, ..chain.clone() };
-                ways.push((label, ChainSpec { free, ..spec.clone() }, start));
-            }
-        }
+                (label, ChainSpec { free, ..spec.clone() }, Chain { geometry, ..chain.clone() })
+            })
+            .collect();
         ways.push((format!("none: {} free", spec.free.len()), spec.clone(), chain.clone()));
         let trials = ways
             .par_iter()
@@ -258,7 +251,9 @@ impl<'a> ChainLearner<'a> {
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search)?;
-        Ok(Learned { chain, spec, choices, laws: self.laws.clone(), found: self.found })
+        let residual_rms = residual_rms(&chain, &rows);
+        let (laws, found) = (self.laws.clone(), self.found);
+        Ok(Learned { chain, residual_rms, spec, choices, laws, found })
     }
 
     fn trials(
@@ -274,4 +269,15 @@ impl<'a> ChainLearner<'a> {
             })
             .collect()
     }
+}
+
+/// RMS of what a chain leaves of each joint \[N·m\], all rows alike, n.
+pub(crate) fn residual_rms(chain: &Chain, rows: &Rows) -> Vec<f64> {
+    let (m, predicted) = (rows.len(), chain.torque(rows));
+    let of_joint = |joint: usize| {
+        let pairs = rows.torque_of(joint).iter().zip(&predicted[joint * m..]);
+        let squares: f64 = pairs.map(|(tau, found)| (tau - found).powi(2)).sum();
+        (squares / m.max(1) as f64).sqrt()
+    };
+    (0..rows.n_joints()).map(of_joint).collect()
 }

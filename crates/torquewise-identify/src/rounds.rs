@@ -71,9 +71,8 @@ impl Request {
         if options.geometry.is_some() {
             passes = passes.with_given_geometry();
         }
-        let Learned { chain, choices, found, .. } = learned;
+        let Learned { residual_rms: searched_rms, choices, found, .. } = learned;
         let joints = survey.joints.clone();
-        let searched_rms = chain.residual_rms;
         Ok(Self { joints, passes, sizes, choices, found, searched_rms })
     }
 

@@ -178,7 +178,7 @@ fn every_choice_is_on_record_with_its_errors() {
     let choices = &REFERENCE.model.choices;
 
     let whats: Vec<&str> = choices.iter().map(|choice| choice.what.as_str()).collect();
-    for what in ["prior of right angles", "friction", "ridge", "right angles"] {
+    for what in ["axes at right angles", "friction", "ridge", "right angles"] {
         assert!(whats.contains(&what), "{what} in {whats:?}");
     }
     for choice in choices {
