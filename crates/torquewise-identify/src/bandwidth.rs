@@ -189,9 +189,14 @@ fn lowest_near_best(tried: &[Tried]) -> Option<f64> {
     near.map(|tried| tried.cutoff).reduce(f64::min)
 }
 
-/// The delay of least error, where it is clearly better than none.
+/// The delay of least error, where it is clearly better than none, and not the first or the last
+/// that was tried.
 fn clear_delay(tried: &[Tried], none: f64) -> Option<f64> {
-    let best = tried.iter().min_by(|a, b| a.errors.all().total_cmp(&b.errors.all()))?;
+    let inner = tried.get(1..tried.len().saturating_sub(1))?.iter();
+    let best = inner.min_by(|a, b| a.errors.all().total_cmp(&b.errors.all()))?;
+    if [tried.first()?, tried.last()?].iter().any(|end| end.errors.all() < best.errors.all()) {
+        return None;
+    }
     let without = tried.iter().find(|tried| tried.delay == none)?;
     let pairs = without.errors.by_block().into_iter().zip(best.errors.by_block());
     let gains: Vec<f64> = pairs.map(|(without, best)| (without / best).ln()).collect();

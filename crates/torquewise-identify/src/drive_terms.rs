@@ -13,7 +13,7 @@ use torquewise_stepwise::friction::FrictionLibrary;
 /// may be anything.
 pub(crate) const AT_REST: f64 = 3.0;
 /// What an equation of a joint at rest is multiplied by: only its gravity is informative (E8).
-pub(crate) const WEIGHT_AT_REST: f64 = 0.1;
+pub(crate) const WEIGHT_AT_REST: f64 = 0.2;
 
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
