@@ -5,10 +5,9 @@ use crate::files::{check_files, create_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-
 use torquewise_paper::{Claim, Results, Settings, page, reproduce};
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
@@ -70,7 +69,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         output.display(),
     );
     let json = json!({
-        "claims": claims_json(&results),
+        "claims": results.claims().collect::<Vec<_>>(),
         "report": report,
         "results": numbers.display().to_string(),
         "figures": files,
@@ -85,18 +84,4 @@ fn claims_text(results: &Results) -> String {
         format!("{source}: {verdict}\n  claim: {words}\n  here:  {}\n", claim.measured)
     };
     results.claims().map(claim).collect::<Vec<_>>().join("\n")
-}
-
-fn claims_json(results: &Results) -> Vec<Value> {
-    results
-        .claims()
-        .map(|claim| {
-            json!({
-                "claim": claim.claim,
-                "source": claim.source,
-                "measured": claim.measured,
-                "verdict": claim.verdict,
-            })
-        })
-        .collect()
 }

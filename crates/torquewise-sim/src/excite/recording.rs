@@ -24,7 +24,7 @@ pub struct Planned {
 }
 
 /// How far a joint goes in a recording.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Peaks {
     /// Least and greatest position \[rad\].
     pub position: [f64; 2],

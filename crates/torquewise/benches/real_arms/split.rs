@@ -27,7 +27,7 @@ pub(crate) fn written(
 ) -> Result<[Vec<PathBuf>; 2], Box<dyn Error + Send + Sync>> {
     let (mut header, mut begin, mut end) = (String::new(), f64::INFINITY, f64::NEG_INFINITY);
     logs.read_raw(&mut |_, block| -> Result<(), LogError> {
-        header = names(block);
+        header = names(&block);
         begin = block.t.iter().copied().fold(begin, f64::min);
         end = block.t.iter().copied().fold(end, f64::max);
         Ok(())
@@ -36,7 +36,7 @@ pub(crate) fn written(
     logs.read_raw(&mut |_, block| -> Result<(), LogError> {
         for (row, t) in block.t.iter().enumerate() {
             let is_test = is_test((t - begin) / (end - begin), t - begin, split, way);
-            rows.push(Row { is_test, line: line(block, row) });
+            rows.push(Row { is_test, line: line(&block, row) });
         }
         Ok(())
     })?;
