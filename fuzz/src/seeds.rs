@@ -13,7 +13,7 @@ use torquewise::dynamics::plan::{MotionKind, MotionPlan};
 use torquewise::dynamics::{Arm, simulate};
 use torquewise::identify::plan::LibraryOptions;
 use torquewise::identify::{Method, PatternPlan, Plan, summarise};
-use torquewise::logs::{Contents, LogWriter};
+use torquewise::logs::LogWriter;
 use torquewise::motion::Motion;
 use torquewise::{Fit, FitOptions};
 use zip::write::SimpleFileOptions;
@@ -90,7 +90,7 @@ pub fn seeds(reader: &str) -> Result<Vec<Seed>> {
     let array_columns = |name: &str| if name == "t" { 1 } else { 2 };
     Ok(match reader {
         "csv" | "parquet" => {
-            let mut writer = LogWriter::create(&file, motion(40)?.joints(), Contents::default())?;
+            let mut writer = LogWriter::create(&file, motion(40)?.joints(), true)?;
             writer.append(&motion(40)?)?;
             writer.finish()?;
             vec![Seed::whole(fs::read(file)?)]

@@ -1,6 +1,5 @@
 //! From words of the command line to the command they name.
 
-mod arms;
 mod simulate;
 mod excite;
 mod inspect;

@@ -8,7 +8,10 @@ type ByLog = BTreeMap<String, Repairs>;
 
 /// All logs in a note, if anything was repaired.
 pub(crate) fn notes(by_log: &ByLog) -> Vec<String> {
-    if by_log.is_empty() { Vec::new() } else { vec![total(by_log).to_string()] }
+    if by_log.is_empty() {
+        return Vec::new();
+    }
+    vec![by_log.values().sum::<Repairs>().to_string()]
 }
 
 /// One line per log.
@@ -18,8 +21,4 @@ pub(crate) fn text(by_log: &ByLog) -> String {
     }
     let line = |(log, repairs): (&String, &Repairs)| format!("{log}: {repairs}\n");
     format!("\nconditioning\n{}", by_log.iter().map(line).collect::<String>())
-}
-
-fn total(by_log: &ByLog) -> Repairs {
-    by_log.values().sum()
 }

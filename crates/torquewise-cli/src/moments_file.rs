@@ -28,14 +28,6 @@ pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<usize> {
     Ok(bytes.len())
 }
 
-/// Refuses moments that do not add up to those before.
-pub(crate) fn add(all: &mut Summary, part: &Summary, file: &Path) -> Result<()> {
-    all.merge(part).map_err(|source| {
-        CliError::from(source)
-            .within(format!("{} does not add to the parts before it", file.display()))
-    })
-}
-
 /// What the moments are, in a line.
 pub(crate) fn text(summary: &Summary, file: &Path, bytes: usize) -> String {
     format!(

@@ -9,10 +9,10 @@ use torquewise::log::Rows;
 use torquewise::logs::{Clock, Options, Profile};
 use torquewise::{Filter, Log};
 
-/// How the columns of a file become signals.
-#[derive(Args, Clone, Debug, Default)]
+/// How the columns of a file become signals, and how these are conditioned.
+#[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Log")]
-pub(crate) struct ProfileArguments {
+pub(crate) struct SignalArguments {
     /// What the columns are: units, gears, clock, rows; `torquewise inspect` suggests one
     #[arg(long, value_name = "FILE.toml")]
     profile: Option<PathBuf>,
@@ -22,25 +22,36 @@ pub(crate) struct ProfileArguments {
     /// Drop rows that repeat a time stamp, go back in time or hold no number, as a profile does
     #[arg(long)]
     repair: bool,
+    /// Zero-phase low-pass filter: its cut-off in Hz, `auto` to filter logs without ddq at the
+    /// cut-off of the model or, where there is none, at one that is chosen, or `none`
+    #[arg(help_heading = "Filter", long, value_name = "auto|none|HZ", default_value = "auto")]
+    #[arg(value_parser = filter)]
+    filter: Filter,
+    /// Seconds by which the torque lags the motion, or `auto` to estimate it where signals are
+    /// filtered
+    #[arg(help_heading = "Filter", long, value_name = "auto|S", default_value = "auto")]
+    #[arg(value_parser = delay, allow_hyphen_values = true)]
+    delay: Delay,
 }
 
-impl ProfileArguments {
+impl SignalArguments {
     /// Whether a profile is named.
-    pub(crate) fn is_given(&self) -> bool {
+    pub(crate) fn has_profile(&self) -> bool {
         self.profile.is_some()
     }
 
     /// Opens logs.
-    pub(crate) fn open(&self, paths: &[PathBuf], signals: &SignalArguments) -> Result<Log> {
+    pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
         let profile = self.profile.as_ref().map(|file| Profile::read(file)).transpose()?;
         let clock = if self.repair { Clock::Repair } else { Clock::Strict };
         let options = Options { profile, topic: self.topic.clone(), clock };
         let mut log = Log::open_all(paths, &options)?;
-        (log.filter, log.delay) = (signals.filter, signals.delay.0);
+        (log.filter, log.delay) = (self.filter, self.delay.0);
         Ok(log)
     }
 }
 
+<<<<<<< HEAD
 /// How signals are conditioned.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Filter")]
@@ -56,6 +67,8 @@ pub(crate) struct SignalArguments {
     delay: Delay,
 }
 
+=======
+>>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 /// Seconds, if they are not to be estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Delay(Option<f64>);
@@ -81,21 +94,20 @@ fn delay(text: &str) -> Result<Delay, String> {
     known.map(|s| Delay(Some(s))).ok_or_else(|| "expected auto, or seconds within ±1".to_owned())
 }
 
-/// How signals are conditioned where no model is at hand, or one that says how.
+/// The same where no model is at hand, or one that says how signals are filtered.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Filter")]
 pub(crate) struct FilterArguments {
-    /// Filter the logs as those of this model were
-    #[arg(long, value_name = "MODEL.json")]
-    model: Option<PathBuf>,
     #[command(flatten)]
-    signals: SignalArguments,
+    pub(crate) signals: SignalArguments,
+    /// Filter the logs as those of this model were
+    #[arg(help_heading = "Filter", long, value_name = "MODEL.json")]
+    model: Option<PathBuf>,
 }
 
 impl FilterArguments {
     /// Opens logs.
-    pub(crate) fn open(&self, profile: &ProfileArguments, paths: &[PathBuf]) -> Result<Log> {
-        profile.open(paths, &self.signals)
+    pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
+        self.signals.open(paths)
     }
 
     /// The rows of logs, filtered as asked for, or as those of the model.

@@ -1,5 +1,7 @@
 //! From rows of words and numbers to text in columns.
 
+use torquewise::model::number;
+
 /// Letters of a cell at most.
 const WIDEST: usize = 250;
 
@@ -49,6 +51,22 @@ impl Table {
     }
 }
 
+/// Methods beside each other: candidates, coefficients, seconds, and the error of each joint.
+pub(crate) fn methods<'a>(
+    joints: &[String],
+    rows: impl IntoIterator<Item = (&'a str, [usize; 2], f64, Vec<f64>)>,
+) -> Table {
+    let mut headings = ["method", "candidates", "active", "seconds"].map(str::to_owned).to_vec();
+    headings.extend(joints.iter().map(|name| format!("NRMSE {name} [%]")));
+    let mut table = Table::of(vec![headings]);
+    for (name, counts, seconds, errors) in rows {
+        let counts = counts.map(|count| count.to_string()).into_iter();
+        let seconds = format!("{seconds:.2}");
+        table.row(name, counts.chain([seconds]).chain(errors.into_iter().map(number)));
+    }
+    table
+}
+
 /// Several numbers in one cell.
 pub(crate) fn counts(values: &[usize]) -> String {
     values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
@@ -57,7 +75,6 @@ pub(crate) fn counts(values: &[usize]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use torquewise::model::number;
 
     #[test]
     fn a_cell_beyond_any_terminal_is_cut() {

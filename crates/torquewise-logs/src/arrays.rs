@@ -2,10 +2,9 @@
 
 mod numbers;
 mod array;
-mod npy;
 mod npz;
 mod mat_elements;
 mod mat;
 mod rows;
 
-pub(crate) use rows::{ArrayFormat, ArrayRows};
+pub(crate) use rows::ArrayRows;

@@ -2,13 +2,42 @@
 //! name.
 
 mod joint_state;
-mod messages;
 mod db3_messages;
 mod mcap_messages;
-mod aligned;
-mod in_order;
 mod survey;
 mod rows;
 
+use crate::error::LogError;
+
 pub(crate) use rows::BagRows;
 pub(crate) use survey::Survey;
+
+/// The message type that is read.
+const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
+
+/// Bytes of a message, or of a part of a bag that has to be held whole, at most.
+const MAX_BYTES: usize = 1 << 27;
+
+/// A topic of a bag.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Topic {
+    name: String,
+    /// Message type, such as sensor_msgs/msg/JointState.
+    kind: String,
+    encoding: String,
+    n_messages: u64,
+}
+
+/// A message of the topic that is read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Message {
+    /// When the bag received it \[ns\].
+    received: i64,
+    bytes: Vec<u8>,
+}
+
+/// The messages of one topic, roughly in order of time.
+trait Messages {
+    /// The next one; `None` at the end.
+    fn next(&mut self) -> Result<Option<Message>, LogError>;
+}

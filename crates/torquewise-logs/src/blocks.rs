@@ -2,7 +2,7 @@
 
 use crate::error::LogError;
 use crate::gaps::UsualStep;
-use crate::layout::Signal;
+use crate::signal::Signal;
 use crate::signal_rows::{Origin, ReadReport, SignalRows};
 use faer::Mat;
 use torquewise_motion::signals::Raw;
@@ -41,9 +41,9 @@ impl Blocks {
         joints: &[String],
         polynomial: Option<LocalPolynomial>,
     ) -> Self {
-        let layout = rows.layout();
-        let complete = [Signal::Dq, Signal::Ddq].iter().all(|s| layout.slot(*s).is_some());
-        let columns = vec![Vec::new(); layout.n_slots()];
+        let mapping = rows.mapping();
+        let complete = [Signal::Dq, Signal::Ddq].iter().all(|s| mapping.slot(*s).is_some());
+        let columns = vec![Vec::new(); mapping.n_slots()];
         Self {
             rows,
             joints: joints.to_vec(),
@@ -217,7 +217,7 @@ impl Blocks {
 
     /// Rows `start` … `end` of a signal, if the file has it.
     fn signal(&self, signal: Signal, start: usize, end: usize) -> Option<Mat<f64>> {
-        let slot = self.rows.layout().slot(signal)?;
+        let slot = self.rows.mapping().slot(signal)?;
         let of_joint = |row: usize, joint: usize| self.columns[slot + joint][start + row];
         Some(Mat::from_fn(end - start, self.joints.len(), of_joint))
     }

@@ -2,31 +2,28 @@
 
 use crate::error::{LogError, shown};
 use crate::joints;
-use crate::layout::{Layout, Signal};
 use crate::mapping::{Mapping, Ranges, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
+use crate::rows::Rows;
+use crate::signal::Signal;
 use std::path::Path;
 
-/// What a file offers to a profile.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Offer<'a> {
-    pub(crate) file: &'a Path,
-    pub(crate) names: &'a [String],
-    /// Joint names, if the file keeps any.
-    pub(crate) joints: Option<&'a [String]>,
-    /// Whether columns are called `NAME.position` and so on.
-    pub(crate) is_bag: bool,
-}
-
 /// The mapping that a profile describes for a file.
-pub(crate) fn by_profile(profile: &Profile, offer: Offer<'_>) -> Result<Mapping, LogError> {
+///
+/// - `is_bag`: whether columns are called `NAME.position` and so on
+pub(crate) fn by_profile(
+    profile: &Profile,
+    file: &Path,
+    rows: &dyn Rows,
+    is_bag: bool,
+) -> Result<Mapping, LogError> {
     let is_plain = profile.q.as_ref().is_none_or(|q| q.columns.is_none());
-    let mut build = Build { offer, is_plain, chosen: Vec::new() };
+    let mut build = Build { file, names: rows.names(), is_bag, is_plain, chosen: Vec::new() };
     let time = build.time(profile)?;
-    let joints = build.joints(profile);
+    let joints = build.joints(profile, rows.joints());
     profile.check_counts(Some(joints.len()), "profile")?;
-    let kept = kept(profile, &joints, offer.file)?;
+    let kept = kept(profile, &joints, file)?;
     let mut present = Vec::new();
     let mut slots = Vec::new();
     for signal in Signal::ALL {
@@ -41,13 +38,15 @@ pub(crate) fn by_profile(profile: &Profile, offer: Offer<'_>) -> Result<Mapping,
         time,
         ranges: Ranges { rows: profile.rows.clone(), seconds: profile.seconds.clone() },
         joints: Some(named),
-        ..Mapping::new(Layout::new(kept.len(), present), build.chosen, slots)
+        ..Mapping::new(kept.len(), present, build.chosen, slots)
     })
 }
 
 /// A mapping in the making.
 struct Build<'a> {
-    offer: Offer<'a>,
+    file: &'a Path,
+    names: &'a [String],
+    is_bag: bool,
     /// Whether the profile names no columns of positions: then those of any signal go by their
     /// plain names.
     is_plain: bool,
@@ -64,7 +63,7 @@ impl Build<'_> {
             None if self.has("t") => ("t", None),
             None => {
                 return Err(LogError::unusable(
-                    self.offer.file.display(),
+                    self.file.display(),
                     &format!(" has no clock, found {}", self.found()),
                     "name its column as [t] column = \"…\" or give rate = … (Hz) in the profile",
                 ));
@@ -75,25 +74,25 @@ impl Build<'_> {
     }
 
     /// Names of all joints, those that are left out among them.
-    fn joints(&self, profile: &Profile) -> Vec<String> {
+    fn joints(&self, profile: &Profile, known: Option<&[String]>) -> Vec<String> {
         if !profile.joints.is_empty() {
             return profile.joints.clone();
         }
         let n = match profile.q.as_ref().and_then(|q| q.columns.as_ref()) {
             Some(Columns::Names(names)) => names.len(),
             Some(Columns::Prefix(prefix)) => self.count(prefix),
-            None if self.offer.is_bag => 0,
+            None if self.is_bag => 0,
             None => self.count(Signal::Q.name()),
         };
-        match self.offer.joints {
-            Some(names) if self.offer.is_bag || names.len() == n => names.to_vec(),
+        match known {
+            Some(names) if self.is_bag || names.len() == n => names.to_vec(),
             _ => joints::numbered(n),
         }
     }
 
     /// How many joints the columns with a prefix are of.
     fn count(&self, prefix: &str) -> usize {
-        let all = 1..=self.offer.names.len();
+        let all = 1..=self.names.len();
         let numbered = all.take_while(|joint| self.has(&format!("{prefix}{joint}"))).count();
         numbered.max(usize::from(self.has(prefix)))
     }
@@ -109,7 +108,7 @@ impl Build<'_> {
         let names: Vec<String> = match parts.and_then(|parts| parts.columns.as_ref()) {
             Some(Columns::Names(names)) => names.clone(),
             Some(Columns::Prefix(prefix)) => self.numbered(prefix, joints.len()),
-            None if self.offer.is_bag => {
+            None if self.is_bag => {
                 let names = of_bag(signal, joints);
                 let is_there = names.first().is_some_and(|name| self.has(name));
                 if parts.is_none() && signal != Signal::Q && !is_there {
@@ -140,10 +139,10 @@ impl Build<'_> {
     /// The place of a column among the chosen.
     fn choose(&mut self, key: &str, name: &str) -> Result<usize, LogError> {
         let name = name.trim();
-        let mut columns = (0..).zip(self.offer.names).filter(|(_, known)| *known == name);
+        let mut columns = (0..).zip(self.names).filter(|(_, known)| *known == name);
         let (column, _) = columns.next().ok_or_else(|| self.missing(key, name))?;
         if columns.next().is_some() {
-            let (file, column) = (self.offer.file.into(), shown(name.as_bytes()));
+            let (file, column) = (self.file.into(), shown(name.as_bytes()));
             return Err(LogError::DuplicateColumn { file, column });
         }
         let place = self.chosen.iter().position(|chosen| *chosen == column);
@@ -154,18 +153,17 @@ impl Build<'_> {
     }
 
     fn has(&self, name: &str) -> bool {
-        self.offer.names.iter().any(|known| known == name)
+        self.names.iter().any(|known| known == name)
     }
 
     fn found(&self) -> String {
-        let names: Vec<_> =
-            self.offer.names.iter().take(30).map(|name| shown(name.as_bytes())).collect();
-        names.join(", ") + if self.offer.names.len() > 30 { ", …" } else { "" }
+        let names: Vec<_> = self.names.iter().take(30).map(|name| shown(name.as_bytes())).collect();
+        names.join(", ") + if self.names.len() > 30 { ", …" } else { "" }
     }
 
     fn missing(&self, key: &str, missing: &str) -> LogError {
         LogError::NoProfileColumn {
-            file: self.offer.file.into(),
+            file: self.file.into(),
             key: key.into(),
             missing: shown(missing.as_bytes()),
             found: self.found(),

@@ -2,7 +2,6 @@
 //! mended.
 
 use faer::Mat;
-use std::borrow::Cow;
 use torquewise_motion::Repairs;
 use torquewise_motion::signals::Raw;
 use torquewise_motion::stats::median;
@@ -43,11 +42,8 @@ impl ClockRepair {
         let held = repeats as f64 > LEAST_HELD * rows as f64;
         let mut off = [0.0, 0.0];
         for piece in pieces {
-            let piece = if held {
-                Cow::Owned(without_held(piece, &mut Held::default()))
-            } else {
-                Cow::Borrowed(piece)
-            };
+            let kept = held.then(|| without_held(piece, &mut Held::default()));
+            let piece = kept.as_ref().unwrap_or(piece);
             let mended = mended(&piece.t);
             off[0] += roughness(&piece.t, &piece.q);
             off[1] += roughness(&mended, &piece.q);
@@ -176,20 +172,18 @@ impl ClockLane {
     }
 
     /// Takes a block, and hands out what is known by then.
-    pub(crate) fn push<'b>(&mut self, block: Cow<'b, Raw>) -> Option<Cow<'b, Raw>> {
-        let block = if self.repair.held {
-            let kept = without_held(&block, &mut self.held);
-            self.repairs.held_rows += (block.t.len() - kept.t.len()) as u64;
-            Cow::Owned(kept)
-        } else {
-            block
-        };
+    pub(crate) fn push(&mut self, mut block: Raw) -> Option<Raw> {
+        if self.repair.held {
+            let rows = block.t.len();
+            block = without_held(&block, &mut self.held);
+            self.repairs.held_rows += (rows - block.t.len()) as u64;
+        }
         if !self.repair.late {
             return Some(block).filter(|block| !block.t.is_empty());
         }
         let waiting = match self.waiting.take() {
-            None => block.into_owned(),
-            Some(before) => joined(&[before, block.into_owned()]),
+            None => block,
+            Some(before) => joined(vec![before, block]),
         };
         let known = waiting.t.len().saturating_sub(WINDOW);
         let out = self.hand_out(&waiting, known);
@@ -198,7 +192,7 @@ impl ClockLane {
         self.done -= forgotten;
         let rows: Vec<usize> = (forgotten..waiting.t.len()).collect();
         self.waiting = Some(select(&waiting, &rows));
-        out.map(Cow::Owned)
+        out
     }
 
     /// Hands out the rest.
@@ -232,9 +226,9 @@ impl ClockLane {
 const MEMORY: usize = 4 * WINDOW;
 
 /// Blocks of one trajectory, one after the other.
-pub(crate) fn joined(blocks: &[Raw]) -> Raw {
-    if let [block] = blocks {
-        return block.clone();
+pub(crate) fn joined(mut blocks: Vec<Raw>) -> Raw {
+    if blocks.len() == 1 {
+        return blocks.remove(0);
     }
     let t: Vec<f64> = blocks.iter().flat_map(|block| &block.t).copied().collect();
     let place: Vec<(usize, usize)> = (blocks.iter().enumerate())

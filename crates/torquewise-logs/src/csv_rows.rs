@@ -25,15 +25,67 @@ pub(crate) struct CsvRows<R> {
 impl<R: BufRead> CsvRows<R> {
     /// Reads up to the header; `file` is named in errors.
     pub(crate) fn new(file: &Path, input: R) -> Result<Self, LogError> {
-        let mut lines = Lines::new(input);
-        let mut joints = None;
-        let mut fields = Vec::new();
-        if !next_line(file, &mut lines, &mut fields, Some(&mut joints))? {
-            return Err(LogError::Empty { file: file.into() });
+        let mut rows = Self {
+            file: file.into(),
+            lines: Lines::new(input),
+            names: Vec::new(),
+            joints: None,
+            chosen: Vec::new(),
+            fields: Vec::new(),
+            row: 0,
+        };
+        if !rows.next_line()? {
+            return Err(LogError::Empty { file: rows.file });
         }
-        let names = header(file, &lines, &fields)?;
-        let file = file.into();
-        Ok(Self { file, lines, names, joints, chosen: Vec::new(), fields, row: 0 })
+        rows.names = rows.header()?;
+        Ok(rows)
+    }
+
+    /// Advances to the next line with fields and splits it; `false` at the end.
+    fn next_line(&mut self) -> Result<bool, LogError> {
+        loop {
+            match self.lines.advance().map_err(LogError::read(&self.file))? {
+                Advance::End => return Ok(false),
+                Advance::TooLong => return Err(self.too_long("line", MAX_LINE)),
+                Advance::Line => {}
+            }
+            let line = self.lines.line();
+            if line.first() == Some(&b'#') {
+                // The names of joints stand before the header: `# joints: shoulder,elbow`.
+                let names = line.strip_prefix(CSV_COMMENT.as_bytes());
+                if let Some(names) = names.filter(|_| self.names.is_empty()) {
+                    self.joints = Some(joints::parse(self.text(names)?));
+                }
+            } else if !line.trim_ascii().is_empty() {
+                if !split(line, &mut self.fields) {
+                    let (file, line) = (self.file.clone(), self.lines.number());
+                    return Err(LogError::OpenQuote { file, line });
+                }
+                if self.fields.iter().any(|field| field.len() > MAX_FIELD) {
+                    return Err(self.too_long("field", MAX_FIELD));
+                }
+                return Ok(true);
+            }
+        }
+    }
+
+    /// The names in the header line.
+    fn header(&self) -> Result<Vec<String>, LogError> {
+        let header = self.text(self.lines.line())?;
+        let found = header.chars().find(|c| matches!(c, ';' | '\t'));
+        if let (1, Some(found)) = (self.fields.len(), found) {
+            return Err(LogError::Delimiter { file: self.file.clone(), found });
+        }
+        Ok(self.fields.iter().map(|field| header[field.clone()].trim().to_owned()).collect())
+    }
+
+    fn text<'t>(&self, bytes: &'t [u8]) -> Result<&'t str, LogError> {
+        let not_utf8 = |_| LogError::NotUtf8 { file: self.file.clone(), line: self.lines.number() };
+        std::str::from_utf8(bytes).map_err(not_utf8)
+    }
+
+    fn too_long(&self, part: &'static str, limit: usize) -> LogError {
+        LogError::TooLong { file: self.file.clone(), line: self.lines.number(), part, limit }
     }
 
     fn number(&self, column: usize) -> Result<f64, LogError> {
@@ -62,7 +114,7 @@ impl<R: BufRead> Rows for CsvRows<R> {
     }
 
     fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
-        if !next_line(&self.file, &mut self.lines, &mut self.fields, None)? {
+        if !self.next_line()? {
             return Ok(false);
         }
         self.row += 1;
@@ -79,68 +131,6 @@ impl<R: BufRead> Rows for CsvRows<R> {
     fn place(&self) -> Place {
         Place { file: self.file.clone(), row: self.row, line: Some(self.lines.number()) }
     }
-}
-
-/// Advances to the next line with fields and splits it; `false` at the end.
-fn next_line<R: BufRead>(
-    file: &Path,
-    lines: &mut Lines<R>,
-    fields: &mut Vec<Range<usize>>,
-    mut names: Option<&mut Option<Vec<String>>>,
-) -> Result<bool, LogError> {
-    loop {
-        match lines.advance().map_err(LogError::read(file))? {
-            Advance::End => return Ok(false),
-            Advance::TooLong => return Err(too_long(file, lines, "line", MAX_LINE)),
-            Advance::Line => {}
-        }
-        let line = lines.line();
-        if line.first() == Some(&b'#') {
-            if let Some(names) = names.as_deref_mut() {
-                *names = joint_names(file, lines)?.or(names.take());
-            }
-        } else if !line.trim_ascii().is_empty() {
-            if !split(line, fields) {
-                return Err(LogError::OpenQuote { file: file.into(), line: lines.number() });
-            }
-            if line.len() > MAX_FIELD && fields.iter().any(|field| field.len() > MAX_FIELD) {
-                return Err(too_long(file, lines, "field", MAX_FIELD));
-            }
-            return Ok(true);
-        }
-    }
-}
-
-/// The names in a line `# joints: shoulder,elbow`.
-fn joint_names<R: BufRead>(file: &Path, lines: &Lines<R>) -> Result<Option<Vec<String>>, LogError> {
-    let Some(names) = lines.line().strip_prefix(CSV_COMMENT.as_bytes()) else {
-        return Ok(None);
-    };
-    let not_utf8 = |_| LogError::NotUtf8 { file: file.into(), line: lines.number() };
-    Ok(Some(joints::parse(std::str::from_utf8(names).map_err(not_utf8)?)))
-}
-
-/// The names in the header line.
-fn header<R: BufRead>(
-    file: &Path,
-    lines: &Lines<R>,
-    fields: &[Range<usize>],
-) -> Result<Vec<String>, LogError> {
-    let not_utf8 = |_| LogError::NotUtf8 { file: file.into(), line: lines.number() };
-    let header = std::str::from_utf8(lines.line()).map_err(not_utf8)?;
-    if let ([_], Some(found)) = (fields, header.chars().find(|c| matches!(c, ';' | '\t'))) {
-        return Err(LogError::Delimiter { file: file.into(), found });
-    }
-    Ok(fields.iter().map(|field| header[field.clone()].trim().to_owned()).collect())
-}
-
-fn too_long<R: BufRead>(
-    file: &Path,
-    lines: &Lines<R>,
-    part: &'static str,
-    limit: usize,
-) -> LogError {
-    LogError::TooLong { file: file.into(), line: lines.number(), part, limit }
 }
 
 #[cfg(test)]

@@ -5,7 +5,11 @@
 use crate::format::Format;
 use std::error::Error;
 use std::fmt;
+#[cfg(feature = "formats")]
+use std::fs::File;
 use std::io;
+#[cfg(feature = "formats")]
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use torquewise_motion::MotionError;
 
@@ -131,7 +135,7 @@ pub enum LogError {
     #[diagnostic(help("list the joints that all messages have as joints = […] in a profile"))]
     JointGone { place: Place, joint: String, found: String },
     #[error("{}, array {array}: {reason}", file.display())]
-    #[diagnostic(help("save it again with numpy.savez"))]
+    #[diagnostic(help("save it again as an array of plain numbers"))]
     Array { file: PathBuf, array: String, reason: &'static str },
     #[error("{profile}: {key} has {found}, expected {expected}")]
     ProfileKey { profile: String, key: String, found: String, expected: String },
@@ -175,14 +179,6 @@ pub enum LogError {
     #[error("{} cannot be written", file.display())]
     #[diagnostic(help("check that the folder exists, may be written and has room"))]
     Write { file: PathBuf, source: io::Error },
-    #[error("{}: {found} columns of values for a table of {expected}", file.display())]
-    ValuesCount { file: PathBuf, found: usize, expected: usize },
-    #[error("{}: column {column} is to hold {expected}, but {found} is given", file.display())]
-    #[diagnostic(help("give values of the kind it was created with"))]
-    ValuesKind { file: PathBuf, column: String, found: &'static str, expected: &'static str },
-    #[error("{}: column {column} has {found} values, the first column {expected}", file.display())]
-    #[diagnostic(help("give one per row"))]
-    ValuesLength { file: PathBuf, column: String, found: usize, expected: usize },
     #[error("{} is no whole {what}", file.display())]
     #[diagnostic(help("{help}"))]
     Decode {
@@ -221,6 +217,27 @@ impl LogError {
             Format::Mat => ("MAT file of version 5", "save it again with -v7"),
         };
         move |source| Self::Decode { file: file.into(), what, help, source: source.into() }
+    }
+}
+
+/// Work of a decoder of another crate, which may panic on a damaged file: here that is an error like
+/// any other.
+#[cfg(feature = "formats")]
+pub(crate) fn guarded<T>(
+    file: &Path,
+    work: impl FnOnce() -> Result<T, LogError>,
+) -> Result<T, LogError> {
+    catch_unwind(AssertUnwindSafe(work))
+        .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
+}
+
+/// A file that is there and not empty.
+#[cfg(feature = "formats")]
+pub(crate) fn open_whole(file: &Path) -> Result<File, LogError> {
+    let input = File::open(file).map_err(LogError::read(file))?;
+    match input.metadata().map_err(LogError::read(file))?.len() {
+        0 => Err(LogError::Empty { file: file.into() }),
+        _ => Ok(input),
     }
 }
 

@@ -1,5 +1,7 @@
 //! From time stamps to gaps: where one trajectory ends and the next begins.
 
+use torquewise_motion::stats::median;
+
 /// Steps that the first estimate of the usual step is the median of.
 pub(crate) const FIRST_STEPS: usize = 32;
 
@@ -40,6 +42,13 @@ impl UsualStep {
         }
         false
     }
+}
+
+/// The median of the steps forward, if there is any.
+pub(crate) fn median_step(t: &[f64]) -> Option<f64> {
+    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
+    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
+    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 #[cfg(test)]

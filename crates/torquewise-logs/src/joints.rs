@@ -44,18 +44,9 @@ pub(crate) fn check(names: &[String]) -> Result<(), LogError> {
 
 #[cfg(test)]
 mod tests {
-    use super::{checked, join, numbered, parse};
+    use super::{checked, join, parse};
     use crate::error::LogError;
     use std::path::Path;
-
-    #[test]
-    fn joined_names_are_parsed_back() {
-        let names = vec!["shoulder pan".to_owned(), "łokieć".to_owned()];
-
-        assert_eq!(parse(&join(&names).unwrap()), names);
-        assert_eq!(parse(" a , b "), ["a", "b"]);
-        assert_eq!(numbered(2), ["joint1", "joint2"]);
-    }
 
     #[test]
     fn names_that_would_not_come_back_are_refused() {

@@ -26,26 +26,20 @@
 //! Without the default feature `formats` only CSV is read and written.
 
 pub mod error;
-#[cfg(feature = "formats")]
-mod guarded;
 mod format;
 mod joints;
 mod rows;
 mod lines;
 mod csv_rows;
 #[cfg(feature = "formats")]
-mod compact;
-#[cfg(feature = "formats")]
 mod parquet_checks;
-#[cfg(feature = "formats")]
-mod parquet_column;
 #[cfg(feature = "formats")]
 mod parquet_rows;
 #[cfg(feature = "formats")]
 mod bag;
 #[cfg(feature = "formats")]
 mod arrays;
-mod layout;
+mod signal;
 mod mapping;
 mod plain;
 pub mod profile;
@@ -65,21 +59,20 @@ pub mod conditioned;
 #[cfg(feature = "formats")]
 pub mod suggest;
 pub mod units;
-pub mod columns;
 mod sink;
 #[cfg(feature = "formats")]
 mod parquet_sink;
 pub mod table;
 pub mod log_writer;
 
-pub use columns::{Column, ColumnKind, Values};
 pub use conditioned::ConditionedLogs;
 pub use error::{LogError, Place};
 pub use frame::Frame;
-pub use log_writer::{Contents, LogWriter, write_motion};
+pub use log_writer::{LogWriter, write_motion};
 pub use logs::Logs;
 pub use profile::Profile;
 pub use signal_rows::{Clock, ReadReport};
+pub use sink::{Column, ColumnKind, Values};
 pub use source::Options;
 #[cfg(feature = "formats")]
 pub use suggest::{Suggestion, suggest};

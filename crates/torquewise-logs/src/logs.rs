@@ -4,7 +4,7 @@ use crate::blocks::Blocks;
 use crate::error::LogError;
 use crate::frame::Frame;
 use crate::joints;
-use crate::layout::Signal;
+use crate::signal::Signal;
 use crate::signal_rows::ReadReport;
 use crate::source::{Options, Source};
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,7 +27,6 @@ pub struct Logs {
     sources: Vec<Source>,
     paths: Vec<PathBuf>,
     joints: Vec<String>,
-    polynomial: LocalPolynomial,
     /// Of the last complete reading of each file.
     readings: Arc<Mutex<Vec<Reading>>>,
 }
@@ -82,14 +81,8 @@ impl Logs {
 
     fn of_sources(sources: Vec<Source>, paths: Vec<PathBuf>) -> Result<Self, LogError> {
         let joints = agreed_joints(&sources)?;
-        let polynomial = LocalPolynomial::default();
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
-        Ok(Self { sources, paths, joints, polynomial, readings })
-    }
-
-    /// The same logs, with missing dq and ddq found by `polynomial`.
-    pub fn derived_by(self, polynomial: LocalPolynomial) -> Self {
-        Self { polynomial, ..self }
+        Ok(Self { sources, paths, joints, readings })
     }
 
     /// The files, as given.
@@ -122,7 +115,7 @@ impl Logs {
     /// # Errors
     /// [`LogError::NoTorque`] names the first that does not.
     pub fn require_tau(&self) -> Result<(), LogError> {
-        match self.sources.iter().find(|source| source.mapping.layout.slot(Signal::Tau).is_none()) {
+        match self.sources.iter().find(|source| source.mapping.slot(Signal::Tau).is_none()) {
             Some(source) => Err(LogError::NoTorque { file: source.file.clone() }),
             None => Ok(()),
         }
@@ -140,11 +133,16 @@ impl Logs {
     /// [`LogError`] if a file cannot be read or a row is wrong.
     pub fn read_all(&self) -> Result<Vec<Motion>, LogError> {
         let mut trajectories: Vec<Vec<Motion>> = Vec::new();
-        self.each(None, Some(self.polynomial), Blocks::next, &mut |trajectory, block: &Motion| {
-            trajectories.resize_with(trajectory + 1, Vec::new);
-            trajectories[trajectory].push(block.clone());
-            Ok::<(), LogError>(())
-        })?;
+        self.each(
+            None,
+            Some(LocalPolynomial::default()),
+            Blocks::next,
+            &mut |trajectory, block| {
+                trajectories.resize_with(trajectory + 1, Vec::new);
+                trajectories[trajectory].push(block);
+                Ok::<(), LogError>(())
+            },
+        )?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
             Motion::joined(&self.joints, blocks).map_err(|source| LogError::Motion {
@@ -158,11 +156,11 @@ impl Logs {
 
     /// About how many rows the files have, if that can be told without reading them.
     pub fn rows_hint(&self) -> Option<u64> {
-        self.sources.iter().map(Source::rows_hint).sum()
+        self.sources.iter().map(|source| source.rows_hint).sum()
     }
 
     fn all_have(&self, signal: Signal) -> bool {
-        self.sources.iter().all(|source| source.mapping.layout.slot(signal).is_some())
+        self.sources.iter().all(|source| source.mapping.slot(signal).is_some())
     }
 
     /// Calls `visit` with each block as it was recorded, and with the index of its trajectory.
@@ -174,7 +172,7 @@ impl Logs {
     /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
     pub fn read_raw<E: From<LogError>>(
         &self,
-        visit: &mut dyn FnMut(usize, &Raw) -> Result<(), E>,
+        visit: &mut dyn FnMut(usize, Raw) -> Result<(), E>,
     ) -> Result<(), E> {
         self.each(None, None, Blocks::next_raw, visit)
     }
@@ -186,7 +184,7 @@ impl Logs {
     pub fn read_raw_of<E: From<LogError>>(
         &self,
         file: usize,
-        visit: &mut dyn FnMut(usize, &Raw) -> Result<(), E>,
+        visit: &mut dyn FnMut(usize, Raw) -> Result<(), E>,
     ) -> Result<(), E> {
         self.each(Some(file), None, Blocks::next_raw, visit)
     }
@@ -234,7 +232,7 @@ impl Logs {
         only: Option<usize>,
         polynomial: Option<LocalPolynomial>,
         next: impl Fn(&mut Blocks) -> Result<Option<(usize, B)>, LogError>,
-        visit: &mut dyn FnMut(usize, &B) -> Result<(), E>,
+        visit: &mut dyn FnMut(usize, B) -> Result<(), E>,
     ) -> Result<(), E> {
         let mut first = 0;
         for (file, source) in self.sources.iter().enumerate() {
@@ -245,7 +243,7 @@ impl Logs {
             let mut last = first;
             while let Some((trajectory, block)) = next(&mut blocks)? {
                 last = first + trajectory;
-                visit(last, &block)?;
+                visit(last, block)?;
             }
             let (report, gaps) = (blocks.report(), blocks.gaps());
             let reading = Reading { report, trajectories: last + 1 - first, gaps };
@@ -281,7 +279,9 @@ impl Recording for Logs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.each(None, Some(self.polynomial), Blocks::next, visit)
+        self.each(None, Some(LocalPolynomial::default()), Blocks::next, &mut |k, block| {
+            visit(k, &block)
+        })
     }
 
     fn n_logs(&self) -> usize {
@@ -293,7 +293,9 @@ impl Recording for Logs {
         log: usize,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.each(Some(log), Some(self.polynomial), Blocks::next, visit)
+        self.each(Some(log), Some(LocalPolynomial::default()), Blocks::next, &mut |k, block| {
+            visit(k, &block)
+        })
     }
 }
 
@@ -325,10 +327,9 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
 /// The joint names of all files: those of the first file that has any.
 fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
     let first = sources.first().ok_or(LogError::NoFiles)?;
-    let expected = first.mapping.layout.n_joints();
-    if let Some(other) = sources.iter().find(|source| source.mapping.layout.n_joints() != expected)
-    {
-        let (file, found) = (other.file.clone(), other.mapping.layout.n_joints());
+    let expected = first.mapping.n_joints;
+    if let Some(other) = sources.iter().find(|source| source.mapping.n_joints != expected) {
+        let (file, found) = (other.file.clone(), other.mapping.n_joints);
         return Err(LogError::JointCount { file, found, first: first.file.clone(), expected });
     }
     let mut named = sources.iter().filter_map(|s| Some((s.file.as_path(), s.joints.as_ref()?)));

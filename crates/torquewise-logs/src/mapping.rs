@@ -1,11 +1,14 @@
 //! From columns of a file to slots of signals in SI units: what is multiplied by what and added.
 
-use crate::layout::Layout;
+use crate::signal::Signal;
 
 /// How the rows of a file become rows of signals.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mapping {
-    pub(crate) layout: Layout,
+    pub(crate) n_joints: usize,
+    /// Signals that rows have, in the order of [`Signal::ALL`]: the slots of a row are t, then q1…qn,
+    /// then dq, ddq and tau as far as they are known.
+    pub(crate) present: Vec<Signal>,
     /// The columns of the file that are read, in the order they are read.
     pub(crate) chosen: Vec<usize>,
     pub(crate) time: Time,
@@ -46,9 +49,15 @@ pub(crate) struct Ranges {
 
 impl Mapping {
     /// All rows, t in seconds in the first chosen column.
-    pub(crate) fn new(layout: Layout, chosen: Vec<usize>, slots: Vec<Slot>) -> Self {
+    pub(crate) fn new(
+        n_joints: usize,
+        present: Vec<Signal>,
+        chosen: Vec<usize>,
+        slots: Vec<Slot>,
+    ) -> Self {
         Self {
-            layout,
+            n_joints,
+            present,
             chosen,
             time: Time::Column(1.0),
             slots,
@@ -56,6 +65,17 @@ impl Mapping {
             joints: None,
             ignored: Vec::new(),
         }
+    }
+
+    /// Number of slots.
+    pub(crate) fn n_slots(&self) -> usize {
+        1 + self.present.len() * self.n_joints
+    }
+
+    /// The slot of joint 1 of a signal; the other joints follow.
+    pub(crate) fn slot(&self, signal: Signal) -> Option<usize> {
+        let place = self.present.iter().position(|present| *present == signal)?;
+        Some(1 + place * self.n_joints)
     }
 }
 
@@ -105,13 +125,6 @@ mod tests {
         for value in [-0.0, 1e-310, 0.1] {
             assert_eq!(slot.value(&[7.0, value]).to_bits(), f64::to_bits(value));
         }
-    }
-
-    #[test]
-    fn terms_and_offset_are_added() {
-        let slot = Slot { terms: vec![(2, -3.0), (0, 0.5)], offset: 10.0 };
-
-        assert_eq!(slot.value(&[4.0, 99.0, 1.0]).to_bits(), 9.0_f64.to_bits());
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! From a Parquet file to whether its decoder can be trusted with it: what it claims is held against
 //! the bytes there are, since the decoder allocates and recurses as it is told.
 //!
-//! Source: Apache Parquet format, parquet.thrift, 2.11.
+//! Source: Apache Parquet format, parquet.thrift, 2.11; Apache Thrift, compact protocol encoding.
 
-use crate::compact::{Found, walk};
 use crate::error::LogError;
 use crate::format::Format;
 use std::fs::File;
@@ -30,10 +29,15 @@ const SCHEMA: &[i16] = &[2];
 const CHILDREN: &[i16] = &[2, 5];
 const CHUNKS: &[i16] = &[4, 1];
 
-/// Fields of the header of a page: bytes before and after compression; values of a dictionary.
+/// Fields of the header of a page: bytes before and after compression; encoding of values, in both
+/// versions; values of a dictionary.
 const PLAIN_BYTES: &[i16] = &[2];
 const STORED_BYTES: &[i16] = &[3];
+const ENCODING: [&[i16]; 2] = [&[5, 2], &[8, 4]];
 const DICTIONARY_VALUES: &[i16] = &[7, 1];
+
+/// Encodings of texts whose decoders take the number of lengths on trust.
+const OF_TEXTS: [i64; 2] = [6, 7];
 
 /// Makes sure that the metadata at the end of a file can be decoded.
 pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<(), LogError> {
@@ -125,13 +129,14 @@ fn page(input: &mut File, at: u64, left: u64) -> io::Result<Option<Page>> {
     input.seek(SeekFrom::Start(at))?;
     let mut head = Vec::new();
     input.take(LONGEST_HEADER.min(left)).read_to_end(&mut head)?;
-    let (mut plain, mut stored, mut values) = (-1, -1, None);
+    let (mut plain, mut stored, mut values, mut is_text) = (-1, -1, None, false);
     let header = walk(&head, &mut |path, found| {
         let Found::Integer(number) = found else { return };
         match path {
             PLAIN_BYTES => plain = number,
             STORED_BYTES => stored = number,
             DICTIONARY_VALUES => values = Some(number),
+            path if ENCODING.contains(&path) => is_text |= OF_TEXTS.contains(&number),
             _ => {}
         }
     });
@@ -143,20 +148,163 @@ fn page(input: &mut File, at: u64, left: u64) -> io::Result<Option<Page>> {
     // A value of a dictionary takes four bytes at least.
     let fits = values.is_none_or(|values| (0..=plain / 4).contains(&values));
     let length = header as u64 + stored;
-    Ok((fits && length <= left).then_some(Page { bytes, is_dictionary: values.is_some(), length }))
+    Ok((fits && !is_text && length <= left).then_some(Page {
+        bytes,
+        is_dictionary: values.is_some(),
+        length,
+    }))
+}
+
+/// Structures and lists within each other that are followed; Parquet itself needs ten.
+const DEEPEST: usize = 32;
+
+/// What stands in a structure, at a path of field numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Found {
+    /// The next element of a list begins.
+    Element,
+    /// A whole number.
+    Integer(i64),
+}
+
+/// Goes through one structure at the front of `bytes` and returns how many bytes it takes; `None`
+/// where it is cut, nested too deeply, or claims more elements than bytes can hold.
+fn walk(bytes: &[u8], found: &mut dyn FnMut(&[i16], Found)) -> Option<usize> {
+    let mut walk = Walk { bytes, at: 0, path: Vec::new(), found };
+    walk.structure(DEEPEST)?;
+    Some(walk.at)
+}
+
+struct Walk<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    /// Fields from the outermost structure to this place; lists add none.
+    path: Vec<i16>,
+    found: &'a mut dyn FnMut(&[i16], Found),
+}
+
+impl Walk<'_> {
+    /// - `depth`: how much deeper structures and lists may be nested
+    fn structure(&mut self, depth: usize) -> Option<()> {
+        let mut field = 0_i16;
+        loop {
+            let head = self.byte()?;
+            if head == 0 {
+                return Some(());
+            }
+            field = match head >> 4 {
+                0 => i16::try_from(self.integer()?).ok()?,
+                step => field.checked_add(step.into())?,
+            };
+            self.path.push(field);
+            // The kind of a truth in a field is the truth itself.
+            if !matches!(head & 0xf, 1 | 2) {
+                self.value(head & 0xf, depth)?;
+            }
+            self.path.pop();
+        }
+    }
+
+    fn value(&mut self, kind: u8, depth: usize) -> Option<()> {
+        let deeper = depth.checked_sub(1);
+        match kind {
+            1..=3 => self.pass(1),
+            4..=6 => {
+                let number = self.integer()?;
+                (self.found)(&self.path, Found::Integer(number));
+                Some(())
+            }
+            7 => self.pass(8),
+            8 => {
+                let length = self.count()?;
+                self.pass(length)
+            }
+            9 | 10 => {
+                let head = self.byte()?;
+                let count = if head >> 4 == 15 { self.count()? } else { usize::from(head >> 4) };
+                self.elements(count, &[head & 0xf], deeper?)
+            }
+            11 => {
+                let count = self.count()?;
+                let kinds = if count == 0 { 0 } else { self.byte()? };
+                self.elements(count, &[kinds >> 4, kinds & 0xf], deeper?)
+            }
+            12 => self.structure(deeper?),
+            13 => self.pass(16),
+            _ => None,
+        }
+    }
+
+    /// Elements take a byte at least.
+    fn elements(&mut self, count: usize, kinds: &[u8], depth: usize) -> Option<()> {
+        if count > self.bytes.len() - self.at {
+            return None;
+        }
+        for _ in 0..count {
+            (self.found)(&self.path, Found::Element);
+            for kind in kinds {
+                self.value(*kind, depth)?;
+            }
+        }
+        Some(())
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        let byte = self.bytes.get(self.at)?;
+        self.at += 1;
+        Some(*byte)
+    }
+
+    fn pass(&mut self, length: usize) -> Option<()> {
+        self.at = self.at.checked_add(length).filter(|end| *end <= self.bytes.len())?;
+        Some(())
+    }
+
+    /// Seven bits a byte, the lowest first.
+    fn varint(&mut self) -> Option<u64> {
+        let mut number = 0;
+        for shift in (0..64).step_by(7) {
+            let byte = self.byte()?;
+            number |= u64::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                return Some(number);
+            }
+        }
+        None
+    }
+
+    fn count(&mut self) -> Option<usize> {
+        usize::try_from(self.varint()?).ok()
+    }
+
+    /// With the sign in the lowest bit.
+    fn integer(&mut self) -> Option<i64> {
+        let number = self.varint()?;
+        Some((number >> 1).cast_signed() ^ -(number & 1).cast_signed())
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::is_tree;
+    use super::{Found, walk};
 
     #[test]
-    fn a_schema_is_one_tree_that_is_not_too_deep() {
-        assert!(is_tree(&[2, 0, 0]) && is_tree(&[2, 1, 0, 0]) && is_tree(&[0]));
-        let chain = |n: usize| [vec![1; n], vec![0]].concat();
-        assert!(is_tree(&chain(60)));
-        for wrong in [&[2, 0][..], &[1, 0, 0], &[-1], &[1_870_000_000, 0], &chain(80)] {
-            assert!(!is_tree(wrong), "{wrong:?}");
+    fn claims_beyond_the_bytes_and_depth_are_refused() {
+        let mut ignored = |_: &[i16], _: Found| {};
+        for bytes in [
+            &[][..],
+            // A list of 2³¹ − 1 structures, a text of as many bytes, a structure without an end.
+            &[0x19, 0xfc, 0xff, 0xff, 0xff, 0xff, 7],
+            &[0x18, 0xff, 0xff, 0xff, 0xff, 7],
+            &[0x15, 2],
+            // A number without an end.
+            &[0x15, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 1, 0],
+            // An unknown kind.
+            &[0x1e, 0],
+            &[0x1c; 10_000],
+            &[0x19; 10_000],
+        ] {
+            assert_eq!(walk(bytes, &mut ignored), None, "{bytes:?}");
         }
     }
 }

@@ -1,15 +1,16 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
-use crate::error::{LogError, Place};
+use crate::error::{LogError, Place, guarded, open_whole};
 use crate::format::Format;
-use crate::guarded::guarded;
 use crate::joints::{self, PARQUET_KEY};
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
-use crate::parquet_column::{NumberColumn, foreign_type};
 use crate::rows::Rows;
+use parquet::basic::{ConvertedType, LogicalType, Type};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::DataType;
 use parquet::file::metadata::{ParquetMetaData, RowGroupMetaData};
 use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::schema::types::SchemaDescriptor;
+use parquet::schema::types::{ColumnDescriptor, SchemaDescriptor};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use torquewise_motion::BLOCK_ROWS;
@@ -38,10 +39,7 @@ pub(crate) struct ParquetRows {
 impl ParquetRows {
     /// Opens a file and reads its footer.
     pub(crate) fn open(file: &Path) -> Result<Self, LogError> {
-        let mut input = File::open(file).map_err(LogError::read(file))?;
-        if input.metadata().map_err(LogError::read(file))?.len() == 0 {
-            return Err(LogError::Empty { file: file.into() });
-        }
+        let mut input = open_whole(file)?;
         parquet_checks::check_footer(file, &mut input)?;
         guarded(file, || Self::new(file, input))
     }
@@ -194,4 +192,94 @@ fn joint_names(metadata: &ParquetMetaData) -> Option<Vec<String>> {
     let pairs = metadata.file_metadata().key_value_metadata()?;
     let pair = pairs.iter().find(|pair| pair.key == PARQUET_KEY)?;
     Some(joints::parse(pair.value.as_deref()?))
+}
+
+/// Whole numbers with a sign, as older writers name them.
+const SIGNED: [ConvertedType; 4] =
+    [ConvertedType::INT_8, ConvertedType::INT_16, ConvertedType::INT_32, ConvertedType::INT_64];
+/// The same without.
+const UNSIGNED: [ConvertedType; 4] =
+    [ConvertedType::UINT_8, ConvertedType::UINT_16, ConvertedType::UINT_32, ConvertedType::UINT_64];
+
+/// Whether whole numbers of a column have a sign; `None` if it does not hold one number a row.
+fn is_signed(column: &ColumnDescriptor) -> Option<bool> {
+    if column.max_rep_level() > 0 || column.path().parts().len() != 1 {
+        return None;
+    }
+    let is_signed = match (column.logical_type_ref(), column.converted_type()) {
+        (Some(LogicalType::Integer(int)), _) => int.is_signed,
+        (None, ConvertedType::NONE) => true,
+        (None, converted) if SIGNED.contains(&converted) => true,
+        (None, converted) if UNSIGNED.contains(&converted) => false,
+        _ => return None,
+    };
+    match column.physical_type() {
+        Type::FLOAT | Type::DOUBLE => is_signed.then_some(true),
+        Type::INT32 | Type::INT64 => Some(is_signed),
+        _ => None,
+    }
+}
+
+/// The type of a column that cannot be read as numbers; `None` if it can.
+fn foreign_type(column: &ColumnDescriptor) -> Option<String> {
+    if is_signed(column).is_some() {
+        return None;
+    }
+    Some(match column.logical_type_ref() {
+        _ if column.path().parts().len() > 1 || column.max_rep_level() > 0 => "nested".to_owned(),
+        Some(logical) => format!("{logical:?}"),
+        None => column.physical_type().to_string(),
+    })
+}
+
+/// A numeric column of a row group.
+struct NumberColumn {
+    reader: ColumnReader,
+    is_signed: bool,
+    /// Definition level of a value that is there.
+    present: i16,
+}
+
+impl NumberColumn {
+    /// `reader` as a column of numbers; `None` if it is none, see [`foreign_type`].
+    fn new(column: &ColumnDescriptor, reader: ColumnReader) -> Option<Self> {
+        Some(Self { reader, is_signed: is_signed(column)?, present: column.max_def_level() })
+    }
+
+    /// The next values, at most `rows`; none of a null.
+    fn read(&mut self, rows: usize) -> parquet::errors::Result<Vec<Option<f64>>> {
+        let (is_signed, present) = (self.is_signed, self.present);
+        match &mut self.reader {
+            ColumnReader::Int32ColumnReader(reader) => {
+                let unsigned = |value: &i32| f64::from(value.cast_unsigned());
+                let signed = |value: &i32| f64::from(*value);
+                read(reader, rows, present, if is_signed { signed } else { unsigned })
+            }
+            ColumnReader::Int64ColumnReader(reader) => {
+                let unsigned = |value: &i64| value.cast_unsigned() as f64;
+                let signed = |value: &i64| *value as f64;
+                read(reader, rows, present, if is_signed { signed } else { unsigned })
+            }
+            ColumnReader::FloatColumnReader(reader) => {
+                read(reader, rows, present, |value| f64::from(*value))
+            }
+            ColumnReader::DoubleColumnReader(reader) => read(reader, rows, present, |value| *value),
+            _ => Ok(vec![]),
+        }
+    }
+}
+
+fn read<T: DataType>(
+    reader: &mut ColumnReaderImpl<T>,
+    rows: usize,
+    present: i16,
+    number: impl Fn(&T::T) -> f64,
+) -> parquet::errors::Result<Vec<Option<f64>>> {
+    let (mut levels, mut values) = (Vec::new(), Vec::new());
+    reader.read_records(rows, Some(&mut levels), None, &mut values)?;
+    let mut numbers = values.iter().map(number);
+    if present == 0 {
+        return Ok(numbers.map(Some).collect());
+    }
+    Ok(levels.iter().map(|&level| if level == present { numbers.next() } else { None }).collect())
 }

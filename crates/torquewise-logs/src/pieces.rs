@@ -3,8 +3,13 @@
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
+<<<<<<< HEAD
 use std::borrow::Cow;
 use torquewise_motion::signals::Raw;
+=======
+use torquewise_motion::MotionError;
+use torquewise_motion::signals::{Conditioning, Raw, torque_delay};
+>>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;
@@ -29,10 +34,8 @@ impl Pieces {
         let clock = ClockRepair::of(&recorded);
         let mend = |piece: Raw| {
             let mut lane = ClockLane::new(clock);
-            let mended = lane.push(Cow::Owned(piece)).map(Cow::into_owned);
-            let mut blocks: Vec<Raw> = mended.into_iter().chain(lane.finish()).collect();
-            let only = if blocks.len() == 1 { blocks.pop() } else { None };
-            only.unwrap_or_else(|| joined(&blocks))
+            let mended = lane.push(piece);
+            joined(mended.into_iter().chain(lane.finish()).collect())
         };
         Ok(Self { clock, all: recorded.into_iter().map(mend).collect() })
     }
@@ -51,11 +54,14 @@ fn recorded(logs: &Logs) -> Result<Vec<Raw>, LogError> {
     let (mut kept, mut every, mut count) = (Vec::<Raw>::new(), 1, 0);
     let mut open: (usize, Vec<Raw>) = (0, Vec::new());
     let mut take = |blocks: &mut Vec<Raw>| {
-        if !blocks.is_empty() && count % every == 0 {
+        if blocks.is_empty() {
+            return;
+        }
+        let blocks = std::mem::take(blocks);
+        if count % every == 0 {
             kept.push(joined(blocks));
         }
-        count += usize::from(!blocks.is_empty());
-        blocks.clear();
+        count += 1;
         let rows: usize = kept.iter().map(|piece| piece.t.len()).sum();
         if rows > MOST_ROWS && kept.len() > 1 {
             every *= 2;
@@ -72,7 +78,7 @@ fn recorded(logs: &Logs) -> Result<Vec<Raw>, LogError> {
             take(&mut open.1);
         }
         open.0 = trajectory;
-        open.1.push(block.clone());
+        open.1.push(block);
         Ok(())
     })?;
     take(&mut open.1);

@@ -2,8 +2,8 @@
 //! units.
 
 use crate::error::{LogError, shown};
-use crate::layout::{Layout, Signal};
 use crate::mapping::{Mapping, Slot};
+use crate::signal::Signal;
 use std::path::Path;
 
 /// Columns a plain log may have at most.
@@ -32,10 +32,7 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping, LogError> 
     let present = Signal::ALL.into_iter().filter(|s| !signals[*s as usize].is_empty()).collect();
     let columns: Vec<_> = std::iter::once(t).chain(signals.iter().flatten().map(|c| c.1)).collect();
     let slots = (1..columns.len()).map(Slot::as_it_stands).collect();
-    Ok(Mapping {
-        ignored: found.ignored,
-        ..Mapping::new(Layout::new(n_joints, present), columns, slots)
-    })
+    Ok(Mapping { ignored: found.ignored, ..Mapping::new(n_joints, present, columns, slots) })
 }
 
 /// The signal and the joint number that a column name means.

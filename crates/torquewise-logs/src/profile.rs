@@ -6,7 +6,7 @@ mod check;
 #[cfg(feature = "formats")]
 mod text;
 
-use crate::layout::Signal;
+use crate::signal::Signal;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

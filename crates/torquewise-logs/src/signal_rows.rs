@@ -1,7 +1,6 @@
 //! From rows and mapping to rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
 use crate::error::{LogError, Place};
-use crate::layout::Layout;
 use crate::mapping::{Mapping, Time};
 use crate::rows::{Irregular, Rows};
 
@@ -82,8 +81,8 @@ impl SignalRows {
         Ok(Self { rows, mapping, clock, reads_on, raw, number, first: None, last_t: None, report })
     }
 
-    pub(crate) fn layout(&self) -> &Layout {
-        &self.mapping.layout
+    pub(crate) fn mapping(&self) -> &Mapping {
+        &self.mapping
     }
 
     /// Where the row last read stands.

@@ -1,11 +1,11 @@
 //! From path to rows of signals: a log file that can be read any number of times.
 
 #[cfg(feature = "formats")]
-use crate::arrays::{ArrayFormat, ArrayRows};
+use crate::arrays::ArrayRows;
 #[cfg(feature = "formats")]
 use crate::bag::{BagRows, Survey};
 use crate::beside::{Beside, ClockColumn, SideBySide};
-use crate::by_profile::{Offer, by_profile};
+use crate::by_profile::by_profile;
 use crate::csv_rows::CsvRows;
 use crate::error::LogError;
 use crate::format::Format;
@@ -48,33 +48,33 @@ pub(crate) struct Source {
     names: Vec<String>,
     clock: Clock,
     /// About how many rows there are, if that can be told.
-    rows_hint: Option<u64>,
+    pub(crate) rows_hint: Option<u64>,
 }
 
 /// All that is needed to open the files of a log again.
 #[derive(Clone, Debug)]
 struct Opening {
     origin: Origin,
-    survey: Option<Survey>,
     beside: Vec<(String, PathBuf)>,
     clock_column: Option<ClockColumn>,
 }
-
-/// Without bags there is nothing to survey.
-#[cfg(not(feature = "formats"))]
-type Survey = std::convert::Infallible;
 
 /// Where rows come from.
 #[derive(Clone, Debug)]
 enum Origin {
     File(Format),
+    #[cfg(feature = "formats")]
+    Bag(Survey),
     Frame(Arc<dyn Frame>),
 }
 
 impl Source {
     /// Reads the header; of a bag all messages, which say what it holds.
     pub(crate) fn open(file: &Path, options: &Options) -> Result<Self, LogError> {
-        Self::from_opening(file, Opening::new(file, options)?, options)
+        let profile = options.profile.as_ref();
+        let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
+        let joints = profile.map_or(&[][..], |profile| &profile.joints);
+        Self::new(file, Origin::of(file, topic, joints)?, options)
     }
 
     /// The same of a frame, which is called `label` in messages.
@@ -83,20 +83,21 @@ impl Source {
         frame: Arc<dyn Frame>,
         options: &Options,
     ) -> Result<Self, LogError> {
-        Self::from_opening(label, Opening::of(label, Origin::Frame(frame), None, options), options)
+        Self::new(label, Origin::Frame(frame), options)
     }
 
-    fn from_opening(file: &Path, opening: Opening, options: &Options) -> Result<Self, LogError> {
+    fn new(file: &Path, origin: Origin, options: &Options) -> Result<Self, LogError> {
         let profile = options.profile.as_ref();
+        let is_bag = !matches!(origin, Origin::File(_) | Origin::Frame(_));
+        let is_text = matches!(origin, Origin::File(Format::Csv));
+        let opening = Opening::new(file, origin, profile);
         let rows = opening.rows(file)?;
-        let is_bag = opening.survey.is_some();
-        let offer = Offer { file, names: rows.names(), joints: rows.joints(), is_bag };
         let mapping = match profile {
-            Some(profile) => by_profile(profile, offer)?,
-            None if is_bag => by_profile(&Profile::default(), offer)?,
+            Some(profile) => by_profile(profile, file, &*rows, is_bag)?,
+            None if is_bag => by_profile(&Profile::default(), file, &*rows, true)?,
             None => plain(file, rows.names())?,
         };
-        let n = mapping.layout.n_joints();
+        let n = mapping.n_joints;
         let own = |names: &[String]| joints::checked(file, names.to_vec(), n);
         let joints = match &mapping.joints {
             Some(names) => Some(own(names)?),
@@ -104,7 +105,6 @@ impl Source {
         };
         let clock = if profile.is_some() { Clock::Repair } else { options.clock };
         let names = rows.names().to_vec();
-        let is_text = matches!(opening.origin, Origin::File(Format::Csv));
         let rows_hint = rows.count().or_else(|| is_text.then(|| lines_of(file)).flatten());
         let source = Self { file: file.into(), mapping, joints, opening, names, clock, rows_hint };
         // Columns that cannot be read are told now.
@@ -121,11 +121,6 @@ impl Source {
         self.rows_from(rows)
     }
 
-    /// About how many rows there are, if that can be told.
-    pub(crate) fn rows_hint(&self) -> Option<u64> {
-        self.rows_hint
-    }
-
     fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows, LogError> {
         let reads_on = !self.opening.beside.is_empty();
         SignalRows::new(rows, self.mapping.clone(), self.clock, reads_on)
@@ -133,31 +128,18 @@ impl Source {
 }
 
 impl Opening {
-    fn new(file: &Path, options: &Options) -> Result<Self, LogError> {
-        let profile = options.profile.as_ref();
-        let format = Format::of(file)?;
-        let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
-        let joints = profile.map_or(&[][..], |profile| &profile.joints);
-        let survey = survey(file, format, topic, joints)?;
-        Ok(Self::of(file, Origin::File(format), survey, options))
-    }
-
-    fn of(file: &Path, origin: Origin, survey: Option<Survey>, options: &Options) -> Self {
-        let profile = options.profile.as_ref();
+    fn new(file: &Path, origin: Origin, profile: Option<&Profile>) -> Self {
         let folder = file.parent().unwrap_or(Path::new(""));
         let beside = profile.map(|profile| &profile.beside).into_iter().flatten();
         let beside = beside.map(|(name, path)| (name.clone(), folder.join(path))).collect();
         let clock_column = profile
             .and_then(|profile| profile.t.as_ref())
             .map(|t| (t.column.clone(), time_factor(t.unit.as_deref()).unwrap_or(1.0)));
-        Self { origin, survey, beside, clock_column }
+        Self { origin, beside, clock_column }
     }
 
     fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
-        let log = match &self.origin {
-            Origin::File(format) => rows(file, *format, self.survey.as_ref())?,
-            Origin::Frame(frame) => Box::new(FrameRows::new(file, frame.clone())),
-        };
+        let log = self.origin.rows(file)?;
         if self.beside.is_empty() {
             return Ok(log);
         }
@@ -181,49 +163,46 @@ fn lines_of(file: &Path) -> Option<u64> {
 
 /// The rows of any file as they stand, of a bag all joints of its first message.
 pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>, LogError> {
-    let format = Format::of(file)?;
-    let survey = survey(file, format, None, &[])?;
-    rows(file, format, survey.as_ref())
+    Origin::of(file, None, &[])?.rows(file)
 }
 
-/// What a bag holds, of a topic and of joints in their order where these are given; `None` for
-/// another file.
-fn survey(
-    file: &Path,
-    format: Format,
-    topic: Option<&str>,
-    joints: &[String],
-) -> Result<Option<Survey>, LogError> {
-    // A pipe or a device gives its bytes once; a log is read several times.
-    if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-        return Err(LogError::unusable(
-            file.display(),
-            " is a pipe or a device, not a file, and a log is read several times",
-            "copy it to a file",
-        ));
-    }
-    #[cfg(feature = "formats")]
-    if matches!(format, Format::Db3 | Format::Mcap) {
-        return Survey::new(file, format, topic, joints).map(Some);
-    }
-    let _ = (format, topic, joints);
-    Ok(None)
-}
-
-/// The rows of a file as they stand; a bag has been surveyed before.
-fn rows(file: &Path, format: Format, survey: Option<&Survey>) -> Result<Box<dyn Rows>, LogError> {
-    Ok(match (format, survey) {
-        #[cfg(feature = "formats")]
-        (_, Some(survey)) => Box::new(BagRows::open(file, survey.clone())?),
-        #[cfg(feature = "formats")]
-        (Format::Parquet, _) => Box::new(ParquetRows::open(file)?),
-        #[cfg(feature = "formats")]
-        (Format::Npz, _) => Box::new(ArrayRows::open(file, ArrayFormat::Npz)?),
-        #[cfg(feature = "formats")]
-        (Format::Mat, _) => Box::new(ArrayRows::open(file, ArrayFormat::Mat)?),
-        _ => {
-            let input = File::open(file).map_err(LogError::read(file))?;
-            Box::new(CsvRows::new(file, BufReader::with_capacity(BUFFER_BYTES, input))?)
+impl Origin {
+    /// What a file is; a bag is surveyed, for a topic and for joints in their order where these are
+    /// given.
+    #[cfg_attr(not(feature = "formats"), expect(unused_variables, reason = "there are no bags"))]
+    fn of(file: &Path, topic: Option<&str>, joints: &[String]) -> Result<Self, LogError> {
+        let format = Format::of(file)?;
+        // A pipe or a device gives its bytes once; a log is read several times.
+        if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            return Err(LogError::unusable(
+                file.display(),
+                " is a pipe or a device, not a file, and a log is read several times",
+                "copy it to a file",
+            ));
         }
-    })
+        Ok(match format {
+            #[cfg(feature = "formats")]
+            Format::Db3 | Format::Mcap => Self::Bag(Survey::new(file, format, topic, joints)?),
+            _ => Self::File(format),
+        })
+    }
+
+    /// The rows as they stand.
+    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
+        Ok(match self {
+            Self::Frame(frame) => Box::new(FrameRows::new(file, frame.clone())),
+            #[cfg(feature = "formats")]
+            Self::Bag(survey) => Box::new(BagRows::open(file, survey.clone())?),
+            #[cfg(feature = "formats")]
+            Self::File(Format::Parquet) => Box::new(ParquetRows::open(file)?),
+            #[cfg(feature = "formats")]
+            Self::File(format @ (Format::Npz | Format::Mat)) => {
+                Box::new(ArrayRows::open(file, *format)?)
+            }
+            Self::File(_) => {
+                let input = File::open(file).map_err(LogError::read(file))?;
+                Box::new(CsvRows::new(file, BufReader::with_capacity(BUFFER_BYTES, input))?)
+            }
+        })
+    }
 }

@@ -1,12 +1,10 @@
 //! From columns of values to CSV or Parquet file, written whole or not at all.
 
-use crate::columns::{Column, Values};
 use crate::error::LogError;
 use crate::format::Format;
-use crate::joints;
 #[cfg(feature = "formats")]
 use crate::parquet_sink::ParquetSink;
-use crate::sink::{CsvSink, Sink};
+use crate::sink::{Column, CsvSink, Sink, Values};
 use std::path::{Path, PathBuf};
 
 /// A table that is written block by block, in fixed memory.
@@ -28,20 +26,13 @@ impl TableWriter {
         Self::start(file, columns, None)
     }
 
-    /// Starts a file that keeps joint names: in the metadata of a `.parquet` file, in the first
+    /// The same of a file that keeps joint names: in the metadata of a `.parquet` file, in the first
     /// line (`# joints: …`) of a `.csv` file.
-    ///
-    /// # Errors
-    /// As [`create`](Self::create), and [`LogError::JointName`] if a name cannot be kept.
-    pub fn create_with_joints(
+    pub(crate) fn start(
         file: &Path,
         columns: &[Column],
-        joints: &[String],
+        joints: Option<&str>,
     ) -> Result<Self, LogError> {
-        Self::start(file, columns, Some(&joints::join(joints)?))
-    }
-
-    fn start(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self, LogError> {
         let sink: Box<dyn Sink> = match Format::of(file)? {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints)?),
             #[cfg(feature = "formats")]
@@ -58,8 +49,7 @@ impl TableWriter {
     /// Writes some rows: one slice per column, all of the same length.
     ///
     /// # Errors
-    /// [`LogError::ValuesCount`], [`LogError::ValuesKind`] or [`LogError::ValuesLength`] if the
-    /// values do not fit the columns; [`LogError::Write`].
+    /// [`LogError::Unusable`] if the values do not fit the columns; [`LogError::Write`].
     pub fn append(&mut self, values: &[Values<'_>]) -> Result<(), LogError> {
         self.check(values)?;
         match values.first() {
@@ -77,22 +67,25 @@ impl TableWriter {
     }
 
     fn check(&self, values: &[Values<'_>]) -> Result<(), LogError> {
-        let file = || self.file.clone();
+        let misfit = |problem: String| {
+            let help = "give values for the columns it was created with, one per row";
+            Err(LogError::unusable(self.file.display(), &format!(": {problem}"), help))
+        };
         let (found, expected) = (values.len(), self.columns.len());
         if found != expected {
-            return Err(LogError::ValuesCount { file: file(), found, expected });
+            return misfit(format!("{found} columns of values for a table of {expected}"));
         }
         let rows = values.first().map_or(0, |first| first.len());
-        for (column, values) in self.columns.iter().zip(values) {
-            let name = || column.name.clone();
-            if values.kind() != column.kind {
-                let (found, expected) = (values.kind().name(), column.kind.name());
-                return Err(LogError::ValuesKind { file: file(), column: name(), found, expected });
+        for (Column { name, kind }, values) in self.columns.iter().zip(values) {
+            if values.kind() != *kind {
+                let (found, expected) = (values.kind().name(), kind.name());
+                return misfit(format!(
+                    "column {name} is to hold {expected}, but {found} is given"
+                ));
             }
-            if values.len() != rows {
-                let (found, expected) = (values.len(), rows);
-                let column = name();
-                return Err(LogError::ValuesLength { file: file(), column, found, expected });
+            let found = values.len();
+            if found != rows {
+                return misfit(format!("column {name} has {found} values, the first {rows}"));
             }
         }
         Ok(())

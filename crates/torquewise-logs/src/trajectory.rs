@@ -3,7 +3,6 @@
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::pieces::FIRST_ROWS;
 use crate::raw_noise::{NoiseLane, RawNoise};
-use std::borrow::Cow;
 use torquewise_motion::signals::{Conditioner, Conditioning, Plan, Raw, condition};
 use torquewise_motion::{Motion, MotionError, Repairs};
 
@@ -44,8 +43,8 @@ impl<'a> Trajectory<'a> {
     ///
     /// # Errors
     /// Those of [`Conditioner::push`].
-    pub(crate) fn push(&mut self, block: &Raw) -> Result<Done, MotionError> {
-        match self.clock.push(Cow::Borrowed(block)) {
+    pub(crate) fn push(&mut self, block: Raw) -> Result<Done, MotionError> {
+        match self.clock.push(block) {
             Some(block) => self.filter(block),
             None => Ok(Done::default()),
         }
@@ -57,7 +56,7 @@ impl<'a> Trajectory<'a> {
     /// Those of [`Conditioner::finish`].
     pub(crate) fn finish(mut self) -> Result<(Done, Repairs), MotionError> {
         let mut done = match self.clock.finish() {
-            Some(rest) => self.filter(Cow::Owned(rest))?,
+            Some(rest) => self.filter(rest)?,
             None => Done::default(),
         };
         let mut repairs = self.clock.repairs().clone();
@@ -70,7 +69,7 @@ impl<'a> Trajectory<'a> {
                 repairs.add(conditioner.repairs());
             }
             Stretch::Waiting(blocks) => {
-                let raw = joined(&blocks);
+                let raw = joined(blocks);
                 match condition(&raw, self.settings) {
                     Ok(conditioned) => {
                         done.motions.push(conditioned.motion);
@@ -92,15 +91,15 @@ impl<'a> Trajectory<'a> {
         Ok((done, repairs))
     }
 
-    fn filter(&mut self, block: Cow<'_, Raw>) -> Result<Done, MotionError> {
+    fn filter(&mut self, block: Raw) -> Result<Done, MotionError> {
         match &mut self.stretch {
             Stretch::Waiting(blocks) => {
-                blocks.push(block.into_owned());
+                blocks.push(block);
                 let rows: usize = blocks.iter().map(|block| block.t.len()).sum();
                 if rows < FIRST_ROWS {
                     return Ok(Done::default());
                 }
-                let raw = joined(blocks);
+                let raw = joined(std::mem::take(blocks));
                 let plan = Plan::new(&raw, self.settings)?;
                 let mut noise = self.noise.map(|noise| Box::new(noise.lane(plan.clone())));
                 let mut conditioner = Box::new(Conditioner::new(plan));

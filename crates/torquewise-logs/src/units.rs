@@ -1,9 +1,9 @@
 //! From motion to warnings: values so large that their unit must be another than SI.
 
+use crate::gaps::median_step;
 use faer::MatRef;
 use std::fmt;
 use torquewise_motion::Motion;
-use torquewise_motion::stats::median;
 
 /// A value that no arm reaches, or a step of t that no log has, in the unit expected.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,11 +58,6 @@ pub fn unit_warnings(motion: &Motion) -> Vec<UnitWarning> {
 
 fn largest(values: MatRef<'_, f64>, joint: usize) -> f64 {
     (0..values.nrows()).map(|row| values[(row, joint)].abs()).fold(0.0, f64::max)
-}
-
-fn median_step(t: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 #[cfg(test)]

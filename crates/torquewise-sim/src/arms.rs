@@ -4,7 +4,7 @@ use crate::arm::Arm;
 use crate::error::SimError;
 
 /// A reference arm in one line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ArmSummary {
     /// What [`Arm::builtin`] calls it.
     pub name: &'static str,

@@ -4,14 +4,13 @@ use crate::arguments::PlanArguments;
 use crate::error::Result;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
-use crate::signal_arguments::{FilterArguments, ProfileArguments};
-use crate::table::Table;
+use crate::signal_arguments::FilterArguments;
+use crate::table::methods;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::compare::{Contender, compare};
+use torquewise::compare::compare;
 use torquewise::identify::plan::Regression;
 use torquewise::log::Rows;
-use torquewise::model::number;
 use torquewise::motion::Recording;
 
 /// Compare stepwise reconstruction with one-shot SINDy
@@ -26,8 +25,6 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     plan: PlanArguments,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     filter: FilterArguments,
 }
 
@@ -35,7 +32,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let options = arguments.plan.options(Regression::Stepwise);
     let open = |paths: &[PathBuf]| -> Result<_> {
-        let log = arguments.filter.open(&arguments.profile, paths)?;
+        let log = arguments.filter.open(paths)?;
         log.files().require_tau()?;
         Ok(log)
     };
@@ -46,27 +43,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let warnings = contenders.iter().flat_map(|(name, contender)| {
         contender.fit.warnings.iter().map(move |warning| format!("{name}: {warning}"))
     });
+    let rows = contenders.iter().map(|(name, found)| {
+        let counts = [found.candidates, found.active_total];
+        (*name, counts, found.seconds, found.nrmse_percent.clone())
+    });
     Ok(Outcome {
-        text: text(&contenders, train.joints()),
+        text: methods(train.joints(), rows).text(),
         warnings: warnings.collect(),
         json: object(&compared),
-        notes: Vec::new(),
         ..Outcome::default()
     })
-}
-
-fn text(contenders: &[(&str, &Contender)], joints: &[String]) -> String {
-    let names: Vec<String> = joints.iter().map(|name| format!("NRMSE {name} [%]")).collect();
-    let headings: Vec<&str> = ["method", "candidates", "active", "seconds"]
-        .into_iter()
-        .chain(names.iter().map(String::as_str))
-        .collect();
-    let mut table = Table::new(&headings);
-    for (name, contender) in contenders {
-        let counts = [contender.candidates, contender.active_total].map(|count| count.to_string());
-        let seconds = format!("{:.2}", contender.seconds);
-        let errors = contender.nrmse_percent.iter().map(|error| number(*error));
-        table.row(name, counts.into_iter().chain([seconds]).chain(errors));
-    }
-    table.text()
 }

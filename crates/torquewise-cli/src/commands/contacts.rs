@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
-use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::SignalArguments;
 use crate::table::Table;
 use clap::Args;
 use serde_json::json;
@@ -12,7 +12,6 @@ use std::path::PathBuf;
 use torquewise::external::{Contact, ExternalOptions, Thresholds, contacts};
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
 use torquewise::model::{Model, number};
-use torquewise::motion::BLOCK_ROWS;
 use torquewise::report::chart_figure;
 use torquewise::report::html::{Axis, Chart, Growing, Guide, Series};
 
@@ -46,8 +45,6 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Output", long, value_name = "FILE.svg")]
     figure: Option<PathBuf>,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     signals: SignalArguments,
 }
 
@@ -65,14 +62,20 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let figure = arguments.figure.iter().map(|file| (file.as_path(), &["svg"][..]));
     check_files(inputs, figure.chain([(arguments.output.as_path(), &[][..])]))?;
     let model = read_model(&arguments.model)?;
-    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let log = arguments.signals.open(&arguments.logs)?;
     let free = Some(&arguments.free).filter(|free| !free.is_empty());
-    let free = free.map(|free| arguments.profile.open(free, &arguments.signals)).transpose()?;
+    let free = free.map(|free| arguments.signals.open(free)).transpose()?;
     let options = ExternalOptions {
         bandwidth: arguments.bandwidth,
         false_alarms_per_hour: arguments.false_alarms,
     };
-    let mut table = Written::create(&arguments.output, model.n_joints())?;
+    let names = (1..=model.n_joints()).map(|joint| format!("tau_external{joint}"));
+    let columns: Vec<Column> = std::iter::once("t".to_owned())
+        .chain(names)
+        .map(|name| Column::new(name, ColumnKind::Number))
+        .collect();
+    let mut table = TableWriter::create(&staged(&arguments.output)?, &columns)?;
+    let mut rows = 0;
     let mut curves = vec![Growing::default(); model.n_joints()];
     let (thresholds, found) =
         contacts(&model, &log, free.as_ref(), options, &watch(), &mut |t, external| {
@@ -80,9 +83,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
                 return Ok(());
             }
             curves.iter_mut().zip(external).for_each(|(curve, x)| curve.push([t, *x]));
-            Ok(table.push(t, external)?)
+            rows += 1;
+            let row: Vec<f64> = std::iter::once(t).chain(external.iter().copied()).collect();
+            Ok(table.append(&row.chunks(1).map(Values::Numbers).collect::<Vec<_>>())?)
         })?;
-    let rows = table.finish()?;
+    table.finish()?;
     let mut outcome = outcome(arguments, &model, &thresholds, &found, rows);
     if let Some(file) = &arguments.figure {
         let charts = charts(curves, &model, &thresholds);
@@ -91,45 +96,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         outcome.json["figure"] = json!(file.display().to_string());
     }
     Ok(outcome)
-}
-
-/// The table, block by block.
-struct Written {
-    writer: TableWriter,
-    columns: Vec<Vec<f64>>,
-    rows: usize,
-}
-
-impl Written {
-    fn create(file: &std::path::Path, n_joints: usize) -> Result<Self> {
-        let names = (1..=n_joints).map(|joint| format!("tau_external{joint}"));
-        let columns: Vec<Column> = std::iter::once("t".to_owned())
-            .chain(names)
-            .map(|name| Column::new(name.as_str(), ColumnKind::Number))
-            .collect();
-        let writer = TableWriter::create(&staged(file)?, &columns)?;
-        Ok(Self { writer, columns: vec![Vec::new(); n_joints + 1], rows: 0 })
-    }
-
-    fn push(&mut self, t: f64, external: &[f64]) -> Result<(), torquewise::logs::LogError> {
-        self.columns[0].push(t);
-        self.columns[1..].iter_mut().zip(external).for_each(|(column, x)| column.push(*x));
-        self.rows += 1;
-        if self.columns[0].len() < BLOCK_ROWS { Ok(()) } else { self.flush() }
-    }
-
-    fn flush(&mut self) -> Result<(), torquewise::logs::LogError> {
-        let values: Vec<Values<'_>> = self.columns.iter().map(|x| Values::Numbers(x)).collect();
-        self.writer.append(&values)?;
-        self.columns.iter_mut().for_each(Vec::clear);
-        Ok(())
-    }
-
-    fn finish(mut self) -> Result<usize> {
-        self.flush()?;
-        self.writer.finish()?;
-        Ok(self.rows)
-    }
 }
 
 /// One chart per joint: its curve between its thresholds.

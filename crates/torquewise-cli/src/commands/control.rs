@@ -34,14 +34,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "ARM")]
     arm: String,
     /// Controllers to compare
-    #[arg(
-        help_heading = "Controllers",
-        long,
-        value_enum,
-        value_name = "LAW",
-        value_delimiter = ','
-    )]
-    #[arg(default_values = ["pid", "controller1", "controller2"])]
+    #[arg(help_heading = "Controllers", long, value_enum, value_name = "LAW")]
+    #[arg(value_delimiter = ',', default_values = ["pid", "controller1", "controller2"])]
     controllers: Vec<Controllers>,
     /// Also control with perfect knowledge of arm and friction, by controllers 1 and 2
     #[arg(help_heading = "Controllers", long)]
@@ -165,14 +159,12 @@ fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Co
         let message = format!("--settle {settle} leaves nothing of {seconds} s: take less");
         return Err(CliError::Usage(message));
     }
-    let mut laws: Vec<Law> = arguments.controllers.iter().map(|c| c.law()).collect();
-    let mut seen = Vec::new();
-    laws.retain(|law| {
-        !seen.contains(law) && {
-            seen.push(*law);
-            true
+    let mut laws: Vec<Law> = Vec::new();
+    for law in arguments.controllers.iter().map(|controller| controller.law()) {
+        if !laws.contains(&law) {
+            laws.push(law);
         }
-    });
+    }
     let named = |suffix: &str, laws: &[Law], found: Vec<Tracking>| -> Vec<Run> {
         let runs = laws.iter().zip(found);
         let name = |law: Law| format!("{}{suffix}", law.name());

@@ -4,14 +4,13 @@ use crate::error::Result;
 use crate::files::{check_rows, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
-use crate::table::Table;
+use crate::table::{Table, methods};
 use clap::Args;
 use faer::MatRef;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise::logs::write_motion;
-use torquewise::model::number;
 use torquewise::model::print;
 use torquewise::model::selection::Selection;
 use torquewise::motion::{Motion, Pattern};
@@ -175,19 +174,14 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
         let cells = [purity.rows.to_string(), format!("{:.2}", purity.percent())];
         patterns.row(purity.pattern.name(), cells);
     }
-    let names: Vec<String> = log.joints().iter().map(|name| format!("NRMSE {name} [%]")).collect();
-    let fixed = ["method", "candidates", "active", "seconds"];
-    let headings: Vec<&str> = fixed.into_iter().chain(names.iter().map(String::as_str)).collect();
-    let mut scores = Table::new(&headings);
-    for Found { name, fit, scores: found, .. } in found {
-        let counts = [
-            fit.candidates.to_string(),
-            fit.model.n_coefficients().to_string(),
-            format!("{:.2}", fit.seconds),
-        ];
-        let errors = found.joints.iter().map(|joint| number(joint.nrmse_percent));
-        scores.row(name, counts.into_iter().chain(errors));
-    }
+    let scores = methods(
+        log.joints(),
+        found.iter().map(|Found { name, fit, scores, .. }| {
+            let counts = [fit.candidates, fit.model.n_coefficients()];
+            let errors = scores.joints.iter().map(|joint| joint.nrmse_percent);
+            (*name, counts, fit.seconds, errors.collect())
+        }),
+    );
     format!(
         "{arm}: {} rows, {seconds} s at {rate} Hz, noise of case {case}\n\n\
          Patterns, and how much of each truly is one:\n\n{}\n\

@@ -6,7 +6,7 @@ use crate::files::read_model;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::score_table;
-use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::evaluate::{evaluate_prepared, prepare};
@@ -21,15 +21,13 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     signals: SignalArguments,
 }
 
 /// Scores the model.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
-    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let log = arguments.signals.open(&arguments.logs)?;
     let log = prepare(&model, &log)?;
     let scores = evaluate_prepared(&model, &log, &watch())?;
     let repairs = log.repairs();

@@ -8,12 +8,11 @@ use crate::files::{check_files, create_folder, read_arm, staged, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
-use std::fs;
 use std::path::{Path, PathBuf};
 use torquewise::excite::{
     Excitation, Limits, PerJoint, Plan, Planned, Wishes, excite, joint_trajectory, limits,
 };
-use torquewise::logs::{Contents, LogWriter};
+use torquewise::logs::LogWriter;
 use torquewise::motion::Recording;
 
 /// Plan the recordings from which a model can be reconstructed
@@ -45,14 +44,8 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Recordings", long)]
     slow_sweeps: bool,
     /// Positions in rad to keep to, within the limits of the arm, as [JOINT=]FROM:TO,...
-    #[arg(
-        help_heading = "Limits",
-        long,
-        value_name = "A:B",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
-    #[arg(visible_alias = "position", value_parser = range_of_joint)]
+    #[arg(help_heading = "Limits", long, visible_alias = "position", value_name = "A:B")]
+    #[arg(value_delimiter = ',', allow_hyphen_values = true, value_parser = range_of_joint)]
     range: Vec<(Option<String>, [f64; 2])>,
     /// Distance from each limit of the position, as a share of the way between them
     #[arg(help_heading = "Limits", long, value_name = "SHARE", default_value_t = Wishes::default().margin)]
@@ -67,13 +60,8 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Limits", long, value_name = "SHARE", default_value_t = Wishes::default().speed_scale)]
     speed_scale: f64,
     /// Pose at both ends in rad, one number per joint [default: 0, or the middle of the range]
-    #[arg(
-        help_heading = "Limits",
-        long,
-        value_name = "Q",
-        value_delimiter = ',',
-        allow_hyphen_values = true
-    )]
+    #[arg(help_heading = "Limits", long, value_name = "Q")]
+    #[arg(value_delimiter = ',', allow_hyphen_values = true)]
     home: Option<Vec<f64>>,
     /// Joints of a .urdf to hold at 0
     #[arg(long, value_name = "JOINT", value_delimiter = ',')]
@@ -107,16 +95,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
     let limits = limits(&arm, &arguments.wishes())?;
     let files = Files::within(&arguments.output);
-    let is_new = !arguments.output.exists();
     create_folder(&arguments.output)?;
     let inputs = [PathBuf::from(&arguments.arm)];
     check_files(&inputs, files.all().map(|file| (file.as_path(), &[][..])))?;
-    let written = plan_and_write(arguments, &limits, &files);
-    if written.is_err() && is_new {
-        // Only if it is empty, as it was before.
-        let _ = fs::remove_dir(&arguments.output);
-    }
-    let planned = written?;
+    let planned = plan_and_write(arguments, &limits, &files)?;
     Ok(summary::outcome(arguments, &limits, &planned, &files))
 }
 
@@ -148,8 +130,7 @@ fn plan_and_write(arguments: &Arguments, limits: &[Limits], files: &Files) -> Re
 }
 
 fn write_log(file: &Path, recording: &Planned) -> Result<()> {
-    let contents = Contents { tau: false, ..Contents::default() };
-    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), contents)?;
+    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), false)?;
     recording.read(&mut |_, block| Ok(writer.append(block)?))?;
     Ok(writer.finish()?)
 }

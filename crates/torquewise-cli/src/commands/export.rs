@@ -33,13 +33,8 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Robot", long, value_name = "ROBOT.urdf")]
     onto: Option<PathBuf>,
     /// Joints of that URDF that are held at 0, where names do not tell
-    #[arg(
-        help_heading = "Robot",
-        long,
-        value_name = "JOINT",
-        value_delimiter = ',',
-        requires = "onto"
-    )]
+    #[arg(help_heading = "Robot", long, value_name = "JOINT")]
+    #[arg(value_delimiter = ',', requires = "onto")]
     lock: Vec<String>,
     /// What the functions begin with, for c, fmu and ros2 [default: the name of the file]
     #[arg(help_heading = "Code", long, value_name = "NAME")]

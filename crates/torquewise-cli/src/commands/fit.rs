@@ -8,7 +8,7 @@ use crate::files::{check_files, staged, write_whole};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::score_table;
-use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::SignalArguments;
 use crate::table::{Table, counts};
 use chrono::{DateTime, Utc};
 use clap::{Args, ValueEnum};
@@ -52,8 +52,6 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     signals: SignalArguments,
 }
 
@@ -85,10 +83,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut options = arguments.plan.options(arguments.method.regression());
     // Wrong usage is told before the log is read.
     options.check()?;
-    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let log = arguments.signals.open(&arguments.logs)?;
     options.geometry = arguments.robot.geometry(log.joints())?;
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
-    let test = test.map(|test| arguments.profile.open(test, &arguments.signals)).transpose()?;
+    let test = test.map(|test| arguments.signals.open(test)).transpose()?;
     if let Some(test) = &test {
         test.files().require_tau()?;
         if test.joints() != log.joints() {

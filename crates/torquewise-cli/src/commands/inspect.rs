@@ -5,7 +5,7 @@ use crate::error::{CliError, Result};
 use crate::outcome::{Outcome, object};
 use crate::pattern_table::counts_text;
 use crate::progress::watch;
-use crate::signal_arguments::{FilterArguments, ProfileArguments};
+use crate::signal_arguments::FilterArguments;
 use crate::table::Table;
 use clap::Args;
 use serde_json::json;
@@ -25,18 +25,16 @@ pub(crate) struct Arguments {
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     filter: FilterArguments,
 }
 
 /// Looks through the logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let log = match arguments.filter.open(&arguments.profile, &arguments.logs) {
+    let log = match arguments.filter.open(&arguments.logs) {
         Ok(log) => log,
         // Columns by other names are no mistake; a mistake in our own names is.
         Err(error @ CliError::Library(Error::Log(LogError::NoColumn { .. }))) => {
-            return suggested(&arguments.logs, &arguments.profile).ok_or(error);
+            return suggested(arguments).ok_or(error);
         }
         Err(error) => return Err(error),
     };
@@ -58,8 +56,9 @@ fn signals_text(recorded: &Prepared) -> String {
 }
 
 /// A profile for a log whose columns are not understood.
-fn suggested(logs: &[PathBuf], known: &ProfileArguments) -> Option<Outcome> {
-    let suggestion = logs.first().filter(|_| !known.is_given()).map(|log| suggest(log))?.ok()?;
+fn suggested(arguments: &Arguments) -> Option<Outcome> {
+    let log = arguments.logs.first().filter(|_| !arguments.filter.signals.has_profile())?;
+    let suggestion = suggest(log).ok()?;
     let what = "the columns of this log need a profile; a suggestion is on standard output: save \
                 it as profile.toml, correct it, and inspect again with --profile profile.toml";
     Some(Outcome {

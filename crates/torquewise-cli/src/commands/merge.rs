@@ -1,8 +1,8 @@
 //! From moments files to one: the same bytes in whatever order.
 
-use crate::error::Result;
+use crate::error::{CliError, Result};
 use crate::files::check_files;
-use crate::moments_file::{add, json, read_moments, text, write_moments};
+use crate::moments_file::{json, read_moments, text, write_moments};
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::PathBuf;
@@ -24,13 +24,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (first, others) = arguments.parts.split_at(1);
     let mut all = read_moments(&first[0])?;
     for file in others {
-        add(&mut all, &read_moments(file)?, file)?;
+        let what = || format!("{} does not add to the parts before it", file.display());
+        let added = all.merge(&read_moments(file)?);
+        added.map_err(|error| CliError::from(error).within(what()))?;
     }
     let bytes = write_moments(&arguments.output, &all)?;
     Ok(Outcome {
         text: text(&all, &arguments.output, bytes),
         json: json(&all, &arguments.output, bytes),
-        warnings: Vec::new(),
         ..Outcome::default()
     })
 }

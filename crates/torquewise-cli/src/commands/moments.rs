@@ -8,7 +8,7 @@ use crate::files::check_files;
 use crate::moments_file::{json, read_request, text, write_moments};
 use crate::outcome::Outcome;
 use crate::progress::watch;
-use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::sums::sum_up;
@@ -31,8 +31,6 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     plan: PlanArguments,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     signals: SignalArguments,
 }
 
@@ -44,7 +42,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     // Wrong usage is told before the log is read.
     arguments.plan.refuse_selection()?;
     options.check()?;
-    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let log = arguments.signals.open(&arguments.logs)?;
     let request = arguments.request.as_deref().map(read_request).transpose()?;
     let (summary, log) = sum_up(&log, &options, request.as_ref(), &watch())?;
     let bytes = write_moments(&arguments.output, &summary)?;

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::files::{check_files, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::watch;
-use crate::signal_arguments::{FilterArguments, ProfileArguments};
+use crate::signal_arguments::FilterArguments;
 use crate::table::Table;
 use clap::Args;
 use serde_json::{Value, json};
@@ -50,8 +50,6 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     patterns: PatternArguments,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     filter: FilterArguments,
 }
 
@@ -59,7 +57,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let figure = arguments.output.iter().map(|file| (file.as_path(), &["svg"][..]));
     check_files(&arguments.logs, figure)?;
-    let log = arguments.filter.open(&arguments.profile, &arguments.logs)?;
+    let log = arguments.filter.open(&arguments.logs)?;
     log.files().require_tau()?;
     let logs = arguments.filter.prepare(&log, Rows::Filtered)?;
     let plan = OrderPlan {

@@ -6,7 +6,7 @@ use crate::files::check_files;
 use crate::outcome::Outcome;
 use crate::pattern_table::{PatternTable, counts_text};
 use crate::progress::watch;
-use crate::signal_arguments::{FilterArguments, ProfileArguments};
+use crate::signal_arguments::FilterArguments;
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -30,15 +30,13 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     patterns: PatternArguments,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     filter: FilterArguments,
 }
 
 /// Clusters the logs and labels their rows, counted from 1 through all logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(&arguments.logs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
-    let log = arguments.filter.open(&arguments.profile, &arguments.logs)?;
+    let log = arguments.filter.open(&arguments.logs)?;
     let logs = arguments.filter.prepare(&log, Rows::Every)?;
     let found = {
         let (shown, rows) = (watch(), (logs.rows_hint(), 1));

@@ -4,7 +4,7 @@ use crate::error::Result;
 use crate::files::{check_files, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
-use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::SignalArguments;
 use crate::table::Table;
 use clap::Args;
 use serde_json::json;
@@ -24,8 +24,6 @@ pub(crate) struct Arguments {
     /// Model to write: the arm that carries the load
     #[arg(short, long, value_name = "MODEL.json")]
     output: Option<PathBuf>,
-    #[command(flatten)]
-    profile: ProfileArguments,
     #[command(flatten)]
     signals: SignalArguments,
 }
@@ -49,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);
     check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
-    let log = arguments.profile.open(&arguments.logs, &arguments.signals)?;
+    let log = arguments.signals.open(&arguments.logs)?;
     let found = payload(&model, &log, &watch())?;
     let mut table = Table::new(&["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::files::{check_files, read_model, staged};
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
-use crate::signal_arguments::{ProfileArguments, SignalArguments};
+use crate::signal_arguments::SignalArguments;
 use crate::table::Table;
 use clap::Args;
 use faer::Mat;
@@ -45,8 +45,6 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Output", long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=99))]
     interval: Option<u8>,
     #[command(flatten)]
-    profile: ProfileArguments,
-    #[command(flatten)]
     signals: SignalArguments,
 }
 
@@ -58,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         Some(step) => whole.after_step(step.into())?,
         None => whole,
     };
-    let log = arguments.profile.open(std::slice::from_ref(&arguments.log), &arguments.signals)?;
+    let log = arguments.signals.open(std::slice::from_ref(&arguments.log))?;
     model.check_joints(log.joints())?;
     let logs = log.prepare_as(model.training.filter, Rows::Every)?;
 

@@ -5,11 +5,15 @@ use crate::files::{check_files, create_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::progress::share_bar;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
+<<<<<<< HEAD
 
 use torquewise_paper::{Claim, PaperError, Results, Settings, page, reproduce};
+=======
+use torquewise_paper::{Claim, Results, Settings, page, reproduce};
+>>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
 #[derive(Args, Debug)]
@@ -70,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         output.display(),
     );
     let json = json!({
-        "claims": claims_json(&results),
+        "claims": results.claims().collect::<Vec<_>>(),
         "report": report,
         "results": numbers.display().to_string(),
         "figures": files,
@@ -85,18 +89,4 @@ fn claims_text(results: &Results) -> String {
         format!("{source}: {verdict}\n  claim: {words}\n  here:  {}\n", claim.measured)
     };
     results.claims().map(claim).collect::<Vec<_>>().join("\n")
-}
-
-fn claims_json(results: &Results) -> Vec<Value> {
-    results
-        .claims()
-        .map(|claim| {
-            json!({
-                "claim": claim.claim,
-                "source": claim.source,
-                "measured": claim.measured,
-                "verdict": claim.verdict,
-            })
-        })
-        .collect()
 }

@@ -1,19 +1,19 @@
 //! From arm, motion, noise to log with known truth.
 
 use crate::arguments::noise_levels;
-use crate::commands::arms;
 use crate::error::Result;
 use crate::files::{check_files, check_rows, read_arm, read_friction, read_twin, staged};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
+use crate::table::Table;
 use clap::{Args, ValueEnum};
 use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
-use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise};
+use torquewise::dynamics::{MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms};
 use torquewise::inspect::PatternRows;
-use torquewise::logs::{Contents, LogWriter};
+use torquewise::logs::LogWriter;
 use torquewise::motion::{Pattern, Recording};
 use torquewise::observe::Watched;
 use torquewise::twin::TwinLog;
@@ -48,14 +48,8 @@ pub(crate) struct Arguments {
     #[arg(value_parser = clap::value_parser!(u8).range(1..=3))]
     case: u8,
     /// Signal-to-noise ratios of q, dq and ddq in dB; `inf` for no noise
-    #[arg(
-        help_heading = "Noise and friction",
-        long,
-        value_name = "Q,DQ,DDQ",
-        conflicts_with = "case",
-        allow_hyphen_values = true
-    )]
-    #[arg(value_parser = noise_levels)]
+    #[arg(help_heading = "Noise and friction", long, value_name = "Q,DQ,DDQ")]
+    #[arg(conflicts_with = "case", allow_hyphen_values = true, value_parser = noise_levels)]
     noise_db: Option<Noise>,
     /// Friction of the joints, .toml: [JOINT] with coulomb, stiction, speed, viscous, [backward]
     #[arg(help_heading = "Noise and friction", long, value_name = "FILE")]
@@ -93,7 +87,7 @@ impl Motions {
 /// Simulates and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (Some(name), Some(output)) = (&arguments.arm, &arguments.output) else {
-        return Ok(arms::list());
+        return Ok(list());
     };
     let mut inputs = vec![PathBuf::from(name)];
     inputs.extend(arguments.friction.clone());
@@ -136,7 +130,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 const MOST_NOISY_ROWS: f64 = 2e7;
 
 fn write_log(file: &Path, recording: &dyn Recording) -> Result<()> {
-    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), Contents::default())?;
+    let mut writer = LogWriter::create(&staged(file)?, recording.joints(), true)?;
     let shown = watch();
     let write = Watched::new(recording, &shown, "writing", (None, 1));
     write.read(&mut |_, block| Ok(writer.append(block)?))?;
@@ -179,5 +173,21 @@ fn outcome(
     let truth = arguments.truth.iter().map(|truth| format!("truth: {}\n", truth.display()));
     let text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len())
         + &truth.collect::<String>();
+    Outcome { text, json, ..Outcome::default() }
+}
+
+/// The built-in arms, fewest joints first.
+fn list() -> Outcome {
+    let mut text = String::new();
+    let mut table = Table::new(&["arm", "joints"]);
+    for arm in arms() {
+        table.row(arm.name, [arm.joints.to_string()]);
+    }
+    let descriptions = std::iter::once("").chain(arms().into_iter().map(|arm| arm.description));
+    for (line, description) in table.text().lines().zip(descriptions) {
+        text.push_str(format!("{line}  {description}").trim_end());
+        text.push('\n');
+    }
+    let json = json!({ "arms": arms() });
     Outcome { text, json, ..Outcome::default() }
 }

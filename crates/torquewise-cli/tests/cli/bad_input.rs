@@ -1,5 +1,6 @@
 //! Input that is wrong: told what, where and what to do, and no file is left behind.
 
+use crate::spoilt::Table;
 use crate::terminal::Terminal;
 
 /// `log.csv` of a [`Terminal::with_log`], one cell replaced; row 0 is the header.
@@ -10,80 +11,39 @@ fn with_cell(terminal: &Terminal, row: usize, column: usize, cell: &str) -> Stri
     rows.iter().map(|row| row.join(",") + "\n").collect()
 }
 
-/// Refuses `bad.csv` in every command that reads logs with torque.
-fn refuse_everywhere(terminal: &Terminal, words: &[&str]) {
-    for line in [
-        "inspect bad.csv",
-        "patterns bad.csv -o out.csv",
-        "fit bad.csv -o out.json",
-        "evaluate model.json bad.csv",
-        "predict model.json bad.csv -o out.csv",
-        "compare bad.csv --test log.csv",
+#[test]
+fn a_log_that_is_wrong_is_refused_by_every_command_that_reads_torque() {
+    let terminal = Terminal::with_model();
+    let with = |row, column, cell| with_cell(&terminal, row, column, cell);
+    let header = terminal.read("log.csv").lines().next().unwrap().to_owned();
+    let finite = ["row 2000", "column dq2", "repair or drop"];
+    for (text, words) in [
+        (String::new(), &["bad.csv is empty", "a log begins with a header"][..]),
+        (header, &["bad.csv has a header but no rows", "record"]),
+        (
+            with(7, 2, "0.1,0.2"),
+            &["bad.csv, row 7 (line 8)", "10 fields", "header has 9", "complete or drop"],
+        ),
+        (with(2000, 4, "NaN"), &[&finite[..], &["NaN"]].concat()),
+        (with(2000, 4, "inf"), &[&finite[..], &["inf"]].concat()),
+        (with(2000, 4, "-Infinity"), &[&finite[..], &["-inf"]].concat()),
+        (with(5, 8, "stop"), &["row 5", "column tau2", "\"stop\" is not a number"]),
+        (with(100, 0, "0.5"), &["row 100", "t = 0.5 s does not follow", "sort the rows"]),
+        (with(0, 8, "tau3"), &["bad.csv has column tau3 but no q3"]),
+        (with(0, 8, "current"), &["bad.csv has column q2 but no tau2", "add tau2"]),
     ] {
-        terminal.refused(line, words);
+        terminal.write("bad.csv", &text);
+        for line in [
+            "inspect bad.csv",
+            "patterns bad.csv -o out.csv",
+            "fit bad.csv -o out.json",
+            "evaluate model.json bad.csv",
+            "predict model.json bad.csv -o out.csv",
+            "compare bad.csv --test log.csv",
+        ] {
+            terminal.refused(line, words);
+        }
     }
-}
-
-#[test]
-fn an_empty_file_is_refused() {
-    let terminal = Terminal::with_model();
-    terminal.write("bad.csv", "");
-
-    refuse_everywhere(&terminal, &["bad.csv is empty", "a log begins with a header"]);
-}
-
-#[test]
-fn a_header_without_rows_is_refused() {
-    let terminal = Terminal::with_model();
-    let log = terminal.read("log.csv");
-    terminal.write("bad.csv", log.lines().next().unwrap());
-
-    refuse_everywhere(&terminal, &["bad.csv has a header but no rows", "record"]);
-}
-
-#[test]
-fn a_ragged_row_is_refused() {
-    let terminal = Terminal::with_model();
-    terminal.write("bad.csv", &with_cell(&terminal, 7, 2, "0.1,0.2"));
-
-    let words = ["bad.csv, row 7 (line 8)", "10 fields", "header has 9", "complete or drop"];
-    refuse_everywhere(&terminal, &words);
-}
-
-#[test]
-fn a_value_that_is_not_finite_is_refused() {
-    let terminal = Terminal::with_model();
-    for (cell, shown) in [("NaN", "NaN"), ("inf", "inf"), ("-Infinity", "-inf")] {
-        terminal.write("bad.csv", &with_cell(&terminal, 2000, 4, cell));
-
-        refuse_everywhere(&terminal, &["row 2000", "column dq2", shown, "repair or drop"]);
-    }
-}
-
-#[test]
-fn a_word_among_the_numbers_is_refused() {
-    let terminal = Terminal::with_model();
-    terminal.write("bad.csv", &with_cell(&terminal, 5, 8, "stop"));
-
-    refuse_everywhere(&terminal, &["row 5", "column tau2", "\"stop\" is not a number"]);
-}
-
-#[test]
-fn time_that_runs_backward_is_refused() {
-    let terminal = Terminal::with_model();
-    terminal.write("bad.csv", &with_cell(&terminal, 100, 0, "0.5"));
-
-    refuse_everywhere(&terminal, &["row 100", "t = 0.5 s does not follow", "sort the rows"]);
-}
-
-#[test]
-fn joints_of_q_and_tau_must_agree() {
-    let terminal = Terminal::with_model();
-    terminal.write("bad.csv", &with_cell(&terminal, 0, 8, "tau3"));
-    refuse_everywhere(&terminal, &["bad.csv has column tau3 but no q3"]);
-
-    terminal.write("bad.csv", &with_cell(&terminal, 0, 8, "current"));
-    refuse_everywhere(&terminal, &["bad.csv has column q2 but no tau2", "add tau2"]);
 }
 
 #[test]
@@ -116,15 +76,12 @@ fn five_rows_are_too_few() {
 #[test]
 fn a_joint_that_never_moves_is_named_in_a_warning() {
     let terminal = Terminal::with_log();
-    let log = terminal.read("log.csv");
-    let still = log.lines().skip(1).map(|line| {
-        let x: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        let (t, q, dq, ddq) = (x[0], x[1], x[3], x[5]);
-        let tau = [2.0 * ddq + 9.81 * q.cos(), 0.5 * ddq + 3.0 * (q + 0.3).cos()];
-        format!("{t},{q},0.3,{dq},0,{ddq},0,{},{}", tau[0], tau[1])
-    });
-    let lines: Vec<String> = log.lines().take(1).map(str::to_owned).chain(still).collect();
-    terminal.write("still.csv", &lines.join("\n"));
+    let still = Table::of(&terminal, "log.csv")
+        .with("q2", |_, _, _| 0.3)
+        .scaled(&["dq2", "ddq2"], 0.0)
+        .with("tau1", |_, _, row| 2.0 * row[5] + 9.81 * row[1].cos())
+        .with("tau2", |_, _, row| 0.5 * row[5] + 3.0 * (row[1] + 0.3).cos());
+    terminal.write("still.csv", &still.text());
 
     let said = terminal.run("fit still.csv -o model.json --strict");
 
@@ -134,48 +91,30 @@ fn a_joint_that_never_moves_is_named_in_a_warning() {
 }
 
 #[test]
-fn half_a_model_is_refused() {
+fn models_that_cannot_be_used_are_refused() {
     let terminal = Terminal::with_model();
     let model = terminal.read("model.json");
     terminal.write("half.json", &model[..model.len() / 2]);
-
-    for line in
-        ["show half.json", "evaluate half.json log.csv", "predict half.json log.csv -o out.csv"]
-    {
-        terminal.refused(line, &["half.json", "cut off", "fit the model anew"]);
-    }
-}
-
-#[test]
-fn a_model_of_a_newer_version_is_refused() {
-    let terminal = Terminal::with_model();
-    let model = terminal.read("model.json").replacen("\"version\": 1", "\"version\": 99", 1);
-    terminal.write("newer.json", &model);
-
-    terminal.refused("show newer.json", &["version 99", "reads version 1", "fit the model anew"]);
-}
-
-#[test]
-fn a_model_of_another_arm_is_refused() {
-    let terminal = Terminal::with_model();
+    terminal.write("newer.json", &model.replacen("\"version\": 1", "\"version\": 99", 1));
     terminal.done("simulate puma560-3 -o three.csv --seconds 2 --rate 50");
     terminal.write("named.csv", &format!("# joints: hip,knee\n{}", terminal.read("log.csv")));
+    terminal.run("fit log.csv -o one.json --method sindy --trig-order 1");
 
-    for (log, words) in [
-        ("three.csv", ["model has 2 joints", "the log 3"]),
-        ("named.csv", ["joint1, joint2", "hip, knee"]),
+    let half = ["half.json", "cut off", "fit the model anew"];
+    let newer = ["version 99", "reads version 1", "fit the model anew"];
+    for (line, words) in [
+        ("show half.json", &half[..]),
+        ("evaluate half.json log.csv", &half),
+        ("predict half.json log.csv -o out.csv", &half),
+        ("show newer.json", &newer),
+        ("evaluate model.json three.csv", &["model has 2 joints", "the log 3"]),
+        ("predict model.json three.csv -o out.csv", &["model has 2 joints", "the log 3"]),
+        ("evaluate model.json named.csv", &["joint1, joint2", "hip, knee"]),
+        ("predict model.json named.csv -o out.csv", &["joint1, joint2", "hip, knee"]),
+        ("predict one.json log.csv -o out.csv --step 2", &["steps 1 to 1", "step 2"]),
     ] {
-        terminal.refused(&format!("evaluate model.json {log}"), &words);
-        terminal.refused(&format!("predict model.json {log} -o out.csv"), &words);
+        terminal.refused(line, words);
     }
-}
-
-#[test]
-fn a_step_that_was_not_taken_is_refused() {
-    let terminal = Terminal::with_log();
-    terminal.run("fit log.csv -o model.json --method sindy --trig-order 1");
-
-    terminal.refused("predict model.json log.csv -o out.csv --step 2", &["steps 1 to 1", "step 2"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! A model in the loop: files, words, numbers, and what is refused.
 
-use crate::terminal::Terminal;
-use serde_json::Value;
+use crate::spoilt::Table;
+use crate::terminal::{Terminal, numbers};
 
 /// Friction of the two joints of the small arm.
 const FRICTION: &str = "[joint1]\ncoulomb = 2.0\nstiction = 3.0\nspeed = 0.1\nviscous = 1.0\n\
@@ -9,11 +9,6 @@ const FRICTION: &str = "[joint1]\ncoulomb = 2.0\nstiction = 3.0\nspeed = 0.1\nvi
 
 /// A motion that takes little time.
 const SHORT: &str = "--seconds 4 --period 2";
-
-fn errors(found: &Value, controller: &str) -> Vec<f64> {
-    let errors = found[controller]["rms_error_rad"].as_array().unwrap().iter();
-    errors.map(|error| error.as_f64().unwrap()).collect()
-}
 
 #[test]
 fn a_learned_model_tracks_better_than_feedback_alone() {
@@ -23,7 +18,8 @@ fn a_learned_model_tracks_better_than_feedback_alone() {
     let slow = "--seconds 12 --period 6 --speed 0.6 --acceleration 0.6";
     let found = terminal.json(&format!("control model.json --arm planar-2 {slow}"));
 
-    let [pid, first, second] = ["pid", "controller1", "controller2"].map(|c| errors(&found, c));
+    let [pid, first, second] =
+        ["pid", "controller1", "controller2"].map(|c| numbers(&found[c]["rms_error_rad"]));
     for joint in 0..2 {
         assert!(first[joint] < pid[joint], "{found}");
         assert!(second[joint] < 0.1 * pid[joint], "{found}");
@@ -110,16 +106,12 @@ fn what_cannot_be_controlled_is_refused() {
 fn a_log_can_be_simulated_with_friction() {
     let terminal = Terminal::new();
     terminal.write("friction.toml", FRICTION);
-    let tau = |file: &str| -> Vec<f64> {
-        let text = terminal.read(file);
-        let rows = text.lines().skip(2).map(|line| line.rsplit(',').next().unwrap().to_owned());
-        rows.map(|cell| cell.parse().unwrap()).collect()
-    };
 
     let line = "simulate planar-2 --seconds 4 --rate 50 --motion sines -o";
     terminal.done(&format!("{line} bare.csv"));
     terminal.done(&format!("{line} rubbing.csv --friction friction.toml"));
 
+    let tau = |file: &str| Table::of(&terminal, file).column("tau2");
     let more = tau("rubbing.csv").into_iter().zip(tau("bare.csv")).map(|(a, b)| (a - b).abs());
     let most = more.fold(0.0, f64::max);
     // 0.5 N·m and 0.2 N·m·s/rad at no more than 2 rad/s.

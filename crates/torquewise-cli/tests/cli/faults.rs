@@ -55,6 +55,14 @@ fn tree(folder: &Path) -> BTreeMap<PathBuf, u64> {
     found
 }
 
+/// Removes what was not there before.
+fn remove_new(folder: &Path, before: &BTreeMap<PathBuf, u64>) {
+    for path in tree(folder).keys().filter(|path| !before.contains_key(*path)) {
+        let path = folder.join(path);
+        let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    }
+}
+
 fn kills() -> usize {
     env::var("TORQUEWISE_KILLS").ok().map_or(1, |number| number.parse().unwrap())
 }
@@ -89,12 +97,7 @@ fn c18_c19_c20_signals_at_random_moments_leave_all_or_nothing() {
     let folder = terminal.path("");
     let before = tree(&folder);
     let mut random = ChaCha8Rng::seed_from_u64(18);
-    let clean = || {
-        for path in tree(&folder).keys().filter(|path| !before.contains_key(*path)) {
-            let path = folder.join(path);
-            let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-        }
-    };
+    let clean = || remove_new(&folder, &before);
     for line in WRITING {
         let begun = Instant::now();
         let said = terminal.run(line);
@@ -152,7 +155,7 @@ fn limited(terminal: &Terminal, limits: &str, line: &str) -> Output {
 #[test]
 fn c20_outputs_that_find_no_room_leave_nothing() {
     let terminal = Terminal::with_model();
-    let before = terminal.files();
+    let (before, known) = (terminal.files(), tree(&terminal.path("")));
     for line in WRITING {
         let output = limited(&terminal, "trap '' XFSZ; ulimit -f 1", line);
 
@@ -166,10 +169,7 @@ fn c20_outputs_that_find_no_room_leave_nothing() {
             assert!(said.starts_with("error: "), "{line}: {said}");
             assert_eq!(terminal.files(), before, "{line}: {said}");
         }
-        for file in terminal.files().iter().filter(|file| !before.contains(file)) {
-            let path = terminal.path(file);
-            let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
-        }
+        remove_new(&terminal.path(""), &known);
     }
 }
 
@@ -283,12 +283,9 @@ fn c22_pipes_and_devices_are_no_logs() {
 #[test]
 fn b16_threads_that_cannot_be_had_are_done_without() {
     let terminal = Terminal::with_log();
-    for (threads, limit) in
-        [("18446744073709551615", "true"), ("9223372036854775807", "true"), ("500", "true")]
-    {
+    for threads in ["18446744073709551615", "9223372036854775807", "500"] {
         let line = format!("fit log.csv -o {}.json", &threads[..3]);
-        let output =
-            limited(&terminal, &format!("export RAYON_NUM_THREADS={threads}; {limit}"), &line);
+        let output = limited(&terminal, &format!("export RAYON_NUM_THREADS={threads}"), &line);
         assert!(output.status.success(), "{threads}: {}", String::from_utf8_lossy(&output.stderr));
     }
     terminal.done("fit log.csv -o own.json");
@@ -298,9 +295,7 @@ fn b16_threads_that_cannot_be_had_are_done_without() {
 #[test]
 fn d28_motions_that_would_fill_the_memory_are_refused() {
     let terminal = Terminal::new();
-    let said = terminal.run("demo --seconds 1000000");
-    assert!(said.code == 2 && said.stderr.contains("at most"), "{said:?}");
-    let said = terminal.run("simulate planar-2 -o a.csv --case 2 --seconds 1000000 --rate 30");
-    assert!(said.code == 2 && said.stderr.contains("held in memory"), "{said:?}");
-    assert_eq!(terminal.files(), Vec::<String>::new());
+    terminal.misused("demo --seconds 1000000", &["at most"]);
+    let line = "simulate planar-2 -o a.csv --case 2 --seconds 1000000 --rate 30";
+    terminal.misused(line, &["held in memory"]);
 }

@@ -2,17 +2,6 @@
 
 use crate::terminal::Terminal;
 
-/// Runs a line that must be wrong usage, say all of `words`, and leave no file behind.
-fn misused(terminal: &Terminal, line: &str, words: &[&str]) {
-    let before = terminal.files();
-    let said = terminal.run(line);
-    assert_eq!((said.code, said.stdout.as_str()), (2, ""), "{line}: {said:?}");
-    for word in words {
-        assert!(said.stderr.contains(word), "{line} should say {word:?}: {said:?}");
-    }
-    assert_eq!(terminal.files(), before, "{line} left something behind");
-}
-
 #[test]
 fn a_chain_refuses_the_flags_of_libraries_and_says_why_it_is_fitted() {
     let terminal = Terminal::with_log();
@@ -27,7 +16,7 @@ fn a_chain_refuses_the_flags_of_libraries_and_says_why_it_is_fitted() {
         ("--library chain --threshold 0.1", "--threshold", "the library was chosen"),
     ] {
         let line = format!("fit log.csv -o model.json {flags}");
-        misused(&terminal, &line, &[flag, chain, because, "leave it out", library]);
+        terminal.misused(&line, &[flag, chain, because, "leave it out", library]);
     }
 }
 
@@ -38,7 +27,7 @@ fn an_energy_library_beyond_four_joints_is_a_chain_unless_its_order_is_given() {
 
     for library in ["", "--library energy"] {
         let line = format!("fit six.csv -o model.json --select lasso {library}");
-        misused(&terminal, &line, &["--select", "chain", "the log has 6 joints", "--interaction"]);
+        terminal.misused(&line, &["--select", "chain", "the log has 6 joints", "--interaction"]);
     }
 }
 
@@ -56,7 +45,7 @@ fn libraries_and_sindy_refuse_what_they_do_not_use() {
         ("--method sindy --counterbalance joint1", [sindy, "--library chain"]),
         ("--method sindy --library chain", ["SINDy", "product library"]),
     ] {
-        misused(&terminal, &format!("fit log.csv -o model.json {flags}"), &words);
+        terminal.misused(&format!("fit log.csv -o model.json {flags}"), &words);
     }
 }
 
@@ -65,7 +54,7 @@ fn flags_are_judged_before_the_log_is_read_where_they_can_be() {
     let terminal = Terminal::new();
 
     for flags in ["--library chain --bootstrap 3", "--method sindy --gravity-order 2"] {
-        misused(&terminal, &format!("fit missing.csv -o model.json {flags}"), &["leave it out"]);
+        terminal.misused(&format!("fit missing.csv -o model.json {flags}"), &["leave it out"]);
     }
     terminal.refused("fit missing.csv -o model.json --bootstrap 3", &["missing.csv"]);
 }
@@ -78,7 +67,7 @@ fn moments_take_no_flags_of_a_selection_and_solve_those_of_their_method() {
 
     for flags in ["--select bic", "--threshold 0.1", "--bootstrap 3", "--no-noise-correction"] {
         let line = format!("moments log.csv -o other.moments {flags}");
-        misused(&terminal, &line, &["only summed up", "give it to solve"]);
+        terminal.misused(&line, &["only summed up", "give it to solve"]);
     }
     let because = "the logs were summed for it";
     for (line, words) in [
@@ -87,7 +76,7 @@ fn moments_take_no_flags_of_a_selection_and_solve_those_of_their_method() {
         ("library.moments --counterbalance joint1", ["--counterbalance", "energy", because]),
         ("library.moments --friction linear", ["friction", "all logs", "do not add up"]),
     ] {
-        misused(&terminal, &format!("solve {line} -o model.json"), &words);
+        terminal.misused(&format!("solve {line} -o model.json"), &words);
     }
     terminal.json("solve chain.moments -o chain.json --friction none --no-noise-correction");
     terminal.json(
@@ -105,9 +94,9 @@ fn compare_and_orders_refuse_what_they_do_not_use() {
         ("--library product --interaction 2", ["--interaction", "the product library"]),
         ("--library chain", ["a chain is not compared", "the product library"]),
     ] {
-        misused(&terminal, &format!("compare log.csv --test log.csv {flags}"), &words);
+        terminal.misused(&format!("compare log.csv --test log.csv {flags}"), &words);
     }
     for flags in ["--select lasso", "--threshold 0.1", "--bootstrap 3", "--library product"] {
-        misused(&terminal, &format!("orders log.csv {flags}"), &["unexpected argument"]);
+        terminal.misused(&format!("orders log.csv {flags}"), &["unexpected argument"]);
     }
 }

@@ -1,7 +1,7 @@
 //! A model with friction, as `show` and `predict` tell it.
 
+use crate::spoilt::Table;
 use crate::terminal::Terminal;
-use crate::whole_way::columns;
 use serde_json::{Value, json};
 
 /// The fitted model of a log without friction, with friction and a choice written into its file.
@@ -82,8 +82,7 @@ fn show_keeps_to_the_joint_and_the_part_that_are_asked_for() {
     let top = terminal.json("show rubbing.json --top 1");
     assert_eq!(top["joints"][0]["terms"].as_array().unwrap().len(), 1);
     for joint in ["elbow", "0", "3"] {
-        let refused = terminal.run(&format!("show rubbing.json --joint {joint}"));
-        assert!(refused.code == 2 && refused.stderr.contains("joint1, joint2"), "{refused:?}");
+        terminal.misused(&format!("show rubbing.json --joint {joint}"), &["joint1, joint2"]);
     }
 }
 
@@ -122,17 +121,18 @@ fn predict_writes_friction_as_a_part() {
     let json = terminal.json("predict rubbing.json log.csv -o torque.csv --parts");
 
     assert_eq!(json["columns"][9], "friction1");
-    let (log, torque) = (columns(&terminal.read("log.csv")), columns(&terminal.read("torque.csv")));
-    for (row, (dq1, dq2)) in log["dq1"].iter().zip(&log["dq2"]).enumerate() {
+    let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
+    let friction = ["friction1", "friction2"].map(|name| torque.column(name));
+    for (row, (dq1, dq2)) in log.column("dq1").iter().zip(log.column("dq2")).enumerate() {
         let shaft = 2.0 * (dq1 + 0.5 * dq2);
-        let dry = if *dq2 == 0.0 { 0.0 } else { 0.7 * dq2.signum() };
-        for (name, expected) in [("friction1", shaft), ("friction2", 0.5 * shaft + dry)] {
-            assert!((torque[name][row] - expected).abs() < 1e-12, "{name}, row {row}");
+        let dry = if dq2 == 0.0 { 0.0 } else { 0.7 * dq2.signum() };
+        for (part, expected) in friction.iter().zip([shaft, 0.5 * shaft + dry]) {
+            assert!((part[row] - expected).abs() < 1e-12, "row {row}");
         }
     }
     let bare = terminal.json("predict model.json log.csv -o bare.csv --parts");
     assert_eq!(bare["columns"], json["columns"]);
-    assert!(columns(&terminal.read("bare.csv"))["friction2"].iter().all(|part| *part == 0.0));
+    assert!(Table::of(&terminal, "bare.csv").column("friction2").iter().all(|part| *part == 0.0));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Several logs together, wrong torques, and files that are refused before they do harm.
 
-use crate::spoilt::assert_warns;
+use crate::spoilt::{Table, assert_warns};
 use crate::terminal::Terminal;
 
 /// The reference arm of two links, its second one so heavy.
@@ -39,21 +39,6 @@ fn logs_of_other_payloads_are_told_apart() {
     assert!(!alike.stderr.contains("disagree"), "{alike:?}");
 }
 
-/// A copy of a log whose torque of one joint is changed row by row.
-fn with_torque(terminal: &Terminal, log: &str, joint: usize, change: impl Fn(f64) -> f64) {
-    let text = terminal.read(log);
-    let name = format!("tau{joint}");
-    let place = text.lines().next().unwrap().split(',').position(|own| own == name).unwrap();
-    let changed = |(number, line): (usize, &str)| {
-        let mut cells: Vec<String> = line.split(',').map(Into::into).collect();
-        if number > 0 {
-            cells[place] = format!("{:?}", change(cells[place].parse().unwrap()));
-        }
-        cells.join(",") + "\n"
-    };
-    terminal.write("changed.csv", &text.lines().enumerate().map(changed).collect::<String>());
-}
-
 #[test]
 fn a_torque_of_the_wrong_sign_is_named_on_any_joint() {
     let all = [
@@ -64,10 +49,11 @@ fn a_torque_of_the_wrong_sign_is_named_on_any_joint() {
         ("generic-6", vec![6], ""),
     ];
     for (arm, joints, how) in all {
+        let log = Table::simulated(&format!("{arm} --seconds 60 --rate 100"));
         let terminal = Terminal::new();
-        terminal.done(&format!("simulate {arm} -o log.csv --seconds 60 --rate 100"));
         for joint in joints {
-            with_torque(&terminal, "log.csv", joint, |tau| -tau);
+            let turned = log.clone().scaled(&[&format!("tau{joint}")], -1.0);
+            terminal.write("changed.csv", &turned.text());
             let said = terminal.run(&format!("fit changed.csv -o m.json {how}"));
             assert_eq!(said.code, 3, "{said:?}");
             let verdict = format!("unusable: the torque of joint{joint} has the wrong sign");
@@ -80,19 +66,16 @@ fn a_torque_of_the_wrong_sign_is_named_on_any_joint() {
 
 #[test]
 fn a_torque_that_was_cut_off_is_named() {
+    let log = Table::simulated("puma560-3 --seconds 60 --rate 100");
     let terminal = Terminal::new();
-    terminal.done("simulate puma560-3 -o log.csv --seconds 60 --rate 100");
     for joint in 1..=3 {
-        let text = terminal.read("log.csv");
-        let place =
-            text.lines().next().unwrap().split(',').position(|n| n == format!("tau{joint}"));
-        let tau =
-            |line: &str| -> f64 { line.split(',').nth(place.unwrap()).unwrap().parse().unwrap() };
-        let values: Vec<f64> = text.lines().skip(1).map(tau).collect();
+        let name = format!("tau{joint}");
+        let values = log.column(&name);
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let square = values.iter().map(|tau| (tau - mean).powi(2)).sum::<f64>();
         let limit = 0.2 * (square / values.len() as f64).sqrt();
-        with_torque(&terminal, "log.csv", joint, |tau| tau.clamp(mean - limit, mean + limit));
+        let cut = log.clone().with(&name, |_, tau, _| tau.clamp(mean - limit, mean + limit));
+        terminal.write("changed.csv", &cut.text());
 
         let said = terminal.run("fit changed.csv -o m.json");
 
@@ -125,12 +108,10 @@ fn an_arm_of_too_many_joints_is_refused_from_the_header() {
 #[test]
 fn a_torque_that_overflows_is_an_error() {
     let terminal = Terminal::with_model();
-    for cell in ["1e200", "-1e300"] {
-        let mut rows: Vec<String> = terminal.read("log.csv").lines().map(Into::into).collect();
-        let mut cells: Vec<&str> = rows[9].split(',').collect();
-        cells[3] = cell;
-        rows[9] = cells.join(",");
-        terminal.write("far.csv", &rows.join("\n"));
+    for cell in [1e200, -1e300] {
+        let mut far = Table::of(&terminal, "log.csv");
+        far.rows[8][3] = cell;
+        terminal.write("far.csv", &far.text());
 
         terminal.refused("predict model.json far.csv -o p.csv", &["torque", "overflows"]);
     }

@@ -1,35 +1,18 @@
 //! Keys that programs rely on.
 
-use crate::terminal::Terminal;
+use crate::spoilt::Table;
+use crate::terminal::{Terminal, each, numbers, texts};
 use serde_json::Value;
 
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn counts(value: &Value) -> Vec<u64> {
-    value.as_array().unwrap().iter().map(|x| x.as_u64().unwrap()).collect()
-}
-
-fn texts(values: &Value, key: &str) -> Vec<String> {
-    let objects = values.as_array().unwrap().iter();
-    objects.map(|object| object[key].as_str().unwrap().to_owned()).collect()
-}
-
 #[test]
-fn arms_are_listed_with_their_joints() {
-    let arms = Terminal::new().json("simulate --list");
+fn simulate_lists_arms_and_says_what_it_wrote() {
+    let terminal = Terminal::new();
+
+    let arms = terminal.json("simulate --list");
+    let log = terminal.json("simulate planar-2 -o log.csv --seconds 4 --rate 50 --motion sines");
 
     assert!(texts(&arms["arms"], "name").contains(&"puma560-3".to_owned()));
     assert_eq!(arms["arms"][0]["joints"], 2);
-}
-
-#[test]
-fn simulate_says_what_it_wrote() {
-    let terminal = Terminal::new();
-
-    let log = terminal.json("simulate planar-2 -o log.csv --seconds 4 --rate 50 --motion sines");
-
     assert_eq!((&log["rows"], &log["file"]), (&200.into(), &"log.csv".into()));
     assert_eq!(log["patterns"][2]["rows"], 200, "sines never rest");
 }
@@ -37,12 +20,8 @@ fn simulate_says_what_it_wrote() {
 #[test]
 fn inspect_says_what_a_log_holds_and_lacks() {
     let terminal = Terminal::with_log();
-    let log = terminal.read("log.csv");
-    let rows = log.lines().map(|line| {
-        let cells: Vec<&str> = line.split(',').collect();
-        [&cells[..3], &["celsius"]].concat().join(",")
-    });
-    terminal.write("bare.csv", &rows.collect::<Vec<_>>().join("\n"));
+    let bare = Table::of(&terminal, "log.csv").without(&["dq1", "dq2", "ddq1", "ddq2", "tau1"]);
+    terminal.write("bare.csv", &bare.renamed(&[("tau2", "celsius")]).text());
 
     let (whole, bare) = (terminal.json("inspect log.csv"), terminal.json("inspect bare.csv"));
 
@@ -78,33 +57,22 @@ fn fit_counts_candidates_and_active_terms() {
 
     let fit = terminal.json("fit log.csv -o model.json --library product");
 
-    let by_step = counts(&fit["candidates_by_step"]);
-    let steps = fit["steps"].as_array().unwrap();
-    assert_eq!(
-        texts(&fit["steps"], "name"),
-        ["standstill", "uniform velocity", "variable velocity"]
-    );
-    assert_eq!(by_step.iter().sum::<u64>(), fit["candidates"].as_u64().unwrap());
-    for (step, candidates) in steps.iter().zip(by_step) {
-        assert_eq!(step["candidates"].as_u64().unwrap(), candidates);
+    let names = ["standstill", "uniform velocity", "variable velocity"];
+    assert_eq!(texts(&fit["steps"], "name"), names);
+    let sum = |values: &Value| numbers(values).iter().sum::<f64>();
+    assert_eq!(each(&fit["steps"], "candidates"), numbers(&fit["candidates_by_step"]));
+    assert_eq!(Some(sum(&fit["candidates_by_step"])), fit["candidates"].as_f64());
+    for step in fit["steps"].as_array().unwrap() {
         assert_eq!(step["active"].as_array().unwrap().len(), 2);
         assert!(step["seconds"].as_f64().unwrap() > 0.0 && step["rows"].as_u64().unwrap() > 0);
     }
-    assert_eq!(counts(&fit["active"]).iter().sum::<u64>(), fit["active_total"]);
+    assert_eq!(Some(sum(&fit["active"])), fit["active_total"].as_f64());
     assert!(fit["seconds"].as_f64().unwrap() > 0.0);
     assert_eq!((&fit["file"], &fit["warnings"]), (&"model.json".into(), &serde_json::json!([])));
     assert!(fit["noise"]["ddq"].is_array());
-}
-
-#[test]
-fn one_shot_sindy_takes_one_step_over_the_whole_library() {
-    let terminal = Terminal::with_log();
-
-    let fit = terminal.json("fit log.csv -o model.json --method sindy --trig-order 2");
-
-    assert_eq!(fit["steps"].as_array().unwrap().len(), 1);
+    let sindy = terminal.json("fit log.csv -o model.json --method sindy --trig-order 2");
     // 13 functions of two angles up to order 2, 15 of the motion up to degree 2.
-    assert_eq!(fit["candidates"], 13 * 15);
+    assert_eq!((each(&sindy["steps"], "rows").len(), &sindy["candidates"]), (1, &(13 * 15).into()));
 }
 
 #[test]
@@ -147,7 +115,7 @@ fn compare_sets_both_methods_beside_each_other() {
     for method in ["stepwise", "sindy"] {
         let found = &both[method];
         assert_eq!(numbers(&found["nrmse_percent"]).len(), 2, "{method}");
-        assert_eq!(counts(&found["active"]).len(), 2, "{method}");
+        assert_eq!(numbers(&found["active"]).len(), 2, "{method}");
         assert!(found["seconds"].as_f64().unwrap() > 0.0, "{method}");
     }
     let candidates = |method: &str| both[method]["candidates"].as_u64().unwrap();

@@ -1,5 +1,6 @@
 //! Models that no arm can be: said first by `fit`, shown by `show --check`, refused by `export`.
 
+use crate::spoilt::Table;
 use crate::terminal::Terminal;
 use serde_json::{Value, json};
 
@@ -101,13 +102,6 @@ fn the_check_tells_whether_friction_takes_power() {
     assert!(said.stderr.contains("drives it with"), "{said:?}");
 }
 
-/// Columns of a table by name.
-fn column(table: &str, name: &str) -> Vec<f64> {
-    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
-    let place = lines.next().unwrap().split(',').position(|column| column == name).unwrap();
-    lines.map(|line| line.split(',').nth(place).unwrap().parse().unwrap()).collect()
-}
-
 #[test]
 fn bounds_hold_the_torque_of_another_motion() {
     let terminal = Terminal::new();
@@ -119,11 +113,10 @@ fn bounds_hold_the_torque_of_another_motion() {
 
     terminal.done("predict model.json test.csv -o bounds.csv --interval 95");
 
-    let (log, bounds) = (terminal.read("test.csv"), terminal.read("bounds.csv"));
+    let [log, bounds] = ["test.csv", "bounds.csv"].map(|file| Table::of(&terminal, file));
     for joint in 1..=3 {
-        let of = |name: &str| column(&bounds, &format!("{name}{joint}"));
-        let (tau, low, high) =
-            (column(&log, &format!("tau{joint}")), of("tau_low"), of("tau_high"));
+        let of = |table: &Table, name: &str| table.column(&format!("{name}{joint}"));
+        let (tau, low, high) = (of(&log, "tau"), of(&bounds, "tau_low"), of(&bounds, "tau_high"));
         let within = (0..tau.len()).filter(|&k| low[k] <= tau[k] && tau[k] <= high[k]).count();
         let share = within as f64 / tau.len() as f64;
         assert!((0.90..=0.98).contains(&share), "joint {joint}: {share}");

@@ -18,6 +18,48 @@ fn a_sound_log_is_not_suspected() {
             assert!(!said.stderr.contains(word), "{word}: {}", said.stderr);
         }
         assert!(!said.stdout.contains("tau advanced"), "{}", said.stdout);
+        assert!(!said.stdout.contains("conditioning"), "{said:?}");
+        assert!(!said.stderr.contains("note:"), "{said:?}");
+    }
+}
+
+#[test]
+fn what_spoils_a_log_is_told() {
+    let recorded = Table::recorded();
+    let with =
+        |name: &str, value: &dyn Fn(usize, f64, &[f64]) -> f64| recorded.clone().with(name, value);
+    // Gravity alone, as of an arm that a hand leads.
+    let hand = with("tau1", &|_, _, row| 24.0 * row[1].cos() + 4.0 * (row[1] + row[2]).cos())
+        .with("tau2", |_, _, row| 4.0 * row[2].sin());
+    let spikes = |row, tau, _: &[f64]| match row {
+        400 | 900 | 1_500 => tau + 300.0,
+        _ => tau,
+    };
+    let still = Table::arm().with("q2", |_, _, _| 0.0).scaled(&["dq2", "ddq2"], 0.0);
+    let rpm = recorded.clone().scaled(&["dq1", "dq2"], 30.0 / std::f64::consts::PI);
+    let off = &["the torque of joint2 does not follow its motion", "is its motor on"];
+    let coarse = &["the torque of joint2 has few levels", "expect a poor fit"];
+    let led = &["the torque of joint2 follows from the positions alone", "hand"];
+    let cases: [(Table, &[&str], &[&str]); 7] = [
+        (with("t", &|row, t, _| t + 2e-3 * noise(row)), &[], &["made even: jitter"]),
+        (with("tau1", &spikes), &[], &["tau of joint1: 3 outliers replaced"]),
+        (rpm, &["measured velocity of joint2 is 9.5"], &[]),
+        (hand, led, &[]),
+        (with("tau2", &|row, _, _| 0.02 * noise(row)), off, &[]),
+        (
+            with("tau2", &|_, tau, _| (tau / 1.5).round() * 1.5),
+            coarse,
+            &["tau of joint2 is quantised to 1.5"],
+        ),
+        (still, &["joint2 never moves"], &[]),
+    ];
+    for (table, warned, told) in cases {
+        let said = table.inspected();
+
+        assert_tells(&said, told);
+        if !warned.is_empty() {
+            assert_warns(&said, warned);
+        }
     }
 }
 
@@ -76,13 +118,6 @@ fn several_logs_of_other_rates_are_read_together() {
 }
 
 // Clocks.
-
-#[test]
-fn jitter_is_made_even() {
-    let said = Table::recorded().with("t", |row, t, _| t + 2e-3 * noise(row)).inspected();
-
-    assert_tells(&said, &["made even: jitter"]);
-}
 
 #[test]
 fn a_log_without_a_clock_asks_for_its_rate() {
@@ -166,17 +201,6 @@ fn what_was_repaired_in_a_log_is_a_note_and_stays_with_the_model() {
     assert_eq!(evaluated["conditioning"], shown["conditioning"]);
 }
 
-#[test]
-fn a_sound_log_needs_no_repair() {
-    let terminal = Terminal::new();
-    terminal.write("log.csv", &Table::recorded().text());
-
-    let said = terminal.run("inspect log.csv");
-
-    assert!(!said.stdout.contains("conditioning"), "{said:?}");
-    assert!(!said.stderr.contains("note:"), "{said:?}");
-}
-
 // Units, gears, signs.
 
 #[test]
@@ -194,13 +218,6 @@ fn degrees_are_suspected_and_read_with_a_profile() {
     assert_warns(&terminal.run("inspect log.csv --strict"), &["q1 reaches", "is it in degrees?"]);
     let said = terminal.run("inspect log.csv --profile degrees.toml");
     assert!(!said.stderr.contains("degrees"), "{said:?}");
-}
-
-#[test]
-fn velocity_in_another_unit_than_position_is_told() {
-    let said = Table::recorded().scaled(&["dq1", "dq2"], 30.0 / std::f64::consts::PI).inspected();
-
-    assert_warns(&said, &["measured velocity of joint2 is 9.5"]);
 }
 
 #[test]
@@ -266,44 +283,13 @@ fn torque_that_lags_is_advanced() {
 }
 
 #[test]
-fn torque_that_a_hand_supplies_is_told() {
-    let table = Table::recorded();
-    let q = [table.place("q1"), table.place("q2")];
-    let said = table
-        .with("tau1", |_, _, row| 24.0 * row[q[0]].cos() + 4.0 * (row[q[0]] + row[q[1]]).cos())
-        .with("tau2", |_, _, row| 4.0 * row[q[1]].sin())
-        .inspected();
-
-    assert_warns(&said, &["the torque of joint2 follows from the positions alone", "hand"]);
-}
-
-#[test]
-fn a_motor_that_is_off_is_told() {
-    let said = Table::recorded().with("tau2", |row, _, _| 0.02 * noise(row)).inspected();
-    assert_warns(&said, &["the torque of joint2 does not follow its motion", "is its motor on"]);
-
+fn a_torque_that_never_changes_is_told() {
     let terminal = Terminal::new();
     terminal.write("off.csv", &Table::arm().with("tau2", |_, _, _| 0.0).text());
+
     let said = terminal.run("fit off.csv -o model.json --strict");
+
     assert_warns(&said, &["the torque of joint2 never changes: is it measured?"]);
-}
-
-#[test]
-fn spikes_are_replaced_and_counted() {
-    let spoilt = Table::recorded().with("tau1", |row, tau, _| match row {
-        400 | 900 | 1_500 => tau + 300.0,
-        _ => tau,
-    });
-
-    assert_tells(&spoilt.inspected(), &["tau of joint1: 3 outliers replaced"]);
-}
-
-#[test]
-fn a_coarse_current_is_told() {
-    let said = Table::recorded().with("tau2", |_, tau, _| (tau / 1.5).round() * 1.5).inspected();
-
-    assert_warns(&said, &["the torque of joint2 has few levels", "expect a poor fit"]);
-    assert_tells(&said, &["tau of joint2 is quantised to 1.5"]);
 }
 
 // Motion.
@@ -330,13 +316,6 @@ fn velocity_that_a_robot_filtered_is_told_and_not_used() {
     // 50 ms less half a row at low frequencies.
     assert!((30.0..60.0).contains(&lag(&late)), "{}", lag(&late));
     assert!(lag(&sound).abs() < 2.0, "{}", lag(&sound));
-}
-
-#[test]
-fn an_encoder_that_is_not_there_is_told() {
-    let said = Table::arm().with("q2", |_, _, _| 0.0).scaled(&["dq2", "ddq2"], 0.0).inspected();
-
-    assert_warns(&said, &["joint2 never moves"]);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! From a log and a URDF to a URDF, and what hangs on the arm.
 
-use crate::terminal::Terminal;
+use crate::spoilt::Table;
+use crate::terminal::{Terminal, each};
 
 /// Two joints and a tool, as a URDF has them; the tool may be heavier.
 fn robot(tool: f64) -> String {
@@ -53,9 +54,7 @@ fn a_urdf_comes_back_with_what_was_learned_and_all_else_as_it_was() {
         terminal.done(&format!("simulate {file}.urdf -o {file}.csv {motion}"));
     }
     let scores = terminal.json("evaluate arm.json arm.csv");
-    for joint in scores["joints"].as_array().unwrap() {
-        assert!(joint["nrmse_percent"].as_f64().unwrap() < 1.0, "{scores}");
-    }
+    assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 1.0), "{scores}");
     let (old, new) = (terminal.read("arm.urdf"), terminal.read("new.urdf"));
     let without = |text: &str, name: &str| -> String {
         let mut rest = text.to_owned();
@@ -72,8 +71,8 @@ fn a_urdf_comes_back_with_what_was_learned_and_all_else_as_it_was() {
     assert_eq!(bare(&old), bare(&new));
     assert!(new.contains("<mass value=\"0.1\"/>") && new.contains("armature="), "{new}");
     terminal.refused("export arm.json --to urdf --onto log.csv -o x.urdf", &["no XML"]);
-    let misplaced = terminal.run("export arm.json --to c --onto arm.urdf -o x.c");
-    assert!(misplaced.code == 2 && misplaced.stderr.contains("--onto is for --to urdf"));
+    let misplaced = "export arm.json --to c --onto arm.urdf -o x.c";
+    terminal.misused(misplaced, &["--onto is for --to urdf"]);
 }
 
 #[test]
@@ -87,18 +86,15 @@ fn a_load_is_weighed_and_added_to_a_model_of_its_own() {
 
     let [mass, error] = ["value", "std_error"].map(|key| load["mass"][key].as_f64().unwrap());
     assert!((mass - 0.5).abs() < 0.01 && (mass - 0.5).abs() < 4.0 * error, "{load}");
-    let center: Vec<f64> =
-        load["center"].as_array().unwrap().iter().map(|x| x["value"].as_f64().unwrap()).collect();
-    for (found, truth) in center.iter().zip([0.0, 0.0, 0.3]) {
+    for (found, truth) in each(&load["center"], "value").iter().zip([0.0, 0.0, 0.3]) {
         assert!((found - truth).abs() < 0.005, "{load}");
     }
     assert_eq!(load["link"], "fore");
     assert_eq!(terminal.read("arm.json"), before);
     terminal
         .done("simulate loaded.urdf -o test.csv --seconds 10 --rate 50 --seed 5 --motion sines");
-    for joint in terminal.json("evaluate both.json test.csv")["joints"].as_array().unwrap() {
-        assert!(joint["nrmse_percent"].as_f64().unwrap() < 1.0, "{joint}");
-    }
+    let scores = terminal.json("evaluate both.json test.csv");
+    assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 1.0), "{scores}");
     let nothing = terminal.run("payload arm.json log.csv --strict");
     assert_eq!(nothing.code, 3, "{nothing:?}");
     assert!(nothing.stderr.contains("the mass is not told from zero"), "{nothing:?}");
@@ -115,27 +111,11 @@ fn a_urdf_that_is_not_of_the_arm_is_refused_with_what_to_do() {
         ("fit log.csv --urdf arm.urdf --gravity 0,0,0 -o x.json", "not all 0"),
         ("fit log.csv --urdf arm.urdf --library product -o x.json", "--urdf is not used by"),
     ] {
-        let said = terminal.run(line);
-        assert!(said.code == 2 && said.stderr.contains(word), "{line}: {said:?}");
+        terminal.misused(line, &[word]);
     }
     terminal.done("fit three.csv -o library.json");
     terminal.refused("export library.json --to urdf -o x.urdf", &["--library chain"]);
     terminal.refused("payload library.json three.csv", &["fit the log along a chain"]);
-}
-
-/// A log whose second motor does less for a time, because somebody pushes.
-fn pushed(log: &str, (begin, end): (f64, f64), torque: f64) -> String {
-    let mut lines = log.lines();
-    let (note, head) = (lines.next().unwrap(), lines.next().unwrap());
-    let column = head.split(',').position(|name| name == "tau2").unwrap();
-    let rows = lines.map(|line| {
-        let mut cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        if (begin..end).contains(&cells[0]) {
-            cells[column] -= torque;
-        }
-        cells.iter().map(|cell| format!("{cell:?}")).collect::<Vec<_>>().join(",")
-    });
-    [note, head].map(str::to_owned).into_iter().chain(rows).map(|line| line + "\n").collect()
 }
 
 #[test]
@@ -144,7 +124,12 @@ fn a_push_is_found_when_and_where_it_was() {
     let motion = "--rate 100 --case 2";
     terminal.done(&format!("simulate arm.urdf -o free.csv --seconds 120 {motion} --seed 7"));
     terminal.done(&format!("simulate arm.urdf -o calm.csv --seconds 20 {motion} --seed 8"));
-    terminal.write("push.csv", &pushed(&terminal.read("calm.csv"), (9.0, 9.4), 4.0));
+    // The second motor does less for a time, because somebody pushes.
+    let push = |_: usize, tau: f64, row: &[f64]| {
+        if (9.0..9.4).contains(&row[0]) { tau - 4.0 } else { tau }
+    };
+    let pushed = Table::of(&terminal, "calm.csv").with("tau2", push);
+    terminal.write("push.csv", &pushed.text());
 
     let line = "contacts arm.json push.csv --free free.csv -o external.csv --figure external.svg";
     let found = terminal.json(line);
@@ -176,17 +161,14 @@ fn a_learned_model_is_the_arm_of_a_simulation() {
     terminal.done("simulate rubs.json -o twin.csv --seconds 20 --rate 100 --seed 4");
 
     // The torque is the model's own, friction included.
-    for joint in terminal.json("evaluate rubs.json twin.csv")["joints"].as_array().unwrap() {
-        assert!(joint["nrmse_percent"].as_f64().unwrap() < 1e-6, "{joint}");
-    }
+    let scores = terminal.json("evaluate rubs.json twin.csv");
+    assert!(each(&scores["joints"], "nrmse_percent").iter().all(|x| *x < 1e-6), "{scores}");
     terminal.done("simulate rubs.json -o noisy.csv --seconds 20 --rate 100 --case 2");
-    let said = terminal.run("simulate rubs.json --friction friction.toml -o x.csv");
-    assert!(said.code == 2 && said.stderr.contains("has its own"), "{said:?}");
+    terminal.misused("simulate rubs.json --friction friction.toml -o x.csv", &["has its own"]);
     // Controller 1 knows no friction but that of the first step; the twin has it, and shows it.
     let tracked =
         |model: &str| terminal.json(&format!("control {model} --arm rubs.json --seconds 2"));
-    let error = |run: &serde_json::Value| run.to_string();
-    assert_ne!(error(&tracked("arm.json")), error(&tracked("rubs.json")));
-    let said = terminal.run("control arm.json --arm rubs.json --friction friction.toml");
-    assert!(said.code == 2 && said.stderr.contains("has its own"), "{said:?}");
+    assert_ne!(tracked("arm.json"), tracked("rubs.json"));
+    let line = "control arm.json --arm rubs.json --friction friction.toml";
+    terminal.misused(line, &["has its own"]);
 }

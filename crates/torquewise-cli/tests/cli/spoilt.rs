@@ -5,6 +5,8 @@ use crate::terminal::{Said, Terminal};
 /// Columns of numbers.
 #[derive(Clone)]
 pub(crate) struct Table {
+    /// Comments before the header.
+    notes: String,
     header: Vec<String>,
     pub(crate) rows: Vec<Vec<f64>>,
 }
@@ -18,14 +20,22 @@ impl Table {
     pub(crate) fn simulated(how: &str) -> Self {
         let terminal = Terminal::new();
         terminal.done(&format!("simulate {how} -o arm.csv"));
-        Self::from_text(&terminal.read("arm.csv"))
+        Self::of(&terminal, "arm.csv")
     }
 
-    fn from_text(text: &str) -> Self {
-        let mut lines = text.lines();
-        let header = lines.next().unwrap().split(',').map(str::to_owned).collect();
-        let row = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
-        Self { header, rows: lines.map(row).collect() }
+    /// What stands in a file.
+    pub(crate) fn of(terminal: &Terminal, name: &str) -> Self {
+        let text = terminal.read(name);
+        let (notes, table): (Vec<&str>, Vec<&str>) = text.lines().partition(|l| l.starts_with('#'));
+        let header = table[0].split(',').map(str::to_owned).collect();
+        let row = |line: &&str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let notes = notes.into_iter().flat_map(|note| [note, "\n"]).collect();
+        Self { notes, header, rows: table[1..].iter().map(row).collect() }
+    }
+
+    pub(crate) fn column(&self, name: &str) -> Vec<f64> {
+        let place = self.place(name);
+        self.rows.iter().map(|row| row[place]).collect()
     }
 
     /// As real arms are logged: without accelerations, with friction and a little noise.
@@ -95,7 +105,7 @@ impl Table {
             row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(separator) + "\n"
         };
         let rows: String = self.rows.iter().map(row).collect();
-        self.header.join(separator) + "\n" + &rows
+        format!("{}{}\n{rows}", self.notes, self.header.join(separator))
     }
 
     pub(crate) fn inspected(&self) -> Said {

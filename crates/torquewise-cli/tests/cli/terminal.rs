@@ -103,13 +103,38 @@ impl Terminal {
 
     /// Runs a line that must fail, say all of `words`, and leave no file behind.
     pub(crate) fn refused(&self, line: &str, words: &[&str]) {
+        self.fails(1, line, words);
+    }
+
+    /// The same of wrong usage.
+    pub(crate) fn misused(&self, line: &str, words: &[&str]) {
+        self.fails(2, line, words);
+    }
+
+    fn fails(&self, code: i32, line: &str, words: &[&str]) {
         let before = self.files();
         let said = self.run(line);
-        assert_eq!((said.code, said.stdout.as_str()), (1, ""), "{line}: {said:?}");
+        assert_eq!((said.code, said.stdout.as_str()), (code, ""), "{line}: {said:?}");
         assert!(said.stderr.starts_with("error: "), "{line}: {said:?}");
         for word in words {
             assert!(said.stderr.contains(word), "{line} should say {word:?}: {said:?}");
         }
         assert_eq!(self.files(), before, "{line} left something behind");
     }
+}
+
+/// The numbers of an array.
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+}
+
+/// A text of each object in an array.
+pub(crate) fn texts(values: &Value, key: &str) -> Vec<String> {
+    let objects = values.as_array().unwrap().iter();
+    objects.map(|object| object[key].as_str().unwrap().to_owned()).collect()
+}
+
+/// A number of each object in an array.
+pub(crate) fn each(values: &Value, key: &str) -> Vec<f64> {
+    values.as_array().unwrap().iter().map(|object| object[key].as_f64().unwrap()).collect()
 }

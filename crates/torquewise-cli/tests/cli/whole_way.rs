@@ -1,17 +1,7 @@
 //! simulate → inspect → patterns → fit → show → predict → evaluate → compare.
 
-use crate::terminal::Terminal;
-use std::collections::HashMap;
-
-/// Columns of a CSV file by name.
-pub(crate) fn columns(text: &str) -> HashMap<String, Vec<f64>> {
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let rows: Vec<Vec<f64>> =
-        lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
-    let column = |place: usize| rows.iter().map(|row| row[place]).collect();
-    names.iter().enumerate().map(|(place, name)| ((*name).to_owned(), column(place))).collect()
-}
+use crate::spoilt::Table;
+use crate::terminal::{Terminal, each};
 
 fn nrmse_percent(tau: &[f64], tau_hat: &[f64]) -> f64 {
     let m = tau.len() as f64;
@@ -29,27 +19,19 @@ fn a_model_of_a_clean_log_predicts_a_motion_it_has_not_seen() {
     let scores = terminal.json("evaluate model.json new.csv");
 
     assert_eq!(scores["rows"], 1000);
-    for joint in scores["joints"].as_array().unwrap() {
-        assert!(joint["nrmse_percent"].as_f64().unwrap() < 0.01, "{joint}");
-        assert!(joint["r2"].as_f64().unwrap() > 0.999_999, "{joint}");
-    }
+    let joints = &scores["joints"];
+    assert!(each(joints, "nrmse_percent").iter().all(|percent| *percent < 0.01), "{joints}");
+    assert!(each(joints, "r2").iter().all(|r2| *r2 > 0.999_999), "{joints}");
 }
 
 #[test]
 fn evaluate_notes_where_a_log_leaves_the_range_of_the_fit() {
     let terminal = Terminal::with_model();
-    let log = terminal.read("log.csv");
-    let (header, rows) = log.split_once('\n').unwrap();
-    let turned = rows.lines().map(|line| {
-        let [t, q1, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else { panic!("{line}") };
-        format!("{t},{},{rest}\n", q1.parse::<f64>().unwrap() + 3.0)
-    });
-    terminal.write("turned.csv", &format!("{header}\n{}", turned.collect::<String>()));
+    let turned = Table::of(&terminal, "log.csv").with("q1", |_, q1, _| q1 + 3.0);
+    terminal.write("turned.csv", &turned.text());
 
-    let (inside, outside) = (
-        terminal.run("evaluate model.json log.csv"),
-        terminal.run("evaluate model.json turned.csv"),
-    );
+    let [inside, outside] =
+        ["log", "turned"].map(|log| terminal.run(&format!("evaluate model.json {log}.csv")));
 
     assert_eq!(inside.stderr, "");
     assert!(outside.stderr.contains("note: joint1 leaves the range"), "{outside:?}");
@@ -64,11 +46,10 @@ fn scoring_the_predicted_torque_by_hand_gives_what_evaluate_says() {
     let scores = terminal.json("evaluate model.json log.csv");
     terminal.done("predict model.json log.csv -o torque.csv");
 
-    let (log, torque) = (terminal.read("log.csv"), terminal.read("torque.csv"));
-    let (log, torque) = (columns(&log), columns(&torque));
-    for joint in [1, 2] {
-        let own = nrmse_percent(&log[&format!("tau{joint}")], &torque[&format!("tau_hat{joint}")]);
-        let said = scores["joints"][joint - 1]["nrmse_percent"].as_f64().unwrap();
+    let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
+    for (joint, said) in (1..).zip(each(&scores["joints"], "nrmse_percent")) {
+        let tau_hat = torque.column(&format!("tau_hat{joint}"));
+        let own = nrmse_percent(&log.column(&format!("tau{joint}")), &tau_hat);
         // Two sums of 3 000 rows taken in another order.
         assert!((own - said).abs() <= 1e-9 * own, "{own} {said}");
     }
@@ -80,15 +61,15 @@ fn the_parts_of_a_torque_add_up_to_it() {
 
     terminal.done("predict model.json log.csv -o torque.csv --parts");
 
-    let torque = columns(&terminal.read("torque.csv"));
+    let torque = Table::of(&terminal, "torque.csv");
     for joint in [1, 2] {
-        let part = |name: &str| &torque[&format!("{name}{joint}")];
-        let sizes = part("tau_hat").iter().map(|tau| tau.abs());
-        let scale = sizes.fold(0.0, f64::max);
+        let part = |name: &str| torque.column(&format!("{name}{joint}"));
+        let parts = ["inertia", "coriolis", "gravity", "friction"].map(part);
+        let tau_hat = part("tau_hat");
+        let scale = tau_hat.iter().map(|tau| tau.abs()).fold(0.0, f64::max);
         for row in 0..3000 {
-            let names = ["inertia", "coriolis", "gravity", "friction"];
-            let sum: f64 = names.iter().map(|name| part(name)[row]).sum();
-            assert!((sum - part("tau_hat")[row]).abs() <= 1e-12 * scale);
+            let sum: f64 = parts.iter().map(|part| part[row]).sum();
+            assert!((sum - tau_hat[row]).abs() <= 1e-12 * scale);
         }
     }
 }
@@ -96,19 +77,17 @@ fn the_parts_of_a_torque_add_up_to_it() {
 #[test]
 fn a_log_without_torque_can_be_predicted() {
     let terminal = Terminal::with_model();
-    let log = terminal.read("log.csv");
-    let without: Vec<String> =
-        log.lines().map(|line| line.split(',').take(7).collect::<Vec<_>>().join(",")).collect();
-    terminal.write("bare.csv", &without.join("\n"));
+    let bare = Table::of(&terminal, "log.csv").without(&["tau1", "tau2"]);
+    terminal.write("bare.csv", &bare.text());
 
     terminal.done("predict model.json log.csv -o with.csv");
     terminal.done("predict model.json bare.csv -o without.csv");
 
-    assert!(without[0].ends_with("ddq1,ddq2"), "{}", without[0]);
-    let (with, without) = (terminal.read("with.csv"), terminal.read("without.csv"));
-    assert!(without.starts_with("t,tau_hat1,tau_hat2\n"), "{without}");
-    let (with, without) = (columns(&with), columns(&without));
-    assert!(without.iter().all(|(name, column)| with[name] == *column));
+    assert!(terminal.read("without.csv").starts_with("t,tau_hat1,tau_hat2\n"));
+    let [with, without] = ["with.csv", "without.csv"].map(|file| Table::of(&terminal, file));
+    for name in ["t", "tau_hat1", "tau_hat2"] {
+        assert_eq!(with.column(name), without.column(name));
+    }
 }
 
 #[test]
@@ -117,12 +96,13 @@ fn measured_torque_and_residual_stand_beside_the_prediction() {
 
     terminal.done("predict model.json log.csv -o torque.csv");
 
-    let (log, torque) = (columns(&terminal.read("log.csv")), columns(&terminal.read("torque.csv")));
+    let [log, torque] = ["log.csv", "torque.csv"].map(|file| Table::of(&terminal, file));
     for joint in [1, 2] {
-        let column = |name: &str| &torque[&format!("{name}{joint}")];
-        assert_eq!(column("tau_measured"), &log[&format!("tau{joint}")]);
-        for (row, residual) in column("residual").iter().enumerate() {
-            let expected = column("tau_measured")[row] - column("tau_hat")[row];
+        let [measured, tau_hat, residual] = ["tau_measured", "tau_hat", "residual"]
+            .map(|name| torque.column(&format!("{name}{joint}")));
+        assert_eq!(measured, log.column(&format!("tau{joint}")));
+        for (row, residual) in residual.iter().enumerate() {
+            let expected = measured[row] - tau_hat[row];
             assert_eq!(residual.to_bits(), expected.to_bits(), "row {row}");
         }
     }
@@ -134,20 +114,19 @@ fn the_first_step_knows_gravity_alone() {
 
     terminal.done("predict model.json log.csv -o torque.csv --parts --step 1");
 
-    let torque = columns(&terminal.read("torque.csv"));
-    assert!(torque["inertia1"].iter().chain(&torque["coriolis2"]).all(|part| *part == 0.0));
-    assert!(torque["gravity1"].iter().any(|part| part.abs() > 1.0));
+    let torque = Table::of(&terminal, "torque.csv");
+    for part in ["inertia1", "coriolis2"] {
+        assert!(torque.column(part).iter().all(|part| *part == 0.0));
+    }
+    assert!(torque.column("gravity1").iter().any(|part| part.abs() > 1.0));
 }
 
 #[test]
 fn a_log_faster_than_the_training_is_predicted_with_a_warning() {
     let terminal = Terminal::with_model();
-    let log = terminal.read("log.csv");
-    let mut rows: Vec<String> = log.lines().map(str::to_owned).collect();
-    let mut cells: Vec<String> = rows[50].split(',').map(str::to_owned).collect();
-    cells[3] = "9.5".into();
-    rows[50] = cells.join(",");
-    terminal.write("fast.csv", &rows.join("\n"));
+    let mut fast = Table::of(&terminal, "log.csv");
+    fast.rows[49][3] = 9.5;
+    terminal.write("fast.csv", &fast.text());
 
     let said = terminal.run("predict model.json fast.csv -o torque.csv --strict");
 
@@ -169,8 +148,7 @@ fn rows_are_labelled_as_they_truly_move() {
     let right = truth.lines().zip(labels.lines()).filter(|(a, b)| a == b).count();
     assert_eq!((truth.lines().count(), labels.lines().count()), (6001, 6001));
     assert!(right > 5880, "{right} of 6001 lines agree");
-    let rows = found["patterns"].as_array().unwrap().iter().map(|p| p["rows"].as_u64().unwrap());
-    assert_eq!(rows.sum::<u64>(), 6000);
+    assert_eq!(each(&found["patterns"], "rows").iter().sum::<f64>().to_bits(), 6000_f64.to_bits());
 }
 
 #[test]

@@ -1,7 +1,13 @@
-//! From file of arrays to names, shapes and elements: what NumPy and MATLAB files are decoded to.
+//! Arrays of a file by name, shape and place: what NumPy and MATLAB files are decoded to.
 
-use crate::arrays::numbers::Numbers;
-use crate::error::LogError;
+use crate::arrays::numbers::{Element, Numbers};
+use crate::error::{LogError, shown};
+use crate::format::Format;
+use flate2::CrcReader;
+use flate2::read::{DeflateDecoder, ZlibDecoder};
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
 
 /// Series of one array at most; a wider one, such as an image, is no signal of a robot.
 const MAX_SERIES: usize = 256;
@@ -20,21 +26,76 @@ pub(super) enum Order {
 }
 
 /// A matrix of numbers with a name; a vector has one row or one column.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(super) struct Array {
     pub(super) name: String,
     pub(super) rows: usize,
     pub(super) columns: usize,
     pub(super) order: Order,
+    pub(super) body: Body,
 }
 
-/// A file of arrays: names and shapes are known, elements are read when asked for.
-pub(super) trait Arrays {
-    fn arrays(&self) -> &[Array];
+/// Where the elements of an array stand in a file.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    /// Where they begin, or what they are packed in.
+    pub(super) start: u64,
+    /// Bytes from there on at most.
+    pub(super) stored: u64,
+    pub(super) packing: Packing,
+    /// Bytes before the first element, unpacked.
+    pub(super) before: u64,
+    /// What is held against all bytes, if anything is.
+    pub(super) checksum: Option<u32>,
+    /// What an element is, or why it cannot be read.
+    pub(super) element: Result<Element, &'static str>,
+}
 
-    /// The elements of an array from number `first` on, as stored; `array` is its place in
-    /// [`arrays`](Self::arrays).
-    fn numbers(&self, array: usize, first: u64) -> Result<Numbers, LogError>;
+/// How bytes are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Packing {
+    Plain,
+    Deflate,
+    Zlib,
+}
+
+impl Body {
+    /// The elements from number `first` on.
+    fn open(&self, file: &Path, element: Element, first: u64) -> io::Result<Numbers> {
+        let mut input = File::open(file)?;
+        input.seek(SeekFrom::Start(self.start))?;
+        let input = BufReader::new(input.take(self.stored));
+        let mut input: Box<dyn Read + Send> = match self.packing {
+            Packing::Plain => Box::new(input),
+            Packing::Deflate => Box::new(DeflateDecoder::new(input)),
+            Packing::Zlib => Box::new(ZlibDecoder::new(input)),
+        };
+        if let Some(checksum) = self.checksum {
+            input = Box::new(Checked { input: CrcReader::new(input), checksum });
+        }
+        let before = self.before + first * element.size() as u64;
+        let passed = io::copy(&mut input.by_ref().take(before), &mut io::sink())?;
+        if passed < before {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        Ok(Numbers::new(input, element))
+    }
+}
+
+/// Bytes that are held against their checksum at the end.
+struct Checked {
+    input: CrcReader<Box<dyn Read + Send>>,
+    checksum: u32,
+}
+
+impl Read for Checked {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let n_read = self.input.read(into)?;
+        if n_read == 0 && !into.is_empty() && self.input.crc().sum() != self.checksum {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "its checksum is another"));
+        }
+        Ok(n_read)
+    }
 }
 
 impl Array {
@@ -54,20 +115,36 @@ impl Array {
         (self.rows >= self.columns) == (self.order == Order::ByRow)
     }
 
-    /// Elements; `None` where they cannot be counted.
-    pub(super) fn count(&self) -> Option<u64> {
-        u64::try_from(self.rows.checked_mul(self.columns)?).ok()
+    /// Bytes of all elements; `None` where they cannot be counted.
+    pub(super) fn n_bytes(&self, element: Element) -> Option<u64> {
+        let count = u64::try_from(self.rows.checked_mul(self.columns)?).ok()?;
+        count.checked_mul(element.size() as u64)
+    }
+
+    /// The elements from number `first` on, as stored.
+    pub(super) fn numbers(&self, file: &Path, first: u64) -> Result<Numbers, LogError> {
+        let refused = |reason| LogError::Array {
+            file: file.into(),
+            array: shown(self.name.as_bytes()),
+            reason,
+        };
+        let element = self.body.element.map_err(refused)?;
+        let format = Format::of(file)?;
+        self.body.open(file, element, first).map_err(LogError::decode(file, format))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Array, Order};
+    use super::{Array, Body, Order, Packing};
 
     #[test]
     fn scalars_images_and_long_names_are_no_signals() {
+        let (packing, element) = (Packing::Plain, Err("nothing"));
+        let body = Body { start: 0, stored: 0, packing, before: 0, checksum: None, element };
         let array = |name: &str, rows, columns| {
-            Array { name: name.into(), rows, columns, order: Order::ByRow }.is_signal()
+            let (name, order, body) = (name.into(), Order::ByRow, body.clone());
+            Array { name, rows, columns, order, body }.is_signal()
         };
         assert!(array("q", 2, 1) && array("q", 300, 256));
         assert!(!array("q", 1, 1) && !array("q", 0, 5) && !array("q", 300, 300));

@@ -1,14 +1,13 @@
 //! From MATLAB file (.mat, version 5) to arrays; fields of structures are joined to names by dots.
 
-use crate::arrays::array::{Array, Arrays, LONGEST_NAME, MAX_COLUMNS, Order};
+use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Order, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};
-use crate::arrays::numbers::{Element, Numbers, pass};
-use crate::error::LogError;
+use crate::arrays::numbers::Element;
+use crate::error::{LogError, open_whole};
 use crate::format::Format;
 use flate2::read::ZlibDecoder;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::io::{self, BufReader, Read};
+use std::path::Path;
 
 /// Structures within structures that are followed.
 const DEEPEST: usize = 16;
@@ -22,67 +21,18 @@ const LONGEST_NAMES: u64 = 1 << 20;
 /// Variables and fields of a file at most, with empty ones.
 const MOST_PARTS: usize = 1_000_000;
 
-/// A file and the shapes of its arrays.
-pub(super) struct Mat {
-    file: PathBuf,
-    arrays: Vec<Array>,
-    /// For each array, where its elements are.
-    bodies: Vec<Body>,
-}
-
-/// Where the elements of an array stand in a file.
-#[derive(Clone, Copy, Debug)]
-struct Body {
-    /// Where the element that it is compressed in begins, if it is in one.
-    compressed: Option<u64>,
-    /// Where it begins, in the file or in what is inflated.
-    start: u64,
-    /// What it holds, or why it cannot be read.
-    element: Result<Element, &'static str>,
-}
-
-impl Mat {
-    /// Goes through the file for names and shapes.
-    pub(super) fn open(file: &Path) -> Result<Self, LogError> {
-        let input = File::open(file).map_err(LogError::read(file))?;
-        if input.metadata().map_err(LogError::read(file))?.len() == 0 {
-            return Err(LogError::Empty { file: file.into() });
-        }
-        let mut walk = Walk::default();
-        let walked = walk.file(&mut BufReader::new(input));
-        walked.map_err(LogError::decode(file, Format::Mat))?;
-        Ok(Self { file: file.into(), arrays: walk.arrays, bodies: walk.bodies })
-    }
-}
-
-impl Arrays for Mat {
-    fn arrays(&self) -> &[Array] {
-        &self.arrays
-    }
-
-    fn numbers(&self, array: usize, first: u64) -> Result<Numbers, LogError> {
-        let (file, body) = (&self.file, self.bodies[array]);
-        let open = || -> io::Result<Numbers> {
-            let element = body.element.map_err(wrong)?;
-            let before = body.start + first * element.size() as u64;
-            let mut input = File::open(file)?;
-            input.seek(SeekFrom::Start(body.compressed.unwrap_or(before)))?;
-            let mut input: Box<dyn Read + Send> = Box::new(BufReader::new(input));
-            if body.compressed.is_some() {
-                input = Box::new(ZlibDecoder::new(input));
-                pass(&mut input, before)?;
-            }
-            Ok(Numbers::new(input, element))
-        };
-        open().map_err(LogError::decode(file, Format::Mat))
-    }
+/// Goes through a file for names and shapes.
+pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
+    let mut walk = Walk::default();
+    let walked = walk.file(&mut BufReader::new(open_whole(file)?));
+    walked.map_err(LogError::decode(file, Format::Mat))?;
+    Ok(walk.arrays)
 }
 
 /// What was found so far.
 #[derive(Default)]
 struct Walk {
     arrays: Vec<Array>,
-    bodies: Vec<Body>,
     n_parts: usize,
     /// Where the element that is inflated begins, within one.
     compressed: Option<u64>,
@@ -180,23 +130,14 @@ impl Walk {
             for field in &fields {
                 let tag = elements.require()?;
                 let place = if n > 1 { format!("({k})") } else { String::new() };
-                self.part(elements, tag, format!("{name}{place}.{field}"), depth)?;
+                let name = format!("{name}{place}.{field}");
+                if tag.kind != MATRIX {
+                    return Err(wrong("a part of a structure is no matrix"));
+                }
+                elements.within(tag, |inner| self.matrix(inner, Some(name), depth + 1))?;
             }
         }
         Ok(())
-    }
-
-    fn part(
-        &mut self,
-        elements: &mut Elements<'_>,
-        tag: Tag,
-        name: String,
-        depth: usize,
-    ) -> io::Result<()> {
-        if tag.kind != MATRIX {
-            return Err(wrong("a part of a structure is no matrix"));
-        }
-        elements.within(tag, |inner| self.matrix(inner, Some(name), depth + 1))
     }
 
     fn numbers(
@@ -211,7 +152,16 @@ impl Walk {
             [rows, columns] if !name.is_empty() => (*rows, *columns),
             _ => return Ok(()),
         };
-        let array = Array { name, rows, columns, order: Order::ByColumn };
+        // What it holds is known once its size is found to be that of a signal.
+        let body = Body {
+            start: self.compressed.unwrap_or_default(),
+            stored: u64::MAX,
+            packing: Packing::Zlib,
+            before: 0,
+            checksum: None,
+            element: Err("an array holds cells, an encoding that is not read"),
+        };
+        let mut array = Array { name, rows, columns, order: Order::ByColumn, body };
         if !array.is_signal() {
             return Ok(());
         }
@@ -219,11 +169,14 @@ impl Walk {
             return Err(wrong("it has over 10000 arrays of several numbers"));
         }
         let tag = elements.require()?;
-        let element = match class {
-            CELLS => Err("an array holds cells, an encoding that is not read"),
-            _ => element(tag, &array),
-        };
-        self.bodies.push(Body { compressed: self.compressed, start: tag.start, element });
+        if self.compressed.is_some() {
+            array.body.before = tag.start;
+        } else {
+            (array.body.start, array.body.packing) = (tag.start, Packing::Plain);
+        }
+        if class != CELLS {
+            array.body.element = element(tag, &array);
+        }
         self.arrays.push(array);
         Ok(())
     }
@@ -233,8 +186,7 @@ impl Walk {
 fn element(tag: Tag, array: &Array) -> Result<Element, &'static str> {
     let kind = kind_of(tag.kind).ok_or("an array of numbers holds something else")?;
     let element = Element { kind, is_big_endian: false };
-    let bytes = array.count().and_then(|count| count.checked_mul(element.size() as u64));
-    if bytes == Some(tag.length) {
+    if array.n_bytes(element) == Some(tag.length) {
         Ok(element)
     } else {
         Err("an array has not as many numbers as its size says")

@@ -1,161 +1,137 @@
-//! From NumPy archive (.npz) to arrays, read as they are inflated.
+//! The arrays of a NumPy archive (.npz of .npy, versions 1 to 3), read as they are inflated.
 
-use crate::arrays::array::{Array, Arrays, LONGEST_NAME, Order};
-use crate::arrays::npy::{self, Header};
-use crate::arrays::numbers::{Element, Numbers, pass};
-use crate::error::LogError;
+use crate::arrays::array::{Array, Body, LONGEST_NAME, Order, Packing};
+use crate::arrays::numbers::{Element, Kind};
+use crate::error::{LogError, guarded, open_whole, shown};
 use crate::format::Format;
-use crate::guarded::guarded;
-use flate2::CrcReader;
-use flate2::read::DeflateDecoder;
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use std::io::{BufReader, Read};
+use std::path::Path;
 use zip::read::ZipFile;
 use zip::{CompressionMethod, ZipArchive};
 
 /// Bytes of a header that are looked at.
 const MAX_HEADER: u64 = 1 << 16;
 
-/// An archive and what its headers say.
-pub(super) struct Npz {
-    file: PathBuf,
-    arrays: Vec<Array>,
-    /// For each array, where its elements are.
-    entries: Vec<Entry>,
-}
+/// Bytes that deflate makes of one at most.
+const MOST_INFLATED: u64 = 1_032;
 
-/// Where the bytes of an array stand in an archive.
-struct Entry {
-    start: u64,
-    stored: u64,
-    /// Bytes after inflating at most: as the archive says, and deflate makes up to 1 032 of one.
-    plain: u64,
-    is_deflated: bool,
-    checksum: u32,
-    header: Header,
-    element: Element,
-}
+const MAGIC: &[u8] = b"\x93NUMPY";
+const KINDS: [(&str, Kind); 11] = [
+    ("f8", Kind::F8),
+    ("f4", Kind::F4),
+    ("i1", Kind::I1),
+    ("i2", Kind::I2),
+    ("i4", Kind::I4),
+    ("i8", Kind::I8),
+    ("u1", Kind::U1),
+    ("u2", Kind::U2),
+    ("u4", Kind::U4),
+    ("u8", Kind::U8),
+    ("b1", Kind::U1),
+];
 
-impl Npz {
-    /// Reads the headers of all arrays.
-    pub(super) fn open(file: &Path) -> Result<Self, LogError> {
-        let mut archive = archive(file)?;
-        let mut npz = Self { file: file.into(), arrays: Vec::new(), entries: Vec::new() };
+/// Reads the headers of all arrays.
+pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
+    let input = BufReader::new(open_whole(file)?);
+    guarded(file, || {
+        let damaged = LogError::decode(file, Format::Npz);
+        let mut archive = ZipArchive::new(input).map_err(&damaged)?;
+        let mut arrays = Vec::new();
         for place in 0..archive.len() {
-            let found = guarded(file, || {
-                let entry = archive.by_index(place).map_err(LogError::decode(file, Format::Npz))?;
-                read_entry(file, entry)
-            })?;
-            let Some((name, entry)) = found else { continue };
-            let array = array(&name, &entry.header);
-            if array.is_signal() {
-                npz.arrays.push(array);
-                npz.entries.push(entry);
-            }
+            let entry = archive.by_index(place).map_err(&damaged)?;
+            arrays.extend(array(file, entry)?.filter(Array::is_signal));
         }
-        Ok(npz)
-    }
+        Ok(arrays)
+    })
 }
 
-impl Arrays for Npz {
-    fn arrays(&self) -> &[Array] {
-        &self.arrays
-    }
-
-    fn numbers(&self, array: usize, first: u64) -> Result<Numbers, LogError> {
-        let (file, entry) = (&self.file, &self.entries[array]);
-        let is_held = self.arrays[array].count().is_some_and(|count| entry.holds(count));
-        if !is_held {
-            let reason = "it has fewer numbers than its header says";
-            return Err(npy::refused(file, &self.arrays[array].name, reason));
-        }
-        let element = entry.element;
-        let before = entry.header.length as u64 + first * element.size() as u64;
-        let open = || -> io::Result<Numbers> {
-            let mut input = File::open(file)?;
-            input.seek(SeekFrom::Start(entry.start))?;
-            let stored = BufReader::new(input.take(entry.stored));
-            let plain: Box<dyn Read + Send> = if entry.is_deflated {
-                Box::new(DeflateDecoder::new(stored))
-            } else {
-                Box::new(stored)
-            };
-            let mut checked = Checked { input: CrcReader::new(plain), checksum: entry.checksum };
-            pass(&mut checked, before)?;
-            Ok(Numbers::new(Box::new(checked), element))
-        };
-        open().map_err(LogError::decode(file, Format::Npz))
-    }
-}
-
-impl Entry {
-    /// Whether this many elements may follow the header.
-    fn holds(&self, count: u64) -> bool {
-        let elements = count.checked_mul(self.element.size() as u64);
-        let bytes = elements.and_then(|bytes| bytes.checked_add(self.header.length as u64));
-        bytes.is_some_and(|bytes| bytes <= self.plain)
-    }
-}
-
-/// Bytes that are held against their checksum at the end.
-struct Checked {
-    input: CrcReader<Box<dyn Read + Send>>,
-    checksum: u32,
-}
-
-impl Read for Checked {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let n_read = self.input.read(into)?;
-        if n_read == 0 && !into.is_empty() && self.input.crc().sum() != self.checksum {
-            return Err(io::Error::new(io::ErrorKind::InvalidData, "its checksum is another"));
-        }
-        Ok(n_read)
-    }
-}
-
-/// Name and place of an array of numbers; `None` for anything else.
-fn read_entry<R: Read>(
-    file: &Path,
-    mut entry: ZipFile<'_, R>,
-) -> Result<Option<(String, Entry)>, LogError> {
+/// An array of numbers; `None` for anything else.
+fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array>, LogError> {
     let name = entry.name().strip_suffix(".npy").unwrap_or(entry.name()).to_owned();
+    let refused = |reason| {
+        let array = shown(name.as_bytes());
+        Err(LogError::Array { file: file.into(), array, reason })
+    };
     let mut head = Vec::new();
     let n_head = (&mut entry).take(MAX_HEADER).read_to_end(&mut head);
     n_head.map_err(LogError::decode(file, Format::Npz))?;
     if name.len() > LONGEST_NAME {
         return Ok(None);
     }
-    let Some((header, element)) = npy::header(file, &name, &head)? else { return Ok(None) };
-    let is_deflated = match entry.compression() {
-        CompressionMethod::Stored => false,
-        CompressionMethod::Deflated => true,
-        _ => return Err(npy::refused(file, &name, "it is compressed by another method")),
+    let Some((header, element)) = header(&head) else {
+        return refused("it is not a whole NumPy array");
     };
-    let stored = entry.compressed_size();
-    let plain = entry.size().min(stored.saturating_mul(if is_deflated { 1_032 } else { 1 }));
-    let (start, checksum) = (entry.data_start(), entry.crc32());
-    let found = Entry { start, stored, plain, is_deflated, checksum, header, element };
-    Ok(Some((name, found)))
-}
-
-fn archive(file: &Path) -> Result<ZipArchive<BufReader<File>>, LogError> {
-    let input = File::open(file).map_err(LogError::read(file))?;
-    if input.metadata().map_err(LogError::read(file))?.len() == 0 {
-        return Err(LogError::Empty { file: file.into() });
-    }
-    guarded(file, || {
-        ZipArchive::new(BufReader::new(input)).map_err(LogError::decode(file, Format::Npz))
-    })
-}
-
-/// An array as its header describes it; a vector counts as one column.
-fn array(name: &str, header: &Header) -> Array {
+    let Some(element) = element else { return Ok(None) };
+    let (packing, growth) = match entry.compression() {
+        CompressionMethod::Stored => (Packing::Plain, 1),
+        CompressionMethod::Deflated => (Packing::Deflate, MOST_INFLATED),
+        _ => return refused("it is compressed by another method"),
+    };
     let (rows, columns) = match header.shape.as_slice() {
         [rows] => (*rows, 1),
         [rows, columns] => (*rows, *columns),
         _ => (0, 0),
     };
+    let stored = entry.compressed_size();
+    let body = Body {
+        start: entry.data_start(),
+        stored,
+        packing,
+        before: header.length as u64,
+        checksum: Some(entry.crc32()),
+        element: Ok(element),
+    };
     let order = if header.is_fortran { Order::ByColumn } else { Order::ByRow };
-    Array { name: name.to_owned(), rows, columns, order }
+    let mut array = Array { name, rows, columns, order, body };
+    let plain = entry.size().min(stored.saturating_mul(growth));
+    let n_bytes = array.n_bytes(element).and_then(|bytes| bytes.checked_add(array.body.before));
+    if n_bytes.is_none_or(|bytes| bytes > plain) {
+        array.body.element = Err("it has fewer numbers than its header says");
+    }
+    Ok(Some(array))
+}
+
+/// What the header of an array of numbers says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Header {
+    shape: Vec<usize>,
+    is_fortran: bool,
+    /// Bytes before the first element.
+    length: usize,
+}
+
+/// The header at the start of `bytes`, and what the elements are if they are numbers; `None` where it
+/// is cut or no header.
+fn header(bytes: &[u8]) -> Option<(Header, Option<Element>)> {
+    let (start, length) = match bytes.get(..12)? {
+        [magic @ .., 1, _, a, b, _, _] if magic == MAGIC => {
+            (10, u32::from(u16::from_le_bytes([*a, *b])))
+        }
+        [magic @ .., 2 | 3, _, a, b, c, d] if magic == MAGIC => {
+            (12, u32::from_le_bytes([*a, *b, *c, *d]))
+        }
+        _ => return None,
+    };
+    let length = usize::try_from(length).ok()?;
+    let text = std::str::from_utf8(bytes.get(start..)?.get(..length)?).ok()?;
+    let field = |key: &str| {
+        let (_, after) = text.split_once(key)?;
+        Some(after.trim_start().strip_prefix(':')?.trim_start())
+    };
+    let is_fortran = match field("'fortran_order'")? {
+        value if value.starts_with("True") => true,
+        value if value.starts_with("False") => false,
+        _ => return None,
+    };
+    let (shape, _) = field("'shape'")?.strip_prefix('(')?.split_once(')')?;
+    let lengths = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
+    let shape = lengths.map(|length| length.parse().ok()).collect::<Option<Vec<usize>>>()?;
+    // A structure is a list of names and kinds in place of one kind.
+    let kind = field("'descr'")?.strip_prefix('\'').unwrap_or("list'");
+    let (kind, _) = kind.split_once('\'')?;
+    let own = kind.trim_start_matches(['<', '>', '=', '|']);
+    let known = KINDS.into_iter().find(|(name, _)| *name == own);
+    let is_big_endian = kind.starts_with('>');
+    let element = known.map(|(_, kind)| Element { kind, is_big_endian });
+    Some((Header { shape, is_fortran, length: start + length }, element))
 }

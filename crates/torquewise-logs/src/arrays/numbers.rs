@@ -85,12 +85,6 @@ impl Numbers {
     }
 }
 
-/// Passes over `length` bytes, which must be there.
-pub(super) fn pass(input: &mut dyn Read, length: u64) -> io::Result<()> {
-    let passed = io::copy(&mut input.take(length), &mut io::sink())?;
-    if passed < length { Err(io::ErrorKind::UnexpectedEof.into()) } else { Ok(()) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Element, Kind, Numbers};

@@ -1,26 +1,18 @@
 //! From arrays to rows.
 
-use crate::arrays::array::{Array, Arrays, MAX_COLUMNS};
-use crate::arrays::mat::Mat;
-use crate::arrays::npz::Npz;
+use crate::arrays::array::{Array, MAX_COLUMNS};
 use crate::arrays::numbers::Numbers;
+use crate::arrays::{mat, npz};
 use crate::error::{LogError, Place};
 use crate::format::Format;
 use crate::rows::Rows;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A format that holds arrays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ArrayFormat {
-    Npz,
-    Mat,
-}
-
 /// The rows of a file of arrays: a matrix A has columns A1, A2, …, a vector A one column A.
 pub(crate) struct ArrayRows {
     file: PathBuf,
-    arrays: Box<dyn Arrays>,
+    arrays: Vec<Array>,
     names: Vec<String>,
     /// For each column, its array and the series in it.
     series: Vec<(usize, usize)>,
@@ -42,13 +34,10 @@ struct Stream {
 
 impl ArrayRows {
     /// Reads names and shapes.
-    pub(crate) fn open(file: &Path, format: ArrayFormat) -> Result<Self, LogError> {
-        let arrays: Box<dyn Arrays> = match format {
-            ArrayFormat::Npz => Box::new(Npz::open(file)?),
-            ArrayFormat::Mat => Box::new(Mat::open(file)?),
-        };
+    pub(crate) fn open(file: &Path, format: Format) -> Result<Self, LogError> {
+        let arrays = if format == Format::Mat { mat::arrays(file)? } else { npz::arrays(file)? };
         let (mut names, mut series) = (Vec::new(), Vec::new());
-        for (k, array) in arrays.arrays().iter().enumerate() {
+        for (k, array) in arrays.iter().enumerate() {
             let (_, n) = array.instants_and_series();
             series.extend((0..n).map(|part| (k, part)));
             match n {
@@ -65,7 +54,7 @@ impl ArrayRows {
     }
 
     fn array(&self, column: usize) -> &Array {
-        &self.arrays.arrays()[self.series[column].0]
+        &self.arrays[self.series[column].0]
     }
 
     /// What is read to have the chosen columns, each array as it is stored.
@@ -79,9 +68,9 @@ impl ArrayRows {
             wanted.entry((array, first)).or_default().push((within, place));
         }
         let stream = |((array, first), columns): (_, Vec<_>)| {
-            let own: &Array = &self.arrays.arrays()[array];
+            let own: &Array = &self.arrays[array];
             let (instants, series) = own.instants_and_series();
-            let numbers = self.arrays.numbers(array, (first * instants) as u64)?;
+            let numbers = own.numbers(&self.file, (first * instants) as u64)?;
             let width = if own.is_by_instant() { series } else { 1 };
             let is_last = own.is_by_instant() || first + 1 == series;
             Ok(Stream { numbers, instant: vec![0.0; width], columns, is_last })

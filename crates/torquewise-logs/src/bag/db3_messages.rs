@@ -1,6 +1,6 @@
 //! From SQLite bag (.db3) to topics and messages, some thousand rows at a time.
 
-use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
+use crate::bag::{MAX_BYTES, Message, Messages, Topic};
 use crate::error::LogError;
 use crate::format::Format;
 use rusqlite::limits::Limit;

@@ -1,9 +1,8 @@
 //! From MCAP bag (.mcap) to topics and messages, one chunk at a time.
 
-use crate::bag::messages::{MAX_BYTES, Message, Messages, Topic};
-use crate::error::LogError;
+use crate::bag::{MAX_BYTES, Message, Messages, Topic};
+use crate::error::{LogError, guarded, open_whole};
 use crate::format::Format;
-use crate::guarded::guarded;
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -49,17 +48,13 @@ pub(super) struct McapMessages {
 
 impl McapMessages {
     pub(super) fn open(file: &Path, topic: Option<&str>) -> Result<Self, LogError> {
-        let input = File::open(file).map_err(LogError::read(file))?;
-        if input.metadata().map_err(LogError::read(file))?.len() == 0 {
-            return Err(LogError::Empty { file: file.into() });
-        }
         let options = LinearReaderOptions::default()
             .with_record_length_limit(MAX_BYTES)
             .with_emit_chunks(true);
         Ok(Self {
             file: file.into(),
             topic: topic.map(str::to_owned),
-            input: BufReader::new(input),
+            input: BufReader::new(open_whole(file)?),
             reader: LinearReader::new_with_options(options),
             chunk: Cursor::default(),
             channels: ChannelAccumulator::default(),

@@ -1,11 +1,10 @@
 //! From joint states to rows, sorted by time.
 
-use crate::bag::aligned::Aligned;
-use crate::bag::in_order::InOrder;
-use crate::bag::messages::Messages;
-use crate::bag::survey::{Survey, decoded, places};
+use crate::bag::Messages;
+use crate::bag::survey::{Aligned, Survey, decoded, places};
 use crate::error::{LogError, Place};
 use crate::rows::{Irregular, Rows};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The rows of a bag: columns `t`, then `NAME.position` of each joint, then `NAME.velocity` and
@@ -110,5 +109,52 @@ impl Rows for BagRows {
 
     fn irregular(&self) -> Irregular {
         Irregular { sorted: self.in_order.n_late, passed_over: self.n_passed_over }
+    }
+}
+
+/// Values that a window holds at most, about 16 MB; it is never shorter than 1 024 rows.
+const WINDOW_VALUES: usize = 1 << 21;
+
+/// Rows that wait until no earlier one can come.
+#[derive(Debug, Default)]
+struct InOrder {
+    /// By time stamp \[ns\] and number of the message, 1 for the first.
+    waiting: BTreeMap<(i64, u64), Vec<f64>>,
+    latest: Option<i64>,
+    /// Rows that came after one with a later stamp.
+    n_late: u64,
+}
+
+impl InOrder {
+    /// Whether a row may go out while others are still to come.
+    fn is_full(&self, columns: usize) -> bool {
+        self.waiting.len() >= (WINDOW_VALUES / (columns + 4)).clamp(1_024, 1 << 16)
+    }
+
+    fn push(&mut self, stamp: i64, number: u64, values: Vec<f64>) {
+        self.n_late += u64::from(self.latest.is_some_and(|latest| stamp < latest));
+        self.latest = self.latest.max(Some(stamp));
+        self.waiting.insert((stamp, number), values);
+    }
+
+    /// Number and values of the row with the earliest stamp.
+    fn pop(&mut self) -> Option<(u64, Vec<f64>)> {
+        self.waiting.pop_first().map(|((_, number), values)| (number, values))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::InOrder;
+
+    #[test]
+    fn a_window_is_bounded_whatever_the_width() {
+        let mut rows = InOrder::default();
+        for number in 0..1_024 {
+            assert!(!rows.is_full(1_000_000));
+            rows.push(0, number, Vec::new());
+        }
+
+        assert!(rows.is_full(1_000_000) && !rows.is_full(30));
     }
 }

@@ -1,10 +1,9 @@
 //! From bag to what its joint states hold: found in one pass before the rows are read.
 
-use crate::bag::aligned::Aligned;
 use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
-use crate::bag::messages::{JOINT_STATE, Messages, Topic};
+use crate::bag::{JOINT_STATE, Messages, Topic};
 use crate::error::{LogError, Place, shown};
 use crate::format::Format;
 use crate::joints;
@@ -189,4 +188,37 @@ fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String,
 fn shown_names(names: &[String]) -> String {
     let all: Vec<_> = names.iter().take(40).map(|name| shown(name.as_bytes())).collect();
     all.join(", ") + if names.len() > 40 { ", …" } else { "" }
+}
+
+/// Finds the joints that are read in one message after the other.
+#[derive(Clone, Debug)]
+pub(super) struct Aligned {
+    joints: Vec<String>,
+    /// Whether messages without any of the joints are passed over.
+    passes_over: bool,
+    /// Names of the message last looked at, and where the joints stand in it.
+    names: Vec<String>,
+    places: Vec<usize>,
+}
+
+impl Aligned {
+    pub(super) fn new(joints: &[String], passes_over: bool) -> Self {
+        Self { joints: joints.to_vec(), passes_over, names: Vec::new(), places: Vec::new() }
+    }
+
+    /// Where the joints stand in a message; `None` if it is about other joints, and the name of the
+    /// first that is not there if it has only some of them.
+    pub(super) fn find(&mut self, state: &JointState) -> Result<Option<&[usize]>, &str> {
+        if self.places.is_empty() || self.names != state.names {
+            let place = |joint: &String| state.names.iter().position(|name| name == joint);
+            let places: Vec<_> = self.joints.iter().map(place).collect();
+            if let Some(missing) = places.iter().position(Option::is_none) {
+                let is_other = self.passes_over && places.iter().all(Option::is_none);
+                return if is_other { Ok(None) } else { Err(&self.joints[missing]) };
+            }
+            self.places = places.into_iter().flatten().collect();
+            self.names.clone_from(&state.names);
+        }
+        Ok(Some(&self.places))
+    }
 }

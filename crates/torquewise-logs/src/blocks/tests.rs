@@ -116,54 +116,37 @@ fn no_window_reaches_across_a_gap() {
 }
 
 #[test]
-fn time_that_runs_back_is_refused_with_its_place() {
-    let refused = blocks("t,q1,dq1,ddq1\n0,0,0,0\n0.1,0,0,0\n0.05,0,0,0\n");
-    match refused {
-        Err(LogError::TimeOrder { place, before, .. }) => {
-            assert_eq!((place.row, place.line, before), (3, Some(4), 0.1));
-        }
-        other => panic!("{other:?}"),
-    }
-}
-
-#[test]
 fn a_row_that_repeats_a_stamp_is_left_out_but_rounded_stamps_are_refused() {
     let one = blocks("t,q1,dq1,ddq1\n0,1,0,0\n0.1,2,0,0\n0.1,3,0,0\n0.2,4,0,0\n").unwrap();
     assert_eq!(one[0].1.t(), [0.0, 0.1, 0.2]);
 
-    let mut text = String::from("t,q1,dq1,ddq1\n");
-    for row in 0..100 {
-        writeln!(text, "{},0,0,0", row / 50).unwrap();
-    }
-    let refused = blocks(&text);
+    let rounded = "0,0,0,0\n".repeat(50) + &"1,0,0,0\n".repeat(50);
+    let refused = blocks(&format!("t,q1,dq1,ddq1\n{rounded}"));
     assert!(matches!(refused, Err(LogError::CoarseClock { repeated: 11, rows: 1, .. })));
 }
 
 #[test]
-fn time_is_compared_across_blocks_too() {
-    let mut text = String::from("t,q1,dq1,ddq1\n");
-    for t in even(1_024) {
-        writeln!(text, "{t:?},0,0,0").unwrap();
+fn time_that_runs_back_is_refused_with_its_place_across_blocks_too() {
+    for (rows, back) in [(3, 0.005), (1_025, 10.22)] {
+        let mut t = even(rows);
+        t[rows as usize - 1] = back;
+        match blocks(&swing(&t, true)) {
+            Err(LogError::TimeOrder { place, before, .. }) => {
+                let row = u64::from(rows);
+                assert_eq!((place.row, place.line), (row, Some(row + 1)));
+                assert_eq!(before.to_bits(), t[rows as usize - 2].to_bits());
+            }
+            other => panic!("{other:?}"),
+        }
     }
-    text.push_str("10.22,0,0,0\n");
-
-    let refused = blocks(&text);
-
-    assert!(matches!(refused, Err(LogError::TimeOrder { place, .. }) if place.row == 1_025));
 }
 
 #[test]
-fn a_header_without_rows_is_refused() {
+fn what_is_too_short_is_refused_with_its_place() {
     assert!(matches!(blocks("t,q1\n"), Err(LogError::NoRows { .. })));
     assert!(matches!(blocks("t,q1,dq1,ddq1\n\n"), Err(LogError::NoRows { .. })));
-}
-
-#[test]
-fn a_part_too_short_to_differentiate_is_refused_with_its_place() {
     let mut t = even(40);
     t[37..].iter_mut().for_each(|t| *t += 1.0);
-
     let refused = blocks(&swing(&t, false));
-
     assert!(matches!(refused, Err(LogError::TooShort { row: 38, rows: 3, needed: 5, .. })));
 }

@@ -2,8 +2,8 @@
 
 use super::{MAX_COLUMNS, plain};
 use crate::error::LogError;
-use crate::layout::Signal;
 use crate::mapping::Mapping;
+use crate::signal::Signal;
 use std::path::Path;
 
 fn mapping(header: &str) -> Result<Mapping, LogError> {
@@ -15,10 +15,10 @@ fn mapping(header: &str) -> Result<Mapping, LogError> {
 fn columns_may_stand_in_any_order_with_others_between() {
     let mapping = mapping("tau2,q2,note,t,q1, tau1 ,q02,qa").unwrap();
 
-    assert_eq!(mapping.layout.n_joints(), 2);
+    assert_eq!(mapping.n_joints, 2);
     assert_eq!(mapping.chosen, [3, 4, 1, 5, 0]);
-    assert_eq!(mapping.layout.slot(Signal::Tau), Some(3));
-    assert_eq!(mapping.layout.slot(Signal::Dq), None);
+    assert_eq!(mapping.slot(Signal::Tau), Some(3));
+    assert_eq!(mapping.slot(Signal::Dq), None);
     assert_eq!(mapping.ignored, ["note", "q02", "qa"]);
 }
 

@@ -2,9 +2,9 @@
 
 use crate::error::{LogError, shown};
 use crate::joints;
-use crate::layout::Signal;
 use crate::profile::unit;
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
+use crate::signal::Signal;
 
 impl Profile {
     /// Makes sure that values can be right by themselves and agree in the number of joints; `from`

@@ -1,51 +1,28 @@
 //! From column names to families: columns of one signal, one per joint.
 
 use crate::joints;
-use crate::layout::Signal;
+use crate::signal::Signal;
 use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Words that a signal, or the clock, is called by.
-const WORDS: [(Meaning, &[&str]); 5] = [
-    (Meaning::Time, &["t", "time", "timestamp", "stamp", "clock"]),
-    (
-        Meaning::Signal(Signal::Q),
-        &["q", "pos", "position", "positions", "angle", "angles", "theta", "qp", "qpos"],
-    ),
-    (
-        Meaning::Signal(Signal::Dq),
-        &["dq", "qd", "qv", "vel", "velocity", "velocities", "speed", "omega", "qvel"],
-    ),
-    (Meaning::Signal(Signal::Ddq), &["ddq", "qdd", "qa", "acc", "accel", "acceleration"]),
+const WORDS: [(Meaning, &str); 5] = [
+    (Meaning::Time, "t time timestamp stamp clock"),
+    (Meaning::Signal(Signal::Q), "q pos position positions angle angles theta qp qpos"),
+    (Meaning::Signal(Signal::Dq), "dq qd qv vel velocity velocities speed omega qvel"),
+    (Meaning::Signal(Signal::Ddq), "ddq qdd qa acc accel acceleration"),
     (
         Meaning::Signal(Signal::Tau),
-        &[
-            "tau", "torque", "torques", "effort", "efforts", "moment", "trq", "current",
-            "currents", "cur", "curr",
-        ],
+        "tau torque torques effort efforts moment trq current currents cur curr",
     ),
 ];
 
-const CURRENT: [&str; 4] = ["current", "currents", "cur", "curr"];
+const CURRENT: &str = "current currents cur curr";
 
 /// Words of what was measured, and of what was wanted, worked out or wrong.
-const MEASURED: [&str; 5] = ["meas", "measured", "act", "actual", "mot"];
-const NOT_MEASURED: [&str; 14] = [
-    "des",
-    "desired",
-    "ref",
-    "reference",
-    "cmd",
-    "command",
-    "con",
-    "target",
-    "error",
-    "err",
-    "fric",
-    "ff",
-    "sim",
-    "model",
-];
+const MEASURED: &str = "meas measured act actual mot";
+const NOT_MEASURED: &str =
+    "des desired ref reference cmd command con target error err fric ff sim model";
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Meaning {
@@ -123,7 +100,7 @@ fn by_stem(stem: &[String], names: &[String], time: Option<&String>) -> Option<(
     });
     let (key, columns) = numbered.max_by_key(|(_, columns)| columns.len())?;
     let mut family = family(columns, &key, word);
-    family.is_current = stem.iter().any(|word| CURRENT.contains(&word.as_str()));
+    family.is_current = stem.iter().any(|word| is_in(word, CURRENT));
     Some((meaning, family))
 }
 
@@ -158,16 +135,15 @@ fn family(mut columns: Vec<String>, key: &str, word: &str) -> Family {
     }
     let from_one = columns.iter().zip(1..).all(|(name, joint)| *name == format!("{key}{joint}"));
     let all = words(key);
-    let has = |list: &[&str]| all.iter().any(|word| list.contains(&word.as_str()));
-    let counted = |list: &[&str]| all.iter().filter(|word| list.contains(&word.as_str())).count();
+    let counted = |list: &str| all.iter().filter(|word| is_in(word, list)).count();
     // What was wanted or worked out comes after anything else.
-    let score = if has(&NOT_MEASURED) { 0 } else { 1 + counted(&MEASURED) };
+    let score = if counted(NOT_MEASURED) > 0 { 0 } else { 1 + counted(MEASURED) };
     Family {
         columns,
         prefix: from_one.then(|| key.to_owned()),
         told_by: word.to_owned(),
-        is_current: has(&CURRENT),
-        is_degrees: has(&["deg", "degrees", "degree"]),
+        is_current: counted(CURRENT) > 0,
+        is_degrees: counted("deg degrees degree") > 0,
         score,
     }
 }
@@ -186,11 +162,15 @@ impl Family {
     }
 }
 
+fn is_in(word: &str, list: &str) -> bool {
+    list.split(' ').any(|own| own == word)
+}
+
 /// What a name means, and the word that tells; the first that does.
 fn meaning(words: &[String]) -> Option<(Meaning, &'static str)> {
     words.iter().find_map(|word| {
         WORDS.into_iter().find_map(|(meaning, known)| {
-            known.iter().find(|known| *known == word).map(|known| (meaning, *known))
+            known.split(' ').find(|known| known == word).map(|known| (meaning, known))
         })
     })
 }

@@ -2,12 +2,12 @@
 //! positions.
 
 use crate::error::LogError;
-use crate::layout::Signal;
+use crate::gaps::median_step;
+use crate::signal::Signal;
 use crate::source::named_rows;
 use crate::suggest::guess::Found;
 use std::f64::consts::PI;
 use std::path::Path;
-use torquewise_motion::stats::median;
 
 /// Rows that are looked at closely.
 const SAMPLE: usize = 20_000;
@@ -74,12 +74,6 @@ pub(super) fn units_of(ratio: f64) -> Option<(&'static str, &'static str)> {
         (1.0 / 6.0, ("deg", "rpm")),
     ];
     known.into_iter().find(|(x, _)| (ratio / x - 1.0).abs() < 0.1).map(|(_, units)| units)
-}
-
-fn median_step(t: &[f64]) -> Option<f64> {
-    let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
-    let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();
-    (!steps.is_empty()).then(|| median(&mut steps))
 }
 
 /// Σ velocity · slope over Σ slope², slopes over ten rows so that noise counts little.

@@ -1,6 +1,6 @@
 //! From what was guessed and measured to text of a profile, and reasons.
 
-use crate::layout::Signal;
+use crate::signal::Signal;
 use crate::suggest::Suggestion;
 use crate::suggest::guess::{Family, Found};
 use crate::suggest::measure::{Measured, unit_of, units_of};
@@ -9,61 +9,51 @@ use std::f64::consts::PI;
 /// Positions beyond this \[rad\] are degrees, or angles of motors.
 const LARGEST_RADIANS: f64 = 4.0 * PI;
 
-/// Lines of a profile and reasons, in the making.
-#[derive(Default)]
-struct Draft {
-    lines: Vec<String>,
-    reasons: Vec<String>,
-}
+impl Suggestion {
+    fn new() -> Self {
+        Self { toml: "robot = \"\"\n".into(), reasons: Vec::new(), is_complete: false }
+    }
 
-impl Draft {
-    fn line(&mut self, line: impl Into<String>) {
-        self.lines.push(line.into());
+    /// Adds a line to the profile, or several.
+    fn line(&mut self, line: impl AsRef<str>) {
+        self.toml.push_str(line.as_ref());
+        self.toml.push('\n');
     }
 
     fn reason(&mut self, reason: impl Into<String>) {
         self.reasons.push(reason.into());
     }
-
-    fn finish(self, is_complete: bool) -> Suggestion {
-        let toml = self.lines.join("\n") + "\n";
-        Suggestion { toml, reasons: self.reasons, is_complete }
-    }
 }
 
 /// A bag says all but the unit of its efforts.
 pub(super) fn of_bag(joints: &[String], columns: &[String]) -> Suggestion {
-    let mut draft = Draft::default();
-    draft.line("robot = \"\"");
+    let mut draft = Suggestion::new();
     draft.line("# Base to tip: put them in order, and drop those that are no joints of the arm.");
     draft.line(format!("joints = {}", list(joints)));
     draft.reason("A bag names its joints and is in SI units: q, dq and tau need no columns.");
     if columns.iter().any(|column| column.ends_with(".effort")) {
-        draft.line("");
-        draft.line("# Effort may be a current. If so, take away the marks and fill in:");
-        draft.line("# [tau]");
+        draft.line("\n# Effort may be a current. If so, take away the marks and fill in:\n# [tau]");
         current_lines(&mut draft, joints.len());
         draft.reason("ROS 2 wants efforts in N·m; some drivers give currents all the same.");
     } else {
         draft.reason("The messages have no effort: there is nothing to fit a model to.");
     }
-    draft.finish(!joints.is_empty())
+    Suggestion { is_complete: !joints.is_empty(), ..draft }
 }
 
 /// A profile for a file of columns.
 pub(super) fn of_columns(found: &Found, measured: &Measured) -> Suggestion {
-    let mut draft = Draft::default();
-    draft.line("robot = \"\"");
+    let mut draft = Suggestion::new();
     if let Some(q) = found.get(Signal::Q) {
         let numbered = || (1..=q.columns.len()).map(|joint| format!("joint_{joint}")).collect();
         draft.line("# Base to tip.");
         draft.line(format!("joints = {}", list(&q.joints().unwrap_or_else(numbered))));
     }
     if found.time.is_none() {
-        draft
-            .line("# The file has no clock that is known by its name: fill in rows per second, or");
-        draft.line("# name the column of the clock below as [t] column = \"…\".");
-        draft.line("# rate = 1000.0");
+        draft.line(
+            "# The file has no clock that is known by its name: fill in rows per second, or\n\
+             # name the column of the clock below as [t] column = \"…\".\n# rate = 1000.0",
+        );
         draft.reason("No column is called t, time or stamp: fill in rate.");
     }
     if let Some(time) = &found.time {
@@ -74,17 +64,18 @@ pub(super) fn of_columns(found: &Found, measured: &Measured) -> Suggestion {
         let names = found.passed_over.join(", ");
         draft.reason(format!("Not taken, since others fit better: {names}."));
     }
-    draft.finish(found.time.is_some() && found.get(Signal::Q).is_some())
+    let is_complete = found.time.is_some() && found.get(Signal::Q).is_some();
+    Suggestion { is_complete, ..draft }
 }
 
-fn signals(draft: &mut Draft, found: &Found, measured: &Measured) {
+fn signals(draft: &mut Suggestion, found: &Found, measured: &Measured) {
     let units = units(draft, found, measured);
     let q = found.get(Signal::Q);
     if q.is_none() {
-        draft.line("");
-        draft.line("# No column is known for a position by its name: name them.");
-        draft.line("# [q]");
-        draft.line("# columns = [\"…\"]");
+        draft.line(
+            "\n# No column is known for a position by its name: name them.\n# [q]\n\
+             # columns = [\"…\"]",
+        );
         draft.reason("No column is called q, pos or angle, and none is numbered: name them.");
     }
     // Without positions the first signal says how many joints there are.
@@ -105,10 +96,8 @@ fn signals(draft: &mut Draft, found: &Found, measured: &Measured) {
     }
 }
 
-fn clock(draft: &mut Draft, time: &str, measured: &Measured) {
-    draft.line("");
-    draft.line("[t]");
-    draft.line(format!("column = {}", quoted(time)));
+fn clock(draft: &mut Suggestion, time: &str, measured: &Measured) {
+    draft.line(format!("\n[t]\ncolumn = {}", quoted(time)));
     if let Some(step) = measured.step {
         let (unit, seconds) = unit_of(step);
         draft.line(format!("unit = \"{unit}\""));
@@ -120,7 +109,11 @@ fn clock(draft: &mut Draft, time: &str, measured: &Measured) {
 }
 
 /// Units of positions and velocities.
-fn units(draft: &mut Draft, found: &Found, measured: &Measured) -> (&'static str, &'static str) {
+fn units(
+    draft: &mut Suggestion,
+    found: &Found,
+    measured: &Measured,
+) -> (&'static str, &'static str) {
     let says_degrees = |signal| found.get(signal).is_some_and(|family| family.is_degrees);
     let is_large = measured.largest_q.is_some_and(|largest| largest > LARGEST_RADIANS);
     let q = if says_degrees(Signal::Q) || is_large { "deg" } else { "rad" };
@@ -145,7 +138,7 @@ fn units(draft: &mut Draft, found: &Found, measured: &Measured) -> (&'static str
     units
 }
 
-fn signal_lines(draft: &mut Draft, signal: Signal, family: &Family, unit: &str, n: usize) {
+fn signal_lines(draft: &mut Suggestion, signal: Signal, family: &Family, unit: &str, n: usize) {
     let Family { columns, prefix, told_by, is_current, .. } = family;
     draft.line("");
     if columns.len() != n {
@@ -167,21 +160,21 @@ fn signal_lines(draft: &mut Draft, signal: Signal, family: &Family, unit: &str, 
         draft.line(format!("unit = \"{unit}\""));
     }
     if told_by.starts_with("effort") {
-        draft.line("# Effort may be a current. If so, take away the marks and fill in, instead of");
-        draft.line("# the unit above.");
+        draft.line(
+            "# Effort may be a current. If so, take away the marks and fill in, instead of\n\
+             # the unit above.",
+        );
         current_lines(draft, n);
         draft.reason("Efforts are N·m by the rules of ROS, but some drivers give currents.");
     }
 }
 
-fn current_lines(draft: &mut Draft, n: usize) {
-    draft.line("# unit = \"A\"");
-    draft.line(format!("# torque_constant = [{}] # N·m/A, sign included", ones(n)));
-    draft.line(format!("# gear = [{}] # turns of the motor for one of the joint", ones(n)));
-}
-
-fn ones(n: usize) -> String {
-    vec!["1.0"; n].join(", ")
+fn current_lines(draft: &mut Suggestion, n: usize) {
+    let ones = vec!["1.0"; n].join(", ");
+    draft.line(format!(
+        "# unit = \"A\"\n# torque_constant = [{ones}] # N·m/A, sign included\n\
+         # gear = [{ones}] # turns of the motor for one of the joint"
+    ));
 }
 
 fn list(names: &[String]) -> String {

@@ -189,28 +189,22 @@ fn varint(mut number: u64) -> Vec<u8> {
 const NO_GROUPS: &[u8] = &[0x19, 0x0c, 0];
 
 #[test]
-fn a1_row_groups_that_the_file_cannot_hold_are_refused() {
-    let columns = [("schema", Some(2)), ("t", None), ("q1", None)];
-    assert!(matches!(read_bytes(&with_schema(&columns, NO_GROUPS)), Err(LogError::NoRows { .. })));
+fn a1_a2_a3_metadata_that_the_file_cannot_hold_is_refused() {
+    let columns = |children| [("schema", Some(children)), ("t", None), ("q1", None)];
+    let nested = |depth: usize| [vec![("g", Some(1)); depth], vec![("t", None)]].concat();
+    let groups = [&[0x19, 0xfc][..], &varint((1 << 31) - 1), &[0]].concat();
 
-    let many = [&[0x19, 0xfc][..], &varint((1 << 31) - 1), &[0]].concat();
-    assert!(matches!(read_bytes(&with_schema(&columns, &many)), Err(LogError::Damaged { .. })));
-}
-
-#[test]
-fn a2_a_schema_that_is_nested_too_deeply_is_refused() {
-    let nested = |depth: usize| {
-        let groups = vec![("g", Some(1)); depth];
-        with_schema(&[groups, vec![("t", None)]].concat(), NO_GROUPS)
-    };
-    assert!(matches!(read_bytes(&nested(5_000)), Err(LogError::Damaged { .. })));
-    assert!(!matches!(read_bytes(&nested(20)), Err(LogError::Damaged { .. })));
-}
-
-#[test]
-fn a3_children_that_a_schema_does_not_have_are_refused() {
-    let columns = [("schema", Some(1_870_000_000)), ("t", None), ("q1", None)];
-    assert!(matches!(read_bytes(&with_schema(&columns, NO_GROUPS)), Err(LogError::Damaged { .. })));
+    let sound = read_bytes(&with_schema(&columns(2), NO_GROUPS));
+    assert!(matches!(sound, Err(LogError::NoRows { .. })));
+    let shallow = read_bytes(&with_schema(&nested(20), NO_GROUPS));
+    assert!(!matches!(shallow, Err(LogError::Damaged { .. })));
+    for hostile in [
+        with_schema(&columns(2), &groups),
+        with_schema(&nested(5_000), NO_GROUPS),
+        with_schema(&columns(1_870_000_000), NO_GROUPS),
+    ] {
+        assert!(matches!(read_bytes(&hostile), Err(LogError::Damaged { .. })));
+    }
 }
 
 #[test]

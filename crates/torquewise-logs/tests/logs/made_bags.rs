@@ -1,4 +1,5 @@
 //! Bags made for tests: messages byte by byte, files by the libraries that define the formats.
+#![expect(clippy::unwrap_used, reason = "a test stops where its ground gives way")]
 
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;

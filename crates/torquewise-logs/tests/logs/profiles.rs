@@ -208,7 +208,7 @@ fn a_raw_reading_keeps_missing_signals_missing_and_cuts_at_gaps() {
 
     let mut blocks: Vec<(usize, Raw)> = Vec::new();
     logs.read_raw(&mut |trajectory, block| -> Result<(), LogError> {
-        blocks.push((trajectory, block.clone()));
+        blocks.push((trajectory, block));
         Ok(())
     })
     .unwrap();

@@ -3,7 +3,7 @@ use crate::Files;
 use std::path::PathBuf;
 use torquewise_logs::{ConditionedLogs, LogError, Logs};
 use torquewise_motion::signals::{Conditioning, Cutoff};
-use torquewise_motion::{LocalPolynomial, Recording, Repairs};
+use torquewise_motion::{Recording, Repairs};
 
 const ONE_JOINT: &str = "t,q1,dq1,ddq1,tau1\n0,1,2,3,4\n0.1,1,2,3,4\n";
 
@@ -175,22 +175,6 @@ fn reading_stops_with_the_first_error_of_the_visitor() {
     });
 
     assert_eq!((visits, stopped.unwrap_err().to_string().as_str()), (1, "enough"));
-}
-
-#[test]
-fn the_polynomial_of_missing_derivatives_can_be_chosen() {
-    let files = Files::new();
-    let text = "t,q1\n0,0\n1,1\n2,4\n3,9\n4,16\n5,25\n6,36\n7,49\n8,64\n";
-    let logs = Logs::open(&[files.add("a.csv", text)]).unwrap();
-
-    let chord = logs.derived_by(LocalPolynomial::new(1, 2).unwrap());
-    let parabola = &chord.read_all().unwrap()[0];
-
-    for row in 0..9 {
-        // A parabola is fitted exactly, and these are small whole numbers.
-        assert!((parabola.dq()[(row, 0)] - 2.0 * row as f64).abs() < 1e-12);
-        assert!((parabola.ddq()[(row, 0)] - 2.0).abs() < 1e-12);
-    }
 }
 
 /// A joint that swings, with white noise of 1e-3 in its position; no velocities.

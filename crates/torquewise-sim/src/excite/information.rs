@@ -55,7 +55,7 @@ impl Information {
 }
 
 /// How well the coefficients of a library can be told from each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Criterion {
     /// Columns judged: energies, offsets, friction.
     pub columns: usize,

@@ -5,7 +5,7 @@ use crate::error::{SimError, check_between};
 use std::f64::consts::PI;
 
 /// What a joint may do at most.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Bounds {
     /// Lower and upper position \[rad\].
     pub position: [f64; 2],

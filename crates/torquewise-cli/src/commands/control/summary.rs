@@ -67,9 +67,9 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
             "integral": gains.integral,
             "derivative": gains.derivative,
         },
-        "file": arguments.output.as_ref().map(|file| file.display().to_string()),
-        "plot": arguments.plot.as_ref().map(|file| file.display().to_string()),
-        "report": arguments.report.as_ref().map(|file| file.display().to_string()),
+        "file": arguments.output,
+        "plot": arguments.plot,
+        "report": arguments.report,
     });
     object.extend(more.as_object().cloned().unwrap_or_default());
     Value::Object(object)

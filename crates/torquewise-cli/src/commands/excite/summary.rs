@@ -4,7 +4,7 @@ use super::{Arguments, Files};
 use crate::outcome::Outcome;
 use crate::table::Table;
 use serde_json::{Value, json};
-use torquewise::excite::{Bounds, Criterion, Excitation, Limits, Peaks};
+use torquewise::excite::{Excitation, Limits, Peaks};
 use torquewise::model::number;
 
 /// What a plan cannot know.
@@ -147,9 +147,9 @@ fn json(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
     let joints = limits.iter().enumerate().map(|(joint, limits)| {
         json!({
             "name": limits.joint,
-            "limit": bounds(&limits.arm),
-            "planned": bounds(&limits.planned),
-            "peak": peak(&peaks(planned, joint)),
+            "limit": limits.arm,
+            "planned": limits.planned,
+            "peak": peaks(planned, joint),
             "assumed": limits.assumed,
         })
     });
@@ -160,14 +160,13 @@ fn json(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
             "seconds": recording.seconds(),
             "rows": recording.n_rows(),
             "parts": recording.n_parts(),
-            "peaks": peaks.iter().map(peak).collect::<Vec<_>>(),
-            "file": log.display().to_string(),
-            "ros_file": trajectory.display().to_string(),
+            "peaks": peaks,
+            "file": log,
+            "ros_file": trajectory,
         })
     });
     let pairs = planned.criteria.iter().zip(&planned.random);
     let criteria = ABOUT.into_iter().zip(pairs).map(|((name, about), (own, random))| {
-        let (own, random) = (criterion(own), criterion(random));
         json!({ "recording": name, "about": about, "planned": own, "random": random })
     });
     json!({
@@ -181,23 +180,7 @@ fn json(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
         "ros_rate_hz": arguments.ros_rate,
         "tries": arguments.tries,
         "seed": arguments.seed,
-        "figure": files.figure.display().to_string(),
+        "figure": files.figure,
         "not_checked": UNKNOWN,
     })
-}
-
-fn bounds(bounds: &Bounds) -> Value {
-    let Bounds { position, velocity, acceleration } = bounds;
-    json!({ "position": position, "velocity": velocity, "acceleration": acceleration })
-}
-
-fn peak(peak: &Peaks) -> Value {
-    let Peaks { position, velocity, acceleration } = peak;
-    json!({ "position": position, "velocity": velocity, "acceleration": acceleration })
-}
-
-/// A condition without bound is null.
-fn criterion(criterion: &Criterion) -> Value {
-    let Criterion { columns, condition, information } = criterion;
-    json!({ "columns": columns, "condition": condition, "information": information })
 }
