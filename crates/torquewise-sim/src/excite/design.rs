@@ -13,7 +13,6 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// What a recording is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Recipe {
     /// Poses held for so many seconds.
@@ -46,7 +45,6 @@ pub(crate) struct Task<'a> {
     pub(crate) effort: Effort,
 }
 
-/// A part and its columns.
 #[derive(Clone)]
 struct Chosen {
     part: Part,

@@ -152,7 +152,6 @@ impl Setting<'_> {
         Ok([standstill, uniform, variable])
     }
 
-    /// Plans one recording.
     fn recording(
         &self,
         stage: usize,
@@ -192,7 +191,6 @@ impl Setting<'_> {
         }
     }
 
-    /// How much recordings tell.
     fn criteria(
         &self,
         library: &Library,

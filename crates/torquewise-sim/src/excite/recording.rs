@@ -31,7 +31,6 @@ const BETWEEN_ROWS: usize = 5;
 const ROUNDINGS: f64 = 1e-9;
 
 impl Planned {
-    /// Puts parts in a row.
     pub(crate) fn new(
         name: &'static str,
         joints: &[String],
@@ -176,7 +175,6 @@ impl Planned {
         self.rows(0..self.n_rows())
     }
 
-    /// The named rows.
     fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, SimError> {
         let mut states = Rows::new(rows.len(), self.joints.len());
         let mut t = Vec::with_capacity(rows.len());
