@@ -6,7 +6,6 @@ use crate::excite::library::Library;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, Sweep};
 use crate::excite::segment::glide_seconds;
-use crate::excite::sines::Sines;
 use crate::random::between;
 use faer::Mat;
 use rand_chacha::ChaCha8Rng;
@@ -131,7 +130,7 @@ impl Task<'_> {
         rng: &mut ChaCha8Rng,
     ) -> Result<(), SimError> {
         let old = chosen[place].clone();
-        let kind = old.part.kind().unwrap_or(Sweep::Together);
+        let kind = old.part.sweep.unwrap_or(Sweep::Together);
         let mut drawn = Vec::new();
         for k in 0..self.tries() {
             let varied =
@@ -221,7 +220,7 @@ impl Task<'_> {
             }
             Recipe::Sines => {
                 let seconds = self.longest_period() * between(rng, PERIOD_SHARE);
-                Some(Part::Sines(Sines::draw(seconds, limits, rng)))
+                Some(Part::sines(seconds, limits, rng))
             }
         }
     }

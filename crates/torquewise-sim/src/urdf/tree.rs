@@ -24,6 +24,9 @@ pub(crate) struct Welded<'a> {
     exits: Vec<(&'a Joint, Pose)>,
 }
 
+/// A joint that moves, its frame in that of the link before, and what hangs on it.
+pub(crate) type Hinge<'a> = (&'a Joint, Pose, Welded<'a>);
+
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
     pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, SimError> {
@@ -104,11 +107,8 @@ impl<'a> Tree<'a> {
         Err(SimError::Branches { link: link.into(), lock })
     }
 
-    /// What does not move, then each joint base to tip with its frame in that of the link before and
-    /// what hangs on it.
-    pub(crate) fn chain(
-        &self,
-    ) -> Result<(Welded<'a>, Vec<(&'a Joint, Pose, Welded<'a>)>), SimError> {
+    /// What does not move, then each joint base to tip.
+    pub(crate) fn chain(&self) -> Result<(Welded<'a>, Vec<Hinge<'a>>), SimError> {
         let base = self.welded(self.root)?;
         let (mut exit, mut joints) = (self.only_exit(&base)?, Vec::new());
         while let Some((joint, X_PJ)) = exit {
