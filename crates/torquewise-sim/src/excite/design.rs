@@ -174,13 +174,12 @@ impl Task<'_> {
 
     /// Time \[s\] of the recording with a part put in a place, at the end or instead of another.
     fn seconds_with(&self, chosen: &[Chosen], put: Option<(usize, &Part)>) -> f64 {
-        let place = put.map_or(usize::MAX, |(place, _)| place);
-        let own = |(k, chosen)| {
-            let chosen: &Chosen = chosen;
-            put.filter(|(place, _)| *place == k).map_or(&chosen.part, |(_, part)| part)
-        };
-        let end = put.filter(|_| place == chosen.len()).map(|(_, part)| part);
-        let parts = chosen.iter().enumerate().map(own).chain(end);
+        let mut parts: Vec<&Part> = chosen.iter().map(|chosen| &chosen.part).collect();
+        match put {
+            Some((place, part)) if place < parts.len() => parts[place] = part,
+            Some((_, part)) => parts.push(part),
+            None => {}
+        }
         seconds_of(self.home, parts, self.limits)
     }
 
@@ -242,11 +241,7 @@ impl Task<'_> {
 pub(crate) const REST: f64 = 0.5;
 
 /// Time \[s\] that parts take with the glides between them.
-fn seconds_of<'a>(
-    home: &[f64],
-    parts: impl IntoIterator<Item = &'a Part>,
-    limits: &[Bounds],
-) -> f64 {
+fn seconds_of(home: &[f64], parts: Vec<&Part>, limits: &[Bounds]) -> f64 {
     let (mut seconds, mut at) = (2.0 * REST, home.to_vec());
     for part in parts {
         let next = part.anchor();

@@ -118,7 +118,7 @@ pub fn excite(
 
     progress(1.0, "judging");
     let [standstill, uniform, variable] =
-        recordings.each_ref().map(|recording| recording.checked_peaks(&bounds));
+        recordings.each_ref().map(|recording| recording.peaks(&bounds));
     Ok(Excitation {
         criteria: setting.criteria(&library, &recordings)?,
         random: setting.criteria(&library, &random)?,

@@ -125,8 +125,9 @@ impl Planned {
         States::new(&states, vec![step; points])
     }
 
-    /// How far each joint goes, at the rows and at four instants between two of them, n.
-    pub fn peaks(&self) -> Vec<Peaks> {
+    /// How far each joint goes, at the rows and at four instants between two of them, n, once that is
+    /// found within the limits.
+    pub(crate) fn peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, SimError> {
         let none = Peaks {
             position: [f64::INFINITY, f64::NEG_INFINITY],
             velocity: 0.0,
@@ -144,12 +145,6 @@ impl Planned {
                 peak.acceleration = peak.acceleration.max(state.ddq[i].abs());
             }
         }
-        peaks
-    }
-
-    /// Peaks, once they are found within the limits.
-    pub(crate) fn checked_peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, SimError> {
-        let peaks = self.peaks();
         for ((joint, peak), limits) in self.joints.iter().zip(&peaks).zip(limits) {
             let pairs = [
                 ("position", -peak.position[0], -limits.position[0]),
