@@ -49,11 +49,8 @@ pub(crate) struct Moments {
     pub(crate) xx: f64,
     /// About z.
     pub(crate) zz: f64,
-    /// Off the diagonal.
     pub(crate) xy: f64,
-    /// Off the diagonal.
     pub(crate) xz: f64,
-    /// Off the diagonal.
     pub(crate) yz: f64,
 }
 

@@ -21,7 +21,6 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// What it takes to compute these nodes.
     pub(crate) fn of(graph: &Graph, roots: &[Id]) -> Self {
         let mut cost = Self::default();
         for id in graph.reachable(roots) {

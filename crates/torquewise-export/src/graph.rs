@@ -6,7 +6,6 @@
 
 use std::collections::HashMap;
 
-/// Number of a node.
 pub(crate) type Id = usize;
 
 /// A signal of one joint, counted from 0.
@@ -43,26 +42,19 @@ pub(crate) enum Function {
     Reciprocal,
 }
 
-/// One operation.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Node {
     /// A number, by its bits.
     Constant(u64),
-    /// A signal.
     Input(Input),
     /// sin(k·q) with an integer k for each joint.
     Sin(Vec<i32>),
     /// cos(k·q) with an integer k for each joint.
     Cos(Vec<i32>),
-    /// a + b
     Add(Id, Id),
-    /// a − b
     Sub(Id, Id),
-    /// a·b
     Mul(Id, Id),
-    /// −a
     Neg(Id),
-    /// f(a)
     Call(Function, Id),
 }
 
@@ -89,12 +81,10 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    /// The operation of a node.
     pub(crate) fn node(&self, id: Id) -> &Node {
         &self.nodes[id]
     }
 
-    /// Number of nodes.
     pub(crate) fn len(&self) -> usize {
         self.nodes.len()
     }
@@ -123,7 +113,6 @@ impl Graph {
         }
     }
 
-    /// A signal.
     pub(crate) fn input(&mut self, input: Input) -> Id {
         self.put(Node::Input(input))
     }
@@ -150,7 +139,6 @@ impl Graph {
         }
     }
 
-    /// a + b
     pub(crate) fn add(&mut self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x + y),
@@ -172,7 +160,6 @@ impl Graph {
         self.sub(a, by)
     }
 
-    /// a − b
     pub(crate) fn sub(&mut self, a: Id, b: Id) -> Id {
         if a == b {
             return self.constant(0.0);
@@ -197,7 +184,6 @@ impl Graph {
         }
     }
 
-    /// a·b
     pub(crate) fn mul(&mut self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x * y),
@@ -237,7 +223,6 @@ impl Graph {
         self.put(Node::Mul(factor, a))
     }
 
-    /// −a
     pub(crate) fn neg(&mut self, a: Id) -> Id {
         match self.nodes[a] {
             Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
@@ -247,12 +232,10 @@ impl Graph {
         }
     }
 
-    /// f(a)
     pub(crate) fn call(&mut self, function: Function, a: Id) -> Id {
         self.put(Node::Call(function, a))
     }
 
-    /// |a|
     pub(crate) fn abs(&mut self, a: Id) -> Id {
         match self.nodes[a] {
             Node::Constant(bits) => self.constant(f64::from_bits(bits).abs()),
@@ -271,7 +254,6 @@ impl Graph {
         if power.is_multiple_of(2) { even } else { self.mul(even, a) }
     }
 
-    /// The sum of several.
     pub(crate) fn sum(&mut self, parts: &[Id]) -> Id {
         if parts.len() > CHAIN {
             let chains: Vec<Id> = parts.chunks(CHAIN).map(|chain| self.sum(chain)).collect();
@@ -281,7 +263,6 @@ impl Graph {
         parts.iter().fold(zero, |sum, &part| self.add(sum, part))
     }
 
-    /// The product of several.
     pub(crate) fn product(&mut self, parts: &[Id]) -> Id {
         let one = self.constant(1.0);
         parts.iter().fold(one, |product, &part| self.mul(product, part))

@@ -8,7 +8,6 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::term::Sum;
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Weighted};
 
-/// The parts of the torque as nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct Parts {
     /// C(q, q̇)q̇, n.

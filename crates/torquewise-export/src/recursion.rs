@@ -29,7 +29,6 @@ pub(crate) struct Recursion<'a> {
     angles: Vec<[Id; 2]>,
 }
 
-/// Motion of a link.
 struct Moved {
     omega: Vector,
     alpha: Vector,
@@ -52,7 +51,6 @@ struct Composite {
 }
 
 impl<'a> Recursion<'a> {
-    /// Prepares the angles.
     pub(crate) fn new(graph: &'a mut Graph, chain: &'a BaseChain) -> Self {
         let mut angles = Vec::with_capacity(chain.links.len());
         for link in &chain.links {
@@ -63,7 +61,6 @@ impl<'a> Recursion<'a> {
         Self { graph, chain, angles }
     }
 
-    /// Torques of all joints, n.
     pub(crate) fn torque(&mut self, motion: Motion) -> Vec<Id> {
         let moved = self.moved(motion);
         let mut wrench = self.no_wrench();
@@ -123,7 +120,6 @@ impl<'a> Recursion<'a> {
         }
     }
 
-    /// The motion of all links.
     fn moved(&mut self, motion: Motion) -> Vec<Moved> {
         let zero = self.graph.constant(0.0);
         let weighs = matches!(motion, Motion::Rest | Motion::Whole);

@@ -11,13 +11,10 @@ const LINE: usize = 84;
 
 /// How a language writes what it does not share with the others.
 pub(crate) trait Language {
-    /// A number.
     fn constant(&self, value: f64) -> String;
     /// Name of a function of one value.
     fn name(&self, function: Function) -> String;
-    /// A string literal.
     fn quoted(&self, text: &str) -> String;
-    /// The statements that compute something.
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String>;
 }
 

@@ -33,10 +33,8 @@ pub(crate) struct Frictionless {
     pub(crate) matrix: Vec<Id>,
 }
 
-/// One of these functions.
 type Choice = fn(&Frictionless) -> &Vec<Id>;
 
-/// A way to compute something.
 type Way<'a, T> = Box<dyn Fn(&mut Graph) -> T + 'a>;
 
 /// The functions of a model, each the cheapest that is known.
@@ -132,7 +130,6 @@ fn weight(graph: &Graph, roots: &[Id]) -> usize {
     Cost::of(&graph, &roots).weight()
 }
 
-/// Energy terms, each once.
 fn joined(terms: Vec<(EnergyTerm, f64)>) -> Vec<Weighted<EnergyTerm>> {
     let mut sums: BTreeMap<EnergyTerm, f64> = BTreeMap::new();
     for (term, coefficient) in terms {

@@ -90,12 +90,10 @@ impl<'a> Findings<'a> {
         self.found.steps.len() > 1
     }
 
-    /// Number of joints n.
     pub(crate) fn n_joints(&self) -> usize {
         self.found.model.n_joints()
     }
 
-    /// Joint names, base to tip.
     pub(crate) fn joints(&self) -> &[String] {
         &self.found.model.joints
     }

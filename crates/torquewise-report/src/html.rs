@@ -24,6 +24,7 @@
 pub mod colour;
 pub mod number;
 pub mod markup;
+pub mod equation;
 pub mod chart;
 pub mod thin;
 mod spec;

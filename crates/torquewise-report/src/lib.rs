@@ -1,7 +1,7 @@
 //! Figures and reports of motions and reconstructed torque models, each returned as one text.
 //!
-//! [`fit_report()`] tells all about a fit; [`html`] is the kit it is made with, [`mathml`] its
-//! equations; [`chart_figure`] draws charts by themselves, as a picture that does not move.
+//! [`fit_report()`] tells all about a fit; [`html`] is the kit it is made with; [`chart_figure`] draws
+//! charts by themselves, as a picture that does not move.
 //!
 //! Nothing here touches a file or rasterises a font: a figure is SVG whose words stay words, in the
 //! sans-serif font of whoever looks at it, so that it can be saved, or pasted into a page.
@@ -9,7 +9,6 @@
 pub mod error;
 pub mod html;
 mod still;
-pub mod mathml;
 pub mod orders;
 pub mod fit_report;
 

@@ -26,7 +26,6 @@ pub(crate) struct Joint {
     pub(crate) rotor: f64,
     /// Positions \[rad\] that simulated motions keep to.
     pub(crate) range: [f64; 2],
-    /// Limits its file gives.
     pub(crate) limits: JointLimits,
 }
 
@@ -67,7 +66,6 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// Checks every number of every joint.
     pub(crate) fn new(
         name: String,
         gravity: [f64; 3],
@@ -142,7 +140,6 @@ impl Arm {
         Ok(self)
     }
 
-    /// Joints base to tip.
     pub(crate) fn chain(&self) -> &[Joint] {
         &self.joints
     }
@@ -250,12 +247,11 @@ pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), SimError> {
     is_positive_semidefinite(&body.inertia).then_some(()).ok_or_else(refused)
 }
 
-/// Unit vector along `axis`.
 pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>, SimError> {
     let axis = Vector3::from(axis);
     Unit::try_new(axis, 1e-9)
         .filter(|_| axis.norm().is_finite())
-        .ok_or_else(|| SimError::Axis { joint: joint.into() })
+        .ok_or_else(|| SimError::NoDirection { what: format!("axis of joint `{joint}`") })
 }
 
 /// At most one turn of a joint's range, about its middle; a full turn where there is no limit.
@@ -268,7 +264,6 @@ pub(crate) fn at_most_one_turn([lower, upper]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// Refuses NaN and infinity.
 pub(crate) fn check_finite(
     what: &'static str,
     place: &str,

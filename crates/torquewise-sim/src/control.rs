@@ -38,4 +38,4 @@ pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};
 pub use record::{Recorded, record};
 pub use reference::{Periodic, periodic};
-pub use track::{Tracking, compare, lead, track};
+pub use track::{Tracking, compare, track};

@@ -60,9 +60,9 @@ pub enum SimError {
     #[error("the joints of the log are {found}, the URDF has them in the order {expected}")]
     #[diagnostic(help("put them in that order, by `joints` in a profile"))]
     JointOrder { expected: String, found: String },
-    #[error("gravity has no direction")]
+    #[error("{what} has no direction")]
     #[diagnostic(help("give three numbers that are not all 0"))]
-    NoGravity,
+    NoDirection { what: String },
     #[error("no joint is left that moves")]
     #[diagnostic(help("an arm needs at least one: lock fewer or add one"))]
     NoJoints,
@@ -77,9 +77,6 @@ pub enum SimError {
     #[error("inertia of `{place}` has a negative principal moment")]
     #[diagnostic(help("check the signs and the order ixx, iyy, izz, ixy, ixz, iyz"))]
     Inertia { place: String },
-    #[error("axis of joint `{joint}` has no direction")]
-    #[diagnostic(help("give three numbers that are not all 0"))]
-    Axis { joint: String },
     #[error("range of joint `{joint}` is [{lower}, {upper}] rad")]
     #[diagnostic(help("give lower < upper, within the limits of the arm"))]
     Range { joint: String, lower: f64, upper: f64 },

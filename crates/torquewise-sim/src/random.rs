@@ -14,7 +14,6 @@ pub(crate) fn log_between(rng: &mut ChaCha8Rng, ends: [f64; 2]) -> f64 {
     between(rng, ends.map(f64::ln)).exp()
 }
 
-/// A standard normal number.
 pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }

@@ -15,7 +15,6 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// A and B are one frame.
     pub(crate) fn identity() -> Self {
         Self { R_AB: Matrix3::identity(), p_AB: Vector3::zeros() }
     }
@@ -45,7 +44,6 @@ impl Pose {
         Self { R_AB, p_AB: Vector3::zeros() }
     }
 
-    /// A seen from B.
     pub(crate) fn inverse(&self) -> Self {
         Self { R_AB: self.R_AB.transpose(), p_AB: -self.R_AB.tr_mul(&self.p_AB) }
     }
@@ -63,7 +61,6 @@ impl Mul for Pose {
 /// Mass distribution of a rigid body, in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Body {
-    /// Mass \[kg\].
     pub(crate) mass: f64,
     /// Centre of mass \[m\].
     pub(crate) com: Vector3<f64>,
@@ -72,7 +69,6 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// Nothing there.
     pub(crate) fn none() -> Self {
         Self { mass: 0.0, com: Vector3::zeros(), inertia: Matrix3::zeros() }
     }

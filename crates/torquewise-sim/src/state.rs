@@ -21,7 +21,6 @@ impl State {
         Self { q: q.to_vec(), dq: vec![0.0; q.len()], ddq: vec![0.0; q.len()] }
     }
 
-    /// A row of a motion.
     pub(crate) fn of(motion: &Motion, row: usize) -> Self {
         let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect();
         Self { q: of(motion.q()), dq: of(motion.dq()), ddq: of(motion.ddq()) }

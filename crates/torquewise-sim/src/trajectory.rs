@@ -48,7 +48,6 @@ impl Trajectory {
         Ok(Self { n_rows, rate: plan.rate, path })
     }
 
-    /// Number of rows m.
     pub(crate) fn n_rows(&self) -> usize {
         self.n_rows
     }

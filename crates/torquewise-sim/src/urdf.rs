@@ -29,12 +29,11 @@ impl Arm {
     pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self, SimError> {
         let robot = Robot::read(text)?;
         let tree = Tree::new(&robot, locked)?;
-        let mut joints = Vec::new();
-        let mut before = tree.welded(tree.root())?;
+        let (base, chain) = tree.chain()?;
         // The base does not move, its mass must be one all the same.
-        tree.body(&before)?;
-        while let Some((joint, X_PJ)) = tree.only_exit(&before)? {
-            let after = tree.welded(&joint.child)?;
+        tree.body(&base)?;
+        let mut joints = Vec::with_capacity(chain.len());
+        for (joint, X_PJ, after) in chain {
             let range = if joint.kind == "continuous" { [0.0, 0.0] } else { joint.range };
             let [velocity, acceleration] = joint.peaks;
             let moved = Joint {
@@ -46,7 +45,6 @@ impl Arm {
                 limits: JointLimits::new(range, velocity, acceleration),
             };
             joints.push((joint.name.clone(), moved));
-            before = after;
         }
         Self::new(robot.name.clone(), STANDARD_GRAVITY, joints)
     }

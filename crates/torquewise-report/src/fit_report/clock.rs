@@ -3,7 +3,6 @@
 use crate::html::{Band, Colour};
 use torquewise_motion::Pattern;
 
-/// Name of the axis.
 pub(crate) const LABEL: &str = "time [s]";
 
 /// A step this many times the usual one is a break, not a part of the motion.
@@ -41,7 +40,6 @@ impl Clock {
         clock
     }
 
-    /// Time of a row \[s\].
     pub(crate) fn at(&self, row: usize) -> f64 {
         self.t[row]
     }

@@ -2,9 +2,9 @@
 //! joint.
 
 use crate::fit_report::Findings;
+use crate::html::equation::{Equation, energies, math};
 use crate::html::number::count;
 use crate::html::{Item, Section};
-use crate::mathml::{Equation, energies, math};
 use std::collections::BTreeMap;
 use torquewise_model::print::{weighted_equations, weighted_friction};
 use torquewise_model::{Form, Term, Weighted};
@@ -14,7 +14,6 @@ const MOST_TERMS: usize = 200;
 /// An equation of more terms is folded.
 const LONG: usize = 60;
 
-/// All equations, the long ones folded.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let model = &findings.found.model;
     let mut items = Vec::new();
@@ -27,7 +26,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
                 .into(),
         ));
         let shown = energies(terms).into_iter().map(|energy| largest(energy, &BTreeMap::new()));
-        let shown = shown.chain(frictions(findings)).map(|equation| written(&equation)).collect();
+        let shown = shown.chain(frictions(findings)).map(written).collect();
         match model.n_coefficients() {
             0..=LONG => items.extend(shown),
             many => items.push(Item::Details {
@@ -38,26 +37,22 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
         let friction = if model.friction.is_empty() { "" } else { " + friction" };
         items.push(Item::Details {
             summary: format!("The torques that follow: τ = d/dt ∂T/∂q̇ − ∂T/∂q + ∂V/∂q{friction}"),
-            items: torques.iter().map(written).collect(),
+            items: torques.into_iter().map(written).collect(),
         });
     } else {
         items.push(Item::Text(
             "The torque of each joint, in SI units. Grey numbers are standard errors.".into(),
         ));
-        items.extend(torques.iter().map(written));
+        items.extend(torques.into_iter().map(written));
     }
     Section { heading: "Equations".into(), items }
 }
 
-/// The equation, folded if it is long.
-fn written(equation: &Equation) -> Item {
-    let markup = Item::Markup(equation.to_markup());
+fn written(equation: Equation) -> Item {
     let n_terms = equation.terms.len() + equation.friction.len() + equation.left_out;
-    if n_terms <= LONG {
-        return markup;
-    }
     let summary = format!("{}, {} terms", equation.name, count(n_terms));
-    Item::Details { summary, items: vec![markup] }
+    let item = Item::Equation(equation);
+    if n_terms <= LONG { item } else { Item::Details { summary, items: vec![item] } }
 }
 
 /// What rubs at each joint where anything does.

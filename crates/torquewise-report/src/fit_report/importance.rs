@@ -2,9 +2,9 @@
 //! stayed.
 
 use crate::fit_report::Findings;
+use crate::html::equation::{friction, term};
 use crate::html::number::count;
 use crate::html::{Bars, Colour, Item, Label, Section};
-use crate::mathml::{friction, term};
 use std::collections::BTreeMap;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::weighted_friction;

@@ -7,7 +7,6 @@ use torquewise_identify::Warning;
 use torquewise_identify::verdict::{Grade, Verdict};
 use torquewise_model::Form;
 
-/// Digits of errors.
 const DIGITS: usize = 3;
 
 /// One sentence below the title.

@@ -4,7 +4,8 @@ use crate::error::ReportError;
 use crate::html::bars::Bars;
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
-use crate::html::markup::{Label, script_json};
+use crate::html::equation::Equation;
+use crate::html::markup::script_json;
 use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
 use crate::html::table::{Column, Table};
@@ -31,8 +32,8 @@ pub enum Item {
         /// How to read it.
         caption: String,
     },
-    /// Equations, or other HTML taken over as it is.
-    Markup(Label),
+    /// An equation.
+    Equation(Equation),
     /// Parts that are shown when asked for, and always on paper.
     Details {
         /// What they hold.
@@ -75,7 +76,6 @@ impl<'a> Writer<'a> {
         Self { environment, charts: 0 }
     }
 
-    /// The HTML of some items.
     pub(crate) fn write(&mut self, items: &[Item]) -> Result<String, ReportError> {
         items.iter().map(|item| self.item(item)).collect()
     }
@@ -100,7 +100,7 @@ impl<'a> Writer<'a> {
                 let label = format!("Axes of {}", skeleton.joints.join(", "));
                 ("skeleton", context! { spec => safe(&script_json(skeleton)?), label, caption })
             }
-            Item::Markup(markup) => ("markup", context! { markup => safe(markup.as_str()) }),
+            Item::Equation(equation) => ("equation", equation.view()),
             Item::Details { summary, items } => {
                 let body = safe(&self.write(items)?);
                 ("details", context! { summary => summary.as_str(), body })
@@ -154,7 +154,6 @@ fn bars_view(bars: &Bars) -> Value {
     }
 }
 
-/// An entry of a legend.
 fn key(label: &str, colour: Colour, mark: &str) -> Value {
     context! { label, colour => colour.variable(), mark }
 }

@@ -59,7 +59,6 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
 
 /// A series from left to right.
 struct Curve {
-    /// Its place in the chart.
     place: usize,
     points: Sorted,
 }

@@ -121,12 +121,10 @@ impl<'a> Controller<'a> {
         self.law
     }
 
-    /// The gains of its feedback.
     pub(crate) fn gains(&self) -> &Gains {
         &self.gains
     }
 
-    /// Seconds between ticks.
     pub(crate) fn period(&self) -> f64 {
         self.period
     }

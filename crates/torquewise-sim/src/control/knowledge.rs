@@ -2,40 +2,31 @@
 
 use crate::control::plant::Plant;
 use crate::error::SimError;
+use faer::Mat;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::path::Path;
 
-/// What a controller may ask about the arm before it; slices hold n numbers in SI units.
+/// What a controller may ask about the arm before it; slices hold n numbers in SI units, others are
+/// refused.
+#[expect(clippy::missing_errors_doc, reason = "slices of another length are refused by all")]
 pub trait Knowledge: Sync {
     /// Number of joints n.
     fn n_joints(&self) -> usize;
 
     /// M̂(q) q̈ + Ĉ(q, q̇) q̇ + Ĝ(q) \[N·m\], n.
-    ///
-    /// # Errors
-    /// [`SimError`] for slices of another length.
     fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError>;
 
     /// The way of a motion before its first sample, with all that friction remembers of it.
     fn path(&self) -> Path;
 
     /// F̂ \[N·m\], n, at the end of a way and at q̇; zeros where no friction is known.
-    ///
-    /// # Errors
-    /// [`SimError`] for a slice of another length.
     fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError>;
 
     /// Ĝ(q) and the friction of slow motion at the end of a way and at q̇ \[N·m\], n: what is known
     /// after step 1.
-    ///
-    /// # Errors
-    /// [`SimError`] for a slice of another length.
     fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError>;
 
     /// M̂ᵢᵢ(q) \[kg·m²\], n.
-    ///
-    /// # Errors
-    /// [`SimError`] for a slice of another length.
     fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError>;
 }
 
@@ -96,8 +87,7 @@ impl Knowledge for Learned {
     }
 
     fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
-        let mass = self.whole.mass_matrix(q)?;
-        Ok((0..self.n_joints).map(|joint| mass[(joint, joint)]).collect())
+        Ok(diagonal(&self.whole.mass_matrix(q)?))
     }
 }
 
@@ -124,9 +114,12 @@ impl Knowledge for Plant {
     }
 
     fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
-        let mass = self.arm.mass_matrix(q);
-        Ok((0..self.arm.n_joints()).map(|joint| mass[(joint, joint)]).collect())
+        Ok(diagonal(&self.arm.mass_matrix(q)))
     }
+}
+
+fn diagonal(matrix: &Mat<f64>) -> Vec<f64> {
+    matrix.diagonal().column_vector().iter().copied().collect()
 }
 
 /// a + share·b.

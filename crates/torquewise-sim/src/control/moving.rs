@@ -12,7 +12,6 @@ use std::f64::consts::TAU;
 /// Speed \[rad/s\] that no joint reaches unless its controller drives it away.
 const FASTEST: f64 = 300.0;
 
-/// A plant in motion.
 #[derive(Debug)]
 pub(crate) struct Moving<'a> {
     plant: &'a Plant,
@@ -206,19 +205,10 @@ mod tests {
     }
 
     #[test]
-    fn an_encoder_counts_whole_steps() {
+    fn an_encoder_counts_whole_steps_and_noise_has_its_level() {
         let mut plant = Plant::ideal(Arm::builtin("planar-2").unwrap());
         plant.sensors = Sensors { step: 0.01, ..Sensors::IDEAL };
-        let mut moving = Moving::new(&plant, &[0.123, -1.0], &[0.0; 2]).unwrap();
-
-        let measured = moving.measured();
-
-        assert!((measured[0] - 0.12).abs() < 1e-12 && (measured[1] + 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn noise_has_its_level() {
-        let mut plant = Plant::ideal(Arm::builtin("planar-2").unwrap());
+        let measured = Moving::new(&plant, &[0.123, -1.0], &[0.0; 2]).unwrap().measured();
         plant.sensors = Sensors { noise: 0.02, torque_noise: 0.5, ..Sensors::IDEAL };
         let mut moving = Moving::new(&plant, &[0.0; 2], &[0.0; 2]).unwrap();
         let rms = |draw: &mut dyn FnMut() -> Vec<f64>| {
@@ -229,25 +219,21 @@ mod tests {
         let of_position = rms(&mut || moving.measured());
         let of_torque = rms(&mut || moving.reported(&[0.0; 2]));
 
+        assert!((measured[0] - 0.12).abs() < 1e-12 && (measured[1] + 1.0).abs() < 1e-12);
         // The root of 10 000 squares is within 3 % but once in ten thousand seeds.
         assert!((of_position / 0.02 - 1.0).abs() < 0.03 && (of_torque / 0.5 - 1.0).abs() < 0.03);
     }
 
     #[test]
-    fn slopes_of_a_ramp_settle_to_its_slope() {
-        let mut slopes = Slopes::new(1e-3, 100.0, &[0.0]);
+    fn slopes_of_a_ramp_settle_to_its_slope_and_are_differences_without_a_cut_off() {
+        let mut filtered = Slopes::new(1e-3, 100.0, &[0.0]);
+        let mut plain = Slopes::new(0.5, f64::INFINITY, &[7.0]);
 
-        let last = (0..50).map(|k| slopes.next(&[0.002 * f64::from(k)])[0]).last().unwrap();
+        let last = (0..50).map(|k| filtered.next(&[0.002 * f64::from(k)])[0]).last().unwrap();
 
         // exp(−2π·100·0.049) = 4e-14
         assert!((last - 2.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn without_a_cut_off_slopes_are_differences() {
-        let mut slopes = Slopes::new(0.5, f64::INFINITY, &[7.0]);
-
-        assert_eq!(slopes.next(&[1.0])[0].to_bits(), 7.0_f64.to_bits());
-        assert_eq!(slopes.next(&[2.0])[0].to_bits(), 2.0_f64.to_bits());
+        assert_eq!(plain.next(&[1.0])[0].to_bits(), 7.0_f64.to_bits());
+        assert_eq!(plain.next(&[2.0])[0].to_bits(), 2.0_f64.to_bits());
     }
 }

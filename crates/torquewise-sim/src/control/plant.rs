@@ -78,16 +78,20 @@ impl Plant {
         let n = self.arm.n_joints();
         check_joints("friction", self.friction.n_joints(), n)?;
         check_joints("the limit of the torque", self.drive.limit.len(), n)?;
-        let any = [0.0, f64::MAX];
         for &limit in &self.drive.limit {
             check_above_zero("the limit of the torque [N·m]", limit)?;
         }
-        let sensors = &self.sensors;
+        let Sensors { step, noise, torque_noise, cutoff, .. } = self.sensors;
+        let numbers = [
+            ("the step of the encoder [rad]", step),
+            ("the noise of the position [rad]", noise),
+            ("the noise of the torque [N·m]", torque_noise),
+        ];
+        for (what, found) in numbers {
+            check_between(what, found, [0.0, f64::MAX], "0 or more")?;
+        }
         check_between("the delay of the torque [s]", self.drive.delay, [0.0, 0.1], "0 to 0.1")?;
-        check_between("the step of the encoder [rad]", sensors.step, any, "0 or more")?;
-        check_between("the noise of the position [rad]", sensors.noise, any, "0 or more")?;
-        check_between("the noise of the torque [N·m]", sensors.torque_noise, any, "0 or more")?;
-        check_above_zero("the cut-off of the velocity [Hz]", sensors.cutoff)?;
+        check_above_zero("the cut-off of the velocity [Hz]", cutoff)?;
         check_between("the tolerance", self.tolerance, [1e-13, 1e-3], "1e-13 to 1e-3")
     }
 

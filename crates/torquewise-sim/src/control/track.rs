@@ -31,6 +31,9 @@ pub struct Tracking {
 
 /// Drives the plant along a desired motion, from its first state on.
 ///
+/// With [`Law::HandGuiding`] a hand leads the arm: a spring and a damper with the gains of the
+/// controller, pulling at every joint. The torque of the hand says how heavy the arm feels.
+///
 /// # Errors
 /// [`SimError::JointCount`] if they are of different arms; [`SimError::Diverged`] for a
 /// loop that is unstable.
@@ -39,29 +42,7 @@ pub fn track(
     controller: &mut Controller<'_>,
     wanted: &Motion,
 ) -> Result<Tracking, SimError> {
-    run(plant, controller, wanted, None)
-}
-
-/// Leads the arm along a desired motion by hand: a spring and a damper with the gains of the
-/// controller, pulling at every joint. The torque of the hand says how heavy the arm feels.
-///
-/// # Errors
-/// Those of [`track`].
-pub fn lead(
-    plant: &Plant,
-    controller: &mut Controller<'_>,
-    wanted: &Motion,
-) -> Result<Tracking, SimError> {
-    let hand = controller.gains().clone();
-    run(plant, controller, wanted, Some(&hand))
-}
-
-fn run(
-    plant: &Plant,
-    controller: &mut Controller<'_>,
-    wanted: &Motion,
-    hand: Option<&Gains>,
-) -> Result<Tracking, SimError> {
+    let hand = (controller.law() == Law::HandGuiding).then(|| controller.gains().clone());
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
     check_joints("the controller", controller.n_joints(), n)?;
@@ -75,7 +56,7 @@ fn run(
         let command = controller.command(&target, &measured)?;
         let pull: Vec<f64> = (0..n)
             .map(|i| {
-                hand.map_or(0.0, |hand| {
+                hand.as_ref().map_or(0.0, |hand| {
                     let [e, de] = [target.q[i] - moving.q()[i], target.dq[i] - moving.dq()[i]];
                     hand.proportional[i] * e + hand.derivative[i] * de
                 })
@@ -99,7 +80,7 @@ fn run(
 }
 
 /// Lets each law drive the plant along the same desired motion with the same gains, each on a
-/// thread of its own; with [`Law::HandGuiding`] a hand leads it.
+/// thread of its own.
 ///
 /// Commands are kept within the limits of the drives, velocities below the cut-off of the sensors.
 ///
@@ -117,10 +98,7 @@ pub fn compare(
         let controller = Controller::new(law, known, gains, wanted)?;
         let controller = controller.with_limit(&plant.drive.limit)?;
         let mut controller = controller.with_cutoff(plant.sensors.cutoff)?;
-        match law {
-            Law::HandGuiding => lead(plant, &mut controller, wanted),
-            _ => track(plant, &mut controller, wanted),
-        }
+        track(plant, &mut controller, wanted)
     };
     std::thread::scope(|scope| {
         let running: Vec<_> = laws.iter().map(|&law| scope.spawn(move || run(law))).collect();

@@ -6,14 +6,12 @@ use crate::excite::library::Library;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, Sweep};
 use crate::excite::segment::glide_seconds;
-use crate::excite::sines::Sines;
 use crate::random::between;
 use faer::Mat;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// What a recording is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Recipe {
     /// Poses held for so many seconds.
@@ -46,7 +44,6 @@ pub(crate) struct Task<'a> {
     pub(crate) effort: Effort,
 }
 
-/// A part and its columns.
 #[derive(Clone)]
 struct Chosen {
     part: Part,
@@ -133,7 +130,7 @@ impl Task<'_> {
         rng: &mut ChaCha8Rng,
     ) -> Result<(), SimError> {
         let old = chosen[place].clone();
-        let kind = old.part.kind().unwrap_or(Sweep::Together);
+        let kind = old.part.sweep.unwrap_or(Sweep::Together);
         let mut drawn = Vec::new();
         for k in 0..self.tries() {
             let varied =
@@ -177,13 +174,12 @@ impl Task<'_> {
 
     /// Time \[s\] of the recording with a part put in a place, at the end or instead of another.
     fn seconds_with(&self, chosen: &[Chosen], put: Option<(usize, &Part)>) -> f64 {
-        let place = put.map_or(usize::MAX, |(place, _)| place);
-        let own = |(k, chosen)| {
-            let chosen: &Chosen = chosen;
-            put.filter(|(place, _)| *place == k).map_or(&chosen.part, |(_, part)| part)
-        };
-        let end = put.filter(|_| place == chosen.len()).map(|(_, part)| part);
-        let parts = chosen.iter().enumerate().map(own).chain(end);
+        let mut parts: Vec<&Part> = chosen.iter().map(|chosen| &chosen.part).collect();
+        match put {
+            Some((place, part)) if place < parts.len() => parts[place] = part,
+            Some((_, part)) => parts.push(part),
+            None => {}
+        }
         seconds_of(self.home, parts, self.limits)
     }
 
@@ -223,7 +219,7 @@ impl Task<'_> {
             }
             Recipe::Sines => {
                 let seconds = self.longest_period() * between(rng, PERIOD_SHARE);
-                Some(Part::Sines(Sines::draw(seconds, limits, rng)))
+                Some(Part::sines(seconds, limits, rng))
             }
         }
     }
@@ -245,11 +241,7 @@ impl Task<'_> {
 pub(crate) const REST: f64 = 0.5;
 
 /// Time \[s\] that parts take with the glides between them.
-fn seconds_of<'a>(
-    home: &[f64],
-    parts: impl IntoIterator<Item = &'a Part>,
-    limits: &[Bounds],
-) -> f64 {
+fn seconds_of(home: &[f64], parts: Vec<&Part>, limits: &[Bounds]) -> f64 {
     let (mut seconds, mut at) = (2.0 * REST, home.to_vec());
     for part in parts {
         let next = part.anchor();

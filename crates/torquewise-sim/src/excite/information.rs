@@ -134,30 +134,20 @@ mod tests {
     }
 
     #[test]
-    fn the_gain_is_what_adding_the_rows_brings() {
+    fn the_gain_is_what_adding_the_rows_brings_and_taking_them_away_leaves_what_was_there() {
         for k in [2, 9] {
-            let mut information = Information::new(5, 1e-6, &[]);
+            let mut information = Information::new(5, 1e-3, &[]);
             information.add(rows(7, 5, 0.1).as_ref(), 1.0);
             let before = log_det(&information.factor);
             let more = rows(k, 5, 0.7);
 
             let gain = information.gain(more.as_ref());
             information.add(more.as_ref(), 1.0);
-
             assert_relative_eq!(gain, log_det(&information.factor) - before, epsilon = 1e-10);
+
+            information.add(more.as_ref(), -1.0);
+            assert_relative_eq!(log_det(&information.factor), before, epsilon = 1e-10);
         }
-    }
-
-    #[test]
-    fn rows_that_are_taken_away_leave_what_was_there() {
-        let mut information = Information::new(5, 1e-3, &[]);
-        information.add(rows(7, 5, 0.1).as_ref(), 1.0);
-        let before = log_det(&information.factor);
-
-        information.add(rows(4, 5, 0.7).as_ref(), 1.0);
-        information.add(rows(4, 5, 0.7).as_ref(), -1.0);
-
-        assert_relative_eq!(log_det(&information.factor), before, epsilon = 1e-10);
     }
 
     #[test]

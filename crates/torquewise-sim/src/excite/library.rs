@@ -52,7 +52,6 @@ pub(crate) enum Share {
 }
 
 impl Library {
-    /// Lists the columns.
     pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self, SimError> {
         let n = limits.len();
         let mut order = interaction.unwrap_or(INTERACTION).clamp(1, n.max(1));
@@ -84,7 +83,6 @@ impl Library {
         Ok(library)
     }
 
-    /// Number of columns.
     pub(crate) fn n_columns(&self) -> usize {
         self.scale.len()
     }
@@ -181,19 +179,6 @@ mod tests {
 
     const LIMITS: [Bounds; 3] =
         [Bounds { position: [-2.0, 2.0], velocity: 1.0, acceleration: 2.0 }; 3];
-
-    #[test]
-    fn shares_have_the_sizes_of_their_terms() {
-        let library = Library::new(&LIMITS, None).unwrap();
-
-        let sizes =
-            [Share::Standstill { creep: false }, Share::Standstill { creep: true }, Share::Uniform]
-                .map(|share| library.share(share).unwrap().n_columns());
-
-        // 76 energies, of which V holds 18 and M six constants.
-        assert_eq!(library.n_columns(), 76 + 9);
-        assert_eq!(sizes, [18 + 3, 18 + 6, 70 + 9]);
-    }
 
     #[test]
     fn every_column_has_size_one_over_the_limits() {

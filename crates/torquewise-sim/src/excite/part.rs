@@ -7,15 +7,13 @@ use crate::random::{between, direction, log_between, normal};
 use crate::state::{Rows, State};
 use rand_chacha::ChaCha8Rng;
 
-/// A part of a recording that begins and ends at rest in the same pose.
+/// A part of a recording that begins and ends at rest in the same pose: a pose, held; a way at constant
+/// speed, there and back; a period of sines.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Part {
-    /// A pose, held.
-    Pose { at: Vec<f64>, seconds: f64 },
-    /// A way at constant speed, there and back.
-    Sweep { kind: Sweep, from: Vec<f64>, speeds: Vec<f64>, ramp: f64, cruise: f64 },
-    /// A period of sines.
-    Sines(Sines),
+pub(crate) struct Part {
+    /// Which joints sweep, if any do.
+    pub(crate) sweep: Option<Sweep>,
+    pub(crate) there: Segment,
 }
 
 /// States at which a part is judged, with the time \[s\] each stands for.
@@ -59,10 +57,13 @@ pub(crate) enum Sweep {
 }
 
 impl Part {
-    /// A pose anywhere.
     pub(crate) fn pose(seconds: f64, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
         let at = limits.iter().map(|limits| between(rng, limits.position)).collect();
-        Self::Pose { at, seconds }
+        Self { sweep: None, there: Segment::Hold { at, seconds } }
+    }
+
+    pub(crate) fn sines(seconds: f64, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
+        Self { sweep: None, there: Segment::Sines(Sines::draw(seconds, limits, rng)) }
     }
 
     /// A pose passed at a creep in both directions by all joints; `None` if a range is too narrow.
@@ -70,7 +71,7 @@ impl Part {
         let speeds: Vec<f64> =
             limits.iter().map(|limits| CREEP * direction(rng) * limits.velocity).collect();
         let ramp = ramp_seconds(&speeds, limits);
-        Self::placed(Sweep::Together, speeds, [ramp, seconds], limits, rng)
+        Self::placed(Sweep::Together, &speeds, [ramp, seconds], limits, rng)
     }
 
     /// A sweep of at most so many seconds, or as many as it takes to reach and keep its speed.
@@ -119,23 +120,23 @@ impl Part {
             longest = longest.min((way / speed.abs() - ramp).max(shortest));
         }
         let cruise = log_between(rng, [shortest, longest]);
-        Self::placed(kind, speeds, [ramp, cruise], limits, rng)
+        Self::placed(kind, &speeds, [ramp, cruise], limits, rng)
     }
 
     /// A sweep that starts where its way has room.
     fn placed(
         kind: Sweep,
-        speeds: Vec<f64>,
+        speeds: &[f64],
         [ramp, cruise]: [f64; 2],
         limits: &[Bounds],
         rng: &mut ChaCha8Rng,
     ) -> Option<Self> {
+        let travel: Vec<f64> = speeds.iter().map(|speed| speed * (ramp + cruise)).collect();
         let mut from = Vec::with_capacity(speeds.len());
-        for (speed, limits) in speeds.iter().zip(limits) {
-            let room = room_of(speed * (ramp + cruise), limits)?;
-            from.push(between(rng, room));
+        for (travel, limits) in travel.iter().zip(limits) {
+            from.push(between(rng, room_of(*travel, limits)?));
         }
-        Some(Self::Sweep { kind, from, speeds, ramp, cruise })
+        Some(Self { sweep: Some(kind), there: Segment::Stroke { from, travel, ramp, cruise } })
     }
 
     /// A part near this one: of the same joints and as long.
@@ -144,76 +145,58 @@ impl Part {
         let mut moved = |at: &f64, [lower, upper]: [f64; 2], span: [f64; 2]| {
             (at + share * (span[1] - span[0]) * normal(rng)).clamp(lower, upper)
         };
-        Some(match self {
-            Self::Pose { at, seconds } => {
+        let there = match &self.there {
+            Segment::Hold { at, seconds } => {
                 let at = at.iter().zip(limits).map(|(q, l)| moved(q, l.position, l.position));
-                Self::Pose { at: at.collect(), seconds: *seconds }
+                Segment::Hold { at: at.collect(), seconds: *seconds }
             }
-            Self::Sweep { from, speeds, ramp, cruise, .. } => {
+            Segment::Stroke { from, travel, ramp, cruise } => {
                 let mut start = Vec::with_capacity(from.len());
-                for ((q, speed), limits) in from.iter().zip(speeds).zip(limits) {
-                    let room = room_of(speed * (ramp + cruise), limits)?;
-                    start.push(moved(q, room, limits.position));
+                for ((q, travel), limits) in from.iter().zip(travel).zip(limits) {
+                    start.push(moved(q, room_of(*travel, limits)?, limits.position));
                 }
-                let mut varied = self.clone();
-                if let Self::Sweep { from, .. } = &mut varied {
-                    *from = start;
-                }
-                varied
+                let (travel, ramp, cruise) = (travel.clone(), *ramp, *cruise);
+                Segment::Stroke { from: start, travel, ramp, cruise }
             }
-            Self::Sines(sines) => Self::Sines(sines.vary(limits, rng)),
-        })
-    }
-
-    /// Which joints sweep, if any do.
-    pub(crate) fn kind(&self) -> Option<Sweep> {
-        match self {
-            Self::Sweep { kind, .. } => Some(*kind),
-            Self::Pose { .. } | Self::Sines(_) => None,
-        }
+            Segment::Sines(sines) => Segment::Sines(sines.vary(limits, rng)),
+            Segment::Glide { .. } => return None,
+        };
+        Some(Self { sweep: self.sweep, there })
     }
 
     /// The pose at both ends, n.
     pub(crate) fn anchor(&self) -> Vec<f64> {
-        match self {
-            Self::Pose { at, .. } => at.clone(),
-            Self::Sweep { from, .. } => from.clone(),
-            Self::Sines(sines) => sines.ends(),
+        match &self.there {
+            Segment::Hold { at: from, .. }
+            | Segment::Glide { from, .. }
+            | Segment::Stroke { from, .. } => from.clone(),
+            Segment::Sines(sines) => sines.ends(),
         }
     }
 
-    /// How long it takes \[s\].
     pub(crate) fn seconds(&self) -> f64 {
         self.segments().iter().map(Segment::seconds).sum()
     }
 
-    /// What it is made of.
     pub(crate) fn segments(&self) -> Vec<Segment> {
-        match self {
-            Self::Pose { at, seconds } => {
-                vec![Segment::Hold { at: at.clone(), seconds: *seconds }]
-            }
-            Self::Sweep { from, speeds, ramp, cruise, .. } => {
-                let (ramp, cruise) = (*ramp, *cruise);
-                let travel: Vec<f64> = speeds.iter().map(|speed| speed * (ramp + cruise)).collect();
-                let to = from.iter().zip(&travel).map(|(from, travel)| from + travel).collect();
-                let back = travel.iter().map(|travel| -travel).collect();
-                vec![
-                    Segment::Stroke { from: from.clone(), travel, ramp, cruise },
-                    Segment::Stroke { from: to, travel: back, ramp, cruise },
-                ]
-            }
-            Self::Sines(sines) => vec![Segment::Sines(sines.clone())],
+        let mut segments = vec![self.there.clone()];
+        if let Segment::Stroke { from, travel, ramp, cruise } = &self.there {
+            let to = from.iter().zip(travel).map(|(from, travel)| from + travel).collect();
+            let travel = travel.iter().map(|travel| -travel).collect();
+            segments.push(Segment::Stroke { from: to, travel, ramp: *ramp, cruise: *cruise });
         }
+        segments
     }
 
     /// The states it is there for: the pose, the ways at constant speed, the sines; so many times
     /// as many as it takes to compare parts.
     pub(crate) fn states(&self, density: u8) -> States {
         let mut times: Vec<(usize, f64, f64)> = Vec::new();
-        match self {
-            Self::Pose { seconds, .. } => times.push((0, 0.0, *seconds)),
-            Self::Sweep { ramp, cruise, .. } => {
+        match &self.there {
+            Segment::Hold { seconds, .. } | Segment::Glide { seconds, .. } => {
+                times.push((0, 0.0, *seconds));
+            }
+            Segment::Stroke { ramp, cruise, .. } => {
                 let count = density.saturating_mul(SWEEP_POINTS);
                 let step = cruise / f64::from(count);
                 for way in 0..2 {
@@ -221,7 +204,7 @@ impl Part {
                     times.extend(points.map(|k| (way, ramp + k * step, step)));
                 }
             }
-            Self::Sines(sines) => {
+            Segment::Sines(sines) => {
                 let count = usize::from(density) * POINTS_PER_HARMONIC * sines.harmonics();
                 let step = sines.seconds() / count as f64;
                 times.extend((0..count).map(|k| (0, (k as f64 + 0.5) * step, step)));
@@ -247,7 +230,6 @@ fn room_of(travel: f64, limits: &Bounds) -> Option<[f64; 2]> {
 }
 
 impl States {
-    /// Gathers states.
     pub(crate) fn new(states: &[State], seconds: Vec<f64>) -> Self {
         let mut rows = Rows::new(states.len(), states.first().map_or(0, |state| state.q.len()));
         states.iter().enumerate().for_each(|(row, state)| rows.set(row, state));
@@ -267,22 +249,8 @@ mod tests {
     ];
 
     fn moving(part: &Part) -> Vec<usize> {
-        let Part::Sweep { speeds, .. } = part else { panic!("a sweep was asked for") };
-        (0..3).filter(|&joint| speeds[joint] != 0.0).collect()
-    }
-
-    #[test]
-    fn sweeps_move_the_joints_that_are_named() {
-        let mut rng = ChaCha8Rng::seed_from_u64(5);
-        let mut together = 0;
-        for _ in 0..50 {
-            let fast = Part::sweep(Sweep::Fast(0), 12.0, &LIMITS, &mut rng).unwrap();
-            let slow = Part::sweep(Sweep::Slow(2), 12.0, &LIMITS, &mut rng).unwrap();
-            assert_eq!((moving(&fast), moving(&slow)), (vec![0], vec![2]));
-            let any = Part::sweep(Sweep::Together, 12.0, &LIMITS, &mut rng);
-            together += usize::from(any.is_some_and(|part| moving(&part).len() > 1));
-        }
-        assert!(together > 10, "{together} of 50");
+        let Segment::Stroke { travel, .. } = &part.there else { panic!("no sweep") };
+        (0..3).filter(|&joint| travel[joint] != 0.0).collect()
     }
 
     #[test]
@@ -325,14 +293,14 @@ mod tests {
             Part::pose(0.5, &LIMITS, &mut rng),
             Part::creep(0.5, &LIMITS, &mut rng).unwrap(),
             Part::sweep(Sweep::Slow(1), 12.0, &LIMITS, &mut rng).unwrap(),
-            Part::Sines(Sines::draw(8.0, &LIMITS, &mut rng)),
+            Part::sines(8.0, &LIMITS, &mut rng),
         ];
 
         for part in parts {
             let varied = part.vary(&LIMITS, &mut rng).unwrap();
             assert_ne!(varied, part);
             assert!((varied.seconds() - part.seconds()).abs() < 1e-12);
-            if let Part::Sweep { .. } = part {
+            if part.sweep.is_some() {
                 assert_eq!(moving(&varied), moving(&part));
             }
         }

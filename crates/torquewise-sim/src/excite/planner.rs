@@ -5,8 +5,8 @@ use crate::excite::design::{Effort, Recipe, Task};
 use crate::excite::information::Criterion;
 use crate::excite::library::{Library, Share};
 use crate::excite::limits::{Bounds, Limits};
-use crate::excite::part::Part;
 use crate::excite::recording::{Peaks, Planned};
+use crate::excite::segment::Segment;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -118,7 +118,7 @@ pub fn excite(
 
     progress(1.0, "judging");
     let [standstill, uniform, variable] =
-        recordings.each_ref().map(|recording| recording.checked_peaks(&bounds));
+        recordings.each_ref().map(|recording| recording.peaks(&bounds));
     Ok(Excitation {
         criteria: setting.criteria(&library, &recordings)?,
         random: setting.criteria(&library, &random)?,
@@ -152,7 +152,6 @@ impl Setting<'_> {
         Ok([standstill, uniform, variable])
     }
 
-    /// Plans one recording.
     fn recording(
         &self,
         stage: usize,
@@ -192,7 +191,6 @@ impl Setting<'_> {
         }
     }
 
-    /// How much recordings tell.
     fn criteria(
         &self,
         library: &Library,
@@ -222,9 +220,9 @@ impl Setting<'_> {
     /// Joints that no sweep moves alone.
     fn not_alone(&self, uniform: &Planned) -> Vec<String> {
         let alone = |joint: usize| {
-            uniform.parts().iter().any(|part| match part {
-                Part::Sweep { speeds, .. } => {
-                    speeds.iter().enumerate().all(|(k, speed)| (k == joint) == (*speed != 0.0))
+            uniform.parts().iter().any(|part| match &part.there {
+                Segment::Stroke { travel, .. } => {
+                    travel.iter().enumerate().all(|(k, way)| (k == joint) == (*way != 0.0))
                 }
                 _ => false,
             })

@@ -44,7 +44,6 @@ const BETWEEN_ROWS: usize = 5;
 const ROUNDINGS: f64 = 1e-9;
 
 impl Planned {
-    /// Puts parts in a row.
     pub(crate) fn new(
         name: &'static str,
         joints: &[String],
@@ -139,8 +138,9 @@ impl Planned {
         States::new(&states, vec![step; points])
     }
 
-    /// How far each joint goes, at the rows and at four instants between two of them, n.
-    pub fn peaks(&self) -> Vec<Peaks> {
+    /// How far each joint goes, at the rows and at four instants between two of them, n, once that is
+    /// found within the limits.
+    pub(crate) fn peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, SimError> {
         let none = Peaks {
             position: [f64::INFINITY, f64::NEG_INFINITY],
             velocity: 0.0,
@@ -158,12 +158,6 @@ impl Planned {
                 peak.acceleration = peak.acceleration.max(state.ddq[i].abs());
             }
         }
-        peaks
-    }
-
-    /// Peaks, once they are found within the limits.
-    pub(crate) fn checked_peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, SimError> {
-        let peaks = self.peaks();
         for ((joint, peak), limits) in self.joints.iter().zip(&peaks).zip(limits) {
             let pairs = [
                 ("position", -peak.position[0], -limits.position[0]),
@@ -189,7 +183,6 @@ impl Planned {
         self.rows(0..self.n_rows())
     }
 
-    /// The named rows.
     fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, SimError> {
         let mut states = Rows::new(rows.len(), self.joints.len());
         let mut t = Vec::with_capacity(rows.len());

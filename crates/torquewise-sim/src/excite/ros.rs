@@ -49,7 +49,6 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>, SimErr
 
 /// Points closer than a microsecond would be a division by nothing.
 const LEAST_STEP: u64 = 1_000;
-/// Nanoseconds in a second.
 const SECOND: u64 = 1_000_000_000;
 
 fn whole_nanoseconds(t: f64) -> u64 {

@@ -7,15 +7,25 @@ use crate::state::State;
 /// Roundings must not lift a peak above its limit.
 const SLACK: f64 = 1.0 + 1e-9;
 
-/// What happens between two rests.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Segment {
-    /// Nothing moves.
-    Hold { at: Vec<f64>, seconds: f64 },
+    Hold {
+        at: Vec<f64>,
+        seconds: f64,
+    },
     /// From rest to rest on a line by the polynomial of order 5.
-    Glide { from: Vec<f64>, travel: Vec<f64>, seconds: f64 },
+    Glide {
+        from: Vec<f64>,
+        travel: Vec<f64>,
+        seconds: f64,
+    },
     /// From rest to rest on a line: speed up, keep the speed, slow down.
-    Stroke { from: Vec<f64>, travel: Vec<f64>, ramp: f64, cruise: f64 },
+    Stroke {
+        from: Vec<f64>,
+        travel: Vec<f64>,
+        ramp: f64,
+        cruise: f64,
+    },
     /// One period of a sum of sines.
     Sines(Sines),
 }
@@ -31,7 +41,6 @@ pub(crate) fn glide_seconds(from: &[f64], to: &[f64], limits: &[Bounds]) -> f64 
     from.iter().zip(to).zip(limits).map(of_joint).fold(0.0, f64::max)
 }
 
-/// The fastest glide within the limits.
 pub(crate) fn glide(from: &[f64], to: &[f64], limits: &[Bounds]) -> Segment {
     let travel = to.iter().zip(from).map(|(to, from)| to - from).collect();
     Segment::Glide { from: from.to_vec(), travel, seconds: glide_seconds(from, to, limits) }
@@ -46,7 +55,6 @@ pub(crate) fn ramp_seconds(speeds: &[f64], limits: &[Bounds]) -> f64 {
 }
 
 impl Segment {
-    /// How long it takes \[s\].
     pub(crate) fn seconds(&self) -> f64 {
         match self {
             Self::Hold { seconds, .. } | Self::Glide { seconds, .. } => *seconds,

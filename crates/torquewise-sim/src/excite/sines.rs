@@ -13,7 +13,6 @@ pub(crate) struct Sines {
     joints: Vec<Series>,
 }
 
-/// The series of one joint.
 #[derive(Clone, Debug, PartialEq)]
 struct Series {
     centre: f64,
@@ -74,7 +73,6 @@ impl Sines {
         Self { seconds: self.seconds, joints }
     }
 
-    /// The period \[s\].
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }
@@ -84,7 +82,6 @@ impl Sines {
         self.joints.iter().map(|series| series.waves.len()).max().unwrap_or(0)
     }
 
-    /// Writes the state at a time \[s\].
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
         let w = TAU / self.seconds;
         let turn = (w * t).sin_cos();

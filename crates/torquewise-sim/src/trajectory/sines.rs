@@ -14,7 +14,6 @@ const BOUND: [f64; 2] = [2.0, 6.0];
 /// Slow sines get larger amplitudes, by ω to this power, so that the joints cross their range.
 const ROLL_OFF: f64 = 1.3;
 
-/// Sums of sines, one per joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Sines {
     joints: Vec<(f64, Vec<Sine>)>,
@@ -35,7 +34,6 @@ impl Sines {
         Self { joints }
     }
 
-    /// Writes the state at time `t` \[s\].
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
         for (i, (middle, sines)) in self.joints.iter().enumerate() {
             let (mut q, mut dq, mut ddq) = (*middle, 0.0, 0.0);

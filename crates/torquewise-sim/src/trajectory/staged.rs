@@ -17,7 +17,6 @@ const TRANSFER_SPEED: f64 = 1.0;
 /// Rows that a transfer skips at least, so that its gap shows at any rate.
 const GAP_ROWS: f64 = 5.0;
 
-/// The three recordings as one log.
 #[derive(Clone, Debug)]
 pub(crate) struct Staged {
     arcs: Vec<Arc>,
@@ -88,7 +87,6 @@ impl Staged {
     }
 }
 
-/// Nothing moves.
 fn hold(n: usize, _: &mut ChaCha8Rng) -> (f64, State) {
     (HOLD, State::at_rest(&vec![0.0; n]))
 }

@@ -36,7 +36,6 @@ pub struct UrdfJoint {
     welded: Vec<WeldedLink>,
 }
 
-/// A link that is welded to another.
 #[derive(Clone, Debug)]
 struct WeldedLink {
     name: String,
@@ -123,13 +122,11 @@ impl UrdfChain {
         let links = |welded: &Welded<'_>| -> Vec<String> {
             welded.links.iter().map(|(link, _)| (*link).to_owned()).collect()
         };
-        let mut before = tree.welded(tree.root())?;
-        let base = links(&before);
+        let (base, chain) = tree.chain()?;
         let (mut joints, mut placements) = (Vec::new(), Vec::new());
         // The frame whose z is the axis of the joint before, in that of its link.
         let mut X_LZ = Pose::identity();
-        while let Some((joint, X_PL)) = tree.only_exit(&before)? {
-            let after = tree.welded(&joint.child)?;
+        for (joint, X_PL, after) in chain {
             let axis = direction(&joint.name, joint.axis)?;
             let own = Pose::with_z_along(&axis);
             let X_ZZ = X_LZ.inverse() * X_PL * own;
@@ -138,7 +135,7 @@ impl UrdfChain {
             let welded = tree.others(&after);
             let welded = welded.map(|(name, body, is_fixed)| WeldedLink { name, body, is_fixed });
             joints.push(UrdfJoint { name, links, X_LG: own, welded: welded.collect() });
-            (X_LZ, before) = (own, after);
+            X_LZ = own;
         }
         if joints.is_empty() {
             return Err(SimError::NoJoints);
@@ -146,13 +143,13 @@ impl UrdfChain {
         let gravity = gravity.unwrap_or(STANDARD_GRAVITY);
         check_finite("gravity", &robot.name, &gravity)?;
         if gravity.iter().all(|g| *g == 0.0) {
-            return Err(SimError::NoGravity);
+            return Err(SimError::NoDirection { what: "gravity".into() });
         }
         let (geometry, frames) = Geometry::of_frames(&placements, gravity);
         for (joint, frame) in joints.iter_mut().zip(frames) {
             joint.X_LG = joint.X_LG * Pose { R_AB: frame.rotation, p_AB: frame.origin };
         }
-        Ok(Self { name: robot.name.clone(), base, joints, geometry })
+        Ok(Self { name: robot.name.clone(), base: links(&base), joints, geometry })
     }
 
     /// What the robot is called.

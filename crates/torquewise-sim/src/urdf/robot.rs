@@ -47,7 +47,6 @@ pub(crate) struct Joint {
     pub(crate) mimics: bool,
 }
 
-/// Types of a joint.
 const KINDS: [&str; 7] =
     ["revolute", "continuous", "prismatic", "fixed", "floating", "planar", "spherical"];
 

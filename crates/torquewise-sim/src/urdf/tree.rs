@@ -24,6 +24,9 @@ pub(crate) struct Welded<'a> {
     exits: Vec<(&'a Joint, Pose)>,
 }
 
+/// A joint that moves, its frame in that of the link before, and what hangs on it.
+pub(crate) type Hinge<'a> = (&'a Joint, Pose, Welded<'a>);
+
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
     pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, SimError> {
@@ -47,13 +50,7 @@ impl<'a> Tree<'a> {
         Ok(tree)
     }
 
-    /// The link that hangs on no joint.
-    pub(crate) fn root(&self) -> &'a str {
-        self.root
-    }
-
-    /// All links welded to `first`.
-    pub(crate) fn welded(&self, first: &'a str) -> Result<Welded<'a>, SimError> {
+    fn welded(&self, first: &'a str) -> Result<Welded<'a>, SimError> {
         let (mut links, mut fixed, mut exits) = (Vec::new(), Vec::new(), Vec::new());
         let mut open = vec![(first, Pose::identity(), true)];
         while let Some((link, X_GL, is_fixed)) = open.pop() {
@@ -97,10 +94,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The one joint that leaves the body, if any.
-    pub(crate) fn only_exit(
-        &self,
-        welded: &Welded<'a>,
-    ) -> Result<Option<(&'a Joint, Pose)>, SimError> {
+    fn only_exit(&self, welded: &Welded<'a>) -> Result<Option<(&'a Joint, Pose)>, SimError> {
         if welded.exits.len() < 2 {
             return Ok(welded.exits.first().copied());
         }
@@ -111,6 +105,18 @@ impl<'a> Tree<'a> {
         let lock = branches[1..].concat().join(", ");
         let link = welded.links.first().map_or(self.root, |(link, _)| link);
         Err(SimError::Branches { link: link.into(), lock })
+    }
+
+    /// What does not move, then each joint base to tip.
+    pub(crate) fn chain(&self) -> Result<(Welded<'a>, Vec<Hinge<'a>>), SimError> {
+        let base = self.welded(self.root)?;
+        let (mut exit, mut joints) = (self.only_exit(&base)?, Vec::new());
+        while let Some((joint, X_PJ)) = exit {
+            let after = self.welded(&joint.child)?;
+            exit = self.only_exit(&after)?;
+            joints.push((joint, X_PJ, after));
+        }
+        Ok((base, joints))
     }
 
     fn joints_below(&self, link: &str) -> &[&'a Joint] {
@@ -156,11 +162,8 @@ impl<'a> Tree<'a> {
             .filter(|joint| self.moves(joint))
             .filter_map(|joint| Some(format!("`{}` ({})", joint.name, unsupported(joint)?)))
             .collect();
-        if unsupported.is_empty() {
-            Ok(())
-        } else {
-            Err(SimError::UnsupportedJoints { joints: unsupported.join(", ") })
-        }
+        let refused = || SimError::UnsupportedJoints { joints: unsupported.join(", ") };
+        unsupported.is_empty().then_some(()).ok_or_else(refused)
     }
 }
 

@@ -7,8 +7,8 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Form, FrictionTerm, Model, Training, Weighted};
 use torquewise_motion::Motion;
 use torquewise_sim::control::{
-    Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, lead,
-    mean_inertia, periodic, track,
+    Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, mean_inertia,
+    periodic, track,
 };
 use torquewise_sim::{Arm, Friction, SimError, Stribeck};
 
@@ -27,9 +27,14 @@ fn wanted(plant: &Plant) -> Motion {
     periodic(&plant.arm, &Periodic::default()).unwrap()
 }
 
-fn run(plant: &Plant, law: Law, bandwidth: f64, wanted: &Motion) -> Tracking {
+/// A controller that knows the plant, without limits.
+fn controller<'a>(plant: &'a Plant, law: Law, bandwidth: f64, wanted: &Motion) -> Controller<'a> {
     let gains = Gains::critically_damped(bandwidth, &mean_inertia(plant, wanted).unwrap());
-    let controller = Controller::new(law, plant, &gains, wanted).unwrap();
+    Controller::new(law, plant, &gains, wanted).unwrap()
+}
+
+fn run(plant: &Plant, law: Law, wanted: &Motion) -> Tracking {
+    let controller = controller(plant, law, 15.0, wanted);
     let controller = controller.with_limit(&plant.drive.limit).unwrap();
     let mut controller = controller.with_cutoff(plant.sensors.cutoff).unwrap();
     track(plant, &mut controller, wanted).unwrap()
@@ -42,7 +47,7 @@ fn more_knowledge_tracks_better_with_the_same_gains() {
 
     let [pid, first, second, computed] =
         [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque]
-            .map(|law| run(&plant, law, 15.0, &wanted).rms_error(8.0));
+            .map(|law| run(&plant, law, &wanted).rms_error(8.0));
 
     for joint in 0..3 {
         assert!(first[joint] < 0.5 * pid[joint], "{first:?}, {pid:?}");
@@ -56,7 +61,7 @@ fn an_ideal_arm_with_all_that_is_known_is_where_it_should_be() {
     let plant = Plant::ideal(Arm::builtin("puma560-3").unwrap());
     let wanted = wanted(&plant);
 
-    let found = run(&plant, Law::Controller2, 15.0, &wanted).peak_error(0.0);
+    let found = run(&plant, Law::Controller2, &wanted).peak_error(0.0);
 
     // A torque held for 1 ms is late by half of that: 0.5 ms × jerk 30 rad/s³ / ω² at most.
     assert!(found.iter().all(|error| *error < 1e-4), "{found:?}");
@@ -78,14 +83,13 @@ fn an_integral_that_does_not_wind_up_overshoots_less() {
     let mut plant = Plant::ideal(Arm::builtin("planar-2").unwrap());
     plant.drive.limit = vec![14.0, 8.0];
     let wanted = step(&plant);
-    let gains = Gains::critically_damped(15.0, &mean_inertia(&plant, &wanted).unwrap());
-    let mut blind = Controller::new(Law::Pid, &plant, &gains, &wanted).unwrap();
+    let mut blind = controller(&plant, Law::Pid, 15.0, &wanted);
     let beyond = |found: &Tracking| {
         found.error.col_as_slice(0).iter().fold(0.0_f64, |most, error| most.max(-error))
     };
 
     let wound = track(&plant, &mut blind, &wanted).unwrap();
-    let kept = run(&plant, Law::Pid, 15.0, &wanted);
+    let kept = run(&plant, Law::Pid, &wanted);
 
     assert!(wound.saturated[0] > 0.01, "{:?}", wound.saturated);
     assert!(beyond(&kept) < 0.7 * beyond(&wound), "{} {}", beyond(&kept), beyond(&wound));
@@ -96,16 +100,14 @@ fn an_integral_that_does_not_wind_up_overshoots_less() {
 fn an_arm_that_floats_is_led_with_little_force() {
     let plant = Plant::ideal(Arm::builtin("puma560-3").unwrap());
     let wanted = wanted(&plant);
-    let gains = Gains::critically_damped(15.0, &mean_inertia(&plant, &wanted).unwrap());
-    let still = vec![0.0; 3];
 
-    let mut controller = Controller::new(Law::HandGuiding, &plant, &gains, &wanted).unwrap();
-    let led = lead(&plant, &mut controller, &wanted).unwrap().rms_hand(1.0);
+    let mut controller = controller(&plant, Law::HandGuiding, 15.0, &wanted);
+    let led = track(&plant, &mut controller, &wanted).unwrap().rms_hand(1.0);
 
     let rows = 0..wanted.n_rows();
     let weight = rows.map(|row| {
         let q: Vec<f64> = wanted.q().row(row).iter().copied().collect();
-        plant.arm.inverse_dynamics(&q, &still, &still)[1].powi(2)
+        plant.arm.gravity_torque(&q)[1].powi(2)
     });
     let weight = (weight.sum::<f64>() / wanted.n_rows() as f64).sqrt();
     assert!(led[1] < 0.7 * weight, "{led:?}, {weight} to carry");
@@ -117,9 +119,9 @@ fn one_seed_gives_the_same_bits() {
     plant.sensors.noise = 1e-5;
     let wanted = periodic(&plant.arm, &Periodic { seconds: 1.0, ..Periodic::default() }).unwrap();
 
-    let [one, other] = [(); 2].map(|()| run(&plant, Law::Controller2, 15.0, &wanted));
+    let [one, other] = [(); 2].map(|()| run(&plant, Law::Controller2, &wanted));
     plant.sensors.seed = 1;
-    let third = run(&plant, Law::Controller2, 15.0, &wanted);
+    let third = run(&plant, Law::Controller2, &wanted);
 
     assert_eq!(one.q, other.q);
     assert_ne!(one.q, third.q);
@@ -143,9 +145,8 @@ fn a_loop_that_is_unstable_is_an_error() {
     let mut plant = plant();
     plant.drive.delay = 0.05;
     let wanted = wanted(&plant);
-    let gains = Gains::critically_damped(200.0, &mean_inertia(&plant, &wanted).unwrap());
 
-    let mut controller = Controller::new(Law::Pid, &plant, &gains, &wanted).unwrap();
+    let mut controller = controller(&plant, Law::Pid, 200.0, &wanted);
     let found = track(&plant, &mut controller, &wanted);
 
     assert!(matches!(found, Err(SimError::Diverged { .. })), "{found:?}");
@@ -186,14 +187,14 @@ fn what_does_not_belong_together_is_refused() {
     let other = Learned::new(&dry(3)).unwrap();
     let gap = wanted.select(&[0, 1, 2, 5]);
 
-    let of_another_arm = Controller::new(Law::Pid, &other, &gains, &wanted).err().unwrap();
-    let uneven = Controller::new(Law::Pid, &plant, &gains, &gap).err().unwrap();
-    let short = Controller::new(Law::Pid, &plant, &gains, &wanted.select(&[3])).err().unwrap();
     let none = Gains::critically_damped(15.0, &[1.0, -1.0]);
-    let unphysical = Controller::new(Law::Pid, &plant, &none, &wanted).err().unwrap();
+    let refused = |known: &dyn Knowledge, gains: &Gains, wanted: &Motion| {
+        Controller::new(Law::Pid, known, gains, wanted).err().unwrap()
+    };
 
-    assert!(matches!(of_another_arm, SimError::JointCount { .. }));
-    assert!(matches!(uneven, SimError::Uneven { .. }));
+    assert!(matches!(refused(&other, &gains, &wanted), SimError::JointCount { .. }));
+    assert!(matches!(refused(&plant, &gains, &gap), SimError::Uneven { .. }));
+    let short = refused(&plant, &gains, &wanted.select(&[3]));
     assert!(matches!(short, SimError::TooFewRows { rows: 1 }));
-    assert!(matches!(unphysical, SimError::Setting { .. }));
+    assert!(matches!(refused(&plant, &none, &wanted), SimError::Setting { .. }));
 }

@@ -53,18 +53,6 @@ fn torques_agree_with_pinocchio() {
     }
 }
 
-#[test]
-fn panda_fingers_are_named_when_they_are_not_locked() {
-    let Some(path) = shared("robots/panda.urdf") else {
-        return;
-    };
-    let text = std::fs::read_to_string(path).unwrap();
-
-    let error = Arm::from_urdf(&text, &[]).unwrap_err().to_string();
-
-    assert!(error.contains("panda_finger_joint1") && error.contains("panda_finger_joint2"));
-}
-
 /// The textbook two-link arm (masses in the middle of their links), angles from the horizontal.
 fn two_link_torque(q: [f64; 2], dq: [f64; 2], ddq: [f64; 2]) -> [f64; 2] {
     let (m1, m2, i1, i2) = (4.0, 2.0, 0.08, 0.03);

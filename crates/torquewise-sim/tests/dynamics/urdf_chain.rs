@@ -154,7 +154,7 @@ fn the_mounting_is_that_of_the_file_unless_gravity_is_given() {
         assert_relative_eq!(mounted[axis], given[axis], epsilon = 1e-12);
         assert_relative_eq!(mounted[axis], -hanging[axis], epsilon = 1e-12);
     }
-    assert!(matches!(of(Some([0.0; 3])), Err(SimError::NoGravity)));
+    assert!(matches!(of(Some([0.0; 3])), Err(SimError::NoDirection { .. })));
 }
 
 /// Public robots, where they are at hand.

@@ -1,6 +1,7 @@
 //! Whether pages hold what they are given, and nothing else.
 
 use super::*;
+use crate::html::equation::Equation;
 use crate::html::skeleton::Skeleton;
 use crate::html::{Axis, Bars, Callout, Chart, Colour, Column, Label, Series, Table, Tone};
 
@@ -40,7 +41,12 @@ fn page(words: &str) -> Page {
         Item::Table(table),
         Item::Charts(vec![chart.clone(), chart.clone()]),
         Item::Bars(vec![bars]),
-        Item::Markup(Label::trusted("<math><mi>q</mi></math>")),
+        Item::Equation(Equation {
+            name: word(),
+            left: Label::trusted("<math><mi>q</mi></math>"),
+            note: word(),
+            ..Equation::default()
+        }),
         Item::Skeleton {
             skeleton: Skeleton { joints: vec![word()], ..Skeleton::default() },
             caption: word(),

@@ -1,10 +1,10 @@
 //! From the LaTeX of terms to MathML: equations to read in a browser, with the digits that mean
 //! something.
 
-use crate::html::markup::{Label, escape};
+use crate::html::markup::Label;
 use crate::html::number::{aligned, count};
+use minijinja::{Value, context};
 use pulldown_latex::{Parser, RenderConfig, Storage, push_mathml};
-use std::fmt::Write;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::{weighted_energies, with_error};
 use torquewise_model::{EnergyTerm, FrictionTerm, Kind, Place, Term, Weighted};
@@ -28,97 +28,76 @@ pub struct Equation {
     pub left_out: usize,
 }
 
+/// One line of a sum: a coefficient and the function it stands before.
+struct Line {
+    /// Size and standard error, both with the digits that mean something.
+    number: [String; 2],
+    is_negative: bool,
+    /// Share of the resampled logs that kept it.
+    inclusion: Option<f64>,
+    unit: &'static str,
+    function: Label,
+}
+
+impl Line {
+    fn of<T>(weighted: &Weighted<T>, unit: &'static str, function: Label) -> Self {
+        let Weighted { coefficient, std_error, inclusion, .. } = *weighted;
+        let text = with_error(coefficient.abs(), std_error);
+        let (number, error) = text.split_once(" ± ").unwrap_or((&text, ""));
+        let number = [number.into(), error.into()];
+        Self { number, is_negative: coefficient < 0.0, inclusion, unit, function }
+    }
+}
+
 impl Equation {
-    /// The equation as HTML, one term to a line, with signs and decimal points below each other.
+    /// What the template of an equation is filled with: one term to a line, with signs and decimal
+    /// points below each other.
     ///
     /// Each coefficient has the digits its standard error leaves standing; error, unit and share of
     /// resampled logs stand beside it in small type or appear when it is pointed at.
-    pub fn to_markup(&self) -> Label {
-        let name = escape(&self.name);
-        let mut html = format!("<div class=\"equation\" role=\"group\" aria-label=\"{name}\">");
-        push(&mut html, format_args!("<div class=\"left\">{}", self.left));
-        if !self.note.is_empty() {
-            push(&mut html, format_args!("<small>{}</small>", escape(&self.note)));
-        }
-        let numbers: Vec<[String; 2]> = (self.terms.iter().map(number_and_error))
-            .chain(self.friction.iter().map(number_and_error))
-            .collect();
-        let coefficients: Vec<String> = numbers.iter().map(|[number, _]| number.clone()).collect();
-        let coefficients = aligned(&coefficients);
-        let widest = coefficients.iter().map(|text| text.chars().count()).max().unwrap_or(1);
-        // The sign ± and a space stand before the error.
-        let errors = numbers.iter().map(|[_, error]| error.chars().count());
-        let wide = errors.max().filter(|&n| n > 0).map_or(0, |n| n + 2);
-        push(
-            &mut html,
-            format_args!("</div><div class=\"sum\" style=\"--w:{widest};--e:{wide}\">"),
-        );
-        if numbers.is_empty() {
-            html.push_str(
-                "<div class=\"term\"><span></span><span class=\"coefficient\">0</span></div>",
-            );
-        }
-        let mut written =
-            coefficients.iter().map(String::as_str).zip(numbers.iter().map(|[_, e]| e.as_str()));
-        for (weighted, shown) in self.terms.iter().zip(&mut written) {
+    pub(crate) fn view(&self) -> Value {
+        let safe = |label: &Label| Value::from_safe_string(label.to_string());
+        let terms = self.terms.iter().map(|weighted| {
             let unit = self.unit.unwrap_or_else(|| unit_of(&weighted.term));
-            push_term(&mut html, weighted, shown, unit, &function_of(&weighted.term));
-        }
-        if !self.friction.is_empty() && !self.terms.is_empty() {
-            html.push_str("<div class=\"part\">friction</div>");
-        }
-        for (weighted, shown) in self.friction.iter().zip(&mut written) {
-            let term = &weighted.term;
-            push_term(&mut html, weighted, shown, friction_unit(term), friction(term).as_str());
-        }
-        html.push_str("</div>");
-        if self.left_out > 0 {
-            let n = count(self.left_out);
-            push(&mut html, format_args!("<div class=\"rest\">and {n} smaller terms</div>"));
-        }
-        html.push_str("</div>");
-        Label::trusted(html)
-    }
-}
-
-/// One line of a sum: sign, size and error as shown, and the function they stand before.
-fn push_term<T>(
-    html: &mut String,
-    weighted: &Weighted<T>,
-    (coefficient, error): (&str, &str),
-    unit: &str,
-    function: &str,
-) {
-    let sign = if weighted.coefficient < 0.0 { "−" } else { "+" };
-    let number = coefficient.trim_end_matches(['\u{2007}', '\u{2008}']);
-    let mut title = format!("{sign}{number} {unit}");
-    if !error.is_empty() {
-        push(&mut title, format_args!(", standard error {error}"));
-    }
-    let mut kept = String::new();
-    if let Some(inclusion) = weighted.inclusion {
-        let percent = 100.0 * inclusion;
-        push(&mut title, format_args!(", stayed in {percent:.0} % of resampled logs"));
-        if inclusion < CERTAIN {
-            kept = format!(" <span class=\"kept\">in {percent:.0} %</span>");
+            Line::of(weighted, unit, function_of(&weighted.term))
+        });
+        let rubs = self.friction.iter().map(|weighted| {
+            Line::of(weighted, friction_unit(&weighted.term), friction(&weighted.term))
+        });
+        let lines: Vec<Line> = terms.chain(rubs).collect();
+        let numbers: Vec<String> = lines.iter().map(|line| line.number[0].clone()).collect();
+        let coefficients = aligned(&numbers);
+        let errors = lines.iter().map(|line| line.number[1].chars().count());
+        let view = |(line, coefficient): (&Line, &String)| {
+            let [number, error] = &line.number;
+            let percent = line.inclusion.map(|inclusion| format!("{:.0}", 100.0 * inclusion));
+            context! {
+                sign => if line.is_negative { "−" } else { "+" },
+                number, error, coefficient, percent,
+                is_certain => line.inclusion.is_none_or(|inclusion| inclusion >= CERTAIN),
+                unit => line.unit,
+                function => safe(&line.function),
+            }
+        };
+        let lines: Vec<Value> = lines.iter().zip(&coefficients).map(view).collect();
+        context! {
+            name => self.name.as_str(),
+            left => safe(&self.left),
+            note => self.note.as_str(),
+            terms => lines[..self.terms.len()].to_vec(),
+            friction => lines[self.terms.len()..].to_vec(),
+            widest => coefficients.iter().map(|text| text.chars().count()).max().unwrap_or(1),
+            // The sign ± and a space stand before the error.
+            wide => errors.max().filter(|&n| n > 0).map_or(0, |n| n + 2),
+            left_out => (self.left_out > 0).then(|| count(self.left_out)),
         }
     }
-    let error = if error.is_empty() { String::new() } else { format!("± {error}") };
-    push(
-        html,
-        format_args!(
-            "<div class=\"term\" title=\"{}\"><span class=\"sign\">{sign}</span>\
-             <span class=\"coefficient\">{coefficient}</span>\
-             <span class=\"error\">{error}</span><span>{function}{kept}</span></div>",
-            escape(&title),
-        ),
-    );
 }
 
 /// The function a coefficient stands before; nothing for the constant 1.
-fn function_of(function: &Term) -> String {
+fn function_of(function: &Term) -> Label {
     let is_one = function.interaction() == 0 && function.kind() == Kind::Gravity;
-    if is_one { String::new() } else { term(function).to_string() }
+    if is_one { Label::default() } else { term(function) }
 }
 
 /// A share of resampled logs above this needs no mention: the term is always there.
@@ -180,15 +159,6 @@ fn friction_unit(term: &FrictionTerm) -> &'static str {
     }
 }
 
-/// Size of a coefficient, and its standard error, both with the digits that mean something.
-fn number_and_error<T>(weighted: &Weighted<T>) -> [String; 2] {
-    let text = with_error(weighted.coefficient.abs(), weighted.std_error);
-    match text.split_once(" ± ") {
-        Some((number, error)) => [number.into(), error.into()],
-        None => [text, String::new()],
-    }
-}
-
 fn unit_of(term: &Term) -> &'static str {
     match (term.kind(), term.dq.iter().sum::<u8>()) {
         (Kind::Inertia, _) => "kg·m²",
@@ -198,14 +168,10 @@ fn unit_of(term: &Term) -> &'static str {
     }
 }
 
-/// Writing to a String cannot fail.
-fn push(html: &mut String, text: std::fmt::Arguments<'_>) {
-    let _ = html.write_fmt(text);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::html::{Item, Page, Section};
     use torquewise_model::Trig;
     use torquewise_model::friction::Direction;
     use torquewise_model::term::Factor;
@@ -213,6 +179,13 @@ mod tests {
     fn equation(terms: Vec<Weighted<Term>>) -> Equation {
         let (name, note) = ("\"tau2".into(), "<elbow>".into());
         Equation { name, left: math(r"\tau_{2}="), note, terms, ..Equation::default() }
+    }
+
+    /// As it stands on a page.
+    fn drawn(equation: Equation) -> String {
+        let section = Section { heading: String::new(), items: vec![Item::Equation(equation)] };
+        let page = Page { sections: vec![section], ..Page::default() }.to_html().unwrap();
+        page.split("<main>").nth(1).unwrap().split("</main>").next().unwrap().to_owned()
     }
 
     fn weighted(coefficient: f64, std_error: f64) -> Weighted<Term> {
@@ -277,14 +250,14 @@ mod tests {
         });
         let whole = Equation { friction: friction.to_vec(), ..equation(vec![weighted(3.0, 0.1)]) };
 
-        let html = whole.to_markup().to_string();
+        let html = drawn(whole);
 
         let (terms, below) = html.split_once("<div class=\"part\">friction</div>").unwrap();
         assert!(terms.contains("<mi>sin</mi>") && !terms.contains("<mi>sign</mi>"), "{terms}");
         assert!(below.contains("title=\"−0.750 N·m, standard error 0.010\""), "{below}");
         assert!(below.contains("title=\"+12.500 N·m·s, standard error 0.010\""), "{below}");
         let alone = Equation { friction: friction.to_vec(), ..equation(Vec::new()) };
-        let html = alone.to_markup().to_string();
+        let html = drawn(alone);
         assert!(!html.contains(">0</span>") && !html.contains("class=\"part\""), "{html}");
     }
 
@@ -303,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_coefficient_shows_its_digits_error_and_share() {
-        let html = equation(vec![weighted(-8.395_95, 0.003_14)]).to_markup().to_string();
+        let html = drawn(equation(vec![weighted(-8.395_95, 0.003_14)]));
 
         assert!(html.contains("<span class=\"sign\">−</span>"), "{html}");
         assert!(html.contains(">8.3960<") || html.contains(">8.3959<"), "{html}");
@@ -314,7 +287,7 @@ mod tests {
 
     #[test]
     fn notes_are_escaped_and_an_empty_sum_is_zero() {
-        let html = equation(Vec::new()).to_markup().to_string();
+        let html = drawn(equation(Vec::new()));
 
         assert!(html.contains("<small>&lt;elbow&gt;</small>"), "{html}");
         assert!(html.contains("aria-label=\"&quot;tau2\""), "{html}");
