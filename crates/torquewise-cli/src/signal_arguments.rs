@@ -27,8 +27,8 @@ pub(crate) struct SignalArguments {
     #[arg(help_heading = "Filter", long, value_name = "auto|none|HZ", default_value = "auto")]
     #[arg(value_parser = filter)]
     filter: Filter,
-    /// Seconds by which the torque lags the motion, or `auto` to estimate it where signals are
-    /// filtered
+    /// Seconds by which the torque lags the motion, or `auto`: that of the model or, in a fit of
+    /// filtered signals, the one that predicts held-out torque best
     #[arg(help_heading = "Filter", long, value_name = "auto|S", default_value = "auto")]
     #[arg(value_parser = delay, allow_hyphen_values = true)]
     delay: Delay,
@@ -51,24 +51,6 @@ impl SignalArguments {
     }
 }
 
-<<<<<<< HEAD
-/// How signals are conditioned.
-#[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Filter")]
-pub(crate) struct SignalArguments {
-    /// Zero-phase low-pass filter: its cut-off in Hz, `auto` to filter logs without ddq at the
-    /// cut-off of the model or, where there is none, at one that is chosen, or `none`
-    #[arg(long, value_name = "auto|none|HZ", default_value = "auto", value_parser = filter)]
-    filter: Filter,
-    /// Seconds by which the torque lags the motion, or `auto`: that of the model or, in a fit of
-    /// filtered signals, the one that predicts held-out torque best
-    #[arg(long, value_name = "auto|S", default_value = "auto", value_parser = delay,
-          allow_hyphen_values = true)]
-    delay: Delay,
-}
-
-=======
->>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 /// Seconds, if they are not to be estimated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Delay(Option<f64>);

@@ -3,13 +3,7 @@
 use crate::clock::{ClockLane, ClockRepair, joined};
 use crate::error::LogError;
 use crate::logs::Logs;
-<<<<<<< HEAD
-use std::borrow::Cow;
 use torquewise_motion::signals::Raw;
-=======
-use torquewise_motion::MotionError;
-use torquewise_motion::signals::{Conditioning, Raw, torque_delay};
->>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 
 /// Rows that a trajectory is planned by, and of a piece.
 pub(crate) const FIRST_ROWS: usize = 1 << 15;

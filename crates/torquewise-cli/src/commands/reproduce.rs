@@ -8,12 +8,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-<<<<<<< HEAD
-
 use torquewise_paper::{Claim, PaperError, Results, Settings, page, reproduce};
-=======
-use torquewise_paper::{Claim, Results, Settings, page, reproduce};
->>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 
 /// Do the simulated experiments of the paper, and those beyond it: figures, tables, report
 #[derive(Args, Debug)]

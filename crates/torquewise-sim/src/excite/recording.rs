@@ -22,21 +22,8 @@ pub struct Planned {
     seconds: f64,
 }
 
-<<<<<<< HEAD
 /// How far a joint goes in a recording: least and greatest position, largest speed and acceleration.
 pub type Peaks = Bounds;
-=======
-/// How far a joint goes in a recording.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Peaks {
-    /// Least and greatest position \[rad\].
-    pub position: [f64; 2],
-    /// Largest speed \[rad/s\].
-    pub velocity: f64,
-    /// Largest acceleration \[rad/s²\].
-    pub acceleration: f64,
-}
->>>>>>> e89ed3023830bf31b9653c61f20f61c088afeec0
 
 /// Instants between two rows at which limits are checked.
 const BETWEEN_ROWS: usize = 5;
