@@ -76,7 +76,7 @@ pub fn tune<L: RawRecording>(
         let Some(grid) = Grid::of(logs, &request)? else {
             return Ok(Tuned { recording, request: *request, choices: Vec::new() });
         };
-        let is_near = grid.is_near(cutoff) && grid.best.delay == delay;
+        let is_near = grid.is_near(cutoff) && is_same(grid.best.delay, delay);
         if is_near || searches == SEARCHES {
             return grid.tuned(logs, *request);
         }
@@ -107,6 +107,11 @@ fn no_delay(logs: &impl RawRecording) -> f64 {
     }
 }
 
+/// Whether two delays are the same one of the grid.
+fn is_same(a: f64, b: f64) -> bool {
+    a.total_cmp(&b).is_eq()
+}
+
 /// What candidates leave of raw torque: cut-offs without a delay and with the best one, and delays
 /// at the best cut-off.
 struct Grid {
@@ -131,7 +136,7 @@ impl Grid {
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
         let delays = at(logs, request, cutoff, &logs.delays())?;
         let delay = clear_delay(&delays, none).unwrap_or(none);
-        if delay == none {
+        if is_same(delay, none) {
             let best = Chosen { cutoff, delay };
             return Ok(Some(Self { cutoffs, delays, best }));
         }
@@ -197,7 +202,7 @@ fn clear_delay(tried: &[Tried], none: f64) -> Option<f64> {
     if [tried.first()?, tried.last()?].iter().any(|end| end.errors.all() < best.errors.all()) {
         return None;
     }
-    let without = tried.iter().find(|tried| tried.delay == none)?;
+    let without = tried.iter().find(|tried| is_same(tried.delay, none))?;
     let pairs = without.errors.by_block().into_iter().zip(best.errors.by_block());
     let gains: Vec<f64> = pairs.map(|(without, best)| (without / best).ln()).collect();
     let gain = (without.errors.all() / best.errors.all()).ln();

@@ -154,21 +154,11 @@ pub(crate) fn held_out(
         }
         (gram, right)
     };
-    let (gram, right) = sums(&(0..m).collect::<Vec<usize>>());
     let around: Vec<(Mat<f64>, Mat<f64>)> =
         blocks.iter().map(|block| sums(&block.around)).collect();
-    let largest = (0..p).fold(0.0_f64, |most, k| gram[(k, k)].max(most));
-    // Coefficients without each block, p×targets.
-    let solved = |ridge: &f64| -> Option<Vec<Mat<f64>>> {
-        let own = |k: usize| ridge * gram[(k, k)].max(LEAST_SQUARE * largest);
-        let without = |(own_gram, own_right): &(Mat<f64>, Mat<f64>)| {
-            let mut rest = &gram - own_gram;
-            (0..p).for_each(|k| rest[(k, k)] += own(k));
-            Some(rest.llt(Side::Lower).ok()?.solve(&right - own_right))
-        };
-        around.iter().map(without).collect()
-    };
-    let solved: Vec<Vec<Mat<f64>>> = RIDGES.iter().filter_map(solved).collect();
+    let all = sums(&(0..m).collect::<Vec<usize>>());
+    let solved: Vec<Vec<Mat<f64>>> =
+        RIDGES.iter().filter_map(|ridge| solved_without(&all, &around, *ridge)).collect();
     let shares: Vec<f64> = blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
     let of = |(k, (_, target)): (usize, &Target<'_>)| -> Option<Errors> {
         let spread: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
@@ -194,6 +184,25 @@ pub(crate) fn held_out(
         errors.min_by(|a, b| a.all().total_cmp(&b.all()))
     };
     Ok(targets.iter().enumerate().map(of).collect())
+}
+
+/// Coefficients for each target without the rows around each block, p×targets; `None` where they
+/// cannot be solved for.
+fn solved_without(
+    (gram, right): &(Mat<f64>, Mat<f64>),
+    around: &[(Mat<f64>, Mat<f64>)],
+    ridge: f64,
+) -> Option<Vec<Mat<f64>>> {
+    let p = gram.ncols();
+    let largest = (0..p).fold(0.0_f64, |most, k| gram[(k, k)].max(most));
+    let without = |(own_gram, own_right): &(Mat<f64>, Mat<f64>)| {
+        let mut rest = gram - own_gram;
+        for k in 0..p {
+            rest[(k, k)] += ridge * gram[(k, k)].max(LEAST_SQUARE * largest);
+        }
+        Some(rest.llt(Side::Lower).ok()?.solve(right - own_right))
+    };
+    around.iter().map(without).collect()
 }
 
 fn variance(x: &Mat<f64>, column: usize) -> f64 {
