@@ -43,7 +43,7 @@ pub struct RawLogs {
 impl ConditionedLogs {
     /// Looks at pieces of all logs and settles how all are conditioned.
     ///
-    /// A cut-off that is not set is ten times the band of the motion: [`RawLogs`] lead to a better
+    /// A cut-off that is not set is eight times the band of the motion: [`RawLogs`] lead to a better
     /// one.
     ///
     /// # Errors
@@ -172,7 +172,7 @@ impl RawLogs {
         Ok(Self { conditioned, first, bandwidths, cutoffs, delays })
     }
 
-    /// The logs at the bandwidth that is set, or ten times that of the motion.
+    /// The logs at the bandwidth that is set, or eight times that of the motion.
     pub fn conditioned(&self) -> &ConditionedLogs {
         &self.conditioned
     }

@@ -270,16 +270,16 @@ fn torque_that_lags_is_advanced() {
         (0..table.rows.len()).map(|row| table.rows[row.saturating_sub(2)][place]).collect()
     };
     let (first, second) = (late("tau1"), late("tau2"));
-    let said = table
-        .clone()
-        .with("tau1", |row, _, _| first[row])
-        .with("tau2", |row, _, _| second[row])
-        .inspected();
+    let late =
+        table.clone().with("tau1", |row, _, _| first[row]).with("tau2", |row, _, _| second[row]);
+    let terminal = Terminal::new();
+    terminal.write("log.csv", &late.text());
 
-    let (_, advanced) = said.stdout.split_once("tau advanced by ").unwrap();
-    let ms: f64 = advanced.split_once(" ms").unwrap().0.parse().unwrap();
+    let fit = terminal.json("fit log.csv -o model.json");
+
     // Two rows at 100 Hz; half a row beside it is no harm.
-    assert!((ms - 20.0).abs() < 5.0, "{ms}");
+    let seconds = fit["delay_s"].as_f64().unwrap();
+    assert!((seconds - 0.02).abs() <= 0.005, "{seconds}");
 }
 
 #[test]

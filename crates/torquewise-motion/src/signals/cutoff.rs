@@ -11,22 +11,22 @@ pub const LOWEST: f64 = 0.5;
 pub const HIGHEST: f64 = 0.4;
 
 /// The first cut-off is so many times the band of the motion.
-const MARGIN: f64 = 10.0;
+const MARGIN: f64 = 8.0;
 /// Share of the power of the speed that counts as motion.
 const MOTION_SHARE: f64 = 0.95;
 /// Power of the speed counts where it is so many times that of white noise in the position.
-const CLEAR: f64 = 2.0;
+const CLEAR: f64 = 16.0;
 /// Rows that a band is found in.
 const LEAST_ROWS: usize = 64;
 
-/// A cut-off ten times above the band of the motion \[Hz\], at the middle one of the joints that
+/// A cut-off eight times above the band of the motion \[Hz\], at the middle one of the joints that
 /// move: wide enough to lose no torque of rigid bodies, and a start for the choice by held-out
 /// torque (E19).
 ///
 /// - `q`: evenly sampled positions of each joint \[rad\], n of m values; `rate`: theirs \[Hz\]
 ///
-/// Source: ten times the bandwidth of the motion is usual in the identification of robots, see
-/// A. Janot et al., IEEE Trans. Control Syst. Technol. 22 (2014).
+/// Source: eight times the bandwidth of the motion is usual in the identification of robots, see
+/// see A. Janot et al., IEEE Trans. Control Syst. Technol. 22 (2014).
 ///
 /// # Errors
 /// [`MotionError::TooFewRows`] below 64 rows, [`MotionError::Setting`] for a rate of 1 Hz or less.

@@ -41,7 +41,7 @@ impl SignalReport {
 pub enum CutoffFrom {
     /// It was set.
     Setting,
-    /// It is ten times the band of the motion.
+    /// It is eight times the band of the motion.
     Motion,
     /// Torque of held-out rows is predicted best with it (E19).
     HeldOut,
@@ -51,7 +51,7 @@ impl fmt::Display for CutoffFrom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Setting => "as set",
-            Self::Motion => "ten times the frequency of the motion",
+            Self::Motion => "eight times the frequency of the motion",
             Self::HeldOut => "at which torque of held-out rows is predicted best",
         })
     }

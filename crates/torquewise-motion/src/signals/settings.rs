@@ -6,7 +6,7 @@ use crate::signals::butterworth::low_pass;
 /// The cut-off of the low-pass filter that all signals pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cutoff {
-    /// Ten times the frequency of the motion.
+    /// Eight times the frequency of the motion.
     Auto,
     /// This many \[Hz\]; half the amplitude passes there.
     Hz(f64),
