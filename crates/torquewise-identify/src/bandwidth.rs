@@ -19,7 +19,7 @@ use torquewise_stepwise::held_out::{mean, standard_error};
 const ALIKE: f64 = 0.005;
 /// The first search is made so much above the first cut-off: what is friction at a reversal is
 /// seen in a wide band only.
-const WIDER: f64 = 2.0;
+const WIDER: f64 = 2.5;
 /// Chains that are searched at most.
 const SEARCHES: usize = 2;
 /// A chain that was searched at a bandwidth this little worse than the best need not be searched
@@ -56,7 +56,7 @@ struct Tried {
 /// measured. A low cut-off loses torque, a high one lets noise into q̇ and q̈. Where the best is far
 /// from where the chain was searched, it is searched again halfway: a geometry needs more rows than
 /// a narrow band has, and less noise than a wide one. A delay is taken only for a clear gain, and
-/// the chain searched again with it. Of two chains the one that predicts raw torque better is taken.
+/// the chain searched again with it.
 ///
 /// - `plan`: for a chain
 ///
@@ -70,27 +70,23 @@ pub fn tune<L: RawRecording>(
     let widest = logs.cutoffs().last().copied().unwrap_or_else(|| logs.first_cutoff());
     let mut cutoff = (WIDER * logs.first_cutoff()).min(widest);
     let mut delay = no_delay(logs);
-    let mut best: Option<(Grid, Request)> = None;
-    for search in 1..=SEARCHES {
+    let mut searches = 0;
+    loop {
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let summary = summarise(&recording, plan, "", progress)?;
         let Solution::Request(request) = solve(summary, plan, progress)? else {
             return Err(IdentifyError::NoLibrary);
         };
+        searches += 1;
         let Some(grid) = Grid::of(logs, &request)? else {
             return Ok(Tuned { recording, request: *request, choices: Vec::new() });
         };
         let is_last = grid.is_near(cutoff) && is_same(grid.best.delay, delay);
         (cutoff, delay) = ((cutoff * grid.best.cutoff).sqrt(), grid.best.delay);
-        if best.as_ref().is_none_or(|(known, _)| grid.least() < known.least()) {
-            best = Some((grid, *request));
-        }
-        if is_last || search == SEARCHES {
-            break;
+        if is_last || searches == SEARCHES {
+            return grid.tuned(logs, *request);
         }
     }
-    let (grid, request) = best.ok_or(IdentifyError::NoLibrary)?;
-    grid.tuned(logs, request)
 }
 
 /// Chooses cut-off and delay alone, for a chain that was searched on other logs of the arm (E12).

@@ -13,7 +13,9 @@ use torquewise_stepwise::friction::FrictionLibrary;
 /// may be anything.
 pub(crate) const AT_REST: f64 = 3.0;
 /// What an equation of a joint at rest is multiplied by: only its gravity is informative (E8).
-pub(crate) const WEIGHT_AT_REST: f64 = 0.2;
+pub(crate) const WEIGHT_AT_REST: f64 = 0.1;
+/// What its square counts where the arm is known and friction, or a payload, is fitted alone.
+pub(crate) const SHARE_AT_REST: f64 = 0.1;
 
 /// Something that loads joints in proportion to one coefficient.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

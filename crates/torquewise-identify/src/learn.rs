@@ -147,13 +147,14 @@ impl<'a> ChainLearner<'a> {
         if !spec.has_friction() {
             return Ok(rows);
         }
-        Ok(rows.with_shares(|row, joint| self.share(&motion, row, joint)))
+        let moves = |row, joint| self.moves(&motion, row, joint);
+        let share = |row, joint| if moves(row, joint) { 1.0 } else { WEIGHT_AT_REST };
+        Ok(rows.with_shares(share))
     }
 
-    /// What the equation of a row of a joint is multiplied by.
-    fn share(&self, motion: &Motion, row: usize, joint: usize) -> f64 {
-        let moves = motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint];
-        if moves { 1.0 } else { WEIGHT_AT_REST }
+    /// Whether a joint moves in a row, so that its friction has one direction.
+    fn moves(&self, motion: &Motion, row: usize, joint: usize) -> bool {
+        motion.dq()[(row, joint)].abs() >= AT_REST * self.laws.width[joint]
     }
 
     /// The chain at a given geometry, which stays.

@@ -2,7 +2,7 @@
 
 use super::{ChainLearner, LAST_ROWS, TRIAL_ROWS};
 use crate::chain_spec::ChainSpec;
-use crate::drive_terms::columns;
+use crate::drive_terms::{SHARE_AT_REST, columns};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use torquewise_model::model::Choice;
@@ -24,7 +24,7 @@ pub(super) struct FrictionResidual {
     pub(super) motion: Motion,
     /// Torque \[N·m\] of each joint, n×m.
     torque: Vec<Vec<f64>>,
-    /// What the equation of a row is multiplied by, n×m.
+    /// What the square of a row counts, n×m.
     shares: Vec<Vec<f64>>,
     /// Standard deviation of the whole torque of each joint \[N·m\], n.
     spread: Vec<f64>,
@@ -55,7 +55,10 @@ impl FrictionResidual {
                 .collect()
         };
         let torque = over(&left);
-        let shares = over(&|joint, row| learner.share(&motion, row, joint));
+        let shares = over(&|joint, row| match learner.moves(&motion, row, joint) {
+            true => 1.0,
+            false => SHARE_AT_REST,
+        });
         let spread = (0..rows.n_joints()).map(|joint| rows.deviation_of(joint)).collect();
         Ok(Self { chain, motion, torque, shares, spread })
     }
@@ -84,9 +87,9 @@ impl FrictionResidual {
             let (held, rest) = split(self.motion.n_rows(), block);
             let solved = self.solved(joint, columns, ridge, &rest)?;
             let shares = &self.shares[joint];
-            let count: f64 = held.iter().map(|&row| shares[row].powi(2)).sum();
-            let left = |&row: &usize| shares[row] * self.left(joint, columns, &solved, row);
-            let squares: f64 = held.iter().map(|row| left(row).powi(2)).sum();
+            let count: f64 = held.iter().map(|&row| shares[row]).sum();
+            let square = |&row: &usize| self.left(joint, columns, &solved, row).powi(2);
+            let squares: f64 = held.iter().map(|row| shares[*row] * square(row)).sum();
             let rms = (squares / count.max(f64::MIN_POSITIVE)).sqrt();
             Some(rms / self.spread[joint].max(f64::MIN_POSITIVE))
         };
@@ -107,10 +110,9 @@ impl FrictionResidual {
         rows: &[usize],
     ) -> Option<Mat<f64>> {
         let p = columns.ncols();
-        let share = |row: usize| self.shares[joint][rows[row]];
-        let own = Mat::from_fn(rows.len(), p, |row, k| share(row) * columns[(rows[row], k)]);
-        let right =
-            Mat::from_fn(rows.len(), 1, |row, _| share(row) * self.torque[joint][rows[row]]);
+        let root = |row: usize| self.shares[joint][rows[row]].sqrt();
+        let own = Mat::from_fn(rows.len(), p, |row, k| root(row) * columns[(rows[row], k)]);
+        let right = Mat::from_fn(rows.len(), 1, |row, _| root(row) * self.torque[joint][rows[row]]);
         let mut gram = own.transpose() * &own;
         (0..p).for_each(|k| gram[(k, k)] += (ridge * gram[(k, k)]).max(f64::MIN_POSITIVE));
         Some(gram.llt(Side::Lower).ok()?.solve(own.transpose() * right))

@@ -1,6 +1,6 @@
 //! Rows for a payload: what each counts, the columns of the last body, what the model leaves.
 
-use crate::drive_terms::{AT_REST, WEIGHT_AT_REST};
+use crate::drive_terms::{AT_REST, SHARE_AT_REST};
 use faer::{ColRef, Mat};
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::{Model, RigidChain, Torque};
@@ -45,8 +45,8 @@ impl Weights {
 
     /// The weight of the square of a row of a joint.
     pub(super) fn square(&self, joint: usize, speed: f64) -> f64 {
-        let share = if speed.abs() < self.rest[joint] { WEIGHT_AT_REST } else { 1.0 };
-        (share * self.weight[joint]).powi(2)
+        let share = if speed.abs() < self.rest[joint] { SHARE_AT_REST } else { 1.0 };
+        share * self.weight[joint].powi(2)
     }
 }
 
