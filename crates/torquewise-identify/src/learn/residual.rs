@@ -55,10 +55,8 @@ impl FrictionResidual {
                 .collect()
         };
         let torque = over(&left);
-        let shares = over(&|joint, row| match learner.moves(&motion, row, joint) {
-            true => 1.0,
-            false => SHARE_AT_REST,
-        });
+        let moves = |joint, row| learner.moves(&motion, row, joint);
+        let shares = over(&|joint, row| if moves(joint, row) { 1.0 } else { SHARE_AT_REST });
         let spread = (0..rows.n_joints()).map(|joint| rows.deviation_of(joint)).collect();
         Ok(Self { chain, motion, torque, shares, spread })
     }
