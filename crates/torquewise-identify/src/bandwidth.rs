@@ -81,8 +81,8 @@ pub fn tune<L: RawRecording>(
         let Some(grid) = Grid::of(logs, &request)? else {
             return Ok(Tuned { recording, request: *request, choices: Vec::new() });
         };
-        let is_last = grid.is_near(cutoff) && is_same(grid.best.delay, delay);
-        (cutoff, delay) = ((cutoff * grid.best.cutoff).sqrt(), grid.best.delay);
+        let is_last = grid.is_near(cutoff) && is_same(grid.delay, delay);
+        (cutoff, delay) = ((cutoff * grid.cutoff).sqrt(), grid.delay);
         if is_last || searches == SEARCHES {
             return grid.tuned(logs, *request);
         }
@@ -124,11 +124,7 @@ struct Grid {
     cutoffs: Vec<Tried>,
     /// At the best cut-off, by ascending delay; the one that is set.
     delays: Vec<Tried>,
-    best: Chosen,
-}
-
-#[derive(Clone, Copy)]
-struct Chosen {
+    /// The best cut-off, and the delay that is chosen.
     cutoff: f64,
     delay: f64,
 }
@@ -137,17 +133,15 @@ impl Grid {
     /// `None` where the logs are too short.
     fn of(logs: &impl RawRecording, request: &Request) -> Result<Option<Self>, IdentifyError> {
         let none = no_delay(logs);
-        let cutoffs = cutoffs(logs, request, none)?;
+        let mut cutoffs = cutoffs(logs, request, none)?;
         let Some(cutoff) = lowest_near_best(&cutoffs) else { return Ok(None) };
         let delays = at(logs, request, cutoff, &logs.delays())?;
         let delay = clear_delay(&delays, none).unwrap_or(none);
-        if is_same(delay, none) {
-            let best = Chosen { cutoff, delay };
-            return Ok(Some(Self { cutoffs, delays, best }));
+        if !is_same(delay, none) {
+            cutoffs = self::cutoffs(logs, request, delay)?;
         }
-        let cutoffs = self::cutoffs(logs, request, delay)?;
-        let best = lowest_near_best(&cutoffs).map(|cutoff| Chosen { cutoff, delay });
-        Ok(best.map(|best| Self { cutoffs, delays, best }))
+        let best = lowest_near_best(&cutoffs);
+        Ok(best.map(|cutoff| Self { cutoffs, delays, cutoff, delay }))
     }
 
     /// Error at the best cut-off and delay.
@@ -167,7 +161,7 @@ impl Grid {
         logs: &L,
         request: Request,
     ) -> Result<Tuned<L::Filtered>, IdentifyError> {
-        let Chosen { cutoff, delay } = self.best;
+        let Self { cutoff, delay, .. } = *self;
         let recording = logs.filtered(cutoff, delay).map_err(IdentifyError::Read)?;
         let hertz = |cutoff: f64| format!("{cutoff:.2} Hz");
         let milliseconds = |delay: f64| format!("{:.1} ms", 1e3 * delay);

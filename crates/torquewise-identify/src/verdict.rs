@@ -6,6 +6,7 @@ use crate::unseen::geometric_mean;
 use crate::warning::{POOR, Warning};
 use std::fmt;
 use torquewise_model::model::GeometryFound;
+use torquewise_rigid::search::AGREEING;
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
 /// joints.
@@ -110,12 +111,9 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
     warnings.iter().filter_map(of).collect()
 }
 
-/// A geometry that fewer starts than this led to may be another.
-const SURE: usize = 3;
-
 /// What keeps a model from being good, whatever its error on held-out rows.
 fn doubts(found: &Reconstruction) -> Vec<String> {
-    let geometry = found.model.training.geometry_found.filter(|found| found.times < SURE);
+    let geometry = found.model.training.geometry_found.filter(|found| found.times < AGREEING);
     let geometry = geometry.map(|GeometryFound { times, starts }| {
         format!("its geometry was found by only {times} of {starts} starts")
     });

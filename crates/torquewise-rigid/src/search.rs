@@ -147,8 +147,9 @@ pub fn all_parameters(n_joints: usize) -> Vec<usize> {
 
 /// Starts that are made before it is looked whether they agree.
 const BATCH: usize = 6;
-/// Starts that must lead to the best arm before no more are made.
-const AGREEING: usize = 3;
+/// Starts that must lead to the best arm before no more are made: where fewer do, the arm may be
+/// another.
+pub const AGREEING: usize = 3;
 /// Two arms whose residuals differ by less than this part, geometric mean of the joints, are one.
 const SAME: f64 = 0.02;
 /// A residual below this part of the torque is nothing, when arms are compared.

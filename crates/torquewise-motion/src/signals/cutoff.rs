@@ -25,8 +25,8 @@ const LEAST_ROWS: usize = 64;
 ///
 /// - `q`: evenly sampled positions of each joint \[rad\], n of m values; `rate`: theirs \[Hz\]
 ///
-/// Source: eight times the bandwidth of the motion is usual in the identification of robots, see
-/// see A. Janot et al., IEEE Trans. Control Syst. Technol. 22 (2014).
+/// Source: ten times the bandwidth of the motion is usual in the identification of robots, see
+/// A. Janot et al., IEEE Trans. Control Syst. Technol. 22 (2014); the fit begins wider still.
 ///
 /// # Errors
 /// [`MotionError::TooFewRows`] below 64 rows, [`MotionError::Setting`] for a rate of 1 Hz or less.
