@@ -84,7 +84,7 @@ impl Fitted {
         };
         let noise = &solved.at.noise;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
-        model.training.unexplained_rms = unexplained(&model, &survey.sample, noise)?;
+        model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
         let step = StepReport {
             name: "all rows",
             rows: survey.rows,
@@ -145,16 +145,20 @@ fn parameters(
     (chain, friction)
 }
 
-/// RMS of the residual of each joint \[N·m\] that noise does not explain, n.
+/// RMS of what is left of the raw torque of each joint \[N·m\] on rows that were held out and that
+/// noise does not explain, n.
 fn unexplained(
     model: &Model,
-    sample: &Motion,
+    survey: &Survey,
     noise: &NoiseFloor,
 ) -> Result<Vec<f64>, IdentifyError> {
-    let explained = noise.in_torque(&Torque::new(model), sample)?;
-    let rows = sample.n_rows().max(1) as f64;
+    let explained = noise.in_torque(&Torque::new(model), &survey.sample)?;
+    let rows = survey.sample.n_rows().max(1) as f64;
     let training = &model.training;
     let of_joint = |(joint, rms): (usize, &f64)| {
+        let unseen = [&training.held_out_rms, &training.held_out_by_region_rms];
+        let unseen = unseen.into_iter().filter_map(|rms| rms.get(joint).copied());
+        let rms = unseen.fold(*rms, f64::max).hypot(survey.removed_rms[joint]);
         let left = rms * rms - explained.col(joint).sum() / rows;
         // A mean square over so many rows is not known better than that.
         left.max((2.0 / training.rows.max(1) as f64).sqrt() * rms * rms).sqrt()

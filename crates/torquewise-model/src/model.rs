@@ -97,8 +97,8 @@ pub struct Training {
     /// What was repaired in each log, by its name; logs that are sound are not listed (E12).
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub conditioning: BTreeMap<String, Repairs>,
-    /// RMS of the residual torque of each joint \[N·m\] that noise in q, q̇ and q̈ does not explain,
-    /// n, where a chain was fitted.
+    /// RMS of what is left of the raw torque of each joint \[N·m\] on held-out rows and that noise in
+    /// q, q̇ and q̈ does not explain, n, where a chain was fitted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unexplained_rms: Vec<f64>,
     /// RMS of what is left of the torque of each joint \[N·m\] on blocks of time that were held

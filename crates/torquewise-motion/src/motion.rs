@@ -29,6 +29,8 @@ pub struct Motion {
     signals: Signals,
     /// What friction remembers of the path, where that was followed.
     memory: Option<Memory>,
+    /// What a filter took from the torque \[N·m\], m×n, where there was one.
+    removed_tau: Option<Mat<f64>>,
 }
 
 impl Motion {
@@ -67,7 +69,7 @@ impl Motion {
         if let Some(row) = signals.t.iter().position(|t| !t.is_finite()) {
             return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
         }
-        Ok(Self { signals, memory: None })
+        Ok(Self { signals, memory: None, removed_tau: None })
     }
 
     /// The blocks of one trajectory, one after the other; without what friction remembers.
@@ -151,6 +153,16 @@ impl Motion {
         Self { memory, ..self }
     }
 
+    /// What the filter took from the torque \[N·m\], m×n, where one was measured and filtered.
+    pub fn removed_tau(&self) -> Option<MatRef<'_, f64>> {
+        self.removed_tau.as_ref().map(Mat::as_ref)
+    }
+
+    /// The same rows with what the filter took from their torque \[N·m\], m×n.
+    pub(crate) fn with_removed_tau(self, removed_tau: Option<Mat<f64>>) -> Self {
+        Self { removed_tau, ..self }
+    }
+
     /// The parts, given back.
     pub fn into_signals(self) -> Signals {
         self.signals
@@ -170,6 +182,7 @@ impl Motion {
                 tau: s.tau.as_ref().map(pick),
             },
             memory: self.memory.as_ref().map(|memory| memory.select(rows)),
+            removed_tau: self.removed_tau.as_ref().map(pick),
         }
     }
 }

@@ -34,6 +34,8 @@ pub struct Survey {
     pub torque_mean: Vec<f64>,
     /// Standard deviation of the torque of each joint \[N·m\], n.
     pub torque_std: Vec<f64>,
+    /// RMS of what a filter took from the torque of each joint \[N·m\], n.
+    pub removed_rms: Vec<f64>,
     /// The white noise in its signals.
     pub noise: NoiseFloor,
     /// Every k-th row of each log, k a power of two, at most [`SAMPLE_ROWS`] of them.
@@ -70,7 +72,8 @@ pub struct SurveySum {
     q_range: Vec<[f64; 2]>,
     /// Largest speeds, then largest accelerations.
     peaks: [Vec<f64>; 2],
-    /// Time, then torques and squared torques of each joint.
+    /// Time, then torques and squared torques of each joint, then squares of what a filter took
+    /// from them.
     sums: ExactSums,
     has_torque: bool,
     noise: NoiseSum,
@@ -94,7 +97,7 @@ impl SurveySum {
             trajectories: 0,
             q_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; n],
             peaks: [vec![0.0; n], vec![0.0; n]],
-            sums: ExactSums::zeros(1 + 2 * n),
+            sums: ExactSums::zeros(1 + 3 * n),
             has_torque: true,
             noise: NoiseSum::new(n),
             sampled: SystematicSample::new(width(n), SAMPLE_ROWS),
@@ -164,7 +167,9 @@ impl SurveySum {
             self.sums.add(2 + 2 * joint, &[2.0 * high * low])?;
             self.sums.add(2 + 2 * joint, &[low * low])?;
         }
-        Ok(())
+        let place = 1 + 2 * self.joints.len() + joint;
+        let removed = block.removed_tau().map(|removed| removed.col(joint).squared_norm_l2());
+        self.sums.add(place, &[removed.unwrap_or(0.0)])
     }
 
     /// Adds other logs of the same joints.
@@ -202,7 +207,7 @@ impl SurveySum {
         n > 0
             && self.q_range.len() == n
             && self.peaks.iter().all(|peaks| peaks.len() == n && finite(peaks))
-            && self.sums.len() == 1 + 2 * n
+            && self.sums.len() == 1 + 3 * n
             && self.noise.is_sound(n)
             && self.sampled.is_sound(width(n), SAMPLE_ROWS)
     }
@@ -230,6 +235,7 @@ impl SurveySum {
         })?
         .with_memory(Some(memory));
         let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
+        let removed = |joint| self.sums.value(1 + 2 * n + joint) / self.rows.max(1) as f64;
         let [dq_peak, ddq_peak] = self.peaks.clone();
         Ok(Survey {
             joints: self.joints.clone(),
@@ -241,6 +247,7 @@ impl SurveySum {
             ddq_peak,
             torque_mean,
             torque_std,
+            removed_rms: (0..n).map(|joint| removed(joint).sqrt()).collect(),
             noise: self.noise.finish(),
             sample,
         })

@@ -129,7 +129,7 @@ impl Bandwidths {
                 Err(error) if error.is_too_short() => return Ok(None),
                 Err(error) => return Err(error),
             };
-            seen.push(smooth(&columns, piece.even.first, &plan)?);
+            seen.push(smooth(&columns, &piece.even, &plan)?);
             filtered.push(columns);
         }
         let raw: Vec<&Columns> = self.pieces.iter().map(|piece| &piece.even.columns).collect();

@@ -121,7 +121,7 @@ impl Conditioner {
         let even = clean(&part, &self.plan.base, (origin, self.rows_before))?;
         self.count_outliers(&even, rows, last);
         let filtered = filter(&even, &self.plan)?;
-        let smooth = smooth(&filtered, even.first, &self.plan)?;
+        let smooth = smooth(&filtered, &even, &self.plan)?;
         let held_back = if last { self.plan.trim } else { self.overlap };
         let end = (even.first + even.columns.t.len()).saturating_sub(held_back).max(self.next);
         let motion = smooth.rows(self.next..end, self.plan.keep_every)?;

@@ -56,7 +56,7 @@ pub fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, MotionError> 
 fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, MotionError> {
     plan.check(columns)?;
     let filtered = filter(even, plan)?;
-    let smooth = smooth(&filtered, even.first, plan)?;
+    let smooth = smooth(&filtered, even, plan)?;
     let rows = even.columns.t.len();
     let kept = plan.trim..rows.saturating_sub(plan.trim);
     let motion = smooth.rows(kept, plan.keep_every)?.ok_or(MotionError::NothingLeft { rows })?;

@@ -22,6 +22,8 @@ pub(crate) struct Smooth {
     pub(crate) dq: Mat<f64>,
     pub(crate) ddq: Mat<f64>,
     pub(crate) tau: Option<Mat<f64>>,
+    /// What the filter took from it.
+    removed_tau: Option<Mat<f64>>,
 }
 
 /// Every signal through the low-pass filter of the plan, if it has one.
@@ -37,7 +39,7 @@ pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
 }
 
 /// Derivatives of the filtered signals, and the torque advanced by its delay.
-pub(crate) fn smooth(filtered: &Columns, first: usize, plan: &Plan) -> Result<Smooth, MotionError> {
+pub(crate) fn smooth(filtered: &Columns, even: &Even, plan: &Plan) -> Result<Smooth, MotionError> {
     let of = |place: usize| filtered.signals[place].as_deref().map(matrix);
     let (q, derive) =
         (matrix(filtered.signals[Q].as_deref().unwrap_or_default()), plan.settings.derive);
@@ -54,9 +56,11 @@ pub(crate) fn smooth(filtered: &Columns, first: usize, plan: &Plan) -> Result<Sm
     let advanced = |tau: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
         tau.iter().map(|x| shift(x, plan.rate, delay)).collect()
     };
-    let tau = filtered.signals[TAU].as_ref().map(|tau| matrix(&advanced(tau)));
+    let [tau, raw] = [filtered, &even.columns]
+        .map(|columns| columns.signals[TAU].as_ref().map(|tau| matrix(&advanced(tau))));
+    let removed_tau = tau.as_ref().zip(raw).map(|(tau, raw)| raw - tau);
     let (joints, t) = (filtered.joints.clone(), filtered.t.clone());
-    Ok(Smooth { first, joints, t, q, dq, ddq, tau })
+    Ok(Smooth { first: even.first, joints, t, q, dq, ddq, tau, removed_tau })
 }
 
 impl Smooth {
@@ -82,6 +86,6 @@ impl Smooth {
             ddq: pick(&self.ddq),
             tau: self.tau.as_ref().map(pick),
         })?;
-        Ok(Some(motion))
+        Ok(Some(motion.with_removed_tau(self.removed_tau.as_ref().map(pick))))
     }
 }
