@@ -72,22 +72,6 @@ fn error(chain: &Chain, held: &Rows, all: &Rows) -> f64 {
     (parts.iter().sum::<f64>() / parts.len().max(1) as f64).exp()
 }
 
-/// Makes a choice among the best of each `count` trials in a row, which are alike but for where
-/// they start, and its record; returns the place of that trial among all.
-pub(crate) fn record_best(
-    what: &str,
-    trials: &[CvScore],
-    count: usize,
-    choices: &mut Vec<Choice>,
-) -> usize {
-    let places: Vec<usize> = (0..trials.len()).collect();
-    let better = |a: &usize, b: &usize| trials[*a].error().total_cmp(&trials[*b].error());
-    let best: Vec<usize> =
-        places.chunks(count).filter_map(|own| own.iter().copied().min_by(better)).collect();
-    let candidates: Vec<CvScore> = best.iter().map(|&place| trials[place].clone()).collect();
-    best[record(what, &candidates, choices)]
-}
-
 /// Makes a choice and its record.
 pub(crate) fn record(what: &str, trials: &[CvScore], choices: &mut Vec<Choice>) -> usize {
     record_worth(what, trials, 0.0, choices)

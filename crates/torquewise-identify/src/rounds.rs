@@ -174,7 +174,6 @@ fn linearised(
         coupling: chain.geometry.coupling().clone(),
         robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),
-        prior: spec.search.prior,
         rest: laws.width.iter().map(|width| rest * width).collect(),
     };
     // The noise of filtered rows is not white: it is drawn before the filter.

@@ -189,10 +189,9 @@ impl Geometry {
         }
     }
 
-    /// The same chain with axes that are within `angle` \[rad\] of a right angle, and within
-    /// `distance` \[m\] of the axis before, put exactly there; and the parameters that are left
-    /// free.
-    pub fn snapped(&self, angle: f64, distance: f64) -> (Self, Vec<usize>) {
+    /// The same arm with axes nearer than `angle` \[rad\] to a right angle put there, gravity among
+    /// them, and the parameters that may move: all places, and directions farther away.
+    pub fn snapped(&self, angle: f64) -> (Self, Vec<usize>) {
         let mut snapped = self.clone();
         let mut free = Vec::new();
         let right = nearest_right_angle(self.tilt());
@@ -205,21 +204,39 @@ impl Geometry {
             let first = PER_BASE + PER_JOINT * (joint - 1);
             let direction = self.direction(joint);
             let right = nearest_right_angle(direction);
-            let apart = axis(direction).angle(&axis(right));
-            if apart < angle {
+            if axis(direction).angle(&axis(right)) < angle {
                 snapped.set_direction(joint, right);
             } else {
                 free.extend([first, first + 1]);
             }
-            for place in first + 2..first + PER_JOINT {
-                if self.parameters[place].abs() < distance {
-                    snapped.parameters[place] = 0.0;
-                } else {
-                    free.push(place);
-                }
-            }
+            free.extend(first + 2..first + PER_JOINT);
         }
         (snapped, free)
+    }
+
+    /// Joints, but the first, whose axis is parallel to that of the joint before.
+    pub fn parallel(&self) -> Vec<usize> {
+        let is_parallel =
+            |&joint: &usize| axis(nearest_right_angle(self.direction(joint))).z.abs() > 0.5;
+        (1..self.n_joints()).filter(is_parallel).collect()
+    }
+
+    /// The same arm but for one axis, which is turned to stand across the one before in each of four
+    /// ways; the axes beyond lie where they lay at q = 0.
+    pub fn turned_across(&self, joint: usize) -> Vec<Self> {
+        let turned = |direction: &[f64; 2]| {
+            let mut frames = self.placements();
+            let by = turn(*direction);
+            frames[joint].rotation *= by;
+            if let Some(next) = frames.get_mut(joint + 1) {
+                next.rotation = by.tr_mul(&next.rotation);
+                next.origin = by.tr_mul(&next.origin);
+            }
+            let (mut geometry, _) = Self::of_frames(&frames, self.gravity());
+            geometry.set_tilt(self.tilt());
+            geometry.coupled(self.coupling.clone())
+        };
+        RIGHT_ANGLES.iter().filter(|w| axis(**w).z.abs() < 0.5).map(turned).collect()
     }
 
     /// Acceleration of gravity \[m/s²\] in the base.

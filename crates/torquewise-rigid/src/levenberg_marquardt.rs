@@ -68,9 +68,9 @@ pub fn pull_stiffness(strength: f64, parameter: usize) -> f64 {
 }
 
 /// Spreads of the parameters of arms: rad, rad, m.
-const TILT_SPREAD: f64 = 0.1;
-const DIRECTION_SPREAD: f64 = 0.3;
-const PLACE_SPREAD: f64 = 1.0;
+const TILT_SPREAD: f64 = 0.05;
+const DIRECTION_SPREAD: f64 = 0.15;
+const PLACE_SPREAD: f64 = 0.5;
 
 /// A geometry with its masses.
 #[derive(Clone, Debug)]

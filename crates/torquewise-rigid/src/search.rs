@@ -51,7 +51,7 @@ impl Default for Search {
             rounds: 25,
             weighings: 3,
             ridge: 1e-4,
-            prior: 3e-2,
+            prior: 7.5e-3,
             seed: 0,
             coupling: Coupling::default(),
         }

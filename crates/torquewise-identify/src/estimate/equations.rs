@@ -46,7 +46,7 @@ impl Equations {
 
     /// The equations of some parameters, the others as they were.
     ///
-    /// - `prior`: equations that the prior of right angles counts as
+    /// - `prior`: rows that the prior of right angles counts as
     /// - `damping`: what a step of the geometry costs, in parts of its curvature
     pub(super) fn of(
         &self,
@@ -68,7 +68,7 @@ impl Equations {
         let linear = at.linear.len();
         let anchor = anchor(at);
         for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
-            let stiffness = prior * pull_stiffness(at.structure.prior, k - linear);
+            let stiffness = prior * pull_stiffness(1.0, k - linear);
             let price = damping * self.hessian[(k, k)];
             own.hessian[(place, place)] += stiffness + price;
             own.right[place] += stiffness * anchor[k - linear] + price * at.geometry[k - linear];
@@ -92,7 +92,7 @@ pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], prior: f64) -
     let (linear, anchor) = (at.linear.len(), anchor(at));
     let cost = |&k: &usize| {
         let apart = parameters[linear + k] - anchor[k];
-        0.5 * prior * pull_stiffness(at.structure.prior, k) * apart * apart
+        0.5 * prior * pull_stiffness(1.0, k) * apart * apart
     };
     at.structure.free.iter().map(cost).sum()
 }

@@ -23,8 +23,6 @@ pub(crate) struct Structure {
     /// Parameters of the geometry that may move, ascending; the others stay, unless all rows
     /// together ask for their release.
     pub(crate) free: Vec<usize>,
-    /// How strongly these are held at right angles, mean squares of the residual.
-    pub(crate) prior: f64,
     /// Joints slower than this \[rad/s\] are at rest: their friction may be anything; n.
     pub(crate) rest: Vec<f64>,
 }

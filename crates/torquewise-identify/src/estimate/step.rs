@@ -27,7 +27,7 @@ const CLOSE: f64 = 0.1;
 pub(crate) struct Tuning {
     /// Strength of the prior.
     pub(super) strength: f64,
-    /// What the prior of the geometry counts as, in equations.
+    /// Rows that the prior of the geometry counts as.
     pub(super) prior: f64,
     /// How the strength was chosen; nothing where a log has too few folds.
     pub(super) choice: Option<Choice>,

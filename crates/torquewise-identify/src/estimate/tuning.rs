@@ -1,4 +1,4 @@
-//! From held-out folds to how strong the prior is, and how strong that of the geometry is (E14).
+//! From held-out folds to how strong the prior is (E14).
 
 use super::equations::Equations;
 use super::step::{Step, Tuning};
@@ -21,30 +21,21 @@ const WEAKER: [f64; 3] = [0.01, 0.003, 0.001];
 const WORTH: f64 = 0.01;
 /// The strength where a log is too short to choose one.
 const USUAL_STRENGTH: f64 = 10.0;
-/// Parts of the prior of the geometry that are tried once the prior is as strong as it should be.
-const PRIORS: [f64; 5] = [1.0, 0.1, 1e-2, 1e-3, 1e-4];
 /// Fewer folds with rows are too few to choose by.
 const LEAST_FOLDS: usize = 3;
-/// Equations that the prior of the geometry counts as at most: it must not grow with the log.
-const MOST_PULLED: f64 = 20_000.0;
-
-/// The place of the best of some ways to fit, and the errors of each on each fold.
-type Judged = (usize, Vec<Vec<f64>>);
 
 impl Step<'_> {
-    /// Chooses how strong the prior is at the geometry as it is, and then how strongly the geometry
-    /// is held, on held-out folds.
+    /// Chooses how strong the prior is, at the geometry as it is, on held-out folds.
     ///
-    /// A weaker prior makes no model longer: the best is taken, not the strongest near it.
+    /// A weaker prior makes no model longer: the best is taken, not the strongest near it. The prior
+    /// of the geometry is that of arms, and counts as one independent row.
     pub(super) fn tuning(&self, active: &[usize]) -> Result<Tuning, IdentifyError> {
-        let equations = self.sums.rows() as f64 * self.at.n_joints() as f64;
-        let prior = equations.min(MOST_PULLED);
-        let strengths: Vec<(f64, f64)> = (STRENGTHS.iter().chain(&WEAKER))
-            .map(|strength| (strength * self.repeats, prior))
-            .collect();
+        let prior = self.repeats;
+        let strengths: Vec<f64> =
+            STRENGTHS.iter().chain(&WEAKER).map(|strength| strength * prior).collect();
         let linear = self.at.linear_indices();
-        let Some((_, errors)) = self.best_of(&linear, &strengths)? else {
-            let strength = USUAL_STRENGTH * self.repeats;
+        let Some(errors) = self.errors(&linear, &strengths, prior)? else {
+            let strength = USUAL_STRENGTH * prior;
             return Ok(Tuning { strength, prior, choice: None, errors: Vec::new() });
         };
         let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
@@ -55,7 +46,7 @@ impl Step<'_> {
         {
             place += 1;
         }
-        let (strength, _) = strengths[place];
+        let strength = strengths[place];
         let trials: Vec<CvScore> = (STRENGTHS.iter().chain(&WEAKER).zip(&errors))
             .map(|(strength, errors)| CvScore {
                 label: strength.to_string(),
@@ -69,26 +60,17 @@ impl Step<'_> {
             rule: format!("least error, {} regions held out", errors[place].len()),
             from: listed(&trials),
         });
-        let tuning = Tuning { strength, prior, choice, errors: errors[place].clone() };
-        if active.len() == self.at.linear.len() {
-            return Ok(tuning);
-        }
-        let priors = PRIORS.map(|share| (strength, share * prior));
-        Ok(match self.best_of(active, &priors)? {
-            Some((place, errors)) => {
-                Tuning { prior: priors[place].1, errors: errors[place].clone(), ..tuning }
-            }
-            None => tuning,
-        })
+        let errors = self.errors(active, &[strength], prior)?.unwrap_or_default();
+        Ok(Tuning { strength, prior, choice, errors: errors.into_iter().next().unwrap_or_default() })
     }
 
-    /// Which of some pairs of strength and prior does best on held-out folds, and the errors of each
-    /// on each fold; nothing if folds are few.
-    fn best_of(
+    /// What each of some strengths leaves on each held-out fold; nothing if folds are few.
+    fn errors(
         &self,
         active: &[usize],
-        pairs: &[(f64, f64)],
-    ) -> Result<Option<Judged>, IdentifyError> {
+        strengths: &[f64],
+        prior: f64,
+    ) -> Result<Option<Vec<Vec<f64>>>, IdentifyError> {
         let sums = self.sums;
         let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
         if folds.len() < LEAST_FOLDS {
@@ -97,8 +79,8 @@ impl Step<'_> {
         let of_fold = |&fold: &usize| {
             let (held, rest, share) = self.without(fold);
             let mut x: Vec<f64> = active.iter().map(|&k| self.start[k]).collect();
-            let mut errors = Vec::with_capacity(pairs.len());
-            for (strength, prior) in pairs {
+            let mut errors = Vec::with_capacity(strengths.len());
+            for strength in strengths {
                 let rest = rest.of(active, self.at, (share * prior, 0.0));
                 x = minimise(rest.quadratic(), &self.prior, *strength, &x)?;
                 errors.push(self.error(&held, fold, &self.whole(active, &x)));
@@ -106,11 +88,8 @@ impl Step<'_> {
             Ok(errors)
         };
         let by_fold = folds.par_iter().map(of_fold).collect::<Result<Vec<_>, IdentifyError>>()?;
-        let errors: Vec<Vec<f64>> = (0..pairs.len())
-            .map(|pair| by_fold.iter().map(|errors| errors[pair]).collect())
-            .collect();
-        let best = (0..pairs.len()).min_by(|&a, &b| mean(&errors[a]).total_cmp(&mean(&errors[b])));
-        Ok(best.map(|place| (place, errors)))
+        let of = |k: usize| by_fold.iter().map(|errors| errors[k]).collect();
+        Ok(Some((0..strengths.len()).map(of).collect()))
     }
 
     /// The Gram matrix of a fold, the equations of the others, and their part of all rows.

@@ -19,14 +19,6 @@ const PROMISING: f64 = 0.7;
 /// A coupling must lower the error on held-out rows to this part: arms seldom have one.
 const COUPLING_GAIN: f64 = 0.7;
 
-/// What a search of the geometry came to.
-pub(super) struct Searched {
-    pub(super) spec: ChainSpec,
-    pub(super) chain: Chain,
-    /// All it may start from.
-    pub(super) starts: Vec<Chain>,
-}
-
 impl ChainLearner<'_> {
     /// Searches the geometry, then looks for joints that the coordinate of the joint before turns
     /// as well, as behind a parallelogram \[E18\].
@@ -34,39 +26,32 @@ impl ChainLearner<'_> {
         &mut self,
         spec: &ChainSpec,
         choices: &mut Vec<Choice>,
-    ) -> Result<Searched, IdentifyError> {
+    ) -> Result<(ChainSpec, Chain), IdentifyError> {
         let mut own = Vec::new();
-        let mut best = self.searched(spec.clone(), &mut own)?;
+        let mut best = spec.clone();
+        let mut chain = self.geometry(&mut best, None, &mut own)?;
         for _ in 0..MOST_COUPLED {
-            let coupling = best.spec.search.coupling.clone();
+            let coupling = best.search.coupling.clone();
             let search = Search { coupling, ..spec.search.clone() };
             let known = ChainSpec { search, ..spec.clone() };
             let Some((label, search)) = self.promising(&known)? else { break };
             let mut made = Vec::new();
-            let found = self.searched(ChainSpec { search, ..known }, &mut made)?;
+            let mut with = ChainSpec { search, ..known };
+            let found = self.geometry(&mut with, None, &mut made)?;
             let rows = self.rows(spec, TRIAL_ROWS)?;
-            let judged = |label: String, found: &Searched| {
-                trial(label, &found.spec, &rows, &found.chain, ROUNDS)
-            };
-            let trials = [judged("none".to_owned(), &best)?, judged(label, &found)?];
+            let trials = [
+                trial("none".to_owned(), &best, &rows, &chain, ROUNDS)?,
+                trial(label, &with, &rows, &found, ROUNDS)?,
+            ];
             if trials[1].error() > COUPLING_GAIN * trials[0].error()
                 || record("coupling", &trials, choices) == 0
             {
                 break;
             }
-            (best, own) = (found, made);
+            (best, chain, own) = (with, found, made);
         }
         choices.extend(own);
-        Ok(best)
-    }
-
-    fn searched(
-        &mut self,
-        mut spec: ChainSpec,
-        choices: &mut Vec<Choice>,
-    ) -> Result<Searched, IdentifyError> {
-        let (chain, starts) = self.geometry(&mut spec, None, choices)?;
-        Ok(Searched { spec, chain, starts })
+        Ok((best, chain))
     }
 
     /// The search with one more coupled joint that a first look at few rows is best with, if it is

@@ -52,22 +52,42 @@ fn snapping_moves_what_is_near_and_frees_what_is_far() {
     let near = [FRAC_PI_2 + 0.05, -0.02, 0.01, 0.4];
     let geometry = Geometry::new(&[&[0.02, -0.03], &far[..], &near[..]].concat()).unwrap();
 
-    let (snapped, free) = geometry.snapped(0.1, 0.05);
+    let (snapped, free) = geometry.snapped(0.1);
 
-    // Gravity is near straight down, axis 2 far from all, axis 3 near x but for one place.
-    let expected = [0.0, 0.0, 0.7, 0.1, 0.2, -0.3, FRAC_PI_2, 0.0, 0.0, 0.4];
+    // Gravity is near straight down, axis 2 far from all, axis 3 near x.
+    let expected = [0.0, 0.0, 0.7, 0.1, 0.2, -0.3, FRAC_PI_2, 0.0, 0.01, 0.4];
     assert_eq!(snapped.parameters(), expected);
-    assert_eq!(free, [2, 3, 4, 5, 9]);
+    assert_eq!(free, [2, 3, 4, 5, 8, 9]);
 }
 
 #[test]
 fn a_tilted_base_and_nothing_else_may_stay_free() {
     let geometry = Geometry::new(&[0.3, 0.0, 0.0, 0.01, 0.0, 0.0]).unwrap();
 
-    let (snapped, free) = geometry.snapped(0.1, 0.05);
+    let (snapped, free) = geometry.snapped(0.1);
 
     assert_eq!(snapped.parameters(), [0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
-    assert_eq!(free, [0, 1]);
+    assert_eq!(free, [0, 1, 4, 5]);
+}
+
+#[test]
+fn an_axis_turned_across_leaves_those_beyond_where_they_were() {
+    let arm = [0.1, 0.0, 0.0, 0.0, 0.2, -0.3, FRAC_PI_2, 0.0, 0.1, 0.4];
+    let geometry = Geometry::new(&arm).unwrap();
+    assert_eq!(geometry.parallel(), [1]);
+
+    let turned = geometry.turned_across(1);
+
+    assert_eq!(turned.len(), 4);
+    for other in turned {
+        let (before, after) = (geometry.upright(), other.upright());
+        assert_eq!(other.parallel().iter().filter(|&&joint| joint == 1).count(), 0);
+        let [a, b] = [before[2].0, after[2].0].map(Vector3::from);
+        assert_relative_eq!(a, b, epsilon = 1e-12);
+        // The third axis is the same line.
+        let apart = Vector3::from(before[2].1) - Vector3::from(after[2].1);
+        assert_relative_eq!(apart.cross(&a).norm(), 0.0, epsilon = 1e-12);
+    }
 }
 
 #[test]
