@@ -7,7 +7,7 @@ use crate::drive_terms::DriveTerm;
 use crate::estimate::{Linearisation, Solved};
 use crate::prune::prune;
 use crate::reconstruction::Reconstruction;
-use crate::unseen::{Errors, HeldOut, held_out, regions, whole_logs};
+use crate::unseen::{Errors, HeldOut, geometric_mean, held_out, regions, whole_logs};
 use crate::warning::Warning;
 use faer::{ColRef, Mat};
 use rand::SeedableRng;
@@ -64,14 +64,16 @@ impl Fitted {
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { solved, residual_rms, mut choices, found, searched_rms } = self;
-        let (chain, friction) = parameters(&solved.at, &solved.covariance);
+        let (by_time, by_region) = held_out_rms(&solved.at, &survey.sample)?;
+        let discrepancy = discrepancy(&residual_rms, [&by_time, &by_region]);
+        let covariance = faer::Scale(discrepancy.powi(2)) * &solved.covariance;
+        let (chain, friction) = parameters(&solved.at, &covariance);
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
         warnings.extend(Warning::of_refit(&searched_rms, &residual_rms));
         let mut training = survey.training(residual_rms);
-        (training.held_out_rms, training.held_out_by_region_rms) =
-            held_out_rms(&solved.at, &survey.sample)?;
+        (training.held_out_rms, training.held_out_by_region_rms) = (by_time, by_region);
         training.geometry_found = found;
         let mut model = Model {
             joints: survey.joints.clone(),
@@ -95,6 +97,17 @@ impl Fitted {
         let (steps, dropped, noise) = (vec![step], Vec::new(), survey.noise.clone());
         Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
     }
+}
+
+/// How many times as large as the residual is what is left of rows that were held out, the larger
+/// of two ways to hold them out, geometric mean of the joints: what the model gets wrong scatters
+/// less over its own rows than over others, and parameters err by as much more (E22).
+fn discrepancy(residual_rms: &[f64], held_out: [&Vec<f64>; 2]) -> f64 {
+    let of_joint = |(joint, residual): (usize, &f64)| {
+        let unseen = held_out.into_iter().filter_map(|rms| rms.get(joint).copied());
+        unseen.fold(*residual, f64::max) / residual.max(f64::MIN_POSITIVE)
+    };
+    geometric_mean(&residual_rms.iter().enumerate().map(of_joint).collect::<Vec<_>>())
 }
 
 /// The parameters of a linearisation as a model has them, with their covariance.

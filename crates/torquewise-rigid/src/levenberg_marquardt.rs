@@ -1,10 +1,11 @@
 //! From a first geometry to the one that fits: Levenberg–Marquardt with the masses projected out.
 
 use crate::error::ChainError;
-use crate::geometry::{Geometry, PER_BASE, PER_JOINT, nearest_right_angle};
+use crate::geometry::Geometry;
 use crate::inertial_fit::{InertialFit, weigh};
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
+use crate::usual_arm::UsualArm;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use simba::simd::SimdValue;
@@ -17,60 +18,10 @@ pub(crate) struct Target<'a> {
     pub(crate) weights: &'a [f64],
     /// Ridge of the masses, relative to the mean square of a column.
     pub(crate) ridge: f64,
-    /// What the prior holds the geometry to.
-    pub(crate) prior: Prior,
+    /// What the geometry is held to, and how strongly: the mean square that its precision counts.
+    pub(crate) usual: UsualArm,
+    pub(crate) strength: f64,
 }
-
-/// What is known of arms before any motion: axes at right angles, near each other.
-#[derive(Clone, Debug)]
-pub(crate) struct Prior {
-    strength: f64,
-    /// What the prior holds each parameter to.
-    anchor: Vec<f64>,
-}
-
-impl Prior {
-    /// Pulls each axis to the right angle it is nearest to.
-    pub(crate) fn new(strength: f64, geometry: &Geometry) -> Self {
-        Self { strength, anchor: right_angles_near(geometry) }
-    }
-
-    /// Strength over the squared spread of a parameter.
-    fn stiffness(&self, parameter: usize) -> f64 {
-        pull_stiffness(self.strength, parameter)
-    }
-
-    fn cost(&self, geometry: &Geometry) -> f64 {
-        let apart = geometry.parameters().iter().zip(&self.anchor).enumerate();
-        apart.map(|(place, (x, a))| self.stiffness(place) * (x - a).powi(2)).sum()
-    }
-}
-
-/// The parameters of the arm whose axes lie at the right angles nearest to those of a geometry, all
-/// through one point.
-pub fn right_angles_near(geometry: &Geometry) -> Vec<f64> {
-    let mut anchor = Geometry::straight(geometry.n_joints());
-    anchor.set_tilt(nearest_right_angle(geometry.tilt()));
-    for joint in 1..geometry.n_joints() {
-        anchor.set_direction(joint, nearest_right_angle(geometry.direction(joint)));
-    }
-    anchor.parameters().to_vec()
-}
-
-/// How much a geometry is held at right angles: strength over the squared spread of a parameter.
-pub fn pull_stiffness(strength: f64, parameter: usize) -> f64 {
-    let spread = match parameter.checked_sub(PER_BASE) {
-        None => TILT_SPREAD,
-        Some(place) if place % PER_JOINT < 2 => DIRECTION_SPREAD,
-        Some(_) => PLACE_SPREAD,
-    };
-    strength / (spread * spread)
-}
-
-/// Spreads of the parameters of arms: rad, rad, m.
-const TILT_SPREAD: f64 = 0.05;
-const DIRECTION_SPREAD: f64 = 0.15;
-const PLACE_SPREAD: f64 = 0.5;
 
 /// A geometry with its masses.
 #[derive(Clone, Debug)]
@@ -91,7 +42,7 @@ const TRIALS: usize = 6;
 impl Target<'_> {
     pub(crate) fn fit(&self, geometry: &Geometry) -> Result<Fitted, ChainError> {
         let masses = InertialFit::fit(geometry, self.rows, self.weights, self.ridge)?;
-        let cost = masses.cost + self.prior.cost(geometry);
+        let cost = masses.cost + self.strength * self.usual.cost(geometry);
         if !cost.is_finite() {
             return Err(ChainError::Singular);
         }
@@ -146,9 +97,10 @@ impl Target<'_> {
             let mut curvature = best.masses.projected(&changes);
             let mut slope = vec![0.0; free.len()];
             for (j, &parameter) in free.iter().enumerate() {
-                let stiffness = size * self.prior.stiffness(parameter);
+                let stiffness = size * self.strength * self.usual.precision[parameter];
                 curvature[(j, j)] += stiffness;
-                let apart = best.geometry.parameters()[parameter] - self.prior.anchor[parameter];
+                let usual = self.usual.parameters[parameter];
+                let apart = best.geometry.parameters()[parameter] - usual;
                 let column = changes.col_as_slice(j).iter();
                 let falls: f64 = column.zip(&best.masses.residual).map(|(d, r)| d * r).sum();
                 slope[j] = falls - stiffness * apart;

@@ -17,6 +17,7 @@ mod inertial_fit;
 mod levenberg_marquardt;
 pub mod search;
 pub mod tangent;
+pub mod usual_arm;
 
 pub use coupling::Coupling;
 pub use error::ChainError;
@@ -25,3 +26,4 @@ pub use recursion::{Kinematics, Moved, State};
 pub use rows::Rows;
 pub use search::{Chain, Search, fit, refine, search};
 pub use tangent::Tangent;
+pub use usual_arm::UsualArm;

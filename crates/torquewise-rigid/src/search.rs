@@ -3,10 +3,10 @@
 use crate::coupling::Coupling;
 use crate::error::ChainError;
 use crate::geometry::{Geometry, PER_BASE, PER_JOINT, RIGHT_ANGLES};
-use crate::levenberg_marquardt::{Fitted, Prior, Target};
-pub use crate::levenberg_marquardt::{pull_stiffness, right_angles_near};
+use crate::levenberg_marquardt::{Fitted, Target};
 use crate::recursion::{Kinematics, Lanes, MOST_JOINTS, Moved, N_LANES, PER_BODY};
 use crate::rows::Rows;
+use crate::usual_arm::UsualArm;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -32,7 +32,8 @@ pub struct Search {
     pub weighings: usize,
     /// Ridge of the masses, relative to the mean square of a column.
     pub ridge: f64,
-    /// How strongly axes are held to right angles and to each other.
+    /// How strongly the geometry is held to that of usual arms: the mean square, in units of the
+    /// noise, that one spread of theirs counts.
     pub prior: f64,
     /// Seed of the starts.
     pub seed: u64,
@@ -262,8 +263,8 @@ pub fn refine(
     let mut geometry = start.geometry.clone();
     let mut chain = None;
     for _ in 0..search.weighings {
-        let prior = Prior::new(search.prior, &geometry);
-        let target = Target { rows, weights: &weights, ridge: search.ridge, prior };
+        let (usual, strength) = (UsualArm::near(&geometry), search.prior);
+        let target = Target { rows, weights: &weights, ridge: search.ridge, usual, strength };
         let fitted = target.descend(&geometry, free, search.rounds)?;
         let found = Chain::new(&fitted, rows, &weights);
         weights = weights_of(&found.residual_rms, &first);
@@ -296,8 +297,8 @@ fn right_angles(rows: &Rows, weights: &[f64], search: &Search, place: usize) -> 
     let mut random = ChaCha8Rng::seed_from_u64(search.seed);
     random.set_stream(place as u64);
     let mut geometry = Geometry::straight(n).coupled(search.coupling.clone());
-    let prior = Prior::new(0.0, &geometry);
-    let target = Target { rows, weights, ridge: search.ridge, prior };
+    let (usual, strength) = (UsualArm::near(&geometry), 0.0);
+    let target = Target { rows, weights, ridge: search.ridge, usual, strength };
     for joint in 1..n {
         geometry.set_direction(joint, RIGHT_ANGLES[random.random_range(0..RIGHT_ANGLES.len())]);
         let place = [random.random_range(-PLACE..PLACE), random.random_range(-PLACE..PLACE)];

@@ -3,8 +3,9 @@
 
 use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
-use crate::levenberg_marquardt::{Prior, Target};
+use crate::levenberg_marquardt::Target;
 use crate::rows::Rows;
+use crate::usual_arm::UsualArm;
 use crate::search::{Chain, all_parameters, first_weights, weights_of};
 use faer::Mat;
 
@@ -62,8 +63,8 @@ impl Chain {
         }
         let masses: Vec<f64> = self.inertial.iter().chain(&self.drive).copied().collect();
         let linear = weighted_columns(&self.geometry, rows, weights);
-        let prior = Prior::new(0.0, &self.geometry);
-        let target = Target { rows, weights, ridge: 0.0, prior };
+        let usual = UsualArm::near(&self.geometry);
+        let target = Target { rows, weights, ridge: 0.0, usual, strength: 0.0 };
         let moves = target.changes(&self.geometry, &masses, free);
         let weights: Vec<f64> =
             rows.shares.iter().enumerate().map(|(k, share)| share * weights[k / m]).collect();

@@ -3,9 +3,8 @@
 use super::linearisation::Linearisation;
 use faer::{ColRef, Mat};
 use torquewise_regression::noise_correction::corrected;
-use torquewise_rigid::Geometry;
 use torquewise_rigid::feasible::Quadratic;
-use torquewise_rigid::search::{pull_stiffness, right_angles_near};
+use torquewise_rigid::{Geometry, UsualArm};
 
 /// Price of a step, relative to the diagonal of the normal equations.
 const ROUNDING: f64 = 1e-11;
@@ -66,12 +65,12 @@ impl Equations {
             squares: self.squares,
         };
         let linear = at.linear.len();
-        let anchor = anchor(at);
+        let usual = usual(at);
         for (place, &k) in active.iter().enumerate().filter(|(_, k)| **k >= linear) {
-            let stiffness = prior * pull_stiffness(1.0, k - linear);
+            let stiffness = prior * usual.precision[k - linear];
             let price = damping * self.hessian[(k, k)];
             own.hessian[(place, place)] += stiffness + price;
-            own.right[place] += stiffness * anchor[k - linear] + price * at.geometry[k - linear];
+            own.right[place] += stiffness * usual.parameters[k - linear] + price * at.geometry[k - linear];
         }
         own
     }
@@ -81,18 +80,21 @@ impl Equations {
     }
 }
 
-/// What the prior of the geometry holds it to.
-fn anchor(at: &Linearisation) -> Vec<f64> {
-    Geometry::new(&at.geometry)
-        .map_or_else(|_| at.geometry.clone(), |geometry| right_angles_near(&geometry))
+/// What the geometry is held to; nothing where it is none.
+fn usual(at: &Linearisation) -> UsualArm {
+    let own = Geometry::new(&at.geometry).map(|geometry| UsualArm::near(&geometry));
+    own.unwrap_or_else(|_| UsualArm {
+        parameters: at.geometry.clone(),
+        precision: vec![0.0; at.geometry.len()],
+    })
 }
 
-/// What the prior of right angles costs at parameters.
+/// What the prior of the geometry costs at parameters.
 pub(super) fn cost_of_pull(at: &Linearisation, parameters: &[f64], prior: f64) -> f64 {
-    let (linear, anchor) = (at.linear.len(), anchor(at));
+    let (linear, usual) = (at.linear.len(), usual(at));
     let cost = |&k: &usize| {
-        let apart = parameters[linear + k] - anchor[k];
-        0.5 * prior * pull_stiffness(1.0, k) * apart * apart
+        let apart = parameters[linear + k] - usual.parameters[k];
+        0.5 * prior * usual.precision[k] * apart * apart
     };
     at.structure.free.iter().map(cost).sum()
 }
