@@ -7,7 +7,6 @@ use torquewise_model::friction::{Direction, FrictionLaw};
 use torquewise_model::{EnergyTerm, FrictionTerm, Place, Term, Trig};
 use torquewise_motion::Motion;
 use torquewise_rigid::{Chain, Kinematics};
-use torquewise_stepwise::friction::FrictionLibrary;
 
 /// A joint slower than so many half widths of the reversal of its friction is at rest: its friction
 /// may be anything.
@@ -63,24 +62,9 @@ impl DriveTerm {
         harmonics.map(spring).to_vec()
     }
 
-    /// Makes friction reverse as sharply as laws of these widths do.
-    pub(crate) fn reverse_within(&mut self, laws: &FrictionLibrary) {
-        if let Self::Friction(term) = self {
-            term.law = term.law.with_width(laws.width_of(&term.shaft));
-        }
-    }
-
-    /// Whether it is friction of one direction only.
-    pub(crate) fn is_one_way(&self) -> bool {
-        matches!(self, Self::Friction(term) if !term.direction.is_both())
-    }
-
-    /// Whether it is friction of the shaft of one joint alone.
-    pub(crate) fn is_friction_of(&self, joint: usize) -> bool {
-        let alone = |shaft: &[f64]| {
-            shaft.iter().enumerate().all(|(k, turn)| (k == joint) == (*turn != 0.0))
-        };
-        matches!(self, Self::Friction(term) if alone(&term.shaft))
+    /// Whether it is the rotor of a shaft that several joints turn.
+    pub(crate) fn is_shared(&self) -> bool {
+        matches!(self, Self::Rotor(shaft) if shaft.iter().filter(|part| **part != 0.0).count() > 1)
     }
 
     /// The law, if it is friction.

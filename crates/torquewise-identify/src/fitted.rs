@@ -29,8 +29,6 @@ use torquewise_stepwise::survey::{Survey, thinned};
 
 /// Rows on which the error of blocks that were held out is found, at most.
 const HELD_OUT_ROWS: usize = 4_000;
-/// Rows over which a filter carries torque: a period of its cut-off, of which it leaves eight rows.
-const FILTER_ROWS: usize = 8;
 /// Draws of the parameters that the errors of the equations are estimated from.
 const DRAWS: usize = 40;
 /// Size of these draws in standard deviations: small, so that all is linear.
@@ -64,7 +62,7 @@ impl Fitted {
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { solved, residual_rms, mut choices, found, searched_rms } = self;
-        let (by_time, by_region) = held_out_rms(&solved.at, &survey.sample)?;
+        let (by_time, by_region) = held_out_rms(&solved.at.narrowed(), &survey.sample)?;
         let discrepancy = discrepancy(&residual_rms, [&by_time, &by_region]);
         let covariance = faer::Scale(discrepancy.powi(2)) * &solved.covariance;
         let (chain, friction) = parameters(&solved.at, &covariance);
@@ -193,7 +191,7 @@ fn held_out_rms(
         let errors = held_out(at, &few, &[(&tau, &tau)], blocks)?;
         Ok(errors.and_then(|all| all.first().map(Errors::rms_by_joint)).unwrap_or_default())
     };
-    Ok((rms(&whole_logs(&few))?, rms(&regions(&few, FILTER_ROWS.div_ceil(every)))?))
+    Ok((rms(&whole_logs(&few))?, rms(&regions(&few, every))?))
 }
 
 /// Equal energy terms joined.

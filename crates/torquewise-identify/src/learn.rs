@@ -2,7 +2,10 @@
 
 use crate::chain_spec::{ChainSpec, record_worth, trial};
 use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
+use crate::estimate::{Linearisation, Structure};
 use crate::plan::{ChainOptions, FrictionKind};
+use crate::regions::Regions;
+use offers::Offer;
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Motion;
@@ -11,13 +14,11 @@ use torquewise_rigid::{Chain, ChainError, Geometry, Rows, Search, refine, search
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::friction::FrictionLibrary;
 use torquewise_stepwise::held_out::CvScore;
+use torquewise_stepwise::noise::NoiseFloor;
 use torquewise_stepwise::survey::thinned;
 
 mod couplings;
-mod residual;
-mod joint_friction;
-mod loads;
-mod ripple;
+mod offers;
 
 /// A chain with what stands beside it, and how both were chosen.
 #[derive(Clone, Debug)]
@@ -27,6 +28,8 @@ pub(crate) struct Learned {
     pub(crate) residual_rms: Vec<f64>,
     /// What was fitted: what stands beside the links, which of the geometry moved.
     pub(crate) spec: ChainSpec,
+    /// Friction that was offered, where held-out rows chose among it.
+    pub(crate) offered: Vec<DriveTerm>,
     pub(crate) choices: Vec<Choice>,
     /// Friction that may be offered.
     pub(crate) laws: FrictionLibrary,
@@ -65,9 +68,11 @@ pub(crate) fn learn(
     seed: u64,
 ) -> Result<Learned, IdentifyError> {
     let (n, friction) = (motion.n_joints(), options.friction);
-    let balanced = loads::balanced(motion, &options.counterbalanced)?;
+    let balanced = balanced(motion, &options.counterbalanced)?;
     let mut learner = ChainLearner::new(motion);
-    let mut drive = DriveTerm::rotors(n);
+    let springs = balanced.iter().flat_map(|&joint| DriveTerm::counterbalance(n, joint));
+    let mut drive: Vec<DriveTerm> = DriveTerm::rotors(n).into_iter().chain(springs).collect();
+    let known = drive.clone();
     let has_friction = friction != FrictionKind::None;
     if has_friction {
         drive.extend(DriveTerm::friction(learner.laws.linear()));
@@ -81,21 +86,42 @@ pub(crate) fn learn(
         Some(known) => learner.at_geometry(spec, &known.geometry)?,
         None => learner.coupled_geometry(&spec, &mut choices)?,
     };
-    let shares = has_friction && learner.shafts(&mut spec, &chain, &mut choices)?;
-    if shares && !is_given {
+    let mut offers = learner.springs(&balanced);
+    if has_friction {
+        offers.extend(learner.shafts());
+    }
+    let mut offered = Vec::new();
+    match friction {
+        FrictionKind::None | FrictionKind::Linear => {}
+        FrictionKind::Stribeck => spec.drive.extend(DriveTerm::friction(learner.laws.stribeck())),
+        FrictionKind::Auto => {
+            let laws = learner.friction();
+            offered = laws.iter().flat_map(Offer::terms).collect();
+            offers.extend(laws);
+            spec.drive = known;
+        }
+    }
+    learner.choose(&mut spec, &chain, &offers, &mut choices)?;
+    if !is_given && spec.drive.iter().any(DriveTerm::is_shared) {
         choices.retain(|choice: &Choice| choice.what != AXES);
         chain = learner.geometry(&mut spec, Some(chain), &mut choices)?;
     }
-    learner.counterbalances(&mut spec, &chain, &balanced, &mut choices)?;
-    if has_friction {
-        learner.reversal(&mut spec, &chain, friction, &mut choices)?;
-    }
-    learner.friction(&mut spec, &chain, friction, &mut choices)?;
-    if friction == FrictionKind::Auto && spec.has_friction() {
-        learner.joint_friction(&mut spec, &chain, &mut choices)?;
-        learner.ripple(&mut spec, &chain, &mut choices)?;
-    }
-    learner.finish(spec, &chain, choices)
+    learner.finish((spec, offered), &chain, choices)
+}
+
+/// Places of joints that are said to be balanced, each once.
+fn balanced(motion: &Motion, names: &[String]) -> Result<Vec<usize>, IdentifyError> {
+    let joints = motion.joints();
+    let place = |name: &String| {
+        joints.iter().position(|joint| joint == name).ok_or_else(|| IdentifyError::NoSuchJoint {
+            name: name.clone(),
+            joints: joints.join(", "),
+        })
+    };
+    let mut places = names.iter().map(place).collect::<Result<Vec<usize>, _>>()?;
+    places.sort_unstable();
+    places.dedup();
+    Ok(places)
 }
 
 const AXES: &str = "axes at right angles";
@@ -196,29 +222,41 @@ impl<'a> ChainLearner<'a> {
     /// Fits the chosen specification on a sample of many rows.
     fn finish(
         &self,
-        spec: ChainSpec,
+        (spec, offered): (ChainSpec, Vec<DriveTerm>),
         chain: &Chain,
         choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search)?;
         let residual_rms = residual_rms(&chain, &rows);
+        let offered = if spec.has_friction() { offered } else { Vec::new() };
         let (laws, found) = (self.laws.clone(), self.found);
-        Ok(Learned { chain, residual_rms, spec, choices, laws, found })
+        Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
     }
 
-    fn trials(
-        &self,
-        ways: &[(String, ChainSpec)],
-        chain: &Chain,
-        rounds: usize,
-    ) -> Result<Vec<CvScore>, IdentifyError> {
-        ways.par_iter()
-            .map(|(label, spec)| {
-                let rows = self.rows(spec, TRIAL_ROWS)?;
-                trial(label.clone(), spec, &rows, chain, rounds)
-            })
-            .collect()
+    /// A chain with more beside its links, whose coefficients are none so far, at its own geometry.
+    fn library(&self, chain: &Chain, drive: Vec<DriveTerm>) -> Linearisation {
+        let none = vec![0.0; drive.len()];
+        let structure = Structure {
+            chosen: drive.len(),
+            drive,
+            coupling: chain.geometry.coupling().clone(),
+            robot: None,
+            free: Vec::new(),
+            rest: self.laws.width.iter().map(|width| AT_REST * width).collect(),
+        };
+        Linearisation {
+            geometry: chain.geometry.parameters().to_vec(),
+            linear: chain.inertial.iter().chain(&none).copied().collect(),
+            weights: chain.residual_rms.iter().map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE)).collect(),
+            scales: Vec::new(),
+            structure,
+            noise: NoiseFloor::none(self.motion.n_joints()),
+            raw_noise: false,
+            block_rows: 1,
+            regions: Regions::default(),
+            seed: 0,
+        }
     }
 }
 

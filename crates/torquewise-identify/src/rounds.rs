@@ -66,7 +66,8 @@ impl Request {
         let sizes = Sizes { torque: survey.torque_std.clone(), speed: survey.dq_peak.clone() };
         let sample = thinned(&survey.sample, LAST_ROWS);
         let start = linearised(&learned, &sample, (survey, &sizes), options, (filtered, seed))?;
-        let at = cut_for(refine(&sample, &start, &sizes)?, survey.rows);
+        let at = refine(&sample, &start, &sizes)?.widened(&learned.offered, &sample)?;
+        let at = cut_for(at, survey.rows);
         let mut passes = Passes::over_all(at, MOST_PASSES);
         if options.geometry.is_some() {
             passes = passes.with_given_geometry();
@@ -171,6 +172,7 @@ fn linearised(
     let rest = if spec.has_friction() { AT_REST } else { 0.0 };
     let structure = Structure {
         drive: spec.drive.clone(),
+        chosen: spec.drive.len(),
         coupling: chain.geometry.coupling().clone(),
         robot: options.geometry.as_ref().and_then(|known| known.robot.clone()),
         free: spec.free.clone(),

@@ -72,9 +72,13 @@ pub(crate) struct HeldOut {
 /// Regions of configuration that are held out.
 const REGIONS: usize = 5;
 
-/// Regions of configuration of a motion, each with the rows before and after it by so many: the
-/// filter carries torque there (E20).
-pub(crate) fn regions(motion: &Motion, margin: usize) -> Vec<HeldOut> {
+/// Rows over which a filter carries torque: a period of its cut-off, of which it leaves eight rows.
+const FILTER_ROWS: usize = 8;
+
+/// Regions of configuration of a motion, of which every k-th row is at hand, each with the rows
+/// before and after it that the filter carries torque to (E20).
+pub(crate) fn regions(motion: &Motion, every: usize) -> Vec<HeldOut> {
+    let margin = FILTER_ROWS.div_ceil(every.max(1));
     let (m, regions) = (motion.n_rows(), Regions::of(motion, REGIONS));
     let place: Vec<usize> = (0..m).map(|row| regions.of_row(motion, row)).collect();
     let of = |region: usize| -> HeldOut {
@@ -118,84 +122,136 @@ pub(crate) fn whole_logs(motion: &Motion) -> Vec<HeldOut> {
 /// The torque of a motion: what is fitted to, and what is to be predicted \[N·m\], m×n each.
 pub(crate) type Target<'a> = (&'a Mat<f64>, &'a Mat<f64>);
 
-/// What the parameters of a chain, fitted to the torque of a motion but for a block of rows and
-/// those around it, leave of what is to be predicted in that block, for each target. The geometry
-/// takes one step.
-///
-/// - returns: `None` where there are too few rows, or nothing can be solved
+/// Columns of a linearisation over a motion, and blocks of rows that are held out: any of the
+/// columns may be fitted to the rest. The geometry takes one step where it may move.
+pub(crate) struct Unseen<'a> {
+    targets: &'a [Target<'a>],
+    blocks: &'a [HeldOut],
+    /// (m·n)×p, joint by joint, in units of the noise.
+    columns: Mat<f64>,
+    /// What each row was multiplied by, m·n.
+    weights: Vec<f64>,
+    all: Sums,
+    /// Of the rows around each block.
+    around: Vec<Sums>,
+}
+
+/// Gram matrix and right-hand sides of some rows, p×p and p×targets.
+type Sums = (Mat<f64>, Mat<f64>);
+
+impl<'a> Unseen<'a> {
+    /// - returns: `None` where there are too few rows
+    ///
+    /// # Errors
+    /// [`IdentifyError::Chain`] if the motion is of another arm.
+    pub(crate) fn new(
+        at: &Linearisation,
+        motion: &Motion,
+        targets: &'a [Target<'a>],
+        blocks: &'a [HeldOut],
+    ) -> Result<Option<Self>, IdentifyError> {
+        let (m, n) = (motion.n_rows(), motion.n_joints());
+        if m < BLOCKS * LEAST_ROWS {
+            return Ok(None);
+        }
+        let (columns, weights) = at.columns_of(motion)?;
+        let p = columns.ncols();
+        let sums = |block: &[usize]| {
+            let mut sums = (Mat::<f64>::zeros(p, p), Mat::<f64>::zeros(p, targets.len()));
+            for joint in 0..n {
+                let row = |k: usize| joint * m + block[k];
+                let own = Mat::from_fn(block.len(), p, |k, j| columns[(row(k), j)]);
+                let responses = Mat::from_fn(block.len(), targets.len(), |k, target| {
+                    weights[row(k)] * targets[target].0[(block[k], joint)]
+                });
+                sums.0 += own.transpose() * &own;
+                sums.1 += own.transpose() * responses;
+            }
+            sums
+        };
+        let around = blocks.iter().map(|block| sums(&block.around)).collect();
+        let all = sums(&(0..m).collect::<Vec<usize>>());
+        Ok(Some(Self { targets, blocks, columns, weights, all, around }))
+    }
+
+    /// Number of columns.
+    pub(crate) fn n_columns(&self) -> usize {
+        self.columns.ncols()
+    }
+
+    /// What some columns, fitted to the torque but for each block and the rows around it, leave of
+    /// what is to be predicted in that block, for each target; nothing where nothing can be solved.
+    pub(crate) fn errors(&self, active: &[usize]) -> Vec<Option<Errors>> {
+        let of = |sums: &Sums| {
+            let (gram, right) = sums;
+            (
+                Mat::from_fn(active.len(), active.len(), |i, j| gram[(active[i], active[j])]),
+                Mat::from_fn(active.len(), right.ncols(), |i, k| right[(active[i], k)]),
+            )
+        };
+        let (all, around) = (of(&self.all), self.around.iter().map(of).collect::<Vec<Sums>>());
+        let solved: Vec<Vec<Mat<f64>>> =
+            RIDGES.iter().filter_map(|ridge| solved_without(&all, &around, *ridge)).collect();
+        let m = self.targets.first().map_or(0, |(_, target)| target.nrows());
+        let n = self.weights.len() / m.max(1);
+        // Mean squares of each ridge and target, blocks by joints.
+        let none = vec![vec![0.0; n]; self.blocks.len()];
+        let mut parts = vec![vec![none; self.targets.len()]; solved.len()];
+        for (b, block) in self.blocks.iter().enumerate() {
+            for joint in 0..n {
+                let row = |k: usize| joint * m + block.rows[k];
+                let own = Mat::from_fn(block.rows.len(), active.len(), |k, j| {
+                    self.columns[(row(k), active[j])] / self.weights[row(k)]
+                });
+                for (parts, solved) in parts.iter_mut().zip(&solved) {
+                    let fitted = &own * &solved[b];
+                    for (k, (_, target)) in self.targets.iter().enumerate() {
+                        let left = block.rows.iter().zip(fitted.col(k).iter());
+                        let squares = left.map(|(&row, x)| (target[(row, joint)] - x).powi(2));
+                        parts[k][b][joint] = squares.sum::<f64>() / block.rows.len() as f64;
+                    }
+                }
+            }
+        }
+        let shares: Vec<f64> =
+            self.blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
+        let of = |(k, (_, target)): (usize, &Target<'_>)| -> Option<Errors> {
+            let variances: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
+            let spread: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
+            let errors = parts.iter().map(|parts| {
+                let relative = |block: &Vec<f64>| {
+                    block.iter().zip(&variances).map(|(square, variance)| square / variance).collect()
+                };
+                let parts = parts[k].iter().map(relative).collect();
+                Errors { parts, shares: shares.clone(), spread: spread.clone() }
+            });
+            errors.min_by(|a, b| a.all().total_cmp(&b.all()))
+        };
+        self.targets.iter().enumerate().map(of).collect()
+    }
+}
+
+/// What all columns leave, see [`Unseen::errors`]; nothing where there are too few rows.
 ///
 /// # Errors
-/// [`IdentifyError::Chain`] if the motion is of another arm.
+/// As [`Unseen::new`].
 pub(crate) fn held_out(
     at: &Linearisation,
     motion: &Motion,
     targets: &[Target<'_>],
     blocks: &[HeldOut],
 ) -> Result<Option<Vec<Errors>>, IdentifyError> {
-    let (m, n) = (motion.n_rows(), motion.n_joints());
-    if m < BLOCKS * LEAST_ROWS {
-        return Ok(None);
-    }
-    let (columns, weights) = at.columns_of(motion)?;
-    let p = columns.ncols();
-    let rows = |block: &[usize], joint: usize| {
-        Mat::from_fn(block.len(), p, |k, j| columns[(joint * m + block[k], j)])
-    };
-    let sums = |block: &[usize]| {
-        let (mut gram, mut right) = (Mat::<f64>::zeros(p, p), Mat::<f64>::zeros(p, targets.len()));
-        for joint in 0..n {
-            let own = rows(block, joint);
-            let responses = Mat::from_fn(own.nrows(), targets.len(), |row, k| {
-                let row = block[row];
-                weights[joint * m + row] * targets[k].0[(row, joint)]
-            });
-            gram += own.transpose() * &own;
-            right += own.transpose() * responses;
-        }
-        (gram, right)
-    };
-    let around: Vec<(Mat<f64>, Mat<f64>)> =
-        blocks.iter().map(|block| sums(&block.around)).collect();
-    let all = sums(&(0..m).collect::<Vec<usize>>());
-    let solved: Vec<Vec<Mat<f64>>> =
-        RIDGES.iter().filter_map(|ridge| solved_without(&all, &around, *ridge)).collect();
-    let shares: Vec<f64> = blocks.iter().map(|block| block.rows.len() as f64 / m as f64).collect();
-    let of = |(k, (_, target)): (usize, &Target<'_>)| -> Option<Errors> {
-        let spread: Vec<f64> = (0..n).map(|joint| variance(target, joint)).collect();
-        let parts = |solved: &Vec<Mat<f64>>| -> Vec<Vec<f64>> {
-            let of_block = |(block, solved): (&HeldOut, &Mat<f64>)| {
-                let left = |joint: usize| {
-                    let fitted = rows(&block.rows, joint) * solved.col(k);
-                    let squares = block.rows.iter().zip(fitted.iter()).map(|(&row, fitted)| {
-                        (target[(row, joint)] - fitted / weights[joint * m + row]).powi(2)
-                    });
-                    squares.sum::<f64>() / block.rows.len() as f64 / spread[joint]
-                };
-                (0..n).map(left).collect()
-            };
-            blocks.iter().zip(solved).map(of_block).collect()
-        };
-        let roots: Vec<f64> = spread.iter().map(|variance| variance.sqrt()).collect();
-        let errors = solved.iter().map(|solved| Errors {
-            parts: parts(solved),
-            shares: shares.clone(),
-            spread: roots.clone(),
-        });
-        errors.min_by(|a, b| a.all().total_cmp(&b.all()))
-    };
-    Ok(targets.iter().enumerate().map(of).collect())
+    let Some(unseen) = Unseen::new(at, motion, targets, blocks)? else { return Ok(None) };
+    let all: Vec<usize> = (0..unseen.n_columns()).collect();
+    Ok(unseen.errors(&all).into_iter().collect())
 }
 
 /// Coefficients for each target without the rows around each block, p×targets; `None` where they
 /// cannot be solved for.
-fn solved_without(
-    (gram, right): &(Mat<f64>, Mat<f64>),
-    around: &[(Mat<f64>, Mat<f64>)],
-    ridge: f64,
-) -> Option<Vec<Mat<f64>>> {
+fn solved_without((gram, right): &Sums, around: &[Sums], ridge: f64) -> Option<Vec<Mat<f64>>> {
     let p = gram.ncols();
     let largest = (0..p).fold(0.0_f64, |most, k| gram[(k, k)].max(most));
-    let without = |(own_gram, own_right): &(Mat<f64>, Mat<f64>)| {
+    let without = |(own_gram, own_right): &Sums| {
         let mut rest = gram - own_gram;
         for k in 0..p {
             rest[(k, k)] += ridge * gram[(k, k)].max(LEAST_SQUARE * largest);

@@ -16,6 +16,9 @@ use torquewise_stepwise::noise::NoiseFloor;
 pub(crate) struct Structure {
     /// Rotors, friction, springs: columns of their own.
     pub(crate) drive: Vec<DriveTerm>,
+    /// How many of these were chosen. The others were offered as well: what the arm does is the mean
+    /// of what both say (E21).
+    pub(crate) chosen: usize,
     /// How logged coordinates turn the joints.
     pub(crate) coupling: Coupling,
     /// What a URDF calls its parts, where one gave the geometry.
@@ -72,6 +75,49 @@ impl Linearisation {
         (0..self.linear.len()).collect()
     }
 
+    /// Indices of the linear parameters that were chosen.
+    pub(crate) fn chosen_indices(&self) -> Vec<usize> {
+        let offered = self.structure.drive.len() - self.structure.chosen;
+        (0..self.linear.len() - offered).collect()
+    }
+
+    /// The same where what was not chosen is nothing.
+    pub(crate) fn of_chosen(&self) -> Self {
+        let mut linear = self.linear.clone();
+        linear[self.chosen_indices().len()..].fill(0.0);
+        Self { linear, ..self.clone() }
+    }
+
+    /// The same without what was not chosen.
+    pub(crate) fn narrowed(&self) -> Self {
+        let mut structure = self.structure.clone();
+        structure.drive.truncate(structure.chosen);
+        let (linear, offered) = (self.chosen_indices().len(), self.linear.len());
+        let scales = self.scales.iter().enumerate();
+        let scales = scales.filter(|(k, _)| !(linear..offered).contains(k)).map(|(_, x)| *x);
+        Self {
+            structure,
+            linear: self.linear[..linear].to_vec(),
+            scales: scales.collect(),
+            ..self.clone()
+        }
+    }
+
+    /// The same with what was offered beside what was chosen.
+    pub(crate) fn widened(
+        mut self,
+        offered: &[DriveTerm],
+        sample: &Motion,
+    ) -> Result<Self, IdentifyError> {
+        for term in offered {
+            if !self.structure.drive.contains(term) {
+                self.structure.drive.push(term.clone());
+                self.linear.push(0.0);
+            }
+        }
+        self.scaled_by(sample)
+    }
+
     /// The same where these parameters may move.
     pub(crate) fn freed(self, active: &[usize]) -> Self {
         let linear = self.linear.len();
@@ -99,6 +145,7 @@ impl Linearisation {
         geometry.is_ok_and(|geometry| geometry.n_joints() == n)
             && self.linear.len() == bodies + self.structure.drive.len()
             && self.structure.drive.iter().all(|term| term.n_joints() == n)
+            && self.structure.chosen <= self.structure.drive.len()
             && self.structure.coupling.is_sound(n)
             && self.structure.free.iter().all(|&k| k < self.geometry.len())
             && self.structure.rest.len() == n

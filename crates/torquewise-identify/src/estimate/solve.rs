@@ -73,7 +73,7 @@ impl Step<'_> {
             return Ok(Vec::new());
         }
         let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
-        let solution = self.minimum(&equations, active, tuning)?;
+        let solution = self.minimum(&equations, active, tuning.strength)?;
         let factor = curvature(equations.quadratic(), &self.prior, tuning.strength, &solution)?;
         let across =
             Mat::from_fn(active.len(), held.len(), |i, j| self.all.hessian[(active[i], held[j])]);
@@ -103,7 +103,7 @@ impl Step<'_> {
     pub(super) fn solved(self, active: &[usize], tuning: Tuning) -> Result<Solved, IdentifyError> {
         let p = self.before.len();
         let equations = self.all.of(active, self.at, (tuning.prior, 0.0));
-        let solution = self.minimum(&equations, active, &tuning)?;
+        let solution = self.minimum(&equations, active, tuning.strength)?;
         let strength = tuning.strength;
         let factor = curvature(equations.quadratic(), &self.prior, strength, &solution)?;
         let mut middle = self.scores(active);

@@ -1,0 +1,181 @@
+//! From a chain to what stands beside its links: shafts that joints share, springs, friction. Each
+//! is offered in a few ways, and held-out rows choose (17) (E13) (E21).
+
+use super::{ChainLearner, LAST_ROWS};
+use crate::chain_spec::ChainSpec;
+use crate::drive_terms::DriveTerm;
+use crate::unseen::{Unseen, regions};
+use rayon::prelude::*;
+use torquewise_model::FrictionTerm;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::model::Choice;
+use torquewise_rigid::Chain;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::held_out::{CvScore, listed};
+use torquewise_stepwise::survey::thinned;
+
+/// Something beside the links of which held-out rows choose one way.
+pub(super) struct Offer {
+    /// As the model file has it.
+    what: String,
+    /// Ways with their names, the simplest first.
+    ways: Vec<(&'static str, Vec<DriveTerm>)>,
+    /// The way that others are first judged beside.
+    usual: usize,
+    /// A longer way must lower the error by this part.
+    worth: f64,
+}
+
+/// Arms seldom have a shaft that two joints share, or a spring.
+const WORTH_OF_SHAFT: f64 = 0.15;
+const WORTH_OF_SPRING: f64 = 0.1;
+const WORTH_OF_FRICTION: f64 = 0.02;
+/// Times that all offers are made, each beside what was chosen of the others.
+const SWEEPS: usize = 2;
+
+impl Offer {
+    /// All that is offered, each once.
+    pub(super) fn terms(&self) -> Vec<DriveTerm> {
+        let mut all: Vec<DriveTerm> = Vec::new();
+        for term in self.ways.iter().flat_map(|(_, terms)| terms) {
+            if !all.contains(term) {
+                all.push(term.clone());
+            }
+        }
+        all
+    }
+}
+
+impl ChainLearner<'_> {
+    /// Shafts that two neighbouring joints turn together, as in a coupled wrist.
+    pub(super) fn shafts(&self) -> Vec<Offer> {
+        let n = self.motion.n_joints();
+        let of = |joint: usize| {
+            let shared = |sign: f64| {
+                let mut shaft = vec![0.0; n];
+                (shaft[joint - 1], shaft[joint]) = (1.0, sign);
+                DriveTerm::shared_shaft(&shaft, self.laws.width_of(&shaft))
+            };
+            Offer {
+                what: format!("shaft shared by joints {joint} and {}", joint + 1),
+                ways: vec![("none", Vec::new()), ("sum", shared(1.0)), ("difference", shared(-1.0))],
+                usual: 0,
+                worth: WORTH_OF_SHAFT,
+            }
+        };
+        (1..n).map(of).collect()
+    }
+
+    /// Springs that balance a joint, but for those that are known.
+    pub(super) fn springs(&self, known: &[usize]) -> Vec<Offer> {
+        let (n, joints) = (self.motion.n_joints(), self.motion.joints());
+        let of = |joint: usize| Offer {
+            what: format!("counterbalance of {}", joints[joint]),
+            ways: vec![("none", Vec::new()), ("spring", DriveTerm::counterbalance(n, joint))],
+            usual: 0,
+            worth: WORTH_OF_SPRING,
+        };
+        (0..n).filter(|joint| !known.contains(joint)).map(of).collect()
+    }
+
+    /// The friction of each joint.
+    pub(super) fn friction(&self) -> Vec<Offer> {
+        let own = |joint: usize, terms: Vec<FrictionTerm>| {
+            terms.into_iter().filter(move |term| term.joint() == Some(joint) && term.direction.is_both())
+        };
+        let of = |joint: usize| {
+            let linear: Vec<FrictionTerm> = own(joint, self.laws.linear()).collect();
+            let dry = linear.iter().filter(|term| matches!(term.law, FrictionLaw::Coulomb { .. }));
+            let loaded: Vec<FrictionTerm> = dry.cloned().map(FrictionTerm::under_load).collect();
+            let bends: Vec<FrictionTerm> = own(joint, self.laws.stribeck()).collect();
+            let dahl = self.laws.dahl(joint);
+            let way = |parts: &[&[FrictionTerm]]| DriveTerm::friction(parts.concat()).collect();
+            Offer {
+                what: format!("friction of {}", self.motion.joints()[joint]),
+                ways: vec![
+                    ("none", way(&[&linear[..1]])),
+                    ("viscous", way(&[&linear[..2]])),
+                    ("Coulomb", way(&[&linear])),
+                    ("Dahl under load", way(&[&linear, &loaded, &dahl])),
+                    ("Stribeck", way(&[&linear, &bends])),
+                ],
+                usual: 2,
+                worth: WORTH_OF_FRICTION / self.motion.n_joints() as f64,
+            }
+        };
+        (0..self.motion.n_joints()).map(of).collect()
+    }
+
+    /// Chooses a way of each offer, beside what a specification has.
+    pub(super) fn choose(
+        &self,
+        spec: &mut ChainSpec,
+        chain: &Chain,
+        offers: &[Offer],
+        choices: &mut Vec<Choice>,
+    ) -> Result<(), IdentifyError> {
+        let mut chosen: Vec<usize> = offers.iter().map(|offer| offer.usual).collect();
+        let mut library = spec.drive.clone();
+        let mut place = |term: &DriveTerm| {
+            library.iter().position(|known| known == term).unwrap_or_else(|| {
+                library.push(term.clone());
+                library.len() - 1
+            })
+        };
+        let places: Vec<Vec<Vec<usize>>> = (offers.iter())
+            .map(|offer| {
+                offer.ways.iter().map(|(_, terms)| terms.iter().map(&mut place).collect()).collect()
+            })
+            .collect();
+        spec.bear(chain);
+        let motion = thinned(self.motion, LAST_ROWS);
+        let tau = motion.require_tau()?.to_owned();
+        let at = self.library(chain, library.clone());
+        let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
+        let target = [(&tau, &tau)];
+        let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks)? else { return Ok(()) };
+        let bodies = at.linear.len() - library.len();
+        let known: Vec<usize> = (0..bodies + spec.drive.len()).collect();
+        let mut record = vec![None; offers.len()];
+        for _ in 0..SWEEPS {
+            let before = chosen.clone();
+            for (k, offer) in offers.iter().enumerate() {
+                let judged = |way: usize| -> Option<CvScore> {
+                    let mut active = known.clone();
+                    let others = (0..offers.len()).filter(|&other| other != k);
+                    let all = others.map(|other| (other, chosen[other])).chain([(k, way)]);
+                    active.extend(all.flat_map(|(k, way)| &places[k][way]).map(|place| bodies + place));
+                    active.sort_unstable();
+                    active.dedup();
+                    let errors = unseen.errors(&active).pop()??.by_block();
+                    let label = offer.ways[way].0.to_owned();
+                    Some(CvScore { label, complexity: active.len(), errors })
+                };
+                let trials: Vec<Option<CvScore>> =
+                    (0..offer.ways.len()).into_par_iter().map(judged).collect();
+                let (ways, trials): (Vec<usize>, Vec<CvScore>) =
+                    trials.into_iter().enumerate().filter_map(|(k, t)| Some((k, t?))).unzip();
+                let least = trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min);
+                let near = |trial: &CvScore| (1.0 - offer.worth) * trial.error() <= least;
+                let Some(place) = trials.iter().position(near) else { continue };
+                chosen[k] = ways[place];
+                record[k] = Some(Choice {
+                    what: offer.what.clone(),
+                    chosen: trials[place].label.clone(),
+                    rule: format!("simplest within {:.1} % of the least error, {} regions held out", 100.0 * offer.worth, blocks.len()),
+                    from: listed(&trials),
+                });
+            }
+            if chosen == before {
+                break;
+            }
+        }
+        for (offer, way) in offers.iter().zip(&chosen) {
+            let terms = offer.ways[*way].1.iter().filter(|term| !spec.drive.contains(term));
+            let terms: Vec<DriveTerm> = terms.cloned().collect();
+            spec.drive.extend(terms);
+        }
+        choices.extend(record.into_iter().flatten());
+        Ok(())
+    }
+}
