@@ -87,10 +87,6 @@ impl Passes {
             Some(tuning) => (self.at.active(), tuning),
             None => step.tuned(self.may_release)?,
         };
-        if tuning.of_chosen.is_none() && self.at.structure.chosen < self.at.structure.drive.len() {
-            // Held-out rows want nothing but what was chosen.
-            return Ok(Next::Pass(Self { at: self.at.narrowed(), made: self.made - 1, ..self }));
-        }
         if self.is_last {
             return Ok(Next::Settled(step.solved(&active, tuning)?));
         }
@@ -113,7 +109,7 @@ impl Passes {
                 self.reach *= SHORTER;
                 best
             }
-            _ => (step.averaged(&linear, &tuning)?, merit, ahead),
+            _ => (step.averaged(&linear, tuning.strength, sizes)?, merit, ahead),
         };
         self.is_last = gain.abs() <= tolerance || ahead <= tolerance || self.made + 1 >= self.most;
         let parameters = if self.is_last {

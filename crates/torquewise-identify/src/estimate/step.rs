@@ -29,9 +29,6 @@ pub(crate) struct Tuning {
     pub(super) strength: f64,
     /// Rows that the prior of the geometry counts as.
     pub(super) prior: f64,
-    /// Strength of the prior where what was chosen is fitted alone; nothing where nothing else was
-    /// offered.
-    pub(super) of_chosen: Option<f64>,
     /// How the strength was chosen; nothing where a log has too few folds.
     pub(super) choice: Option<Choice>,
     /// Errors on held-out folds; empty where they are too few.
@@ -48,8 +45,6 @@ pub(super) struct Step<'a> {
     pub(super) prior: Prior,
     /// Parameters that the prior allows.
     pub(super) start: Vec<f64>,
-    /// The same two where what was chosen is all there is.
-    chosen: (Prior, Vec<f64>),
     /// Parameters of the linearisation.
     pub(super) before: Vec<f64>,
     /// Without the prior of the geometry.
@@ -66,7 +61,6 @@ impl<'a> Step<'a> {
         at: &'a Linearisation,
         sizes: &'a Sizes,
     ) -> Result<Self, IdentifyError> {
-        let chosen = prior(&at.narrowed(), sizes)?;
         let (prior, start) = prior(at, sizes)?;
         let (gram, bias) = (sums.gram(), sums.bias());
         let all = Equations::new(&gram, &bias, at);
@@ -76,7 +70,7 @@ impl<'a> Step<'a> {
             .map(|(weight, torque)| -(weight * torque).ln())
             .collect();
         let relative_noise = mean(&parts).exp();
-        Ok(Self { sums, at, gram, bias, prior, start, chosen, before, all, repeats, relative_noise })
+        Ok(Self { sums, at, gram, bias, prior, start, before, all, repeats, relative_noise })
     }
 
     /// Parameters as they were, those that may move as a solution has them.
@@ -93,36 +87,24 @@ impl<'a> Step<'a> {
         Ok(self.whole(&linear, &self.minimum(&equations, &linear, tuning.strength)?))
     }
 
-    /// The mean of parameters that are best and of the best where what was chosen is all there is:
+    /// The mean of the best linear parameters and of the best where what was chosen is all there is:
     /// both are physical arms, and so is their mean (E21).
     pub(super) fn averaged(
         &self,
         best: &[f64],
-        tuning: &Tuning,
-    ) -> Result<Vec<f64>, IdentifyError> {
-        let Some(strength) = tuning.of_chosen else { return Ok(best.to_vec()) };
-        let few = self.of_chosen(&self.all, strength, None)?;
-        Ok(best.iter().zip(&few).map(|(best, few)| 0.5 * (best + few)).collect())
-    }
-
-    /// The best linear parameters by some equations where what was chosen is all there is; all
-    /// parameters, the others as they were.
-    ///
-    /// - `start`: where to begin, where that is known
-    pub(super) fn of_chosen(
-        &self,
-        equations: &Equations,
         strength: f64,
-        start: Option<&[f64]>,
+        sizes: &Sizes,
     ) -> Result<Vec<f64>, IdentifyError> {
+        if self.at.structure.chosen == self.at.structure.drive.len() {
+            return Ok(best.to_vec());
+        }
         let (at, chosen) = (self.at.of_chosen(), self.at.chosen_indices());
-        let (prior, allowed) = &self.chosen;
-        let start = start.unwrap_or(allowed);
-        let own = equations.of(&chosen, &at, (0.0, 0.0));
-        let solution = minimise(own.quadratic(), prior, strength, &start[..chosen.len()])?;
-        let mut whole = at.parameters();
-        whole[..chosen.len()].copy_from_slice(&solution);
-        Ok(whole)
+        let (prior, start) = prior(&self.at.narrowed(), sizes)?;
+        let own = self.all.of(&chosen, &at, (0.0, 0.0));
+        let solution = minimise(own.quadratic(), &prior, strength, &start[..chosen.len()])?;
+        let mut few = at.parameters();
+        few[..chosen.len()].copy_from_slice(&solution);
+        Ok(best.iter().zip(&few).map(|(best, few)| 0.5 * (best + few)).collect())
     }
 
     /// Half the sum of squares at parameters in the linearisation, with what the priors add:

@@ -19,8 +19,6 @@ const STRENGTHS: [f64; 9] = [1e3, 1e2, 30.0, 10.0, 3.0, 1.0, 0.3, 0.1, 0.03];
 /// object: each is taken only if the error is lower than before by a part that is worth it.
 const WEAKER: [f64; 3] = [0.01, 0.003, 0.001];
 const WORTH: f64 = 0.01;
-/// What was offered and not chosen counts as long as it makes the error no greater than by this part.
-const NEAR: f64 = 0.15;
 /// The strength where a log is too short to choose one.
 const USUAL_STRENGTH: f64 = 10.0;
 /// Fewer folds with rows are too few to choose by.
@@ -38,20 +36,17 @@ impl Step<'_> {
         let linear = self.at.linear_indices();
         let Some(errors) = self.errors(&linear, &strengths, prior)? else {
             let strength = USUAL_STRENGTH * prior;
-            let (of_chosen, choice, errors) = (None, None, Vec::new());
-            return Ok(Tuning { strength, prior, of_chosen, choice, errors });
+            return Ok(Tuning { strength, prior, choice: None, errors: Vec::new() });
         };
-        let place = best_of(&errors);
-        let strength = strengths[place];
-        let mut of_chosen = None;
-        let chosen = self.at.chosen_indices();
-        if chosen.len() < linear.len() {
-            let few = self.errors_of_chosen(&strengths)?;
-            let best = best_of(&few);
-            if mean(&errors[place]) <= (1.0 + NEAR) * mean(&few[best]) {
-                of_chosen = Some(strengths[best]);
-            }
+        let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
+        let usual = 0..STRENGTHS.len();
+        let mut place = usual.min_by(|&a, &b| means[a].total_cmp(&means[b])).unwrap_or(0);
+        while place + 1 >= STRENGTHS.len()
+            && means.get(place + 1).is_some_and(|weaker| *weaker < (1.0 - WORTH) * means[place])
+        {
+            place += 1;
         }
+        let strength = strengths[place];
         let trials: Vec<CvScore> = (STRENGTHS.iter().chain(&WEAKER).zip(&errors))
             .map(|(strength, errors)| CvScore {
                 label: strength.to_string(),
@@ -66,7 +61,7 @@ impl Step<'_> {
             from: listed(&trials),
         });
         let errors = self.errors(active, &[strength], prior)?.unwrap_or_default();
-        Ok(Tuning { strength, prior, of_chosen, choice, errors: errors.into_iter().next().unwrap_or_default() })
+        Ok(Tuning { strength, prior, choice, errors: errors.into_iter().next().unwrap_or_default() })
     }
 
     /// What each of some strengths leaves on each held-out fold; nothing if folds are few.
@@ -97,25 +92,6 @@ impl Step<'_> {
         Ok(Some((0..strengths.len()).map(of).collect()))
     }
 
-    /// What each of some strengths leaves on each held-out fold where what was chosen is all there is.
-    fn errors_of_chosen(&self, strengths: &[f64]) -> Result<Vec<Vec<f64>>, IdentifyError> {
-        let of_fold = |&fold: &usize| {
-            let (held, rest, _) = self.without(fold);
-            let mut x: Option<Vec<f64>> = None;
-            let mut errors = Vec::with_capacity(strengths.len());
-            for strength in strengths {
-                let found = self.of_chosen(&rest, *strength, x.as_deref())?;
-                errors.push(self.error(&held, fold, &found));
-                x = Some(found);
-            }
-            Ok(errors)
-        };
-        let folds: Vec<usize> = (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0).collect();
-        let by_fold = folds.par_iter().map(of_fold).collect::<Result<Vec<_>, IdentifyError>>()?;
-        let of = |k: usize| by_fold.iter().map(|errors| errors[k]).collect();
-        Ok((0..strengths.len()).map(of).collect())
-    }
-
     /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
     fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
         let sums = self.sums;
@@ -131,18 +107,4 @@ impl Step<'_> {
         let equations = self.sums.rows_of(fold) as f64 * self.at.n_joints() as f64;
         (self.squares(held, x) / equations.max(1.0)).sqrt()
     }
-}
-
-/// The place of the least error of strengths, strongest first; a weaker one than usual only while it
-/// is worth it.
-fn best_of(errors: &[Vec<f64>]) -> usize {
-    let means: Vec<f64> = errors.iter().map(|errors| mean(errors)).collect();
-    let usual = 0..STRENGTHS.len().min(means.len());
-    let mut place = usual.min_by(|&a, &b| means[a].total_cmp(&means[b])).unwrap_or(0);
-    while place + 1 >= STRENGTHS.len()
-        && means.get(place + 1).is_some_and(|weaker| *weaker < (1.0 - WORTH) * means[place])
-    {
-        place += 1;
-    }
-    place
 }
