@@ -127,13 +127,20 @@ pub(crate) type Target<'a> = (&'a Mat<f64>, &'a Mat<f64>);
 pub(crate) struct Unseen<'a> {
     targets: &'a [Target<'a>],
     blocks: &'a [HeldOut],
-    /// (m·n)×p, joint by joint, in units of the noise.
-    columns: Mat<f64>,
-    /// What each row was multiplied by, m·n.
-    weights: Vec<f64>,
+    joints: Vec<JointRows>,
     all: Sums,
     /// Of the rows around each block.
     around: Vec<Sums>,
+}
+
+/// The equations of a joint, in units of its noise, but for columns that are nothing there.
+struct JointRows {
+    /// Places of the others among all.
+    columns: Vec<usize>,
+    /// m×columns.
+    rows: Mat<f64>,
+    /// What each row was multiplied by, m.
+    weights: Vec<f64>,
 }
 
 /// Gram matrix and right-hand sides of some rows, p×p and p×targets.
@@ -154,32 +161,45 @@ impl<'a> Unseen<'a> {
         if m < BLOCKS * LEAST_ROWS {
             return Ok(None);
         }
-        let (columns, weights) = at.columns_of(motion)?;
-        let p = columns.ncols();
+        let (all, weights) = at.columns_of(motion)?;
+        let p = all.ncols();
+        let of_joint = |joint: usize| {
+            let own = |j: usize| &all.col_as_slice(j)[joint * m..(joint + 1) * m];
+            let columns: Vec<usize> =
+                (0..p).filter(|&j| own(j).iter().any(|x| *x != 0.0)).collect();
+            let mut rows = Mat::zeros(m, columns.len());
+            for (k, &j) in columns.iter().enumerate() {
+                rows.col_as_slice_mut(k).copy_from_slice(own(j));
+            }
+            JointRows { columns, rows, weights: weights[joint * m..(joint + 1) * m].to_vec() }
+        };
+        let joints: Vec<JointRows> = (0..n).map(of_joint).collect();
         let sums = |block: &[usize]| {
             let mut sums = (Mat::<f64>::zeros(p, p), Mat::<f64>::zeros(p, targets.len()));
-            for joint in 0..n {
-                let row = |k: usize| joint * m + block[k];
-                let own = Mat::from_fn(block.len(), p, |k, j| columns[(row(k), j)]);
+            for (joint, JointRows { columns, rows, weights }) in joints.iter().enumerate() {
+                let own = picked(rows, block, &all_of(columns.len()));
                 let responses = Mat::from_fn(block.len(), targets.len(), |k, target| {
-                    weights[row(k)] * targets[target].0[(block[k], joint)]
+                    weights[block[k]] * targets[target].0[(block[k], joint)]
                 });
-                sums.0 += own.transpose() * &own;
-                sums.1 += own.transpose() * responses;
+                let (gram, right) = (own.transpose() * &own, own.transpose() * responses);
+                for (k, &j) in columns.iter().enumerate() {
+                    columns.iter().enumerate().for_each(|(l, &i)| sums.0[(i, j)] += gram[(l, k)]);
+                    (0..targets.len()).for_each(|target| sums.1[(j, target)] += right[(k, target)]);
+                }
             }
             sums
         };
         let around = blocks.iter().map(|block| sums(&block.around)).collect();
         let all = sums(&(0..m).collect::<Vec<usize>>());
-        Ok(Some(Self { targets, blocks, columns, weights, all, around }))
+        Ok(Some(Self { targets, blocks, joints, all, around }))
     }
 
     /// Number of columns.
     pub(crate) fn n_columns(&self) -> usize {
-        self.columns.ncols()
+        self.all.0.ncols()
     }
 
-    /// What some columns, fitted to the torque but for each block and the rows around it, leave of
+    /// What some columns, ascending, fitted to the torque but for each block and the rows around it, leave of
     /// what is to be predicted in that block, for each target; nothing where nothing can be solved.
     pub(crate) fn errors(&self, active: &[usize]) -> Vec<Option<Errors>> {
         let of = |sums: &Sums| {
@@ -192,23 +212,23 @@ impl<'a> Unseen<'a> {
         let (all, around) = (of(&self.all), self.around.iter().map(of).collect::<Vec<Sums>>());
         let solved: Vec<Vec<Mat<f64>>> =
             RIDGES.iter().filter_map(|ridge| solved_without(&all, &around, *ridge)).collect();
-        let m = self.targets.first().map_or(0, |(_, target)| target.nrows());
-        let n = self.weights.len() / m.max(1);
+        let (m, n) = (self.joints.first().map_or(0, |joint| joint.weights.len()), self.joints.len());
         // Mean squares of each ridge and target, blocks by joints.
         let none = vec![vec![0.0; n]; self.blocks.len()];
         let mut parts = vec![vec![none; self.targets.len()]; solved.len()];
-        for (b, block) in self.blocks.iter().enumerate() {
-            for joint in 0..n {
-                let row = |k: usize| joint * m + block.rows[k];
-                let own = Mat::from_fn(block.rows.len(), active.len(), |k, j| {
-                    self.columns[(row(k), active[j])] / self.weights[row(k)]
-                });
+        for (joint, JointRows { columns, rows, weights }) in self.joints.iter().enumerate() {
+            let (own, places): (Vec<usize>, Vec<usize>) = (columns.iter().enumerate())
+                .filter_map(|(k, j)| Some((k, active.binary_search(j).ok()?)))
+                .unzip();
+            for (b, block) in self.blocks.iter().enumerate() {
+                let held = picked(rows, &block.rows, &own);
                 for (parts, solved) in parts.iter_mut().zip(&solved) {
-                    let fitted = &own * &solved[b];
+                    let fitted = &held * picked(&solved[b], &places, &all_of(self.targets.len()));
                     for (k, (_, target)) in self.targets.iter().enumerate() {
                         let left = block.rows.iter().zip(fitted.col(k).iter());
-                        let squares = left.map(|(&row, x)| (target[(row, joint)] - x).powi(2));
-                        parts[k][b][joint] = squares.sum::<f64>() / block.rows.len() as f64;
+                        let square =
+                            |(&row, x): (&usize, &f64)| (target[(row, joint)] - x / weights[row]).powi(2);
+                        parts[k][b][joint] = left.map(square).sum::<f64>() / block.rows.len() as f64;
                     }
                 }
             }
@@ -231,6 +251,20 @@ impl<'a> Unseen<'a> {
     }
 }
 
+/// Some rows and columns of a matrix.
+fn picked(of: &Mat<f64>, rows: &[usize], columns: &[usize]) -> Mat<f64> {
+    let mut out = Mat::zeros(rows.len(), columns.len());
+    for (k, &column) in columns.iter().enumerate() {
+        let from = of.col_as_slice(column);
+        out.col_as_slice_mut(k).iter_mut().zip(rows).for_each(|(x, &row)| *x = from[row]);
+    }
+    out
+}
+
+fn all_of(count: usize) -> Vec<usize> {
+    (0..count).collect()
+}
+
 /// What all columns leave, see [`Unseen::errors`]; nothing where there are too few rows.
 ///
 /// # Errors
@@ -242,8 +276,7 @@ pub(crate) fn held_out(
     blocks: &[HeldOut],
 ) -> Result<Option<Vec<Errors>>, IdentifyError> {
     let Some(unseen) = Unseen::new(at, motion, targets, blocks)? else { return Ok(None) };
-    let all: Vec<usize> = (0..unseen.n_columns()).collect();
-    Ok(unseen.errors(&all).into_iter().collect())
+    Ok(unseen.errors(&all_of(unseen.n_columns())).into_iter().collect())
 }
 
 /// Coefficients for each target without the rows around each block, p×targets; `None` where they

@@ -172,7 +172,8 @@ fn the_stribeck_dictionary_tells_directions_apart() {
 
     let columns = columns(&all, &motion, None);
 
-    let one_way: Vec<usize> = (0..all.len()).filter(|&k| all[k].is_one_way()).collect();
+    let is_one_way = |drive: &DriveTerm| drive.law().is_some_and(|term| !term.direction.is_both());
+    let one_way: Vec<usize> = (0..all.len()).filter(|&k| is_one_way(&all[k])).collect();
     assert_eq!((all.len(), one_way.len()), (14 * N, 8 * N));
     for row in 0..motion.n_rows() {
         for &k in &one_way {
