@@ -28,7 +28,7 @@ pub(crate) struct Learned {
     pub(crate) residual_rms: Vec<f64>,
     /// What was fitted: what stands beside the links, which of the geometry moved.
     pub(crate) spec: ChainSpec,
-    /// Friction that was offered, where held-out rows chose among it.
+    /// Friction that was offered, where held-out rows chose more than the simplest of it.
     pub(crate) offered: Vec<DriveTerm>,
     pub(crate) choices: Vec<Choice>,
     /// Friction that may be offered.
@@ -102,6 +102,14 @@ pub(crate) fn learn(
         }
     }
     learner.choose(&mut spec, &chain, &offers, &mut choices)?;
+    for &joint in &balanced {
+        let (what, chosen) = (offers::balance_of(motion, joint), "spring".to_owned());
+        choices.push(Choice { what, chosen, rule: "as given".to_owned(), from: Vec::new() });
+    }
+    if learner.is_linear(&spec) {
+        // Where no joint wants more than dry and viscous friction, what was offered is left out.
+        offered.clear();
+    }
     if !is_given && spec.drive.iter().any(DriveTerm::is_shared) {
         choices.retain(|choice: &Choice| choice.what != AXES);
         chain = learner.geometry(&mut spec, Some(chain), &mut choices)?;
@@ -155,6 +163,13 @@ impl<'a> ChainLearner<'a> {
         let moves = |row, joint| self.moves(&motion, row, joint);
         let share = |row, joint| if moves(row, joint) { 1.0 } else { WEIGHT_AT_REST };
         Ok(rows.with_shares(share))
+    }
+
+    /// Whether the friction of no joint is more than dry and viscous.
+    fn is_linear(&self, spec: &ChainSpec) -> bool {
+        let linear = self.laws.linear();
+        let of_joints = spec.drive.iter().filter_map(DriveTerm::law);
+        of_joints.filter(|term| term.joint().is_some()).all(|term| linear.contains(term))
     }
 
     /// Whether a joint moves in a row, so that its friction has one direction.
@@ -229,7 +244,6 @@ impl<'a> ChainLearner<'a> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let chain = refine(&rows, chain, &spec.free, &spec.search)?;
         let residual_rms = residual_rms(&chain, &rows);
-        let offered = if spec.has_friction() { offered } else { Vec::new() };
         let (laws, found) = (self.laws.clone(), self.found);
         Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
     }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::friction::FrictionLaw;
 use torquewise_model::model::Choice;
+use torquewise_motion::Motion;
 use torquewise_rigid::Chain;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, listed};
@@ -46,6 +47,11 @@ impl Offer {
     }
 }
 
+/// The choice of a spring, as the model file has it.
+pub(super) fn balance_of(motion: &Motion, joint: usize) -> String {
+    format!("counterbalance of {}", motion.joints()[joint])
+}
+
 impl ChainLearner<'_> {
     /// Shafts that two neighbouring joints turn together, as in a coupled wrist.
     pub(super) fn shafts(&self) -> Vec<Offer> {
@@ -68,9 +74,9 @@ impl ChainLearner<'_> {
 
     /// Springs that balance a joint, but for those that are known.
     pub(super) fn springs(&self, known: &[usize]) -> Vec<Offer> {
-        let (n, joints) = (self.motion.n_joints(), self.motion.joints());
+        let n = self.motion.n_joints();
         let of = |joint: usize| Offer {
-            what: format!("counterbalance of {}", joints[joint]),
+            what: balance_of(self.motion, joint),
             ways: vec![("none", Vec::new()), ("spring", DriveTerm::counterbalance(n, joint))],
             usual: 0,
             worth: WORTH_OF_SPRING,

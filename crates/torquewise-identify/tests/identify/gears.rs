@@ -1,4 +1,4 @@
-//! From simulated log with gears that press harder under load, or ripple to what was planted.
+//! From simulated log with gears that press harder under load to what was planted.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -8,7 +8,6 @@ use rand_distr::{Distribution, StandardNormal};
 use torquewise_identify::plan::{ChainOptions, FrictionKind};
 use torquewise_identify::{Plan, Reconstruction, reconstruct, score};
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::rigid_chain::Drive;
 use torquewise_motion::Motion;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, simulate};
 
@@ -17,8 +16,8 @@ const FRICTION: (f64, f64) = (1.5, 1.0);
 /// Noise in the torque \[N·m\].
 const NOISE: f64 = 0.1;
 
-/// Motion of the arm with friction, and what a gear adds: joint, q, G \[N·m\], sign of motion.
-fn log(seed: u64, gear: impl Fn(usize, f64, f64, f64) -> f64) -> Motion {
+/// Motion of the arm with friction, and what a gear adds: joint, G \[N·m\], sign of motion.
+fn log(seed: u64, gear: impl Fn(usize, f64, f64) -> f64) -> Motion {
     let arm = Arm::builtin("puma560-3").unwrap();
     let plan = MotionPlan { kind: MotionKind::Sines, seconds: 60.0, rate: 50.0, seed };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -33,7 +32,7 @@ fn log(seed: u64, gear: impl Fn(usize, f64, f64, f64) -> f64) -> Motion {
             let unit: f64 = StandardNormal.sample(&mut random);
             tau[(row, joint)] += FRICTION.0 * sign
                 + FRICTION.1 * dq
-                + gear(joint, q[joint], gravity[joint], sign)
+                + gear(joint, gravity[joint], sign)
                 + NOISE * unit;
         }
     }
@@ -45,26 +44,9 @@ fn fit(motion: &Motion, friction: FrictionKind) -> Reconstruction {
     reconstruct(motion, &plan, &mut |_| {}).unwrap()
 }
 
-/// Periods of the ripple of each joint, of which there may be several, with their amplitudes.
-fn ripple(found: &Reconstruction) -> Vec<(usize, i8, f64)> {
-    let mut harmonics: Vec<(usize, i8, f64)> = Vec::new();
-    for drive in &found.model.chain.as_ref().unwrap().drives {
-        let Drive::Energy { term, coefficient } = drive else { continue };
-        let multiples = &term.function.factors[0].multiples;
-        let joint = multiples.iter().position(|k| *k != 0).unwrap();
-        // Torque is the slope of the potential.
-        let torque = f64::from(multiples[joint]) * coefficient;
-        match harmonics.iter_mut().find(|(j, k, _)| (*j, *k) == (joint, multiples[joint])) {
-            Some((_, _, amplitude)) => *amplitude = amplitude.hypot(torque),
-            None => harmonics.push((joint, multiples[joint], torque.abs())),
-        }
-    }
-    harmonics
-}
-
 #[test]
 fn friction_under_load_is_found_where_gravity_loads_a_gear() {
-    let loaded = |seed| log(seed, |_, _, gravity, sign| 0.1 * gravity.abs() * sign);
+    let loaded = |seed| log(seed, |_, gravity, sign| 0.1 * gravity.abs() * sign);
     let (train, test) = (loaded(1), loaded(2));
 
     let found = fit(&train, FrictionKind::Auto);
@@ -82,18 +64,4 @@ fn friction_under_load_is_found_where_gravity_loads_a_gear() {
     };
     let (with, without) = (errors(&found), errors(&fit(&train, FrictionKind::Stribeck)));
     assert!(with[1] < 0.5 * without[1], "{with:?} with load, {without:?} without");
-    assert_eq!(ripple(&found), []);
-}
-
-#[test]
-fn ripple_of_a_gear_is_found_at_its_period() {
-    let rippling =
-        |joint, q: f64, _, _| if joint == 1 { 1.2 * (24.0 * q + 0.3).sin() } else { 0.0 };
-
-    let found = fit(&log(1, rippling), FrictionKind::Auto);
-
-    let harmonics = ripple(&found);
-    let &[(1, 24, amplitude)] = &harmonics[..] else { panic!("{harmonics:?}") };
-    assert!((amplitude - 1.2).abs() < 0.06, "{amplitude}");
-    assert!(found.model.friction.iter().all(|w| !w.term.load), "no load was planted");
 }
