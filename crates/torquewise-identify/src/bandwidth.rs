@@ -244,7 +244,8 @@ fn at(
     let band = logs.band(cutoff, delays).map_err(IdentifyError::Read)?;
     let Some(Band { motion, torques }) = band else { return Ok(Vec::new()) };
     let targets: Vec<_> = torques.iter().map(|torque| (&torque.filtered, &torque.raw)).collect();
-    let errors = held_out(&request.linearisation().narrowed(), &motion, &targets, &even_blocks(&motion))?;
+    let errors =
+        held_out(&request.linearisation().narrowed(), &motion, &targets, &even_blocks(&motion))?;
     let tried = torques.iter().zip(errors.into_iter().flatten());
     Ok(tried.map(|(torque, errors)| Tried { cutoff, delay: torque.delay, errors }).collect())
 }

@@ -208,7 +208,8 @@ impl<'a> ChainLearner<'a> {
         let best = |label: &str, angle: f64, starts: &[Chain]| -> Result<_, IdentifyError> {
             let judged = |start: &Chain| {
                 let (geometry, free) = start.geometry.snapped(angle);
-                let (spec, start) = (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
+                let (spec, start) =
+                    (ChainSpec { free, ..spec.clone() }, Chain { geometry, ..start.clone() });
                 Ok((trial(label.to_owned(), &spec, &rows, &start, ROUNDS)?, spec, start))
             };
             let all = starts.par_iter().map(judged).collect::<Result<Vec<_>, IdentifyError>>()?;
@@ -262,7 +263,11 @@ impl<'a> ChainLearner<'a> {
         Linearisation {
             geometry: chain.geometry.parameters().to_vec(),
             linear: chain.inertial.iter().chain(&none).copied().collect(),
-            weights: chain.residual_rms.iter().map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE)).collect(),
+            weights: chain
+                .residual_rms
+                .iter()
+                .map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE))
+                .collect(),
             scales: Vec::new(),
             structure,
             noise: NoiseFloor::none(self.motion.n_joints()),

@@ -212,7 +212,8 @@ impl<'a> Unseen<'a> {
         let (all, around) = (of(&self.all), self.around.iter().map(of).collect::<Vec<Sums>>());
         let solved: Vec<Vec<Mat<f64>>> =
             RIDGES.iter().filter_map(|ridge| solved_without(&all, &around, *ridge)).collect();
-        let (m, n) = (self.joints.first().map_or(0, |joint| joint.weights.len()), self.joints.len());
+        let (m, n) =
+            (self.joints.first().map_or(0, |joint| joint.weights.len()), self.joints.len());
         // Mean squares of each ridge and target, blocks by joints.
         let none = vec![vec![0.0; n]; self.blocks.len()];
         let mut parts = vec![vec![none; self.targets.len()]; solved.len()];
@@ -226,9 +227,11 @@ impl<'a> Unseen<'a> {
                     let fitted = &held * picked(&solved[b], &places, &all_of(self.targets.len()));
                     for (k, (_, target)) in self.targets.iter().enumerate() {
                         let left = block.rows.iter().zip(fitted.col(k).iter());
-                        let square =
-                            |(&row, x): (&usize, &f64)| (target[(row, joint)] - x / weights[row]).powi(2);
-                        parts[k][b][joint] = left.map(square).sum::<f64>() / block.rows.len() as f64;
+                        let square = |(&row, x): (&usize, &f64)| {
+                            (target[(row, joint)] - x / weights[row]).powi(2)
+                        };
+                        parts[k][b][joint] =
+                            left.map(square).sum::<f64>() / block.rows.len() as f64;
                     }
                 }
             }
@@ -240,7 +243,11 @@ impl<'a> Unseen<'a> {
             let spread: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
             let errors = parts.iter().map(|parts| {
                 let relative = |block: &Vec<f64>| {
-                    block.iter().zip(&variances).map(|(square, variance)| square / variance).collect()
+                    block
+                        .iter()
+                        .zip(&variances)
+                        .map(|(square, variance)| square / variance)
+                        .collect()
                 };
                 let parts = parts[k].iter().map(relative).collect();
                 Errors { parts, shares: shares.clone(), spread: spread.clone() }

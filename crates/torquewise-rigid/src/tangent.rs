@@ -5,8 +5,8 @@ use crate::error::ChainError;
 use crate::inertial_fit::weighted_columns;
 use crate::levenberg_marquardt::Target;
 use crate::rows::Rows;
-use crate::usual_arm::UsualArm;
 use crate::search::{Chain, all_parameters, first_weights, weights_of};
+use crate::usual_arm::UsualArm;
 use faer::Mat;
 
 /// The torque of rows as a chain near the one that was found can say it.

@@ -70,7 +70,8 @@ impl Equations {
             let stiffness = prior * usual.precision[k - linear];
             let price = damping * self.hessian[(k, k)];
             own.hessian[(place, place)] += stiffness + price;
-            own.right[place] += stiffness * usual.parameters[k - linear] + price * at.geometry[k - linear];
+            own.right[place] +=
+                stiffness * usual.parameters[k - linear] + price * at.geometry[k - linear];
         }
         own
     }

@@ -61,7 +61,12 @@ impl Step<'_> {
             from: listed(&trials),
         });
         let errors = self.errors(active, &[strength], prior)?.unwrap_or_default();
-        Ok(Tuning { strength, prior, choice, errors: errors.into_iter().next().unwrap_or_default() })
+        Ok(Tuning {
+            strength,
+            prior,
+            choice,
+            errors: errors.into_iter().next().unwrap_or_default(),
+        })
     }
 
     /// What each of some strengths leaves on each held-out fold; nothing if folds are few.

@@ -35,6 +35,18 @@ const WORTH_OF_FRICTION: f64 = 0.02;
 const SWEEPS: usize = 2;
 
 impl Offer {
+    /// The simplest way that is near the best, and its record.
+    fn chosen(&self, trials: &[CvScore]) -> Option<(usize, Choice)> {
+        let least = trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min);
+        let near = |trial: &CvScore| (1.0 - self.worth) * trial.error() <= least;
+        let place = trials.iter().position(near)?;
+        let (what, chosen) = (self.what.clone(), trials[place].label.clone());
+        let (part, count) = (100.0 * self.worth, trials[place].errors.len());
+        let rule =
+            format!("simplest within {part:.1} % of the least error, {count} regions held out");
+        Some((place, Choice { what, chosen, rule, from: listed(trials) }))
+    }
+
     /// All that is offered, each once.
     pub(super) fn terms(&self) -> Vec<DriveTerm> {
         let mut all: Vec<DriveTerm> = Vec::new();
@@ -64,7 +76,11 @@ impl ChainLearner<'_> {
             };
             Offer {
                 what: format!("shaft shared by joints {joint} and {}", joint + 1),
-                ways: vec![("none", Vec::new()), ("sum", shared(1.0)), ("difference", shared(-1.0))],
+                ways: vec![
+                    ("none", Vec::new()),
+                    ("sum", shared(1.0)),
+                    ("difference", shared(-1.0)),
+                ],
                 usual: 0,
                 worth: WORTH_OF_SHAFT,
             }
@@ -87,7 +103,9 @@ impl ChainLearner<'_> {
     /// The friction of each joint.
     pub(super) fn friction(&self) -> Vec<Offer> {
         let own = |joint: usize, terms: Vec<FrictionTerm>| {
-            terms.into_iter().filter(move |term| term.joint() == Some(joint) && term.direction.is_both())
+            terms
+                .into_iter()
+                .filter(move |term| term.joint() == Some(joint) && term.direction.is_both())
         };
         let of = |joint: usize| {
             let linear: Vec<FrictionTerm> = own(joint, self.laws.linear()).collect();
@@ -99,7 +117,7 @@ impl ChainLearner<'_> {
             Offer {
                 what: format!("friction of {}", self.motion.joints()[joint]),
                 ways: vec![
-                    ("none", way(&[&linear[..1]])),
+                    ("none", Vec::new()),
                     ("viscous", way(&[&linear[..2]])),
                     ("Coulomb", way(&[&linear])),
                     ("Dahl under load", way(&[&linear, &loaded, &dahl])),
@@ -120,68 +138,66 @@ impl ChainLearner<'_> {
         offers: &[Offer],
         choices: &mut Vec<Choice>,
     ) -> Result<(), IdentifyError> {
-        let mut chosen: Vec<usize> = offers.iter().map(|offer| offer.usual).collect();
-        let mut library = spec.drive.clone();
-        let mut place = |term: &DriveTerm| {
-            library.iter().position(|known| known == term).unwrap_or_else(|| {
-                library.push(term.clone());
-                library.len() - 1
-            })
-        };
-        let places: Vec<Vec<Vec<usize>>> = (offers.iter())
-            .map(|offer| {
-                offer.ways.iter().map(|(_, terms)| terms.iter().map(&mut place).collect()).collect()
-            })
-            .collect();
         spec.bear(chain);
+        let (library, places) = placed(offers, &spec.drive);
         let motion = thinned(self.motion, LAST_ROWS);
-        let tau = motion.require_tau()?.to_owned();
-        let at = self.library(chain, library.clone());
+        let (tau, at) = (motion.require_tau()?.to_owned(), self.library(chain, library));
         let blocks = regions(&motion, self.motion.n_rows().div_ceil(motion.n_rows().max(1)));
         let target = [(&tau, &tau)];
         let Some(unseen) = Unseen::new(&at, &motion, &target, &blocks)? else { return Ok(()) };
-        let bodies = at.linear.len() - library.len();
-        let known: Vec<usize> = (0..bodies + spec.drive.len()).collect();
+        let bodies = at.linear.len() - at.structure.drive.len();
+        let known = bodies + spec.drive.len();
+        let mut chosen: Vec<usize> = offers.iter().map(|offer| offer.usual).collect();
         let mut record = vec![None; offers.len()];
         for _ in 0..SWEEPS {
             let before = chosen.clone();
             for (k, offer) in offers.iter().enumerate() {
                 let judged = |way: usize| -> Option<CvScore> {
-                    let mut active = known.clone();
-                    let others = (0..offers.len()).filter(|&other| other != k);
-                    let all = others.map(|other| (other, chosen[other])).chain([(k, way)]);
-                    active.extend(all.flat_map(|(k, way)| &places[k][way]).map(|place| bodies + place));
+                    let others =
+                        (0..offers.len()).map(|other| if other == k { way } else { chosen[other] });
+                    let own = others.zip(&places).flat_map(|(way, places)| &places[way]);
+                    let mut active: Vec<usize> =
+                        (0..known).chain(own.map(|place| bodies + place)).collect();
                     active.sort_unstable();
                     active.dedup();
                     let errors = unseen.errors(&active).pop()??.by_block();
-                    let label = offer.ways[way].0.to_owned();
-                    Some(CvScore { label, complexity: active.len(), errors })
+                    let (label, complexity) = (offer.ways[way].0.to_owned(), active.len());
+                    Some(CvScore { label, complexity, errors })
                 };
-                let trials: Vec<Option<CvScore>> =
+                let trials: Option<Vec<CvScore>> =
                     (0..offer.ways.len()).into_par_iter().map(judged).collect();
-                let (ways, trials): (Vec<usize>, Vec<CvScore>) =
-                    trials.into_iter().enumerate().filter_map(|(k, t)| Some((k, t?))).unzip();
-                let least = trials.iter().map(CvScore::error).fold(f64::INFINITY, f64::min);
-                let near = |trial: &CvScore| (1.0 - offer.worth) * trial.error() <= least;
-                let Some(place) = trials.iter().position(near) else { continue };
-                chosen[k] = ways[place];
-                record[k] = Some(Choice {
-                    what: offer.what.clone(),
-                    chosen: trials[place].label.clone(),
-                    rule: format!("simplest within {:.1} % of the least error, {} regions held out", 100.0 * offer.worth, blocks.len()),
-                    from: listed(&trials),
-                });
+                let Some((way, choice)) = trials.and_then(|trials| offer.chosen(&trials)) else {
+                    continue;
+                };
+                (chosen[k], record[k]) = (way, Some(choice));
             }
             if chosen == before {
                 break;
             }
         }
-        for (offer, way) in offers.iter().zip(&chosen) {
-            let terms = offer.ways[*way].1.iter().filter(|term| !spec.drive.contains(term));
+        for (offer, way) in offers.iter().zip(chosen) {
+            let terms = offer.ways[way].1.iter().filter(|term| !spec.drive.contains(term));
             let terms: Vec<DriveTerm> = terms.cloned().collect();
             spec.drive.extend(terms);
         }
         choices.extend(record.into_iter().flatten());
         Ok(())
     }
+}
+
+/// What is known and what is offered, each once; and where the terms of each way of each offer are.
+fn placed(offers: &[Offer], known: &[DriveTerm]) -> (Vec<DriveTerm>, Vec<Vec<Vec<usize>>>) {
+    let mut all = known.to_vec();
+    let mut place = |term: &DriveTerm| {
+        all.iter().position(|known| known == term).unwrap_or_else(|| {
+            all.push(term.clone());
+            all.len() - 1
+        })
+    };
+    let of_offer = |offer: &Offer| {
+        let ways = offer.ways.iter();
+        ways.map(|(_, terms)| terms.iter().map(&mut place).collect()).collect()
+    };
+    let places = offers.iter().map(of_offer).collect();
+    (all, places)
 }

@@ -69,14 +69,15 @@ fn friction_at_rest_and_reversal_is_remembered() {
 fn friction_reads_as_it_was_planted() {
     let model = fit(&log(MotionKind::Moves, 60.0, 1), FrictionKind::Auto).model;
     let joints = ShaftFriction::all(&model);
-    let is_near = |found: Option<Estimated>, planted: f64| {
-        found.is_some_and(|found| (found.value / planted - 1.0).abs() < 0.1)
+    let is_near = |found: Option<Estimated>, planted: f64, part: f64| {
+        found.is_some_and(|found| (found.value / planted - 1.0).abs() < part)
     };
 
     for (joint, coulomb) in joints.iter().zip(COULOMB) {
         let found = joint.parameters();
-        assert!(is_near(found.forward.coulomb, coulomb), "{found:?}");
-        assert!(is_near(found.forward.viscous, VISCOUS * coulomb), "{found:?}");
+        assert!(is_near(found.forward.coulomb, coulomb, 0.1), "{found:?}");
+        assert!(is_near(found.forward.viscous, VISCOUS * coulomb, 0.1), "{found:?}");
     }
-    assert!(joints.iter().all(|joint| is_near(joint.parameters().stiffness, STIFFNESS)));
+    // Laws without a memory are averaged in, and stiffer.
+    assert!(joints.iter().all(|joint| is_near(joint.parameters().stiffness, STIFFNESS, 0.25)));
 }

@@ -29,7 +29,7 @@ use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 /// A normal variable is within this many standard deviations in 90 of 100 cases.
 const NINETY_PERCENT: f64 = 1.645;
 /// Logs over which intervals are counted.
-const LOGS: u64 = 12;
+const LOGS: u64 = 20;
 /// Offset, viscous and dry friction of each joint.
 const FRICTION: [[f64; 3]; 3] = [[1.0, 6.0, 8.0], [-2.0, 9.0, 7.0], [0.5, 2.0, 3.0]];
 
