@@ -69,7 +69,7 @@ impl Fitted {
         let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
-        warnings.extend(Warning::of_refit(&searched_rms, &residual_rms));
+        warnings.extend(Warning::of_refit(&searched_rms, &residual_rms, &survey.torque_std));
         let mut training = survey.training(residual_rms);
         (training.held_out_rms, training.held_out_by_region_rms) = (by_time, by_region);
         training.geometry_found = found;

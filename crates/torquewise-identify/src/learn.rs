@@ -5,6 +5,7 @@ use crate::drive_terms::{AT_REST, DriveTerm, WEIGHT_AT_REST, columns};
 use crate::estimate::{Linearisation, Structure};
 use crate::plan::{ChainOptions, FrictionKind};
 use crate::regions::Regions;
+use crate::unseen::geometric_mean;
 use offers::Offer;
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, GeometryFound};
@@ -53,6 +54,12 @@ const ROUNDS: usize = 6;
 const TRIAL_ROWS: usize = 900;
 /// Rows that the last fit is made on.
 pub(crate) const LAST_ROWS: usize = 4_000;
+/// A ridge that is none, and the part of the residual that is left without one where it was all there
+/// was to the residual.
+const NO_RIDGE: f64 = 1e-8;
+const NOTHING: f64 = 0.1;
+/// Axes nearer than this \[m\] meet, where a log without noise is fitted so.
+const MEET: f64 = 0.03;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
@@ -238,12 +245,20 @@ impl<'a> ChainLearner<'a> {
     /// Fits the chosen specification on a sample of many rows.
     fn finish(
         &self,
-        (spec, offered): (ChainSpec, Vec<DriveTerm>),
+        (mut spec, offered): (ChainSpec, Vec<DriveTerm>),
         chain: &Chain,
         choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
-        let chain = refine(&rows, chain, &spec.free, &spec.search)?;
+        let mut chain = refine(&rows, chain, &spec.free, &spec.search)?;
+        // A log without noise bears next to no ridge, and axes that meet are seen to.
+        let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
+        let (geometry, free) = chain.geometry.met(MEET, &spec.free);
+        let exact = refine(&rows, &Chain { geometry, ..chain.clone() }, &free, &search)?;
+        let left = |chain: &Chain| geometric_mean(&chain.residual_rms);
+        if left(&exact) < NOTHING * left(&chain) {
+            (chain, spec.free) = (exact, free);
+        }
         let residual_rms = residual_rms(&chain, &rows);
         let (laws, found) = (self.laws.clone(), self.found);
         Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })

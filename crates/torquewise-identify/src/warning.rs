@@ -76,6 +76,8 @@ const LARGEST_ANGLE: f64 = 50.0;
 
 /// The fit to all rows may leave this many times what the search left on a sample.
 const MOST_REFIT: f64 = 1.1;
+/// A residual below this part of the spread of a torque is none.
+const NOTHING: f64 = 1e-3;
 
 /// A library that leaves this part of a joint's torque has explained little.
 const LITTLE: f64 = 0.5;
@@ -128,10 +130,19 @@ impl Warning {
         missing.map(Self::NoOrder).chain(unexplained).collect()
     }
 
-    /// Whether a fit to all rows left more than the search it came from, RMS of each joint.
-    pub(crate) fn of_refit(searched_rms: &[f64], residual_rms: &[f64]) -> Option<Self> {
-        let pairs = searched_rms.iter().zip(residual_rms).filter(|(a, b)| **a > 0.0 && **b > 0.0);
-        let ratios: Vec<f64> = pairs.map(|(searched, left)| left / searched).collect();
+    /// Whether a fit to all rows left more than the search it came from, RMS of each joint; next to
+    /// nothing beside the spread of its torque is nothing.
+    pub(crate) fn of_refit(
+        searched_rms: &[f64],
+        residual_rms: &[f64],
+        torque_std: &[f64],
+    ) -> Option<Self> {
+        let ratio = |((searched, left), std): ((&f64, &f64), &f64)| {
+            let nothing = (NOTHING * std).max(f64::MIN_POSITIVE);
+            left.max(nothing) / searched.max(nothing)
+        };
+        let ratios: Vec<f64> =
+            searched_rms.iter().zip(residual_rms).zip(torque_std).map(ratio).collect();
         let ratio = geometric_mean(&ratios);
         (ratio > MOST_REFIT).then_some(Self::Refit { ratio })
     }
