@@ -16,7 +16,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Weighted,
+    Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
 };
 use torquewise_motion::Motion;
 use torquewise_regression::accumulate::Route;
@@ -62,17 +62,17 @@ impl Fitted {
         seed: u64,
     ) -> Result<Reconstruction, IdentifyError> {
         let Self { solved, residual_rms, mut choices, found, searched_rms } = self;
-        let (by_time, by_region) = held_out_rms(&solved.at.narrowed(), &survey.sample)?;
-        let discrepancy = discrepancy(&residual_rms, [&by_time, &by_region]);
-        let covariance = faer::Scale(discrepancy.powi(2)) * &solved.covariance;
+        let mut training = survey.training(residual_rms);
+        (training.held_out_rms, training.held_out_by_region_rms) =
+            held_out_rms(&solved.at.narrowed(), &survey.sample)?;
+        training.geometry_found = found;
+        let residual_rms = &training.residual_rms;
+        let covariance = faer::Scale(discrepancy(&training).powi(2)) * &solved.covariance;
         let (chain, friction) = parameters(&solved.at, &covariance);
-        let (terms, candidates) = equations(&chain, &friction, &survey, &residual_rms, seed)?;
+        let (terms, candidates) = equations(&chain, &friction, &survey, residual_rms, seed)?;
         choices.extend(solved.choice);
         let mut warnings = Warning::of_survey(&survey);
-        warnings.extend(Warning::of_refit(&searched_rms, &residual_rms, &survey.torque_std));
-        let mut training = survey.training(residual_rms);
-        (training.held_out_rms, training.held_out_by_region_rms) = (by_time, by_region);
-        training.geometry_found = found;
+        warnings.extend(Warning::of_refit(&searched_rms, residual_rms, &survey.torque_std));
         let mut model = Model {
             joints: survey.joints.clone(),
             form: Form::Energy(terms),
@@ -100,12 +100,11 @@ impl Fitted {
 /// How many times as large as the residual is what is left of rows that were held out, the larger
 /// of two ways to hold them out, geometric mean of the joints: what the model gets wrong scatters
 /// less over its own rows than over others, and parameters err by as much more (E22).
-fn discrepancy(residual_rms: &[f64], held_out: [&Vec<f64>; 2]) -> f64 {
-    let of_joint = |(joint, residual): (usize, &f64)| {
-        let unseen = held_out.into_iter().filter_map(|rms| rms.get(joint).copied());
-        unseen.fold(*residual, f64::max) / residual.max(f64::MIN_POSITIVE)
-    };
-    geometric_mean(&residual_rms.iter().enumerate().map(of_joint).collect::<Vec<_>>())
+fn discrepancy(training: &Training) -> f64 {
+    let unseen = training.unseen_rms();
+    let pairs = unseen.iter().zip(&training.residual_rms);
+    let ratios = pairs.map(|(unseen, residual)| unseen / residual.max(f64::MIN_POSITIVE));
+    geometric_mean(&ratios.collect::<Vec<_>>())
 }
 
 /// The parameters of a linearisation as a model has them, with their covariance.
@@ -165,16 +164,13 @@ fn unexplained(
 ) -> Result<Vec<f64>, IdentifyError> {
     let explained = noise.in_torque(&Torque::new(model), &survey.sample)?;
     let rows = survey.sample.n_rows().max(1) as f64;
-    let training = &model.training;
-    let of_joint = |(joint, rms): (usize, &f64)| {
-        let unseen = [&training.held_out_rms, &training.held_out_by_region_rms];
-        let unseen = unseen.into_iter().filter_map(|rms| rms.get(joint).copied());
-        let rms = unseen.fold(*rms, f64::max).hypot(survey.removed_rms[joint]);
+    let of_joint = |(joint, rms): (usize, f64)| {
+        let rms = rms.hypot(survey.removed_rms[joint]);
         let left = rms * rms - explained.col(joint).sum() / rows;
         // A mean square over so many rows is not known better than that.
-        left.max((2.0 / training.rows.max(1) as f64).sqrt() * rms * rms).sqrt()
+        left.max((2.0 / model.training.rows.max(1) as f64).sqrt() * rms * rms).sqrt()
     };
-    Ok(training.residual_rms.iter().enumerate().map(of_joint).collect())
+    Ok(model.training.unseen_rms().into_iter().enumerate().map(of_joint).collect())
 }
 
 /// RMS of what is left of the torque of each joint \[N·m\] on whole logs, or on blocks of time of a

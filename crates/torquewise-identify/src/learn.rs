@@ -63,8 +63,8 @@ const MEET: f64 = 0.03;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
-/// Learns the chain of an arm: searches its geometry, where that is not given, and chooses all that
-/// is fitted on held-out blocks of time.
+/// Learns the chain of an arm: searches its geometry, where that is not given, and chooses what
+/// stands beside its links, both on held-out rows.
 ///
 /// # Errors
 /// [`IdentifyError::Chain`] if no chain can be fitted, [`IdentifyError::NoSuchJoint`] if a joint is
@@ -225,9 +225,9 @@ impl<'a> ChainLearner<'a> {
         };
         let mut ways = vec![best("held", ANY_ANGLE, &starts)?, best("free", OBLIQUE, &starts)?];
         let trials: Vec<CvScore> = ways.iter().map(|(trial, ..)| trial.clone()).collect();
-        let (mut least, own, mut start) =
-            ways.swap_remove(record_worth(AXES, &trials, WORTH_OF_ANGLES, choices));
-        let angle = if trials[0].label == least.label { ANY_ANGLE } else { OBLIQUE };
+        let place = record_worth(AXES, &trials, WORTH_OF_ANGLES, choices);
+        let angle = [ANY_ANGLE, OBLIQUE][place];
+        let (mut least, own, mut start) = ways.swap_remove(place);
         for joint in start.geometry.parallel() {
             let turned = start.geometry.turned_across(joint).into_iter();
             let turned: Vec<Chain> =

@@ -190,7 +190,7 @@ impl<'a> Unseen<'a> {
             sums
         };
         let around = blocks.iter().map(|block| sums(&block.around)).collect();
-        let all = sums(&(0..m).collect::<Vec<usize>>());
+        let all = sums(&all_of(m));
         Ok(Some(Self { targets, blocks, joints, all, around }))
     }
 
@@ -199,15 +199,12 @@ impl<'a> Unseen<'a> {
         self.all.0.ncols()
     }
 
-    /// What some columns, ascending, fitted to the torque but for each block and the rows around it, leave of
-    /// what is to be predicted in that block, for each target; nothing where nothing can be solved.
+    /// What some columns, ascending, fitted to the torque but for each block and the rows around it,
+    /// leave of what is to be predicted in that block, for each target; nothing where nothing can be
+    /// solved.
     pub(crate) fn errors(&self, active: &[usize]) -> Vec<Option<Errors>> {
-        let of = |sums: &Sums| {
-            let (gram, right) = sums;
-            (
-                Mat::from_fn(active.len(), active.len(), |i, j| gram[(active[i], active[j])]),
-                Mat::from_fn(active.len(), right.ncols(), |i, k| right[(active[i], k)]),
-            )
+        let of = |(gram, right): &Sums| {
+            (picked(gram, active, active), picked(right, active, &all_of(right.ncols())))
         };
         let (all, around) = (of(&self.all), self.around.iter().map(of).collect::<Vec<Sums>>());
         let solved: Vec<Vec<Mat<f64>>> =

@@ -148,6 +148,16 @@ pub struct Model {
 }
 
 impl Training {
+    /// RMS of what is to be expected of the torque of each joint \[N·m\] on other rows, n: the residual,
+    /// or what was left of rows that were held out, by time or by region, whichever is largest.
+    pub fn unseen_rms(&self) -> Vec<f64> {
+        let of_joint = |(joint, residual): (usize, &f64)| {
+            let held_out = [&self.held_out_rms, &self.held_out_by_region_rms].into_iter();
+            held_out.filter_map(|rms| rms.get(joint).copied()).fold(*residual, f64::max)
+        };
+        self.residual_rms.iter().enumerate().map(of_joint).collect()
+    }
+
     /// Error of each joint on rows that were held out, by time or by region, whichever is larger,
     /// over the standard deviation of its torque, n; `None` where nothing was held out.
     pub fn held_out_errors(&self) -> Option<Vec<f64>> {
