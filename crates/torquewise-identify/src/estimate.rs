@@ -20,4 +20,4 @@ pub(crate) use nominal::Sizes;
 pub use pass::add_up;
 pub(crate) use refine::{Next, Passes, refine};
 pub(crate) use solve::Solved;
-pub(crate) use step::weights;
+pub(crate) use step::{LEAST_RESIDUAL, weights};

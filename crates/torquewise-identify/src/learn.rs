@@ -58,8 +58,6 @@ pub(crate) const LAST_ROWS: usize = 4_000;
 /// was to the residual.
 const NO_RIDGE: f64 = 1e-8;
 const NOTHING: f64 = 0.1;
-/// Axes nearer than this \[m\] meet, where a log without noise is fitted so.
-const MEET: f64 = 0.03;
 /// Two chains whose costs are closer than this are one.
 const SAME: f64 = 1e-3;
 
@@ -245,19 +243,18 @@ impl<'a> ChainLearner<'a> {
     /// Fits the chosen specification on a sample of many rows.
     fn finish(
         &self,
-        (mut spec, offered): (ChainSpec, Vec<DriveTerm>),
+        (spec, offered): (ChainSpec, Vec<DriveTerm>),
         chain: &Chain,
         choices: Vec<Choice>,
     ) -> Result<Learned, IdentifyError> {
         let rows = self.rows(&spec, LAST_ROWS)?;
         let mut chain = refine(&rows, chain, &spec.free, &spec.search)?;
-        // A log without noise bears next to no ridge, and axes that meet are seen to.
+        // A log without noise bears next to no ridge.
         let search = Search { ridge: NO_RIDGE, ..spec.search.clone() };
-        let (geometry, free) = chain.geometry.met(MEET, &spec.free);
-        let exact = refine(&rows, &Chain { geometry, ..chain.clone() }, &free, &search)?;
+        let exact = refine(&rows, &chain, &spec.free, &search)?;
         let left = |chain: &Chain| geometric_mean(&chain.residual_rms);
         if left(&exact) < NOTHING * left(&chain) {
-            (chain, spec.free) = (exact, free);
+            chain = exact;
         }
         let residual_rms = residual_rms(&chain, &rows);
         let (laws, found) = (self.laws.clone(), self.found);

@@ -1,6 +1,6 @@
 //! From a chain, motion to what it leaves of a torque on blocks of time that it was not fitted on.
 
-use crate::estimate::Linearisation;
+use crate::estimate::{LEAST_RESIDUAL, Linearisation};
 use crate::regions::Regions;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -50,8 +50,11 @@ impl Errors {
         geometric_mean(&self.by_joint())
     }
 
+    /// Geometric mean of the joints in each block; next to nothing counts as nothing, so that no
+    /// choice is made by rounding.
     pub(crate) fn by_block(&self) -> Vec<f64> {
-        let roots = |block: &Vec<f64>| block.iter().map(|square| square.sqrt()).collect::<Vec<_>>();
+        let root = |square: &f64| square.sqrt().max(LEAST_RESIDUAL);
+        let roots = |block: &Vec<f64>| block.iter().map(root).collect::<Vec<_>>();
         self.parts.iter().map(|block| geometric_mean(&roots(block))).collect()
     }
 }

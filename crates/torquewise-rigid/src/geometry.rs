@@ -214,18 +214,6 @@ impl Geometry {
         (snapped, free)
     }
 
-    /// The same arm with places nearer to the axis before than `distance` \[m\] put on it, and which of
-    /// some free parameters are left.
-    pub fn met(&self, distance: f64, free: &[usize]) -> (Self, Vec<usize>) {
-        let is_met = |k: usize| {
-            let place = k.checked_sub(PER_BASE).is_some_and(|k| k % PER_JOINT >= 2);
-            place && self.parameters[k].abs() < distance
-        };
-        let mut met = self.clone();
-        free.iter().filter(|k| is_met(**k)).for_each(|&k| met.parameters[k] = 0.0);
-        (met, free.iter().copied().filter(|&k| !is_met(k)).collect())
-    }
-
     /// Joints, but the first, whose axis is parallel to that of the joint before.
     pub fn parallel(&self) -> Vec<usize> {
         let is_parallel =

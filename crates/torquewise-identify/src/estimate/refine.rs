@@ -5,6 +5,7 @@ use super::nominal::Sizes;
 use super::pass::add_up;
 use super::solve::Solved;
 use super::step::{Step, Tuning, weights};
+use crate::unseen::geometric_mean;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
@@ -12,8 +13,10 @@ use torquewise_stepwise::error::IdentifyError;
 
 /// Passes over a sample, for each set of weights, at most.
 const SAMPLE_PASSES: usize = 20;
-/// Times that a sample is refined, each with weights by what is left before.
-const WEIGHINGS: usize = 2;
+/// Times that a sample is refined, each with weights by what is left before: at least, and at most
+/// where each leaves much less than the one before, as without noise.
+const WEIGHINGS: [usize; 2] = [2, 10];
+const MUCH_LESS: f64 = 0.7;
 /// Part of a step that is tried where the whole was worse.
 const SHORTER: f64 = 0.25;
 /// First and longest step of a parameter of the geometry \[rad, m\].
@@ -140,8 +143,12 @@ pub(crate) fn refine(
     let step = Step::new(&sums, start, sizes)?;
     let parameters = step.step(&linear, &step.tuning(&linear)?, 0.0)?;
     let mut at = start.at(&parameters);
-    for _ in 0..WEIGHINGS {
+    for weighing in 0..WEIGHINGS[1] {
+        let before = geometric_mean(&at.weights);
         at.weights = weights(&add_up(recording, &at)?.weighted_rms(), sizes);
+        if weighing >= WEIGHINGS[0] && before > MUCH_LESS * geometric_mean(&at.weights) {
+            break;
+        }
         let mut passes = Passes::over_sample(at);
         at = loop {
             let sums = add_up(recording, &passes.at)?;

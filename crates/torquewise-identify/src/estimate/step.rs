@@ -12,10 +12,12 @@ use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::mean;
 
 /// A residual below this part of the torque is taken for it: weights stay finite.
-const LEAST_RESIDUAL: f64 = 1e-4;
+pub(crate) const LEAST_RESIDUAL: f64 = 1e-4;
 /// So much the cost may still fall for each parameter, in squares of the noise of an independent
 /// row: parameters are then within about a tenth of their standard errors.
 const LEAST_GAIN: f64 = 0.005;
+/// How strong the prior is, in parts of its strength, on the way from an arm that is none.
+const FALLING: [f64; 5] = [1e8, 1e6, 1e4, 1e2, 1.0];
 /// Exponents of ten between which the price of a step of the geometry is looked for, in parts of
 /// its curvature.
 const DAMPING: [f64; 2] = [-12.0, 3.0];
@@ -150,10 +152,17 @@ impl<'a> Step<'a> {
         active: &[usize],
         strength: f64,
     ) -> Result<Vec<f64>, IdentifyError> {
-        let allowed =
-            if self.prior.value(&self.before).is_some() { &self.before } else { &self.start };
-        let start: Vec<f64> = active.iter().map(|&k| allowed[k]).collect();
-        Ok(minimise(equations.quadratic(), &self.prior, strength, &start)?)
+        let of = |x: &[f64]| active.iter().map(|&k| x[k]).collect::<Vec<f64>>();
+        if self.prior.value(&self.before).is_some() {
+            let start = of(&self.before);
+            return Ok(minimise(equations.quadratic(), &self.prior, strength, &start)?);
+        }
+        // From far away a weak barrier is a wall: the prior falls to its strength step by step.
+        let mut x = of(&self.start);
+        for part in FALLING {
+            x = minimise(equations.quadratic(), &self.prior, part * strength, &x)?;
+        }
+        Ok(x)
     }
 
     /// Part of the cost that may be left: the parameters are then within a small part of their
