@@ -3,6 +3,7 @@
 use crate::table::Table;
 use torquewise::evaluate::{Evaluation, JointEvaluation};
 use torquewise::model::number;
+use torquewise::model::rollout::Drift;
 
 /// One line per joint: errors in the band of the model, and against raw torque if it was filtered.
 pub(crate) fn text(evaluation: &Evaluation) -> String {
@@ -24,4 +25,24 @@ pub(crate) fn text(evaluation: &Evaluation) -> String {
         table.row(name, cells);
     }
     table.text()
+}
+
+/// One line per joint: how far simulated windows drift, beside an arm that keeps its velocity.
+pub(crate) fn rollouts(evaluation: &Evaluation) -> String {
+    let Some(first) = evaluation.rollouts.first() else { return String::new() };
+    let horizons = evaluation.rollouts.iter();
+    let names: Vec<String> = horizons.map(|drift| format!("after {} s", drift.horizon_s)).collect();
+    let headings: Vec<&str> =
+        ["joint"].into_iter().chain(names.iter().flat_map(|name| [&name[..], "held"])).collect();
+    let mut table = Table::new(&headings);
+    for (joint, of) in evaluation.joints.iter().enumerate() {
+        let both = |drift: &Drift| [drift.rms_drift_rad[joint], drift.hold_rms_rad[joint]];
+        let cells: Vec<String> = evaluation.rollouts.iter().flat_map(both).map(number).collect();
+        table.row(&of.name, cells);
+    }
+    let windows = first.windows;
+    format!(
+        "\ndrift of {windows} simulated windows, RMS [rad], beside holding the velocity\n{}",
+        table.text()
+    )
 }

@@ -48,6 +48,8 @@ const WORTH_OF_ANGLES: f64 = 0.1;
 /// Parallel neighbours must lower the error by this part: a wrist that hardly turns fits either way,
 /// and its axes stand across each other.
 const WORTH_OF_PARALLEL: f64 = 0.05;
+/// Where they lower it by less than this part, the log does not tell.
+const UNRESOLVED: f64 = 0.3;
 /// Rounds of refinement on all but a held-out block.
 const ROUNDS: usize = 6;
 /// Rows that trials are fitted on.
@@ -205,7 +207,7 @@ impl<'a> ChainLearner<'a> {
         choices: &mut Vec<Choice>,
     ) -> Result<Chain, IdentifyError> {
         let found = search(&self.rows(spec, LAST_ROWS)?, &spec.search)?;
-        self.found = Some(GeometryFound { times: found.times, starts: found.starts });
+        let (times, starts_made) = (found.times, found.starts);
         let mut starts = found.chains;
         starts.dedup_by(|a, b| (a.cost - b.cost).abs() < SAME * b.cost);
         starts.extend(known);
@@ -226,15 +228,20 @@ impl<'a> ChainLearner<'a> {
         let place = record_worth(AXES, &trials, WORTH_OF_ANGLES, choices);
         let angle = [ANY_ANGLE, OBLIQUE][place];
         let (mut least, own, mut start) = ways.swap_remove(place);
+        let mut unresolved = Vec::new();
         for joint in start.geometry.parallel() {
             let turned = start.geometry.turned_across(joint).into_iter();
             let turned: Vec<Chain> =
                 turned.map(|geometry| Chain { geometry, ..start.clone() }).collect();
             let across = best(&least.label, angle, &turned)?;
+            if across.0.error() < (1.0 + UNRESOLVED) * least.error() {
+                unresolved.push(joint);
+            }
             if across.0.error() < (1.0 + WORTH_OF_PARALLEL) * least.error() {
                 (least, _, start) = across;
             }
         }
+        self.found = Some(GeometryFound { times, starts: starts_made, unresolved });
         *spec = own;
         let rows = self.rows(spec, spec.search.final_rows)?;
         Ok(refine(&rows, &start, &spec.free, &spec.search)?)
@@ -257,7 +264,7 @@ impl<'a> ChainLearner<'a> {
             chain = exact;
         }
         let residual_rms = residual_rms(&chain, &rows);
-        let (laws, found) = (self.laws.clone(), self.found);
+        let (laws, found) = (self.laws.clone(), self.found.clone());
         Ok(Learned { chain, residual_rms, spec, offered, choices, laws, found })
     }
 

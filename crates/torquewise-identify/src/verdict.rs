@@ -6,7 +6,6 @@ use crate::unseen::geometric_mean;
 use crate::warning::{POOR, Warning};
 use std::fmt;
 use torquewise_model::model::GeometryFound;
-use torquewise_rigid::search::AGREEING;
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
 /// joints.
@@ -113,8 +112,8 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
 
 /// What keeps a model from being good, whatever its error on held-out rows.
 fn doubts(found: &Reconstruction) -> Vec<String> {
-    let geometry = found.model.training.geometry_found.filter(|found| found.times < AGREEING);
-    let geometry = geometry.map(|GeometryFound { times, starts }| {
+    let geometry = found.model.training.geometry_found.as_ref().filter(|found| !found.is_certain());
+    let geometry = geometry.map(|GeometryFound { times, starts, .. }| {
         format!("its geometry was found by only {times} of {starts} starts")
     });
     let refit = found.warnings.iter().find_map(|warning| match warning {

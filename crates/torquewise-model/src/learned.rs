@@ -1,9 +1,11 @@
 //! What was learned of an arm, as tables: where its axes lie, its links, its rotors and springs.
 
 use crate::error::ModelError;
+use crate::model::{GeometryFound, Model};
 use crate::print::with_error;
 use crate::rigid_chain::{Drive, RigidChain};
 use crate::selection::Selection;
+use serde::Serialize;
 use torquewise_rigid::base_parameters::base_parameters;
 use torquewise_rigid::recursion::PER_BODY;
 
@@ -34,44 +36,107 @@ pub fn axes(chain: &RigidChain) -> Result<Vec<Axis>, ModelError> {
     Ok(frames.into_iter().map(axis).collect())
 }
 
-/// Where the axes lie, and each in respect of the one before, with standard errors where it was
-/// fitted rather than put to a right angle or onto the axis before.
+/// A number with its standard error, 0 where it was given or put to a right angle.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// The number.
+    pub value: f64,
+    /// Its standard error.
+    pub std_error: f64,
+}
+
+/// Where an axis lies at q = 0, and how in respect of the one before.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct JointGeometry {
+    /// Name of the joint.
+    pub joint: String,
+    /// What it does: it turns.
+    pub kind: &'static str,
+    /// Its direction, a unit vector, in a frame at the base with z up.
+    pub axis: [f64; 3],
+    /// A point on it \[m\].
+    pub point: [f64; 3],
+    /// Angle to the axis before \[°\]; none of the first.
+    pub angle_to_previous_deg: Option<Measured>,
+    /// Distance of both as lines \[m\]; none of the first.
+    pub distance_to_previous_m: Option<Measured>,
+    /// Whether the log tells where it lies.
+    pub resolved: bool,
+}
+
+/// A distance \[m\] that is less certain is not resolved.
+const RESOLVED: f64 = 0.1;
+
+/// Where the axes of the chain of a model lie; nothing of a model without one.
 ///
 /// # Errors
 /// As [`axes`].
-pub fn geometry(
-    chain: &RigidChain,
-    joints: &[String],
-    selection: &Selection,
-) -> Result<Table, ModelError> {
+pub fn joint_geometry(model: &Model) -> Result<Vec<JointGeometry>, ModelError> {
+    let Some(chain) = &model.chain else { return Ok(Vec::new()) };
+    let lines = axes(chain)?;
+    let found = model.training.geometry_found.as_ref();
+    let of = |(joint, axis): (usize, &Axis)| -> Result<JointGeometry, ModelError> {
+        let relative = |of: fn(&Axis, &Axis) -> f64| -> Result<Option<Measured>, ModelError> {
+            let Some(before) = joint.checked_sub(1) else { return Ok(None) };
+            let value = of(&lines[before], axis).abs();
+            let std_error = geometry_error(chain, |axes| of(&axes[before], &axes[joint]))?;
+            Ok(Some(Measured { value, std_error }))
+        };
+        let distance_to_previous_m = relative(distance)?;
+        let is_found = found.is_none_or(GeometryFound::is_certain);
+        let is_named = found.is_some_and(|found| found.unresolved.contains(&joint));
+        let is_near = distance_to_previous_m.is_none_or(|found| found.std_error < RESOLVED);
+        Ok(JointGeometry {
+            joint: model.joints[joint].clone(),
+            kind: "revolute",
+            axis: axis.direction,
+            point: axis.point,
+            angle_to_previous_deg: relative(angle)?,
+            distance_to_previous_m,
+            resolved: is_found && !is_named && is_near,
+        })
+    };
+    lines.iter().enumerate().map(of).collect()
+}
+
+/// The same as a table.
+///
+/// # Errors
+/// As [`axes`].
+pub fn geometry(model: &Model, selection: &Selection) -> Result<Table, ModelError> {
     let headings = [
         "joint",
         "axis at q = 0 (x y z)",
         "through (x y z) [m]",
         "angle to axis before [°]",
         "distance from it [m]",
+        "",
     ];
     let mut table = vec![headings.map(str::to_owned).to_vec()];
-    let lines = axes(chain)?;
-    for (joint, (name, axis)) in joints.iter().zip(&lines).enumerate() {
+    for (joint, found) in joint_geometry(model)?.into_iter().enumerate() {
         if !selection.has_joint(joint) {
             continue;
         }
-        let relative = |of: fn(&Axis, &Axis) -> f64| -> Result<String, ModelError> {
-            let Some(before) = joint.checked_sub(1) else { return Ok(DASH.to_owned()) };
-            let value = of(&lines[before], axis);
-            Ok(match geometry_error(chain, |axes| of(&axes[before], &axes[joint]))? {
-                error if error < 1e-12 => format!("{}", (1e6 * value.abs()).round() / 1e6),
-                error => with_error(value.abs(), error),
-            })
+        let relative = |measured: Option<Measured>| match measured {
+            None => DASH.to_owned(),
+            Some(Measured { value, std_error }) if std_error < 1e-12 => {
+                format!("{}", (1e6 * value).round() / 1e6)
+            }
+            Some(Measured { value, std_error }) => with_error(value, std_error),
         };
         let triple = |triple: [f64; 3]| {
             // No minus before what rounds to zero.
             triple.map(|x| format!("{:.3}", if x.abs() < 5e-4 { 0.0 } else { x })).join(" ")
         };
-        let [direction, point] = [axis.direction, axis.point].map(triple);
-        let [angle, distance] = [relative(angle)?, relative(distance)?];
-        table.push(vec![name.clone(), direction, point, angle, distance]);
+        let note = if found.resolved { "" } else { "not resolved" };
+        table.push(vec![
+            found.joint,
+            triple(found.axis),
+            triple(found.point),
+            relative(found.angle_to_previous_deg),
+            relative(found.distance_to_previous_m),
+            note.to_owned(),
+        ]);
     }
     Ok(table)
 }

@@ -21,6 +21,7 @@ mod links;
 mod products;
 pub mod torque;
 pub mod momentum_observer;
+pub mod rollout;
 pub mod checks;
 pub mod file;
 pub mod selection;

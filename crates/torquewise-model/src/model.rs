@@ -113,14 +113,28 @@ pub struct Training {
     pub geometry_found: Option<GeometryFound>,
 }
 
-/// How often a search of the geometry found it: an arm that a single start led to may be another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// How a search of the geometry found it: an arm that a single start led to may be another.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeometryFound {
     /// Starts that led to as good an arm as the best.
     pub times: usize,
     /// Starts that were made.
     pub starts: usize,
+    /// Joints, counted from 0, whose axis may lie at another right angle to the one before: held-out
+    /// rows hardly mind.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unresolved: Vec<usize>,
+}
+
+impl GeometryFound {
+    /// Starts that must lead to the best arm: where fewer do, the arm may be another.
+    pub const AGREEING: usize = torquewise_rigid::search::AGREEING;
+
+    /// Whether so many did.
+    pub fn is_certain(&self) -> bool {
+        self.times >= Self::AGREEING
+    }
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).

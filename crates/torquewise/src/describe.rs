@@ -2,7 +2,7 @@
 
 use crate::summary::AllRepairs;
 use serde_json::{Value, json};
-use torquewise_model::learned::{self, Axis};
+use torquewise_model::learned;
 use torquewise_model::print;
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::ShaftFriction;
@@ -54,13 +54,8 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
     };
     let shafts = ShaftFriction::all(model).into_iter().filter(|shaft| turns(shaft.shaft()));
     let laws = model.friction.iter().filter(|law| turns(&law.term.shaft));
-    let axes = model.chain.as_ref().map(learned::axes).transpose()?;
-    let axes = axes.map(|axes| {
-        let axis = |axis: &Axis| json!({ "point": axis.point, "direction": axis.direction });
-        axes.iter().map(axis).collect::<Vec<_>>()
-    });
     Ok(json!({
-        "axes": axes,
+        "geometry": learned::joint_geometry(model)?,
         "joints": joints.collect::<Vec<_>>(),
         "energies": energies,
         "friction_parameters": shafts.map(|shaft| shaft_json(&shaft)).collect::<Vec<_>>(),

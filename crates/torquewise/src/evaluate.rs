@@ -8,6 +8,7 @@ use crate::prepared::Prepared;
 use serde::Serialize;
 use torquewise_identify::score::{JointScore, score, score_along};
 use torquewise_model::Model;
+use torquewise_model::rollout::{self, Drift};
 use torquewise_motion::Recording;
 
 /// Errors of a model on a log, joint by joint.
@@ -17,6 +18,9 @@ pub struct Evaluation {
     pub joints: Vec<JointEvaluation>,
     /// Rows.
     pub rows: usize,
+    /// How far simulated windows of the log drift, where that was asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty", rename = "rollout")]
+    pub rollouts: Vec<Drift>,
     /// Joints that leave the range the model was fitted on.
     #[serde(skip)]
     pub notes: Vec<String>,
@@ -106,6 +110,16 @@ pub fn evaluate_prepared(
     Ok(evaluation)
 }
 
+/// Simulates windows of a log from their measured state with the measured torque, and says how far
+/// from the measured motion they are after some times \[s\], ascending, beside an arm that keeps its
+/// velocity (E23).
+///
+/// # Errors
+/// As [`evaluate_prepared`]; a setting that cannot be, a model whose inertia is not positive.
+pub fn rollouts(model: &Model, log: &Prepared, horizons: &[f64]) -> Result<Vec<Drift>, Error> {
+    Ok(rollout::drifts(model, log, horizons)?)
+}
+
 fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation, Error> {
     let mut range = MotionRange::new(model.n_joints());
     let scores = score_along(model, recording, &mut |block| range.add(block))?;
@@ -124,5 +138,5 @@ fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation, Error
         .map(|joint| format!("the torque of {} never changes: look at its RMSE only", joint.name));
     let warnings = still.collect();
     let notes = range.warnings(model);
-    Ok(Evaluation { joints, rows: scores.rows, notes, warnings })
+    Ok(Evaluation { joints, rows: scores.rows, rollouts: Vec::new(), notes, warnings })
 }

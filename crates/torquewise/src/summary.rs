@@ -105,7 +105,7 @@ impl FitResult {
             held_out_by_region_percent: percent(&training.held_out_by_region_rms),
             cutoff_hz: training.filter.map(|filter| filter.cutoff_hz),
             delay_s: training.filter.map(|filter| filter.delay),
-            geometry_found: training.geometry_found,
+            geometry_found: training.geometry_found.clone(),
             conditioning: AllRepairs::of(&training.conditioning),
             candidates: self.candidates,
             candidates_by_step: self.steps.iter().map(|step| step.candidates).collect(),

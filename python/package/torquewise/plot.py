@@ -138,12 +138,12 @@ def residuals(found, *, points=4000):
 
 def arm(model):
     """Axes of the joints where they were learned to lie, at q = 0; for models of a chain."""
-    axes = model.describe()["axes"]
+    axes = model.describe()["geometry"]
     if not axes:
         raise ValueError('the model has no geometry: fit a chain (library="chain")')
     plt = _pyplot()
     points = np.array([own["point"] for own in axes])
-    ways = np.array([own["direction"] for own in axes])
+    ways = np.array([own["axis"] for own in axes])
     size = max(np.ptp(points, axis=0).max(), 0.1)
     figure = plt.figure(figsize=(5, 5))
     space = figure.add_subplot(projection="3d")

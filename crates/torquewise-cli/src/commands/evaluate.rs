@@ -9,7 +9,7 @@ use crate::score_table;
 use crate::signal_arguments::SignalArguments;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::evaluate::{evaluate_prepared, prepare};
+use torquewise::evaluate::{evaluate_prepared, prepare, rollouts};
 use torquewise::summary::AllRepairs;
 
 /// Compare the torque a model predicts with the torque measured
@@ -20,6 +20,11 @@ pub(crate) struct Arguments {
     /// Logs of the arm
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
+    /// Simulate windows of the log from their measured state with the measured torque, and print how
+    /// far they drift after these times
+    #[arg(long, value_name = "S", value_delimiter = ',', default_missing_value = "0.2,0.5,1",
+        num_args = 0..=1, value_parser = horizon)]
+    rollout: Option<Vec<f64>>,
     #[command(flatten)]
     signals: SignalArguments,
 }
@@ -29,16 +34,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
     let log = arguments.signals.open(&arguments.logs)?;
     let log = prepare(&model, &log)?;
-    let scores = evaluate_prepared(&model, &log, &watch())?;
+    let mut scores = evaluate_prepared(&model, &log, &watch())?;
+    if let Some(horizons) = &arguments.rollout {
+        let mut horizons = horizons.clone();
+        horizons.sort_by(f64::total_cmp);
+        scores.rollouts = rollouts(&model, &log, &horizons)?;
+    }
     let repairs = log.repairs();
     let mut json = object(&scores);
     json["conditioning"] = object(&AllRepairs::of(&repairs));
     Ok(Outcome {
         text: format!(
-            "{}{}\n{} rows\n{}",
+            "{}{}\n{} rows\n{}{}",
             log.text(),
             score_table::text(&scores),
             scores.rows,
+            score_table::rollouts(&scores),
             conditioning::text(&repairs)
         ),
         json,
@@ -46,4 +57,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         notes: scores.notes,
         ..Outcome::default()
     })
+}
+
+/// Seconds above 0.
+fn horizon(text: &str) -> std::result::Result<f64, String> {
+    let found = text.parse::<f64>().map_err(|error| error.to_string())?;
+    if found > 0.0 && found.is_finite() { Ok(found) } else { Err("give seconds above 0".into()) }
 }

@@ -149,7 +149,7 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
     let mut text = Vec::new();
     if let (Some(chain), true) = (&model.chain, selection.part.is_none()) {
         let joints = &model.joints;
-        let geometry = Table::of(learned::geometry(chain, joints, selection)?);
+        let geometry = Table::of(learned::geometry(model, selection)?);
         text.push(format!("{GEOMETRY}\n{}\n", geometry.text()));
         if selection.joint.is_none() {
             text.push(learned::drawing(chain)? + "\n");

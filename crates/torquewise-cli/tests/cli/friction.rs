@@ -93,7 +93,7 @@ fn show_begins_with_the_axes_of_a_learned_chain() {
     terminal.run("fit log.csv -o chain.json --library chain --friction none");
 
     let text = terminal.done("show chain.json");
-    let axes = &terminal.json("show chain.json")["axes"];
+    let axes = &terminal.json("show chain.json")["geometry"];
 
     assert!(text.starts_with("Geometry"), "{text}");
     // Both axes of the arm are parallel, 0.5 m apart.
@@ -105,13 +105,31 @@ fn show_begins_with_the_axes_of_a_learned_chain() {
     assert!((apart - 0.5).abs() < 1e-3, "{axes}");
     let cosine: f64 = (0..3)
         .map(|k| {
-            let of = |axis: usize| axes[axis]["direction"][k].as_f64().unwrap();
+            let of = |axis: usize| axes[axis]["axis"][k].as_f64().unwrap();
             of(0) * of(1)
         })
         .sum();
     assert!((cosine.abs() - 1.0).abs() < 1e-3, "{axes}");
     let views = text.split("side: y right, z up").nth(1).unwrap();
     assert!(views.contains('1') && views.contains('2'), "{text}");
+}
+
+#[test]
+fn evaluate_simulates_windows_of_the_log() {
+    let terminal = Terminal::new();
+    terminal.done("simulate planar-2 -o log.csv --seconds 30 --rate 50 --seed 1");
+    terminal.run("fit log.csv -o chain.json --library chain --friction none");
+
+    let found = &terminal.json("evaluate chain.json log.csv --rollout 0.2,0.5")["rollout"];
+    let text = terminal.done("evaluate chain.json log.csv --rollout");
+
+    assert_eq!(found[1]["horizon_s"], 0.5);
+    for joint in 0..2 {
+        let of = |what: &str| found[1][what][joint].as_f64().unwrap();
+        assert!(of("rms_drift_rad") < 0.1 * of("hold_rms_rad"), "{found}");
+    }
+    assert!(text.contains("after 0.2 s") && text.contains("after 1 s"), "{text}");
+    terminal.misused("evaluate chain.json log.csv --rollout 0.5,-1", &["--rollout", "above 0"]);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::linearisation::Linearisation;
 use super::step::{Step, Tuning};
 use faer::{ColRef, Mat};
 use torquewise_model::model::Choice;
+use torquewise_regression::normal_sums::FOLDS;
 use torquewise_rigid::feasible::curvature;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, choose_worth};
@@ -64,6 +65,28 @@ impl Step<'_> {
         })
     }
 
+    /// The same over regions of configuration, of which there are few: what the model gets wrong in one
+    /// is alike in all of its blocks (E22).
+    fn scores_by_region(&self, indices: &[usize]) -> Mat<f64> {
+        let (sums, p) = (self.sums, self.before.len());
+        let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
+        let few = folds.len() as f64 / (folds.len() as f64 - 1.0).max(1.0);
+        let mut scores = Mat::zeros(indices.len(), indices.len());
+        for fold in folds {
+            let (gram, share) =
+                (sums.gram_of(fold), sums.rows_of(fold) as f64 / sums.rows() as f64);
+            let centred = |&k: &usize| {
+                let mean = share * (self.gram[(p, k)] - self.bias[(p, k)]);
+                (gram[(p, k)] - share * self.bias[(p, k)] - mean) / self.at.scales[k]
+            };
+            let own: Vec<f64> = indices.iter().map(centred).collect();
+            for i in 0..own.len() {
+                (0..own.len()).for_each(|j| scores[(i, j)] += few * own[i] * own[j]);
+            }
+        }
+        scores
+    }
+
     /// Parameters of the geometry that stay where the sample put them, yet all rows together pull
     /// away: a score test, the scores of blocks of time as its measure.
     fn released(&self, active: &[usize], tuning: &Tuning) -> Result<Vec<usize>, IdentifyError> {
@@ -106,15 +129,23 @@ impl Step<'_> {
         let solution = self.minimum(&equations, active, tuning.strength)?;
         let strength = tuning.strength;
         let factor = curvature(equations.quadratic(), &self.prior, strength, &solution)?;
-        let mut middle = self.scores(active);
         // The prior is as uncertain as it is weak.
-        self.prior.add_slopes(&solution, strength, &mut vec![0.0; active.len()], &mut middle);
-        let half = factor.solve_matrix(&middle);
-        let own = factor.solve_matrix(&half.transpose().to_owned());
+        let spread = |mut middle: Mat<f64>| -> Mat<f64> {
+            self.prior.add_slopes(&solution, strength, &mut vec![0.0; active.len()], &mut middle);
+            let half = factor.solve_matrix(&middle);
+            factor.solve_matrix(&half.transpose().to_owned())
+        };
+        let own = spread(self.scores(active));
+        let by_region = spread(self.scores_by_region(active));
+        // Blocks of a stretch, and stretches of a region, may err alike: the larger spread counts.
+        let wider: Vec<f64> = (0..active.len())
+            .map(|k| (by_region[(k, k)] / own[(k, k)]).sqrt().max(1.0))
+            .map(|ratio| if ratio.is_finite() { ratio } else { 1.0 })
+            .collect();
         let mut covariance = Mat::zeros(p, p);
         for (i, &k) in active.iter().enumerate() {
             for (j, &l) in active.iter().enumerate() {
-                covariance[(k, l)] = 0.5 * (own[(i, j)] + own[(j, i)]);
+                covariance[(k, l)] = 0.5 * wider[i] * wider[j] * (own[(i, j)] + own[(j, i)]);
             }
         }
         let at = self.at.clone().freed(active);

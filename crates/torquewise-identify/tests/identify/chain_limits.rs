@@ -15,7 +15,7 @@ fn a_search_stops_when_three_starts_lead_to_the_same_arm() {
 
     let found = fit(&sines(&arm, 30.0, 1), FrictionKind::None).model.training.geometry_found;
 
-    let GeometryFound { times, starts } = found.unwrap();
+    let GeometryFound { times, starts, .. } = found.unwrap();
     assert!((3..=6).contains(&times) && starts == 6, "{times} of {starts}");
 }
 

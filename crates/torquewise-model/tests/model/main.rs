@@ -6,4 +6,5 @@ mod friction_load;
 mod model;
 mod physics;
 mod rigid_chain;
+mod rollout;
 mod shaft_friction;

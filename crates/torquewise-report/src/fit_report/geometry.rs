@@ -21,7 +21,7 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
                    that perpendicular, so links may look shorter than they are, and neither the \
                    height of the base nor the tool is known."
         .to_owned();
-    let rows = geometry(chain, findings.joints(), &Selection::default()).ok()?;
+    let rows = geometry(&findings.found.model, &Selection::default()).ok()?;
     let axes = Table {
         caption: "Where the axes lie at q = 0, and each seen from the joint before, with standard \
                   errors; without one where it is held at a right angle or at the origin before. A \

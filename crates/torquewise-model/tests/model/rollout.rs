@@ -1,0 +1,73 @@
+//! From a state to where an arm goes: closed forms of one joint with friction, and whole windows.
+
+use crate::friction::{EXACT, model, weighted};
+use faer::Mat;
+use torquewise_model::friction::FrictionLaw;
+use torquewise_model::rollout::{Simulator, drifts};
+use torquewise_model::{FrictionTerm, Model, Torque};
+use torquewise_motion::{Motion, Signals};
+
+/// The second joint of the arm, of 0.5 kg·m², with some friction.
+fn knee(law: FrictionLaw, coefficient: f64) -> Model {
+    model(vec![weighted(FrictionTerm::of_joint(2, 1, law), coefficient)])
+}
+
+/// Where it is after some seconds without torque, from 1 rad/s at 0: position and speed.
+fn coasted(model: &Model, seconds: f64) -> [f64; 2] {
+    let (simulator, mut path) = (Simulator::new(model), Torque::new(model).path());
+    path.step(&[0.0, 0.0]);
+    let mut arm = simulator.start(path, vec![0.0, 1.0]);
+    for _ in 0..(1000.0 * seconds) as usize {
+        simulator.step(&mut arm, &[0.0, 0.0], 1e-3).unwrap();
+    }
+    [arm.path.q()[1], arm.dq[1]]
+}
+
+#[test]
+fn a_viscous_joint_coasts_along_an_exponential() {
+    let [q, dq] = coasted(&knee(FrictionLaw::Viscous, 0.4), 1.0);
+
+    // v = e^(−0.8 t)
+    assert!((dq - (-0.8_f64).exp()).abs() < 1e-3, "{dq}");
+    assert!((q - (1.0 - (-0.8_f64).exp()) / 0.8).abs() < 1e-3, "{q}");
+}
+
+#[test]
+fn dry_friction_stops_a_joint_and_holds_it() {
+    for law in [EXACT, FrictionLaw::Coulomb { width: 1e-3 }, FrictionLaw::Dahl { travel: 1e-3 }] {
+        // v = 1 − t until it stands at 0.5 rad, but for what the element gives way.
+        let [q, dq] = coasted(&knee(law, 0.5), 3.0);
+
+        assert!((q - 0.5).abs() < 3e-3, "{law:?}: {q}");
+        assert!(dq.abs() < 1e-2, "{law:?}: {dq}");
+    }
+}
+
+#[test]
+fn windows_of_a_motion_that_obeys_the_model_stay_with_it() {
+    let model = knee(FrictionLaw::Viscous, 0.4);
+    let (rows, of) = (2_000, |row: usize| 1e-3 * row as f64);
+    let signal = |f: &dyn Fn(f64) -> f64| Mat::from_fn(rows, 2, |row, _| f(of(row)));
+    let signals = Signals {
+        joints: model.joints.clone(),
+        t: (0..rows).map(of).collect(),
+        q: signal(&|t| (3.0 * t).sin()),
+        dq: signal(&|t| 3.0 * (3.0 * t).cos()),
+        ddq: signal(&|t| -9.0 * (3.0 * t).sin()),
+        tau: None,
+    };
+    let motion = Motion::new(signals.clone()).unwrap();
+    let tau = Some(Torque::new(&model).over(&motion).unwrap());
+    let motion = Motion::new(Signals { tau, ..signals }).unwrap();
+
+    let found = drifts(&model, &motion, &[0.2, 0.5]).unwrap();
+
+    assert_eq!(found.iter().map(|drift| drift.horizon_s).collect::<Vec<_>>(), [0.2, 0.5]);
+    for drift in found {
+        assert!(drift.windows >= 4);
+        for joint in 0..2 {
+            let [own, held] = [drift.rms_drift_rad[joint], drift.hold_rms_rad[joint]];
+            assert!(own < 2e-3 && held > 0.05, "{own} {held}");
+        }
+    }
+}
