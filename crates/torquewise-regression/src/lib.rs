@@ -17,7 +17,6 @@ pub mod noise_correction;
 mod gather;
 pub mod accumulate;
 pub mod row_sums;
-pub mod triangle;
 mod cholesky;
 pub mod problem;
 pub mod elimination;

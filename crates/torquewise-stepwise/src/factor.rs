@@ -10,7 +10,6 @@ use torquewise_model::FrictionTerm;
 use torquewise_regression::SparseError;
 use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_regression::samples::{Evaluator, Samples};
-use torquewise_regression::triangle::Triangle;
 
 /// The terms of one group to be fitted together.
 #[derive(Clone, Debug)]
@@ -110,18 +109,5 @@ impl Fit<'_> {
             sums.add(&block)?;
         }
         Ok(sums)
-    }
-
-    /// R of \[Y τ\] of pieces of the sample.
-    pub(crate) fn triangle<'s>(
-        &self,
-        pieces: impl Iterator<Item = &'s Samples>,
-    ) -> Result<Triangle, SparseError> {
-        let mut triangle = Triangle::new(self.n_columns() + 1);
-        for samples in pieces {
-            let rows = self.rows(samples, &vec![0.0; self.n_columns()])?;
-            triangle.add(rows.as_ref())?;
-        }
-        Ok(triangle)
     }
 }

@@ -21,8 +21,8 @@ pub(crate) struct NormalEquations {
     pub(crate) coefficients: Vec<f64>,
     /// Columns that depend on others.
     pub(crate) dependent: Vec<usize>,
-    /// R of \[Y τ\] of the sample, where the torque is explained but for rounding.
-    pub(crate) r: Option<Mat<f64>>,
+    /// Whether the torque is explained but for rounding.
+    pub(crate) is_explained: bool,
 }
 
 impl NormalEquations {
@@ -43,29 +43,40 @@ impl NormalEquations {
             gram[(p, p)] += weight * part.energy[own];
             rows += part.rows as f64;
         }
-        Self::solved(gram, rows, None)
-    }
-
-    /// Whether the torque is explained but for rounding.
-    pub(crate) fn is_explained(&self, kept: &ActiveSet, grams: &[Gram]) -> bool {
-        kept.group.equations.iter().all(|&(equation, response)| {
+        let (coefficients, dependent) = solved(&gram, rows)?;
+        let explained = |&(equation, response): &(usize, usize)| {
             let (own, part) = (response_index(grams.len(), response), &grams[equation]);
-            residual_energy(part, own, &self.coefficients) <= EXPLAINED * part.energy[own]
-        })
+            residual_energy(part, own, &coefficients) <= EXPLAINED * part.energy[own]
+        };
+        let is_explained = kept.group.equations.iter().all(explained);
+        Ok(Self { gram, rows, coefficients, dependent, is_explained })
     }
 
-    /// The same from R of a sample, a row of which stands for `scale` rows.
-    pub(crate) fn sharpened(self, r: Mat<f64>, scale: f64) -> Result<Self, SparseError> {
-        let gram = faer::Scale(scale) * (r.transpose() * &r);
-        Self::solved(gram, self.rows, Some(r))
+    /// A step of iterative refinement: least squares of what the coefficients leave of a sample,
+    /// from \[Y e\]ᵀ\[Y e\] of all it stands for.
+    pub(crate) fn refine(&mut self, left: &Mat<f64>) -> Result<(), SparseError> {
+        self.gram = with_response(left, &self.coefficients);
+        let (change, dependent) = solved(left, self.rows)?;
+        self.coefficients.iter_mut().zip(change).for_each(|(weight, change)| *weight += change);
+        self.dependent = dependent;
+        Ok(())
     }
+}
 
-    fn solved(gram: Mat<f64>, rows: f64, r: Option<Mat<f64>>) -> Result<Self, SparseError> {
-        let p = gram.ncols().saturating_sub(1);
-        let right = (0..p).map(|j| gram[(j, p)]).collect();
-        let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
-        let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1.0))?;
-        let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
-        Ok(Self { gram, rows, coefficients: fit.coefficients, dependent: fit.dependent, r })
-    }
+/// Least-squares weights and dependent columns of \[Y τ\]ᵀ\[Y τ\].
+fn solved(gram: &Mat<f64>, rows: f64) -> Result<(Vec<f64>, Vec<usize>), SparseError> {
+    let p = gram.ncols().saturating_sub(1);
+    let right = (0..p).map(|j| gram[(j, p)]).collect();
+    let plain = Mat::from_fn(p, p, |i, j| gram[(i, j)]);
+    let problem = Problem::new(plain, right, gram[(p, p)], rows.max(1.0))?;
+    let fit = problem.refit(&(0..p).collect::<Vec<_>>())?;
+    Ok((fit.coefficients, fit.dependent))
+}
+
+/// Sums in \[Y e\], e = τ − Yβ, as they are in \[Y τ\].
+pub(crate) fn with_response(sums: &Mat<f64>, coefficients: &[f64]) -> Mat<f64> {
+    let p = coefficients.len();
+    let mut change = Mat::<f64>::identity(p + 1, p + 1);
+    coefficients.iter().enumerate().for_each(|(j, c)| change[(j, p)] = *c);
+    change.transpose() * (sums * &change)
 }

@@ -4,7 +4,7 @@ use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::factor::{ActiveSet, Fit};
 use crate::noise::NoiseFloor;
-use crate::normal_equations::NormalEquations;
+use crate::normal_equations::{NormalEquations, with_response};
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::step::{residual_energy, response_index};
 use faer::Mat;
@@ -17,8 +17,8 @@ use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::gram::Gram;
 use torquewise_regression::normal_sums::NormalSums;
+use torquewise_regression::problem::Problem;
 use torquewise_regression::samples::{Evaluator, Samples};
-use torquewise_regression::triangle::Triangle;
 
 /// A term of the final fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,14 +69,17 @@ const LEAST_PARTS: usize = 8;
 /// Above this many kept terms, only those of the final model are asked of resampled logs.
 const MOST_BAGGED: usize = 150;
 
+/// Steps of iterative refinement: each leaves about ε times the condition of the Gram matrix of what
+/// was wrong.
+const REFINEMENTS: usize = 2;
 /// Times that noise is drawn for each row of a sample at most.
 const MOST_DRAWS: f64 = 16.0;
 
 /// Fits the kept terms of all groups: coefficients from the normal equations of all rows, what the
 /// noise did to them and how far they scatter from an even sample of rows.
 ///
-/// Where the normal equations leave nothing to be explained, the sample says it all, and QR says it
-/// to full precision.
+/// Where the normal equations leave nothing to be explained, the sample says it all, and steps of
+/// iterative refinement say it to full precision.
 ///
 /// - `sample`: an even sample of the rows
 /// - `whole`: normal equations of all rows in the kept columns of each group
@@ -108,14 +111,18 @@ pub(crate) fn refit(
     let draws = draws(scale);
     (fits.iter().zip(whole))
         .map(|(fit, grams)| {
-            let base = base(fit, grams, &pieces, (parts, scale))?;
-            let of_part = |part: usize| {
-                let own = pieces.iter().skip(part).step_by(parts);
-                let start = &base.coefficients;
-                Ok(Part::new(&fit.normal_sums(start, draws, (plan.seed, part as u64), own)?))
+            let mut base = NormalEquations::new(fit.kept, grams)?;
+            let sums_at = |start: &[f64], draws: usize| {
+                let of_part = |part: usize| {
+                    let own = pieces.iter().skip(part).step_by(parts);
+                    Ok(Part::new(&fit.normal_sums(start, draws, (plan.seed, part as u64), own)?))
+                };
+                (0..parts).into_par_iter().map(of_part).collect::<Result<Vec<_>, SparseError>>()
             };
-            let parts = (0..parts).into_par_iter().map(of_part);
-            let parts = parts.collect::<Result<_, SparseError>>()?;
+            for _ in 0..if base.is_explained { REFINEMENTS } else { 0 } {
+                base.refine(&(faer::Scale(scale) * gram_of(&sums_at(&base.coefficients, 0)?)))?;
+            }
+            let parts = sums_at(&base.coefficients, draws)?;
             GroupRefit { fit, base: &base, grams, parts, scale }.finish(plan)
         })
         .collect()
@@ -135,26 +142,6 @@ fn pieces(
     });
     read.map_err(IdentifyError::Read)?;
     Ok(pieces)
-}
-
-/// Where the refit of a group begins. Normal equations keep too few digits of what is explained but
-/// for rounding: R of the sample keeps them.
-fn base(
-    fit: &Fit<'_>,
-    grams: &[Gram],
-    pieces: &[Samples],
-    (parts, scale): (usize, f64),
-) -> Result<NormalEquations, IdentifyError> {
-    let base = NormalEquations::new(fit.kept, grams)?;
-    if !base.is_explained(fit.kept, grams) {
-        return Ok(base);
-    }
-    let of_part = |part: usize| fit.triangle(pieces.iter().skip(part).step_by(parts));
-    let factors: Vec<Triangle> =
-        (0..parts).into_par_iter().map(of_part).collect::<Result<_, _>>()?;
-    let mut triangle = Triangle::new(fit.n_columns() + 1);
-    factors.iter().try_for_each(|part| triangle.merge(part))?;
-    Ok(base.sharpened(triangle.r(), scale)?)
 }
 
 /// How often noise is drawn for each row of a sample that stands for `scale` rows a row.
@@ -187,6 +174,13 @@ impl Part {
         let (gram, bias, spread) = (sums.gram(), sums.bias(), sums.scores());
         Self { gram, bias, spread, rows: sums.rows() as f64, left }
     }
+}
+
+/// \[Y e\]ᵀ\[Y e\] of all parts.
+fn gram_of(parts: &[Part]) -> Mat<f64> {
+    let mut sum = parts[0].gram.clone();
+    parts[1..].iter().for_each(|part| sum += &part.gram);
+    sum
 }
 
 /// All that is known of one group.
@@ -335,7 +329,7 @@ impl GroupRefit<'_> {
             let (own, gram) = (response_index(self.grams.len(), response), &self.grams[equation]);
             (residual_energy(gram, own, &all).max(0.0) / gram.rows.max(1) as f64).sqrt()
         };
-        if self.base.r.is_none() {
+        if !self.base.is_explained {
             return self.fit.kept.group.equations.iter().map(of_equation).collect();
         }
         // Normal equations keep too few digits to say how little is left: the sample says it.
@@ -349,34 +343,23 @@ impl GroupRefit<'_> {
     }
 
     /// The coefficients of an estimate to full precision where all is explained and no noise was
-    /// taken out: from R instead of RᵀR, whose condition is the square.
+    /// taken out: by a step of iterative refinement on the columns that stay.
     fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
-        let (p, k) = (self.fit.n_columns(), estimate.active.len());
-        let Some(r) = self.base.r.as_ref().filter(|_| self.fit.noise.is_none() && k > 0) else {
+        if !self.base.is_explained || !self.fit.noise.is_none() {
             return Ok(estimate.coefficients.clone());
+        }
+        let (p, active, start) = (self.fit.n_columns(), &estimate.active, &self.base.coefficients);
+        let gram = gram_of(&self.parts);
+        let right = |&j: &usize| {
+            let gone = (0..p).filter(|i| active.binary_search(i).is_err());
+            gram[(j, p)] + gone.map(|i| gram[(j, i)] * start[i]).sum::<f64>()
         };
-        let mut small = Triangle::new(k + 1);
-        let chosen =
-            Mat::from_fn(p + 1, k + 1, |i, j| r[(i, *estimate.active.get(j).unwrap_or(&p))]);
-        small.add(chosen.as_ref())?;
-        let r = small.r();
-        let mut x = Mat::from_fn(k, 1, |i, _| r[(i, k)]);
-        let upper = r.submatrix(0, 0, k, k);
-        faer::linalg::triangular_solve::solve_upper_triangular_in_place(
-            upper,
-            x.as_mut(),
-            faer::Par::Seq,
-        );
-        Ok((0..k).map(|i| x[(i, 0)]).collect())
+        let (k, right) = (active.len(), active.iter().map(right).collect());
+        let small = Mat::from_fn(k, k, |i, j| gram[(active[i], active[j])]);
+        let problem = Problem::new(small, right, gram[(p, p)], 1.0)?;
+        let change = problem.refit(&(0..k).collect::<Vec<_>>())?.coefficients;
+        Ok(active.iter().zip(change).map(|(&j, change)| start[j] + change).collect())
     }
-}
-
-/// Sums in \[Y e\], e = τ − Yβ, as they are in \[Y τ\].
-fn with_response(sums: &Mat<f64>, coefficients: &[f64]) -> Mat<f64> {
-    let p = coefficients.len();
-    let mut change = Mat::<f64>::identity(p + 1, p + 1);
-    coefficients.iter().enumerate().for_each(|(j, c)| change[(j, p)] = *c);
-    change.transpose() * (sums * &change)
 }
 
 /// Streams of random numbers from here on are for resampling, those before for noise.

@@ -9,4 +9,3 @@ mod planted;
 mod problem;
 mod random_design;
 mod routes;
-mod triangle;
