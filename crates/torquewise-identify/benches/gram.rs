@@ -6,7 +6,7 @@ use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_regression::accumulate::{Prepared, Route};
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::RowAdder;
 use torquewise_regression::samples::Samples;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
@@ -35,7 +35,7 @@ fn by_rows(bencher: Bencher<'_, '_>, block_rows: usize) {
     bencher.bench(|| sum(&prepared, &blocks));
 }
 
-fn sum(prepared: &Prepared, blocks: &[Samples]) -> Vec<Gram> {
+fn sum(prepared: &Prepared, blocks: &[Samples]) -> Vec<NormalEquations> {
     let mut adder = RowAdder::new(prepared, N_RESPONSES);
     for block in blocks {
         adder.push(block.clone()).expect("blocks of the library's shape");

@@ -19,7 +19,6 @@ use torquewise_model::{
     Drive, EnergyTerm, Form, FrictionTerm, Model, RigidChain, Torque, Training, Weighted,
 };
 use torquewise_motion::Motion;
-use torquewise_regression::accumulate::Route;
 use torquewise_rigid::recursion::PER_BODY;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::fit::StepReport;
@@ -85,13 +84,8 @@ impl Fitted {
         let noise = &solved.at.noise;
         warnings.extend(drifts(&model, &survey.sample)?.into_iter().map(Warning::Drift));
         model.training.unexplained_rms = unexplained(&model, &survey, noise)?;
-        let step = StepReport {
-            name: "all rows",
-            rows: survey.rows,
-            candidates,
-            active: model.active(),
-            route: Route::Direct,
-        };
+        let step =
+            StepReport { name: "all rows", rows: survey.rows, candidates, active: model.active() };
         let (steps, dropped, noise) = (vec![step], Vec::new(), survey.noise.clone());
         Ok(Reconstruction { model, survey, patterns, noise, candidates, steps, dropped, warnings })
     }

@@ -3,9 +3,11 @@
 use crate::design::Design;
 use crate::error::SparseError;
 use crate::gather::gather;
-use crate::gram::{Gram, accumulate_rows, direct_cost, responses_of};
 use crate::moments::{MomentPlan, Moments, Strip};
+use crate::normal_equations::{NormalEquations, mirror_lower};
+use crate::products::{add_gram, add_product};
 use crate::samples::{Evaluator, Samples};
+use std::ops::Range;
 
 /// Which route computes the normal equations of a design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +44,7 @@ pub struct GramSum<'a> {
 
 enum Way<'a> {
     Moments(&'a MomentPlan, Moments, Box<Strip>),
-    Direct(&'a Evaluator, Vec<Gram>),
+    Direct(&'a Evaluator, Vec<NormalEquations>),
 }
 
 /// A design made ready for one of the routes.
@@ -73,7 +75,7 @@ impl Prepared {
                 let design = evaluator.design();
                 let (p, count) = (design.n_columns(), design.n_equations());
                 let own = responses_of(0, count, n_responses).len();
-                Way::Direct(evaluator, (0..count).map(|_| Gram::zeros(p, own)).collect())
+                Way::Direct(evaluator, (0..count).map(|_| NormalEquations::zeros(p, own)).collect())
             }
         };
         GramSum { way }
@@ -99,16 +101,10 @@ impl Prepared {
         table: &[f64],
         rows: usize,
         columns: &[usize],
-    ) -> Vec<Gram> {
+    ) -> Vec<NormalEquations> {
         let mut sum = self.start(n_responses);
         sum.read_from(table, rows);
-        match sum.way {
-            Way::Moments(plan, moments, _) => gather(plan, &moments, columns),
-            Way::Direct(_, mut grams) => {
-                grams.iter_mut().for_each(Gram::mirror);
-                grams.iter().map(|gram| gram.subset(columns)).collect()
-            }
-        }
+        sum.grams_of(columns)
     }
 }
 
@@ -125,15 +121,25 @@ impl GramSum<'_> {
     }
 
     /// The normal equations of each equation.
-    pub fn grams(self) -> Vec<Gram> {
+    pub fn grams(self) -> Vec<NormalEquations> {
+        let design = match &self.way {
+            Way::Moments(plan, ..) => plan.design(),
+            Way::Direct(evaluator, _) => evaluator.design(),
+        };
+        let all: Vec<usize> = (0..design.n_columns()).collect();
+        self.grams_of(&all)
+    }
+
+    /// The same in some of the columns.
+    fn grams_of(self, columns: &[usize]) -> Vec<NormalEquations> {
         match self.way {
-            Way::Moments(plan, moments, _) => {
-                let all: Vec<usize> = (0..plan.design().n_columns()).collect();
-                gather(plan, &moments, &all)
-            }
+            Way::Moments(plan, moments, _) => gather(plan, &moments, columns),
             Way::Direct(_, mut grams) => {
-                grams.iter_mut().for_each(Gram::mirror);
-                grams
+                let own = grams.iter_mut().map(|own| {
+                    mirror_lower(&mut own.gram);
+                    own.restricted(columns)
+                });
+                own.collect()
             }
         }
     }
@@ -186,7 +192,49 @@ impl GramSum<'_> {
     fn set_rows(&mut self, rows: usize) {
         match &mut self.way {
             Way::Moments(_, moments, _) => moments.rows = rows,
-            Way::Direct(_, grams) => grams.iter_mut().for_each(|gram| gram.rows = rows),
+            Way::Direct(_, grams) => grams.iter_mut().for_each(|gram| gram.rows = rows as f64),
         }
     }
+}
+
+/// The responses an equation explains: all of them if there is one equation, else its own.
+pub(crate) fn responses_of(
+    equation: usize,
+    n_equations: usize,
+    n_responses: usize,
+) -> Range<usize> {
+    if n_equations == 1 { 0..n_responses } else { equation..equation + 1 }
+}
+
+/// Multiplications per row of the direct route: evaluate the columns, then half of YᵀY each.
+pub fn direct_cost(evaluator: &Evaluator, n_responses: usize) -> f64 {
+    let design = evaluator.design();
+    let p = design.n_columns() as f64;
+    let responses = if design.n_equations() == 1 { n_responses as f64 } else { 1.0 };
+    evaluator.cost() + design.n_equations() as f64 * p * (p / 2.0 + responses)
+}
+
+/// Adds a block of rows to the normal equations of each equation (lower triangles only): the
+/// direct route.
+///
+/// # Errors
+/// [`SparseError::Shape`] if the block does not fit the design.
+fn accumulate_rows(
+    evaluator: &Evaluator,
+    grams: &mut [NormalEquations],
+    samples: &Samples,
+) -> Result<(), SparseError> {
+    let columns = evaluator.columns(samples)?;
+    let (n_equations, n_responses) = (columns.len(), samples.responses.ncols());
+    for (equation, (y, gram)) in columns.iter().zip(grams).enumerate() {
+        add_gram(&mut gram.gram, y.as_ref(), 1.0);
+        let own = responses_of(equation, n_equations, n_responses);
+        let responses = samples.responses.subcols(own.start, own.len());
+        add_product(&mut gram.cross, y.as_ref(), responses);
+        for (energy, response) in gram.energy.iter_mut().zip(responses.col_iter()) {
+            *energy += response.squared_norm_l2();
+        }
+        gram.rows += samples.n_rows() as f64;
+    }
+    Ok(())
 }

@@ -15,9 +15,6 @@ pub enum SparseError {
     #[error("column {column} of a problem with {columns}")]
     #[diagnostic(help("count columns from 0"))]
     Column { column: usize, columns: usize },
-    #[error("the Gram matrix is indefinite, the path ends above penalty {lambda}")]
-    #[diagnostic(help("raise the penalty or correct for less noise"))]
-    Indefinite { lambda: f64 },
     #[error("{found} is too large for a sum of rows")]
     #[diagnostic(help("check the units of the log"))]
     OutOfRange { found: f64 },

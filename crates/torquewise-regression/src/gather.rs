@@ -1,16 +1,21 @@
 //! Normal equations YᵀY and Yᵀy of a design from its moments, without its rows (E3).
 
+use crate::accumulate::responses_of;
 use crate::atom::Numbering;
 use crate::design::Design;
-use crate::gram::{Gram, responses_of};
 use crate::moments::{MomentPlan, Moments};
+use crate::normal_equations::NormalEquations;
 use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The normal equations of each equation of the plan's design in some of its columns, gathered from
 /// moments.
-pub(crate) fn gather(plan: &MomentPlan, moments: &Moments, wanted: &[usize]) -> Vec<Gram> {
+pub(crate) fn gather(
+    plan: &MomentPlan,
+    moments: &Moments,
+    wanted: &[usize],
+) -> Vec<NormalEquations> {
     let design = plan.design();
     let n_equations = design.n_equations();
     (0..n_equations)
@@ -18,11 +23,11 @@ pub(crate) fn gather(plan: &MomentPlan, moments: &Moments, wanted: &[usize]) -> 
             let own = responses_of(equation, n_equations, moments.energy.len());
             let all = &design.equations[equation];
             let columns: Vec<Entries> = wanted.iter().map(|&column| all[column].clone()).collect();
-            Gram {
+            NormalEquations {
                 gram: gather_gram(plan, moments, &columns),
                 cross: gather_cross(design, moments, &columns, own.clone()),
                 energy: moments.energy[own].to_vec(),
-                rows: moments.rows,
+                rows: moments.rows as f64,
             }
         })
         .collect()

@@ -1,7 +1,7 @@
 //! k-means: points shared out among centres, the best of several starts.
 
 use crate::error::SparseError;
-use crate::problem::require;
+use crate::normal_equations::require;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cmp::Ordering;

@@ -3,7 +3,7 @@
 use crate::accumulate::{GramSum, Prepared};
 use crate::error::SparseError;
 use crate::exact::{ExactSums, add_tables};
-use crate::gram::Gram;
+use crate::normal_equations::NormalEquations;
 use crate::samples::Samples;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,12 @@ impl RowSums {
     }
 
     /// The normal equations of each equation, in some of the columns of the design.
-    pub fn grams(&self, prepared: &Prepared, n_responses: usize, columns: &[usize]) -> Vec<Gram> {
+    pub fn grams(
+        &self,
+        prepared: &Prepared,
+        n_responses: usize,
+        columns: &[usize],
+    ) -> Vec<NormalEquations> {
         let mut table = vec![0.0; self.sums.len()];
         self.sums.write_to(0, &mut table);
         prepared.grams_of(n_responses, &table, self.rows, columns)

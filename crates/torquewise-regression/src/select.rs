@@ -6,7 +6,7 @@ pub mod stlsq;
 pub mod criterion;
 
 use crate::error::SparseError;
-use crate::problem::{Problem, Selection};
+use crate::normal_equations::{NormalEquations, Selection};
 
 /// A way to choose columns.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ impl Selector {
     ///
     /// # Errors
     /// Those of the selector.
-    pub fn select(&self, problem: &Problem) -> Result<Selection, SparseError> {
+    pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
         match self {
             Self::Criterion(criterion) => criterion.select(problem),
             Self::Lasso(lasso) => lasso.select(problem),

@@ -5,7 +5,6 @@ use crate::noise::NoiseFloor;
 use crate::patterns::Patterns;
 use torquewise_model::Model;
 use torquewise_motion::Pattern;
-use torquewise_regression::accumulate::Route;
 
 /// What the steps found in the terms of a library, and how.
 #[derive(Clone, Debug)]
@@ -41,6 +40,4 @@ pub struct StepReport {
     pub candidates: usize,
     /// Terms found so far that act on each joint, n.
     pub active: Vec<usize>,
-    /// Which route computed its normal equations.
-    pub route: Route,
 }

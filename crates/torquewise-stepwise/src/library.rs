@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Pattern, Recording};
-use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
-use torquewise_regression::gram::Gram;
+use torquewise_regression::accumulate::{Prepared, cheaper_route};
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::RowSums;
 
 /// Which columns are summed, and over which rows together.
@@ -34,8 +34,6 @@ pub struct Basis {
     pub candidates: Candidates,
     /// Their columns, as sums over rows want them.
     pub prepared: Prepared,
-    /// Which route computes their normal equations.
-    pub route: Route,
     /// Number of joints n.
     pub n_joints: usize,
 }
@@ -75,7 +73,7 @@ impl SummedLibrary {
         let candidates = Candidates::with_friction(n_joints, self.kind, self.regression, laws)?;
         let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
         let prepared = Prepared::new(&candidates.design, route);
-        Ok(Basis { candidates, prepared, route, n_joints })
+        Ok(Basis { candidates, prepared, n_joints })
     }
 
     /// Options with what was settled when rows were summed.
@@ -100,7 +98,7 @@ impl Basis {
     }
 
     /// The normal equations of some candidates over rows.
-    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<Gram> {
+    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<NormalEquations> {
         rows.grams(&self.prepared, self.n_joints, columns)
     }
 }

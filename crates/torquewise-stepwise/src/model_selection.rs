@@ -6,14 +6,13 @@ use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, re
 use crate::held_out::{BLOCKS, CvScore, choose, choose_worth, split};
 use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
-use crate::step;
-use crate::step_equations::{Step, StepEquations};
+use crate::step::{self, Step};
 use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_regression::accumulate::{Prepared, cheaper_route};
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 
@@ -201,7 +200,7 @@ impl SelectedModel {
         let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
         let offered = validation.with_laws(&self.friction);
         let gammas = STRICTER.map(|times| times * criterion.gamma);
-        let stricter = |gamma| Selector::Criterion(Criterion { gamma, ..criterion });
+        let stricter = |gamma| Selector::Criterion(Criterion { gamma });
         let trials = gammas
             .iter()
             .map(|&gamma| validation.trial(format!("{gamma}"), &offered, &stricter(gamma)))
@@ -219,7 +218,7 @@ struct CrossValidation<'a> {
     candidates: Candidates,
     groups: Vec<Group>,
     /// `[block][equation]`
-    blocks: Vec<Vec<Gram>>,
+    blocks: Vec<Vec<NormalEquations>>,
 }
 
 impl<'a> CrossValidation<'a> {
@@ -289,9 +288,9 @@ impl<'a> CrossValidation<'a> {
                     .equations
                     .iter()
                     .filter_map(|&(equation, joint)| {
-                        let left = step::unexplained(&judge.grams, equation, joint, &known);
+                        let left = step::unexplained(&judge, equation, joint, &known);
                         let spread = self.survey.torque_std[joint];
-                        let rms = (left / judge.rows.max(1) as f64).sqrt();
+                        let rms = (left / judge[equation].rows.max(1.0)).sqrt();
                         (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
                     })
                     .collect::<Vec<f64>>())
@@ -305,19 +304,18 @@ impl<'a> CrossValidation<'a> {
     fn equations(
         &self,
         blocks: impl Iterator<Item = usize>,
-    ) -> Result<StepEquations, IdentifyError> {
-        let mut grams: Vec<Gram> = Vec::new();
+    ) -> Result<Vec<NormalEquations>, IdentifyError> {
+        let mut grams: Vec<NormalEquations> = Vec::new();
         for block in blocks {
             match &mut grams[..] {
                 [] => grams.clone_from(&self.blocks[block]),
                 sums => {
                     for (sum, more) in sums.iter_mut().zip(&self.blocks[block]) {
-                        sum.merge(more)?;
+                        sum.add(more, 1.0)?;
                     }
                 }
             }
         }
-        let rows = grams.first().map_or(0, |gram| gram.rows);
-        Ok(StepEquations { grams, route: torquewise_regression::accumulate::Route::Direct, rows })
+        Ok(grams)
     }
 }

@@ -18,8 +18,7 @@ use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::accumulate::{GramSum, Prepared, cheaper_route};
 use torquewise_regression::design::Design;
-use torquewise_regression::gram::Gram;
-use torquewise_regression::problem::Problem;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::samples::Samples;
 
 /// What is tried.
@@ -104,11 +103,9 @@ pub fn orders(
     let n = survey.joints.len();
     let ladders = ladders(n, plan, &patterns)?;
     let halves = accumulate(recording, &patterns, &ladders, survey.rows)?;
-    let mut curves = Vec::with_capacity(ladders.len());
-    for (ladder, halves) in ladders.iter().zip(&halves) {
-        curves.push(ladder.sweep(halves, &survey.torque_std)?);
-    }
-    Ok(curves)
+    (ladders.iter().zip(&halves))
+        .map(|(ladder, (rows, halves))| ladder.sweep(*rows, halves, &survey.torque_std))
+        .collect()
 }
 
 /// A library with the columns of each of its orders.
@@ -210,14 +207,14 @@ fn motion_order(term: &Term) -> u8 {
 }
 
 /// Sums of the even and of the odd blocks of each ladder's rows.
-type Halves = [Vec<Gram>; 2];
+type Halves = [Vec<NormalEquations>; 2];
 
 fn accumulate(
     recording: &(impl Recording + ?Sized),
     patterns: &Patterns,
     ladders: &[OrderSweep],
     rows: usize,
-) -> Result<Vec<Halves>, IdentifyError> {
+) -> Result<Vec<(usize, Halves)>, IdentifyError> {
     let n = recording.joints().len();
     let prepared: Vec<Prepared> = ladders
         .iter()
@@ -227,9 +224,9 @@ fn accumulate(
     let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
     let mut bins: Vec<Bin<'_>> = (ladders.iter().zip(&prepared))
         .map(|(ladder, design)| Bin {
-            pattern: ladder.pattern,
-            gathering: Gathering::new(n, 0),
+            gathering: Gathering::new(ladder.pattern, n, 0),
             halves: [design.start(n), design.start(n)],
+            rows: 0,
             next: 0,
             piece,
         })
@@ -246,9 +243,9 @@ fn accumulate(
 
 /// Rows of one ladder on their way to its halves.
 struct Bin<'a> {
-    pattern: Option<Pattern>,
     gathering: Gathering,
     halves: [GramSum<'a>; 2],
+    rows: usize,
     /// The half that the next piece belongs to.
     next: usize,
     /// Rows of a piece.
@@ -257,17 +254,14 @@ struct Bin<'a> {
 
 impl Bin<'_> {
     fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Result<(), SparseError> {
-        for (row, &label) in labels.iter().enumerate() {
-            if self.pattern.is_none_or(|pattern| pattern == label)
-                && let Some(full) = self.gathering.push(samples, row)
-            {
-                self.deal(full)?;
-            }
+        for full in self.gathering.add(samples, labels) {
+            self.deal(full)?;
         }
         Ok(())
     }
 
     fn deal(&mut self, samples: Samples) -> Result<(), SparseError> {
+        self.rows += samples.n_rows();
         for piece in cut(samples, self.piece) {
             self.halves[self.next].add(&piece)?;
             self.next = 1 - self.next;
@@ -275,27 +269,44 @@ impl Bin<'_> {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Halves, SparseError> {
+    fn finish(mut self) -> Result<(usize, Halves), SparseError> {
         if let Some(rest) = self.gathering.take() {
             self.deal(rest)?;
         }
-        Ok(self.halves.map(GramSum::grams))
+        Ok((self.rows, self.halves.map(GramSum::grams)))
     }
 }
 
 impl OrderSweep {
-    fn sweep(&self, halves: &Halves, torque_std: &[f64]) -> Result<OrderCurve, IdentifyError> {
+    fn sweep(
+        &self,
+        rows: usize,
+        halves: &Halves,
+        torque_std: &[f64],
+    ) -> Result<OrderCurve, IdentifyError> {
         let mut points = Vec::with_capacity(self.rungs.len());
         for (order, motion_order, columns) in &self.rungs {
+            let in_columns = |half: &Vec<NormalEquations>| -> Result<Vec<_>, SparseError> {
+                let restricted = half.iter().map(|part| part.restricted(columns));
+                // A half may have no rows.
+                restricted
+                    .map(|own| NormalEquations { rows: own.rows.max(1.0), ..own }.checked())
+                    .collect()
+            };
+            let halves = [in_columns(&halves[0])?, in_columns(&halves[1])?];
             let mut squares = [vec![0.0; torque_std.len()], vec![0.0; torque_std.len()]];
             for [fitted, judged] in [[0, 1], [1, 0]] {
-                let weights = fit(&halves[fitted], columns, torque_std)?;
-                for (sum, half) in squares.iter_mut().zip([judged, fitted]) {
-                    let errors = errors(&halves[half], columns, &weights);
-                    sum.iter_mut().zip(errors).for_each(|(sum, error)| *sum += error);
+                let weights = fit(&halves[fitted], torque_std)?;
+                for (sums, half) in squares.iter_mut().zip([judged, fitted]) {
+                    for (joint, sum) in sums.iter_mut().enumerate() {
+                        // Weights are shared by all joints, or each has its own.
+                        let own = weights.col_as_slice(joint.min(weights.ncols() - 1));
+                        let half = &halves[half];
+                        let part = &half[joint.min(half.len() - 1)];
+                        *sum += part.residual_energy(own, step::response_index(half.len(), joint));
+                    }
                 }
             }
-            let rows: usize = halves.iter().map(|half| half.first().map_or(0, |g| g.rows)).sum();
             let [residual, fitted] = squares.map(|squares| {
                 let relative = |(sum, std): (f64, &f64)| {
                     (sum / rows.max(1) as f64).sqrt() / std.max(f64::MIN_POSITIVE)
@@ -310,62 +321,21 @@ impl OrderSweep {
                 fitted,
             });
         }
-        let rows = halves.iter().map(|half| half.first().map_or(0, |g| g.rows)).sum();
         let chosen = choose(&points);
         Ok(OrderCurve { name: self.name.clone(), rows, points, chosen })
     }
 }
 
-/// Least-squares weights of the columns for each joint; one list where all joints share them.
-fn fit(
-    half: &[Gram],
-    columns: &[usize],
-    torque_std: &[f64],
-) -> Result<Vec<Vec<f64>>, IdentifyError> {
+/// Least-squares weights for each joint, a column each; one column where all joints share them.
+fn fit(half: &[NormalEquations], torque_std: &[f64]) -> Result<Mat<f64>, SparseError> {
+    if let [joints] = half {
+        return joints.weights();
+    }
+    let equations: Vec<(usize, usize)> = (0..half.len()).map(|joint| (joint, joint)).collect();
     let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
-    if half.len() > 1 {
-        let equations: Vec<(usize, usize)> = (0..half.len()).map(|joint| (joint, joint)).collect();
-        let weights: Vec<f64> = torque_std.iter().map(weight).collect();
-        let none = vec![0.0; half[0].gram.ncols()];
-        let problem = step::weighted_problem(half, &equations, &weights, &none, columns)?;
-        return Ok(vec![problem.refit(&all(columns))?.coefficients]);
-    }
-    // The joints share their columns, hence the factor of their normal equations.
-    let part = &half[0];
-    let gram =
-        Mat::from_fn(columns.len(), columns.len(), |i, j| part.gram[(columns[i], columns[j])]);
-    let cross =
-        Mat::from_fn(columns.len(), torque_std.len(), |i, joint| part.cross[(columns[i], joint)]);
-    let rows = f64::max(part.rows as f64, 1.0);
-    let problem = Problem::new(gram, cross.col_as_slice(0).to_vec(), part.energy[0], rows)?;
-    let weights = problem.refit_each(&all(columns), cross.as_ref())?;
-    Ok((0..torque_std.len()).map(|joint| weights.col_as_slice(joint).to_vec()).collect())
-}
-
-fn all(columns: &[usize]) -> Vec<usize> {
-    (0..columns.len()).collect()
-}
-
-/// Squared error of each joint on one half.
-fn errors(half: &[Gram], columns: &[usize], weights: &[Vec<f64>]) -> Vec<f64> {
-    match weights {
-        [shared] => half.iter().map(|part| error(part, 0, columns, shared)).collect(),
-        own => (0..own.len())
-            .into_par_iter()
-            .map(|joint| error(&half[0], joint, columns, &own[joint]))
-            .collect(),
-    }
-}
-
-/// ‖y − Y c‖² from normal equations.
-fn error(part: &Gram, response: usize, columns: &[usize], weights: &[f64]) -> f64 {
-    let mut left = part.energy[response];
-    for (&j, &weight) in columns.iter().zip(weights) {
-        let column = part.gram.col_as_slice(j);
-        let fitted: f64 = columns.iter().zip(weights).map(|(&i, c)| column[i] * c).sum();
-        left += weight * (fitted - 2.0 * part.cross[(j, response)]);
-    }
-    left.max(0.0)
+    let weights: Vec<f64> = torque_std.iter().map(weight).collect();
+    let all: Vec<usize> = (0..half[0].n_columns()).collect();
+    step::weighted_problem(half, &equations, &weights, &vec![0.0; all.len()], &all)?.weights()
 }
 
 /// The first point that no later one improves worthwhile. Ratios of all joints are multiplied, so

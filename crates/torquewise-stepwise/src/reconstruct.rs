@@ -1,8 +1,8 @@
 //! The method of the paper on one page.
 
+use crate::active_set::ActiveSet;
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
-use crate::factor::ActiveSet;
 use crate::fit::{LibraryFit, StepReport};
 use crate::form::{dependent, dropped, form, friction_of};
 use crate::library::Basis;
@@ -12,14 +12,14 @@ use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{LibraryOptions, Regression};
 use crate::progress::Progress;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
-use crate::step;
-use crate::step_equations::{Step, StepEquations, one_shot, plan_steps};
+use crate::step::{self, Step, one_shot, plan_steps};
 use crate::sums::LibrarySums;
 use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage};
 use torquewise_motion::Pattern;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::Selector;
 
 /// Reconstructs the equations of motion in the terms of a library: standstill, uniform and variable
@@ -63,7 +63,9 @@ pub fn reconstruct(
     let mut model = PartialModel::new(candidates, survey.rows, choices);
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
-        model.take_step(step, &sums.equations(&basis, step), &options.selector)?;
+        let rows = sums.of_step(step);
+        let grams = basis.grams(rows, &step.columns);
+        model.take_step(step, rows.rows(), &grams, &options.selector)?;
     }
 
     // All kept terms on all rows (E6), less the bias that noise leaves (E7).
@@ -111,12 +113,13 @@ impl<'a> PartialModel<'a> {
     fn take_step(
         &mut self,
         step: &Step,
-        equations: &StepEquations,
+        rows: usize,
+        grams: &[NormalEquations],
         selector: &Selector,
     ) -> Result<(), IdentifyError> {
         // Joints with coefficients of their own are independent regressions.
         let found: Vec<_> = (self.groups.par_iter().zip(&self.weights))
-            .map(|(group, known)| step::select(step, equations, group, known, selector))
+            .map(|(group, known)| step::select(step, grams, group, known, selector))
             .collect::<Result<_, _>>()
             .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
         for (place, found) in found.into_iter().enumerate() {
@@ -128,8 +131,7 @@ impl<'a> PartialModel<'a> {
                 known[column] = weight;
             }
             let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-            self.row_weights[place] =
-                step::noise_weights(&equations.grams, &self.groups[place], &total);
+            self.row_weights[place] = step::noise_weights(grams, &self.groups[place], &total);
         }
         let terms = self.terms();
         let form = form(self.candidates, &terms);
@@ -140,14 +142,13 @@ impl<'a> PartialModel<'a> {
         }
         self.reports.push(StepReport {
             name: step.name(),
-            rows: equations.rows,
+            rows,
             candidates: step.offered.len(),
             active,
-            route: equations.route,
         });
         self.stages.push(Stage {
             name: step.name().into(),
-            rows: equations.rows,
+            rows,
             candidates: step.offered.len(),
             form,
             friction,

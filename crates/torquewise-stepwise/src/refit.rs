@@ -1,12 +1,11 @@
 //! Coefficients, standard errors and inclusion of the kept terms, all fitted together (E6) (E7).
 
+use crate::active_set::{ActiveSet, FirstFit, Fit, with_response};
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
-use crate::factor::{ActiveSet, Fit};
 use crate::noise::NoiseFloor;
-use crate::normal_equations::{NormalEquations, with_response};
 use crate::rows::{clear_of_reversals, cut, samples_of};
-use crate::step::{residual_energy, response_index};
+use crate::step::unexplained;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -15,9 +14,8 @@ use torquewise_model::FrictionTerm;
 use torquewise_motion::{Motion, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_regression::problem::Problem;
 use torquewise_regression::samples::{Evaluator, Samples};
 
 /// A term of the final fit.
@@ -87,7 +85,7 @@ pub(crate) fn refit(
     sample: &Motion,
     candidates: &Candidates,
     kept: &[ActiveSet],
-    whole: &[Vec<Gram>],
+    whole: &[Vec<NormalEquations>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
     let kept = &kept.iter().map(ActiveSet::with_normalised_weights).collect::<Vec<ActiveSet>>()[..];
@@ -111,7 +109,7 @@ pub(crate) fn refit(
     let draws = draws(scale);
     (fits.iter().zip(whole))
         .map(|(fit, grams)| {
-            let mut base = NormalEquations::new(fit.kept, grams)?;
+            let mut base = FirstFit::new(fit.kept, grams)?;
             let sums_at = |start: &[f64], draws: usize| {
                 let of_part = |part: usize| {
                     let own = pieces.iter().skip(part).step_by(parts);
@@ -186,9 +184,9 @@ fn gram_of(parts: &[Part]) -> Mat<f64> {
 /// All that is known of one group.
 struct GroupRefit<'a> {
     fit: &'a Fit<'a>,
-    base: &'a NormalEquations,
+    base: &'a FirstFit,
     /// Normal equations of all rows, of each equation.
-    grams: &'a [Gram],
+    grams: &'a [NormalEquations],
     /// What the parts of the sample say.
     parts: Vec<Part>,
     /// Rows that a row of the sample stands for.
@@ -326,8 +324,8 @@ impl GroupRefit<'_> {
         let mut all = vec![0.0; self.fit.n_columns()];
         active.iter().zip(coefficients).for_each(|(&j, c)| all[j] = *c);
         let of_equation = |&(equation, response): &(usize, usize)| {
-            let (own, gram) = (response_index(self.grams.len(), response), &self.grams[equation]);
-            (residual_energy(gram, own, &all).max(0.0) / gram.rows.max(1) as f64).sqrt()
+            let left = unexplained(self.grams, equation, response, &all);
+            (left / self.grams[equation].rows.max(1.0)).sqrt()
         };
         if !self.base.is_explained {
             return self.fit.kept.group.equations.iter().map(of_equation).collect();
@@ -348,16 +346,15 @@ impl GroupRefit<'_> {
         if !self.base.is_explained || !self.fit.noise.is_none() {
             return Ok(estimate.coefficients.clone());
         }
-        let (p, active, start) = (self.fit.n_columns(), &estimate.active, &self.base.coefficients);
-        let gram = gram_of(&self.parts);
-        let right = |&j: &usize| {
-            let gone = (0..p).filter(|i| active.binary_search(i).is_err());
-            gram[(j, p)] + gone.map(|i| gram[(j, i)] * start[i]).sum::<f64>()
-        };
-        let (k, right) = (active.len(), active.iter().map(right).collect());
-        let small = Mat::from_fn(k, k, |i, j| gram[(active[i], active[j])]);
-        let problem = Problem::new(small, right, gram[(p, p)], 1.0)?;
-        let change = problem.refit(&(0..k).collect::<Vec<_>>())?.coefficients;
+        let (active, start) = (&estimate.active, &self.base.coefficients);
+        let mut gone = start.clone();
+        for &j in active {
+            gone[j] = 0.0;
+        }
+        // The weights of columns that left are among what is left to be explained.
+        let left = with_response(&gram_of(&self.parts), &gone);
+        let equations = NormalEquations::of_joined(&left, 1.0)?.restricted(active);
+        let change = equations.refit(&(0..active.len()).collect::<Vec<_>>())?.coefficients;
         Ok(active.iter().zip(change).map(|(&j, change)| start[j] + change).collect())
     }
 }

@@ -3,7 +3,7 @@
 use faer::Mat;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
-use torquewise_motion::{BLOCK_ROWS, Motion, MotionError};
+use torquewise_motion::{BLOCK_ROWS, Motion, MotionError, Pattern};
 use torquewise_regression::samples::Samples;
 
 /// The rows of a motion in the words of a regression.
@@ -95,18 +95,28 @@ const LEAST_PIECE: usize = 16;
 /// Rows of one pattern on their way to full blocks.
 #[derive(Debug)]
 pub(crate) struct Gathering {
+    /// Whose rows; `None` for all.
+    pattern: Option<Pattern>,
     columns: [Vec<Vec<f64>>; 3],
 }
 
 impl Gathering {
+    /// - `pattern`: whose rows; `None` for all
     /// - `friction`: number of laws
-    pub(crate) fn new(n_joints: usize, friction: usize) -> Self {
+    pub(crate) fn new(pattern: Option<Pattern>, n_joints: usize, friction: usize) -> Self {
         let empty = |count| vec![Vec::with_capacity(BLOCK_ROWS); count];
-        Self { columns: [empty(n_joints), empty(2 * n_joints + friction), empty(n_joints)] }
+        let columns = [empty(n_joints), empty(2 * n_joints + friction), empty(n_joints)];
+        Self { pattern, columns }
     }
 
-    /// Adds a row; a block comes out when there are enough.
-    pub(crate) fn push(&mut self, samples: &Samples, row: usize) -> Option<Samples> {
+    /// Adds the rows of its pattern; blocks come out when there are enough.
+    pub(crate) fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Vec<Samples> {
+        let wanted = |row: &usize| self.pattern.is_none_or(|pattern| pattern == labels[*row]);
+        let rows: Vec<usize> = (0..labels.len()).filter(wanted).collect();
+        rows.into_iter().filter_map(|row| self.push(samples, row)).collect()
+    }
+
+    fn push(&mut self, samples: &Samples, row: usize) -> Option<Samples> {
         let sources = [&samples.angles, &samples.variables, &samples.responses];
         for (columns, source) in self.columns.iter_mut().zip(sources) {
             for (j, column) in columns.iter_mut().enumerate() {

@@ -1,15 +1,63 @@
-//! One step: regressing what the earlier steps leave unexplained.
+//! One step: which rows are asked for which candidates, and the regression of what the earlier steps
+//! leave unexplained.
 
-use crate::candidates::Group;
-use crate::step_equations::{Step, StepEquations};
-use faer::Mat;
+use crate::candidates::{Candidates, Group};
+use crate::patterns::index_of;
+use torquewise_motion::Pattern;
 use torquewise_regression::SparseError;
-use torquewise_regression::gram::Gram;
-use torquewise_regression::problem::Problem;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::Selector;
 
 /// Rounds of weighing the joints by what the round before left unexplained.
 const ROUNDS: usize = 2;
+
+/// One regression: the rows of a pattern, or all, and the candidates they are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Whose rows; `None` for all.
+    pub pattern: Option<Pattern>,
+    /// Columns offered, ascending.
+    pub offered: Vec<usize>,
+    /// Columns that play a part: offered now or found before, ascending.
+    pub columns: Vec<usize>,
+}
+
+impl Step {
+    /// Name of its pattern.
+    pub fn name(&self) -> &'static str {
+        self.pattern.map_or("all rows", Pattern::name)
+    }
+}
+
+/// The steps a log allows: the candidates of a pattern it does not show join the next step.
+///
+/// Returns the steps and the candidates that no pattern is left for.
+pub fn plan_steps(candidates: &Candidates, present: &[Pattern]) -> (Vec<Step>, Vec<usize>) {
+    let mut steps: Vec<Step> = Vec::new();
+    let (mut waiting, mut known) = (Vec::new(), Vec::new());
+    for pattern in Pattern::ALL {
+        waiting.extend(&candidates.offered[index_of(pattern)]);
+        if present.contains(&pattern) {
+            let offered = ascending(std::mem::take(&mut waiting));
+            known.extend(&offered);
+            known = ascending(known);
+            steps.push(Step { pattern: Some(pattern), offered, columns: known.clone() });
+        }
+    }
+    (steps, ascending(waiting))
+}
+
+/// The one step of one-shot SINDy.
+pub fn one_shot(candidates: &Candidates) -> Vec<Step> {
+    let columns: Vec<usize> = (0..candidates.len()).collect();
+    vec![Step { pattern: None, offered: columns.clone(), columns }]
+}
+
+fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
+    columns.sort_unstable();
+    columns.dedup();
+    columns
+}
 
 /// Selects among the offered columns of a step, given what is known.
 ///
@@ -20,7 +68,7 @@ const ROUNDS: usize = 2;
 /// first the unexplained torque, then the residual of the first fit stands for it.
 pub(crate) fn select(
     step: &Step,
-    equations: &StepEquations,
+    grams: &[NormalEquations],
     group: &Group,
     known: &[f64],
     selector: &Selector,
@@ -39,7 +87,6 @@ pub(crate) fn select(
     for &place in &places {
         fixed[place] = 0.0;
     }
-    let grams = &equations.grams[..];
     let mut weights = noise_weights(grams, group, &fixed);
     let mut found = None;
     for _ in 0..if group.equations.len() > 1 { ROUNDS } else { 1 } {
@@ -62,39 +109,30 @@ pub(crate) fn select(
 /// - `equations`: (equation, response) pairs, added up with their `weights`
 /// - `places`: the columns
 pub(crate) fn weighted_problem(
-    grams: &[Gram],
+    grams: &[NormalEquations],
     equations: &[(usize, usize)],
     weights: &[f64],
     fixed: &[f64],
     places: &[usize],
-) -> Result<Problem, SparseError> {
-    let p = places.len();
-    let (mut gram, mut cross) = (Mat::<f64>::zeros(p, p), vec![0.0; p]);
-    let (mut energy, mut rows) = (0.0, 0.0);
+) -> Result<NormalEquations, SparseError> {
+    let mut sum = NormalEquations::zeros(places.len(), 1);
     for (&(equation, response), &weight) in equations.iter().zip(weights) {
-        let part = &grams[equation];
         let own = response_index(grams.len(), response);
-        for (j, &column) in places.iter().enumerate() {
-            let from = part.gram.col_as_slice(column);
-            for (out, &row) in gram.col_as_slice_mut(j).iter_mut().zip(places) {
-                *out += weight * from[row];
-            }
-            let explained: f64 = from.iter().zip(fixed).map(|(g, c)| g * c).sum();
-            cross[j] += weight * (part.cross[(column, own)] - explained);
-        }
-        energy += weight * unexplained(grams, equation, response, fixed);
-        rows += part.rows as f64;
+        let mut left = grams[equation].left_by(fixed, own, places);
+        left.energy[0] = unexplained(grams, equation, response, fixed);
+        sum.add(&left, weight)?;
     }
-    Problem::new(gram, cross, energy, rows.max(1.0))
+    sum.rows = sum.rows.max(1.0);
+    sum.checked()
 }
 
 /// One over the unexplained variance of each joint of a group.
-pub(crate) fn noise_weights(grams: &[Gram], group: &Group, total: &[f64]) -> Vec<f64> {
+pub(crate) fn noise_weights(grams: &[NormalEquations], group: &Group, total: &[f64]) -> Vec<f64> {
     group
         .equations
         .iter()
         .map(|&(equation, response)| {
-            let rows = grams[equation].rows as f64;
+            let rows = grams[equation].rows;
             let left = unexplained(grams, equation, response, total);
             if left > 0.0 { rows / left } else { 1.0 }
         })
@@ -102,18 +140,14 @@ pub(crate) fn noise_weights(grams: &[Gram], group: &Group, total: &[f64]) -> Vec
 }
 
 /// ‖τ − Y c‖² of one equation, at least what rounding leaves of it.
-pub(crate) fn unexplained(grams: &[Gram], equation: usize, response: usize, total: &[f64]) -> f64 {
-    residual_energy(&grams[equation], response_index(grams.len(), response), total)
-}
-
-/// The same of one response of normal equations.
-pub(crate) fn residual_energy(part: &Gram, own: usize, total: &[f64]) -> f64 {
-    let mut left = part.energy[own];
-    for (j, &weight) in total.iter().enumerate().filter(|&(_, &weight)| weight != 0.0) {
-        let fitted: f64 = part.gram.col_as_slice(j).iter().zip(total).map(|(g, c)| g * c).sum();
-        left += weight * (fitted - 2.0 * part.cross[(j, own)]);
-    }
-    left.max(ROUNDING * part.energy[own])
+pub(crate) fn unexplained(
+    grams: &[NormalEquations],
+    equation: usize,
+    response: usize,
+    total: &[f64],
+) -> f64 {
+    let (own, part) = (response_index(grams.len(), response), &grams[equation]);
+    part.residual_energy(total, own).max(ROUNDING * part.energy[own])
 }
 
 /// Sums over rows keep about 13 digits.

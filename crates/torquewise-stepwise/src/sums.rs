@@ -5,14 +5,13 @@ use crate::library::{Basis, SummedLibrary};
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, index_of};
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
-use crate::step_equations::{Step, StepEquations};
+use crate::step::Step;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Motion, Pattern, ReadError};
 use torquewise_regression::SparseError;
 use torquewise_regression::row_sums::{RowAdder, RowSums};
-use torquewise_regression::samples::Samples;
 
 /// What logs were summed up to for a library.
 #[derive(Clone, Debug)]
@@ -60,11 +59,9 @@ impl LibrarySums {
         Ok(present)
     }
 
-    /// What the rows of a step say of its columns.
-    pub(crate) fn equations(&self, basis: &Basis, step: &Step) -> StepEquations {
-        let sums = &self.sums[step.pattern.map_or(0, index_of)];
-        let grams = basis.grams(sums, &step.columns);
-        StepEquations { grams, route: basis.route, rows: sums.rows() }
+    /// The sums over the rows of a step.
+    pub(crate) fn of_step(&self, step: &Step) -> &RowSums {
+        &self.sums[step.pattern.map_or(0, index_of)]
     }
 
     /// All rows as one.
@@ -84,8 +81,6 @@ pub struct PatternAccumulator<'a> {
 }
 
 struct Bin<'a> {
-    /// Whose rows; `None` for all.
-    pattern: Option<Pattern>,
     gathering: Gathering,
     adder: RowAdder<'a>,
 }
@@ -97,8 +92,7 @@ impl<'a> PatternAccumulator<'a> {
     pub fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
         let (n, friction) = (basis.n_joints, &basis.candidates.friction[..]);
         let bin = |&pattern: &Option<Pattern>| Bin {
-            pattern,
-            gathering: Gathering::new(n, friction.len()),
+            gathering: Gathering::new(pattern, n, friction.len()),
             adder: RowAdder::new(&basis.prepared, n),
         };
         let bins = parts.iter().map(bin).collect();
@@ -121,11 +115,8 @@ impl<'a> PatternAccumulator<'a> {
     fn add_rows(&mut self, block: &Motion, labels: &[Pattern]) -> Result<(), ReadError> {
         let samples = samples_of(block, self.friction)?;
         for bin in &mut self.bins {
-            for (row, &label) in labels.iter().enumerate() {
-                if bin.pattern.is_none_or(|pattern| pattern == label) {
-                    let full: Option<Samples> = bin.gathering.push(&samples, row);
-                    full.map_or(Ok(()), |full| bin.adder.push(full))?;
-                }
+            for full in bin.gathering.add(&samples, labels) {
+                bin.adder.push(full)?;
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! The energy library, whose coefficients all joints share: three joints, then six.
 
-use crate::trial::{N, errors, grams, moves, problem, test, timed, write, write_motion};
+use crate::trial::{N, errors, grams, moves, test, timed, write, write_motion};
 use serde_json::{Value, json};
 use std::path::Path;
 use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions, Regression};
@@ -8,7 +8,7 @@ use torquewise_identify::{LibraryKind, Plan, reconstruct};
 use torquewise_model::library::energy_library;
 use torquewise_model::{Form, Model, Training, Weighted, to_json};
 use torquewise_motion::Motion;
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
 use torquewise_stepwise::candidates::Candidates;
 
@@ -24,8 +24,7 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
     let candidates = Candidates::new(N, library, Regression::Stepwise).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
 
-    let ((all, _, _), gram) =
-        timed("gram", || problem(stacked(grams(&candidates, &motion, 1), &motion), 0));
+    let (all, gram) = timed("gram", || stacked(&grams(&candidates, &motion, 1), &motion));
     let (_, lstsq) = timed("lstsq", || all.refit(&columns).expect("columns of the library"));
     let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
     let (path, seconds) =
@@ -61,17 +60,13 @@ pub(crate) fn six_joints(folder: &Path) -> Value {
 }
 
 /// One regression of all joints, the rows of each divided by the spread of its torque.
-fn stacked(grams: Vec<Gram>, motion: &Motion) -> Gram {
-    let p = grams[0].cross.nrows();
-    let mut all = Gram::zeros(p, 1);
-    for (joint, mut own) in grams.into_iter().enumerate() {
+fn stacked(grams: &[NormalEquations], motion: &Motion) -> NormalEquations {
+    let mut all = NormalEquations::zeros(grams[0].n_columns(), 1);
+    for (joint, own) in grams.iter().enumerate() {
         let tau = motion.require_tau().expect("a torque").col(joint);
         let mean = tau.iter().sum::<f64>() / tau.nrows() as f64;
         let variance = tau.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / tau.nrows() as f64;
-        own.gram *= faer::Scale(variance.recip());
-        own.cross *= faer::Scale(variance.recip());
-        own.energy.iter_mut().for_each(|energy| *energy /= variance);
-        all.merge(&own).expect("equations of one library");
+        all.add(own, variance.recip()).expect("equations of one library");
     }
     all
 }

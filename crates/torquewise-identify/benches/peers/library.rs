@@ -1,6 +1,6 @@
 //! The whole library of SINDy, three joints: least squares, STLSQ, the path of the LASSO.
 
-use crate::trial::{N, grams, moves, problem, timed, write, write_motion, write_terms};
+use crate::trial::{N, grams, moves, timed, write, write_motion, write_terms};
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -8,7 +8,7 @@ use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
 use torquewise_regression::accumulate::cheaper_route;
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
 use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_stepwise::candidates::Candidates;
@@ -40,18 +40,15 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let columns: Vec<usize> = (0..p).collect();
     let mut out = json!({ "route": format!("{route:?}") });
 
-    let ((first, cross, energy), seconds) =
-        timed("gram", || problem(grams(&candidates, motion, 1).remove(0), 0));
+    let (all, seconds) = timed("gram", || grams(&candidates, motion, 1).remove(0));
     out["gram"] = seconds;
-    let (weights, seconds) = timed("lstsq", || {
-        first.refit_each(&columns, cross.as_ref()).expect("columns of the library")
-    });
+    let (weights, seconds) = timed("lstsq", || all.weights().expect("columns of the library"));
     out["lstsq"] = seconds;
     // With the ridge that PySINDy has by default, and without.
-    for (name, plain_ridge) in [("stlsq", 0.05), ("stlsq_without_ridge", 0.0)] {
+    for (name, ridge) in [("stlsq", 0.05), ("stlsq_without_ridge", 0.0)] {
         let (active, seconds) = timed(name, || {
-            let stlsq = Stlsq { plain_ridge, ..Stlsq::default() };
-            let selected = stlsq.select_each(&first, cross.as_ref());
+            let stlsq = Stlsq { ridge, ..Stlsq::default() };
+            let selected = stlsq.select_each(&all);
             let selected = selected.expect("settings within range");
             selected.iter().map(|selection| selection.active.len()).sum::<usize>()
         });
@@ -59,12 +56,13 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
         out[format!("{name}_active")] = json!(active);
     }
     let lasso = Lasso { ratio: 1e-3, gap_tolerance: 1e-5, max_sweeps: 100_000, ..Lasso::default() };
-    let other = Gram { gram: first.gram().to_owned(), cross, energy, rows: ROWS };
-    let (second, _, energy) = problem(other, JOINT);
+    let (own, energy) = (all.cross.col_as_slice(JOINT), all.energy[JOINT]);
+    let second = NormalEquations::new(all.gram.clone(), own, energy, all.rows);
+    let second = second.expect("finite sums");
     let (path, seconds) =
         timed("lasso", || lasso_path(&second, &lasso).expect("settings within range"));
     let gap = path.iter().map(|point| point.gap).fold(0.0, f64::max);
-    let energy = energy[JOINT] / ROWS as f64;
+    let energy = energy / ROWS as f64;
     out["lasso"] = seconds;
     out["gap"] = json!(gap / energy);
     if order == ORDER {

@@ -1,6 +1,6 @@
 //! Time over the number of rows: a small library, least squares and STLSQ.
 
-use crate::trial::{N, grams, moves, problem, timed, write_motion, write_terms};
+use crate::trial::{N, grams, moves, timed, write_motion, write_terms};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use torquewise_identify::LibraryKind;
@@ -24,15 +24,13 @@ pub(crate) fn run(folder: &Path) -> Value {
     let mut times = Map::new();
     for repeats in REPEATS {
         let rows = ROWS * repeats;
-        let sums = || problem(grams(&candidates, &motion, repeats).remove(0), 0);
+        let sums = || grams(&candidates, &motion, repeats).remove(0);
         let (_, lstsq) = timed(&format!("{rows} rows, least squares"), || {
-            let (all, cross, _) = sums();
-            all.refit_each(&columns, cross.as_ref()).expect("columns of the library")
+            sums().weights().expect("columns of the library")
         });
         let (_, stlsq) = timed(&format!("{rows} rows, STLSQ"), || {
-            let (all, cross, _) = sums();
-            let stlsq = Stlsq { plain_ridge: 0.05, ..Stlsq::default() };
-            stlsq.select_each(&all, cross.as_ref()).expect("settings within range")
+            let stlsq = Stlsq { ridge: 0.05, ..Stlsq::default() };
+            stlsq.select_each(&sums()).expect("settings within range")
         });
         times.insert(rows.to_string(), json!({ "lstsq": lstsq, "pysindy": stlsq }));
     }

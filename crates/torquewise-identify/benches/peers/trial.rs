@@ -9,8 +9,7 @@ use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
 use torquewise_regression::accumulate::{Prepared, cheaper_route};
-use torquewise_regression::gram::Gram;
-use torquewise_regression::problem::Problem;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::RowAdder;
 use torquewise_regression::samples::Samples;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
@@ -56,7 +55,11 @@ fn blocks(motion: &Motion) -> Vec<Samples> {
 
 /// The normal equations of a library, one for each of its equations, from the rows of a motion gone
 /// through so many times.
-pub(crate) fn grams(candidates: &Candidates, motion: &Motion, repeats: usize) -> Vec<Gram> {
+pub(crate) fn grams(
+    candidates: &Candidates,
+    motion: &Motion,
+    repeats: usize,
+) -> Vec<NormalEquations> {
     let n = motion.n_joints();
     let columns: Vec<usize> = (0..candidates.len()).collect();
     let route = cheaper_route(&candidates.design, n, repeats * motion.n_rows());
@@ -69,14 +72,6 @@ pub(crate) fn grams(candidates: &Candidates, motion: &Motion, repeats: usize) ->
     }
     let sums = adder.finish().expect("sums within range");
     sums.grams(&prepared, n, &columns)
-}
-
-/// The normal equations of a joint, and the cross products and energies of all.
-pub(crate) fn problem(gram: Gram, joint: usize) -> (Problem, Mat<f64>, Vec<f64>) {
-    let Gram { gram, cross, energy, rows } = gram;
-    let own = cross.col_as_slice(joint).to_vec();
-    let problem = Problem::new(gram, own, energy[joint], rows as f64).expect("finite sums");
-    (problem, cross, energy)
 }
 
 /// Work that takes less than so many seconds is done [`AGAIN`] times: the median counts.

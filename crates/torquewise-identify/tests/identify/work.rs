@@ -2,9 +2,8 @@
 
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
-use torquewise_regression::accumulate::{Route, cheaper_route};
+use torquewise_regression::accumulate::{Route, cheaper_route, direct_cost};
 use torquewise_regression::design::Design;
-use torquewise_regression::gram::direct_cost;
 use torquewise_regression::moments::MomentPlan;
 use torquewise_regression::samples::Evaluator;
 use torquewise_stepwise::candidates::Candidates;

@@ -2,7 +2,7 @@
 
 use crate::cholesky;
 use crate::error::SparseError;
-use crate::problem::{Problem, Selection};
+use crate::normal_equations::{NormalEquations, Selection, require};
 use faer::Mat;
 
 /// Judges a term by what it explains against the noise.
@@ -16,13 +16,14 @@ use faer::Mat;
 pub struct Criterion {
     /// γ, zero or more: how much harder it is to be one of many candidates.
     pub gamma: f64,
-    /// At most this many terms enter.
-    pub most: usize,
 }
+
+/// At most this many terms enter.
+const MOST: usize = 400;
 
 impl Default for Criterion {
     fn default() -> Self {
-        Self { gamma: 1.0, most: 400 }
+        Self { gamma: 1.0 }
     }
 }
 
@@ -36,18 +37,16 @@ impl Criterion {
     ///
     /// # Errors
     /// [`SparseError`] if a setting is out of range.
-    pub fn select(&self, problem: &Problem) -> Result<Selection, SparseError> {
-        crate::problem::require("gamma", self.gamma, self.gamma >= 0.0, "zero or more")?;
-        let standard = problem.standardised();
-        let inner = &standard.problem;
-        let usable: Vec<usize> =
-            (0..problem.n_columns()).filter(|&j| standard.scale[j] > 0.0).collect();
-        let threshold = self.threshold(problem.rows(), usable.len());
+    pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
+        require("gamma", self.gamma, self.gamma >= 0.0, "zero or more")?;
+        let (inner, scale) = &problem.standardised();
+        let usable: Vec<usize> = (0..problem.n_columns()).filter(|&j| scale[j] > 0.0).collect();
+        let threshold = self.threshold(problem.rows, usable.len());
 
-        let entered = forward(inner, &usable, threshold, self.most);
+        let entered = forward(inner, &usable, threshold);
         let full = Full::new(inner, &entered).unwrap_or_else(|| Full::none(inner));
         let kept = full.backward(inner, threshold);
-        Ok(problem.refit(&kept)?.into_selection(None))
+        problem.refit(&kept)
     }
 }
 
@@ -60,36 +59,36 @@ struct Full {
 }
 
 impl Full {
-    fn none(problem: &Problem) -> Self {
+    fn none(problem: &NormalEquations) -> Self {
         Self {
             active: Vec::new(),
             inverse: Mat::zeros(0, 0),
             coefficients: Vec::new(),
-            residual: problem.energy(),
+            residual: problem.energy[0],
         }
     }
 
     /// Fits all of `active`; `None` if rounding makes them depend on each other.
-    fn new(problem: &Problem, active: &[usize]) -> Option<Self> {
+    fn new(problem: &NormalEquations, active: &[usize]) -> Option<Self> {
         let size = active.len();
         if size == 0 {
             return Some(Self::none(problem));
         }
-        let gram = Mat::from_fn(size, size, |i, j| problem.gram()[(active[i], active[j])]);
+        let gram = Mat::from_fn(size, size, |i, j| problem.gram[(active[i], active[j])]);
         let inverse = cholesky::inverse(&gram)?;
         let coefficients: Vec<f64> = (0..size)
-            .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.cross()[active[i]]).sum())
+            .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.right()[active[i]]).sum())
             .collect();
         let explained: f64 =
-            coefficients.iter().zip(active).map(|(c, &j)| c * problem.cross()[j]).sum();
-        let residual = (problem.energy() - explained).max(problem.resolution());
+            coefficients.iter().zip(active).map(|(c, &j)| c * problem.right()[j]).sum();
+        let residual = (problem.energy[0] - explained).max(problem.resolution());
         Some(Self { active: active.to_vec(), inverse, coefficients, residual })
     }
 
     /// Drops the weakest column while its t² is below the threshold; the noise is that of the full
     /// fit, lest dropping terms makes others look weak. Returns the columns kept, ascending.
-    fn backward(mut self, problem: &Problem, threshold: f64) -> Vec<usize> {
-        let freedom = (problem.rows() - self.active.len() as f64).max(1.0);
+    fn backward(mut self, problem: &NormalEquations, threshold: f64) -> Vec<usize> {
+        let freedom = (problem.rows - self.active.len() as f64).max(1.0);
         let noise = self.residual / freedom;
         let loss = |full: &Self, place: usize| {
             full.coefficients[place].powi(2) / full.inverse[(place, place)]
@@ -144,14 +143,14 @@ const DEPENDENT: f64 = 1e-9;
 
 /// Orthogonal forward selection: at each turn the column that explains most of what is left enters,
 /// while it explains more than the threshold asks of the noise left.
-fn forward(problem: &Problem, usable: &[usize], threshold: f64, most: usize) -> Vec<usize> {
-    let rows = problem.rows();
+fn forward(problem: &NormalEquations, usable: &[usize], threshold: f64) -> Vec<usize> {
+    let rows = problem.rows;
     let mut entered: Vec<usize> = Vec::new();
     let mut factors: Vec<Vec<f64>> = Vec::new();
-    let mut own: Vec<f64> = usable.iter().map(|&j| problem.gram()[(j, j)]).collect();
-    let mut cross: Vec<f64> = usable.iter().map(|&j| problem.cross()[j]).collect();
-    let mut left = problem.energy();
-    while entered.len() < most.min(usable.len()) {
+    let mut own: Vec<f64> = usable.iter().map(|&j| problem.gram[(j, j)]).collect();
+    let mut cross: Vec<f64> = usable.iter().map(|&j| problem.right()[j]).collect();
+    let mut left = problem.energy[0];
+    while entered.len() < MOST.min(usable.len()) {
         let gain = |place: usize| {
             if own[place] > DEPENDENT * rows { cross[place].powi(2) / own[place] } else { 0.0 }
         };
@@ -181,13 +180,13 @@ fn forward(problem: &Problem, usable: &[usize], threshold: f64, most: usize) -> 
 /// The next column of the Cholesky factor: what each column shares with the one that enters, beyond
 /// what those before explain.
 fn orthogonal_part(
-    problem: &Problem,
+    problem: &NormalEquations,
     usable: &[usize],
     factors: &[Vec<f64>],
     enters: usize,
     pivot: f64,
 ) -> Vec<f64> {
-    let gram = problem.gram();
+    let gram = &problem.gram;
     let mut part: Vec<f64> = usable.iter().map(|&j| gram[(j, usable[enters])]).collect();
     for before in factors {
         let weight = before[enters];

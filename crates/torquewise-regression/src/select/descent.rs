@@ -1,7 +1,7 @@
 //! LASSO optimum at one λ, with its duality gap: cyclic coordinate descent on the Gram matrix.
 
 use crate::cholesky;
-use crate::problem::{Problem, nonzero};
+use crate::normal_equations::{NormalEquations, nonzero};
 use faer::Mat;
 
 /// Residual energy below zero by this part of the response's is no rounding: that stays under
@@ -16,7 +16,7 @@ const BURST: usize = 10;
 
 /// Descent on ½/m‖y − X c‖² + λ‖c‖₁, carried from one λ to the next.
 pub(super) struct Descent<'a> {
-    problem: &'a Problem,
+    problem: &'a NormalEquations,
     /// c, p.
     pub(super) weights: Vec<f64>,
     /// Xᵀ(y − X c)/m, p.
@@ -35,8 +35,8 @@ pub(super) struct Reached {
 
 impl<'a> Descent<'a> {
     /// Starts at c = 0. Columns with an empty diagonal must have no cross product either.
-    pub(super) fn new(problem: &'a Problem) -> Self {
-        let slope = problem.cross().iter().map(|b| b / problem.rows()).collect();
+    pub(super) fn new(problem: &'a NormalEquations) -> Self {
+        let slope = problem.right().iter().map(|b| b / problem.rows).collect();
         Self { problem, weights: vec![0.0; problem.n_columns()], slope }
     }
 
@@ -57,7 +57,7 @@ impl<'a> Descent<'a> {
 
     /// Minimises exactly over each weight in turn.
     fn sweep_all(&mut self, lambda: f64) {
-        let rows = self.problem.rows();
+        let rows = self.problem.rows;
         for j in 0..self.weights.len() {
             let column = self.problem.gram_column(j);
             let change = minimise(&mut self.weights[j], self.slope[j], column[j] / rows, lambda);
@@ -85,7 +85,7 @@ impl<'a> Descent<'a> {
             }
         }
         for (&j, weight) in active.places.iter().zip(active.weights) {
-            let change = (weight - self.weights[j]) / self.problem.rows();
+            let change = (weight - self.weights[j]) / self.problem.rows;
             subtract(&mut self.slope, change, self.problem.gram_column(j));
             self.weights[j] = weight;
         }
@@ -94,11 +94,11 @@ impl<'a> Descent<'a> {
 
     /// Mean squares of the residual as (yᵀr/m, rᵀr/m) with r = y − X c.
     fn residual(&self) -> (f64, f64) {
-        let rows = self.problem.rows();
-        let mut with_response = self.problem.energy() / rows;
+        let rows = self.problem.rows;
+        let mut with_response = self.problem.energy[0] / rows;
         let mut with_fit = 0.0;
         for ((cross, weight), slope) in
-            self.problem.cross().iter().zip(&self.weights).zip(&self.slope)
+            self.problem.right().iter().zip(&self.weights).zip(&self.slope)
         {
             with_response -= weight * cross / rows;
             with_fit += weight * slope;
@@ -109,7 +109,7 @@ impl<'a> Descent<'a> {
     /// Whether ‖y − X c‖² came out negative by more than rounding, or overflowed.
     fn is_indefinite(&self) -> bool {
         let (_, mean_square) = self.residual();
-        let floor = -INDEFINITE * self.problem.energy() / self.problem.rows();
+        let floor = -INDEFINITE * self.problem.energy[0] / self.problem.rows;
         !mean_square.is_finite() || mean_square < floor
     }
 
@@ -141,7 +141,7 @@ struct Active {
 
 impl Active {
     fn of(descent: &Descent<'_>) -> Self {
-        let (gram, rows) = (descent.problem.gram(), descent.problem.rows());
+        let (gram, rows) = (&descent.problem.gram, descent.problem.rows);
         let places = nonzero(&descent.weights, descent.weights.len());
         let own = |values: &[f64]| places.iter().map(|&j| values[j]).collect();
         let (weights, slope) = (own(&descent.weights), own(&descent.slope));

@@ -1,7 +1,7 @@
 //! The information criterion against planted truths.
 
 use crate::planted;
-use torquewise_regression::problem::Selection;
+use torquewise_regression::normal_equations::Selection;
 use torquewise_regression::select::criterion::Criterion;
 
 fn select(rows: &planted::Rows) -> Selection {

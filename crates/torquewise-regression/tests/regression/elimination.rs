@@ -17,7 +17,7 @@ fn equations(rows: &planted::Rows) -> Equations {
     let spread = &information * faer::Scale(VARIANCE);
     let problem = rows.problem();
     let floor = vec![0.0; problem.n_columns()];
-    Equations { right: problem.cross().to_vec(), information, spread, floor }
+    Equations { right: problem.right().to_vec(), information, spread, floor }
 }
 
 fn eliminate(equations: &Equations, threshold: f64) -> Estimate {

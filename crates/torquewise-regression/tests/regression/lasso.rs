@@ -4,19 +4,11 @@ use crate::planted::{self, Rows};
 use faer::Mat;
 use proptest::prelude::*;
 use torquewise_regression::error::SparseError;
-use torquewise_regression::problem::Problem;
-use torquewise_regression::select::lasso::{Choice, Lasso, lasso_path};
+use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::select::lasso::{Lasso, lasso_path};
 
-const EXACT: Lasso = Lasso {
-    path: 30,
-    ratio: 1e-3,
-    gap_tolerance: 1e-13,
-    max_sweeps: 1_000_000,
-    choice: Choice::Bic,
-    threshold: 0.0,
-    standardise: true,
-    debias: false,
-};
+const EXACT: Lasso =
+    Lasso { path: 30, ratio: 1e-3, gap_tolerance: 1e-13, max_sweeps: 1_000_000, threshold: 0.0 };
 
 /// Root mean square of each column.
 fn scales(features: &Mat<f64>) -> Vec<f64> {
@@ -97,19 +89,17 @@ proptest! {
     #[test]
     fn orthonormal_columns_are_soft_thresholded(
         cross in prop::collection::vec(-5.0..5.0_f64, 1..20),
-        lambda in 0.01..6.0_f64,
     ) {
         let size = cross.len();
         let energy: f64 = cross.iter().map(|b| b * b).sum();
         let gram = Mat::from_fn(size, size, |i, j| f64::from(i == j));
-        let problem = Problem::new(gram, cross.clone(), energy, 1.0).unwrap();
-        let lasso = Lasso { choice: Choice::Lambda(lambda), ..EXACT };
+        let problem = NormalEquations::new(gram, &cross, energy, 1.0).unwrap();
 
-        let selection = lasso.select(&problem).unwrap();
-
-        for (weight, b) in selection.coefficients.iter().zip(cross) {
-            let expected = b.signum() * (b.abs() - lambda).max(0.0);
-            prop_assert!((weight - expected).abs() < 1e-14 * energy.sqrt());
+        for point in lasso_path(&problem, &EXACT).unwrap() {
+            for (weight, b) in point.coefficients.iter().zip(&cross) {
+                let expected = b.signum() * (b.abs() - point.lambda).max(0.0);
+                prop_assert!((weight - expected).abs() < 1e-14 * energy.sqrt());
+            }
         }
     }
 }
@@ -145,25 +135,23 @@ fn nearly_equal_columns_converge_in_few_sweeps() {
 #[test]
 fn a_path_ends_where_an_indefinite_gram_matrix_loses_its_meaning() {
     let gram = faer::mat![[1.0, 0.9, 0.0], [0.9, 0.1, 0.0], [0.0, 0.0, 1.0]];
-    let problem = Problem::new(gram, vec![1.0, 1.0, 0.5], 2.0, 1.0).unwrap();
-    let small = Lasso { choice: Choice::Lambda(1e-6), ..Lasso::default() };
+    let problem = NormalEquations::new(gram, &[1.0, 1.0, 0.5], 2.0, 1.0).unwrap();
 
     let path = lasso_path(&problem, &Lasso::default()).unwrap();
-    let refused = small.select(&problem);
 
     assert!(path.len() < 100, "{} points", path.len());
-    assert_eq!(refused, Err(SparseError::Indefinite { lambda: 1e-6 }));
 }
 
 #[test]
 fn the_threshold_of_the_paper_drops_small_weights() {
     let rows = planted::rows(6, 200, 10, 3, 0.1);
-    let lambda = Choice::Lambda(1e-6);
-    let all = Lasso { choice: lambda, ..Lasso::default() };
-    let large = Lasso { threshold: 0.1, ..all };
+    let mut problem = rows.problem();
+    // So many rows that the criterion keeps every term.
+    problem.add(&problem.clone(), 1e6).unwrap();
+    problem.rows = 2e8;
 
-    let everything = all.select(&rows.problem()).unwrap();
-    let selection = large.select(&rows.problem()).unwrap();
+    let everything = Lasso::default().select(&problem).unwrap();
+    let selection = Lasso { threshold: 0.1, ..Lasso::default() }.select(&problem).unwrap();
 
     assert_eq!(everything.active.len(), 10);
     assert_eq!(selection.active, rows.support());
@@ -177,7 +165,6 @@ fn settings_out_of_range_are_refused() {
         ("ratio", Lasso { ratio: 1.0, ..EXACT }),
         ("gap_tolerance", Lasso { gap_tolerance: f64::NAN, ..EXACT }),
         ("threshold", Lasso { threshold: -0.1, ..EXACT }),
-        ("lambda", Lasso { choice: Choice::Lambda(0.0), ..EXACT }),
     ];
     for (expected, lasso) in cases {
         let refused = lasso.select(&problem);

@@ -5,7 +5,7 @@ mod criterion;
 mod elimination;
 mod kmeans;
 mod lasso;
+mod normal_equations;
 mod planted;
-mod problem;
 mod random_design;
 mod routes;

@@ -3,7 +3,7 @@
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::problem::Problem;
+use torquewise_regression::normal_equations::NormalEquations;
 
 /// Rows y = X c + noise with few entries of c different from zero.
 pub(crate) struct Rows {
@@ -37,13 +37,13 @@ pub(crate) fn predict(features: &Mat<f64>, coefficients: &[f64]) -> Vec<f64> {
 }
 
 /// Normal equations, summed plainly.
-pub(crate) fn problem(features: &Mat<f64>, response: &[f64]) -> Problem {
+pub(crate) fn problem(features: &Mat<f64>, response: &[f64]) -> NormalEquations {
     let y = Mat::from_fn(response.len(), 1, |i, _| response[i]);
     let cross = features.transpose() * &y;
     let energy = response.iter().map(|y| y * y).sum();
-    Problem::new(
+    NormalEquations::new(
         features.transpose() * features,
-        cross.col_as_slice(0).to_vec(),
+        cross.col_as_slice(0),
         energy,
         features.nrows() as f64,
     )
@@ -51,7 +51,7 @@ pub(crate) fn problem(features: &Mat<f64>, response: &[f64]) -> Problem {
 }
 
 impl Rows {
-    pub(crate) fn problem(&self) -> Problem {
+    pub(crate) fn problem(&self) -> NormalEquations {
         problem(&self.features, &self.response)
     }
 

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_regression::accumulate::Prepared;
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::{Column, Design};
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::RowSums;
 use torquewise_regression::samples::Samples;
 
@@ -93,7 +93,7 @@ impl RandomDesign {
     }
 
     /// The normal equations of all columns from sums over rows.
-    pub(crate) fn grams_of(&self, prepared: &Prepared, sums: &RowSums) -> Vec<Gram> {
+    pub(crate) fn grams_of(&self, prepared: &Prepared, sums: &RowSums) -> Vec<NormalEquations> {
         let columns: Vec<usize> = (0..self.n_columns()).collect();
         sums.grams(prepared, self.n_responses(), &columns)
     }

@@ -8,13 +8,13 @@ use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::Design;
 use torquewise_regression::error::SparseError;
-use torquewise_regression::gram::Gram;
+use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::{RowAdder, RowSums};
 use torquewise_regression::samples::{Evaluator, Samples};
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 
-fn grams(random: &RandomDesign, route: Route, blocks: &[Samples]) -> Vec<Gram> {
+fn grams(random: &RandomDesign, route: Route, blocks: &[Samples]) -> Vec<NormalEquations> {
     let prepared = Prepared::new(&random.design(), route);
     let mut sum = prepared.start(random.n_responses());
     for block in blocks {
@@ -33,18 +33,18 @@ fn row_sums(random: &RandomDesign, prepared: &Prepared, blocks: &[Samples]) -> R
 
 /// Angles and variables are bounded, so an entry is a sum of m products of at most bᵢ·bⱼ: each
 /// product is rounded some ten times on its way, the sum m times.
-fn assert_same(found: &Gram, expected: &Gram, bounds: &[f64]) {
-    let rounding = f64::EPSILON * (16.0 + expected.rows as f64) * 4.0;
-    assert_eq!(found.rows, expected.rows);
+fn assert_same(found: &NormalEquations, expected: &NormalEquations, bounds: &[f64]) {
+    let rounding = f64::EPSILON * (16.0 + expected.rows) * 4.0;
+    assert_eq!(found.rows.to_bits(), expected.rows.to_bits());
     for (i, left) in bounds.iter().enumerate() {
         for (j, right) in bounds.iter().enumerate() {
             let difference = found.gram[(i, j)] - expected.gram[(i, j)];
-            let tolerance = rounding * expected.rows as f64 * left * right;
+            let tolerance = rounding * expected.rows * left * right;
             assert!(difference.abs() <= tolerance, "gram {i} {j}: {difference:e} > {tolerance:e}");
         }
         for response in 0..expected.cross.ncols() {
             let difference = found.cross[(i, response)] - expected.cross[(i, response)];
-            let tolerance = rounding * expected.rows as f64 * left;
+            let tolerance = rounding * expected.rows * left;
             assert!(difference.abs() <= tolerance, "cross {i} {response}: {difference:e}");
         }
     }
@@ -53,7 +53,7 @@ fn assert_same(found: &Gram, expected: &Gram, bounds: &[f64]) {
     }
 }
 
-fn assert_all_same(found: &[Gram], expected: &[Gram], random: &RandomDesign) {
+fn assert_all_same(found: &[NormalEquations], expected: &[NormalEquations], random: &RandomDesign) {
     assert_eq!(found.len(), expected.len());
     for (equation, (found, expected)) in found.iter().zip(expected).enumerate() {
         assert_same(found, expected, &random.bounds(equation));
@@ -97,16 +97,16 @@ proptest! {
         let by_rows = grams(&random, Route::Direct, std::slice::from_ref(&block));
 
         let columns = Evaluator::new(random.design()).columns(&block).unwrap();
-        let plain: Vec<Gram> = columns
+        let plain: Vec<NormalEquations> = columns
             .iter()
             .enumerate()
             .map(|(equation, y)| {
                 let responses = random.responses_of(equation, &block);
-                Gram {
+                NormalEquations {
                     gram: y.transpose() * y,
                     cross: y.transpose() * &responses,
                     energy: responses.col_iter().map(|y| y.squared_norm_l2()).collect(),
-                    rows,
+                    rows: rows as f64,
                 }
             })
             .collect();
@@ -151,14 +151,7 @@ proptest! {
             for (equation, (found, whole)) in sum.grams().iter().zip(&whole).enumerate() {
                 let bounds = random.bounds(equation);
                 let bounds: Vec<f64> = columns.iter().map(|&column| bounds[column]).collect();
-                let size = columns.len();
-                let part = Gram {
-                    gram: Mat::from_fn(size, size, |i, j| whole.gram[(columns[i], columns[j])]),
-                    cross: Mat::from_fn(size, whole.cross.ncols(), |i, response| {
-                        whole.cross[(columns[i], response)]
-                    }),
-                    ..whole.clone()
-                };
+                let part = whole.restricted(&columns);
                 assert_same(found, &part, &bounds);
             }
         }
@@ -178,7 +171,7 @@ fn sums_have_the_same_bits_at_any_number_of_threads() {
 
         let alone = sum(1);
 
-        assert_eq!(alone.iter().map(|gram| gram.rows).max(), Some(3_500));
+        assert!(alone.iter().all(|gram| gram.rows.to_bits() == 3_500.0_f64.to_bits()));
         for threads in [2, 3] {
             for (many, one) in sum(threads).iter().zip(&alone) {
                 assert_eq!(bits(&many.gram), bits(&one.gram), "{route:?}");

@@ -1,13 +1,16 @@
-//! Normal equations of the kept terms near a first fit, and what noise does to them (E6) (E7).
+//! Kept terms: their first fit, their normal equations near it, and what noise does to these (E6)
+//! (E7).
 
 use crate::candidates::Group;
 use crate::noise::NoiseFloor;
 use crate::rows::fill_friction;
+use crate::step::{response_index, unexplained, weighted_problem};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::FrictionTerm;
 use torquewise_regression::SparseError;
+use torquewise_regression::normal_equations::{NormalEquations, Selection};
 use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
 use torquewise_regression::samples::{Evaluator, Samples};
 
@@ -110,4 +113,58 @@ impl Fit<'_> {
         }
         Ok(sums)
     }
+}
+
+/// Where least squares leaves less than this part of the torque, squared, normal equations cannot
+/// say how much less: they keep about 13 digits.
+const EXPLAINED: f64 = 1e-10;
+
+/// The normal equations of a group over all rows, its equations weighted and added up, with their
+/// plain least-squares fit: where the refit begins (E6).
+pub(crate) struct FirstFit {
+    /// \[Y τ\]ᵀ\[Y τ\], (p+1)×(p+1).
+    pub(crate) gram: Mat<f64>,
+    rows: f64,
+    /// Least-squares weights, p.
+    pub(crate) coefficients: Vec<f64>,
+    /// Columns that depend on others.
+    pub(crate) dependent: Vec<usize>,
+    /// Whether the torque is explained but for rounding.
+    pub(crate) is_explained: bool,
+}
+
+impl FirstFit {
+    /// - `grams`: of each equation over all rows
+    pub(crate) fn new(kept: &ActiveSet, grams: &[NormalEquations]) -> Result<Self, SparseError> {
+        let all: Vec<usize> = (0..kept.columns.len()).collect();
+        let (pairs, none) = (&kept.group.equations, vec![0.0; all.len()]);
+        let equations = weighted_problem(grams, pairs, &kept.weights, &none, &all)?;
+        let Selection { coefficients, dependent, .. } = equations.refit(&all)?;
+        let is_explained = pairs.iter().all(|&(equation, response)| {
+            let energy = grams[equation].energy[response_index(grams.len(), response)];
+            unexplained(grams, equation, response, &coefficients) <= EXPLAINED * energy
+        });
+        let (gram, rows) = (equations.joined(), equations.rows);
+        Ok(Self { gram, rows, coefficients, dependent, is_explained })
+    }
+
+    /// A step of iterative refinement: least squares of what the coefficients leave of a sample,
+    /// from \[Y e\]ᵀ\[Y e\] of all it stands for.
+    pub(crate) fn refine(&mut self, left: &Mat<f64>) -> Result<(), SparseError> {
+        self.gram = with_response(left, &self.coefficients);
+        let all: Vec<usize> = (0..self.coefficients.len()).collect();
+        let change = NormalEquations::of_joined(left, self.rows)?.refit(&all)?;
+        self.dependent = change.dependent;
+        let weights = self.coefficients.iter_mut().zip(change.coefficients);
+        weights.for_each(|(weight, change)| *weight += change);
+        Ok(())
+    }
+}
+
+/// Sums in \[Y e\], e = τ − Yβ, as they are in \[Y τ\].
+pub(crate) fn with_response(sums: &Mat<f64>, coefficients: &[f64]) -> Mat<f64> {
+    let p = coefficients.len();
+    let mut change = Mat::<f64>::identity(p + 1, p + 1);
+    coefficients.iter().enumerate().for_each(|(j, c)| change[(j, p)] = *c);
+    change.transpose() * (sums * &change)
 }

@@ -4,7 +4,7 @@ use crate::planted;
 use faer::Mat;
 use proptest::prelude::*;
 use torquewise_regression::error::SparseError;
-use torquewise_regression::problem::Problem;
+use torquewise_regression::normal_equations::NormalEquations;
 
 /// Σ (y − X c)².
 fn residual_energy(rows: &planted::Rows, coefficients: &[f64]) -> f64 {
@@ -22,7 +22,7 @@ proptest! {
     ) {
         let rows = planted::rows(seed, 50, 8, 3, 0.1);
 
-        let found = rows.problem().residual_energy(&coefficients);
+        let found = rows.problem().residual_energy(&coefficients, 0);
 
         // Terms of the quadratic form are some hundred times ε of their sum apart.
         let expected = residual_energy(&rows, &coefficients);
@@ -56,20 +56,20 @@ proptest! {
         let one = planted::rows(seed, 60, 8, 3, 0.2);
         let mut other = planted::rows(seed, 60, 8, 3, 0.2);
         other.response.reverse();
-        let problems = [one.problem(), other.problem()];
-        let active = [0, 2, 3, 7];
-        let cross = Mat::from_fn(8, 2, |j, response| problems[response].cross()[j]);
+        let alone = [one.problem(), other.problem()];
+        let cross = Mat::from_fn(8, 2, |j, response| alone[response].right()[j]);
+        let energy = alone.iter().map(|own| own.energy[0]).collect();
 
-        let found = problems[0].refit_each(&active, cross.as_ref()).unwrap();
+        let both = NormalEquations { cross, energy, ..alone[0].clone() };
+        let found = both.weights().unwrap();
 
-        for (response, problem) in problems.iter().enumerate() {
-            let alone = problem.refit(&active).unwrap().coefficients;
+        for (response, alone) in alone.iter().enumerate() {
+            let alone = alone.refit(&[0, 1, 2, 3, 4, 5, 6, 7]).unwrap().coefficients;
             // The same operations on the same numbers, in another order at most.
             for (found, alone) in found.col_as_slice(response).iter().zip(alone) {
                 prop_assert!((found - alone).abs() < 1e-13, "{} {}", found, alone);
             }
         }
-        prop_assert!(problems[0].refit_each(&active, cross.as_ref().subrows(0, 7)).is_err());
     }
 
     #[test]
@@ -96,18 +96,17 @@ proptest! {
         let problem = rows.problem();
         let all: Vec<usize> = (0..8).collect();
 
-        let standardised = problem.standardised();
+        let (inner, scale) = problem.standardised();
 
-        let inner = &standardised.problem;
         for j in 0..8 {
-            let expected = if j == 4 { 0.0 } else { problem.rows() };
-            prop_assert!((inner.gram()[(j, j)] - expected).abs() < 1e-12 * problem.rows());
+            let expected = if j == 4 { 0.0 } else { problem.rows };
+            prop_assert!((inner.gram[(j, j)] - expected).abs() < 1e-12 * problem.rows);
         }
-        prop_assert!(standardised.scale[4] < f64::MIN_POSITIVE);
-        let unscaled = standardised.unscaled(&inner.refit(&all).unwrap().coefficients);
+        prop_assert!(scale[4] < f64::MIN_POSITIVE);
+        let scaled = inner.refit(&all).unwrap().coefficients;
         let direct = problem.refit(&all).unwrap().coefficients;
-        for (found, expected) in unscaled.iter().zip(direct) {
-            prop_assert!((found - expected).abs() < 1e-12);
+        for (found, expected) in scaled.iter().zip(direct.iter().zip(scale)) {
+            prop_assert!((found - expected.0 * expected.1).abs() < 1e-12);
         }
     }
 }
@@ -116,11 +115,11 @@ proptest! {
 fn only_the_lower_triangle_is_read() {
     let rows = planted::rows(1, 40, 70, 3, 0.1);
     let whole = rows.problem();
-    let half = Mat::from_fn(70, 70, |i, j| if i < j { f64::NAN } else { whole.gram()[(i, j)] });
+    let half = Mat::from_fn(70, 70, |i, j| if i < j { f64::NAN } else { whole.gram[(i, j)] });
 
-    let problem = Problem::new(half, whole.cross().to_vec(), whole.energy(), 40.0).unwrap();
+    let problem = NormalEquations::new(half, whole.right(), whole.energy[0], 40.0).unwrap();
 
-    assert_eq!(problem.gram(), whole.gram());
+    assert_eq!(problem.gram, whole.gram);
 }
 
 #[test]
@@ -139,17 +138,43 @@ fn of_exact_fits_the_one_with_fewer_terms_has_the_lower_criterion() {
 }
 
 #[test]
+fn joined_sums_hold_the_same() {
+    let whole = planted::rows(3, 40, 5, 2, 0.1).problem();
+
+    let joined = whole.joined();
+    let again = NormalEquations::of_joined(&joined, 40.0).unwrap();
+
+    assert_eq!((joined.ncols(), joined[(5, 5)].to_bits()), (6, whole.energy[0].to_bits()));
+    assert_eq!((again.gram, again.cross), (whole.gram, whole.cross));
+}
+
+#[test]
+fn what_weights_leave_is_what_the_other_columns_explain() {
+    let rows = planted::rows(4, 60, 6, 3, 0.2);
+    let known = [0.5, -1.0, 0.0, 0.25, 0.0, 0.0];
+    let fitted = planted::predict(&rows.features, &known);
+    let left: Vec<f64> = rows.response.iter().zip(fitted).map(|(y, f)| y - f).collect();
+
+    let found = rows.problem().left_by(&known, 0, &[2, 4]);
+
+    let expected = planted::problem(&rows.features, &left).restricted(&[2, 4]);
+    let difference = (&found.cross - &expected.cross).norm_max();
+    assert!(difference < 1e-12, "some roundings of sums over 60 rows: {difference:e}");
+    assert!((found.energy[0] - expected.energy[0]).abs() < 1e-11);
+}
+
+#[test]
 fn malformed_equations_are_refused() {
     let one = || Mat::from_fn(2, 2, |i, j| f64::from(i == j));
     let broken = Mat::from_fn(2, 2, |i, _| if i == 1 { f64::INFINITY } else { 1.0 });
 
-    let lopsided = Problem::new(Mat::zeros(2, 3), vec![0.0; 2], 1.0, 5.0);
-    let long = Problem::new(one(), vec![0.0; 3], 1.0, 5.0);
-    let infinite = Problem::new(broken, vec![0.0; 2], 1.0, 5.0);
-    let not_a_number = Problem::new(one(), vec![0.0, f64::NAN], 1.0, 5.0);
-    let negative = Problem::new(one(), vec![0.0; 2], -1.0, 5.0);
-    let rowless = Problem::new(one(), vec![0.0; 2], 1.0, 0.0);
-    let beyond = Problem::new(one(), vec![0.0; 2], 1.0, 5.0).unwrap().refit(&[0, 2]);
+    let lopsided = NormalEquations::new(Mat::zeros(2, 3), &[0.0; 2], 1.0, 5.0);
+    let long = NormalEquations::new(one(), &[0.0; 3], 1.0, 5.0);
+    let infinite = NormalEquations::new(broken, &[0.0; 2], 1.0, 5.0);
+    let not_a_number = NormalEquations::new(one(), &[0.0, f64::NAN], 1.0, 5.0);
+    let negative = NormalEquations::new(one(), &[0.0; 2], -1.0, 5.0);
+    let rowless = NormalEquations::new(one(), &[0.0; 2], 1.0, 0.0);
+    let beyond = NormalEquations::new(one(), &[0.0; 2], 1.0, 5.0).unwrap().refit(&[0, 2]);
 
     assert!(matches!(lopsided, Err(SparseError::Shape { found: 3, expected: 2, .. })));
     assert!(matches!(long, Err(SparseError::Shape { found: 2, expected: 3, .. })));
