@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
-use torquewise_regression::kmeans::{KMeans, kmeans};
+use torquewise_regression::kmeans::kmeans;
 use torquewise_rigid::recursion::MOST_JOINTS;
 use torquewise_stepwise::survey::thinned;
 
@@ -38,7 +38,7 @@ impl Regions {
         };
         let points: Vec<_> = (0..m).map(point).collect();
         // Rows that are no numbers are no regions: whoever reads them on says where.
-        let found = kmeans(&points, count.min(m), &KMeans::default());
+        let found = kmeans(&points, count.min(m), 0);
         let centres = found.map_or_else(|_| Vec::new(), |found| found.centres);
         Self { scales, centres: centres.iter().map(|centre| centre[..n].to_vec()).collect() }
     }

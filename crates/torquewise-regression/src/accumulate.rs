@@ -83,15 +83,9 @@ impl Prepared {
 
     /// Numbers of one sum: those of [`GramSum::write_to`].
     pub(crate) fn n_sums(&self, n_responses: usize) -> usize {
-        match self {
-            Self::Moments(plan) => plan.size(n_responses) + n_responses,
-            Self::Direct(evaluator) => {
-                let design = evaluator.design();
-                let (p, count) = (design.n_columns(), design.n_equations());
-                let own = responses_of(0, count, n_responses).len();
-                count * (p * (p + 1) / 2 + own * (p + 1))
-            }
-        }
+        let mut count = 0;
+        self.start(n_responses).parts_mut(|part| count += part.len());
+        count
     }
 
     /// The normal equations of each equation in some of the columns, from the numbers of a sum.

@@ -45,10 +45,21 @@ pub(crate) fn solve(matrix: impl Fn() -> Mat<f64>, right: MatRef<'_, f64>) -> So
         solve_upper_triangular_in_place(factor.transpose(), values.as_mut(), Par::Seq);
         return Solution { values, dependent: Vec::new() };
     }
-    let Pivoted { factor, mut order } = pivoted(matrix());
-    let rank = factor.nrows();
+    let mut factor = matrix();
+    let mut order = vec![0_usize; size];
+    let mut inverse = vec![0_usize; size];
+    let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Spec::default());
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    let (to, from, spec) = (&mut order, &mut inverse, Spec::default());
+    let factored = cholesky_in_place(factor.as_mut(), to, from, Par::Seq, stack, spec);
+    let found = factored.map_or(0, |(rank, _)| rank.rank);
+    let largest = if found > 0 { factor[(0, 0)] } else { 0.0 };
+    let floor = DEPENDENCE.sqrt() * largest;
+    let rank = (0..found).position(|i| factor[(i, i)] <= floor).unwrap_or(found);
+    let factor = factor.submatrix(0, 0, rank, rank);
     let mut x = Mat::from_fn(rank, right.ncols(), |i, k| right[(order[i], k)]);
-    solve_lower_triangular_in_place(factor.as_ref(), x.as_mut(), Par::Seq);
+    solve_lower_triangular_in_place(factor, x.as_mut(), Par::Seq);
     solve_upper_triangular_in_place(factor.transpose(), x.as_mut(), Par::Seq);
 
     let mut values = Mat::zeros(size, right.ncols());
@@ -60,38 +71,8 @@ pub(crate) fn solve(matrix: impl Fn() -> Mat<f64>, right: MatRef<'_, f64>) -> So
     Solution { values, dependent }
 }
 
-/// Factor of the rows and columns that are independent of each other.
-pub(crate) struct Pivoted {
-    /// Lower triangle read, rank×rank.
-    pub(crate) factor: Mat<f64>,
-    /// All columns, p: first those of the factor, in its order.
-    pub(crate) order: Vec<usize>,
-}
-
-/// Factors a symmetric matrix, the largest remaining pivot first, as far as it is positive.
-pub(crate) fn pivoted(mut matrix: Mat<f64>) -> Pivoted {
-    let size = matrix.nrows();
-    let mut order = vec![0_usize; size];
-    let mut inverse = vec![0_usize; size];
-    let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Spec::default());
-    let mut memory = MemBuffer::new(scratch);
-    let factored = cholesky_in_place(
-        matrix.as_mut(),
-        &mut order,
-        &mut inverse,
-        Par::Seq,
-        MemStack::new(&mut memory),
-        Spec::default(),
-    );
-    let found = factored.map_or(0, |(rank, _)| rank.rank);
-    let largest = if found > 0 { matrix[(0, 0)] } else { 0.0 };
-    let floor = DEPENDENCE.sqrt() * largest;
-    let rank = (0..found).position(|i| matrix[(i, i)] <= floor).unwrap_or(found);
-    Pivoted { factor: matrix.submatrix(0, 0, rank, rank).to_owned(), order }
-}
-
 /// Lower factor of a matrix none of whose columns depends on the others; takes its place.
-pub(crate) fn regular_factor(mut factor: Mat<f64>) -> Option<Mat<f64>> {
+fn regular_factor(mut factor: Mat<f64>) -> Option<Mat<f64>> {
     let size = factor.nrows();
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch);

@@ -38,13 +38,15 @@ impl Equations {
     /// Drops the column of the smallest t² = c²/var(c), solves again, and stops when all that
     /// remain have t² ≥ `threshold`.
     ///
+    /// - `columns`: those to begin with, ascending; an empty one is left out
+    ///
     /// Returns `None` if A is not positive definite on these columns.
     ///
     /// # Panics
     /// If the parts differ in size.
-    pub fn eliminate(&self, threshold: f64) -> Option<Estimate> {
-        let mut active: Vec<usize> =
-            (0..self.right.len()).filter(|&j| self.information[(j, j)] > 0.0).collect();
+    pub fn eliminate(&self, columns: &[usize], threshold: f64) -> Option<Estimate> {
+        let mut active = columns.to_vec();
+        active.retain(|&j| self.information[(j, j)] > 0.0);
         loop {
             let fit = self.solve(&active)?;
             let leaving = weakest(&fit.t_squared, threshold);

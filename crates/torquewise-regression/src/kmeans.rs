@@ -1,7 +1,6 @@
 //! k-means: points shared out among centres, the best of several starts.
 
 use crate::error::SparseError;
-use crate::normal_equations::require;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cmp::Ordering;
@@ -9,47 +8,31 @@ use std::cmp::Ordering;
 /// Points whose sums are added up before they join those of the others, lest roundings grow.
 const CHUNK: usize = 8192;
 
-/// How k-means searches.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KMeans {
-    /// Starts drawn by k-means++, one or more.
-    pub restarts: usize,
-    /// A centre stands still if it moves by no more than this part of the root mean square
-    /// distance of the points to their centres; zero or more.
-    pub tolerance: f64,
-    /// Bound on the moves of the centres, one or more.
-    pub max_iterations: usize,
-    /// Seed of the starts.
-    pub seed: u64,
-}
-
-impl Default for KMeans {
-    /// Eight starts, at most 300 moves, each of more than 1e-4 of the spread.
-    fn default() -> Self {
-        Self { restarts: 8, tolerance: 1e-4, max_iterations: 300, seed: 0 }
-    }
-}
+/// Starts drawn by k-means++.
+const STARTS: usize = 8;
+/// A centre stands still if it moves by no more than this part of the root mean square distance of
+/// the points to their centres.
+const TOLERANCE: f64 = 1e-4;
+/// Bound on the moves of the centres.
+const MOST_MOVES: usize = 300;
 
 /// Points shared out among centres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Clustering<const D: usize> {
-    /// Mean of each cluster's points, k, in ascending order of the sum of its coordinates; within
-    /// the tolerance of [`KMeans`].
+    /// Mean of each cluster's points to 1e-4 of the spread, k, in ascending order of the sum of its
+    /// coordinates, so that no seed shows in the order.
     pub centres: Vec<[f64; D]>,
-    /// Cluster of each point, m.
-    pub assignment: Vec<usize>,
     /// Sum of the squared distances of all points to their centres.
     pub inertia: f64,
-    /// Moves of the centres.
-    pub iterations: usize,
 }
 
 /// Lloyd's k-means with k-means++ starts.
 ///
 /// - `points`: m points in D dimensions
 /// - `k`: number of clusters, 1 to m
+/// - `seed`: of the starts
 ///
-/// Stops when all centres stand still, or at `max_iterations`. A cluster that runs empty gets the
+/// Stops when all centres stand still, or after 300 moves. A cluster that runs empty gets the
 /// point farthest from its centre.
 ///
 /// Source: paper, algorithm 1, with its stopping rule put right. Checked against: planted
@@ -57,38 +40,29 @@ pub struct Clustering<const D: usize> {
 ///
 /// # Errors
 /// [`SparseError::Clusters`] if `k` is no number of clusters for so many points,
-/// [`SparseError::NotFinite`] or [`SparseError::Setting`].
+/// [`SparseError::NotFinite`].
 pub fn kmeans<const D: usize>(
     points: &[[f64; D]],
     k: usize,
-    settings: &KMeans,
+    seed: u64,
 ) -> Result<Clustering<D>, SparseError> {
     if k == 0 || k > points.len() {
         return Err(SparseError::Clusters { clusters: k, points: points.len() });
     }
-    settings.check()?;
     if let Some(entry) = points.iter().position(|point| point.iter().any(|x| !x.is_finite())) {
         return Err(SparseError::NotFinite { what: "a point", entry });
     }
 
-    let mut rng = ChaCha8Rng::seed_from_u64(settings.seed);
-    let mut best = lloyd(points, start(points, k, &mut rng), settings);
-    for _ in 1..settings.restarts {
-        let other = lloyd(points, start(points, k, &mut rng), settings);
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut best = lloyd(points, start(points, k, &mut rng));
+    for _ in 1..STARTS {
+        let other = lloyd(points, start(points, k, &mut rng));
         if other.inertia < best.inertia {
             best = other;
         }
     }
-    Ok(in_order(best))
-}
-
-impl KMeans {
-    fn check(&self) -> Result<(), SparseError> {
-        let Self { restarts, tolerance, max_iterations, .. } = *self;
-        require("restarts", restarts as f64, restarts > 0, "one or more")?;
-        require("tolerance", tolerance, tolerance >= 0.0, "zero or more")?;
-        require("max_iterations", max_iterations as f64, max_iterations > 0, "one or more")
-    }
+    best.centres.sort_by(compare);
+    Ok(best)
 }
 
 /// k-means++: each next centre is a point drawn with weight distance² to the centres so far.
@@ -113,23 +87,18 @@ fn start<const D: usize>(points: &[[f64; D]], k: usize, rng: &mut ChaCha8Rng) ->
 }
 
 /// Moves each centre to the mean of its points until all stand still.
-fn lloyd<const D: usize>(
-    points: &[[f64; D]],
-    mut centres: Vec<[f64; D]>,
-    settings: &KMeans,
-) -> Clustering<D> {
-    let mut assignment = vec![0; points.len()];
-    let mut iterations = 0;
+fn lloyd<const D: usize>(points: &[[f64; D]], mut centres: Vec<[f64; D]>) -> Clustering<D> {
+    let mut moves = 0;
     loop {
-        let tally = assign(points, &centres, &mut assignment);
+        let tally = assign(points, &centres);
         let moved = tally.means(&centres);
-        let still2 = settings.tolerance.powi(2) * tally.inertia / points.len() as f64;
+        let still2 = TOLERANCE.powi(2) * tally.inertia / points.len() as f64;
         let stands = |(old, new): (&[f64; D], &[f64; D])| distance2(old, new) <= still2;
-        if iterations == settings.max_iterations || centres.iter().zip(&moved).all(stands) {
-            return Clustering { centres, assignment, inertia: tally.inertia, iterations };
+        if moves == MOST_MOVES || centres.iter().zip(&moved).all(stands) {
+            return Clustering { centres, inertia: tally.inertia };
         }
         centres = moved;
-        iterations += 1;
+        moves += 1;
     }
 }
 
@@ -156,18 +125,13 @@ impl<const D: usize> Tally<D> {
 }
 
 /// Gives every point to its nearest centre, the first of equals.
-fn assign<const D: usize>(
-    points: &[[f64; D]],
-    centres: &[[f64; D]],
-    assignment: &mut [usize],
-) -> Tally<D> {
+fn assign<const D: usize>(points: &[[f64; D]], centres: &[[f64; D]]) -> Tally<D> {
     let (sums, counts) = (vec![[0.0; D]; centres.len()], vec![0; centres.len()]);
     let mut tally = Tally { sums, counts, inertia: 0.0, farthest: (-1.0, [0.0; D]) };
-    for (points, assignment) in points.chunks(CHUNK).zip(assignment.chunks_mut(CHUNK)) {
+    for points in points.chunks(CHUNK) {
         let (mut sums, mut inertia) = (vec![[0.0; D]; centres.len()], 0.0);
-        for (point, cluster) in points.iter().zip(assignment) {
+        for point in points {
             let (nearest, distance) = nearest(point, centres);
-            *cluster = nearest;
             add(&mut sums[nearest], point);
             tally.counts[nearest] += 1;
             inertia += distance;
@@ -201,22 +165,6 @@ fn add<const D: usize>(sum: &mut [f64; D], point: &[f64; D]) {
     for (s, x) in sum.iter_mut().zip(point) {
         *s += x;
     }
-}
-
-/// Numbers the clusters by their centres, so that no seed shows in the order.
-fn in_order<const D: usize>(clustering: Clustering<D>) -> Clustering<D> {
-    let Clustering { mut centres, mut assignment, inertia, iterations } = clustering;
-    let mut order: Vec<usize> = (0..centres.len()).collect();
-    order.sort_by(|&a, &b| compare(&centres[a], &centres[b]));
-    let mut rank = vec![0; order.len()];
-    for (place, &cluster) in order.iter().enumerate() {
-        rank[cluster] = place;
-    }
-    for cluster in &mut assignment {
-        *cluster = rank[*cluster];
-    }
-    centres.sort_by(compare);
-    Clustering { centres, assignment, inertia, iterations }
 }
 
 /// By the sum of the coordinates, then by each in turn.

@@ -4,7 +4,7 @@ use faer::MatRef;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::Motion;
 use torquewise_motion::stats::quantile;
-use torquewise_regression::kmeans::{KMeans, kmeans};
+use torquewise_regression::kmeans::kmeans;
 
 /// Which constants the index uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,7 +78,7 @@ impl ActivationIndex {
             })
             .collect();
         // Rows at rest and rows in motion form two clusters on a log scale, noise or not.
-        let halfway = kmeans(&sizes, 2, &KMeans::default())
+        let halfway = kmeans(&sizes, 2, 0)
             .map_or(0.0, |heaps| 0.5 * (heaps.centres[0][0] + heaps.centres[1][0]));
         let sensitivity = HALF_ON / halfway.exp();
         Self { scale, sensitivity, weight: SPREAD / n.max(1) as f64 }

@@ -1,7 +1,7 @@
 //! Kept terms: their first fit, their normal equations near it, and what noise does to these (E6)
 //! (E7).
 
-use crate::candidates::Group;
+use crate::candidates::{Candidates, Group};
 use crate::noise::NoiseFloor;
 use crate::rows::fill_friction;
 use crate::step::{response_index, unexplained, weighted_problem};
@@ -38,16 +38,24 @@ impl ActiveSet {
 }
 
 /// A group with its columns ready to be evaluated.
-#[derive(Clone, Copy)]
 pub(crate) struct Fit<'a> {
-    pub(crate) kept: &'a ActiveSet,
-    pub(crate) evaluator: &'a Evaluator,
+    pub(crate) kept: ActiveSet,
+    evaluator: Evaluator,
     /// Laws of friction whose values are among the variables.
-    pub(crate) friction: &'a [FrictionTerm],
+    friction: &'a [FrictionTerm],
     pub(crate) noise: &'a NoiseFloor,
 }
 
-impl Fit<'_> {
+impl<'a> Fit<'a> {
+    pub(crate) fn new(
+        kept: ActiveSet,
+        candidates: &'a Candidates,
+        noise: &'a NoiseFloor,
+    ) -> Result<Self, SparseError> {
+        let evaluator = Evaluator::new(candidates.design.subset(&kept.columns)?);
+        Ok(Self { kept, evaluator, friction: &candidates.friction, noise })
+    }
+
     pub(crate) fn n_columns(&self) -> usize {
         self.kept.columns.len()
     }

@@ -61,15 +61,10 @@ pub fn standard_error(x: &[f64]) -> f64 {
 /// Chooses among trials on the same blocks, simplest first.
 ///
 /// The first that is within one standard error of the best is taken; since all trials see the same
-/// blocks, the standard error is that of the difference to the best.
+/// blocks, the standard error is that of the difference to the best. Complexity may have a price of
+/// its own: a trial also passes for the best if it is worse by no more than `part` of it.
 ///
 /// Returns its place and the record of the choice; `None` without trials.
-pub fn choose(what: &str, trials: &[CvScore]) -> Option<(usize, Choice)> {
-    choose_worth(what, trials, 0.0)
-}
-
-/// The same where complexity has a price of its own: a trial also passes for the best if it is
-/// worse by no more than this part.
 pub fn choose_worth(what: &str, trials: &[CvScore], part: f64) -> Option<(usize, Choice)> {
     let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
     let near = |trial: &&CvScore| {
@@ -96,7 +91,7 @@ pub fn listed(trials: &[CvScore]) -> Vec<Candidate> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLOCKS, CvScore, choose, choose_worth, split};
+    use super::{BLOCKS, CvScore, choose_worth, split};
 
     fn trial(label: &str, errors: [f64; BLOCKS]) -> CvScore {
         CvScore { label: label.into(), complexity: 1, errors: errors.to_vec() }
@@ -120,7 +115,7 @@ mod tests {
     fn the_simplest_near_the_best_is_taken() {
         let simple = trial("simple", [0.11, 0.09, 0.12, 0.10, 0.08]);
         let complex = trial("complex", [0.10, 0.10, 0.10, 0.10, 0.09]);
-        assert_eq!(choose("x", &[simple, complex]).unwrap().0, 0);
+        assert_eq!(choose_worth("x", &[simple, complex], 0.0).unwrap().0, 0);
     }
 
     #[test]
@@ -128,7 +123,7 @@ mod tests {
         let simple = trial("simple", [0.100, 0.200, 0.300, 0.400, 0.500]);
         let complex = trial("complex", [0.099, 0.199, 0.299, 0.399, 0.499]);
         let both = [simple, complex];
-        assert_eq!(choose("x", &both).unwrap().0, 1);
+        assert_eq!(choose_worth("x", &both, 0.0).unwrap().0, 1);
         assert_eq!(choose_worth("x", &both, 0.02).unwrap().0, 0);
     }
 
@@ -136,7 +131,7 @@ mod tests {
     fn a_gain_on_every_block_is_taken_though_blocks_differ_much() {
         let simple = trial("simple", [0.50, 0.10, 0.30, 0.90, 0.20]);
         let complex = trial("complex", [0.45, 0.06, 0.25, 0.85, 0.14]);
-        let (place, choice) = choose("x", &[simple, complex]).unwrap();
+        let (place, choice) = choose_worth("x", &[simple, complex], 0.0).unwrap();
         assert_eq!((place, choice.chosen.as_str()), (1, "complex"));
     }
 }

@@ -3,7 +3,7 @@
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
 use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
-use crate::held_out::{BLOCKS, CvScore, choose, choose_worth, split};
+use crate::held_out::{BLOCKS, CvScore, choose_worth, split};
 use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
 use crate::step::{self, Step};
@@ -16,9 +16,11 @@ use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 
-/// What a plan leaves open, settled.
-#[derive(Clone, Debug)]
-pub(crate) struct SelectedModel {
+/// What a plan leaves open, as it is settled on the sample of a survey: fitted without a block of
+/// time and judged on it.
+pub(crate) struct ModelSelection<'a> {
+    survey: &'a Survey,
+    options: &'a LibraryOptions,
     pub(crate) library: LibraryKind,
     pub(crate) friction: Vec<FrictionTerm>,
     pub(crate) selector: Selector,
@@ -47,52 +49,50 @@ pub(crate) fn choose_laws(
         asked => asked,
     };
     let friction = FrictionLibrary::new(survey.dq_peak.clone()).of(kind);
-    let mut settled = SelectedModel::start(options, friction);
+    let mut settled = ModelSelection::start(survey, options, friction);
     if is_short(survey) {
         return Ok((settled.friction, settled.choices));
     }
     if options.library == (LibraryKind::Energy { interaction: None }) {
-        settled.grow(survey, options)?;
+        settled.grow()?;
         // It is chosen, and recorded, once more when the laws are known.
         settled.choices.clear();
     }
-    let (validation, laws) = settled.choose_reversal(survey, options)?;
+    let (validation, laws) = settled.choose_reversal()?;
     if options.friction == FrictionKind::Auto {
         settled.choose_friction(&validation, &laws)?;
     }
     Ok((settled.friction, settled.choices))
 }
 
-/// Settles what a plan leaves open on the sample of a survey: fitted without a block of time and
-/// judged on it.
+/// Settles what a plan leaves open on the sample of a survey.
 ///
 /// - `friction`: the laws among the candidates, and how they were chosen
 ///
 /// Interaction orders grow one at a time, and no further once a higher one predicts no better. All
 /// rows of the sample are one step here: the steps tell terms apart, which does not change what
 /// the log can tell.
-pub(crate) fn select_model(
-    survey: &Survey,
-    options: &LibraryOptions,
+pub(crate) fn select_model<'a>(
+    survey: &'a Survey,
+    options: &'a LibraryOptions,
     (friction, choices): (&[FrictionTerm], &[Choice]),
-) -> Result<SelectedModel, IdentifyError> {
-    let mut settled = SelectedModel::start(options, friction.to_vec());
+) -> Result<ModelSelection<'a>, IdentifyError> {
+    let mut settled = ModelSelection::start(survey, options, friction.to_vec());
     settled.choices.extend_from_slice(choices);
     if options.regression != Regression::Stepwise || is_short(survey) {
         return Ok(settled);
     }
-    let mut validation = None;
-    if options.library == (LibraryKind::Energy { interaction: None }) {
-        validation = settled.grow(survey, options)?;
-    }
-    if matches!(options.selector, Selector::Criterion(_)) {
-        let validation = match validation {
+    let grown = if options.library == (LibraryKind::Energy { interaction: None }) {
+        settled.grow()?
+    } else {
+        None
+    };
+    if let Selector::Criterion(criterion) = settled.selector {
+        let validation = match grown {
             Some(validation) => validation,
-            None => {
-                CrossValidation::new(survey, options, settled.library, settled.friction.clone())?
-            }
+            None => settled.validation(settled.library, settled.friction.clone())?,
         };
-        settled.choose_ebic_gamma(&validation)?;
+        settled.choose_ebic_gamma(criterion, &validation)?;
     }
     Ok(settled)
 }
@@ -101,38 +101,43 @@ fn is_short(survey: &Survey) -> bool {
     survey.sample.n_rows() < BLOCKS * LEAST_ROWS
 }
 
-impl SelectedModel {
-    fn start(options: &LibraryOptions, friction: Vec<FrictionTerm>) -> Self {
+impl<'a> ModelSelection<'a> {
+    fn start(survey: &'a Survey, options: &'a LibraryOptions, friction: Vec<FrictionTerm>) -> Self {
         let (library, selector) = (options.library, options.selector.clone());
-        Self { library, friction, selector, choices: Vec::new() }
+        Self { survey, options, library, friction, selector, choices: Vec::new() }
     }
 
-    /// Puts a choice on record; returns the place of what was chosen.
-    fn record(&mut self, chosen: Option<(usize, Choice)>) -> Option<usize> {
-        let (place, choice) = chosen?;
+    /// Candidates of a library with laws of friction, ready to be judged.
+    fn validation(
+        &self,
+        library: LibraryKind,
+        laws: Vec<FrictionTerm>,
+    ) -> Result<CrossValidation<'a>, IdentifyError> {
+        let (n, regression) = (self.survey.joints.len(), self.options.regression);
+        let candidates = Candidates::with_friction(n, library, regression, laws)?;
+        CrossValidation::new(self.survey, candidates)
+    }
+
+    /// Chooses among trials, simplest first, and puts the choice on record; returns its place.
+    fn choose(&mut self, what: &str, worth: f64, trials: &[CvScore]) -> Option<usize> {
+        let (place, choice) = choose_worth(what, trials, worth)?;
         self.choices.push(choice);
         Some(place)
     }
 
     /// Adds joint angles to a term, one at a time, while held-out rows are predicted better.
-    fn grow<'a>(
-        &mut self,
-        survey: &'a Survey,
-        options: &LibraryOptions,
-    ) -> Result<Option<CrossValidation<'a>>, IdentifyError> {
-        let laws = self.friction.clone();
+    fn grow(&mut self) -> Result<Option<CrossValidation<'a>>, IdentifyError> {
         let (mut trials, mut validations) = (Vec::<CvScore>::new(), Vec::new());
-        for order in 1..=survey.joints.len() {
+        for order in 1..=self.survey.joints.len() {
             let library = LibraryKind::Energy { interaction: Some(order) };
-            let n = survey.joints.len();
-            let candidates =
-                Candidates::with_friction(n, library, options.regression, laws.clone())?;
+            let (n, regression) = (self.survey.joints.len(), self.options.regression);
+            let laws = self.friction.clone();
+            let candidates = Candidates::with_friction(n, library, regression, laws)?;
             if order > 1 && candidates.len() > MOST_CANDIDATES {
                 break;
             }
-            let validation = CrossValidation::of(survey, candidates)?;
-            let all: Vec<usize> = (0..validation.candidates.len()).collect();
-            trials.push(validation.trial(format!("{order}"), &all, &options.selector)?);
+            let validation = CrossValidation::new(self.survey, candidates)?;
+            trials.push(validation.trial(format!("{order}"), None, &self.selector)?);
             validations.push(validation);
             // One more look: a pair of orders may help where one alone does not.
             let best = |trials: &[CvScore]| {
@@ -142,7 +147,7 @@ impl SelectedModel {
                 break;
             }
         }
-        let Some(place) = self.record(choose("joint angles in a term", &trials)) else {
+        let Some(place) = self.choose("joint angles in a term", 0.0, &trials) else {
             return Ok(None);
         };
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
@@ -150,23 +155,17 @@ impl SelectedModel {
     }
 
     /// Chooses how sharply friction reverses, with all laws of its kind.
-    fn choose_reversal<'a>(
-        &mut self,
-        survey: &'a Survey,
-        options: &LibraryOptions,
-    ) -> Result<(CrossValidation<'a>, FrictionLibrary), IdentifyError> {
+    fn choose_reversal(&mut self) -> Result<(CrossValidation<'a>, FrictionLibrary), IdentifyError> {
         let (mut ways, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
-            let laws = FrictionLibrary::with_width(survey.dq_peak.clone(), part);
-            let validation =
-                CrossValidation::new(survey, options, self.library, laws.of(options.friction))?;
-            let all: Vec<usize> = (0..validation.candidates.len()).collect();
-            trials.push(validation.trial(reversal_label(part), &all, &self.selector)?);
+            let laws = FrictionLibrary::with_width(self.survey.dq_peak.clone(), part);
+            let validation = self.validation(self.library, laws.of(self.options.friction))?;
+            trials.push(validation.trial(reversal_label(part), None, &self.selector)?);
             ways.push((validation, laws));
         }
-        let place = self.record(choose(REVERSAL, &trials)).unwrap_or(0);
+        let place = self.choose(REVERSAL, 0.0, &trials).unwrap_or(0);
         let (validation, laws) = ways.swap_remove(place);
-        self.friction = laws.of(options.friction);
+        self.friction = laws.of(self.options.friction);
         Ok((validation, laws))
     }
 
@@ -183,29 +182,28 @@ impl SelectedModel {
             ("stribeck", alike),
             ("stribeck, forward and backward apart", stribeck),
         ];
-        let trials = ways
-            .iter()
-            .map(|(label, laws)| {
-                let offered = validation.with_laws(laws);
-                validation.trial((*label).into(), &offered, &self.selector)
-            })
-            .collect::<Result<Vec<_>, _>>()?;
-        if let Some(place) = self.record(choose_worth("friction", &trials, WORTH)) {
+        let trial = |(label, laws): &(&str, Vec<FrictionTerm>)| {
+            validation.trial((*label).into(), Some(laws), &self.selector)
+        };
+        let trials = ways.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
+        if let Some(place) = self.choose("friction", WORTH, &trials) {
             self.friction.clone_from(&ways[place].1);
         }
         Ok(())
     }
 
-    fn choose_ebic_gamma(&mut self, validation: &CrossValidation<'_>) -> Result<(), IdentifyError> {
-        let Selector::Criterion(criterion) = self.selector else { return Ok(()) };
-        let offered = validation.with_laws(&self.friction);
+    fn choose_ebic_gamma(
+        &mut self,
+        criterion: Criterion,
+        validation: &CrossValidation<'_>,
+    ) -> Result<(), IdentifyError> {
         let gammas = STRICTER.map(|times| times * criterion.gamma);
         let stricter = |gamma| Selector::Criterion(Criterion { gamma });
-        let trials = gammas
-            .iter()
-            .map(|&gamma| validation.trial(format!("{gamma}"), &offered, &stricter(gamma)))
-            .collect::<Result<Vec<_>, _>>()?;
-        if let Some(place) = self.record(choose("EBIC gamma", &trials)) {
+        let trial = |&gamma: &f64| {
+            validation.trial(format!("{gamma}"), Some(&self.friction), &stricter(gamma))
+        };
+        let trials = gammas.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
+        if let Some(place) = self.choose("EBIC gamma", 0.0, &trials) {
             self.selector = stricter(gammas[place]);
         }
         Ok(())
@@ -222,17 +220,7 @@ struct CrossValidation<'a> {
 }
 
 impl<'a> CrossValidation<'a> {
-    fn new(
-        survey: &'a Survey,
-        options: &LibraryOptions,
-        library: LibraryKind,
-        laws: Vec<FrictionTerm>,
-    ) -> Result<Self, IdentifyError> {
-        let n = survey.joints.len();
-        Self::of(survey, Candidates::with_friction(n, library, options.regression, laws)?)
-    }
-
-    fn of(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
+    fn new(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
         let (m, n) = (survey.sample.n_rows(), survey.joints.len());
         let route = cheaper_route(&candidates.design, n, m / BLOCKS);
         let prepared = Prepared::new(&candidates.design, route);
@@ -250,26 +238,26 @@ impl<'a> CrossValidation<'a> {
         Ok(Self { survey, candidates, groups, blocks })
     }
 
-    /// Columns of all terms and of some laws of friction.
-    fn with_laws(&self, laws: &[FrictionTerm]) -> Vec<usize> {
-        let offered =
-            |&column: &usize| self.candidates.law(column).is_none_or(|law| laws.contains(law));
-        (0..self.candidates.len()).filter(offered).collect()
-    }
-
-    /// Selects among the offered columns with each block left out, and judges the block by it.
+    /// Selects among all terms and some laws of friction, all of them by default, with each block
+    /// left out, and judges the block by it.
     fn trial(
         &self,
         label: String,
-        offered: &[usize],
+        laws: Option<&Vec<FrictionTerm>>,
         selector: &Selector,
     ) -> Result<CvScore, IdentifyError> {
-        let columns = (0..self.candidates.len()).collect();
-        let step = Step { pattern: None, offered: offered.to_vec(), columns };
+        let columns: Vec<usize> = (0..self.candidates.len()).collect();
+        let is_offered = |&column: &usize| match (laws, self.candidates.law(column)) {
+            (Some(laws), Some(law)) => laws.contains(law),
+            _ => true,
+        };
+        let offered: Vec<usize> = columns.iter().copied().filter(is_offered).collect();
+        let complexity = offered.len();
+        let step = Step { pattern: None, offered, columns };
         let errors = (0..BLOCKS)
             .map(|block| self.error(block, &step, selector))
             .collect::<Result<_, _>>()?;
-        Ok(CvScore { label, complexity: offered.len(), errors })
+        Ok(CvScore { label, complexity, errors })
     }
 
     /// Geometric mean over the joints of RMSE on a block over the spread of the torque.
@@ -305,17 +293,11 @@ impl<'a> CrossValidation<'a> {
         &self,
         blocks: impl Iterator<Item = usize>,
     ) -> Result<Vec<NormalEquations>, IdentifyError> {
-        let mut grams: Vec<NormalEquations> = Vec::new();
+        let mut blocks = blocks.map(|block| &self.blocks[block]);
+        let mut sums = blocks.next().cloned().unwrap_or_default();
         for block in blocks {
-            match &mut grams[..] {
-                [] => grams.clone_from(&self.blocks[block]),
-                sums => {
-                    for (sum, more) in sums.iter_mut().zip(&self.blocks[block]) {
-                        sum.add(more, 1.0)?;
-                    }
-                }
-            }
+            sums.iter_mut().zip(block).try_for_each(|(sum, more)| sum.add(more, 1.0))?;
         }
-        Ok(grams)
+        Ok(sums)
     }
 }

@@ -6,7 +6,7 @@ use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::elbow::elbow;
-use torquewise_regression::kmeans::{KMeans, kmeans};
+use torquewise_regression::kmeans::kmeans;
 
 /// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 9;
@@ -67,10 +67,9 @@ pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, Id
     if let Some(wanted) = plan.clusters.filter(|k| !(1..=MOST_CLUSTERS).contains(k)) {
         return Err(IdentifyError::Clusters(wanted));
     }
-    let search = KMeans { seed: plan.seed, ..KMeans::default() };
     let most = MOST_CLUSTERS.min(points.len());
     let clusterings =
-        (1..=most).map(|k| kmeans(&points, k, &search)).collect::<Result<Vec<_>, _>>()?;
+        (1..=most).map(|k| kmeans(&points, k, plan.seed)).collect::<Result<Vec<_>, _>>()?;
     let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
     let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most.max(1));
     let Some(clustering) = clusterings.into_iter().nth(chosen - 1) else {

@@ -6,7 +6,7 @@ use crate::error::IdentifyError;
 use crate::fit::{LibraryFit, StepReport};
 use crate::form::{dependent, dropped, form, friction_of};
 use crate::library::Basis;
-use crate::model_selection::{SelectedModel, select_model};
+use crate::model_selection::{ModelSelection, select_model};
 use crate::noise::NoiseFloor;
 use crate::patterns::{Patterns, find_patterns};
 use crate::plan::{LibraryOptions, Regression};
@@ -46,7 +46,7 @@ pub fn reconstruct(
     let mut basis = sums.library.basis(survey.joints.len())?;
     let options = sums.library.applied_to(options);
     let chosen = select_model(survey, &options, (&sums.library.friction, &sums.choices))?;
-    let SelectedModel { library, selector, choices, .. } = chosen;
+    let ModelSelection { library, selector, choices, .. } = chosen;
     let options = LibraryOptions { selector, ..options };
     basis.candidates.limit_to(library);
     if options.regression == Regression::Stepwise {

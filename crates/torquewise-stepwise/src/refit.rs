@@ -16,7 +16,7 @@ use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::normal_sums::NormalSums;
-use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::samples::Samples;
 
 /// A term of the final fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,28 +88,17 @@ pub(crate) fn refit(
     whole: &[Vec<NormalEquations>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
-    let kept = &kept.iter().map(ActiveSet::with_normalised_weights).collect::<Vec<ActiveSet>>()[..];
-    let evaluators = kept
-        .iter()
-        .map(|kept| Ok(Evaluator::new(candidates.design.subset(&kept.columns)?)))
-        .collect::<Result<Vec<_>, SparseError>>()?;
     let fits: Vec<Fit<'_>> = kept
         .iter()
-        .zip(&evaluators)
-        .map(|(kept, evaluator)| Fit {
-            kept,
-            evaluator,
-            friction: &candidates.friction,
-            noise: plan.noise,
-        })
-        .collect();
+        .map(|kept| Fit::new(kept.with_normalised_weights(), candidates, plan.noise))
+        .collect::<Result<_, SparseError>>()?;
     let parts = parts(kept);
     let pieces = pieces(sample, &candidates.friction, parts)?;
     let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
     let draws = draws(scale);
     (fits.iter().zip(whole))
         .map(|(fit, grams)| {
-            let mut base = FirstFit::new(fit.kept, grams)?;
+            let mut base = FirstFit::new(&fit.kept, grams)?;
             let sums_at = |start: &[f64], draws: usize| {
                 let of_part = |part: usize| {
                     let own = pieces.iter().skip(part).step_by(parts);
@@ -195,22 +184,13 @@ struct GroupRefit<'a> {
 
 impl GroupRefit<'_> {
     fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
-        let p = self.fit.n_columns();
-        let mut equations = self.equations(&vec![1.0; self.parts.len()]);
-        let mut estimate = self.estimate(&equations, plan.least_t_squared);
-        let small = |estimate: &Estimate, place: usize| {
-            estimate.coefficients[place].abs() <= plan.least_size
-        };
-        let leaving: Vec<usize> = (0..estimate.active.len())
-            .filter(|&place| small(&estimate, place))
-            .map(|place| estimate.active[place])
-            .collect();
-        if !leaving.is_empty() {
-            let staying = |j: usize| estimate.active.contains(&j) && !leaving.contains(&j);
-            for j in (0..p).filter(|&j| !staying(j)) {
-                equations.information[(j, j)] = 0.0;
-            }
-            estimate = self.estimate(&equations, 0.0);
+        let equations = self.equations(&vec![1.0; self.parts.len()]);
+        let mut estimate = self.estimate(&equations, &self.independent(), plan.least_t_squared);
+        let weights = estimate.active.iter().zip(&estimate.coefficients);
+        let large = weights.filter(|(_, weight)| weight.abs() > plan.least_size);
+        let large: Vec<usize> = large.map(|(&column, _)| column).collect();
+        if large.len() < estimate.active.len() {
+            estimate = self.estimate(&equations, &large, 0.0);
         }
         let inclusion = self.inclusion(plan, &estimate.active);
         let exact = self.sharpen(&estimate)?;
@@ -259,30 +239,27 @@ impl GroupRefit<'_> {
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
         let information = |i, j| gram[(i, j)] - bias[(i, j)];
         let spread = |i, j| self.scale * (spread[(i, j)] - sum[i] * sum[j] / rows.max(1.0));
-        let mut equations = Equations {
+        Equations {
             information: Mat::from_fn(p, p, information),
             right: (0..p).map(|j| information(j, p)).collect(),
             spread: Mat::from_fn(p, p, spread),
             floor: (0..p).map(|j| PRECISION * (reference / gram[(j, j)]).sqrt()).collect(),
-        };
-        for &j in &self.base.dependent {
-            equations.information[(j, j)] = 0.0;
         }
-        equations
     }
 
-    /// Eliminates; where the corrected equations cannot be solved, the plain fit stands.
-    fn estimate(&self, equations: &Equations, least: f64) -> Estimate {
-        let plain = || {
-            let active: Vec<usize> =
-                (0..self.fit.n_columns()).filter(|j| !self.base.dependent.contains(j)).collect();
-            Estimate {
-                coefficients: active.iter().map(|&j| self.base.coefficients[j]).collect(),
-                std_errors: vec![0.0; active.len()],
-                active,
-            }
-        };
-        equations.eliminate(least).unwrap_or_else(plain)
+    /// Columns that do not depend on others.
+    fn independent(&self) -> Vec<usize> {
+        (0..self.fit.n_columns()).filter(|j| !self.base.dependent.contains(j)).collect()
+    }
+
+    /// Eliminates among some columns; where the corrected equations cannot be solved, the plain fit
+    /// stands.
+    fn estimate(&self, equations: &Equations, columns: &[usize], least: f64) -> Estimate {
+        equations.eliminate(columns, least).unwrap_or_else(|| Estimate {
+            active: columns.to_vec(),
+            coefficients: columns.iter().map(|&j| self.base.coefficients[j]).collect(),
+            std_errors: vec![0.0; columns.len()],
+        })
     }
 
     /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
@@ -294,6 +271,8 @@ impl GroupRefit<'_> {
         if plan.bags == 0 || filled.len() < LEAST_PARTS {
             return None;
         }
+        let all = self.independent();
+        let columns = if p > MOST_BAGGED { active } else { &all };
         let rounds: Vec<Vec<usize>> = (0..plan.bags)
             .into_par_iter()
             .map(|round| {
@@ -303,13 +282,7 @@ impl GroupRefit<'_> {
                 for _ in 0..filled.len() {
                     weights[filled[random.random_range(0..filled.len())]] += 1.0;
                 }
-                let mut equations = self.equations(&weights);
-                if p > MOST_BAGGED {
-                    for j in (0..p).filter(|j| !active.contains(j)) {
-                        equations.information[(j, j)] = 0.0;
-                    }
-                }
-                self.estimate(&equations, plan.least_t_squared).active
+                self.estimate(&self.equations(&weights), columns, plan.least_t_squared).active
             })
             .collect();
         let mut counts = vec![0_usize; p];

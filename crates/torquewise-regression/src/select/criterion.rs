@@ -1,9 +1,8 @@
 //! Terms that explain more than noise: forward, then backward, by t² (E5).
 
-use crate::cholesky;
+use crate::elimination::Equations;
 use crate::error::SparseError;
 use crate::normal_equations::{NormalEquations, Selection, require};
-use faer::Mat;
 
 /// Judges a term by what it explains against the noise.
 ///
@@ -44,97 +43,19 @@ impl Criterion {
         let threshold = self.threshold(problem.rows, usable.len());
 
         let entered = forward(inner, &usable, threshold);
-        let full = Full::new(inner, &entered).unwrap_or_else(|| Full::none(inner));
-        let kept = full.backward(inner, threshold);
-        problem.refit(&kept)
-    }
-}
-
-/// A least-squares fit with its inverse Gram matrix, from which columns can be taken one by one.
-struct Full {
-    active: Vec<usize>,
-    inverse: Mat<f64>,
-    coefficients: Vec<f64>,
-    residual: f64,
-}
-
-impl Full {
-    fn none(problem: &NormalEquations) -> Self {
-        Self {
-            active: Vec::new(),
-            inverse: Mat::zeros(0, 0),
-            coefficients: Vec::new(),
-            residual: problem.energy[0],
-        }
-    }
-
-    /// Fits all of `active`; `None` if rounding makes them depend on each other.
-    fn new(problem: &NormalEquations, active: &[usize]) -> Option<Self> {
-        let size = active.len();
-        if size == 0 {
-            return Some(Self::none(problem));
-        }
-        let gram = Mat::from_fn(size, size, |i, j| problem.gram[(active[i], active[j])]);
-        let inverse = cholesky::inverse(&gram)?;
-        let coefficients: Vec<f64> = (0..size)
-            .map(|j| (0..size).map(|i| inverse[(i, j)] * problem.right()[active[i]]).sum())
-            .collect();
-        let explained: f64 =
-            coefficients.iter().zip(active).map(|(c, &j)| c * problem.right()[j]).sum();
-        let residual = (problem.energy[0] - explained).max(problem.resolution());
-        Some(Self { active: active.to_vec(), inverse, coefficients, residual })
-    }
-
-    /// Drops the weakest column while its t² is below the threshold; the noise is that of the full
-    /// fit, lest dropping terms makes others look weak. Returns the columns kept, ascending.
-    fn backward(mut self, problem: &NormalEquations, threshold: f64) -> Vec<usize> {
-        let freedom = (problem.rows - self.active.len() as f64).max(1.0);
-        let noise = self.residual / freedom;
-        let loss = |full: &Self, place: usize| {
-            full.coefficients[place].powi(2) / full.inverse[(place, place)]
+        // The noise is that of the full fit, lest dropping terms makes others look weak.
+        let left = inner.refit(&entered)?.residual_energy.max(inner.resolution());
+        let noise = left / (inner.rows - entered.len() as f64).max(1.0);
+        let NormalEquations { gram: information, cross, .. } = inner.restricted(&entered);
+        let equations = Equations {
+            spread: faer::Scale(noise) * &information,
+            information,
+            right: cross.col_as_slice(0).to_vec(),
+            floor: vec![0.0; entered.len()],
         };
-        while let Some(weakest) = (0..self.active.len()).min_by(|&a, &b| {
-            let by_column = self.active[a].cmp(&self.active[b]);
-            loss(&self, a).total_cmp(&loss(&self, b)).then(by_column)
-        }) {
-            if loss(&self, weakest) >= threshold * noise {
-                break;
-            }
-            self.leave_out(weakest);
-        }
-        self.active.sort_unstable();
-        self.active
-    }
-
-    /// Inverse and coefficients without one column, by a rank-one change. The last column takes
-    /// its place, so that the rest stays one block of memory.
-    fn leave_out(&mut self, gone: usize) {
-        let last = self.active.len() - 1;
-        self.swap(gone, last);
-        self.active.pop();
-        let pivot = self.inverse[(last, last)];
-        let column: Vec<f64> = self.inverse.col_as_slice(last)[..last].to_vec();
-        let share = self.coefficients[last] / pivot;
-        self.coefficients.pop();
-        for (j, (coefficient, &weight)) in self.coefficients.iter_mut().zip(&column).enumerate() {
-            *coefficient -= weight * share;
-            let factor = weight / pivot;
-            let target = &mut self.inverse.col_as_slice_mut(j)[..last];
-            target.iter_mut().zip(&column).for_each(|(value, c)| *value -= c * factor);
-        }
-    }
-
-    fn swap(&mut self, one: usize, other: usize) {
-        if one == other {
-            return;
-        }
-        self.active.swap(one, other);
-        self.coefficients.swap(one, other);
-        for j in 0..self.inverse.ncols() {
-            self.inverse.col_as_slice_mut(j).swap(one, other);
-        }
-        let (left, right) = self.inverse.two_cols_mut(one.min(other), one.max(other));
-        faer::zip!(left, right).for_each(|faer::unzip!(a, b)| std::mem::swap(a, b));
+        let all: Vec<usize> = (0..entered.len()).collect();
+        let kept = equations.eliminate(&all, threshold).map_or_else(Vec::new, |kept| kept.active);
+        problem.refit(&kept.into_iter().map(|place| entered[place]).collect::<Vec<_>>())
     }
 }
 

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use torquewise_regression::elbow::elbow;
 use torquewise_regression::error::SparseError;
-use torquewise_regression::kmeans::{Clustering, KMeans, kmeans};
+use torquewise_regression::kmeans::{Clustering, kmeans};
 
 /// Normal enough: the sum of twelve uniform numbers, variance 1.
 fn normal(rng: &mut ChaCha8Rng) -> f64 {
@@ -44,7 +44,7 @@ fn activation(seed: u64, rows: [usize; 3], sign_weight: f64, noise: f64) -> Vec<
 }
 
 fn clusters_found(points: &[[f64; 2]]) -> usize {
-    let inertia = |k| kmeans(points, k, &KMeans::default()).expect("finite points").inertia;
+    let inertia = |k| kmeans(points, k, 0).expect("finite points").inertia;
     elbow(&(1..=8).map(inertia).collect::<Vec<f64>>())
 }
 
@@ -68,9 +68,8 @@ proptest! {
     fn few_points_get_the_best_of_all_partitions(
         points in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0_f64], 3..9),
     ) {
-        let many = KMeans { restarts: 200, tolerance: 0.0, ..KMeans::default() };
-
-        let found = kmeans(&points, 3, &many).unwrap();
+        let starts = (0..25).map(|seed| kmeans(&points, 3, seed).unwrap().inertia);
+        let found = starts.fold(f64::INFINITY, f64::min);
 
         let mut best = f64::INFINITY;
         let mut assignment = vec![0; points.len()];
@@ -80,25 +79,26 @@ proptest! {
             assignment[digit] += 1;
             best = best.min(inertia_of(&points, &assignment, 3));
         }
-        prop_assert!((found.inertia - best).abs() <= 1e-12, "{} beside {}", found.inertia, best);
+        prop_assert!((found - best).abs() <= 1e-12, "{} beside {}", found, best);
     }
 
     #[test]
-    fn every_point_belongs_to_its_nearest_centre_and_centres_are_means(
+    fn centres_are_the_means_of_the_points_nearest_to_them(
         points in prop::collection::vec([-1.0..1.0_f64, -1.0..1.0_f64], 5..60),
         k in 1..6_usize,
     ) {
-        let Clustering { centres, assignment, inertia, iterations } =
-            kmeans(&points, k, &KMeans { tolerance: 0.0, ..KMeans::default() }).unwrap();
+        let Clustering { centres, inertia } = kmeans(&points, k, 0).unwrap();
 
-        prop_assert!(iterations < 300);
         let distance = |p: &[f64; 2], c: &[f64; 2]| (p[0] - c[0]).powi(2) + (p[1] - c[1]).powi(2);
-        for (point, &own) in points.iter().zip(&assignment) {
-            let least = centres.iter().map(|c| distance(point, c)).fold(f64::INFINITY, f64::min);
-            prop_assert!(distance(point, &centres[own]) <= least);
-        }
+        let nearest = |point: &[f64; 2]| {
+            let apart = |k: &usize| distance(point, &centres[*k]);
+            (0..k).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap()
+        };
+        let assignment: Vec<usize> = points.iter().map(nearest).collect();
+        // Off its mean by δ, a centre adds its number of points times δ² to the inertia.
         let about_means = inertia_of(&points, &assignment, k);
-        prop_assert!((inertia - about_means).abs() <= 1e-12);
+        prop_assert!(inertia >= about_means - 1e-12);
+        prop_assert!(inertia <= about_means * (1.0 + 1.1e-8) + 1e-12);
     }
 }
 
@@ -106,7 +106,7 @@ proptest! {
 fn equal_points_in_many_clusters_are_no_trouble() {
     let points = [[0.5, 0.5]; 7];
 
-    let found = kmeans(&points, 4, &KMeans::default()).unwrap();
+    let found = kmeans(&points, 4, 0).unwrap();
 
     assert!(found.inertia < f64::MIN_POSITIVE);
     assert_eq!(found.centres, [[0.5, 0.5]; 4]);
@@ -117,54 +117,34 @@ fn a_rare_cluster_far_away_is_found() {
     let mut points = blobs(1, &[[0.0, 0.0], [1.0, 0.0]], 0.05, 15_000);
     points.extend(blobs(2, &[[1.0, 1.0]], 0.05, 600));
 
-    let found = kmeans(&points, 3, &KMeans::default()).unwrap();
+    let found = kmeans(&points, 3, 0).unwrap();
 
     for (centre, planted) in found.centres.iter().zip([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]) {
         assert!((centre[0] - planted[0]).abs() < 0.01, "{centre:?}");
         assert!((centre[1] - planted[1]).abs() < 0.01, "{centre:?}");
     }
-    assert!(found.assignment[30_000..].iter().all(|&cluster| cluster == 2));
 }
 
 #[test]
 fn another_seed_finds_the_same_clusters_in_the_same_order() {
     let points = blobs(4, &[[1.0, 1.0], [0.0, 0.0], [1.0, 0.0]], 0.1, 300);
 
-    let one = kmeans(&points, 3, &KMeans::default()).unwrap();
-    let other = kmeans(&points, 3, &KMeans { seed: 99, ..KMeans::default() }).unwrap();
+    let one = kmeans(&points, 3, 0).unwrap();
+    let other = kmeans(&points, 3, 99).unwrap();
 
-    assert_eq!(one.assignment, other.assignment);
-}
-
-#[test]
-fn the_tolerance_gives_away_next_to_nothing() {
-    let points = activation(6, [3_000, 3_000, 3_000], 0.3, 0.1);
-    let exact = KMeans { tolerance: 0.0, max_iterations: 10_000, ..KMeans::default() };
-
-    let quick = kmeans(&points, 7, &KMeans::default()).unwrap();
-    let slow = kmeans(&points, 7, &exact).unwrap();
-
-    assert!(quick.inertia - slow.inertia < 1e-3 * slow.inertia);
-}
-
-#[test]
-fn the_bound_on_moves_is_kept() {
-    let points = activation(5, [100, 100, 100], 0.3, 0.1);
-    let hasty = KMeans { restarts: 1, max_iterations: 1, ..KMeans::default() };
-
-    let found = kmeans(&points, 5, &hasty).unwrap();
-
-    assert_eq!(found.iterations, 1);
+    for (one, other) in one.centres.iter().zip(&other.centres) {
+        // Each stands still within 1e-4 of the spread of 0.14.
+        assert!((one[0] - other[0]).abs() + (one[1] - other[1]).abs() < 1e-4);
+    }
 }
 
 #[test]
 fn questions_without_answer_are_refused() {
     let points = [[0.0, 0.0], [1.0, f64::NAN]];
-    let settings = KMeans::default();
 
-    let none = kmeans(&points, 0, &settings);
-    let more = kmeans(&points, 3, &settings);
-    let broken = kmeans(&points, 2, &settings);
+    let none = kmeans(&points, 0, 0);
+    let more = kmeans(&points, 3, 0);
+    let broken = kmeans(&points, 2, 0);
 
     assert_eq!(none, Err(SparseError::Clusters { clusters: 0, points: 2 }));
     assert_eq!(more, Err(SparseError::Clusters { clusters: 3, points: 2 }));
