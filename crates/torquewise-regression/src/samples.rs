@@ -25,6 +25,16 @@ impl Samples {
         self.angles.nrows()
     }
 
+    /// Some rows that follow each other.
+    pub fn rows(&self, first: usize, count: usize) -> Self {
+        let own = |x: &Mat<f64>| x.subrows(first, count).to_owned();
+        Self {
+            angles: own(&self.angles),
+            variables: own(&self.variables),
+            responses: own(&self.responses),
+        }
+    }
+
     /// Checks the block against a design.
     ///
     /// # Errors

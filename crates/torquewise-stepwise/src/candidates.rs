@@ -75,7 +75,9 @@ impl Candidates {
                 None => largest_energy_library(n_joints, MOST_CANDIDATES),
             }),
             LibraryKind::Product { gravity_order, trig_order } => {
-                Terms::Torque(product_terms(n_joints, gravity_order, trig_order, regression))
+                let parts = product_parts(gravity_order, trig_order, regression);
+                let terms = parts.iter().map(|(order, own)| product_library(n_joints, *order, own));
+                Terms::Torque(terms.flatten().collect())
             }
         };
         let mut equations = match &terms {
@@ -173,16 +175,11 @@ impl Candidates {
 
 impl Terms {
     /// Number of candidates.
-    pub fn len(&self) -> usize {
+    fn len(&self) -> usize {
         match self {
             Self::Torque(terms) => terms.len(),
             Self::Energy(terms) => terms.len(),
         }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Readable name of a candidate.
@@ -228,32 +225,30 @@ fn check_library(
     library: LibraryKind,
     regression: Regression,
 ) -> Result<(), IdentifyError> {
-    let size = |order, degrees: &[Degree]| product_library_size(n_joints, order, degrees);
-    match (library, regression) {
-        (LibraryKind::Energy { interaction }, _) => {
+    match library {
+        LibraryKind::Energy { interaction } => {
             let limit = interaction.unwrap_or(1);
             check_size(energy_library_size(n_joints, Some(limit)), n_joints)
         }
-        (LibraryKind::Product { trig_order, .. }, Regression::OneShot) => {
-            check_size(size(trig_order, &Degree::up_to(2)), 1)
-        }
-        (LibraryKind::Product { gravity_order, trig_order }, Regression::Stepwise) => {
-            let gravity = size(gravity_order, &[Degree::of(Kind::Gravity)]);
-            let others = [Kind::Coriolis, Kind::Inertia].map(Degree::of);
-            check_size(gravity.saturating_add(size(trig_order, &others)), 1)
+        LibraryKind::Product { gravity_order, trig_order } => {
+            let parts = product_parts(gravity_order, trig_order, regression);
+            let sizes =
+                parts.iter().map(|(order, own)| product_library_size(n_joints, *order, own));
+            check_size(sizes.fold(0, usize::saturating_add), 1)
         }
     }
 }
 
-fn product_terms(n_joints: usize, gravity: u8, order: u8, regression: Regression) -> Vec<Term> {
+/// Orders and degrees of the parts of a product library, one after the other.
+fn product_parts(gravity: u8, order: u8, regression: Regression) -> Vec<(u8, Vec<Degree>)> {
+    let of = |kind| vec![Degree::of(kind)];
     match regression {
-        Regression::OneShot => product_library(n_joints, order, &Degree::up_to(2)),
-        Regression::Stepwise => {
-            [(Kind::Gravity, gravity), (Kind::Coriolis, order), (Kind::Inertia, order)]
-                .into_iter()
-                .flat_map(|(kind, order)| product_library(n_joints, order, &[Degree::of(kind)]))
-                .collect()
-        }
+        Regression::OneShot => vec![(order, Degree::up_to(2))],
+        Regression::Stepwise => vec![
+            (gravity, of(Kind::Gravity)),
+            (order, of(Kind::Coriolis)),
+            (order, of(Kind::Inertia)),
+        ],
     }
 }
 

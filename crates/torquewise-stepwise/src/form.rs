@@ -39,12 +39,9 @@ fn weigh<'a, T: Clone + 'a>(
     term: impl Fn(usize) -> Option<&'a T>,
 ) -> Vec<Weighted<T>> {
     let weighted = |fitted: &FittedTerm| {
-        term(fitted.column).map(|term| Weighted {
-            term: term.clone(),
-            coefficient: fitted.coefficient,
-            std_error: fitted.std_error,
-            inclusion: fitted.inclusion,
-        })
+        let &Weighted { term: column, coefficient, std_error, inclusion } = fitted;
+        let term = term(column)?.clone();
+        Some(Weighted { term, coefficient, std_error, inclusion })
     };
     group.iter().filter_map(weighted).collect()
 }

@@ -8,7 +8,7 @@ use crate::form::{dependent, dropped, form, friction_of};
 use crate::library::Basis;
 use crate::model_selection::{ModelSelection, select_model};
 use crate::noise::NoiseFloor;
-use crate::patterns::{Patterns, find_patterns};
+use crate::patterns::find_patterns;
 use crate::plan::{LibraryOptions, Regression};
 use crate::progress::Progress;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
@@ -17,7 +17,7 @@ use crate::sums::LibrarySums;
 use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::model::Choice;
-use torquewise_model::{Model, Stage};
+use torquewise_model::{Model, Stage, Weighted};
 use torquewise_motion::Pattern;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::Selector;
@@ -60,7 +60,7 @@ pub fn reconstruct(
         Regression::Stepwise => plan_steps(candidates, &patterns.present),
         Regression::OneShot => (one_shot(candidates), Vec::new()),
     };
-    let mut model = PartialModel::new(candidates, survey.rows, choices);
+    let mut model = PartialModel::new(candidates, choices);
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
         let rows = sums.of_step(step);
@@ -73,7 +73,8 @@ pub fn reconstruct(
     let noise = sums.still.clone().unwrap_or_else(|| survey.noise.clone());
     let bias =
         if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
-    let refitted = model.refit(&sums, &basis, survey, &model.refit_plan(&options, seed, &bias))?;
+    let plan = RefitPlan { survey, options: &options, noise: &bias, seed };
+    let refitted = model.refit(&sums, &basis, &plan)?;
 
     progress(Progress::Done);
     let missing = |pattern: &Pattern| !patterns.present.contains(pattern);
@@ -81,8 +82,18 @@ pub fn reconstruct(
         Regression::Stepwise => Pattern::ALL.into_iter().filter(missing).collect(),
         Regression::OneShot => Vec::new(),
     };
-    let fit = model.report(survey, patterns, noise, refitted);
-    Ok(LibraryFit { missing, unassigned: unassigned.len(), ..fit })
+    let (model, steps) = model.finish(survey, &refitted);
+    Ok(LibraryFit {
+        model,
+        patterns,
+        noise,
+        candidates: candidates.len(),
+        steps,
+        dropped: dropped(candidates, &refitted),
+        missing,
+        unassigned: unassigned.len(),
+        dependent: dependent(candidates, &refitted),
+    })
 }
 
 /// The model as it grows.
@@ -95,18 +106,16 @@ struct PartialModel<'a> {
     row_weights: Vec<Vec<f64>>,
     stages: Vec<Stage>,
     reports: Vec<StepReport>,
-    /// Rows of the log.
-    rows: usize,
     choices: Vec<Choice>,
 }
 
 impl<'a> PartialModel<'a> {
-    fn new(candidates: &'a Candidates, rows: usize, choices: Vec<Choice>) -> Self {
+    fn new(candidates: &'a Candidates, choices: Vec<Choice>) -> Self {
         let groups = candidates.groups();
         let weights = vec![vec![0.0; candidates.len()]; groups.len()];
         let row_weights = groups.iter().map(|group| vec![1.0; group.equations.len()]).collect();
         let (stages, reports) = (Vec::new(), Vec::new());
-        Self { candidates, groups, weights, row_weights, stages, reports, rows, choices }
+        Self { candidates, groups, weights, row_weights, stages, reports, choices }
     }
 
     /// Regresses what is unexplained on the rows of a step, and adds what was found.
@@ -158,41 +167,22 @@ impl<'a> PartialModel<'a> {
 
     /// What is found so far, per group; errors are not known yet.
     fn terms(&self) -> Vec<Vec<FittedTerm>> {
-        let term = |(column, &coefficient): (usize, &f64)| FittedTerm {
-            column,
-            coefficient,
-            std_error: 0.0,
-            inclusion: None,
+        let term = |(term, &coefficient): (usize, &f64)| {
+            (coefficient != 0.0).then_some(Weighted {
+                term,
+                coefficient,
+                std_error: 0.0,
+                inclusion: None,
+            })
         };
-        let found = |weights: &Vec<f64>| -> Vec<FittedTerm> {
-            weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(term).collect()
-        };
+        let found = |weights: &Vec<f64>| weights.iter().enumerate().filter_map(term).collect();
         self.weights.iter().map(found).collect()
-    }
-
-    /// What the last fit is asked, whose noise is taken out.
-    fn refit_plan<'n>(
-        &self,
-        options: &LibraryOptions,
-        seed: u64,
-        noise: &'n NoiseFloor,
-    ) -> RefitPlan<'n> {
-        let rows = self.rows;
-        let least_t_squared = match options.selector {
-            Selector::Criterion(criterion) => {
-                criterion.threshold(rows as f64, self.candidates.len())
-            }
-            _ => 0.0,
-        };
-        let least_size = options.threshold.unwrap_or(0.0);
-        RefitPlan { noise, seed, least_t_squared, least_size, bags: options.bags, rows }
     }
 
     fn refit(
         &self,
         sums: &LibrarySums,
         basis: &Basis,
-        survey: &Survey,
         plan: &RefitPlan<'_>,
     ) -> Result<Vec<Refitted>, IdentifyError> {
         let kept: Vec<ActiveSet> = self
@@ -201,44 +191,28 @@ impl<'a> PartialModel<'a> {
             .zip(self.groups.iter().zip(&self.row_weights))
             .map(|(found, (group, weights))| ActiveSet {
                 group: group.clone(),
-                columns: found.iter().map(|term| term.column).collect(),
+                columns: found.iter().map(|term| term.term).collect(),
                 weights: weights.clone(),
             })
             .collect();
         let all = sums.whole(basis)?;
         let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
-        refit(&survey.sample, self.candidates, &kept, &whole, plan)
+        refit(self.candidates, &kept, &whole, plan)
     }
 
-    fn report(
-        self,
-        survey: &Survey,
-        patterns: Patterns,
-        noise: NoiseFloor,
-        refitted: Vec<Refitted>,
-    ) -> LibraryFit {
+    /// The model of refitted terms, and the steps that led to it.
+    fn finish(self, survey: &Survey, refitted: &[Refitted]) -> (Model, Vec<StepReport>) {
         let terms: Vec<_> = refitted.iter().map(|group| group.terms.clone()).collect();
-        let dropped = dropped(self.candidates, &refitted);
-        let dependent = dependent(self.candidates, &refitted);
-        let left = refitted.into_iter().flat_map(|group| group.residual_rms).collect();
-        let training = survey.training(left);
-        let form = form(self.candidates, &terms);
-        let friction = friction_of(self.candidates, &terms);
-        let joints = survey.joints.clone();
-        let (stages, choices) = (self.stages, self.choices);
-        let model = Model { joints, form, chain: None, friction, stages, training, choices };
-        let (candidates, steps) = (self.candidates.len(), self.reports);
-        let (missing, unassigned) = (Vec::new(), 0);
-        LibraryFit {
-            model,
-            patterns,
-            noise,
-            candidates,
-            steps,
-            dropped,
-            missing,
-            unassigned,
-            dependent,
-        }
+        let left = refitted.iter().flat_map(|group| group.residual_rms.iter().copied()).collect();
+        let model = Model {
+            joints: survey.joints.clone(),
+            form: form(self.candidates, &terms),
+            chain: None,
+            friction: friction_of(self.candidates, &terms),
+            stages: self.stages,
+            training: survey.training(left),
+            choices: self.choices,
+        };
+        (model, self.reports)
     }
 }

@@ -4,30 +4,25 @@ use crate::active_set::{ActiveSet, FirstFit, Fit, with_response};
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::noise::NoiseFloor;
+use crate::plan::LibraryOptions;
 use crate::rows::{clear_of_reversals, cut, samples_of};
 use crate::step::unexplained;
+use crate::survey::Survey;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use torquewise_model::FrictionTerm;
+use torquewise_model::{FrictionTerm, Weighted};
 use torquewise_motion::{Motion, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::samples::Samples;
+use torquewise_regression::select::Selector;
 
-/// A term of the final fit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct FittedTerm {
-    /// Column of the library.
-    pub(crate) column: usize,
-    pub(crate) coefficient: f64,
-    pub(crate) std_error: f64,
-    /// Share of resampled logs in which it stayed.
-    pub(crate) inclusion: Option<f64>,
-}
+/// A term of a fit, by its column of the library.
+pub(crate) type FittedTerm = Weighted<usize>;
 
 /// The fit of one group.
 #[derive(Clone, Debug)]
@@ -42,18 +37,24 @@ pub(crate) struct Refitted {
 }
 
 /// How kept terms are fitted.
-#[derive(Clone, Debug)]
 pub(crate) struct RefitPlan<'a> {
+    pub(crate) survey: &'a Survey,
+    pub(crate) options: &'a LibraryOptions,
+    /// What is taken out of the normal equations.
     pub(crate) noise: &'a NoiseFloor,
     pub(crate) seed: u64,
-    /// Terms of less t² leave.
-    pub(crate) least_t_squared: f64,
-    /// Terms of at most this size leave.
-    pub(crate) least_size: f64,
-    /// Resampled logs for the inclusion of each term.
-    pub(crate) bags: usize,
-    /// Rows of the log.
-    pub(crate) rows: usize,
+}
+
+impl RefitPlan<'_> {
+    /// Terms of less t² leave, of so many candidates.
+    fn least_t_squared(&self, candidates: usize) -> f64 {
+        match self.options.selector {
+            Selector::Criterion(criterion) => {
+                criterion.threshold(self.survey.rows as f64, candidates)
+            }
+            _ => 0.0,
+        }
+    }
 }
 
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
@@ -79,10 +80,8 @@ const MOST_DRAWS: f64 = 16.0;
 /// Where the normal equations leave nothing to be explained, the sample says it all, and steps of
 /// iterative refinement say it to full precision.
 ///
-/// - `sample`: an even sample of the rows
 /// - `whole`: normal equations of all rows in the kept columns of each group
 pub(crate) fn refit(
-    sample: &Motion,
     candidates: &Candidates,
     kept: &[ActiveSet],
     whole: &[Vec<NormalEquations>],
@@ -92,9 +91,10 @@ pub(crate) fn refit(
         .iter()
         .map(|kept| Fit::new(kept.with_normalised_weights(), candidates, plan.noise))
         .collect::<Result<_, SparseError>>()?;
-    let parts = parts(kept);
+    let (parts, sample) = (parts(kept), &plan.survey.sample);
+    let least_t_squared = plan.least_t_squared(candidates.len());
     let pieces = pieces(sample, &candidates.friction, parts)?;
-    let scale = plan.rows as f64 / sample.n_rows().max(1) as f64;
+    let scale = plan.survey.rows as f64 / sample.n_rows().max(1) as f64;
     let draws = draws(scale);
     (fits.iter().zip(whole))
         .map(|(fit, grams)| {
@@ -110,7 +110,7 @@ pub(crate) fn refit(
                 base.refine(&(faer::Scale(scale) * gram_of(&sums_at(&base.coefficients, 0)?)))?;
             }
             let parts = sums_at(&base.coefficients, draws)?;
-            GroupRefit { fit, base: &base, grams, parts, scale }.finish(plan)
+            GroupRefit { fit, base: &base, grams, parts, scale, least_t_squared }.finish(plan)
         })
         .collect()
 }
@@ -180,14 +180,17 @@ struct GroupRefit<'a> {
     parts: Vec<Part>,
     /// Rows that a row of the sample stands for.
     scale: f64,
+    /// Terms of less t² leave.
+    least_t_squared: f64,
 }
 
 impl GroupRefit<'_> {
     fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
         let equations = self.equations(&vec![1.0; self.parts.len()]);
-        let mut estimate = self.estimate(&equations, &self.independent(), plan.least_t_squared);
+        let mut estimate = self.estimate(&equations, &self.independent(), self.least_t_squared);
         let weights = estimate.active.iter().zip(&estimate.coefficients);
-        let large = weights.filter(|(_, weight)| weight.abs() > plan.least_size);
+        let least_size = plan.options.threshold.unwrap_or(0.0);
+        let large = weights.filter(|(_, weight)| weight.abs() > least_size);
         let large: Vec<usize> = large.map(|(&column, _)| column).collect();
         if large.len() < estimate.active.len() {
             estimate = self.estimate(&equations, &large, 0.0);
@@ -195,8 +198,8 @@ impl GroupRefit<'_> {
         let inclusion = self.inclusion(plan, &estimate.active);
         let exact = self.sharpen(&estimate)?;
         let terms = (0..estimate.active.len())
-            .map(|place| FittedTerm {
-                column: self.fit.kept.columns[estimate.active[place]],
+            .map(|place| Weighted {
+                term: self.fit.kept.columns[estimate.active[place]],
                 coefficient: exact[place],
                 std_error: estimate.std_errors[place],
                 inclusion: inclusion.as_ref().map(|shares| shares[estimate.active[place]]),
@@ -268,12 +271,12 @@ impl GroupRefit<'_> {
         let p = self.fit.n_columns();
         let filled: Vec<usize> =
             (0..self.parts.len()).filter(|&part| self.parts[part].rows > 0.0).collect();
-        if plan.bags == 0 || filled.len() < LEAST_PARTS {
+        if plan.options.bags == 0 || filled.len() < LEAST_PARTS {
             return None;
         }
         let all = self.independent();
         let columns = if p > MOST_BAGGED { active } else { &all };
-        let rounds: Vec<Vec<usize>> = (0..plan.bags)
+        let rounds: Vec<Vec<usize>> = (0..plan.options.bags)
             .into_par_iter()
             .map(|round| {
                 let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
@@ -282,14 +285,14 @@ impl GroupRefit<'_> {
                 for _ in 0..filled.len() {
                     weights[filled[random.random_range(0..filled.len())]] += 1.0;
                 }
-                self.estimate(&self.equations(&weights), columns, plan.least_t_squared).active
+                self.estimate(&self.equations(&weights), columns, self.least_t_squared).active
             })
             .collect();
         let mut counts = vec![0_usize; p];
         for j in rounds.into_iter().flatten() {
             counts[j] += 1;
         }
-        Some(counts.into_iter().map(|count| count as f64 / plan.bags as f64).collect())
+        Some(counts.into_iter().map(|count| count as f64 / plan.options.bags as f64).collect())
     }
 
     /// RMS of what the final coefficients leave of each equation \[N·m\].

@@ -75,18 +75,8 @@ pub(crate) fn cut(samples: Samples, rows: usize) -> Vec<Samples> {
     if samples.n_rows() <= size {
         return vec![samples];
     }
-    (0..samples.n_rows())
-        .step_by(size)
-        .map(|start| {
-            let count = size.min(samples.n_rows() - start);
-            let piece = |x: &Mat<f64>| x.subrows(start, count).to_owned();
-            Samples {
-                angles: piece(&samples.angles),
-                variables: piece(&samples.variables),
-                responses: piece(&samples.responses),
-            }
-        })
-        .collect()
+    let pieces = (0..samples.n_rows()).step_by(size);
+    pieces.map(|start| samples.rows(start, size.min(samples.n_rows() - start))).collect()
 }
 
 /// Rows of a piece at least.
@@ -97,55 +87,46 @@ const LEAST_PIECE: usize = 16;
 pub(crate) struct Gathering {
     /// Whose rows; `None` for all.
     pattern: Option<Pattern>,
-    columns: [Vec<Vec<f64>>; 3],
+    /// A block, whose first rows are held.
+    block: Samples,
+    held: usize,
 }
 
 impl Gathering {
     /// - `pattern`: whose rows; `None` for all
     /// - `friction`: number of laws
     pub(crate) fn new(pattern: Option<Pattern>, n_joints: usize, friction: usize) -> Self {
-        let empty = |count| vec![Vec::with_capacity(BLOCK_ROWS); count];
-        let columns = [empty(n_joints), empty(2 * n_joints + friction), empty(n_joints)];
-        Self { pattern, columns }
+        let empty = |columns| Mat::zeros(BLOCK_ROWS, columns);
+        let block = Samples {
+            angles: empty(n_joints),
+            variables: empty(2 * n_joints + friction),
+            responses: empty(n_joints),
+        };
+        Self { pattern, block, held: 0 }
     }
 
     /// Adds the rows of its pattern; blocks come out when there are enough.
     pub(crate) fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Vec<Samples> {
-        let wanted = |row: &usize| self.pattern.is_none_or(|pattern| pattern == labels[*row]);
-        let rows: Vec<usize> = (0..labels.len()).filter(wanted).collect();
-        rows.into_iter().filter_map(|row| self.push(samples, row)).collect()
-    }
-
-    fn push(&mut self, samples: &Samples, row: usize) -> Option<Samples> {
-        let sources = [&samples.angles, &samples.variables, &samples.responses];
-        for (columns, source) in self.columns.iter_mut().zip(sources) {
-            for (j, column) in columns.iter_mut().enumerate() {
-                column.push(source[(row, j)]);
+        let mut full = Vec::new();
+        for (row, &label) in labels.iter().enumerate() {
+            if self.pattern.is_some_and(|pattern| pattern != label) {
+                continue;
+            }
+            let Samples { angles, variables, responses } = &mut self.block;
+            angles.row_mut(self.held).copy_from(samples.angles.row(row));
+            variables.row_mut(self.held).copy_from(samples.variables.row(row));
+            responses.row_mut(self.held).copy_from(samples.responses.row(row));
+            self.held += 1;
+            if self.held == BLOCK_ROWS {
+                full.extend(self.take());
             }
         }
-        (self.len() >= BLOCK_ROWS).then(|| self.take()).flatten()
+        full
     }
 
     /// The rows still held, if any.
     pub(crate) fn take(&mut self) -> Option<Samples> {
-        let rows = self.len();
-        if rows == 0 {
-            return None;
-        }
-        let [angles, variables, responses] = &mut self.columns;
-        let matrix = |columns: &mut Vec<Vec<f64>>| {
-            let out = Mat::from_fn(rows, columns.len(), |row, j| columns[j][row]);
-            columns.iter_mut().for_each(Vec::clear);
-            out
-        };
-        Some(Samples {
-            angles: matrix(angles),
-            variables: matrix(variables),
-            responses: matrix(responses),
-        })
-    }
-
-    fn len(&self) -> usize {
-        self.columns[0].first().map_or(0, Vec::len)
+        let held = std::mem::take(&mut self.held);
+        (held > 0).then(|| self.block.rows(0, held))
     }
 }
