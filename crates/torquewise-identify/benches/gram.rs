@@ -36,12 +36,12 @@ fn by_rows(bencher: Bencher<'_, '_>, block_rows: usize) {
 }
 
 fn sum(prepared: &Prepared, blocks: &[Samples]) -> Vec<NormalEquations> {
-    let mut adder = RowAdder::new(prepared, N_RESPONSES);
+    let mut adder = RowAdder::new(prepared);
     for block in blocks {
         adder.push(block.clone()).expect("blocks of the library's shape");
     }
     let columns: Vec<usize> = (0..3_612).collect();
-    adder.finish().expect("sums within range").grams(prepared, N_RESPONSES, &columns)
+    adder.finish().expect("sums within range").grams(prepared, &columns)
 }
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
@@ -49,7 +49,7 @@ fn library(route: Route) -> Prepared {
     let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot)
         .expect("a library that fits into memory");
     assert_eq!(candidates.len(), 3_612);
-    Prepared::new(&candidates.design, route)
+    Prepared::new(&candidates.design, N_RESPONSES, route)
 }
 
 /// Positioning moves of the reference arm with the noise of case 3.

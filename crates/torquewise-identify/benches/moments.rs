@@ -55,7 +55,7 @@ fn share(
     let design = Candidates::new(n, library, regression).expect("a library").design;
     let plan = MomentPlan::new(&design);
     let flops = 2.0 * plan.size(n) as f64;
-    let prepared = Prepared::new(&design, Route::Moments);
+    let prepared = Prepared::new(&design, n, Route::Moments);
     // More rows of small libraries, lest a round be too short to be measured.
     let rows = rows * (400_000 / (2 * plan.size(n))).clamp(1, 5);
     let blocks: Vec<Samples> = (0..rows / BLOCK).map(|block| samples(n, block)).collect();
@@ -63,7 +63,7 @@ fn share(
     let mut shares: Vec<[f64; 3]> = Vec::new();
     for _ in 0..ROUNDS {
         let before = dgemm(threads);
-        let mut adder = RowAdder::new(&prepared, n);
+        let mut adder = RowAdder::new(&prepared);
         let copies = blocks.clone();
         let start = ProcessTime::now();
         for block in copies {

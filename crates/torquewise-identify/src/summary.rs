@@ -144,7 +144,7 @@ impl Summary {
 
     fn new(settings: Settings, basis: Option<&Basis>) -> Self {
         let n = settings.joints.len();
-        let none = |basis: &Basis| vec![basis.no_rows(); settings.parts().len()];
+        let none = |basis: &Basis| vec![RowSums::new(&basis.prepared); settings.parts().len()];
         let sums = basis.map_or_else(Vec::new, none);
         let (survey, still) = (SurveySum::new(&settings.joints), NoiseSum::new(n));
         Self { settings, logs: 0, survey, still, sums, choices: Vec::new(), pass: None }

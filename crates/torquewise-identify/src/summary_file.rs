@@ -63,7 +63,7 @@ impl Summary {
         }
         let basis = settings.basis()?;
         let prepared = basis.as_ref().map(|basis| &basis.prepared);
-        if !sums.iter().all(|sums| prepared.is_some_and(|own| sums.is_sound(own, n))) {
+        if !sums.iter().all(|sums| prepared.is_some_and(|own| sums.is_sound(own))) {
             return Err(damaged("its sums are not those of its library"));
         }
         Ok(Self { settings, logs, survey, still, sums, choices: Vec::new(), pass })

@@ -18,23 +18,17 @@ pub enum Route {
     Direct,
 }
 
-/// The cheaper route by multiplications: per row, and once for gathering (two per pair of atoms).
-pub fn cheaper_route(design: &Design, n_responses: usize, n_rows: usize) -> Route {
-    let evaluator = Evaluator::new(design.clone());
-    let direct = direct_cost(&evaluator, n_responses) * n_rows as f64;
-    if moment_cost_bound(design) * n_rows as f64 > direct {
-        return Route::Direct;
-    }
-    let plan = MomentPlan::new(design);
-    let gathering = 2.0 * (design.n_equations() as f64) * (design.atoms.len() as f64).powi(2);
-    let moments = plan.cost(n_responses) * n_rows as f64 + gathering;
-    if moments < direct { Route::Moments } else { Route::Direct }
+/// A design made ready to be summed by one of the routes, and how many responses it explains.
+pub struct Prepared {
+    ready: Ready,
+    n_responses: usize,
 }
 
-/// At least this many multiplications per row go into moments: a cheap look before the products of
-/// a very large design are listed.
-fn moment_cost_bound(design: &Design) -> f64 {
-    design.waves.len() as f64 * design.monomials.len() as f64
+enum Ready {
+    /// Its moments are listed.
+    Moments(Box<MomentPlan>),
+    /// Its columns can be evaluated.
+    Direct(Box<Evaluator>),
 }
 
 /// Accumulates the normal equations of a design by a given route.
@@ -47,31 +41,48 @@ enum Way<'a> {
     Direct(&'a Evaluator, Vec<NormalEquations>),
 }
 
-/// A design made ready for one of the routes.
-pub enum Prepared {
-    /// Its moments are listed.
-    Moments(Box<MomentPlan>),
-    /// Its columns can be evaluated.
-    Direct(Box<Evaluator>),
-}
-
 impl Prepared {
-    /// Makes a design ready.
-    pub fn new(design: &Design, route: Route) -> Self {
-        match route {
-            Route::Moments => Self::Moments(Box::new(MomentPlan::new(design))),
-            Route::Direct => Self::Direct(Box::new(Evaluator::new(design.clone()))),
+    /// Makes a design ready for a route.
+    pub fn new(design: &Design, n_responses: usize, route: Route) -> Self {
+        let ready = match route {
+            Route::Moments => Ready::Moments(Box::new(MomentPlan::new(design))),
+            Route::Direct => Ready::Direct(Box::new(Evaluator::new(design.clone()))),
+        };
+        Self { ready, n_responses }
+    }
+
+    /// Makes a design ready for the cheaper route by multiplications: per row, and once for
+    /// gathering (two per pair of atoms).
+    pub fn cheaper(design: &Design, n_responses: usize, n_rows: usize) -> Self {
+        let evaluator = Evaluator::new(design.clone());
+        let direct = direct_cost(&evaluator, n_responses) * n_rows as f64;
+        if moment_cost_bound(design) * n_rows as f64 <= direct {
+            let plan = MomentPlan::new(design);
+            let pairs = (design.n_equations() as f64) * (design.atoms.len() as f64).powi(2);
+            if plan.cost(n_responses) * n_rows as f64 + 2.0 * pairs < direct {
+                return Self { ready: Ready::Moments(Box::new(plan)), n_responses };
+            }
+        }
+        Self { ready: Ready::Direct(Box::new(evaluator)), n_responses }
+    }
+
+    /// Its route.
+    pub fn route(&self) -> Route {
+        match self.ready {
+            Ready::Moments(_) => Route::Moments,
+            Ready::Direct(_) => Route::Direct,
         }
     }
 
     /// An empty sum.
-    pub fn start(&self, n_responses: usize) -> GramSum<'_> {
-        let way = match self {
-            Self::Moments(plan) => {
+    pub fn start(&self) -> GramSum<'_> {
+        let n_responses = self.n_responses;
+        let way = match &self.ready {
+            Ready::Moments(plan) => {
                 let strip = Box::new(plan.strip(n_responses));
                 Way::Moments(plan, plan.start(n_responses), strip)
             }
-            Self::Direct(evaluator) => {
+            Ready::Direct(evaluator) => {
                 let design = evaluator.design();
                 let (p, count) = (design.n_columns(), design.n_equations());
                 let own = responses_of(0, count, n_responses).len();
@@ -82,24 +93,29 @@ impl Prepared {
     }
 
     /// Numbers of one sum: those of [`GramSum::write_to`].
-    pub(crate) fn n_sums(&self, n_responses: usize) -> usize {
+    pub(crate) fn n_sums(&self) -> usize {
         let mut count = 0;
-        self.start(n_responses).parts_mut(|part| count += part.len());
+        self.start().parts_mut(|part| count += part.len());
         count
     }
 
     /// The normal equations of each equation in some of the columns, from the numbers of a sum.
     pub(crate) fn grams_of(
         &self,
-        n_responses: usize,
         table: &[f64],
         rows: usize,
         columns: &[usize],
     ) -> Vec<NormalEquations> {
-        let mut sum = self.start(n_responses);
+        let mut sum = self.start();
         sum.read_from(table, rows);
         sum.grams_of(columns)
     }
+}
+
+/// At least this many multiplications per row go into moments: a cheap look before the products of
+/// a very large design are listed.
+fn moment_cost_bound(design: &Design) -> f64 {
+    design.waves.len() as f64 * design.monomials.len() as f64
 }
 
 impl GramSum<'_> {

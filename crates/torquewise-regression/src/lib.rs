@@ -21,6 +21,5 @@ pub mod row_sums;
 pub mod elimination;
 pub mod select;
 pub mod kmeans;
-pub mod elbow;
 
 pub use error::SparseError;

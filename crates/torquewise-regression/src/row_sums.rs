@@ -17,8 +17,8 @@ pub struct RowSums {
 
 impl RowSums {
     /// The sums of no rows.
-    pub fn new(prepared: &Prepared, n_responses: usize) -> Self {
-        Self { sums: ExactSums::zeros(prepared.n_sums(n_responses)), rows: 0 }
+    pub fn new(prepared: &Prepared) -> Self {
+        Self { sums: ExactSums::zeros(prepared.n_sums()), rows: 0 }
     }
 
     /// Rows summed.
@@ -37,20 +37,15 @@ impl RowSums {
     }
 
     /// The normal equations of each equation, in some of the columns of the design.
-    pub fn grams(
-        &self,
-        prepared: &Prepared,
-        n_responses: usize,
-        columns: &[usize],
-    ) -> Vec<NormalEquations> {
+    pub fn grams(&self, prepared: &Prepared, columns: &[usize]) -> Vec<NormalEquations> {
         let mut table = vec![0.0; self.sums.len()];
         self.sums.write_to(0, &mut table);
-        prepared.grams_of(n_responses, &table, self.rows, columns)
+        prepared.grams_of(&table, self.rows, columns)
     }
 
     /// Whether they are sums for the design.
-    pub fn is_sound(&self, prepared: &Prepared, n_responses: usize) -> bool {
-        self.sums.len() == prepared.n_sums(n_responses)
+    pub fn is_sound(&self, prepared: &Prepared) -> bool {
+        self.sums.len() == prepared.n_sums()
     }
 }
 
@@ -80,16 +75,16 @@ struct Lane<'a> {
 
 impl<'a> RowAdder<'a> {
     /// Starts from nothing.
-    pub fn new(prepared: &'a Prepared, n_responses: usize) -> Self {
+    pub fn new(prepared: &'a Prepared) -> Self {
         // Numbers of a sum, and the square that a triangle of them is kept in.
-        let most = (LANE_BYTES / (2 * 8 * prepared.n_sums(n_responses)).max(1)).max(1);
+        let most = (LANE_BYTES / (2 * 8 * prepared.n_sums()).max(1)).max(1);
         let lane = |_| Lane {
-            sum: prepared.start(n_responses),
+            sum: prepared.start(),
             blocks: Vec::with_capacity(CHUNK_BLOCKS),
             table: Vec::new(),
         };
         let lanes = (0..rayon::current_num_threads().clamp(1, most)).map(lane).collect();
-        Self { lanes, filled: 0, total: RowSums::new(prepared, n_responses) }
+        Self { lanes, filled: 0, total: RowSums::new(prepared) }
     }
 
     /// Hands over the next block.

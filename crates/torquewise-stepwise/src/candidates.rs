@@ -31,7 +31,7 @@ pub struct Candidates {
     pub design: Design,
     /// Whether a column is found in a step: one list per pattern, least active first.
     pub offered: [Vec<usize>; 3],
-    n_joints: usize,
+    pub(crate) n_joints: usize,
 }
 
 /// Coefficients that are found together: which equation explains which response.

@@ -20,7 +20,6 @@ pub mod library;
 pub mod sums;
 mod active_set;
 mod refit;
-pub mod form;
 pub mod fit;
 pub mod reconstruct;
 pub mod orders;

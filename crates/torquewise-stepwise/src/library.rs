@@ -11,9 +11,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Pattern, Recording};
-use torquewise_regression::accumulate::{Prepared, cheaper_route};
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::RowSums;
+use torquewise_regression::accumulate::Prepared;
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,8 +32,6 @@ pub struct Basis {
     pub candidates: Candidates,
     /// Their columns, as sums over rows want them.
     pub prepared: Prepared,
-    /// Number of joints n.
-    pub n_joints: usize,
 }
 
 /// Rows that the route to the sums is chosen for. One number for all logs, lest parts of different
@@ -71,9 +67,8 @@ impl SummedLibrary {
     pub fn basis(&self, n_joints: usize) -> Result<Basis, IdentifyError> {
         let laws = self.friction.clone();
         let candidates = Candidates::with_friction(n_joints, self.kind, self.regression, laws)?;
-        let route = cheaper_route(&candidates.design, n_joints, USUAL_ROWS);
-        let prepared = Prepared::new(&candidates.design, route);
-        Ok(Basis { candidates, prepared, n_joints })
+        let prepared = Prepared::cheaper(&candidates.design, n_joints, USUAL_ROWS);
+        Ok(Basis { candidates, prepared })
     }
 
     /// Options with what was settled when rows were summed.
@@ -88,17 +83,5 @@ impl SummedLibrary {
             Regression::Stepwise => Pattern::ALL.map(Some).into(),
             Regression::OneShot => vec![None],
         }
-    }
-}
-
-impl Basis {
-    /// The sums of no rows.
-    pub fn no_rows(&self) -> RowSums {
-        RowSums::new(&self.prepared, self.n_joints)
-    }
-
-    /// The normal equations of some candidates over rows.
-    pub(crate) fn grams(&self, rows: &RowSums, columns: &[usize]) -> Vec<NormalEquations> {
-        rows.grams(&self.prepared, self.n_joints, columns)
     }
 }

@@ -11,7 +11,7 @@ use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_regression::accumulate::{Prepared, cheaper_route};
+use torquewise_regression::accumulate::Prepared;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
@@ -222,14 +222,13 @@ struct CrossValidation<'a> {
 impl<'a> CrossValidation<'a> {
     fn new(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
         let (m, n) = (survey.sample.n_rows(), survey.joints.len());
-        let route = cheaper_route(&candidates.design, n, m / BLOCKS);
-        let prepared = Prepared::new(&candidates.design, route);
+        let prepared = Prepared::cheaper(&candidates.design, n, m / BLOCKS);
         let blocks = (0..BLOCKS)
             .into_par_iter()
             .map(|block| {
                 let rows = survey.sample.select(&split(m, block).0);
                 let rows = clear_of_reversals(&rows, &candidates.friction);
-                let mut sum = prepared.start(n);
+                let mut sum = prepared.start();
                 sum.add(&samples_of(&rows, &candidates.friction)?)?;
                 Ok(sum.grams())
             })

@@ -16,7 +16,7 @@ use torquewise_model::library::{
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::accumulate::{GramSum, Prepared, cheaper_route};
+use torquewise_regression::accumulate::{GramSum, Prepared};
 use torquewise_regression::design::Design;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::samples::Samples;
@@ -141,15 +141,10 @@ fn whole_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
     let degrees = Degree::up_to(2);
     let largest = feasible(largest, |order| product_library_size(n, order, &degrees));
     let terms = product_library(n, largest, &degrees);
-    let rungs = (1..=2_u8)
-        .flat_map(|motion| (1..=largest).map(move |order| (order, motion)))
-        .map(|(order, motion)| {
-            let fits = |term: &Term| trig_order(term) <= order && motion_order(term) <= motion;
-            (order, motion, places(&terms, fits))
-        })
-        .collect();
-    let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
-    Ok(OrderSweep { name: "SINDy".into(), pattern: None, design, rungs })
+    let rungs = (1..=2).flat_map(|motion| (1..=largest).map(move |order| (order, motion)));
+    OrderSweep::of_terms(n, ("SINDy", None), &terms, rungs, |term, order, motion| {
+        trig_order(term) <= order && motion_order(term) <= motion
+    })
 }
 
 /// One step: its own part of the library at N₁, beside the parts of the steps before at the
@@ -171,14 +166,10 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<OrderSweep, Id
     let largest = feasible(largest, size);
     let mut terms = product_library(n, largest.min(BEFORE), before);
     terms.extend(product_library(n, largest, added));
-    let rungs = (1..=largest)
-        .map(|order| {
-            let fits = |term: &Term| term.kind() != own || trig_order(term) <= order;
-            (order, 0, places(&terms, fits))
-        })
-        .collect();
-    let design = Design::new(n, 2 * n, &columns_of_terms(&terms))?;
-    Ok(OrderSweep { name: pattern.name().into(), pattern: Some(pattern), design, rungs })
+    let rungs = (1..=largest).map(|order| (order, 0));
+    OrderSweep::of_terms(n, (pattern.name(), Some(pattern)), &terms, rungs, |term, order, _| {
+        term.kind() != own || trig_order(term) <= order
+    })
 }
 
 fn energy_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
@@ -192,10 +183,6 @@ fn energy_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
         .collect();
     let design = Design::new(n, 2 * n, &columns_of_energies(&terms, n))?;
     Ok(OrderSweep { name: "energy".into(), pattern: None, design, rungs })
-}
-
-fn places(terms: &[Term], fits: impl Fn(&Term) -> bool) -> Vec<usize> {
-    (0..terms.len()).filter(|&column| fits(&terms[column])).collect()
 }
 
 fn trig_order(term: &Term) -> u8 {
@@ -216,16 +203,14 @@ fn accumulate(
     rows: usize,
 ) -> Result<Vec<(usize, Halves)>, IdentifyError> {
     let n = recording.joints().len();
-    let prepared: Vec<Prepared> = ladders
-        .iter()
-        .map(|ladder| Prepared::new(&ladder.design, cheaper_route(&ladder.design, n, rows)))
-        .collect();
+    let prepared: Vec<Prepared> =
+        ladders.iter().map(|ladder| Prepared::cheaper(&ladder.design, n, rows)).collect();
     // Pieces of one size, or one half would get all the remainders.
     let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
     let mut bins: Vec<Bin<'_>> = (ladders.iter().zip(&prepared))
         .map(|(ladder, design)| Bin {
             gathering: Gathering::new(ladder.pattern, n, 0),
-            halves: [design.start(n), design.start(n)],
+            halves: [design.start(), design.start()],
             rows: 0,
             next: 0,
             piece,
@@ -278,6 +263,22 @@ impl Bin<'_> {
 }
 
 impl OrderSweep {
+    /// - `rungs`: (order, motion order), of terms that `fits` accepts at these
+    fn of_terms(
+        n: usize,
+        (name, pattern): (&str, Option<Pattern>),
+        terms: &[Term],
+        rungs: impl Iterator<Item = (u8, u8)>,
+        fits: impl Fn(&Term, u8, u8) -> bool,
+    ) -> Result<Self, IdentifyError> {
+        let columns = |order, motion| {
+            (0..terms.len()).filter(|&column| fits(&terms[column], order, motion)).collect()
+        };
+        let rungs = rungs.map(|(order, motion)| (order, motion, columns(order, motion))).collect();
+        let design = Design::new(n, 2 * n, &columns_of_terms(terms))?;
+        Ok(Self { name: name.into(), pattern, design, rungs })
+    }
+
     fn sweep(
         &self,
         rows: usize,

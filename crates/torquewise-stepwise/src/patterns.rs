@@ -5,8 +5,7 @@ use crate::error::IdentifyError;
 use crate::survey::Survey;
 use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
-use torquewise_regression::elbow::elbow;
-use torquewise_regression::kmeans::kmeans;
+use torquewise_regression::kmeans::{elbow, kmeans};
 
 /// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 9;

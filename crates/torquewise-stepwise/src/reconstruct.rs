@@ -3,8 +3,7 @@
 use crate::active_set::ActiveSet;
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
-use crate::fit::{LibraryFit, StepReport};
-use crate::form::{dependent, dropped, form, friction_of};
+use crate::fit::{LibraryFit, StepReport, dependent, dropped, form, friction_of};
 use crate::library::Basis;
 use crate::model_selection::{ModelSelection, select_model};
 use crate::noise::NoiseFloor;
@@ -64,7 +63,7 @@ pub fn reconstruct(
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
         let rows = sums.of_step(step);
-        let grams = basis.grams(rows, &step.columns);
+        let grams = rows.grams(&basis.prepared, &step.columns);
         model.take_step(step, rows.rows(), &grams, &options.selector)?;
     }
 
@@ -196,7 +195,8 @@ impl<'a> PartialModel<'a> {
             })
             .collect();
         let all = sums.whole(basis)?;
-        let whole: Vec<_> = kept.iter().map(|kept| basis.grams(&all, &kept.columns)).collect();
+        let whole = kept.iter().map(|kept| all.grams(&basis.prepared, &kept.columns));
+        let whole: Vec<_> = whole.collect();
         refit(self.candidates, &kept, &whole, plan)
     }
 

@@ -52,7 +52,7 @@ impl LibrarySums {
             if is_shown && self.sums[place].rows() as f64 > least {
                 present.push(pattern);
             } else if place != last {
-                let few = std::mem::replace(&mut self.sums[place], basis.no_rows());
+                let few = std::mem::replace(&mut self.sums[place], RowSums::new(&basis.prepared));
                 self.sums[last].merge(&few)?;
             }
         }
@@ -66,7 +66,7 @@ impl LibrarySums {
 
     /// All rows as one.
     pub(crate) fn whole(&self, basis: &Basis) -> Result<RowSums, SparseError> {
-        let mut whole = basis.no_rows();
+        let mut whole = RowSums::new(&basis.prepared);
         self.sums.iter().try_for_each(|sums| whole.merge(sums))?;
         Ok(whole)
     }
@@ -90,10 +90,11 @@ impl<'a> PatternAccumulator<'a> {
     ///
     /// - `parts`: the patterns whose rows are summed apart; `None` stands for all rows
     pub fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
-        let (n, friction) = (basis.n_joints, &basis.candidates.friction[..]);
+        let n = basis.candidates.n_joints;
+        let friction = &basis.candidates.friction[..];
         let bin = |&pattern: &Option<Pattern>| Bin {
             gathering: Gathering::new(pattern, n, friction.len()),
-            adder: RowAdder::new(&basis.prepared, n),
+            adder: RowAdder::new(&basis.prepared),
         };
         let bins = parts.iter().map(bin).collect();
         Self { patterns, friction, noise: NoiseSum::new(n), bins }

@@ -7,7 +7,7 @@ use std::path::Path;
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
 use torquewise_motion::Motion;
-use torquewise_regression::accumulate::cheaper_route;
+use torquewise_regression::accumulate::Prepared;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
 use torquewise_regression::select::stlsq::Stlsq;
@@ -36,7 +36,7 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let library = LibraryKind::Product { gravity_order: 2, trig_order: order };
     let candidates = Candidates::new(N, library, Regression::OneShot).expect("a library");
     let p = candidates.len();
-    let route = cheaper_route(&candidates.design, N, ROWS);
+    let route = Prepared::cheaper(&candidates.design, N, ROWS).route();
     let columns: Vec<usize> = (0..p).collect();
     let mut out = json!({ "route": format!("{route:?}") });
 

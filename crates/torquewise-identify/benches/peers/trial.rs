@@ -8,7 +8,7 @@ use std::time::Instant;
 use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
-use torquewise_regression::accumulate::{Prepared, cheaper_route};
+use torquewise_regression::accumulate::Prepared;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::RowAdder;
 use torquewise_regression::samples::Samples;
@@ -62,16 +62,15 @@ pub(crate) fn grams(
 ) -> Vec<NormalEquations> {
     let n = motion.n_joints();
     let columns: Vec<usize> = (0..candidates.len()).collect();
-    let route = cheaper_route(&candidates.design, n, repeats * motion.n_rows());
-    let prepared = Prepared::new(&candidates.design, route);
-    let mut adder = RowAdder::new(&prepared, n);
+    let prepared = Prepared::cheaper(&candidates.design, n, repeats * motion.n_rows());
+    let mut adder = RowAdder::new(&prepared);
     for _ in 0..repeats {
         for block in blocks(motion) {
             adder.push(block).expect("a block that fits");
         }
     }
     let sums = adder.finish().expect("sums within range");
-    sums.grams(&prepared, n, &columns)
+    sums.grams(&prepared, &columns)
 }
 
 /// Work that takes less than so many seconds is done [`AGAIN`] times: the median counts.

@@ -2,7 +2,7 @@
 
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
-use torquewise_regression::accumulate::{Route, cheaper_route, direct_cost};
+use torquewise_regression::accumulate::{Prepared, Route, direct_cost};
 use torquewise_regression::design::Design;
 use torquewise_regression::moments::MomentPlan;
 use torquewise_regression::samples::Evaluator;
@@ -24,7 +24,7 @@ fn moments_take_a_twentieth_of_the_multiplications_of_the_sindy_library() {
     let by_rows = direct_cost(&Evaluator::new(design.clone()), N_RESPONSES);
 
     assert_eq!(design.n_columns(), 3_612);
-    assert_eq!(cheaper_route(&design, N_RESPONSES, 60_000), Route::Moments);
+    assert_eq!(Prepared::cheaper(&design, N_RESPONSES, 60_000).route(), Route::Moments);
     assert!(by_rows > 20.0 * by_moments, "{by_rows} and {by_moments} multiplications per row");
 }
 
@@ -39,5 +39,5 @@ fn the_moments_of_the_sindy_library_are_those_that_e3_counts() {
 
 #[test]
 fn a_handful_of_rows_is_not_worth_a_table_of_moments() {
-    assert_eq!(cheaper_route(&sindy(), N_RESPONSES, 1), Route::Direct);
+    assert_eq!(Prepared::cheaper(&sindy(), N_RESPONSES, 1).route(), Route::Direct);
 }

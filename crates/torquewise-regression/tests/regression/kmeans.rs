@@ -3,9 +3,8 @@
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::elbow::elbow;
 use torquewise_regression::error::SparseError;
-use torquewise_regression::kmeans::{Clustering, kmeans};
+use torquewise_regression::kmeans::{Clustering, elbow, kmeans};
 
 /// Normal enough: the sum of twelve uniform numbers, variance 1.
 fn normal(rng: &mut ChaCha8Rng) -> f64 {

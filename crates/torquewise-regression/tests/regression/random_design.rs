@@ -4,7 +4,7 @@ use faer::Mat;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::accumulate::Prepared;
+use torquewise_regression::accumulate::{Prepared, Route};
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::{Column, Design};
 use torquewise_regression::normal_equations::NormalEquations;
@@ -92,10 +92,14 @@ impl RandomDesign {
         Design::new(self.n_angles, self.n_variables, &equations).expect("letters of one length")
     }
 
+    pub(crate) fn prepared(&self, route: Route) -> Prepared {
+        Prepared::new(&self.design(), self.n_responses(), route)
+    }
+
     /// The normal equations of all columns from sums over rows.
     pub(crate) fn grams_of(&self, prepared: &Prepared, sums: &RowSums) -> Vec<NormalEquations> {
         let columns: Vec<usize> = (0..self.n_columns()).collect();
-        sums.grams(prepared, self.n_responses(), &columns)
+        sums.grams(prepared, &columns)
     }
 
     pub(crate) fn n_columns(&self) -> usize {

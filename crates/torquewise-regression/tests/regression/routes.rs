@@ -4,7 +4,7 @@ use crate::random_design::{RandomDesign, any_design, samples};
 use faer::Mat;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
-use torquewise_regression::accumulate::{Prepared, Route, cheaper_route};
+use torquewise_regression::accumulate::{Prepared, Route};
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::Design;
 use torquewise_regression::error::SparseError;
@@ -15,16 +15,16 @@ use torquewise_regression::samples::{Evaluator, Samples};
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 
 fn grams(random: &RandomDesign, route: Route, blocks: &[Samples]) -> Vec<NormalEquations> {
-    let prepared = Prepared::new(&random.design(), route);
-    let mut sum = prepared.start(random.n_responses());
+    let prepared = random.prepared(route);
+    let mut sum = prepared.start();
     for block in blocks {
         sum.add(block).expect("blocks of the shape of the design");
     }
     sum.grams()
 }
 
-fn row_sums(random: &RandomDesign, prepared: &Prepared, blocks: &[Samples]) -> RowSums {
-    let mut adder = RowAdder::new(prepared, random.n_responses());
+fn row_sums(prepared: &Prepared, blocks: &[Samples]) -> RowSums {
+    let mut adder = RowAdder::new(prepared);
     for block in blocks {
         adder.push(block.clone()).expect("blocks of the shape of the design");
     }
@@ -122,10 +122,10 @@ proptest! {
     ) {
         let blocks = [samples(&random, seed, rows[0]), samples(&random, !seed, rows[1])];
         for route in ROUTES {
-            let prepared = Prepared::new(&random.design(), route);
+            let prepared = random.prepared(route);
 
-            let mut merged = row_sums(&random, &prepared, &blocks[..1]);
-            merged.merge(&row_sums(&random, &prepared, &blocks[1..])).unwrap();
+            let mut merged = row_sums(&prepared, &blocks[..1]);
+            merged.merge(&row_sums(&prepared, &blocks[1..])).unwrap();
 
             let merged = random.grams_of(&prepared, &merged);
             assert_all_same(&merged, &grams(&random, route, &blocks), &random);
@@ -144,8 +144,8 @@ proptest! {
             let whole = grams(&random, route, std::slice::from_ref(&block));
 
             let subset = random.design().subset(&columns).unwrap();
-            let prepared = Prepared::new(&subset, route);
-            let mut sum = prepared.start(random.n_responses());
+            let prepared = Prepared::new(&subset, random.n_responses(), route);
+            let mut sum = prepared.start();
             sum.add(&block).unwrap();
 
             for (equation, (found, whole)) in sum.grams().iter().zip(&whole).enumerate() {
@@ -163,10 +163,10 @@ fn sums_have_the_same_bits_at_any_number_of_threads() {
     let random = RandomDesign::fixed();
     let blocks: Vec<Samples> = (0..70).map(|seed| samples(&random, seed, 50)).collect();
     for route in ROUTES {
-        let prepared = Prepared::new(&random.design(), route);
+        let prepared = random.prepared(route);
         let sum = |threads| {
             let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| random.grams_of(&prepared, &row_sums(&random, &prepared, &blocks)))
+            pool.install(|| random.grams_of(&prepared, &row_sums(&prepared, &blocks)))
         };
 
         let alone = sum(1);
@@ -197,8 +197,8 @@ fn blocks_of_another_shape_are_refused_by_both_routes() {
         Samples { responses: Mat::zeros(4, random.n_responses()), ..good.clone() },
     ];
     for route in ROUTES {
-        let prepared = Prepared::new(&random.design(), route);
-        let mut sum = prepared.start(random.n_responses());
+        let prepared = random.prepared(route);
+        let mut sum = prepared.start();
         for block in &bad {
             assert!(matches!(sum.add(block), Err(SparseError::Shape { .. })), "{route:?}");
         }
@@ -211,7 +211,7 @@ fn the_direct_route_serves_few_rows_and_moments_serve_many() {
     let random = RandomDesign::fixed();
     let design = random.design();
 
-    let route = |rows| cheaper_route(&design, random.n_responses(), rows);
+    let route = |rows| Prepared::cheaper(&design, random.n_responses(), rows).route();
 
     assert_eq!(route(1), Route::Direct);
     assert_eq!(route(100_000), Route::Moments);
