@@ -43,15 +43,10 @@ impl ExactSums {
     /// [`SparseError::OutOfRange`] for a number that is not finite or too large,
     /// [`SparseError::Shape`] if there are more numbers than sums.
     pub fn add(&mut self, first: usize, values: &[f64]) -> Result<(), SparseError> {
-        add_to(self.from(first, values.len())?, values)
-    }
-
-    /// The sums from `first` on.
-    fn from(&mut self, first: usize, count: usize) -> Result<&mut [Words], SparseError> {
-        let expected = self.entries.len();
-        let found = first.saturating_add(count);
-        let entries = self.entries.get_mut(first..found);
-        entries.ok_or(SparseError::Shape { what: "numbers to be summed", found, expected })
+        let (found, expected) = (first.saturating_add(values.len()), self.entries.len());
+        let sums = self.entries.get_mut(first..found);
+        let short = SparseError::Shape { what: "numbers to be summed", found, expected };
+        add_to(sums.ok_or(short)?, values)
     }
 
     /// Adds the sums of another.

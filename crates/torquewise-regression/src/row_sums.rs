@@ -62,14 +62,13 @@ const LANE_BYTES: usize = 128 << 20;
 /// sums which chunk leaves no trace.
 pub struct RowAdder<'a> {
     lanes: Vec<Lane<'a>>,
-    /// Chunks begun.
-    filled: usize,
+    waiting: Vec<Samples>,
     total: RowSums,
 }
 
+/// The sum of a chunk, and its numbers.
 struct Lane<'a> {
     sum: GramSum<'a>,
-    blocks: Vec<Samples>,
     table: Vec<f64>,
 }
 
@@ -78,13 +77,9 @@ impl<'a> RowAdder<'a> {
     pub fn new(prepared: &'a Prepared) -> Self {
         // Numbers of a sum, and the square that a triangle of them is kept in.
         let most = (LANE_BYTES / (2 * 8 * prepared.n_sums()).max(1)).max(1);
-        let lane = |_| Lane {
-            sum: prepared.start(),
-            blocks: Vec::with_capacity(CHUNK_BLOCKS),
-            table: Vec::new(),
-        };
+        let lane = |_| Lane { sum: prepared.start(), table: Vec::new() };
         let lanes = (0..rayon::current_num_threads().clamp(1, most)).map(lane).collect();
-        Self { lanes, filled: 0, total: RowSums::new(prepared) }
+        Self { lanes, waiting: Vec::new(), total: RowSums::new(prepared) }
     }
 
     /// Hands over the next block.
@@ -92,16 +87,8 @@ impl<'a> RowAdder<'a> {
     /// # Errors
     /// [`SparseError`] if a block does not fit, or holds what is too large to be summed.
     pub fn push(&mut self, samples: Samples) -> Result<(), SparseError> {
-        let count = self.lanes.len();
-        let lane = &mut self.lanes[self.filled % count];
-        lane.blocks.push(samples);
-        if lane.blocks.len() == CHUNK_BLOCKS {
-            self.filled += 1;
-            if self.filled.is_multiple_of(count) {
-                return self.drain();
-            }
-        }
-        Ok(())
+        self.waiting.push(samples);
+        if self.waiting.len() == CHUNK_BLOCKS * self.lanes.len() { self.drain() } else { Ok(()) }
     }
 
     /// The sums of all blocks.
@@ -114,26 +101,16 @@ impl<'a> RowAdder<'a> {
     }
 
     fn drain(&mut self) -> Result<(), SparseError> {
-        let rows = self.lanes.par_iter_mut().map(Lane::sum_up).collect::<Result<Vec<_>, _>>()?;
-        let tables: Vec<&[f64]> = (self.lanes.iter().zip(&rows))
-            .filter(|(_, rows)| **rows > 0)
-            .map(|(lane, _)| &lane.table[..])
-            .collect();
+        let chunks = self.waiting.par_chunks(CHUNK_BLOCKS);
+        let work = self.lanes.par_iter_mut().zip(chunks).map(|(lane, blocks)| {
+            lane.sum.clear();
+            blocks.iter().try_for_each(|block| lane.sum.add(block))?;
+            lane.sum.write_to(&mut lane.table);
+            Ok(&lane.table[..])
+        });
+        let tables = work.collect::<Result<Vec<&[f64]>, SparseError>>()?;
         add_tables(&mut self.total.sums, &tables)?;
-        self.total.rows += rows.iter().sum::<usize>();
+        self.total.rows += self.waiting.drain(..).map(|block| block.n_rows()).sum::<usize>();
         Ok(())
-    }
-}
-
-impl Lane<'_> {
-    /// Sums the waiting blocks into the table; returns their rows.
-    fn sum_up(&mut self) -> Result<usize, SparseError> {
-        let rows = self.blocks.iter().map(Samples::n_rows).sum();
-        if rows > 0 {
-            self.sum.clear();
-            self.blocks.drain(..).try_for_each(|block| self.sum.add(&block))?;
-            self.sum.write_to(&mut self.table);
-        }
-        Ok(rows)
     }
 }

@@ -88,8 +88,8 @@ impl Candidates {
             // Every joint has a constant among its own terms.
             friction.retain(|term| term.law != FrictionLaw::Offset);
         }
-        let rubs = columns_of_friction(&friction, n_joints, equations.len());
-        for (columns, more) in equations.iter_mut().zip(rubs) {
+        let of_friction = columns_of_friction(&friction, n_joints, equations.len());
+        for (columns, more) in equations.iter_mut().zip(of_friction) {
             for column in columns.iter_mut() {
                 for atom in column.iter_mut() {
                     atom.monomial = wider(&atom.monomial, &friction);

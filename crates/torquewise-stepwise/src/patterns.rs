@@ -130,15 +130,6 @@ fn is_genuine(
     })
 }
 
-/// Place of a pattern in [`Pattern::ALL`].
-pub(crate) fn index_of(pattern: Pattern) -> usize {
-    match pattern {
-        Pattern::Standstill => 0,
-        Pattern::UniformVelocity => 1,
-        Pattern::VariableVelocity => 2,
-    }
-}
-
 impl Patterns {
     /// Number of clusters k.
     pub fn n_clusters(&self) -> usize {

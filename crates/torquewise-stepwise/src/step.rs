@@ -2,7 +2,6 @@
 //! leave unexplained.
 
 use crate::candidates::{Candidates, Group};
-use crate::patterns::index_of;
 use torquewise_motion::Pattern;
 use torquewise_regression::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
@@ -36,7 +35,7 @@ pub fn plan_steps(candidates: &Candidates, present: &[Pattern]) -> (Vec<Step>, V
     let mut steps: Vec<Step> = Vec::new();
     let (mut waiting, mut known) = (Vec::new(), Vec::new());
     for pattern in Pattern::ALL {
-        waiting.extend(&candidates.offered[index_of(pattern)]);
+        waiting.extend(&candidates.offered[pattern as usize]);
         if present.contains(&pattern) {
             let offered = ascending(std::mem::take(&mut waiting));
             known.extend(&offered);

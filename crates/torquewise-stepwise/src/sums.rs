@@ -3,7 +3,7 @@
 use crate::error::IdentifyError;
 use crate::library::{Basis, SummedLibrary};
 use crate::noise::{NoiseFloor, NoiseSum};
-use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns, index_of};
+use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns};
 use crate::rows::{Gathering, clear_of_reversals, samples_of};
 use crate::step::Step;
 use std::borrow::Cow;
@@ -44,10 +44,10 @@ impl LibrarySums {
             return Ok(together.to_vec());
         }
         let least = LEAST_SHARE * rows as f64;
-        let last = index_of(Pattern::VariableVelocity);
+        let last = Pattern::VariableVelocity as usize;
         let mut present = Vec::new();
         for pattern in Pattern::ALL {
-            let place = index_of(pattern);
+            let place = pattern as usize;
             let is_shown = place == last || together.contains(&pattern);
             if is_shown && self.sums[place].rows() as f64 > least {
                 present.push(pattern);
@@ -61,7 +61,7 @@ impl LibrarySums {
 
     /// The sums over the rows of a step.
     pub(crate) fn of_step(&self, step: &Step) -> &RowSums {
-        &self.sums[step.pattern.map_or(0, index_of)]
+        &self.sums[step.pattern.map_or(0, |pattern| pattern as usize)]
     }
 
     /// All rows as one.

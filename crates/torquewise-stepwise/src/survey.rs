@@ -5,7 +5,6 @@ use crate::noise::{NoiseFloor, NoiseSum};
 use crate::systematic_sample::SystematicSample;
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use torquewise_model::Training;
 use torquewise_motion::memory::Memory;
 use torquewise_motion::path::{Path, TRAVELS};
@@ -301,12 +300,7 @@ impl Survey {
             q_range: self.q_range.clone(),
             dq_peak: self.dq_peak.clone(),
             ddq_peak: self.ddq_peak.clone(),
-            filter: None,
-            conditioning: BTreeMap::new(),
-            unexplained_rms: Vec::new(),
-            held_out_rms: Vec::new(),
-            held_out_by_region_rms: Vec::new(),
-            geometry_found: None,
+            ..Training::default()
         }
     }
 

@@ -67,18 +67,11 @@ impl SystematicSample {
             return;
         }
         self.stride = stride;
-        let width = self.width;
         for log in &mut self.logs {
-            let stays: Vec<bool> = log.places.iter().map(|p| p.is_multiple_of(stride)).collect();
-            let mut place = 0;
-            log.values.retain(|_| {
-                place += 1;
-                stays[(place - 1) / width]
-            });
-            log.places.retain(|place| place.is_multiple_of(stride));
-            // A thousand logs would keep the room that each once took.
-            log.values.shrink_to(2 * log.values.len());
-            log.places.shrink_to(2 * log.places.len());
+            let records = log.places.iter().zip(log.values.chunks_exact(self.width.max(1)));
+            let kept = records.filter(|(place, _)| place.is_multiple_of(stride));
+            let (places, values): (Vec<u64>, Vec<&[f64]>) = kept.unzip();
+            *log = Kept { places, values: values.concat() };
         }
     }
 
