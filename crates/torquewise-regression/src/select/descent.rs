@@ -45,7 +45,8 @@ impl<'a> Descent<'a> {
     pub(super) fn run(&mut self, lambda: f64, tolerance: f64, max_sweeps: usize) -> Reached {
         let mut sweeps = 0;
         loop {
-            self.sweep_all(lambda);
+            let Self { problem, weights, slope } = self;
+            sweep(&problem.gram, problem.rows, weights, slope, lambda);
             sweeps += 1;
             let (gap, indefinite) = (self.gap(lambda), self.is_indefinite());
             if gap <= tolerance || sweeps >= max_sweeps || indefinite {
@@ -55,26 +56,15 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Minimises exactly over each weight in turn.
-    fn sweep_all(&mut self, lambda: f64) {
-        let rows = self.problem.rows;
-        for j in 0..self.weights.len() {
-            let column = self.problem.gram_column(j);
-            let change = minimise(&mut self.weights[j], self.slope[j], column[j] / rows, lambda);
-            if change != 0.0 {
-                subtract(&mut self.slope, change / rows, column);
-            }
-        }
-    }
-
-    /// The same over the weights that are not zero, then Newton steps where these creep; returns the
+    /// Sweeps over the weights that are not zero, then Newton steps where these creep; returns the
     /// sweeps, Newton steps included.
     fn sweep_active(&mut self, lambda: f64, tolerance: f64, max_sweeps: usize) -> usize {
         let mut active = Active::of(self);
         let mut sweeps = 0;
         while sweeps < max_sweeps.min(BURST) {
             sweeps += 1;
-            if active.sweep(lambda) * active.weights.len() as f64 <= tolerance {
+            let Active { gram, rows, weights, slope, .. } = &mut active;
+            if sweep(gram, *rows, weights, slope, lambda) * weights.len() as f64 <= tolerance {
                 break;
             }
         }
@@ -133,35 +123,20 @@ impl<'a> Descent<'a> {
 /// The part of the descent in the columns with a weight, compact.
 struct Active {
     places: Vec<usize>,
-    /// XᵀX/m of these columns.
+    /// XᵀX of these columns.
     gram: Mat<f64>,
+    rows: f64,
     weights: Vec<f64>,
     slope: Vec<f64>,
 }
 
 impl Active {
     fn of(descent: &Descent<'_>) -> Self {
-        let (gram, rows) = (&descent.problem.gram, descent.problem.rows);
         let places = nonzero(&descent.weights, descent.weights.len());
         let own = |values: &[f64]| places.iter().map(|&j| values[j]).collect();
         let (weights, slope) = (own(&descent.weights), own(&descent.slope));
-        let entry = |i: usize, j: usize| gram[(places[i], places[j])] / rows;
-        Self { gram: Mat::from_fn(places.len(), places.len(), entry), places, weights, slope }
-    }
-
-    /// Minimises exactly over each weight in turn; returns the largest change squared, in the unit
-    /// of the objective.
-    fn sweep(&mut self, lambda: f64) -> f64 {
-        let mut largest = 0.0_f64;
-        for j in 0..self.weights.len() {
-            let column = self.gram.col_as_slice(j);
-            let change = minimise(&mut self.weights[j], self.slope[j], column[j], lambda);
-            if change != 0.0 {
-                subtract(&mut self.slope, change, column);
-                largest = largest.max(change * change * column[j]);
-            }
-        }
-        largest
+        let NormalEquations { gram, rows, .. } = descent.problem.restricted(&places);
+        Self { places, gram, rows, weights, slope }
     }
 
     /// Jumps to the optimum among weights of the present signs, or to the first sign change, which
@@ -173,7 +148,7 @@ impl Active {
     fn newton_step(&mut self, lambda: f64) -> bool {
         let moving = nonzero(&self.weights, self.weights.len());
         let size = moving.len();
-        let entry = |i: usize, j: usize| self.gram[(moving[i], moving[j])];
+        let entry = |i: usize, j: usize| self.gram[(moving[i], moving[j])] / self.rows;
         let ridge = |i: usize, j: usize| if i == j { 1.0 + RIDGE } else { 1.0 };
         let gram = || Mat::from_fn(size, size, |i, j| ridge(i, j) * entry(i, j));
         let downhill = |i: usize| self.slope[moving[i]] - lambda * self.weights[moving[i]].signum();
@@ -188,19 +163,30 @@ impl Active {
             let moved = before + length * step;
             let crossed = moved * before.signum() <= 4.0 * f64::EPSILON * before.abs();
             self.weights[j] = if crossed { 0.0 } else { moved };
-            subtract(&mut self.slope, self.weights[j] - before, self.gram.col_as_slice(j));
+            let change = (self.weights[j] - before) / self.rows;
+            subtract(&mut self.slope, change, self.gram.col_as_slice(j));
         }
         length < 1.0
     }
 }
 
-/// Sets a weight to its minimiser, the others held: the soft threshold. Returns the change.
-fn minimise(weight: &mut f64, slope: f64, curvature: f64, lambda: f64) -> f64 {
-    let before = *weight;
-    let target = slope + curvature * before;
-    let shrunk = target.signum() * (target.abs() - lambda).max(0.0);
-    *weight = if curvature > 0.0 { shrunk / curvature } else { 0.0 };
-    *weight - before
+/// Minimises exactly over each weight in turn, the others held: the soft threshold. Returns the
+/// largest change squared, in the unit of the objective.
+fn sweep(gram: &Mat<f64>, rows: f64, weights: &mut [f64], slope: &mut [f64], lambda: f64) -> f64 {
+    let mut largest = 0.0_f64;
+    for (j, weight) in weights.iter_mut().enumerate() {
+        let column = gram.col_as_slice(j);
+        let (before, curvature) = (*weight, column[j] / rows);
+        let target = slope[j] + curvature * before;
+        let shrunk = target.signum() * (target.abs() - lambda).max(0.0);
+        *weight = if curvature > 0.0 { shrunk / curvature } else { 0.0 };
+        let change = *weight - before;
+        if change != 0.0 {
+            subtract(slope, change / rows, column);
+            largest = largest.max(change * change * curvature);
+        }
+    }
+    largest
 }
 
 /// `target` −= `factor` · `column`.
