@@ -287,14 +287,10 @@ impl OrderSweep {
     ) -> Result<OrderCurve, IdentifyError> {
         let mut points = Vec::with_capacity(self.rungs.len());
         for (order, motion_order, columns) in &self.rungs {
-            let in_columns = |half: &Vec<NormalEquations>| -> Result<Vec<_>, SparseError> {
-                let restricted = half.iter().map(|part| part.restricted(columns));
-                // A half may have no rows.
-                restricted
-                    .map(|own| NormalEquations { rows: own.rows.max(1.0), ..own }.checked())
-                    .collect()
+            let in_columns = |half: &Vec<NormalEquations>| -> Vec<_> {
+                half.iter().map(|part| part.restricted(columns)).collect()
             };
-            let halves = [in_columns(&halves[0])?, in_columns(&halves[1])?];
+            let halves = [in_columns(&halves[0]), in_columns(&halves[1])];
             let mut squares = [vec![0.0; torque_std.len()], vec![0.0; torque_std.len()]];
             for [fitted, judged] in [[0, 1], [1, 0]] {
                 let weights = fit(&halves[fitted], torque_std)?;
@@ -330,7 +326,9 @@ impl OrderSweep {
 /// Least-squares weights for each joint, a column each; one column where all joints share them.
 fn fit(half: &[NormalEquations], torque_std: &[f64]) -> Result<Mat<f64>, SparseError> {
     if let [joints] = half {
-        return joints.weights();
+        // A half may have no rows.
+        let rows = joints.rows.max(1.0);
+        return NormalEquations { rows, ..joints.clone() }.checked()?.weights();
     }
     let equations: Vec<(usize, usize)> = (0..half.len()).map(|joint| (joint, joint)).collect();
     let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
