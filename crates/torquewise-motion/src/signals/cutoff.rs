@@ -2,7 +2,8 @@
 
 use crate::MotionError;
 use crate::signals::noise::white_noise;
-use realfft::RealFftPlanner;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// Lowest cut-off that is ever chosen \[Hz\].
@@ -53,10 +54,11 @@ fn band(x: &[f64], rate: f64) -> Option<f64> {
     let n = speed.len();
     let mean = speed.iter().sum::<f64>() / n as f64;
     let hann = |k: usize| 0.5 - 0.5 * (2.0 * PI * k as f64 / n as f64).cos();
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
-    let (mut windowed, mut bins) = (transform.make_input_vec(), transform.make_output_vec());
-    windowed.iter_mut().enumerate().for_each(|(k, y)| *y = hann(k) * (speed[k] - mean));
-    transform.process(&mut windowed, &mut bins).ok()?;
+    let windowed = speed.iter().enumerate().map(|(k, speed)| hann(k) * (speed - mean));
+    let mut bins: Vec<Complex<f64>> = windowed.map(Complex::from).collect();
+    FftPlanner::new().plan_fft_forward(n).process(&mut bins);
+    // The other half mirrors this one.
+    bins.truncate(n / 2 + 1);
     // White noise of the position has this mean square in each bin of its differences.
     let noise = white_noise(x, &vec![false; x.len()]).sigma;
     let window: f64 = (0..n).map(|k| hann(k).powi(2)).sum();
@@ -65,8 +67,7 @@ fn band(x: &[f64], rate: f64) -> Option<f64> {
         window * (noise * gain).powi(2)
     };
     let clear = |(bin, value): (usize, f64)| if value > CLEAR * noise(bin) { value } else { 0.0 };
-    let power: Vec<f64> =
-        bins.iter().map(realfft::num_complex::Complex::norm_sqr).enumerate().map(clear).collect();
+    let power: Vec<f64> = bins.iter().map(Complex::norm_sqr).enumerate().map(clear).collect();
     let total: f64 = power.iter().sum();
     let mut below = 0.0;
     let last = power.iter().position(|power| {
