@@ -8,13 +8,7 @@ use torquewise_report::html::{Axis, Chart, Colour, Mark, Series};
 
 /// The colour of a method in every chart.
 pub(crate) fn colour(method: Method) -> Colour {
-    Colour::Series(match method {
-        Method::Energy => 0,
-        Method::Sindy => 1,
-        Method::Product => 2,
-        Method::SindyLasso => 3,
-        Method::SindyCriterion => 4,
-    })
+    Colour::Series(method as usize)
 }
 
 /// Values over time or speed.
@@ -22,9 +16,9 @@ pub(crate) fn points(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(&x, &y)| [x, y]).collect()
 }
 
-/// A chart of some series.
-pub(crate) fn chart(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Chart {
-    Chart { title: title.into(), x, y, series, ..Chart::default() }
+/// A chart of some series over plain axes.
+pub(crate) fn chart(title: impl Into<String>, [x, y]: [&str; 2], series: Vec<Series>) -> Chart {
+    Chart { title: title.into(), x: Axis::named(x), y: Axis::named(y), series, ..Chart::default() }
 }
 
 /// Name, colour and torque of what is drawn, m×n.
@@ -53,13 +47,14 @@ pub(crate) fn torque_charts(
         let low = needed.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
         let high = needed.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
         let margin = (0.15 * (high - low)).max(1e-6);
-        let y = Axis { range: Some([low - margin, high + margin]), ..Axis::named("torque [N·m]") };
         let mut series = vec![Series::new("needed", Mark::BroadLine, Colour::Measured, needed)];
         series.extend(predicted.iter().map(|(label, colour, torque)| {
             Series::new(label, Mark::Line, *colour, over_time(torque.as_ref()))
         }));
         let title = format!("Joint {}", joint + 1);
-        Chart { linked: Some(linked.into()), ..chart(title, Axis::named("time [s]"), y, series) }
+        let mut chart = chart(title, ["time [s]", "torque [N·m]"], series);
+        chart.y.range = Some([low - margin, high + margin]);
+        Chart { linked: Some(linked.into()), ..chart }
     };
     Ok((0..motion.n_joints()).map(of_joint).collect())
 }

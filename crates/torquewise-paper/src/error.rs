@@ -28,9 +28,6 @@ pub enum PaperError {
     #[error("no thread can be started for the experiments")]
     #[diagnostic(help("free some memory or allow more threads"))]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    #[error("a trial was planned but not done")]
-    #[diagnostic(help("this is a fault of the program, report it"))]
-    NotDone,
     #[error("the results cannot be written as JSON")]
     Json(#[from] serde_json::Error),
 }

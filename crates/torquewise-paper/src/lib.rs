@@ -22,9 +22,7 @@ mod charts;
 mod study {
     pub(crate) mod patterns;
     pub(crate) mod orders;
-    pub(crate) mod cost;
     pub(crate) mod cases;
-    pub(crate) mod coefficients;
     pub(crate) mod control;
     pub(crate) mod beyond;
 }
@@ -36,7 +34,7 @@ pub use results::{Cell, Claim, Figure, Results, Spread, Study, Table, Timed, Ver
 pub use scenario::Settings;
 pub use trial::Progress;
 
-use study::{beyond, cases, coefficients, control, cost, orders, patterns};
+use study::{beyond, cases, control, orders, patterns};
 use trial::Trials;
 
 /// Does every experiment.
@@ -50,16 +48,18 @@ pub fn reproduce(
     progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Results, PaperError> {
     let patterns = patterns::study(settings)?;
+    let [levels, lengths] = beyond::points(settings);
+    let mut rows = beyond::arm_rows(settings);
     // The longest first, so that no core waits for one at the end.
-    let [arms, others] = beyond::plans(settings);
-    let plans = [arms, cases::plans(settings), others].concat();
-    let trials = Trials::run(&cost::plans(settings), &plans, settings.seed, progress)?;
+    rows.reverse();
+    rows.extend([cases::rows(settings), beyond::variants(settings), levels, lengths].concat());
+    let trials = Trials::run(&cases::timed_rows(settings), &rows, settings.seed, progress)?;
     let (orders, control): (Result<Study, PaperError>, Result<Study, PaperError>) =
         rayon::join(|| orders::study(settings), || control::study(settings));
     let studies = vec![
         patterns,
         orders?,
-        cost::study(settings, &trials)?,
+        cases::cost(settings, &trials),
         cases::terms(settings, &trials)?,
         cases::torque(settings, &trials)?,
         cases::steps(settings, &trials)?,
@@ -67,7 +67,7 @@ pub fn reproduce(
         beyond::ablation(settings, &trials)?,
         beyond::sweeps(settings, &trials)?,
         beyond::arms(settings, &trials)?,
-        coefficients::study(settings, &trials)?,
+        cases::coefficients(settings, &trials)?,
     ];
     Ok(Results { settings: settings.clone(), studies })
 }

@@ -13,15 +13,15 @@ pub(crate) const ACTIVE: f64 = 0.1;
 pub(crate) enum Method {
     /// Stepwise over the energy library \[E4\], terms judged against the noise \[E5\].
     Energy,
-    /// Stepwise over the paper's product library, everything else the same.
+    /// One-shot SINDy as it is usually run: thresholded least squares at the paper's 0.1.
+    Sindy,
+    /// Stepwise over the paper's product library, everything else the same as with energies.
     Product,
     /// One-shot SINDy whose terms are chosen by LASSO (5) at the best information criterion, then
     /// refitted.
     SindyLasso,
     /// The stepwise product plan in a single step: what is left of it without the steps.
     SindyCriterion,
-    /// One-shot SINDy as it is usually run: thresholded least squares at the paper's 0.1.
-    Sindy,
 }
 
 impl Method {
@@ -34,28 +34,30 @@ impl Method {
 
     /// Its name in tables and figures.
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Energy => "stepwise, energy library",
-            Self::Product => "stepwise, product library",
-            Self::SindyLasso => "one-shot SINDy, LASSO + BIC + refit",
-            Self::SindyCriterion => "one-shot SINDy, our rule",
-            Self::Sindy => "one-shot SINDy, |c| > 0.1",
-        }
+        self.described().0
     }
 
     /// What it offers, and which terms stay.
     pub(crate) fn options(self) -> LibraryOptions {
-        let options = match self {
-            Self::Energy => LibraryOptions::default(),
-            Self::Product => LibraryOptions::product(),
-            Self::SindyLasso => LibraryOptions { selector: lasso(), ..LibraryOptions::sindy() },
-            Self::SindyCriterion => {
-                LibraryOptions { regression: Regression::OneShot, ..LibraryOptions::product() }
-            }
-            Self::Sindy => LibraryOptions::sindy(),
-        };
         // How often a term stays in resampled logs is not asked here.
-        LibraryOptions { bags: 0, ..options }
+        LibraryOptions { bags: 0, ..self.described().1 }
+    }
+
+    fn described(self) -> (&'static str, LibraryOptions) {
+        let (product, sindy) = (LibraryOptions::product(), LibraryOptions::sindy());
+        match self {
+            Self::Energy => ("stepwise, energy library", LibraryOptions::default()),
+            Self::Product => ("stepwise, product library", product),
+            Self::Sindy => ("one-shot SINDy, |c| > 0.1", sindy),
+            Self::SindyLasso => (
+                "one-shot SINDy, LASSO + BIC + refit",
+                LibraryOptions { selector: lasso(), ..sindy },
+            ),
+            Self::SindyCriterion => (
+                "one-shot SINDy, our rule",
+                LibraryOptions { regression: Regression::OneShot, ..product },
+            ),
+        }
     }
 }
 

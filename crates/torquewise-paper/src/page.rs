@@ -1,18 +1,8 @@
 //! The results as one HTML page.
 
 use crate::error::PaperError;
-use crate::results::{Claim, Results, Study, Table, Verdict};
-use torquewise_report::html::{Item, Page, Section};
-
-/// What was done, for all experiments.
-const SETUP: &str = "Training logs are positioning and sorting moves at 100 Hz: dwell, accelerate, \
-    cruise, brake, dwell, all joints together. Torque and motion come from rigid-body dynamics; \
-    white Gaussian noise is added to position, velocity and acceleration, each joint by its own \
-    power, none to the torque. Each seed is another motion and other noise. Models are judged by \
-    the torque of 20 s of smooth sines without noise, the same for all. An error is the RMSE of \
-    the torque of a joint over the standard deviation of that torque, in percent; a range is that \
-    of the seeds. The paper names neither its arm, nor the length of its logs, nor its \
-    implementation of SINDy; its experiments on a real arm are simulated.";
+use crate::results::{Claim, Results, Study, Verdict};
+use torquewise_report::html::{Column, Item, Label, Page, Section, Table};
 
 /// The page as one HTML text that needs no other file and no network.
 ///
@@ -30,28 +20,29 @@ pub fn page(results: &Results) -> Result<String, PaperError> {
         count(Verdict::Contradicted),
     );
     let mut sections = vec![Section { heading: "What holds".into(), items: vec![claims(results)] }];
-    sections[0].items.insert(0, Item::Text(SETUP.into()));
+    sections[0].items.insert(0, Item::Text(Study::described("setup", 0).text));
     sections.extend(results.studies.iter().map(section));
     let title = "Stepwise model reconstruction, simulated again".into();
     Ok(Page { title, lead, sections, ..Page::default() }.to_html()?)
 }
 
 fn claims(results: &Results) -> Item {
-    let mut table = Table::new(
-        "The claims of the paper, judged.",
-        "the paper says;where;measured here;verdict",
-    );
-    for Claim { claim, source, measured, verdict } in results.claims() {
-        let words = [*claim, source, measured, verdict.name()];
-        table.push(words.map(Into::into));
-    }
-    Item::Table(table.to_html())
+    let headings = ["the paper says", "where", "measured here", "verdict"];
+    let row = |claim: &Claim| {
+        let Claim { claim, source, measured, verdict } = claim;
+        [claim, source, measured, verdict.name()].map(Label::from).to_vec()
+    };
+    Item::Table(Table {
+        caption: "The claims of the paper, judged.".into(),
+        columns: headings.map(Column::words).to_vec(),
+        rows: results.claims().map(row).collect(),
+    })
 }
 
 fn section(study: &Study) -> Section {
     let mut items = Vec::new();
     if !study.text.is_empty() {
-        items.push(Item::Text(study.text.into()));
+        items.push(Item::Text(study.text.clone()));
     }
     for figure in &study.figures {
         items.push(Item::Text(figure.caption.clone()));
@@ -63,5 +54,5 @@ fn section(study: &Study) -> Section {
     }
     let tables = study.tables.iter().chain(&study.timed.tables);
     items.extend(tables.map(|table| Item::Table(table.to_html())));
-    Section { heading: study.heading.into(), items }
+    Section { heading: study.heading.clone(), items }
 }

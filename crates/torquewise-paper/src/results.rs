@@ -2,7 +2,9 @@
 
 use crate::error::PaperError;
 use crate::scenario::Settings;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::Display;
 use torquewise_report::html::number::significant;
 use torquewise_report::html::{Chart, Column, Label};
 use torquewise_report::{chart_figure, html};
@@ -20,12 +22,13 @@ pub struct Results {
 }
 
 /// One experiment.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Study {
     /// What it is about, with the figures of the paper.
-    pub heading: &'static str,
+    pub heading: String,
     /// How to read it; may be empty.
-    pub text: &'static str,
+    pub text: String,
     /// Claims of the paper that it judges.
     pub claims: Vec<Claim>,
     /// What was measured.
@@ -34,12 +37,26 @@ pub struct Study {
     #[serde(rename = "seconds")]
     pub timed: Timed,
     /// What is drawn.
-    #[serde(skip)]
+    #[serde(skip_serializing)]
     pub figures: Vec<Figure>,
 }
 
+impl Study {
+    /// The study of that name in `studies.toml`, before anything is measured.
+    pub(crate) fn described(name: &str, n_joints: usize) -> Self {
+        let all: Result<BTreeMap<String, Self>, _> = toml::from_str(include_str!("studies.toml"));
+        let mut study = all.ok().and_then(|mut all| all.remove(name)).unwrap_or_default();
+        for Table { columns, joints, .. } in &mut study.tables {
+            let each = |what| (1..=n_joints).map(move |joint| format!("{what}, joint {joint}"));
+            columns.extend(joints.iter().flat_map(each));
+        }
+        study
+    }
+}
+
 /// Claims and tables of computing times, which differ from run to run.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(default)]
 #[expect(missing_docs, reason = "as those of a study")]
 pub struct Timed {
     pub claims: Vec<Claim>,
@@ -47,37 +64,40 @@ pub struct Timed {
 }
 
 /// A claim of the paper, judged by what was measured.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
     /// What the paper says.
-    pub claim: &'static str,
+    pub claim: String,
     /// Where it says so.
-    pub source: &'static str,
+    pub source: String,
     /// What is measured here.
     pub measured: String,
     /// Whether it holds.
+    #[serde(skip_deserializing)]
     pub verdict: Verdict,
 }
 
 impl Claim {
-    /// A claim that holds, or at least does in part.
-    pub(crate) fn new(
-        source: &'static str,
-        claim: &'static str,
-        measured: String,
-        [holds, in_part]: [bool; 2],
-    ) -> Self {
-        let verdict = match (holds, in_part) {
+    /// Says what is measured, and whether the claim holds, or at least does in part.
+    pub(crate) fn judge<V: Display>(
+        &mut self,
+        values: impl IntoIterator<Item = V>,
+        holds: bool,
+        in_part: bool,
+    ) {
+        for value in values {
+            self.measured = self.measured.replacen("{}", &value.to_string(), 1);
+        }
+        self.verdict = match (holds, in_part) {
             (true, _) => Verdict::Holds,
             (false, true) => Verdict::HoldsInPart,
             (false, false) => Verdict::Contradicted,
         };
-        Self { claim, source, measured, verdict }
     }
 }
 
 /// Whether a claim holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// As it stands.
@@ -85,6 +105,7 @@ pub enum Verdict {
     /// Under a condition that the measurement names.
     HoldsInPart,
     /// The measurement says otherwise.
+    #[default]
     Contradicted,
 }
 
@@ -100,12 +121,17 @@ impl Verdict {
 }
 
 /// Rows under headings.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "as their names say")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
-    pub caption: &'static str,
+    /// What it shows.
+    pub caption: String,
+    /// Its headings.
     pub columns: Vec<String>,
+    /// What is under them.
+    #[serde(skip_deserializing)]
     pub rows: Vec<Vec<Cell>>,
+    #[serde(default, skip_serializing)]
+    joints: Vec<String>,
 }
 
 /// A cell of a table.
@@ -121,7 +147,7 @@ pub enum Cell {
 
 impl Cell {
     /// As one reads it: numbers to three digits, of spreads to two with their range.
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
             Self::Count(count) => count.to_string(),
@@ -146,30 +172,18 @@ macro_rules! cells {
 cells!(Text &str, Text String, Count usize, Number f64, Spread Spread);
 
 impl Table {
-    /// A table without rows; `columns` are divided by semicolons.
-    pub(crate) fn new(caption: &'static str, columns: &str) -> Self {
-        let columns = columns.split(';').map(str::to_owned).collect();
-        Self { caption, columns, rows: Vec::new() }
-    }
-
-    /// Adds a column of each joint.
-    pub(crate) fn with_joints(mut self, what: &str, n_joints: usize) -> Self {
-        self.columns.extend((1..=n_joints).map(|joint| format!("{what}, joint {joint}")));
-        self
-    }
-
     /// Adds a row.
     pub(crate) fn push(&mut self, row: impl IntoIterator<Item = Cell>) {
         self.rows.push(row.into_iter().collect());
     }
 
     /// Adds a row of some cells, then others of one kind.
-    pub(crate) fn push_with<const N: usize, C: Into<Cell>>(
+    pub(crate) fn push_with<C: Into<Cell>>(
         &mut self,
-        head: [Cell; N],
+        head: impl IntoIterator<Item = Cell>,
         others: impl IntoIterator<Item = C>,
     ) {
-        self.push(head.into_iter().chain(others.into_iter().map(C::into)));
+        self.rows.push(head.into_iter().chain(others.into_iter().map(C::into)).collect());
     }
 
     /// The table as a part of a page.
@@ -181,7 +195,7 @@ impl Table {
         });
         let row = |row: &Vec<Cell>| row.iter().map(|cell| Label::from(cell.text())).collect();
         html::Table {
-            caption: self.caption.into(),
+            caption: self.caption.clone(),
             columns: columns.collect(),
             rows: self.rows.iter().map(row).collect(),
         }
@@ -189,25 +203,18 @@ impl Table {
 }
 
 /// Charts that belong together.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 pub struct Figure {
     /// Name of its file, without the ending.
     pub name: String,
     /// What is seen in it.
     pub caption: String,
     /// Its charts.
+    #[serde(skip)]
     pub charts: Vec<Chart>,
 }
 
 impl Figure {
-    pub(crate) fn new(
-        name: impl Into<String>,
-        caption: impl Into<String>,
-        charts: Vec<Chart>,
-    ) -> Self {
-        Self { name: name.into(), caption: caption.into(), charts }
-    }
-
     /// The figure as an SVG text.
     ///
     /// # Errors

@@ -12,45 +12,6 @@ const TEST_SECONDS: f64 = 20.0;
 /// Added to the seed of the results, so that no training log shares the seed of the test.
 const TEST_SEED: u64 = 1_000;
 
-/// Signal-to-noise ratio of q, q̇ and q̈ \[dB\]; no number stands for no noise.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Decibels(pub [Option<f64>; 3]);
-
-impl Decibels {
-    /// Case 1 of the paper: no noise.
-    pub const NONE: Self = Self([None; 3]);
-    /// The noise of the clustering figures: 60 dB on q̇ and 50 dB on q̈.
-    pub const CLUSTERING: Self = Self([None, Some(60.0), Some(50.0)]);
-
-    /// The same ratio for each signal given.
-    pub fn new(q: f64, dq: f64, ddq: f64) -> Self {
-        Self([Some(q), Some(dq), Some(ddq)])
-    }
-
-    /// Cases 1, 2 and 3 of the paper.
-    pub fn case(case: u8) -> Self {
-        match case {
-            1 => Self::NONE,
-            2 => Self::new(70.0, 50.0, 30.0),
-            _ => Self::new(60.0, 40.0, 30.0),
-        }
-    }
-
-    /// As one reads it: `60/40/30 dB`, `none`.
-    pub fn name(&self) -> String {
-        if *self == Self::NONE {
-            return "none".into();
-        }
-        let level = |db: &Option<f64>| db.map_or_else(|| "–".into(), |db| db.to_string());
-        format!("{} dB", self.0.iter().map(level).collect::<Vec<String>>().join("/"))
-    }
-
-    fn noise(&self) -> Result<Noise, PaperError> {
-        let [q, dq, ddq] = self.0.map(|db| db.unwrap_or(f64::INFINITY));
-        Ok(Noise::from_db(q, dq, ddq)?)
-    }
-}
-
 /// A log to learn from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scenario {
@@ -59,7 +20,7 @@ pub(crate) struct Scenario {
     /// Recorded time \[s\].
     pub seconds: f64,
     /// Noise in q, q̇ and q̈.
-    pub noise: Decibels,
+    pub noise: Noise,
     /// Seed of motion and noise.
     pub seed: u64,
 }
@@ -72,7 +33,7 @@ impl Scenario {
 
     /// What the sensors of such an arm record.
     pub(crate) fn record(&self, simulation: &Simulation) -> Result<Motion, PaperError> {
-        Ok(add_noise(&simulation.motion, &self.noise.noise()?, self.seed)?)
+        Ok(add_noise(&simulation.motion, &self.noise, self.seed)?)
     }
 }
 
@@ -103,7 +64,7 @@ pub struct Settings {
     /// Seeds, one at least, at each point of a sweep and each row of the ablation.
     pub sweep_seeds: u64,
     /// Noise of the noise sweep.
-    pub noise_levels: Vec<Decibels>,
+    pub noise_levels: Vec<Noise>,
     /// Lengths of the log in the sweep over data \[s\].
     pub lengths: Vec<f64>,
     /// Arms with the length of their log \[s\].
@@ -119,6 +80,10 @@ pub struct Settings {
 impl Settings {
     /// All of the paper's arm: a few minutes on two cores.
     pub fn full(seed: u64) -> Self {
+        let level = |step: i32| {
+            let [q, ddq] = [7.5, 5.0].map(|less| less * f64::from(step));
+            Noise::from_db(70.0 - q, 50.0 - q, 30.0 - ddq).ok()
+        };
         Self {
             arm: "puma560-3",
             seed,
@@ -126,13 +91,7 @@ impl Settings {
             seeds: 10,
             timed_seeds: 3,
             sweep_seeds: 2,
-            noise_levels: vec![
-                Decibels::new(70.0, 50.0, 30.0),
-                Decibels::new(62.5, 42.5, 25.0),
-                Decibels::new(55.0, 35.0, 20.0),
-                Decibels::new(47.5, 27.5, 15.0),
-                Decibels::new(40.0, 20.0, 10.0),
-            ],
+            noise_levels: (0..5).filter_map(level).collect(),
             lengths: vec![30.0, 60.0, 120.0, 300.0, 600.0],
             arms: vec![
                 ("planar-2", 600.0),
@@ -149,36 +108,25 @@ impl Settings {
     /// Every experiment in small, with an arm of two joints: seconds. The numbers are not the
     /// paper's.
     pub fn quick(seed: u64) -> Self {
+        let full = Self::full(seed);
         Self {
             arm: "planar-2",
             seconds: 30.0,
             seeds: 2,
             timed_seeds: 1,
             sweep_seeds: 1,
-            noise_levels: vec![Decibels::new(70.0, 50.0, 30.0), Decibels::new(40.0, 20.0, 10.0)],
+            noise_levels: vec![full.noise_levels[0], full.noise_levels[4]],
             lengths: vec![15.0, 30.0],
             arms: vec![("planar-2", 30.0), ("puma560-3", 30.0)],
-            recordings: [20.0, 20.0, 20.0],
+            recordings: [20.0; 3],
             trig_order: 3,
             whole_order: 2,
-            ..Self::full(seed)
+            ..full
         }
     }
 
     /// A log of the arm and the length of most experiments.
-    pub(crate) fn scenario(&self, noise: Decibels, seed: u64) -> Scenario {
+    pub(crate) fn scenario(&self, noise: Noise, seed: u64) -> Scenario {
         Scenario { arm: self.arm, seconds: self.seconds, noise, seed }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn levels_read_as_the_paper_writes_them() {
-        assert_eq!(Decibels::case(1).name(), "none");
-        assert_eq!(Decibels::case(3).name(), "60/40/30 dB");
-        assert_eq!(Decibels::CLUSTERING.name(), "–/60/50 dB");
     }
 }

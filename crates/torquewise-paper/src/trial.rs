@@ -2,16 +2,17 @@
 
 use crate::error::{PaperError, within};
 use crate::method::ACTIVE;
-use crate::results::Spread;
+use crate::results::{Cell, Spread};
 use crate::scenario::{Scenario, outside};
 use cpu_time::ThreadTime;
 use faer::Mat;
 use std::collections::BTreeMap;
-use std::sync::Mutex;
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
-use torquewise_model::{Form, Model, Stage, Torque};
+use torquewise_model::{EnergyTerm, Form, Model, Stage, Torque, Weighted};
 use torquewise_motion::Motion;
 use torquewise_stepwise::Progress as Work;
 
@@ -23,12 +24,30 @@ pub(crate) struct TrialPlan {
     pub plan: Plan,
 }
 
-impl TrialPlan {
+/// A row of a table: what stands at its head, and trials that differ in their seed, one at least.
+#[derive(Clone, Debug)]
+pub(crate) struct Row {
+    pub head: Vec<Cell>,
+    pub trials: Vec<TrialPlan>,
+}
+
+impl Row {
     /// The same plan with each of some seeds, from that of the scenario on.
-    pub(crate) fn seeds(from: &Scenario, plan: impl Into<Plan>, seeds: u64) -> Vec<Self> {
+    pub(crate) fn new(
+        head: impl IntoIterator<Item = Cell>,
+        from: &Scenario,
+        plan: impl Into<Plan>,
+        seeds: u64,
+    ) -> Self {
         let plan = plan.into();
         let seed = |step| Scenario { seed: from.seed.wrapping_add(step), ..from.clone() };
-        (0..seeds).map(|step| Self { scenario: seed(step), plan: plan.clone() }).collect()
+        let trial = |step| TrialPlan { scenario: seed(step), plan: plan.clone() };
+        Self { head: head.into_iter().collect(), trials: (0..seeds).map(trial).collect() }
+    }
+
+    /// That of the first seed.
+    pub(crate) fn scenario(&self) -> &Scenario {
+        &self.trials[0].scenario
     }
 }
 
@@ -52,57 +71,51 @@ impl Trials {
     ///
     /// Each runs in a pool of one thread, so that its time is that of one thread.
     pub(crate) fn run(
-        timed: &[TrialPlan],
-        others: &[TrialPlan],
+        timed: &[Row],
+        others: &[Row],
         seed: u64,
         progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<Self, PaperError> {
-        let mut plans: Vec<&TrialPlan> = Vec::new();
-        let mut n_timed = 0;
-        let mut tests = BTreeMap::new();
-        for (place, plan) in timed.iter().chain(others).enumerate() {
-            if plans.contains(&plan) {
-                continue;
-            }
-            plans.push(plan);
-            n_timed += usize::from(place < timed.len());
-            let arm = plan.scenario.arm;
-            if !tests.contains_key(arm) {
-                tests.insert(arm, outside(arm, seed)?);
+        let (mut plans, mut n_timed, mut tests) = (Vec::new(), 0, BTreeMap::new());
+        for (place, row) in timed.iter().chain(others).enumerate() {
+            for plan in &row.trials {
+                if !plans.contains(&plan) {
+                    plans.push(plan);
+                    n_timed += usize::from(place < timed.len());
+                    tests.insert(plan.scenario.arm, outside(plan.scenario.arm, seed)?);
+                }
             }
         }
-        let (done, total) = (AtomicUsize::new(0), plans.len());
-        let attempt = |plan: &TrialPlan, doing| -> Result<(TrialPlan, Trial), PaperError> {
+        let (begun, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let attempt = |place: usize| -> Result<(TrialPlan, Trial), PaperError> {
+            let plan = plans[place];
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
             let trial = pool.install(|| attempt(plan, &tests[plan.scenario.arm]))?;
+            let doing = if place < n_timed { "timed trials" } else { "trials" };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(Progress { doing, done, total });
+            progress(Progress { doing, done, total: plans.len() });
             Ok((plan.clone(), trial))
         };
-        let (timed, others) = plans.split_at(n_timed);
-        let mut trials: Vec<_> =
-            timed.iter().map(|plan| attempt(plan, "timed trials")).collect::<Result<_, _>>()?;
-        let queue = Mutex::new(others.iter());
-        let next = || queue.lock().ok().and_then(|mut queue| queue.next());
-        let worker = || -> Result<Vec<_>, PaperError> {
-            std::iter::from_fn(next).map(|plan| attempt(plan, "trials")).collect()
-        };
-        std::thread::scope(|scope| {
-            let workers: Vec<_> =
-                (0..rayon::current_num_threads()).map(|_| scope.spawn(worker)).collect();
-            for worker in workers {
-                let own = worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-                trials.extend(own?);
+        let mut trials = Vec::new();
+        for (threads, until) in [(1, n_timed), (rayon::current_num_threads(), plans.len())] {
+            begun.store(trials.len(), Ordering::Relaxed);
+            let next = || Some(begun.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < until);
+            let worker = || std::iter::from_fn(next).map(attempt).collect::<Result<Vec<_>, _>>();
+            let parts: Vec<_> = std::thread::scope(|scope| {
+                let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+                workers.into_iter().map(ScopedJoinHandle::join).collect()
+            });
+            for part in parts {
+                trials.extend(part.unwrap_or_else(|panic| resume_unwind(panic))?);
             }
-            Ok(Self(trials))
-        })
+        }
+        Ok(Self(trials))
     }
 
-    /// The trials of one plan with each of some seeds.
-    pub(crate) fn runs(&self, plans: &[TrialPlan]) -> Result<Runs<'_>, PaperError> {
+    /// The trials of a row that was run.
+    pub(crate) fn of(&self, row: &Row) -> Runs<'_> {
         let find = |plan| self.0.iter().find(|(known, _)| known == plan);
-        let done = plans.iter().map(|plan| Ok(&find(plan).ok_or(PaperError::NotDone)?.1));
-        Ok(Runs(done.collect::<Result<_, PaperError>>()?))
+        Runs(row.trials.iter().filter_map(find).map(|(_, trial)| trial).collect())
     }
 }
 
@@ -119,16 +132,6 @@ impl<'a> Runs<'a> {
         Spread::of(self.0.iter().map(|trial| number(trial)))
     }
 
-    /// Of the coefficients kept.
-    pub(crate) fn terms(&self) -> Spread {
-        self.spread(|trial| trial.terms as f64)
-    }
-
-    /// Of the coefficients that the paper calls active.
-    pub(crate) fn active(&self) -> Spread {
-        self.spread(|trial| trial.active as f64)
-    }
-
     /// Of the error of each joint \[%\].
     pub(crate) fn errors(&self) -> Vec<Spread> {
         Spread::of_columns(self.0.iter().map(|trial| trial.nrmse_percent.as_slice()))
@@ -139,15 +142,12 @@ impl<'a> Runs<'a> {
         let worst = self.errors().into_iter().max_by(|a, b| a.median.total_cmp(&b.median));
         worst.unwrap_or(Spread::of([]))
     }
-}
 
-/// CPU time of a reconstruction \[s\].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Cost {
-    /// Normal equations and the selection of terms.
-    pub regression: f64,
-    /// That, clustering, and the last fit of the kept terms on all rows.
-    pub total: f64,
+    /// How many there are, their terms, and the error of each joint.
+    pub(crate) fn cells(&self) -> Vec<Cell> {
+        let size = [self.0.len().into(), self.spread(|trial| trial.terms).into()];
+        size.into_iter().chain(self.errors().into_iter().map(Cell::from)).collect()
+    }
 }
 
 /// What came of it.
@@ -159,15 +159,26 @@ pub(crate) struct Trial {
     /// Candidates offered in each step.
     pub candidates_by_step: Vec<usize>,
     /// Coefficients kept.
-    pub terms: usize,
+    pub terms: f64,
     /// Those of them with |coefficient| > 0.1, which the paper calls active.
-    pub active: usize,
+    pub active: f64,
     /// RMSE / std of the torque of each joint outside the training log \[%\], n.
     pub nrmse_percent: Vec<f64>,
     /// RMSE of the same \[N·m\], n.
     pub rmse: Vec<f64>,
-    /// CPU time on one thread.
-    pub cost: Cost,
+    /// CPU time on one thread \[s\]: of normal equations and the selection of terms, and of these
+    /// with clustering and the last fit of the kept terms on all rows.
+    pub cost: [f64; 2],
+}
+
+impl Trial {
+    /// The terms of an energy model, none of another.
+    pub(crate) fn energies(&self) -> &[Weighted<EnergyTerm>] {
+        match &self.model.form {
+            Form::Energy(terms) => terms,
+            Form::Torque(_) => &[],
+        }
+    }
 }
 
 /// Does a trial and judges it on a motion it has not seen.
@@ -176,7 +187,8 @@ pub(crate) struct Trial {
 /// thread.
 fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
-    let named = || within(name_of(trial));
+    let Scenario { arm, seconds, noise, seed } = &trial.scenario;
+    let named = || within(format!("{arm}, {seconds} s, noise {noise}, seed {seed}"));
     let (start, mut regression) = (now(), Duration::ZERO);
     let (mut since, mut is_regression) = (start, false);
     let mut enter = |work| {
@@ -189,30 +201,20 @@ fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
     let found = reconstruct(&log, &trial.plan, &mut enter).map_err(named())?;
     let total = now().saturating_sub(start).as_secs_f64();
     let scores = score(&found.model, test).map_err(named())?;
-    let coefficients = coefficients(&found.model.form);
+    let coefficients: Vec<f64> = match &found.model.form {
+        Form::Torque(joints) => joints.iter().flatten().map(|w| w.coefficient).collect(),
+        Form::Energy(terms) => terms.iter().map(|w| w.coefficient).collect(),
+    };
     Ok(Trial {
         candidates: found.candidates,
         candidates_by_step: found.steps.iter().map(|step| step.candidates).collect(),
-        terms: coefficients.len(),
-        active: coefficients.iter().filter(|c| c.abs() > ACTIVE).count(),
+        terms: coefficients.len() as f64,
+        active: coefficients.iter().filter(|c| c.abs() > ACTIVE).count() as f64,
         nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
-        cost: Cost { regression: regression.as_secs_f64(), total },
+        cost: [regression.as_secs_f64(), total],
         model: found.model,
     })
-}
-
-/// All coefficients of a model.
-fn coefficients(form: &Form) -> Vec<f64> {
-    match form {
-        Form::Torque(joints) => joints.iter().flatten().map(|w| w.coefficient).collect(),
-        Form::Energy(terms) => terms.iter().map(|w| w.coefficient).collect(),
-    }
-}
-
-fn name_of(trial: &TrialPlan) -> String {
-    let Scenario { arm, seconds, noise, seed } = &trial.scenario;
-    format!("{arm}, {seconds} s, noise {}, seed {seed}", noise.name())
 }
 
 /// A model after one of its steps, without the last fit.
@@ -252,23 +254,23 @@ fn now() -> Duration {
 mod tests {
     use super::*;
     use crate::method::Method;
-    use crate::scenario::{Decibels, outside};
+    use torquewise_sim::Noise;
 
-    fn plan(noise: Decibels, seconds: f64, seed: u64) -> TrialPlan {
+    fn row(noise: Noise, seconds: f64, seed: u64) -> Row {
         let scenario = Scenario { arm: "planar-2", seconds, noise, seed };
-        TrialPlan { scenario, plan: Method::Energy.options().into() }
+        Row::new([], &scenario, Method::Energy.options(), 1)
     }
 
     #[test]
     fn a_trial_without_noise_predicts_another_motion() {
         let test = outside("planar-2", 3).unwrap();
 
-        let trial = attempt(&plan(Decibels::NONE, 60.0, 3), &test).unwrap();
+        let trial = attempt(&row(Noise::CASES[0], 60.0, 3).trials[0], &test).unwrap();
 
         assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
         assert_eq!(trial.candidates_by_step.len(), 3);
-        assert!(0 < trial.active && trial.active <= trial.terms);
-        let Cost { regression, total } = trial.cost;
+        assert!(0.0 < trial.active && trial.active <= trial.terms);
+        let [regression, total] = trial.cost;
         assert!(0.0 < regression && regression < total, "{regression} {total}");
         let steps = steps(&trial.model, Model::clone, &test).unwrap();
         assert!(steps[2].nrmse_percent[0] < steps[0].nrmse_percent[0], "{steps:?}");
@@ -276,18 +278,17 @@ mod tests {
 
     #[test]
     fn trials_do_not_depend_on_threads_and_one_that_fails_is_reported() {
-        let plans = [1, 2, 3, 2].map(|seed| plan(Decibels::case(3), 30.0, seed));
+        let rows = [1, 2, 3, 2].map(|seed| row(Noise::CASES[2], 30.0, seed));
         let errors = |threads: usize| -> Vec<Vec<f64>> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let run = || Trials::run(&plans[..1], &plans, 1, &|_| {});
+            let run = || Trials::run(&rows[..1], &rows, 1, &|_| {});
             let trials = pool.install(run).unwrap();
             assert_eq!(trials.0.len(), 3, "each once");
-            let all = trials.runs(&plans).unwrap().0;
-            all.into_iter().map(|trial| trial.nrmse_percent.clone()).collect()
+            rows.iter().map(|row| trials.of(row).first().nrmse_percent.clone()).collect()
         };
 
         assert_eq!(errors(1), errors(3));
-        let failed = Trials::run(&[], &[plan(Decibels::case(3), 0.1, 1)], 1, &|_| {});
+        let failed = Trials::run(&[], &[row(Noise::CASES[2], 0.1, 1)], 1, &|_| {});
         assert!(matches!(failed, Err(PaperError::Identify { .. })), "{failed:?}");
     }
 }

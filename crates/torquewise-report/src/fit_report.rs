@@ -8,7 +8,7 @@ use torquewise_identify::{Diagnosis, Reconstruction};
 use torquewise_model::Checks;
 
 pub mod origin;
-mod clock;
+pub(crate) mod clock;
 mod verdict;
 mod torques;
 mod geometry;

@@ -14,6 +14,7 @@ pub mod fit_report;
 
 pub use error::ReportError;
 pub use fit_report::call_cost::CallCost;
+pub use fit_report::clock::pattern_bands;
 pub use fit_report::origin::{LogFile, Origin};
 pub use fit_report::{Findings, fit_report};
 pub use orders::order_charts;

@@ -5,28 +5,29 @@ use crate::random::normal;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
+use std::fmt;
 use torquewise_motion::Motion;
 
-/// Signal-to-noise ratio of each signal \[dB\]; +∞ leaves a signal clean.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
-    q: f64,
-    dq: f64,
-    ddq: f64,
-}
+/// Signal-to-noise ratio of q, q̇ and q̈ \[dB\]; +∞ leaves a signal clean.
+///
+/// It reads as the paper writes it: `60/40/30 dB`, `none`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Noise([f64; 3]);
 
 impl Noise {
     /// The paper's cases: 1 without noise, 2 with 70/50/30 dB and 3 with 60/40/30 dB on q/q̇/q̈.
+    pub const CASES: [Self; 3] =
+        [Self([f64::INFINITY; 3]), Self([70.0, 50.0, 30.0]), Self([60.0, 40.0, 30.0])];
+
+    /// One of these cases.
     ///
     /// # Errors
     /// [`SimError::NoiseCase`] for another number.
     pub fn case(case: u8) -> Result<Self, SimError> {
-        match case {
-            1 => Self::from_db(f64::INFINITY, f64::INFINITY, f64::INFINITY),
-            2 => Self::from_db(70.0, 50.0, 30.0),
-            3 => Self::from_db(60.0, 40.0, 30.0),
-            _ => Err(SimError::NoiseCase(case)),
-        }
+        let place = usize::from(case).wrapping_sub(1);
+        Self::CASES.get(place).copied().ok_or(SimError::NoiseCase(case))
     }
 
     /// Ratios of q, q̇ and q̈ \[dB\].
@@ -39,7 +40,17 @@ impl Noise {
                 return Err(SimError::NoiseLevel { signal, db });
             }
         }
-        Ok(Self { q, dq, ddq })
+        Ok(Self([q, dq, ddq]))
+    }
+}
+
+impl fmt::Display for Noise {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if *self == Self::CASES[0] {
+            return f.write_str("none");
+        }
+        let level = |db: f64| if db.is_finite() { db.to_string() } else { "–".into() };
+        write!(f, "{} dB", self.0.map(level).join("/"))
     }
 }
 
@@ -56,9 +67,10 @@ impl Noise {
 pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion, SimError> {
     let mut signals = motion.clone().into_signals();
     // Stream 0 draws trajectories: one seed for both must not couple them.
-    disturb(&mut signals.q, noise.q, seed, 1 << 32);
-    disturb(&mut signals.dq, noise.dq, seed, 2 << 32);
-    disturb(&mut signals.ddq, noise.ddq, seed, 3 << 32);
+    let all = [&mut signals.q, &mut signals.dq, &mut signals.ddq];
+    for ((x, db), stream) in all.into_iter().zip(noise.0).zip(1..) {
+        disturb(x, db, seed, stream << 32);
+    }
     Ok(Motion::new(signals)?)
 }
 

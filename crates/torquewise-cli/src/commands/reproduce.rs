@@ -80,8 +80,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
 fn claims_text(results: &Results) -> String {
     let claim = |claim: &Claim| {
-        let (source, words, verdict) = (claim.source, claim.claim, claim.verdict.name());
-        format!("{source}: {verdict}\n  claim: {words}\n  here:  {}\n", claim.measured)
+        let Claim { claim, source, measured, verdict } = claim;
+        let verdict = verdict.name();
+        format!("{source}: {verdict}\n  claim: {claim}\n  here:  {measured}\n")
     };
     results.claims().map(claim).collect::<Vec<_>>().join("\n")
 }

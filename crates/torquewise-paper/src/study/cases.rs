@@ -1,15 +1,18 @@
-//! Cases 1–3: terms kept (Fig. 7), torque outside the training log (Fig. 8), step by step (Fig. 10).
+//! Cases 1–3: candidates and time (Fig. 6), terms kept (Fig. 7), torque outside the training log
+//! (Fig. 8), step by step (Fig. 10), coefficients.
 
 use crate::charts::{colour, step_lines, torque_charts};
 use crate::error::PaperError;
-use crate::method::{ACTIVE, Method};
-use crate::results::{Claim, Figure, Spread, Study, Table};
-use crate::scenario::{Decibels, Settings, outside};
-use crate::trial::{self, TrialPlan, Trials};
+use crate::method::{ACTIVE, Method, lasso, threshold};
+use crate::results::{Cell, Spread, Study};
+use crate::scenario::{Settings, outside};
+use crate::trial::{self, Row, Runs, Trials};
 use crate::truth::{true_energies, true_products};
-use torquewise_model::{Model, Torque};
+use std::collections::BTreeMap;
+use torquewise_identify::plan::LibraryOptions;
+use torquewise_model::{EnergyTerm, Model, Torque, Weighted};
 use torquewise_report::html::number::significant;
-use torquewise_sim::Arm;
+use torquewise_sim::{Arm, Noise};
 
 /// Rows of a prediction that are shown: every fifth of 20 s at 100 Hz.
 const STRIDE: usize = 5;
@@ -22,198 +25,250 @@ const ABOUT: f64 = 0.2;
 /// Clearly fewer: less than this part.
 const FEWER: f64 = 0.5;
 
-/// The trials of a method in a case. Without noise one run says all.
-pub(crate) fn seeds(settings: &Settings, case: u8, method: Method) -> Vec<TrialPlan> {
+/// A method in a case. Without noise one run says all.
+pub(crate) fn row(settings: &Settings, case: u8, method: Method) -> Row {
     let seeds = if case == 1 { 1 } else { settings.seeds };
-    let scenario = settings.scenario(Decibels::case(case), settings.seed);
-    TrialPlan::seeds(&scenario, method.options(), seeds)
+    let scenario = settings.scenario(Noise::CASES[usize::from(case) - 1], settings.seed);
+    Row::new([usize::from(case).into(), method.name().into()], &scenario, method.options(), seeds)
 }
 
 /// Every method in every case.
-fn all() -> impl Iterator<Item = (u8, Method)> {
-    [1, 2, 3].into_iter().flat_map(|case| Method::ALL.map(|method| (case, method)))
+pub(crate) fn rows(settings: &Settings) -> Vec<Row> {
+    let of_case = |case| Method::ALL.map(|method| row(settings, case, method));
+    [1, 2, 3].into_iter().flat_map(of_case).collect()
 }
 
-/// All trials.
-pub(crate) fn plans(settings: &Settings) -> Vec<TrialPlan> {
-    all().flat_map(|(case, method)| seeds(settings, case, method)).collect()
+/// Names of methods, and of rules for terms.
+const PRODUCT: &str = "stepwise, product";
+const SINDY: &str = "one-shot SINDy";
+/// A term stays for what it explains \[E5\].
+const CRITERION: &str = "criterion";
+/// LASSO, information criterion, refit.
+const LASSO: &str = "LASSO";
+/// |coefficient| > 0.1.
+const THRESHOLD: &str = "|c| > 0.1";
+
+/// The three methods of the figure (0, 1 and 6), and LASSO and the threshold for all, like with
+/// like: each with its rule for terms.
+pub(crate) fn timed_rows(settings: &Settings) -> Vec<Row> {
+    let product = |selector| LibraryOptions { selector, ..Method::Product.options() };
+    let scenario = settings.scenario(Noise::CASES[2], settings.seed);
+    let row = |(method, rule, options): (&str, &str, LibraryOptions)| {
+        Row::new([method.into(), rule.into()], &scenario, options, settings.timed_seeds)
+    };
+    let all = [
+        ("stepwise, energy", CRITERION, Method::Energy.options()),
+        (PRODUCT, CRITERION, Method::Product.options()),
+        (PRODUCT, LASSO, product(lasso())),
+        (PRODUCT, THRESHOLD, product(threshold())),
+        (SINDY, CRITERION, Method::SindyCriterion.options()),
+        (SINDY, LASSO, Method::SindyLasso.options()),
+        (SINDY, THRESHOLD, Method::Sindy.options()),
+    ];
+    all.map(row).to_vec()
+}
+
+/// What each method costs.
+pub(crate) fn cost(settings: &Settings, trials: &Trials) -> Study {
+    let mut study = Study::described("cost", 0);
+    let Study { claims, tables, timed, .. } = &mut study;
+    let all: Vec<_> =
+        timed_rows(settings).into_iter().map(|row| (trials.of(&row), row.head)).collect();
+    let listed = |runs: &Runs<'_>, divider: &str| {
+        let steps = runs.first().candidates_by_step.iter().map(usize::to_string);
+        steps.collect::<Vec<_>>().join(divider)
+    };
+    for (runs, head) in &all {
+        let size: [Cell; 2] = [listed(runs, " + ").into(), runs.first().candidates.into()];
+        tables[0].push_with(head.clone(), size);
+        let costs = [0, 1].map(|part: usize| runs.spread(|trial| trial.cost[part]));
+        timed.tables[0].push_with(head.clone(), costs);
+    }
+    let [energy, stepwise, sindy] = [0, 1, 6].map(|row: usize| &all[row].0);
+    let largest = |runs: &Runs<'_>| runs.first().candidates_by_step.iter().max().copied();
+    let in_all = [sindy, energy].map(|runs| runs.first().candidates.to_string());
+    let values = [[listed(stepwise, ", ")].as_slice(), &in_all].concat();
+    claims[0].judge(values, largest(stepwise) < largest(sindy), false);
+    let (mut values, mut faster) = (Vec::new(), Vec::new());
+    for pair in [[1, 6], [1, 4], [2, 5], [3, 6]] {
+        let [[own, other], [own_total, other_total]] = [0, 1].map(|part: usize| {
+            pair.map(|row: usize| all[row].0.spread(|trial| trial.cost[part]).median)
+        });
+        faster.push(other > own);
+        values
+            .extend([own, other, other / own, other_total / own_total].map(|x| significant(x, 2)));
+    }
+    timed.claims[0].judge(values, !faster.contains(&false), faster.contains(&true));
+    study
 }
 
 /// Fig. 7: coefficients kept, and those above 0.1, which the paper calls active.
 pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
-    let mut table = Table::new(
-        "Terms of all joints together, median and range over the seeds. The truth is that of the \
-         arm, in functions of M(q) and V(q) for the energy library, in products of sines and \
-         cosines for the others.",
-        "case;method;|coefficient| > 0.1;kept",
-    );
-    for (case, method) in all() {
-        let runs = trials.runs(&seeds(settings, case, method))?;
-        let head = [format!("case {case}").into(), method.name().into()];
-        table.push_with(head, [runs.active(), runs.terms()]);
+    let mut study = Study::described("terms", 0);
+    let table = &mut study.tables[0];
+    for row in rows(settings) {
+        let runs = trials.of(&row);
+        let head = [format!("case {}", row.head[0].text()).into(), row.head[1].clone()];
+        table
+            .push_with(head, [runs.spread(|trial| trial.active), runs.spread(|trial| trial.terms)]);
     }
     let arm = Arm::builtin(settings.arm)?;
-    let energies: Vec<f64> = true_energies(&arm).into_values().collect();
-    let products = true_products(&arm);
+    let energies = true_energies(&arm);
+    let products = true_products(&energies, arm.n_joints());
+    let energies: Vec<f64> = energies.into_values().collect();
     let active = |weights: &[f64]| weights.iter().filter(|weight| weight.abs() > ACTIVE).count();
     for (name, weights) in [("functions of M(q) and V(q)", &energies), ("products", &products)] {
         table.push_with(["truth".into(), name.into()], [active(weights), weights.len()]);
     }
-    let median = |case, method| -> Result<f64, PaperError> {
-        Ok(trials.runs(&seeds(settings, case, method))?.active().median)
+    let medians = |case| {
+        [Method::Product, Method::Sindy, Method::SindyLasso].map(|method| {
+            trials.of(&row(settings, case, method)).spread(|trial| trial.active).median
+        })
     };
-    let (stepwise, sindy) = (median(1, Method::Product)?, median(1, Method::Sindy)?);
-    let same = Claim::new(
-        "Fig. 7, case 1",
-        "Without noise stepwise and one-shot SINDy have about the same number of active terms.",
-        format!(
-            "{stepwise} and {sindy} coefficients above 0.1; the truth has {}.",
-            active(&products)
-        ),
-        [(stepwise - sindy).abs() <= ABOUT * sindy.max(stepwise), false],
-    );
-    let (mut parts, mut fewer, mut lasso_too) = (Vec::new(), true, true);
-    for case in [2, 3] {
-        let (stepwise, sindy) = (median(case, Method::Product)?, median(case, Method::Sindy)?);
-        let lasso = median(case, Method::SindyLasso)?;
-        fewer &= stepwise < FEWER * sindy;
-        lasso_too &= stepwise < FEWER * lasso;
-        parts.push(format!(
-            "case {case}: {stepwise} beside {sindy} with the threshold and {lasso} with LASSO, \
-             BIC and refit"
-        ));
-    }
-    let fewer = Claim::new(
-        "Fig. 7, cases 2 and 3",
-        "With noise stepwise reconstruction has far fewer active terms than one-shot SINDy.",
-        format!("Coefficients above 0.1, {}.", parts.join("; ")),
-        [fewer && lasso_too, fewer],
-    );
-    let (heading, claims) = ("Active terms (Fig. 7)", vec![same, fewer]);
-    Ok(Study { heading, claims, tables: vec![table], ..Study::default() })
+    let [stepwise, sindy, _] = medians(1);
+    let about = (stepwise - sindy).abs() <= ABOUT * sindy.max(stepwise);
+    study.claims[0].judge([stepwise, sindy, active(&products) as f64], about, false);
+    let noisy = [medians(2), medians(3)];
+    let fewer_than = |other: usize| noisy.iter().all(|case| case[0] < FEWER * case[other]);
+    study.claims[1].judge(noisy.concat(), fewer_than(1) && fewer_than(2), fewer_than(1));
+    Ok(study)
 }
 
 /// Fig. 8: torque outside the training log.
 pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
     let test = outside(settings.arm, settings.seed)?;
-    let n = test.n_joints();
-    let mut table = Table::new("Median and range over the seeds.", "case;method;runs")
-        .with_joints("error [%]", n)
-        .with_joints("RMSE [N·m]", n);
-    let mut figures = Vec::new();
-    for case in [1, 2, 3] {
+    let mut study = Study::described("torque", test.n_joints());
+    for (case, figure) in (1..).zip(&mut study.figures) {
         let mut predicted = Vec::new();
         for method in Method::ALL {
-            let runs = trials.runs(&seeds(settings, case, method))?;
+            let row = row(settings, case, method);
+            let runs = trials.of(&row);
             let rmse = Spread::of_columns(runs.0.iter().map(|trial| trial.rmse.as_slice()));
-            let head = [usize::from(case).into(), method.name().into(), runs.0.len().into()];
-            table.push_with(head, runs.errors().into_iter().chain(rmse));
+            let head = row.head.into_iter().chain([runs.0.len().into()]);
+            study.tables[0].push_with(head, runs.errors().into_iter().chain(rmse));
             let torque = Torque::new(&runs.first().model).over(&test)?;
             predicted.push((method.name().to_owned(), colour(method), torque));
         }
         // The method to look at lies on top.
         predicted.reverse();
-        let noise = Decibels::case(case).name();
-        figures.push(Figure::new(
-            format!("fig8_case{case}"),
-            format!(
-                "Fig. 8, case {case}: smooth motion that no training log holds, without noise. \
-                 Models of the first seed; noise in the log they are learned from: {noise}. A \
-                 prediction that leaves the range of the torque that is needed is cut off.",
-            ),
-            torque_charts(&test, STRIDE, &predicted, &format!("case {case}"))?,
-        ));
+        figure.charts = torque_charts(&test, STRIDE, &predicted, &format!("case {case}"))?;
     }
-    Ok(Study {
-        heading: "Torque outside the training log (Fig. 8)",
-        claims: extrapolation(settings, trials)?,
-        tables: vec![table],
-        figures,
-        ..Study::default()
-    })
-}
-
-fn extrapolation(settings: &Settings, trials: &Trials) -> Result<Vec<Claim>, PaperError> {
-    let worst = |case, method| -> Result<f64, PaperError> {
-        Ok(trials.runs(&seeds(settings, case, method))?.worst().median)
-    };
-    let both = |method| Ok::<_, PaperError>([worst(2, method)?, worst(3, method)?]);
-    let (product, energy) = (both(Method::Product)?, both(Method::Energy)?);
-    let show = |errors: [f64; 2]| {
-        let [second, third] = errors.map(|error| significant(error, 2));
-        format!("{second} % in case 2 and {third} % in case 3")
-    };
+    let worst = |case, method| trials.of(&row(settings, case, method)).worst().median;
+    let both = |method| [2, 3].map(|case| worst(case, method));
+    let (product, energy) = (both(Method::Product), both(Method::Energy));
     let is_predicted = product.map(|error| error < PREDICTED);
-    let extrapolates = Claim::new(
-        "Fig. 8",
-        "Stepwise reconstruction predicts torque outside the training data, in cases 2 and 3.",
-        format!(
-            "The worst joint is off by {} with the product library, by {} with the energy library.",
-            show(product),
-            show(energy)
-        ),
-        [!is_predicted.contains(&false), is_predicted.contains(&true)],
+    study.claims[0].judge(
+        [product, energy].concat().into_iter().map(|error| significant(error, 2)),
+        !is_predicted.contains(&false),
+        is_predicted.contains(&true),
     );
-    let ([second, third], lasso) = (both(Method::Sindy)?, worst(3, Method::SindyLasso)?);
-    let fails = Claim::new(
-        "Fig. 8, case 3",
-        "One-shot SINDy fails to predict the torque in case 3.",
-        format!(
-            "Its worst joint is off by {} % in case 3, and by {} % in case 2, if coefficients \
-             above 0.1 are kept. With LASSO, BIC and a refit the same library in one shot is off \
-             by {} %: what fails is the rule for terms, not the single step.",
-            significant(third, 2),
-            significant(second, 2),
-            significant(lasso, 2),
-        ),
-        [third > FAILED && lasso > FAILED, third > FAILED || lasso > FAILED],
+    let ([second, third], lasso) = (both(Method::Sindy), worst(3, Method::SindyLasso));
+    study.claims[1].judge(
+        [third, second, lasso].map(|error| significant(error, 2)),
+        third > FAILED && lasso > FAILED,
+        third > FAILED || lasso > FAILED,
     );
-    Ok(vec![extrapolates, fails])
+    Ok(study)
 }
 
 /// Fig. 10, simulated: both libraries after each step, on the first log of case 2.
 pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
     let test = outside(settings.arm, settings.seed)?;
-    let mut table = Table::new(
-        "Error outside the training log after each step, case 2, first seed.",
-        "method;after",
-    )
-    .with_joints("error [%]", test.n_joints());
-    let (mut figures, mut parts, mut falls) = (Vec::new(), Vec::new(), Vec::new());
+    let mut study = Study::described("steps", test.n_joints());
+    let (mut parts, mut falls) = (Vec::new(), Vec::new());
     for method in [Method::Energy, Method::Product] {
-        let trial = trials.runs(&seeds(settings, 2, method)[..1])?.first();
+        let trial = trials.of(&row(settings, 2, method)).first();
         let steps = trial::steps(&trial.model, Model::clone, &test)?;
         let refit = ("refit of all terms on all rows", &trial.nrmse_percent);
         let all = steps.iter().map(|step| (step.name.as_str(), &step.nrmse_percent));
         for (name, errors) in all.chain([refit]) {
-            table.push_with([method.name().into(), name.into()], errors.iter().copied());
+            study.tables[0].push_with([method.name().into(), name.into()], errors.clone());
         }
         let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
         let means: Vec<f64> = steps.iter().map(|step| mean(&step.nrmse_percent)).collect();
         falls.push(means.windows(2).all(|pair| pair[1] < pair[0]));
         let means: Vec<String> = means.iter().map(|mean| significant(*mean, 3)).collect();
-        parts.push(format!("{} % ({})", means.join(", "), method.name()));
+        parts.push(means.join(", "));
         if method == Method::Energy {
-            let caption =
-                format!("Fig. 10, simulated: after each step ({}, case 2).", method.name());
-            let charts = torque_charts(&test, STRIDE, &step_lines(steps), "steps")?;
-            figures.push(Figure::new("fig10_steps", caption, charts));
+            study.figures[0].charts = torque_charts(&test, STRIDE, &step_lines(steps), "steps")?;
         }
     }
-    let claim = Claim::new(
-        "Fig. 10, here simulated",
-        "Each step makes the predicted torque more accurate.",
-        format!(
-            "Mean error of the joints after steps 1, 2, 3 in case 2, first seed: {}.",
-            parts.join("; ")
-        ),
-        [!falls.contains(&false), falls.contains(&true)],
-    );
-    Ok(Study {
-        heading: "Step by step (Fig. 10)",
-        claims: vec![claim],
-        tables: vec![table],
-        figures,
-        ..Study::default()
-    })
+    study.claims[0].judge(parts, !falls.contains(&false), falls.contains(&true));
+    Ok(study)
+}
+
+/// A normal variable is within this many standard deviations in 90 of 100 cases.
+const NINETY_PERCENT: f64 = 1.645;
+
+/// Coefficient and standard error of each term of a model.
+type Found = BTreeMap<EnergyTerm, (f64, f64)>;
+
+/// Coefficients of the energy models beside the truth, and how often their intervals hold it.
+pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+    let truth = true_energies(&Arm::builtin(settings.arm)?);
+    let mut study = Study::described("coefficients", 0);
+    for case in [2, 3] {
+        let runs = trials.of(&row(settings, case, Method::Energy));
+        let term = |w: &Weighted<EnergyTerm>| (w.term.clone(), (w.coefficient, w.std_error));
+        let runs: Vec<Found> =
+            runs.0.iter().map(|trial| trial.energies().iter().map(term).collect()).collect();
+        let extra = |run: &Found| run.keys().filter(|term| !truth.contains_key(term)).count();
+        let missed = |run: &Found| truth.keys().filter(|term| !run.contains_key(term)).count();
+        let exact = runs.iter().filter(|run| extra(run) + missed(run) == 0).count();
+        let counts = truth.iter().map(|(term, &truth)| count(term, truth, &runs));
+        let (covered, found) = counts.fold((0, 0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
+        study.tables[0].push([
+            usize::from(case).into(),
+            format!("{exact} of {}", runs.len()).into(),
+            runs.iter().map(missed).sum::<usize>().into(),
+            runs.iter().map(extra).sum::<usize>().into(),
+            format!("{covered} of {found}").into(),
+            (100.0 * covered as f64 / found.max(1) as f64).into(),
+        ]);
+        for (term, &truth) in truth.iter().filter(|_| case == 3) {
+            let (covered, found) = count(term, truth, &runs);
+            let first = runs[0].get(term).map(|(estimate, std_error)| {
+                [significant(*estimate, 6), significant(*std_error, 2)]
+            });
+            let [estimate, std_error] = first.unwrap_or(["–".to_owned(), "–".to_owned()]);
+            let held = format!("{covered} of {found}");
+            let cells = [term.name(), significant(truth, 6), estimate, std_error, held];
+            study.tables[1].push(cells.map(Cell::from));
+        }
+    }
+    Ok(study)
+}
+
+/// Runs whose 90 % interval holds the truth, and runs that found the term at all.
+fn count(term: &EnergyTerm, truth: f64, runs: &[Found]) -> (usize, usize) {
+    let found = runs.iter().filter_map(|run| run.get(term));
+    let holds = |(estimate, std_error): &&(f64, f64)| {
+        (estimate - truth).abs() <= NINETY_PERCENT * std_error
+    };
+    (found.clone().filter(holds).count(), found.count())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The energy model of the reference arm over five logs: terms, error and intervals.
+    #[test]
+    fn in_noise_the_true_terms_are_found_and_the_intervals_hold_the_truth() {
+        let settings = Settings { seconds: 200.0, seeds: 5, ..Settings::full(1) };
+        let rows = [2, 3].map(|case| row(&settings, case, Method::Energy));
+        let trials = Trials::run(&[], &rows, settings.seed, &|_| {}).unwrap();
+
+        let found = coefficients(&settings, &trials).unwrap();
+
+        for row in &found.tables[0].rows {
+            assert_eq!(row[1], "5 of 5".into(), "{row:?}");
+            // 115 intervals of 90 %, 23 of each log sharing its noise.
+            let Cell::Number(share) = row[5] else { panic!("{row:?}") };
+            assert!((80.0..=98.0).contains(&share), "{row:?}");
+        }
+        for trial in rows.iter().flat_map(|row| trials.of(row).0) {
+            assert!(trial.nrmse_percent.iter().all(|error| *error < 0.6), "{trial:?}");
+        }
+    }
 }

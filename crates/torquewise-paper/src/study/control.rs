@@ -3,7 +3,7 @@
 
 use crate::charts::{chart, points, step_lines, torque_charts};
 use crate::error::{PaperError, within};
-use crate::results::{Claim, Figure, Study, Table};
+use crate::results::{Claim, Study, Table};
 use crate::scenario::Settings;
 use crate::trial;
 use faer::Mat;
@@ -14,7 +14,7 @@ use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
 use torquewise_motion::signals::{Conditioning, Raw, condition};
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
 use torquewise_sim::control::knowledge::sharp;
 use torquewise_sim::control::{
     Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, compare, mean_inertia, periodic,
@@ -69,20 +69,15 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
     let model = learn(&plant, settings)?;
     let plan = Periodic { rate: RATE, seed: settings.seed, ..Periodic::default() };
     let wanted = periodic(&plant.arm, &plan)?;
-    let (curves, friction) = friction(&plant, &model)?;
-    let (after, steps) = steps(&plant, &model, &wanted)?;
-    let (errors, tracking, claim) = tracking(&plant, &model, &wanted, plan.seconds - plan.period)?;
-    Ok(Study {
-        heading: "In the controller (Fig. 10 and 11)",
-        text: "The second half of the paper, in simulation: an arm with rotors, Stribeck friction, \
-               encoders of 20 bits and drives that are 1 ms late is moved by velocity controllers, \
-               very slowly in both directions, uniformly, then variably. From measured positions \
-               and torques alone a model is reconstructed; it then drives the arm at 1 kHz.",
-        claims: vec![claim],
-        tables: vec![curves, after, errors],
-        figures: vec![friction, steps, tracking],
-        ..Study::default()
-    })
+    let mut study = Study::described("control", plant.arm.n_joints());
+    let [curves, after, errors] = &mut study.tables[..] else { return Ok(study) };
+    study.figures[0].charts = friction(&plant, &model, curves)?;
+    study.figures[1].charts = steps(&plant, &model, &wanted, after)?;
+    // The first period begins with an empty integral.
+    let settle = plan.seconds - plan.period;
+    study.figures[2].charts =
+        tracking(&plant, &model, &wanted, settle, (errors, &mut study.claims[0]))?;
+    Ok(study)
 }
 
 /// The arm of the settings with friction, rotors, drives and encoders.
@@ -128,7 +123,7 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model, PaperError> {
 }
 
 /// f(v) of each joint, true and learned, at speeds from the dead zone on, both ways.
-fn friction(plant: &Plant, model: &Model) -> Result<(Table, Figure), PaperError> {
+fn friction(plant: &Plant, model: &Model, table: &mut Table) -> Result<Vec<Chart>, PaperError> {
     let n = plant.arm.n_joints();
     let model = sharp(model);
     let known = Torque::new(&model);
@@ -153,25 +148,21 @@ fn friction(plant: &Plant, model: &Model) -> Result<(Table, Figure), PaperError>
             line("plant", Mark::BroadLine, Colour::Measured, &truth),
             line("model", Mark::Line, Colour::Series(0), &learned),
         ];
-        let (x, y) = (Axis::named("speed [rad/s]"), Axis::named("friction [N·m]"));
         let guides = [-DEAD_ZONE, DEAD_ZONE].map(|at| Guide::at_x(at, "")).to_vec();
         let title = format!("Joint {}: friction", joint + 1);
-        charts.push(Chart { guides, ..chart(title, x, y, series) });
+        charts.push(Chart { guides, ..chart(title, ["speed [rad/s]", "friction [N·m]"], series) });
     }
-    let mut table = Table::new("Learned friction, from 0.06 rad/s on, both directions.", "")
-        .with_joints("largest error of f(v) [%]", n);
     table.push_with(["".into()], worst_percent);
-    let figure = Figure::new(
-        "fig10_friction",
-        "Stribeck friction (17), true and learned. Between the dashed lines it is not judged: a \
-         model smooths its reversal there.",
-        charts,
-    );
-    Ok((table, figure))
+    Ok(charts)
 }
 
 /// The torque that a motion takes, and what each step predicts of it.
-fn steps(plant: &Plant, model: &Model, wanted: &Motion) -> Result<(Table, Figure), PaperError> {
+fn steps(
+    plant: &Plant,
+    model: &Model,
+    wanted: &Motion,
+    table: &mut Table,
+) -> Result<Vec<Chart>, PaperError> {
     let rows: Vec<usize> = (0..wanted.n_rows()).step_by(SHOWN).collect();
     let mut signals = wanted.select(&rows).into_signals();
     let needed = |row: usize| {
@@ -181,19 +172,11 @@ fn steps(plant: &Plant, model: &Model, wanted: &Motion) -> Result<(Table, Figure
     let needed: Vec<Vec<f64>> = (0..rows.len()).map(needed).collect();
     signals.tau = Some(Mat::from_fn(rows.len(), needed[0].len(), |row, j| needed[row][j]));
     let motion = Motion::new(signals)?;
-    let mut table = Table::new("RMSE over the spread of the torque after each step.", "after")
-        .with_joints("error [%]", motion.n_joints());
     let steps = trial::steps(model, sharp, &motion)?;
     for step in &steps {
         table.push_with([step.name.clone().into()], step.nrmse_percent.iter().copied());
     }
-    let figure = Figure::new(
-        "fig10_control",
-        "Fig. 10, simulated with friction: what the motion of the next figure takes, and what each \
-         step predicts of it.",
-        torque_charts(&motion, 1, &step_lines(steps), "control")?,
-    );
-    Ok((table, figure))
+    Ok(torque_charts(&motion, 1, &step_lines(steps), "control")?)
 }
 
 /// PID, controllers 1 and 2 with the model, and the latter with the truth, all with the gains that
@@ -205,21 +188,14 @@ fn tracking(
     model: &Model,
     wanted: &Motion,
     settle: f64,
-) -> Result<(Table, Figure, Claim), PaperError> {
+    (table, claim): (&mut Table, &mut Claim),
+) -> Result<Vec<Chart>, PaperError> {
     let known = Learned::new(model)?;
     let gains = Gains::critically_damped(BANDWIDTH, &mean_inertia(&known, wanted)?);
     let learned = [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque];
     let perfect = [Law::Controller1, Law::Controller2];
     let mut found = compare(plant, &known, &learned, &gains, wanted)?;
     found.extend(compare(plant, plant, &perfect, &gains, wanted)?);
-    let n = wanted.n_joints();
-    let mut table = Table::new(
-        "Second period; the same gains for all, critically damped at 15 rad/s by the inertia of \
-         the learned model.",
-        "controller",
-    )
-    .with_joints("RMS error [mrad]", n)
-    .with_joints("of PID [%]", n);
     let pid = found[0].rms_error(settle);
     let mut worst = Vec::new();
     for (name, found) in NAMES.iter().zip(&found) {
@@ -229,27 +205,14 @@ fn tracking(
         table.push_with([(*name).into()], errors.iter().map(|error| 1e3 * error).chain(percent));
         worst.push(shares.into_iter().fold(0.0, f64::max));
     }
-    let figure = tracking_figure(wanted, &found);
-    let percent = |place: usize| significant(100.0 * worst[place], 2);
+    let values = [1, 2, 4, 5].map(|place: usize| significant(100.0 * worst[place], 2));
     let (first, second) = (worst[1], worst[2]);
-    let claim = Claim::new(
-        "Fig. 11, here simulated",
-        "The model of step 1 in the controller improves tracking over PID significantly, that of \
-         step 3 further.",
-        format!(
-            "Error of the worst joint beside PID with the same gains: controller 1 {} %, \
-             controller 2 {} %; with a perfect model {} % and {} %.",
-            percent(1),
-            percent(2),
-            percent(4),
-            percent(5),
-        ),
-        [first < 1.0 && second < FEWER * first, second < first && second < 1.0],
-    );
-    Ok((table, figure, claim))
+    let in_part = second < first && second < 1.0;
+    claim.judge(values, first < 1.0 && second < FEWER * first, in_part);
+    Ok(tracking_charts(wanted, &found))
 }
 
-fn tracking_figure(wanted: &Motion, found: &[Tracking]) -> Figure {
+fn tracking_charts(wanted: &Motion, found: &[Tracking]) -> Vec<Chart> {
     let t: Vec<f64> = wanted.t().iter().copied().step_by(SHOWN).collect();
     let of_joint = |joint: usize| {
         // PID, controller 1 and controller 2.
@@ -258,15 +221,9 @@ fn tracking_figure(wanted: &Motion, found: &[Tracking]) -> Figure {
             let points = t.iter().zip(error).map(|(&t, &error)| [t, 1e3 * error]);
             Series::new(*name, Mark::Line, Colour::Series(place), points.collect())
         });
-        let (x, y) = (Axis::named("time [s]"), Axis::named("error [mrad]"));
+        let axes = ["time [s]", "error [mrad]"];
         let title = format!("Joint {}: tracking error", joint + 1);
-        Chart { linked: Some("control".into()), ..chart(title, x, y, series.collect()) }
+        Chart { linked: Some("control".into()), ..chart(title, axes, series.collect()) }
     };
-    Figure::new(
-        "fig11_tracking",
-        "Fig. 11, simulated: position error with the same gains, of PID, of controller 1 with what \
-         slow motion shows (18), and of controller 2 with the whole model (19), at 1 kHz. The \
-         first period begins with an empty integral and does not count.",
-        (0..wanted.n_joints()).map(of_joint).collect(),
-    )
+    (0..wanted.n_joints()).map(of_joint).collect()
 }

@@ -2,12 +2,14 @@
 
 use crate::charts::{chart, points};
 use crate::error::{PaperError, within};
-use crate::results::{Cell, Claim, Figure, Study, Table};
-use crate::scenario::{Decibels, Settings};
+use crate::results::{Cell, Study};
+use crate::scenario::Settings;
 use torquewise_identify::{PatternPlan, Patterns, Survey, find_patterns, survey};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Axis, Band, Chart, Colour, Guide, Mark, Series};
+use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use torquewise_report::pattern_bands;
+use torquewise_sim::Noise;
 use torquewise_stepwise::activation::Scaling;
 
 /// The clusters of the paper.
@@ -30,17 +32,14 @@ struct Clustered {
 
 /// Finds and judges the patterns at three levels of noise.
 pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
-    let mut scenario = settings.scenario(Decibels::CLUSTERING, settings.seed);
+    // The noise of the clustering figures.
+    let clustering = Noise::from_db(f64::INFINITY, 60.0, 50.0)?;
+    let mut scenario = settings.scenario(clustering, settings.seed);
     let simulation = scenario.simulate()?;
     let truth = &simulation.truth;
-    let mut table = Table::new(
-        "Purity: share of the labelled rows that truly show the pattern. Found: share of the true \
-         rows that are labelled so. Three clusters in every row of the table.",
-        "noise on q/dq/ddq;index;k at the elbow;pattern;rows, true;rows, labelled;purity [%];\
-         found [%]",
-    );
-    let (mut figures, mut claims) = (Vec::new(), Vec::new());
-    for noise in [Decibels::CLUSTERING, Decibels::case(2), Decibels::case(3)] {
+    let mut study = Study::described("patterns", 0);
+    let Study { claims, tables, figures, .. } = &mut study;
+    for noise in [clustering, Noise::CASES[1], Noise::CASES[2]] {
         scenario.noise = noise;
         let log = scenario.record(&simulation)?;
         let look = survey(&log).map_err(within("patterns"))?;
@@ -54,26 +53,27 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
                 let both = labels.iter().zip(truth).filter(|(label, _)| **label == pattern);
                 let right = both.filter(|(label, truth)| label == truth).count();
                 let percent = |whole: usize| 100.0 * right as f64 / whole.max(1) as f64;
-                let head = [noise.name().into(), index.into(), elbow.into()];
+                let head = [noise.to_string().into(), index.into(), elbow.into()];
                 let counts = [pattern.name().into(), rows.into(), labelled.into()];
                 let shares = [percent(labelled), percent(rows)].map(Cell::from);
-                table.push(head.into_iter().chain(counts).chain(shares));
+                tables[0].push(head.into_iter().chain(counts).chain(shares));
                 least_percent = least_percent.min(percent(labelled));
             }
             Ok(Clustered { index, patterns, elbow, least_percent })
         };
         let both = [judged("scaled", Scaling::Scaled)?, judged("printed", Scaling::Paper)?];
-        if noise == Decibels::CLUSTERING {
-            claims.push(claim(&both));
-            figures = vec![plane(&both, &log, truth), elbow(&both), motion(&both[0], &log)];
+        if noise == clustering {
+            let [scaled, printed] = &both;
+            let show = |own: &Clustered| [own.elbow.to_string(), significant(own.least_percent, 3)];
+            let is_found = |own: &Clustered| own.elbow == CLUSTERS && own.least_percent >= PURE;
+            let values = [show(printed), show(scaled)].concat();
+            claims[0].judge(values, is_found(printed), is_found(scaled));
+            figures[0].charts = both.iter().map(|own| plane(own, &log, truth)).collect();
+            figures[1].charts = vec![elbow(&both)];
+            figures[2].charts = vec![motion(&both[0], &log)];
         }
     }
-    let text = "Why the printed index fails: it was made for motion in one direction. For motion \
-                the other way the sum of the rates is negative and I = 1 − W‖a‖₁, which passes \
-                through 0, the place of standstill, where ‖a‖₁ = 1/W. Scaling each joint by its \
-                range and keeping W below 1/n leaves the switch S(a) to decide [E1].";
-    let heading = "Patterns (Fig. 1–3)";
-    Ok(Study { heading, text, claims, tables: vec![table], figures, ..Study::default() })
+    Ok(study)
 }
 
 /// Three clusters, and how many the elbow asks for.
@@ -88,52 +88,26 @@ fn clustered(look: &Survey, scaling: Scaling) -> Result<(Patterns, usize), Paper
     Ok((find_patterns(look, &three).map_err(within("patterns"))?, elbow))
 }
 
-fn claim([scaled, printed]: &[Clustered; 2]) -> Claim {
-    let measured = format!(
-        "Noise {}: with the index as printed the elbow is at k = {} and the least pure of three \
-         clusters holds {} % rows of its pattern; with the scaled index [E1] k = {} and {} %.",
-        Decibels::CLUSTERING.name(),
-        printed.elbow,
-        significant(printed.least_percent, 3),
-        scaled.elbow,
-        significant(scaled.least_percent, 3),
-    );
-    Claim::new(
-        "Fig. 1–3",
-        "Clustering the activation index gives three clusters, chosen by the elbow, that are \
-         standstill, uniform and variable velocity.",
-        measured,
-        [printed, scaled].map(|own| own.elbow == CLUSTERS && own.least_percent >= PURE),
-    )
-}
-
-fn plane(both: &[Clustered; 2], log: &Motion, truth: &[Pattern]) -> Figure {
+/// Rows of the log, coloured by what the arm truly does, and the centres of the clusters.
+fn plane(found: &Clustered, log: &Motion, truth: &[Pattern]) -> Chart {
     let stride = log.n_rows().div_ceil(CLOUD_ROWS).max(1);
     let rows: Vec<usize> = (0..log.n_rows()).step_by(stride).collect();
-    let part = log.select(&rows);
-    let plane = |found: &Clustered| {
-        let indices = found.patterns.activation.over(&part);
-        let cloud = |pattern: Pattern| {
-            let own = indices.iter().zip(&rows).filter(|(_, row)| truth[**row] == pattern);
-            let points = own.map(|(point, _)| *point).collect();
-            Series::new(pattern.name(), Mark::Cloud, Colour::Pattern(pattern), points)
-        };
-        let mut series: Vec<Series> = Pattern::ALL.into_iter().map(cloud).collect();
-        let centres = found.patterns.centres.clone();
-        series.push(Series::new("cluster centres", Mark::Rings, Colour::Series(1), centres));
-        let x = Axis::named("activation of the velocity, I(dq) [–]");
-        let y = Axis::named("activation of the acceleration, I(ddq) [–]");
-        chart(format!("The {} index", found.index), x, y, series)
+    let indices = found.patterns.activation.over(&log.select(&rows));
+    let cloud = |pattern: Pattern| {
+        let own = indices.iter().zip(&rows).filter(|(_, row)| truth[**row] == pattern);
+        let points = own.map(|(point, _)| *point).collect();
+        Series::new(pattern.name(), Mark::Cloud, Colour::Pattern(pattern), points)
     };
-    Figure::new(
-        "fig1_activation",
-        "Fig. 1: each dot is a row of the log, coloured by what the arm truly does; rings are the \
-         centres of three clusters.",
-        both.iter().map(plane).collect(),
-    )
+    let mut series: Vec<Series> = Pattern::ALL.into_iter().map(cloud).collect();
+    let centres = found.patterns.centres.clone();
+    series.push(Series::new("cluster centres", Mark::Rings, Colour::Series(1), centres));
+    let axes =
+        ["activation of the velocity, I(dq) [–]", "activation of the acceleration, I(ddq) [–]"];
+    chart(format!("The {} index", found.index), axes, series)
 }
 
-fn elbow(both: &[Clustered; 2]) -> Figure {
+/// What is left of the sum of squared distances to the centres of k clusters.
+fn elbow(both: &[Clustered; 2]) -> Chart {
     let (mut series, mut guides) = (Vec::new(), Vec::new());
     for (place, Clustered { index, patterns, elbow, .. }) in both.iter().enumerate() {
         let whole = patterns.inertia.first().copied().unwrap_or(1.0);
@@ -144,44 +118,28 @@ fn elbow(both: &[Clustered; 2]) -> Figure {
         guides.push(Guide::at_x(*elbow as f64, format!("elbow, {index}")));
     }
     let y = Axis::log("inertia over that of one cluster [–]");
-    let chart = chart("Inertia of k clusters", Axis::whole("clusters k"), y, series);
-    Figure::new(
-        "fig2_elbow",
-        "Fig. 2: what is left of the sum of squared distances to the centres with 1, 2, … clusters.",
-        vec![Chart { guides, ..chart }],
-    )
+    Chart {
+        guides,
+        x: Axis::whole("clusters k"),
+        y,
+        ..chart("Inertia of k clusters", [""; 2], series)
+    }
 }
 
-fn motion(scaled: &Clustered, log: &Motion) -> Figure {
+/// Joint speeds over time, and the pattern that each row is taken for.
+fn motion(scaled: &Clustered, log: &Motion) -> Chart {
     let rows: Vec<usize> =
         (0..log.n_rows()).take_while(|&row| log.t()[row] <= SHOWN_SECONDS).collect();
     let part = log.select(&rows);
-    let (t, labels) = (part.t(), scaled.patterns.label(&part));
     let joint = |joint: usize| {
         let dq: Vec<f64> = part.dq().col(joint).iter().copied().collect();
-        let points = points(t, &dq);
+        let points = points(part.t(), &dq);
         Series::new(format!("joint {}", joint + 1), Mark::Line, Colour::Series(joint), points)
     };
-    let band = |pattern: Pattern| {
-        let mut spans: Vec<[f64; 2]> = Vec::new();
-        for row in (0..t.len()).filter(|&row| labels[row] == pattern) {
-            let until = t.get(row + 1).copied().unwrap_or(t[row]);
-            match spans.last_mut() {
-                Some([_, end]) if end.total_cmp(&t[row]).is_eq() => *end = until,
-                _ => spans.push([t[row], until]),
-            }
-        }
-        Band { label: pattern.name().into(), colour: Colour::Pattern(pattern), spans }
-    };
-    let (x, y) = (Axis::named("time [s]"), Axis::named("joint speed [rad/s]"));
+    let axes = ["time [s]", "joint speed [rad/s]"];
     let series = (0..part.n_joints()).map(joint).collect();
-    let chart = chart("Joint speeds, coloured by the pattern found", x, y, series);
-    Figure::new(
-        "fig3_patterns",
-        "Fig. 3: the clusters of the scaled index over time: dwell, acceleration, cruise and \
-         braking, told apart from noisy velocities and accelerations alone.",
-        vec![Chart { bands: Pattern::ALL.into_iter().map(band).collect(), ..chart }],
-    )
+    let chart = chart("Joint speeds, coloured by the pattern found", axes, series);
+    Chart { bands: pattern_bands(part.t(), &scaled.patterns.label(&part)), ..chart }
 }
 
 #[cfg(test)]

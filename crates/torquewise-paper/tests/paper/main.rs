@@ -42,7 +42,7 @@ fn the_same_seed_gives_the_same_results_at_any_number_of_threads_and_the_page_sh
     assert_eq!(one.claims().count(), 10);
     let html = page(&one).unwrap();
     for claim in one.claims() {
-        assert!(html.contains(claim.claim), "{}", claim.claim);
+        assert!(html.contains(&claim.claim), "{}", claim.claim);
     }
     for figure in one.figures() {
         assert!(!figure.svg().unwrap().contains("NaN"), "{}", figure.name);

@@ -8,6 +8,11 @@ pub(crate) const LABEL: &str = "time [s]";
 /// A step this many times the usual one is a break, not a part of the motion.
 const BREAK: f64 = 20.0;
 
+/// Stretches over time of each pattern that is there; none reaches over a break in the time.
+pub fn pattern_bands(t: &[f64], patterns: &[Pattern]) -> Vec<Band> {
+    Clock::new(t).bands(patterns)
+}
+
 /// A clock that starts at zero and never goes back.
 pub(crate) struct Clock {
     /// Time of each row \[s\].

@@ -82,6 +82,9 @@ fn the_cases_of_the_paper_are_its_ratios_and_the_first_leaves_every_bit_as_it_wa
     assert_eq!((noisy.q(), noisy.dq(), noisy.ddq()), (clean.q(), clean.dq(), clean.ddq()));
     assert_eq!(Noise::case(2).unwrap(), Noise::from_db(70.0, 50.0, 30.0).unwrap());
     assert_eq!(Noise::case(3).unwrap(), Noise::from_db(60.0, 40.0, 30.0).unwrap());
+    let no_noise_on_q = Noise::from_db(f64::INFINITY, 62.5, 50.0).unwrap();
+    let read = [Noise::CASES[0], Noise::CASES[2], no_noise_on_q].map(|noise| noise.to_string());
+    assert_eq!(read, ["none", "60/40/30 dB", "–/62.5/50 dB"]);
 }
 
 #[test]
