@@ -113,9 +113,8 @@ pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, Paper
             .push_with(head, [runs.spread(|trial| trial.active), runs.spread(|trial| trial.terms)]);
     }
     let arm = Arm::builtin(settings.arm)?;
-    let energies = true_energies(&arm);
-    let products = true_products(&energies, arm.n_joints());
-    let energies: Vec<f64> = energies.into_values().collect();
+    let energies: Vec<f64> = true_energies(&arm).into_values().collect();
+    let products = true_products(&arm);
     let active = |weights: &[f64]| weights.iter().filter(|weight| weight.abs() > ACTIVE).count();
     for (name, weights) in [("functions of M(q) and V(q)", &energies), ("products", &products)] {
         table.push_with(["truth".into(), name.into()], [active(weights), weights.len()]);
