@@ -136,7 +136,7 @@ impl Log {
                     None => log.prepare(Rows::Filtered)?,
                 };
                 let mut all: Vec<(usize, Motion)> = Vec::new();
-                Watched::new(&rows, observer, "reading", (rows.rows_hint(), 1)).read(
+                Watched::new(rows.rows(), observer, "reading", (rows.rows_hint(), 1)).read(
                     &mut |trajectory, block| {
                         all.push((trajectory, block.clone()));
                         Ok(())
@@ -260,8 +260,12 @@ pub(crate) fn patterns<'py>(
         progress,
         Box::new(move |observer| {
             let rows = log.prepare(Rows::Every)?;
-            let watched =
-                Watched::new(&rows, observer, "looking through the log", (rows.rows_hint(), 2));
+            let watched = Watched::new(
+                rows.rows(),
+                observer,
+                "looking through the log",
+                (rows.rows_hint(), 2),
+            );
             let found = find_patterns(&survey(&watched)?, &plan)?;
             let mut labels: Vec<u8> = Vec::new();
             watched.read(&mut |_, block| {

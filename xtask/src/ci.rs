@@ -44,7 +44,8 @@ pub(crate) fn run(root: &Path) -> Result<()> {
     }
     cargo("clippy --workspace --all-targets -- -D warnings")?;
     cargo("clippy --package torquewise --no-default-features -- -D warnings")?;
-    cargo("doc --workspace --no-deps --lib")?;
+    // With the examples come the features that clippy has checked all dependencies with.
+    cargo("doc --workspace --no-deps --lib --examples")?;
     // A machine without nextest runs the same tests.
     cargo(if succeeds(root, "nextest --version") {
         "nextest run --workspace"

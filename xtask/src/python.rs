@@ -39,6 +39,7 @@ pub(crate) fn run(root: &Path, target: &Path) -> Result<()> {
     let mut suite = Command::new(&inside);
     suite
         .args(["-m", "pytest", "--quiet", "-p", "no:cacheprovider"])
+        .args(["--numprocesses", "auto", "--maxprocesses", "4"])
         .arg(root.join("python/tests"));
     call(suite.env("PYTHONPATH", &site).current_dir(&folder))
 }

@@ -2,18 +2,21 @@
 
 use crate::error::{CliError, Result};
 use crate::files::read_text;
+use crate::outcome::object;
 use crate::selection::{Friction, SelectionArguments};
 use clap::{Args, ValueEnum};
+use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::FitOptions;
 use torquewise::dynamics::Noise;
 use torquewise::identify::PatternPlan;
-use torquewise::identify::plan::{KnownGeometry, Regression};
-use torquewise::stepwise::activation::Scaling;
+use torquewise::identify::plan::KnownGeometry;
 use torquewise::urdf::known_geometry;
 
 /// Constants of the activation index.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Activation {
     /// Each joint by its own range, sensitivity from the noise floor
     #[default]
@@ -69,11 +72,11 @@ fn direction(text: &str) -> Result<Direction, String> {
 }
 
 /// A number of clusters, or the elbow.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Clusters(Option<usize>);
 
 /// How rows are clustered.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Copy, Debug, Serialize)]
 #[command(next_help_heading = "Patterns of motion")]
 pub(crate) struct PatternArguments {
     /// Constants of the activation index
@@ -89,17 +92,23 @@ pub(crate) struct PatternArguments {
 
 impl PatternArguments {
     /// The clustering asked for.
-    pub(crate) fn plan(self) -> PatternPlan {
-        let scaling = match self.activation {
-            Activation::Scaled => Scaling::Scaled,
-            Activation::Paper => Scaling::Paper,
-        };
-        PatternPlan { scaling, clusters: self.clusters.0, slow: false, seed: self.seed }
+    pub(crate) fn plan(self) -> Result<PatternPlan> {
+        Ok(fit_options(object(&self))?.patterns())
     }
 }
 
+/// The options of a fit that flags say, each under the name of its option.
+pub(crate) fn fit_options(mut flags: Value) -> Result<FitOptions> {
+    flags["noise_correction"] = json!(flags["no_noise_correction"] != true);
+    let given = flags.as_object().into_iter().flatten();
+    let given = given.filter(|(name, value)| !value.is_null() && *name != "no_noise_correction");
+    let keywords = given.map(|(name, value)| (name.clone(), value.clone())).collect();
+    Ok(FitOptions::of_keywords(&keywords)?)
+}
+
 /// Which candidates are offered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Library {
     /// M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints; all terms for
     /// up to four joints, or with --interaction, else those of a learned chain
@@ -111,8 +120,19 @@ pub(crate) enum Library {
     Chain,
 }
 
+/// One regression or three.
+#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum MethodName {
+    /// Gravity from standstill, Coriolis from uniform, inertia from variable velocity
+    #[default]
+    Stepwise,
+    /// One-shot SINDy: the product library on all rows, without noise correction
+    Sindy,
+}
+
 /// How a log becomes a model, the method left open.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct PlanArguments {
     /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
@@ -132,31 +152,19 @@ pub(crate) struct PlanArguments {
     #[arg(help_heading = "Term libraries", long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=8))]
     gravity_order: Option<u8>,
     #[command(flatten)]
+    #[serde(flatten)]
     selection: SelectionArguments,
     #[command(flatten)]
+    #[serde(flatten)]
     patterns: PatternArguments,
 }
 
 impl PlanArguments {
     /// The options of a fit by a method.
-    pub(crate) fn options(&self, regression: Regression) -> FitOptions {
-        let PatternPlan { scaling: activation, clusters, seed, .. } = self.patterns.plan();
-        self.selection.apply_to(FitOptions {
-            library: self.library.map(|library| match library {
-                Library::Energy => torquewise::Library::Energy,
-                Library::Product => torquewise::Library::Product,
-                Library::Chain => torquewise::Library::Chain,
-            }),
-            regression,
-            friction: self.friction.map(Into::into),
-            interaction: self.interaction.map(usize::from),
-            trig_order: self.trig_order,
-            gravity_order: self.gravity_order,
-            activation,
-            clusters,
-            seed,
-            ..FitOptions::default()
-        })
+    pub(crate) fn options(&self, method: MethodName) -> Result<FitOptions> {
+        let mut flags = object(self);
+        flags["method"] = json!(method);
+        fit_options(flags)
     }
 
     /// Fails where a flag is given that selects terms or fits them.

@@ -1,14 +1,11 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
 use clap::{Args, ValueEnum};
-use torquewise::regression::select::Selector;
-use torquewise::regression::select::criterion::Criterion;
-use torquewise::regression::select::lasso::Lasso;
-use torquewise::regression::select::stlsq::Stlsq;
-use torquewise::{FitOptions, FrictionKind};
+use serde::Serialize;
 
 /// Friction beside inertia, Coriolis and gravity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Friction {
     /// None
     None,
@@ -21,19 +18,9 @@ pub(crate) enum Friction {
     Auto,
 }
 
-impl From<Friction> for FrictionKind {
-    fn from(friction: Friction) -> Self {
-        match friction {
-            Friction::None => Self::None,
-            Friction::Linear => Self::Linear,
-            Friction::Stribeck => Self::Stribeck,
-            Friction::Auto => Self::Auto,
-        }
-    }
-}
-
 /// Which terms stay.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub(crate) enum Select {
     /// BIC-like information criterion
     Bic,
@@ -44,7 +31,7 @@ pub(crate) enum Select {
 }
 
 /// What becomes of candidates once the rows are summed.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Term libraries")]
 pub(crate) struct SelectionArguments {
     /// Which terms of a library stay [default: bic; stlsq with --method sindy]
@@ -63,25 +50,11 @@ pub(crate) struct SelectionArguments {
     /// Bootstrap resamples for the inclusion frequency of each term [default: 50; 0 with --method
     /// sindy]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    #[serde(rename = "n_bootstrap")]
     bootstrap: Option<u16>,
 }
 
 impl SelectionArguments {
-    /// Sets these choices among the options of a fit.
-    pub(crate) fn apply_to(&self, mut options: FitOptions) -> FitOptions {
-        let selector = self.select.map(|select| match select {
-            Select::Bic => Selector::Criterion(Criterion::default()),
-            Select::Lasso => Selector::Lasso(Lasso::default()),
-            Select::Stlsq => Selector::Stlsq(Stlsq::default()),
-        });
-        options.selector = selector;
-        options.threshold = self.threshold;
-        options.n_bootstrap = self.bootstrap.map(usize::from);
-        options.counterbalanced.clone_from(&self.counterbalance);
-        options.noise_correction = !self.no_noise_correction;
-        options
-    }
-
     /// The first flag given that selects terms or fits them, if any.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let all = [

@@ -10,6 +10,7 @@ pub mod error;
 pub mod html;
 mod still;
 pub mod orders;
+mod torques;
 pub mod fit_report;
 
 pub use error::ReportError;
@@ -19,3 +20,4 @@ pub use fit_report::origin::{LogFile, Origin};
 pub use fit_report::{Findings, fit_report};
 pub use orders::order_charts;
 pub use still::chart_figure;
+pub use torques::torque_charts;

@@ -96,7 +96,7 @@ pub fn evaluate_prepared(
     log: &Prepared,
     observer: Observer<'_>,
 ) -> Result<Evaluation, Error> {
-    let watched = Watched::new(log, observer, "predicting", (log.rows_hint(), 1));
+    let watched = Watched::new(log.rows(), observer, "predicting", (log.rows_hint(), 1));
     let mut evaluation = scored(model, &watched)?;
     let raw = log.raw_torque()?;
     let raw = raw.map(|(motion, noise)| score(model, &motion).map(|scores| (scores, noise)));

@@ -80,7 +80,7 @@ impl<'a> Fit<'a> {
         let Some(log) = &fit.log else { return Ok(fit) };
         fit.found.model.training.filter = log.filter();
         if log.logs().paths().len() > 1 {
-            let watched = Watched::new(log, self.observer, "comparing the logs", (None, 1));
+            let watched = Watched::new(log.rows(), self.observer, "comparing the logs", (None, 1));
             let at_odds = disagreements(&fit.found.model, &watched, &|k| log.file_of(k))?;
             fit.found.warnings.extend(at_odds.into_iter().map(Warning::Disagreement));
         }
@@ -148,7 +148,7 @@ pub(crate) fn fit_plan(
 fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<FitResult, Error> {
     let rows = log.rows_hint();
     let Prepared::Raw(raw) = log else {
-        let fit = fit_plan(&log, rows, plan, observer)?;
+        let fit = fit_plan(log.rows(), rows, plan, observer)?;
         return Ok(FitResult { log: Some(log), ..fit });
     };
     let by_chain = match &plan.method {
@@ -158,7 +158,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
     let timed = timed(observer, |progress| {
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
-        let watched = Watched::new(&log, observer, "reading", (rows, 2));
+        let watched = Watched::new(log.rows(), observer, "reading", (rows, 2));
         let mut found = match &plan.method {
             Method::Chain(_) => reconstruct_from(&watched, request, plan, progress)?,
             Method::Library(_) => reconstruct(&watched, plan, progress)?,

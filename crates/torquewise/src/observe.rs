@@ -28,17 +28,17 @@ pub type Observer<'a> = &'a (dyn Fn(Event) -> ControlFlow<()> + 'a);
 pub const NOBODY: Observer<'static> = &|_| ControlFlow::Continue(());
 
 /// A recording whose rows are counted as they are read.
-pub struct Watched<'a, R: Recording + ?Sized> {
-    recording: &'a R,
+pub struct Watched<'a> {
+    recording: &'a dyn Recording,
     observer: Observer<'a>,
 }
 
-impl<'a, R: Recording + ?Sized> Watched<'a, R> {
+impl<'a> Watched<'a> {
     /// Tells `observer` what the rows are read for, and of each block.
     ///
     /// - `rows`: how many there are, if that is known, and how often they will be read
     pub fn new(
-        recording: &'a R,
+        recording: &'a dyn Recording,
         observer: Observer<'a>,
         doing: &'static str,
         rows: (Option<u64>, u64),
@@ -56,7 +56,7 @@ impl<'a, R: Recording + ?Sized> Watched<'a, R> {
     }
 }
 
-impl<R: Recording + ?Sized> Recording for Watched<'_, R> {
+impl Recording for Watched<'_> {
     fn joints(&self) -> &[String] {
         self.recording.joints()
     }

@@ -121,7 +121,7 @@ impl FitOptions {
     }
 
     /// How rows are clustered.
-    fn patterns(&self) -> PatternPlan {
+    pub fn patterns(&self) -> PatternPlan {
         let Self { activation: scaling, clusters, seed, .. } = *self;
         PatternPlan { scaling, clusters, slow: false, seed }
     }

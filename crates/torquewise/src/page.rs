@@ -25,7 +25,7 @@ pub fn page(
 ) -> Result<Option<String>, Error> {
     let look = |log: &Prepared| {
         let rows = (log.rows_hint(), 2);
-        let watched = Watched::new(log, observer, "looking at the residuals", rows);
+        let watched = Watched::new(log.rows(), observer, "looking at the residuals", rows);
         diagnose(&fit.model, &fit.patterns, &watched)
     };
     let Some(log) = &fit.log else { return Ok(None) };

@@ -27,6 +27,6 @@ pub use torquewise_identify::payload::Payload;
 /// ```
 pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Payload, Error> {
     let log = prepare(model, log)?;
-    let watched = Watched::new(&log, observer, "weighing", (log.rows_hint(), 2));
+    let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 2));
     Ok(Payload::find(model, &watched)?)
 }

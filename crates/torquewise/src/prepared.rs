@@ -46,7 +46,8 @@ impl Prepared {
         }
     }
 
-    fn rows(&self) -> &dyn Recording {
+    /// What can be read of them.
+    pub fn rows(&self) -> &dyn Recording {
         match self.conditioned() {
             Some(logs) => logs,
             None => self.logs(),
@@ -116,7 +117,7 @@ impl Prepared {
     fn odd_velocities(&self) -> Vec<String> {
         let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
         let odd = |gain: &f64| !(LEAST_GAIN..1.0 / LEAST_GAIN).contains(gain);
-        let joints = self.joints().iter().zip(gains);
+        let joints = self.logs().joints().iter().zip(gains);
         joints
             .filter_map(|(joint, gain)| Some((joint, gain.filter(odd)?)))
             .map(|(joint, gain)| {
@@ -147,42 +148,4 @@ fn dropped(logs: &Logs) -> Option<String> {
         ));
     }
     (!parts.is_empty()).then(|| format!("left out: {}", parts.join(", ")))
-}
-
-impl Recording for Prepared {
-    fn joints(&self) -> &[String] {
-        self.logs().joints()
-    }
-
-    fn is_filtered(&self) -> bool {
-        self.rows().is_filtered()
-    }
-
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.rows().read(visit)
-    }
-
-    fn n_logs(&self) -> usize {
-        self.logs().n_logs()
-    }
-
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.rows().read_log(log, visit)
-    }
-
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        seed: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
-        self.rows().read_log_with_noise(log, seed, visit)
-    }
 }

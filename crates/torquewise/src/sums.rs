@@ -48,7 +48,7 @@ pub fn sum_up(
         return Err(Error::FrictionOfSums);
     }
     let log = log.prepare(Rows::Filtered)?;
-    let watched = Watched::new(&log, observer, "summing", (log.rows_hint(), 2));
+    let watched = Watched::new(log.rows(), observer, "summing", (log.rows_hint(), 2));
     let mut told = |stage| {
         // Whoever breaks is asked again at the next block.
         let _ = observer(Event::Stage(stage));

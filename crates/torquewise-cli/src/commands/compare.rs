@@ -1,6 +1,6 @@
 //! Stepwise reconstruction beside one-shot SINDy.
 
-use crate::arguments::PlanArguments;
+use crate::arguments::{MethodName, PlanArguments};
 use crate::error::Result;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
@@ -9,9 +9,8 @@ use crate::table::methods;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::compare::compare;
-use torquewise::identify::plan::Regression;
+
 use torquewise::log::Rows;
-use torquewise::motion::Recording;
 
 /// Compare stepwise reconstruction with one-shot SINDy
 #[derive(Args, Debug)]
@@ -30,7 +29,7 @@ pub(crate) struct Arguments {
 
 /// Fits with both methods and scores both.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let options = arguments.plan.options(Regression::Stepwise);
+    let options = arguments.plan.options(MethodName::Stepwise)?;
     let open = |paths: &[PathBuf]| -> Result<_> {
         let log = arguments.filter.open(paths)?;
         log.files().require_tau()?;
@@ -38,7 +37,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     };
     let train = arguments.filter.prepare(&open(&arguments.logs)?, Rows::Filtered)?;
     let test = open(&arguments.test)?.prepare_as(train.filter(), Rows::Filtered)?;
-    let compared = compare(&train, &test, &options, &watch())?;
+    let compared = compare(train.rows(), test.rows(), &options, &watch())?;
     let contenders = [("stepwise", &compared.stepwise), ("sindy", &compared.sindy)];
     let warnings = contenders.iter().flat_map(|(name, contender)| {
         contender.fit.warnings.iter().map(move |warning| format!("{name}: {warning}"))
@@ -48,7 +47,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         (*name, counts, found.seconds, found.nrmse_percent.clone())
     });
     Ok(Outcome {
-        text: methods(train.joints(), rows).text(),
+        text: methods(train.rows().joints(), rows).text(),
         warnings: warnings.collect(),
         json: object(&compared),
         ..Outcome::default()

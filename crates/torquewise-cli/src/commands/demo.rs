@@ -6,7 +6,6 @@ use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::table::{Table, methods};
 use clap::Args;
-use faer::MatRef;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
@@ -14,8 +13,8 @@ use torquewise::logs::write_motion;
 use torquewise::model::print;
 use torquewise::model::selection::Selection;
 use torquewise::motion::{Motion, Pattern};
-use torquewise::report::chart_figure;
-use torquewise::report::html::{Axis, Chart, Colour, Mark, Series};
+use torquewise::report::html::Colour;
+use torquewise::report::{chart_figure, torque_charts};
 use torquewise::{Evaluation, Fit, FitOptions, FitResult, Library, Torque};
 
 /// Simulate the reference arm, reconstruct it, print and plot what was found
@@ -122,37 +121,15 @@ impl Purity {
 
 /// Measured torque, the energy library and the baseline; all others lie on the first.
 fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
-    let drawn = || found.last().into_iter().chain(found.first());
-    let torques = drawn()
-        .map(|found| Torque::new(&found.fit.model).over(test))
-        .collect::<Result<Vec<_>, _>>()?;
-    let measured = test.require_tau()?;
-    let mut charts = Vec::with_capacity(test.n_joints());
-    for (joint, name) in test.joints().iter().enumerate() {
-        let curve = |label: &str, mark, colour, torque: MatRef<'_, f64>| {
-            let heights = torque.col(joint).iter();
-            let points = test.t().iter().zip(heights).map(|(t, tau)| [*t, *tau]).collect();
-            Series::new(label, mark, colour, points)
-        };
-        let mut series = vec![curve("measured", Mark::BroadLine, Colour::Measured, measured)];
-        for (place, (found, torque)) in drawn().zip(&torques).enumerate() {
-            let colour = Colour::Series(1 - place);
-            series.push(curve(found.name, Mark::Line, colour, torque.as_ref()));
-        }
-        // A prediction that runs away must not flatten the others.
-        let ends = measured
-            .col(joint)
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |ends, x| [ends[0].min(*x), ends[1].max(*x)]);
-        let space = 0.15 * (ends[1] - ends[0]);
-        let range = Some([ends[0] - space, ends[1] + space]);
-        charts.push(Chart {
-            title: name.clone(),
-            x: Axis::named("time [s]"),
-            y: Axis { range, ..Axis::named("torque [N·m]") },
-            series,
-            ..Chart::default()
-        });
+    let drawn = found.last().into_iter().chain(found.first()).enumerate();
+    let line = |(place, found): (usize, &Found)| -> Result<_> {
+        let torque = Torque::new(&found.fit.model).over(test)?;
+        Ok((found.name.to_owned(), Colour::Series(1 - place), torque))
+    };
+    let lines = drawn.map(line).collect::<Result<Vec<_>>>()?;
+    let mut charts = torque_charts(("measured", test), 1, &lines)?;
+    for (chart, joint) in charts.iter_mut().zip(test.joints()) {
+        chart.title.clone_from(joint);
     }
     Ok(chart_figure(&format!("{arm}: torque of a motion outside the training set"), &charts, 1)?)
 }

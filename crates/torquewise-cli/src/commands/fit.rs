@@ -1,6 +1,6 @@
 //! The main job: logs to a model file.
 
-use crate::arguments::{PlanArguments, RobotArguments};
+use crate::arguments::{MethodName, PlanArguments, RobotArguments};
 use crate::call_costs::CallCosts;
 use crate::conditioning;
 use crate::error::Result;
@@ -11,13 +11,13 @@ use crate::score_table;
 use crate::signal_arguments::SignalArguments;
 use crate::table::{Table, counts};
 use chrono::{DateTime, Utc};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::Warning;
-use torquewise::identify::plan::Regression;
+
 use torquewise::log::Prepared;
 use torquewise::log::Rows;
 use torquewise::model::Model;
@@ -55,32 +55,12 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// One regression or three.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(crate) enum MethodName {
-    /// Gravity from standstill, Coriolis from uniform, inertia from variable velocity
-    #[default]
-    Stepwise,
-    /// One-shot SINDy: the product library on all rows, without noise correction
-    Sindy,
-}
-
-impl MethodName {
-    /// The regressions of that name.
-    pub(crate) fn regression(self) -> Regression {
-        match self {
-            Self::Stepwise => Regression::Stepwise,
-            Self::Sindy => Regression::OneShot,
-        }
-    }
-}
-
 /// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.test).chain(arguments.robot.file());
     let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));
     check_files(inputs, html.chain([(arguments.output.as_path(), &[][..])]))?;
-    let mut options = arguments.plan.options(arguments.method.regression());
+    let mut options = arguments.plan.options(arguments.method)?;
     // Wrong usage is told before the log is read.
     options.check()?;
     let log = arguments.signals.open(&arguments.logs)?;

@@ -1,7 +1,6 @@
 //! All that a fit needs of logs, in a file that adds to others.
 
-use crate::arguments::PlanArguments;
-use crate::commands::fit::MethodName;
+use crate::arguments::{MethodName, PlanArguments};
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::check_files;
@@ -38,7 +37,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.request);
     check_files(inputs, [(arguments.output.as_path(), &[][..])])?;
-    let options = arguments.plan.options(arguments.method.regression());
+    let options = arguments.plan.options(arguments.method)?;
     // Wrong usage is told before the log is read.
     arguments.plan.refuse_selection()?;
     options.check()?;

@@ -13,7 +13,6 @@ use std::path::PathBuf;
 use torquewise::identify::Warning;
 use torquewise::log::Rows;
 use torquewise::model::number;
-use torquewise::motion::Recording;
 use torquewise::observe::Watched;
 use torquewise::report::{chart_figure, order_charts};
 use torquewise::stepwise::orders::{OrderCurve, OrderPlan, OrderPoint, orders};
@@ -64,24 +63,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         trig_order: arguments.trig_order,
         whole_order: arguments.whole_order,
         interaction: arguments.interaction.into(),
-        patterns: arguments.patterns.plan(),
+        patterns: arguments.patterns.plan()?,
     };
-    let curves = orders(&Watched::new(&logs, &watch(), "trying orders", (None, 1)), &plan)?;
+    let curves = orders(&Watched::new(logs.rows(), &watch(), "trying orders", (None, 1)), &plan)?;
     let mut text: Vec<String> =
-        curves.iter().map(|curve| curve_text(curve, logs.joints())).collect();
+        curves.iter().map(|curve| curve_text(curve, log.joints())).collect();
     if let Some(file) = &arguments.output {
-        let log = arguments.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
-        let charts = order_charts(&[(log.join(", "), curves.as_slice())]);
+        let names = arguments.logs.iter().map(|log| log.display().to_string()).collect::<Vec<_>>();
+        let charts = order_charts(&[(names.join(", "), curves.as_slice())]);
         write_whole(file, &chart_figure("Residual against order", &charts, 2)?)?;
         text.push(format!("figure: {}\n", file.display()));
     }
     let json = json!({
-        "joints": logs.joints(),
+        "joints": log.joints(),
         "libraries": curves.iter().map(curve_json).collect::<Vec<_>>(),
         "file": arguments.output.as_ref().map(|file| file.display().to_string()),
     });
     let warnings =
-        Warning::of_orders(&curves, logs.joints()).iter().map(ToString::to_string).collect();
+        Warning::of_orders(&curves, log.joints()).iter().map(ToString::to_string).collect();
     Ok(Outcome { text: text.concat(), json, warnings, ..Outcome::default() })
 }
 

@@ -60,7 +60,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     model.check_joints(log.joints())?;
     let logs = log.prepare_as(model.training.filter, Rows::Every)?;
 
-    let interval = arguments.interval.map(|percent| Interval::new(&model, &logs, percent.into()));
+    let interval =
+        arguments.interval.map(|percent| Interval::new(&model, logs.rows(), percent.into()));
     let interval = interval.transpose()?;
     let measured = logs.logs().has_tau();
     let written =
@@ -73,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
     let mut path = written.torque.path();
-    Watched::new(&logs, &watch(), "predicting", (logs.rows_hint(), 1)).read(
+    Watched::new(logs.rows(), &watch(), "predicting", (logs.rows_hint(), 1)).read(
         &mut |trajectory, block| {
             rows += block.n_rows();
             range.add(block);

@@ -1,17 +1,16 @@
 //! The model that fitting all logs of a moments file together gives.
 
-use crate::arguments::RobotArguments;
+use crate::arguments::{RobotArguments, fit_options};
 use crate::commands::fit;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
 use crate::moments_file::read_moments;
-use crate::outcome::Outcome;
+use crate::outcome::{Outcome, object};
 use crate::progress::watch;
 use crate::selection::{Friction, SelectionArguments};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
-use torquewise::FitOptions;
 use torquewise::sums::{Solved, solve_sums};
 
 /// Reconstruct the equations of motion from a moments file, as fit does from its logs
@@ -47,10 +46,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(inputs, [&arguments.output, &request].map(|file| (file.as_path(), &[][..])))?;
     let summary = read_moments(&arguments.moments)?;
     let seed = arguments.seed.unwrap_or(summary.settings().patterns.seed);
-    let friction = arguments.friction.map(Into::into);
-    let geometry = arguments.robot.geometry(summary.joints())?;
-    let options = FitOptions { seed, friction, geometry, ..FitOptions::default() };
-    match solve_sums(summary, &arguments.selection.apply_to(options), &watch())? {
+    let mut flags = object(&arguments.selection);
+    (flags["seed"], flags["friction"]) = (json!(seed), json!(arguments.friction));
+    let mut options = fit_options(flags)?;
+    options.geometry = arguments.robot.geometry(summary.joints())?;
+    match solve_sums(summary, &options, &watch())? {
         Solved::Model(fit) => {
             fit.model.save(staged(&arguments.output)?)?;
             let mut outcome = fit::outcome(&fit, &fit.summary()?, false);

@@ -28,7 +28,7 @@ impl<'a> Interval<'a> {
     ///
     /// # Errors
     /// [`Error::NoCovariance`] if the model is of a library, and those of reading.
-    pub fn new(model: &'a Model, recording: &impl Recording, percent: f64) -> Result<Self, Error> {
+    pub fn new(model: &'a Model, recording: &dyn Recording, percent: f64) -> Result<Self, Error> {
         let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
         let chain = chain.ok_or(Error::NoCovariance)?;
         let training = &model.training;
