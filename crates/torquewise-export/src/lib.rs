@@ -6,18 +6,14 @@
 //!
 //! ```
 //! use torquewise_export::{Precision, Program, to_c};
-//! use torquewise_model::{Form, Model, Term, Training, Trig, Weighted};
+//! use torquewise_model::{Form, Model, Term, Trig, Weighted};
 //!
 //! let term = Term::one(1).times(Trig::Sin, 0, 1, 1);
 //! let weighted = Weighted { term, coefficient: 3.3, std_error: 0.0, inclusion: None };
 //! let pendulum = Model {
 //!     joints: vec!["pivot".into()],
 //!     form: Form::Torque(vec![vec![weighted]]),
-//!     friction: vec![],
-//!     chain: None,
-//!     stages: vec![],
-//!     training: Training::default(),
-//!     choices: vec![],
+//!     ..Model::default()
 //! };
 //! let code = to_c(&Program::of(&pendulum)?, "pendulum", Precision::Double)?;
 //! assert!(code.contains("tau[0] = 3.3*s1;"));

@@ -20,6 +20,12 @@ pub enum Form {
     Energy(Vec<Weighted<EnergyTerm>>),
 }
 
+impl Default for Form {
+    fn default() -> Self {
+        Self::Torque(Vec::new())
+    }
+}
+
 /// What was known after one step of the reconstruction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -138,7 +144,9 @@ impl GeometryFound {
 }
 
 /// A closed-form torque model τ = M(q)q̈ + C(q,q̇)q̇ + G(q) + F(q̇) (1) (17).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+///
+/// The default is of an arm without joints: the start of a model that is written out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Model {
     /// Joint names, base to tip, n.

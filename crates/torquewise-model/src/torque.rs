@@ -36,7 +36,7 @@ impl Parts {
 /// A model made ready for evaluation: each sine and cosine is computed once per state.
 ///
 /// ```
-/// use torquewise_model::{Form, Model, Term, Torque, Training, Trig, Weighted};
+/// use torquewise_model::{Form, Model, Term, Torque, Trig, Weighted};
 ///
 /// let gravity = Term::one(1).times(Trig::Sin, 0, 1, 1);
 /// let pendulum = Model {
@@ -47,11 +47,7 @@ impl Parts {
 ///         std_error: 0.0,
 ///         inclusion: None,
 ///     }]]),
-///     chain: None,
-///     friction: vec![],
-///     stages: vec![],
-///     training: Training::default(),
-///     choices: vec![],
+///     ..Model::default()
 /// };
 /// let tau = Torque::new(&pendulum).at(&[0.5], &[0.0], &[0.0])?;
 /// assert_eq!(tau, [3.3 * 0.5_f64.sin()]);

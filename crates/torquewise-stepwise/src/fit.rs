@@ -4,6 +4,7 @@ use crate::candidates::{Candidates, Terms};
 use crate::noise::NoiseFloor;
 use crate::patterns::Patterns;
 use crate::refit::{FittedTerm, Refitted};
+use serde::Serialize;
 use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_motion::Pattern;
 
@@ -31,7 +32,7 @@ pub struct LibraryFit {
 }
 
 /// One step of the reconstruction.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct StepReport {
     /// Name of its pattern.
     pub name: &'static str,
@@ -44,9 +45,10 @@ pub struct StepReport {
 }
 
 /// A term that did not stay, though some resampled logs kept it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Dropped {
     /// Its name.
+    #[serde(rename = "term")]
     pub name: String,
     /// Share of resampled logs in which it stayed.
     pub inclusion: f64,

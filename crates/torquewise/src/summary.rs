@@ -7,7 +7,8 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Repairs;
-use torquewise_stepwise::NoiseFloor;
+use torquewise_stepwise::form::Dropped;
+use torquewise_stepwise::{NoiseFloor, StepReport};
 
 /// A fit in numbers; percentages are of the standard deviation of the torque of a joint.
 #[derive(Clone, Debug, Serialize)]
@@ -31,30 +32,20 @@ pub struct FitSummary<'a> {
     pub candidates_by_step: Vec<usize>,
     pub active: Vec<usize>,
     pub active_total: usize,
-    pub steps: Vec<StepSummary<'a>>,
+    pub steps: Vec<TimedStep<'a>>,
     pub choices: &'a [Choice],
     pub noise: &'a NoiseFloor,
-    pub dropped: Vec<DroppedTerm<'a>>,
+    pub dropped: &'a [Dropped],
     pub mass_matrix: MassMatrix,
 }
 
-/// A step of the reconstruction.
+/// A step of the reconstruction, and the time it took \[s\].
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "fields of a JSON object, explained in docs/library.md")]
-pub struct StepSummary<'a> {
-    pub name: &'a str,
-    pub rows: usize,
-    pub candidates: usize,
-    pub active: &'a [usize],
+pub struct TimedStep<'a> {
+    #[serde(flatten)]
+    pub step: &'a StepReport,
     pub seconds: f64,
-}
-
-/// A term that some resampled logs kept, and the fit did not.
-#[derive(Clone, Debug, Serialize)]
-#[expect(missing_docs, reason = "fields of a JSON object, explained in docs/library.md")]
-pub struct DroppedTerm<'a> {
-    pub term: &'a str,
-    pub inclusion: f64,
 }
 
 /// What was repaired in all logs, and in each.
@@ -84,14 +75,7 @@ impl FitResult {
         let percent = |rms: &[f64]| {
             rms.iter().zip(&training.torque_std).map(|(rms, std)| 100.0 * rms / std).collect()
         };
-        let steps = self.steps.iter().zip(&self.step_seconds).map(|(step, &seconds)| StepSummary {
-            name: step.name,
-            rows: step.rows,
-            candidates: step.candidates,
-            active: &step.active,
-            seconds,
-        });
-        let dropped = self.dropped.iter();
+        let steps = self.steps.iter().zip(&self.step_seconds);
         Ok(FitSummary {
             because: verdict.iter().flat_map(|verdict| verdict.because.clone()).collect(),
             verdict: verdict.map(|verdict| verdict.grade.to_string()),
@@ -111,12 +95,10 @@ impl FitResult {
             candidates_by_step: self.steps.iter().map(|step| step.candidates).collect(),
             active: model.active(),
             active_total: model.n_coefficients(),
-            steps: steps.collect(),
+            steps: steps.map(|(step, &seconds)| TimedStep { step, seconds }).collect(),
             choices: &model.choices,
             noise: &self.noise,
-            dropped: dropped
-                .map(|term| DroppedTerm { term: &term.name, inclusion: term.inclusion })
-                .collect(),
+            dropped: &self.dropped,
             mass_matrix: MassMatrix::of(model)?,
         })
     }

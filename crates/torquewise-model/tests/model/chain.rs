@@ -5,8 +5,8 @@
 use faer::Mat;
 use torquewise_model::rigid_chain::{Coupled, Coupling};
 use torquewise_model::{
-    Drive, EnergyTerm, Form, Model, Place, RigidChain, Term, Torque, Training, Trig, Weighted,
-    check, from_json, to_json,
+    Drive, EnergyTerm, Form, Model, Place, RigidChain, Term, Torque, Trig, Weighted, check,
+    from_json, to_json,
 };
 use torquewise_motion::{Motion, Signals};
 
@@ -28,10 +28,7 @@ fn model() -> Model {
         joints: ["a", "b", "c"].map(String::from).to_vec(),
         form: Form::Energy(vec![]),
         chain: Some(chain),
-        friction: vec![],
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     }
 }
 

@@ -10,8 +10,8 @@ use torquewise_model::model::{Candidate, Choice};
 use torquewise_model::print::{latex, text};
 use torquewise_model::selection::Selection;
 use torquewise_model::{
-    Form, FrictionTerm, Kind, Model, ModelError, Stage, Term, Torque, Training, Trig, Weighted,
-    check, from_json, to_json,
+    Form, FrictionTerm, Kind, Model, ModelError, Stage, Term, Torque, Trig, Weighted, check,
+    from_json, to_json,
 };
 use torquewise_motion::{Motion, Signals};
 
@@ -33,10 +33,7 @@ pub(crate) fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
         joints: vec!["hip".into(), "knee".into()],
         form: Form::Torque(vec![first, vec![weighted(one.times_ddq(1), 0.5)]]),
         friction,
-        chain: None,
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     }
 }
 

@@ -5,8 +5,8 @@
 use torquewise_model::print::{latex, text, with_error};
 use torquewise_model::selection::Selection;
 use torquewise_model::{
-    EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Training, Trig,
-    Weighted, check, from_json, to_json,
+    EnergyTerm, Form, Kind, Model, ModelError, Place, Stage, Term, Torque, Trig, Weighted, check,
+    from_json, to_json,
 };
 use torquewise_motion::Repairs;
 use torquewise_sim::Arm;
@@ -58,11 +58,8 @@ fn two_link() -> (Arm, Model) {
     let model = Model {
         joints: vec!["joint1".into(), "joint2".into()],
         form: Form::Energy(terms),
-        friction: vec![],
-        chain: None,
         stages: vec![stage],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     };
     (arm, model)
 }

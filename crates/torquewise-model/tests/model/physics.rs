@@ -16,10 +16,8 @@ fn model(form: Form, friction: Vec<Weighted<FrictionTerm>>) -> Model {
         joints: vec!["one".into(), "two".into()],
         form,
         friction,
-        chain: None,
-        stages: vec![],
         training: Training { dq_peak: vec![2.0, 3.0], ..Training::default() },
-        choices: vec![],
+        ..Model::default()
     }
 }
 

@@ -7,8 +7,8 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::momentum_observer::MomentumObserver;
 use torquewise_model::rigid_chain::Coupling;
 use torquewise_model::{
-    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Training, Trig,
-    Weighted, from_json, to_json,
+    Drive, EnergyTerm, Form, FrictionTerm, Model, Place, RigidChain, Term, Torque, Trig, Weighted,
+    from_json, to_json,
 };
 
 /// A link of three kilograms about as large as a forearm.
@@ -57,11 +57,8 @@ fn torque(chain: &RigidChain, friction: Vec<Weighted<FrictionTerm>>) -> Vec<f64>
     let model = Model {
         joints: vec!["one".into(), "two".into()],
         form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
-        chain: None,
         friction,
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     };
     let [q, dq, ddq] = state();
     Torque::new(&model).at(q, dq, ddq).unwrap()
@@ -170,9 +167,7 @@ fn model(chain: RigidChain) -> Model {
         form: Form::Energy(terms.into_iter().map(|(term, c)| weighted(term, c)).collect()),
         chain: Some(chain),
         friction: friction(),
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     }
 }
 

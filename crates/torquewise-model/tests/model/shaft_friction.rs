@@ -8,7 +8,7 @@ use torquewise_model::print::{friction_tables, text};
 use torquewise_model::rigid_chain::Coupling;
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::{Estimated, FrictionParameters, ShaftFriction};
-use torquewise_model::{Form, FrictionTerm, Model, RigidChain, Training, Weighted};
+use torquewise_model::{Form, FrictionTerm, Model, RigidChain, Weighted};
 
 const DRY: FrictionLaw = FrictionLaw::Coulomb { width: 0.01 };
 
@@ -34,11 +34,8 @@ fn model(friction: Vec<Weighted<FrictionTerm>>) -> Model {
     Model {
         joints: vec!["hip".into(), "knee".into()],
         form: Form::Torque(vec![vec![], vec![]]),
-        chain: None,
         friction,
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     }
 }
 

@@ -46,9 +46,8 @@ fn model(joints: &[String]) -> Model {
         form: Form::Energy(Vec::new()),
         chain: Some(chain),
         friction: friction.collect(),
-        stages: Vec::new(),
         training,
-        choices: Vec::new(),
+        ..Model::default()
     }
 }
 

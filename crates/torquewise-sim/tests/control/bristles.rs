@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test stops where its input is not as expected")]
 
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Form, FrictionTerm, Model, Torque, Training, Weighted};
+use torquewise_model::{Form, FrictionTerm, Model, Torque, Weighted};
 use torquewise_motion::path::Path;
 use torquewise_sim::control::{
     Controller, Gains, Knowledge, Law, Periodic, Plant, mean_inertia, periodic, track,
@@ -41,10 +41,7 @@ impl Known {
             joints: plant.arm.joints().to_vec(),
             form: Form::Torque(vec![vec![]; DRY.len()]),
             friction: DRY.iter().enumerate().map(weighted).collect(),
-            chain: None,
-            stages: vec![],
-            training: Training::default(),
-            choices: vec![],
+            ..Model::default()
         };
         Self { friction: Torque::new(&model), plant }
     }

@@ -4,7 +4,7 @@
 use faer::Mat;
 use std::f64::consts::FRAC_PI_2;
 use torquewise_model::friction::FrictionLaw;
-use torquewise_model::{Form, FrictionTerm, Model, Training, Weighted};
+use torquewise_model::{Form, FrictionTerm, Model, Weighted};
 use torquewise_motion::Motion;
 use torquewise_sim::control::{
     Controller, Gains, Knowledge, Law, Learned, Periodic, Plant, Sensors, Tracking, mean_inertia,
@@ -160,10 +160,7 @@ fn dry(n: usize) -> Model {
         joints: (1..=n).map(|joint| format!("joint{joint}")).collect(),
         form: Form::Torque(vec![vec![]; n]),
         friction: vec![weighted],
-        chain: None,
-        stages: vec![],
-        training: Training::default(),
-        choices: vec![],
+        ..Model::default()
     }
 }
 
