@@ -117,7 +117,7 @@ pub fn evaluate_prepared(
 /// # Errors
 /// As [`evaluate_prepared`]; a setting that cannot be, a model whose inertia is not positive.
 pub fn rollouts(model: &Model, log: &Prepared, horizons: &[f64]) -> Result<Vec<Drift>, Error> {
-    Ok(rollout::drifts(model, log, horizons)?)
+    Ok(rollout::drifts(model, log.rows(), horizons)?)
 }
 
 fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation, Error> {

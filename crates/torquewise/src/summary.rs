@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use torquewise_model::model::{Choice, GeometryFound};
 use torquewise_motion::Repairs;
-use torquewise_stepwise::form::Dropped;
+use torquewise_stepwise::fit::Dropped;
 use torquewise_stepwise::{NoiseFloor, StepReport};
 
 /// A fit in numbers; percentages are of the standard deviation of the torque of a joint.
