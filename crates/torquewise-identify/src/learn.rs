@@ -229,7 +229,11 @@ impl<'a> ChainLearner<'a> {
         let angle = [ANY_ANGLE, OBLIQUE][place];
         let (mut least, own, mut start) = ways.swap_remove(place);
         let mut unresolved = Vec::new();
-        for joint in start.geometry.parallel() {
+        for joint in 1..self.motion.n_joints() {
+            // Those beyond an axis that was turned may have become parallel.
+            if !start.geometry.is_parallel(joint) {
+                continue;
+            }
             let turned = start.geometry.turned_across(joint).into_iter();
             let turned: Vec<Chain> =
                 turned.map(|geometry| Chain { geometry, ..start.clone() }).collect();

@@ -3,8 +3,9 @@
 use crate::excitation::{Finding, list};
 use crate::reconstruction::Reconstruction;
 use crate::unseen::geometric_mean;
-use crate::warning::{POOR, Warning};
+use crate::warning::Warning;
 use std::fmt;
+use torquewise_model::Training;
 use torquewise_model::model::GeometryFound;
 
 /// Held-out error over the spread of the torque up to which a model is good, geometric mean of the
@@ -46,7 +47,7 @@ impl Verdict {
             named.filter(|(_, error)| is(**error)).map(|(name, _)| name.clone()).collect()
         };
         let useless = joints(&|error| error.is_nan() || error >= USELESS);
-        let poor = joints(&|error| (POOR..USELESS).contains(&error));
+        let poor = joints(&|error| (Training::POOR..USELESS).contains(&error));
         let grave = grave(&found.warnings);
         let doubts = doubts(found);
         let mut because = Vec::new();
@@ -70,7 +71,7 @@ impl Verdict {
             because.push(format!(
                 "held-out torque of {} is missed by more than {:.0} % of its spread",
                 list(&poor),
-                100.0 * POOR
+                100.0 * Training::POOR
             ));
         }
         let (least, most) = errors

@@ -5,14 +5,11 @@ use crate::drift::Drift;
 use crate::excitation::{Finding, findings};
 use crate::unseen::geometric_mean;
 use std::fmt;
-use torquewise_model::Model;
+use torquewise_model::{Model, Training};
 use torquewise_motion::Pattern;
 use torquewise_stepwise::fit::LibraryFit;
 use torquewise_stepwise::orders::OrderCurve;
 use torquewise_stepwise::survey::Survey;
-
-/// Held-out error over the spread of the torque from which a joint is predicted poorly.
-pub(crate) const POOR: f64 = 0.3;
 
 /// Something that does not stop the work but may spoil its result.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +102,11 @@ impl Warning {
     pub(crate) fn retain_founded(warnings: &mut Vec<Self>, model: &Model) {
         let Some(errors) = model.training.held_out_errors() else { return };
         let is_predicted = |joint: &str| {
-            model.joints.iter().zip(&errors).any(|(name, error)| name == joint && *error < POOR)
+            model
+                .joints
+                .iter()
+                .zip(&errors)
+                .any(|(name, error)| name == joint && *error < Training::POOR)
         };
         warnings.retain(|warning| match warning {
             Self::Excitation(Finding::Unrelated { joint, .. }) => !is_predicted(joint),

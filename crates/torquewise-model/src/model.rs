@@ -170,6 +170,9 @@ pub struct Model {
 }
 
 impl Training {
+    /// Held-out error over the spread of the torque from which a joint is predicted poorly.
+    pub const POOR: f64 = 0.3;
+
     /// RMS of what is to be expected of the torque of each joint \[N·m\] on other rows, n: the residual,
     /// or what was left of rows that were held out, by time or by region, whichever is largest.
     pub fn unseen_rms(&self) -> Vec<f64> {

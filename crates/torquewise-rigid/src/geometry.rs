@@ -214,11 +214,9 @@ impl Geometry {
         (snapped, free)
     }
 
-    /// Joints, but the first, whose axis is parallel to that of the joint before.
-    pub fn parallel(&self) -> Vec<usize> {
-        let is_parallel =
-            |&joint: &usize| axis(nearest_right_angle(self.direction(joint))).z.abs() > 0.5;
-        (1..self.n_joints()).filter(is_parallel).collect()
+    /// Whether the axis of a joint, not the first, is parallel to that of the joint before.
+    pub fn is_parallel(&self, joint: usize) -> bool {
+        axis(nearest_right_angle(self.direction(joint))).z.abs() > 0.5
     }
 
     /// The same arm but for one axis, which is turned to stand across the one before in each of four
