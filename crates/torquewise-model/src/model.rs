@@ -129,7 +129,7 @@ pub struct GeometryFound {
     pub starts: usize,
     /// Joints, counted from 0, whose axis may lie at another right angle to the one before: held-out
     /// rows hardly mind.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub unresolved: Vec<usize>,
 }
 

@@ -23,9 +23,9 @@ const SPREAD: f64 = 0.3;
 /// Radius at which the mass of a link makes a usual rotor, after the gear, as a part of its length.
 const ROTOR_RADIUS: f64 = 0.3;
 /// What it counts beside a link: torque hardly tells a small inertia from none, and an arm without
-/// rotors runs away when it is simulated (E23). Drifts of three arms of eight fall to a half or two
-/// thirds, those of none grow by more than a tenth, and torque on other motion is 1 % better.
-const WEIGHT_OF_ROTOR: f64 = 300.0;
+/// rotors runs away when it is simulated (E23). The drift of eight real arms falls by a sixth, that of
+/// one to less than half; their torque on other motion stays what it was.
+const WEIGHT_OF_ROTOR: f64 = 100.0;
 /// Least length of a link \[m\].
 const LEAST_LENGTH: f64 = 0.02;
 /// Least speed that an arm is taken to reach \[rad/s\].
