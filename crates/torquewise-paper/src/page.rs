@@ -46,11 +46,8 @@ fn section(study: &Study) -> Section {
     }
     for figure in &study.figures {
         items.push(Item::Text(figure.caption.clone()));
-        if figure.charts.len() == 2 {
-            items.push(Item::Charts(figure.charts.clone()));
-        } else {
-            items.extend(figure.charts.iter().map(|chart| Item::Charts(vec![chart.clone()])));
-        }
+        let rows = figure.charts.chunks(figure.columns());
+        items.extend(rows.map(|row| Item::Charts(row.to_vec())));
     }
     let tables = study.tables.iter().chain(&study.timed.tables);
     items.extend(tables.map(|table| Item::Table(table.to_html())));

@@ -78,20 +78,15 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Says what is measured, and whether the claim holds, or at least does in part.
-    pub(crate) fn judge<V: Display>(
-        &mut self,
-        values: impl IntoIterator<Item = V>,
-        holds: bool,
-        in_part: bool,
-    ) {
+    /// Says what is measured; the claim holds if all tests are passed, in part if any is.
+    pub(crate) fn judge(&mut self, values: impl IntoIterator<Item = impl Display>, tests: &[bool]) {
         for value in values {
             self.measured = self.measured.replacen("{}", &value.to_string(), 1);
         }
-        self.verdict = match (holds, in_part) {
-            (true, _) => Verdict::Holds,
-            (false, true) => Verdict::HoldsInPart,
-            (false, false) => Verdict::Contradicted,
+        self.verdict = match (tests.contains(&true), tests.contains(&false)) {
+            (true, false) => Verdict::Holds,
+            (true, true) => Verdict::HoldsInPart,
+            (false, _) => Verdict::Contradicted,
         };
     }
 }
@@ -172,13 +167,8 @@ macro_rules! cells {
 cells!(Text &str, Text String, Count usize, Number f64, Spread Spread);
 
 impl Table {
-    /// Adds a row.
-    pub(crate) fn push(&mut self, row: impl IntoIterator<Item = Cell>) {
-        self.rows.push(row.into_iter().collect());
-    }
-
     /// Adds a row of some cells, then others of one kind.
-    pub(crate) fn push_with<C: Into<Cell>>(
+    pub(crate) fn push<C: Into<Cell>>(
         &mut self,
         head: impl IntoIterator<Item = Cell>,
         others: impl IntoIterator<Item = C>,
@@ -220,8 +210,12 @@ impl Figure {
     /// # Errors
     /// [`PaperError::Report`] if it cannot be drawn.
     pub fn svg(&self) -> Result<String, PaperError> {
-        let columns = if self.charts.len() == 2 { 2 } else { 1 };
-        Ok(chart_figure(&self.caption, &self.charts, columns)?)
+        Ok(chart_figure(&self.caption, &self.charts, self.columns())?)
+    }
+
+    /// Charts beside each other.
+    pub(crate) fn columns(&self) -> usize {
+        if self.charts.len() == 2 { 2 } else { 1 }
     }
 }
 

@@ -7,9 +7,7 @@ use crate::scenario::{Scenario, outside};
 use cpu_time::ThreadTime;
 use faer::Mat;
 use std::collections::BTreeMap;
-use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::ScopedJoinHandle;
 use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
 use torquewise_model::{EnergyTerm, Form, Model, Stage, Torque, Weighted};
@@ -86,7 +84,7 @@ impl Trials {
                 }
             }
         }
-        let (begun, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let done = AtomicUsize::new(0);
         let attempt = |place: usize| -> Result<(TrialPlan, Trial), PaperError> {
             let plan = plans[place];
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
@@ -96,18 +94,12 @@ impl Trials {
             progress(Progress { doing, done, total: plans.len() });
             Ok((plan.clone(), trial))
         };
-        let mut trials = Vec::new();
-        for (threads, until) in [(1, n_timed), (rayon::current_num_threads(), plans.len())] {
-            begun.store(trials.len(), Ordering::Relaxed);
-            let next = || Some(begun.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < until);
-            let worker = || std::iter::from_fn(next).map(attempt).collect::<Result<Vec<_>, _>>();
-            let parts: Vec<_> = std::thread::scope(|scope| {
-                let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
-                workers.into_iter().map(ScopedJoinHandle::join).collect()
-            });
-            for part in parts {
-                trials.extend(part.unwrap_or_else(|panic| resume_unwind(panic))?);
-            }
+        let mut trials = (0..n_timed).map(attempt).collect::<Result<Vec<_>, _>>()?;
+        let begun = AtomicUsize::new(n_timed);
+        let next = || Some(begun.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < plans.len());
+        let worker = || std::iter::from_fn(next).map(attempt).collect::<Result<Vec<_>, _>>();
+        for part in rayon::broadcast(|_| worker()) {
+            trials.extend(part?);
         }
         Ok(Self(trials))
     }

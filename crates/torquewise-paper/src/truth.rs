@@ -16,7 +16,6 @@ const ROUNDING: f64 = 1e-10;
 const TRIG_ORDER: u8 = 4;
 /// States per function that is fitted to them.
 const STATES_PER_FUNCTION: usize = 4;
-const LEAST_STATES: usize = 400;
 /// Any seed will do: the functions are exact everywhere.
 const SEED: u64 = 20;
 
@@ -27,25 +26,26 @@ const SEED: u64 = 20;
 /// Checked against: Pinocchio, by way of the arm, and the reference arm's known 23 terms.
 pub(crate) fn true_energies(arm: &Arm) -> BTreeMap<EnergyTerm, f64> {
     let n = arm.n_joints();
-    let mut places: BTreeMap<Place, Vec<EnergyTerm>> = BTreeMap::new();
-    for term in energy_library(n, None) {
-        places.entry(term.place).or_default().push(term);
-    }
-    let mut found = BTreeMap::new();
-    for (place, terms) in places {
-        let mut functions: Vec<Term> = terms.iter().map(|term| term.function.clone()).collect();
-        let weights = match place {
-            Place::Inertia(i, j) => project(&functions, |q| vec![arm.mass_matrix(q)[(i, j)]]),
-            Place::Potential => {
-                // The potential is known up to a constant, which no torque shows.
-                functions.push(Term::one(n));
-                project(&functions, |q| vec![arm.potential_energy(q)])
-            }
+    let library = energy_library(n, None);
+    // The potential is known up to a constant, which no torque shows.
+    let mut functions = vec![Term::one(n)];
+    functions.extend(library.iter().map(|term| term.function.clone()));
+    functions.sort();
+    functions.dedup();
+    let weights = project(&functions, |q| {
+        let mass = arm.mass_matrix(q);
+        let inertia = (0..n * n).map(|place| mass[(place / n, place % n)]);
+        inertia.chain([arm.potential_energy(q)]).collect()
+    });
+    let known = library.into_iter().map(|term| {
+        let (Ok(row) | Err(row)) = functions.binary_search(&term.function);
+        let column = match term.place {
+            Place::Inertia(i, j) => n * i + j,
+            Place::Potential => n * n,
         };
-        let known = terms.into_iter().enumerate().map(|(row, term)| (term, weights[(row, 0)]));
-        found.extend(known.filter(|(_, weight)| weight.abs() > ROUNDING));
-    }
-    found
+        (term, weights[(row, column)])
+    });
+    known.filter(|(_, weight)| weight.abs() > ROUNDING).collect()
 }
 
 /// The coefficients of the torque of all joints in the functions of the product library \[E2\]: what
@@ -53,25 +53,19 @@ pub(crate) fn true_energies(arm: &Arm) -> BTreeMap<EnergyTerm, f64> {
 pub(crate) fn true_products(arm: &Arm) -> Vec<f64> {
     let n = arm.n_joints();
     let rest = vec![0.0; n];
-    let moving = |joints: &[usize]| -> Vec<f64> {
-        (0..n).map(|joint| if joints.contains(&joint) { 1.0 } else { 0.0 }).collect()
-    };
     let weights = project(&angle_functions(n, TRIG_ORDER), |q| {
-        let gravity = arm.inverse_dynamics(q, &rest, &rest);
-        let beyond = |dq: &[f64], ddq: &[f64]| -> Vec<f64> {
-            let torque = arm.inverse_dynamics(q, dq, ddq);
-            torque.iter().zip(&gravity).map(|(torque, gravity)| torque - gravity).collect()
-        };
-        let mut values = gravity.clone();
-        for j in 0..n {
-            values.extend(beyond(&rest, &moving(&[j])));
-            let squared = beyond(&moving(&[j]), &rest);
-            for k in 0..j {
-                let both = beyond(&moving(&[j, k]), &rest);
-                let other = beyond(&moving(&[k]), &rest);
-                values.extend((0..n).map(|i| both[i] - squared[i] - other[i]));
-            }
-            values.extend(squared);
+        let (mut values, mass) = (arm.gravity_torque(q), arm.mass_matrix(q));
+        values.extend((0..n * n).map(|place| mass[(place / n, place % n)]));
+        // What grows with the speeds of two joints, or of one: it is quadratic in them.
+        for (j, k) in (0..n).flat_map(|j| (0..=j).map(move |k| (j, k))) {
+            let [sum, difference] = [1.0, -1.0].map(|speed| {
+                let mut dq = rest.clone();
+                dq[j] = 1.0;
+                dq[k] += speed;
+                arm.inverse_dynamics(q, &dq, &rest)
+            });
+            let share = if j == k { 0.25 } else { 0.5 };
+            values.extend(sum.iter().zip(difference).map(|(sum, other)| share * (sum - other)));
         }
         values
     });
@@ -87,7 +81,7 @@ pub(crate) fn true_products(arm: &Arm) -> Vec<f64> {
 fn project(functions: &[Term], values: impl Fn(&[f64]) -> Vec<f64>) -> Mat<f64> {
     let n = functions[0].n_joints();
     let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    let count = LEAST_STATES.max(STATES_PER_FUNCTION * functions.len());
+    let count = STATES_PER_FUNCTION * functions.len();
     let mut state = || (0..n).map(|_| random.random_range(-3.0..3.0)).collect();
     let states: Vec<Vec<f64>> = (0..count).map(|_| state()).collect();
     let rest = vec![0.0; n];

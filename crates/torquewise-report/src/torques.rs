@@ -12,12 +12,15 @@ const SPACE: f64 = 0.15;
 ///
 /// The axis is that of the torque of the motion, so that a bad prediction does not flatten it.
 ///
+/// - `linked`: charts with the same word share the cursor
+///
 /// # Errors
 /// [`MotionError`] if the motion has no torque.
 pub fn torque_charts(
     (label, motion): (&str, &Motion),
     stride: usize,
     predicted: &[(String, Colour, Mat<f64>)],
+    linked: Option<&str>,
 ) -> Result<Vec<Chart>, MotionError> {
     let needed = motion.require_tau()?;
     let of_joint = |joint: usize| {
@@ -39,6 +42,7 @@ pub fn torque_charts(
             x: Axis::named("time [s]"),
             y: Axis { range, ..Axis::named("torque [N·m]") },
             series,
+            linked: linked.map(str::to_owned),
             ..Chart::default()
         }
     };

@@ -36,6 +36,6 @@ pub use controller::{Controller, Law};
 pub use gains::{Gains, mean_inertia};
 pub use knowledge::{Knowledge, Learned};
 pub use plant::{Drive, Plant, Sensors};
-pub use record::{Recorded, record};
+pub use record::record;
 pub use reference::{Periodic, periodic};
 pub use track::{Tracking, compare, track};

@@ -127,7 +127,7 @@ fn figure(arm: &str, test: &Motion, found: &[Found]) -> Result<String> {
         Ok((found.name.to_owned(), Colour::Series(1 - place), torque))
     };
     let lines = drawn.map(line).collect::<Result<Vec<_>>>()?;
-    let mut charts = torque_charts(("measured", test), 1, &lines)?;
+    let mut charts = torque_charts(("measured", test), 1, &lines, None)?;
     for (chart, joint) in charts.iter_mut().zip(test.joints()) {
         chart.title.clone_from(joint);
     }

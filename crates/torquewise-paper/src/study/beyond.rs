@@ -1,6 +1,6 @@
 //! Beyond the paper: what each choice buys, more noise, less data, more joints.
 
-use crate::charts::colour;
+use crate::charts::{chart, colour};
 use crate::error::PaperError;
 use crate::method::{Method, lasso, threshold};
 use crate::results::{Cell, Spread, Study};
@@ -23,8 +23,15 @@ const BEFORE_REFIT: &str = "no refit after the last step";
 
 /// One choice changed at a time: family, what is changed, the equation that this puts to the test.
 pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
-    let mut variants: Vec<(&str, &str, &str, Plan)> = Vec::new();
-    let uncorrected = |options| LibraryOptions { noise_correction: false, ..options };
+    let scenario = settings.scenario(Noise::CASES[2], settings.seed);
+    let row = |family: &str, change: &str, equation: &str, plan: Plan| {
+        // The printed index leaves the product library with so many terms that its refit takes
+        // longest of all: one seed says it.
+        let seeds = if change == PRINTED { 1 } else { settings.sweep_seeds };
+        Row::new([family, change, equation].map(Cell::from), &scenario, plan, seeds)
+    };
+    let mut rows = Vec::new();
+    let uncorrected = |options| LibraryOptions { noise_correction: false, ..options }.into();
     for method in [Method::Energy, Method::Product] {
         let (name, options) = (method.name(), method.options());
         let selecting = |selector| LibraryOptions { selector, ..options.clone() }.into();
@@ -32,31 +39,24 @@ pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
             PatternPlan { scaling: Scaling::Paper, clusters: Some(3), ..PatternPlan::default() };
         let one_step = LibraryOptions { regression: Regression::OneShot, ..options.clone() };
         let plan = Plan::from(options.clone());
-        variants.extend([
-            (name, "as it is", "", plan.clone()),
-            (name, PRINTED, "[E1]", Plan { patterns, ..plan.clone() }),
-            (name, "one step, all rows", "", one_step.into()),
-            (name, "terms chosen by LASSO + BIC", "[E5]", selecting(lasso())),
-            (name, "terms chosen by |c| > 0.1", "[E5]", selecting(threshold())),
-            (name, BEFORE_REFIT, "[E6]", plan),
-            (name, "no noise correction", "[E7]", uncorrected(options.clone()).into()),
+        rows.extend([
+            row(name, "as it is", "", plan.clone()),
+            row(name, PRINTED, "[E1]", Plan { patterns, ..plan.clone() }),
+            row(name, "one step, all rows", "", one_step.into()),
+            row(name, "terms chosen by LASSO + BIC", "[E5]", selecting(lasso())),
+            row(name, "terms chosen by |c| > 0.1", "[E5]", selecting(threshold())),
+            row(name, BEFORE_REFIT, "[E6]", plan),
+            row(name, "no noise correction", "[E7]", uncorrected(options)),
         ]);
     }
     let (name, chosen) = ("one-shot SINDy", Method::SindyCriterion.options());
-    variants.extend([
-        (name, "terms chosen by |c| > 0.1", "", Method::Sindy.options().into()),
-        (name, "terms chosen by LASSO + BIC", "", Method::SindyLasso.options().into()),
-        (name, "terms chosen by the criterion", "[E5]", uncorrected(chosen.clone()).into()),
-        (name, "criterion, noise correction", "[E7]", chosen.into()),
+    rows.extend([
+        row(name, "terms chosen by |c| > 0.1", "", Method::Sindy.options().into()),
+        row(name, "terms chosen by LASSO + BIC", "", Method::SindyLasso.options().into()),
+        row(name, "terms chosen by the criterion", "[E5]", uncorrected(chosen.clone())),
+        row(name, "criterion, noise correction", "[E7]", chosen.into()),
     ]);
-    let scenario = settings.scenario(Noise::CASES[2], settings.seed);
-    let row = |(family, change, equation, plan): (&str, &str, &str, Plan)| {
-        // The printed index leaves the product library with so many terms that its refit takes
-        // longest of all: one seed says it.
-        let seeds = if change == PRINTED { 1 } else { settings.sweep_seeds };
-        Row::new([family.into(), change.into(), equation.into()], &scenario, plan, seeds)
-    };
-    variants.into_iter().map(row).collect()
+    rows
 }
 
 /// The error of every variant.
@@ -73,7 +73,7 @@ pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study, Pa
             cells.truncate(2);
             cells.extend(Spread::of_columns(last).into_iter().map(Cell::from));
         }
-        study.tables[0].push_with(row.head, cells);
+        study.tables[0].push(row.head, cells);
     }
     Ok(study)
 }
@@ -81,22 +81,21 @@ pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study, Pa
 /// Each level of noise; then each length of the log, with the noise of case 3, for the methods that
 /// are not ruined by it. One-shot SINDy with its threshold, the slowest, has one seed.
 pub(crate) fn points(settings: &Settings) -> [Vec<Row>; 2] {
-    let noisy = |noise| settings.scenario(noise, settings.seed);
-    let levels = settings.noise_levels.iter().map(|&noise| noisy(noise));
-    let long = |&seconds| Scenario { seconds, ..noisy(Noise::CASES[2]) };
-    let every = |scenario: Scenario, methods: &[Method]| -> Vec<Row> {
-        let row = |&method: &Method| {
-            let seeds = if method == Method::Sindy { 1 } else { settings.sweep_seeds };
-            let noise = scenario.noise.to_string().into();
-            let head = [method.name().into(), noise, scenario.seconds.into()];
-            Row::new(head, &scenario, method.options(), seeds)
-        };
-        methods.iter().map(row).collect()
+    let row = |log: &Scenario, method: Method| {
+        let seeds = if method == Method::Sindy { 1 } else { settings.sweep_seeds };
+        let head = [method.name().into(), log.noise.to_string().into(), log.seconds.into()];
+        Row::new(head, log, method.options(), seeds)
     };
+    let noisy = |noise| settings.scenario(noise, settings.seed);
+    let long = |&seconds| Scenario { seconds, ..noisy(Noise::CASES[2]) };
+    let (levels, lengths) = (settings.noise_levels.iter(), settings.lengths.iter());
     let unruined = [Method::Energy, Method::Product, Method::SindyCriterion];
     [
-        levels.flat_map(|scenario| every(scenario, &Method::SWEPT)).collect(),
-        settings.lengths.iter().map(long).flat_map(|log| every(log, &unruined)).collect(),
+        levels
+            .map(|&noise| noisy(noise))
+            .flat_map(|log| Method::SWEPT.map(|method| row(&log, method)))
+            .collect(),
+        lengths.map(long).flat_map(|log| unruined.map(|method| row(&log, method))).collect(),
     ]
 }
 
@@ -107,38 +106,34 @@ pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study, Pape
         study.figures[0].charts.push(sweep(&table.caption, &rows, trials));
         for row in rows {
             let cells = trials.of(&row).cells();
-            table.push_with(row.head, cells);
+            table.push(row.head, cells);
         }
     }
     Ok(study)
 }
 
 fn sweep(caption: &str, rows: &[Row], trials: &Trials) -> Chart {
-    let mut levels: Vec<Noise> = rows.iter().map(|row| row.scenario().noise).collect();
-    levels.dedup();
-    let is_noise = levels.len() > 1;
-    let x = |scenario: &Scenario| {
-        let level = levels.iter().position(|level| *level == scenario.noise).unwrap_or(0);
-        if is_noise { level as f64 } else { scenario.seconds }
-    };
+    let mut places: Vec<String> = rows.iter().map(|row| row.scenario().noise.to_string()).collect();
+    places.dedup();
+    let is_noise = places.len() > 1;
     let line = |method: Method| {
         let own = rows.iter().filter(|row| row.head[0] == method.name().into());
-        let point = |row: &Row| {
+        let point = |(place, row): (usize, &Row)| {
+            let x = if is_noise { place as f64 } else { row.scenario().seconds };
             let worst = trials.of(row).worst();
-            ([x(row.scenario()), worst.median], [worst.least, worst.greatest])
+            ([x, worst.median], [worst.least, worst.greatest])
         };
-        let (points, spread) = own.map(point).unzip();
+        let (points, spread) = own.enumerate().map(point).unzip();
         Series { spread, ..Series::new(method.name(), Mark::DottedLine, colour(method), points) }
     };
     let x = if is_noise {
-        let places = levels.iter().map(Noise::to_string).collect();
         Axis { places, ..Axis::named("signal-to-noise ratio of q/dq/ddq") }
     } else {
         Axis::log("recorded time [s]")
     };
     let y = Axis::log("RMSE / std(torque), worst joint [%]");
     let series = Method::SWEPT.into_iter().map(line).collect();
-    Chart { title: caption.trim_end_matches('.').into(), x, y, series, ..Chart::default() }
+    chart(caption.trim_end_matches('.'), [x, y], series)
 }
 
 /// N₁ of the product libraries that are counted, and of their gravity step.
@@ -166,8 +161,8 @@ pub(crate) fn arms(settings: &Settings, trials: &Trials) -> Result<Study, PaperE
         let found = [format!("{right} of {}", truth.len()).into(), (energies.len() - right).into()];
         let errors = [errors.join(" / ").into(), runs.worst().median.into()];
         let sizes = candidates(arm.n_joints()).map(Cell::from);
-        study.timed.tables[0].push([row.head[0].clone(), trial.cost[1].into()]);
-        study.tables[0].push_with(row.head, sizes.into_iter().chain(found).chain(errors));
+        study.timed.tables[0].push([row.head[0].clone()], [trial.cost[1]]);
+        study.tables[0].push(row.head, sizes.into_iter().chain(found).chain(errors));
     }
     Ok(study)
 }

@@ -1,17 +1,18 @@
 //! Cases 1–3: candidates and time (Fig. 6), terms kept (Fig. 7), torque outside the training log
 //! (Fig. 8), step by step (Fig. 10), coefficients.
 
-use crate::charts::{colour, step_lines, torque_charts};
+use crate::charts::{colour, step_lines};
 use crate::error::PaperError;
 use crate::method::{ACTIVE, Method, lasso, threshold};
 use crate::results::{Cell, Spread, Study};
 use crate::scenario::{Settings, outside};
-use crate::trial::{self, Row, Runs, Trials};
+use crate::trial::{self, Row, Runs, Trial, Trials};
 use crate::truth::{true_energies, true_products};
 use std::collections::BTreeMap;
 use torquewise_identify::plan::LibraryOptions;
 use torquewise_model::{EnergyTerm, Model, Torque, Weighted};
 use torquewise_report::html::number::significant;
+use torquewise_report::torque_charts;
 use torquewise_sim::{Arm, Noise};
 
 /// Rows of a prediction that are shown: every fifth of 20 s at 100 Hz.
@@ -38,67 +39,54 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Row> {
     [1, 2, 3].into_iter().flat_map(of_case).collect()
 }
 
-/// Names of methods, and of rules for terms.
-const PRODUCT: &str = "stepwise, product";
-const SINDY: &str = "one-shot SINDy";
-/// A term stays for what it explains \[E5\].
-const CRITERION: &str = "criterion";
-/// LASSO, information criterion, refit.
-const LASSO: &str = "LASSO";
-/// |coefficient| > 0.1.
-const THRESHOLD: &str = "|c| > 0.1";
-
 /// The three methods of the figure (0, 1 and 6), and LASSO and the threshold for all, like with
 /// like: each with its rule for terms.
 pub(crate) fn timed_rows(settings: &Settings) -> Vec<Row> {
-    let product = |selector| LibraryOptions { selector, ..Method::Product.options() };
     let scenario = settings.scenario(Noise::CASES[2], settings.seed);
-    let row = |(method, rule, options): (&str, &str, LibraryOptions)| {
+    let row = |method: &str, rule: &str, options: LibraryOptions| {
         Row::new([method.into(), rule.into()], &scenario, options, settings.timed_seeds)
     };
-    let all = [
-        ("stepwise, energy", CRITERION, Method::Energy.options()),
-        (PRODUCT, CRITERION, Method::Product.options()),
-        (PRODUCT, LASSO, product(lasso())),
-        (PRODUCT, THRESHOLD, product(threshold())),
-        (SINDY, CRITERION, Method::SindyCriterion.options()),
-        (SINDY, LASSO, Method::SindyLasso.options()),
-        (SINDY, THRESHOLD, Method::Sindy.options()),
-    ];
-    all.map(row).to_vec()
+    let product = |selector| LibraryOptions { selector, ..Method::Product.options() };
+    let stepwise = [Method::Product.options(), product(lasso()), product(threshold())];
+    let one_shot = [Method::SindyCriterion, Method::SindyLasso, Method::Sindy].map(Method::options);
+    let mut rows = vec![row("stepwise, energy", "criterion", Method::Energy.options())];
+    for (method, all) in [("stepwise, product", stepwise), ("one-shot SINDy", one_shot)] {
+        let rules = ["criterion", "LASSO", "|c| > 0.1"].into_iter().zip(all);
+        rows.extend(rules.map(|(rule, options)| row(method, rule, options)));
+    }
+    rows
 }
 
 /// What each method costs.
 pub(crate) fn cost(settings: &Settings, trials: &Trials) -> Study {
     let mut study = Study::described("cost", 0);
     let Study { claims, tables, timed, .. } = &mut study;
-    let all: Vec<_> =
-        timed_rows(settings).into_iter().map(|row| (trials.of(&row), row.head)).collect();
-    let listed = |runs: &Runs<'_>, divider: &str| {
-        let steps = runs.first().candidates_by_step.iter().map(usize::to_string);
+    let listed = |trial: &Trial, divider: &str| {
+        let steps = trial.candidates_by_step.iter().map(usize::to_string);
         steps.collect::<Vec<_>>().join(divider)
     };
-    for (runs, head) in &all {
-        let size: [Cell; 2] = [listed(runs, " + ").into(), runs.first().candidates.into()];
-        tables[0].push_with(head.clone(), size);
-        let costs = [0, 1].map(|part: usize| runs.spread(|trial| trial.cost[part]));
-        timed.tables[0].push_with(head.clone(), costs);
+    let costs = |runs: &Runs<'_>| [0, 1].map(|part: usize| runs.spread(|trial| trial.cost[part]));
+    let rows = timed_rows(settings);
+    let all: Vec<Runs<'_>> = rows.iter().map(|row| trials.of(row)).collect();
+    for (row, runs) in rows.iter().zip(&all) {
+        let size: [Cell; 2] = [listed(runs.first(), " + ").into(), runs.first().candidates.into()];
+        tables[0].push(row.head.clone(), size);
+        timed.tables[0].push(row.head.clone(), costs(runs));
     }
-    let [energy, stepwise, sindy] = [0, 1, 6].map(|row: usize| &all[row].0);
-    let largest = |runs: &Runs<'_>| runs.first().candidates_by_step.iter().max().copied();
-    let in_all = [sindy, energy].map(|runs| runs.first().candidates.to_string());
+    let [energy, stepwise, sindy] = [0, 1, 6].map(|row: usize| all[row].first());
+    let largest = |trial: &Trial| trial.candidates_by_step.iter().max().copied();
+    let in_all = [sindy, energy].map(|trial| trial.candidates.to_string());
     let values = [[listed(stepwise, ", ")].as_slice(), &in_all].concat();
-    claims[0].judge(values, largest(stepwise) < largest(sindy), false);
+    claims[0].judge(values, &[largest(stepwise) < largest(sindy)]);
     let (mut values, mut faster) = (Vec::new(), Vec::new());
     for pair in [[1, 6], [1, 4], [2, 5], [3, 6]] {
-        let [[own, other], [own_total, other_total]] = [0, 1].map(|part: usize| {
-            pair.map(|row: usize| all[row].0.spread(|trial| trial.cost[part]).median)
-        });
+        let medians = pair.map(|row: usize| costs(&all[row]).map(|cost| cost.median));
+        let [[own, own_total], [other, other_total]] = medians;
         faster.push(other > own);
         values
             .extend([own, other, other / own, other_total / own_total].map(|x| significant(x, 2)));
     }
-    timed.claims[0].judge(values, !faster.contains(&false), faster.contains(&true));
+    timed.claims[0].judge(values, &faster);
     study
 }
 
@@ -109,15 +97,14 @@ pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     for row in rows(settings) {
         let runs = trials.of(&row);
         let head = [format!("case {}", row.head[0].text()).into(), row.head[1].clone()];
-        table
-            .push_with(head, [runs.spread(|trial| trial.active), runs.spread(|trial| trial.terms)]);
+        table.push(head, [runs.spread(|trial| trial.active), runs.spread(|trial| trial.terms)]);
     }
     let arm = Arm::builtin(settings.arm)?;
     let energies: Vec<f64> = true_energies(&arm).into_values().collect();
     let products = true_products(&arm);
     let active = |weights: &[f64]| weights.iter().filter(|weight| weight.abs() > ACTIVE).count();
     for (name, weights) in [("functions of M(q) and V(q)", &energies), ("products", &products)] {
-        table.push_with(["truth".into(), name.into()], [active(weights), weights.len()]);
+        table.push(["truth".into(), name.into()], [active(weights), weights.len()]);
     }
     let medians = |case| {
         [Method::Product, Method::Sindy, Method::SindyLasso].map(|method| {
@@ -126,10 +113,11 @@ pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, Paper
     };
     let [stepwise, sindy, _] = medians(1);
     let about = (stepwise - sindy).abs() <= ABOUT * sindy.max(stepwise);
-    study.claims[0].judge([stepwise, sindy, active(&products) as f64], about, false);
+    study.claims[0].judge([stepwise, sindy, active(&products) as f64], &[about]);
     let noisy = [medians(2), medians(3)];
     let fewer_than = |other: usize| noisy.iter().all(|case| case[0] < FEWER * case[other]);
-    study.claims[1].judge(noisy.concat(), fewer_than(1) && fewer_than(2), fewer_than(1));
+    let [sindy, lasso] = [1, 2].map(fewer_than);
+    study.claims[1].judge(noisy.concat(), &[sindy, sindy && lasso]);
     Ok(study)
 }
 
@@ -144,29 +132,23 @@ pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, Pape
             let runs = trials.of(&row);
             let rmse = Spread::of_columns(runs.0.iter().map(|trial| trial.rmse.as_slice()));
             let head = row.head.into_iter().chain([runs.0.len().into()]);
-            study.tables[0].push_with(head, runs.errors().into_iter().chain(rmse));
+            study.tables[0].push(head, runs.errors().into_iter().chain(rmse));
             let torque = Torque::new(&runs.first().model).over(&test)?;
             predicted.push((method.name().to_owned(), colour(method), torque));
         }
         // The method to look at lies on top.
         predicted.reverse();
-        figure.charts = torque_charts(&test, STRIDE, &predicted, &format!("case {case}"))?;
+        let linked = format!("case {case}");
+        figure.charts = torque_charts(("needed", &test), STRIDE, &predicted, Some(&linked))?;
     }
     let worst = |case, method| trials.of(&row(settings, case, method)).worst().median;
     let both = |method| [2, 3].map(|case| worst(case, method));
     let (product, energy) = (both(Method::Product), both(Method::Energy));
-    let is_predicted = product.map(|error| error < PREDICTED);
-    study.claims[0].judge(
-        [product, energy].concat().into_iter().map(|error| significant(error, 2)),
-        !is_predicted.contains(&false),
-        is_predicted.contains(&true),
-    );
+    let values = [product, energy].concat().into_iter().map(|error| significant(error, 2));
+    study.claims[0].judge(values, &product.map(|error| error < PREDICTED));
     let ([second, third], lasso) = (both(Method::Sindy), worst(3, Method::SindyLasso));
-    study.claims[1].judge(
-        [third, second, lasso].map(|error| significant(error, 2)),
-        third > FAILED && lasso > FAILED,
-        third > FAILED || lasso > FAILED,
-    );
+    let values = [third, second, lasso].map(|error| significant(error, 2));
+    study.claims[1].judge(values, &[third, lasso].map(|error| error > FAILED));
     Ok(study)
 }
 
@@ -181,7 +163,7 @@ pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         let refit = ("refit of all terms on all rows", &trial.nrmse_percent);
         let all = steps.iter().map(|step| (step.name.as_str(), &step.nrmse_percent));
         for (name, errors) in all.chain([refit]) {
-            study.tables[0].push_with([method.name().into(), name.into()], errors.clone());
+            study.tables[0].push([method.name().into(), name.into()], errors.clone());
         }
         let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
         let means: Vec<f64> = steps.iter().map(|step| mean(&step.nrmse_percent)).collect();
@@ -189,10 +171,11 @@ pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         let means: Vec<String> = means.iter().map(|mean| significant(*mean, 3)).collect();
         parts.push(means.join(", "));
         if method == Method::Energy {
-            study.figures[0].charts = torque_charts(&test, STRIDE, &step_lines(steps), "steps")?;
+            study.figures[0].charts =
+                torque_charts(("needed", &test), STRIDE, &step_lines(steps), Some("steps"))?;
         }
     }
-    study.claims[0].judge(parts, !falls.contains(&false), falls.contains(&true));
+    study.claims[0].judge(parts, &falls);
     Ok(study)
 }
 
@@ -211,19 +194,15 @@ pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study
         let term = |w: &Weighted<EnergyTerm>| (w.term.clone(), (w.coefficient, w.std_error));
         let runs: Vec<Found> =
             runs.0.iter().map(|trial| trial.energies().iter().map(term).collect()).collect();
-        let extra = |run: &Found| run.keys().filter(|term| !truth.contains_key(term)).count();
-        let missed = |run: &Found| truth.keys().filter(|term| !run.contains_key(term)).count();
-        let exact = runs.iter().filter(|run| extra(run) + missed(run) == 0).count();
+        let exact = runs.iter().filter(|run| run.keys().eq(truth.keys())).count();
+        let kept: usize = runs.iter().map(BTreeMap::len).sum();
         let counts = truth.iter().map(|(term, &truth)| count(term, truth, &runs));
         let (covered, found) = counts.fold((0, 0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
-        study.tables[0].push([
-            usize::from(case).into(),
-            format!("{exact} of {}", runs.len()).into(),
-            runs.iter().map(missed).sum::<usize>().into(),
-            runs.iter().map(extra).sum::<usize>().into(),
-            format!("{covered} of {found}").into(),
-            (100.0 * covered as f64 / found.max(1) as f64).into(),
-        ]);
+        let of_runs = format!("{exact} of {}", runs.len()).into();
+        let wrong = [truth.len() * runs.len() - found, kept - found].map(Cell::from);
+        let share = 100.0 * covered as f64 / found.max(1) as f64;
+        let held = [format!("{covered} of {found}").into(), share.into()];
+        study.tables[0].push([usize::from(case).into(), of_runs], wrong.into_iter().chain(held));
         for (term, &truth) in truth.iter().filter(|_| case == 3) {
             let (covered, found) = count(term, truth, &runs);
             let first = runs[0].get(term).map(|(estimate, std_error)| {
@@ -231,8 +210,8 @@ pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study
             });
             let [estimate, std_error] = first.unwrap_or(["–".to_owned(), "–".to_owned()]);
             let held = format!("{covered} of {found}");
-            let cells = [term.name(), significant(truth, 6), estimate, std_error, held];
-            study.tables[1].push(cells.map(Cell::from));
+            let cells = [significant(truth, 6), estimate, std_error, held];
+            study.tables[1].push([term.name().into()], cells);
         }
     }
     Ok(study)

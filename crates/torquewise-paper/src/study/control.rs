@@ -1,9 +1,9 @@
 //! An arm with friction, recorded, learned and controlled: friction, torque after each step, tracking
 //! (Fig. 10, 11).
 
-use crate::charts::{chart, points, step_lines, torque_charts};
+use crate::charts::{chart, step_lines};
 use crate::error::{PaperError, within};
-use crate::results::{Claim, Study, Table};
+use crate::results::Study;
 use crate::scenario::Settings;
 use crate::trial;
 use faer::Mat;
@@ -12,13 +12,13 @@ use torquewise_identify::plan::{FrictionKind, LibraryOptions};
 use torquewise_identify::reconstruct;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::Motion;
-use torquewise_motion::signals::{Conditioning, Raw, condition};
+use torquewise_motion::signals::{Conditioning, condition};
 use torquewise_report::html::number::significant;
-use torquewise_report::html::{Chart, Colour, Guide, Mark, Series};
+use torquewise_report::html::{Axis, Chart, Colour, Guide, Mark, Series};
+use torquewise_report::torque_charts;
 use torquewise_sim::control::knowledge::sharp;
 use torquewise_sim::control::{
-    Gains, Law, Learned, Periodic, Plant, Sensors, Tracking, compare, mean_inertia, periodic,
-    record,
+    Gains, Law, Learned, Periodic, Plant, Sensors, compare, mean_inertia, periodic, record,
 };
 use torquewise_sim::excite::{self as excite, Planned, Wishes};
 use torquewise_sim::{Arm, Friction, Stribeck};
@@ -70,13 +70,10 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
     let plan = Periodic { rate: RATE, seed: settings.seed, ..Periodic::default() };
     let wanted = periodic(&plant.arm, &plan)?;
     let mut study = Study::described("control", plant.arm.n_joints());
-    let [curves, after, errors] = &mut study.tables[..] else { return Ok(study) };
-    study.figures[0].charts = friction(&plant, &model, curves)?;
-    study.figures[1].charts = steps(&plant, &model, &wanted, after)?;
+    friction(&plant, &model, &mut study)?;
+    steps(&plant, &model, &wanted, &mut study)?;
     // The first period begins with an empty integral.
-    let settle = plan.seconds - plan.period;
-    study.figures[2].charts =
-        tracking(&plant, &model, &wanted, settle, (errors, &mut study.claims[0]))?;
+    tracking(&plant, &model, &wanted, plan.seconds - plan.period, &mut study)?;
     Ok(study)
 }
 
@@ -109,9 +106,7 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model, PaperError> {
     };
     let planned = excite::excite(&excite::limits(&plant.arm, &wishes)?, &plan, &mut |_, _| {})?;
     let recorded = |planned: &Planned| -> Result<Motion, PaperError> {
-        let log = record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?;
-        let (joints, t, q, tau) = (log.joints, log.t, log.q, Some(log.tau));
-        let raw = Raw { joints, t, q, dq: None, ddq: None, tau };
+        let raw = record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?;
         Ok(condition(&raw, &Conditioning::default())?.motion)
     };
     let logs: Vec<Motion> =
@@ -123,37 +118,39 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model, PaperError> {
 }
 
 /// f(v) of each joint, true and learned, at speeds from the dead zone on, both ways.
-fn friction(plant: &Plant, model: &Model, table: &mut Table) -> Result<Vec<Chart>, PaperError> {
+fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result<(), PaperError> {
     let n = plant.arm.n_joints();
     let model = sharp(model);
     let known = Torque::new(&model);
-    let mut speed: Vec<f64> = (0..SPEEDS)
+    let mut speeds: Vec<f64> = (0..SPEEDS)
         .map(|k| DEAD_ZONE * (FASTEST / DEAD_ZONE).powf(k as f64 / (SPEEDS - 1) as f64))
         .flat_map(|speed| [-speed, speed])
         .collect();
-    speed.sort_by(f64::total_cmp);
-    let (mut worst_percent, mut charts) = (Vec::new(), Vec::new());
+    speeds.sort_by(f64::total_cmp);
+    let at = |&v: &f64| -> Result<[Vec<f64>; 2], PaperError> {
+        let all = vec![v; n];
+        Ok([plant.friction.torques(&all), known.friction(&vec![0.0; n], &all)?])
+    };
+    let torques = speeds.iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let mut worst_percent = Vec::new();
     for joint in 0..n {
-        let truth: Vec<f64> = speed.iter().map(|&v| plant.friction.torque(joint, v)).collect();
-        let at = |&v: &f64| {
-            let mut dq = vec![0.0; n];
-            dq[joint] = v;
-            Ok(known.friction(&vec![0.0; n], &dq)?[joint])
-        };
-        let learned = speed.iter().map(at).collect::<Result<Vec<f64>, PaperError>>()?;
-        let off = truth.iter().zip(&learned).map(|(truth, f)| ((f - truth) / truth).abs());
+        let off = torques.iter().map(|[truth, f]| ((f[joint] - truth[joint]) / truth[joint]).abs());
         worst_percent.push(100.0 * off.fold(0.0, f64::max));
-        let line = |label, mark, colour, f| Series::new(label, mark, colour, points(&speed, f));
+        let line = |label, mark, colour, which: usize| {
+            let points = speeds.iter().zip(&torques).map(|(&v, both)| [v, both[which][joint]]);
+            Series::new(label, mark, colour, points.collect())
+        };
         let series = vec![
-            line("plant", Mark::BroadLine, Colour::Measured, &truth),
-            line("model", Mark::Line, Colour::Series(0), &learned),
+            line("plant", Mark::BroadLine, Colour::Measured, 0),
+            line("model", Mark::Line, Colour::Series(0), 1),
         ];
         let guides = [-DEAD_ZONE, DEAD_ZONE].map(|at| Guide::at_x(at, "")).to_vec();
-        let title = format!("Joint {}: friction", joint + 1);
-        charts.push(Chart { guides, ..chart(title, ["speed [rad/s]", "friction [N·m]"], series) });
+        let axes = ["speed [rad/s]", "friction [N·m]"].map(Axis::named);
+        let chart = chart(format!("Joint {}: friction", joint + 1), axes, series);
+        study.figures[0].charts.push(Chart { guides, ..chart });
     }
-    table.push_with(["".into()], worst_percent);
-    Ok(charts)
+    study.tables[0].push(["".into()], worst_percent);
+    Ok(())
 }
 
 /// The torque that a motion takes, and what each step predicts of it.
@@ -161,8 +158,8 @@ fn steps(
     plant: &Plant,
     model: &Model,
     wanted: &Motion,
-    table: &mut Table,
-) -> Result<Vec<Chart>, PaperError> {
+    study: &mut Study,
+) -> Result<(), PaperError> {
     let rows: Vec<usize> = (0..wanted.n_rows()).step_by(SHOWN).collect();
     let mut signals = wanted.select(&rows).into_signals();
     let needed = |row: usize| {
@@ -174,9 +171,11 @@ fn steps(
     let motion = Motion::new(signals)?;
     let steps = trial::steps(model, sharp, &motion)?;
     for step in &steps {
-        table.push_with([step.name.clone().into()], step.nrmse_percent.iter().copied());
+        study.tables[1].push([step.name.clone().into()], step.nrmse_percent.iter().copied());
     }
-    Ok(torque_charts(&motion, 1, &step_lines(steps), "control")?)
+    let predicted = step_lines(steps);
+    study.figures[1].charts = torque_charts(("needed", &motion), 1, &predicted, Some("control"))?;
+    Ok(())
 }
 
 /// PID, controllers 1 and 2 with the model, and the latter with the truth, all with the gains that
@@ -188,8 +187,8 @@ fn tracking(
     model: &Model,
     wanted: &Motion,
     settle: f64,
-    (table, claim): (&mut Table, &mut Claim),
-) -> Result<Vec<Chart>, PaperError> {
+    study: &mut Study,
+) -> Result<(), PaperError> {
     let known = Learned::new(model)?;
     let gains = Gains::critically_damped(BANDWIDTH, &mean_inertia(&known, wanted)?);
     let learned = [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque];
@@ -202,28 +201,26 @@ fn tracking(
         let errors = found.rms_error(settle);
         let shares: Vec<f64> = errors.iter().zip(&pid).map(|(error, pid)| error / pid).collect();
         let percent = shares.iter().map(|share| 100.0 * share);
-        table.push_with([(*name).into()], errors.iter().map(|error| 1e3 * error).chain(percent));
+        let errors = errors.iter().map(|error| 1e3 * error);
+        study.tables[2].push([(*name).into()], errors.chain(percent));
         worst.push(shares.into_iter().fold(0.0, f64::max));
     }
     let values = [1, 2, 4, 5].map(|place: usize| significant(100.0 * worst[place], 2));
     let (first, second) = (worst[1], worst[2]);
-    let in_part = second < first && second < 1.0;
-    claim.judge(values, first < 1.0 && second < FEWER * first, in_part);
-    Ok(tracking_charts(wanted, &found))
-}
-
-fn tracking_charts(wanted: &Motion, found: &[Tracking]) -> Vec<Chart> {
+    let is_better = second < first && second < 1.0;
+    study.claims[0].judge(values, &[is_better, first < 1.0 && second < FEWER * first]);
     let t: Vec<f64> = wanted.t().iter().copied().step_by(SHOWN).collect();
     let of_joint = |joint: usize| {
         // PID, controller 1 and controller 2.
-        let series = NAMES.iter().zip(found).take(3).enumerate().map(|(place, (name, found))| {
+        let series = NAMES.iter().zip(&found).take(3).enumerate().map(|(place, (name, found))| {
             let error = found.error.col_as_slice(joint).iter().step_by(SHOWN);
             let points = t.iter().zip(error).map(|(&t, &error)| [t, 1e3 * error]);
             Series::new(*name, Mark::Line, Colour::Series(place), points.collect())
         });
-        let axes = ["time [s]", "error [mrad]"];
+        let axes = ["time [s]", "error [mrad]"].map(Axis::named);
         let title = format!("Joint {}: tracking error", joint + 1);
         Chart { linked: Some("control".into()), ..chart(title, axes, series.collect()) }
     };
-    (0..wanted.n_joints()).map(of_joint).collect()
+    study.figures[2].charts = (0..wanted.n_joints()).map(of_joint).collect();
+    Ok(())
 }

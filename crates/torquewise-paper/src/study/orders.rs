@@ -1,7 +1,7 @@
 //! Residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
 
 use crate::error::{PaperError, within};
-use crate::results::{Claim, Study};
+use crate::results::{Cell, Study};
 use crate::scenario::Settings;
 use torquewise_report::order_charts;
 use torquewise_sim::Noise;
@@ -18,28 +18,32 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
         ..OrderPlan::default()
     };
     let mut study = Study::described("orders", 0);
-    let mut logs = Vec::new();
-    for noise in [Noise::CASES[0], Noise::CASES[1]] {
+    let (mut logs, mut chosen, mut settled) = (Vec::new(), Vec::new(), Vec::new());
+    for (case, noise) in Noise::CASES.into_iter().enumerate().take(2) {
         let scenario = settings.scenario(noise, settings.seed);
         let log = scenario.record(&scenario.simulate()?)?;
         let curves = orders(&log, &plan).map_err(within("orders"))?;
         for curve in &curves {
             let point = &curve.points[curve.chosen];
             let order = |order: u8| if order > 0 { order.to_string() } else { "–".into() };
-            study.tables[0].push([
-                noise.to_string().into(),
-                curve.name.clone().into(),
-                order(point.order).into(),
-                order(point.motion_order).into(),
-                point.candidates.into(),
-                (100.0 * worst(curve, curve.chosen)).into(),
-            ]);
+            let [first, residual] = [0, curve.chosen].map(|place| worst(curve, place));
+            let head = [noise.to_string(), curve.name.clone()].map(Cell::from);
+            let orders = [point.order, point.motion_order].map(|number| order(number).into());
+            let found: [Cell; 2] = [point.candidates.into(), (100.0 * residual).into()];
+            study.tables[0].push(head.into_iter().chain(orders), found);
+            if case == 0 {
+                let what = if curve.name == "energy" { "interaction" } else { "N₁" };
+                let second = format!(", N₂ = {}", point.motion_order);
+                let second = if point.motion_order > 0 { second } else { String::new() };
+                chosen.push(format!("{}: {what} = {}{second}", curve.name, point.order));
+                settled.push(curve.chosen == 0 || residual <= SETTLED * first);
+            }
         }
         logs.push((format!("noise {noise}"), curves));
     }
     let named: Vec<_> = logs.iter().map(|(name, curves)| (name.clone(), &curves[..])).collect();
     study.figures[0].charts = order_charts(&named);
-    judge(&mut study.claims[0], &logs[0].1);
+    study.claims[0].judge([chosen.join("; ")], &settled);
     Ok(study)
 }
 
@@ -48,28 +52,9 @@ fn worst(curve: &OrderCurve, place: usize) -> f64 {
     curve.points[place].residual.iter().copied().fold(0.0, f64::max)
 }
 
-fn judge(claim: &mut Claim, clean: &[OrderCurve]) {
-    let chosen = clean.iter().map(|curve| {
-        let point = &curve.points[curve.chosen];
-        let first = if curve.name == "energy" { "interaction" } else { "N₁" };
-        let second = match point.motion_order {
-            0 => String::new(),
-            order => format!(", N₂ = {order}"),
-        };
-        format!("{}: {first} = {}{second}", curve.name, point.order)
-    });
-    let has_settled = |curve: &&OrderCurve| {
-        curve.chosen == 0 || worst(curve, curve.chosen) <= SETTLED * worst(curve, 0)
-    };
-    let settled = clean.iter().filter(has_settled).count();
-    let chosen: Vec<String> = chosen.collect();
-    claim.judge([chosen.join("; ")], settled == clean.len(), settled > 0);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::Cell;
 
     #[test]
     fn without_noise_the_energy_library_is_exact_at_the_order_of_the_arm() {

@@ -9,21 +9,10 @@ use crate::error::{SimError, check_between, check_joints};
 use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
+use torquewise_motion::signals::Raw;
 
-/// A log: measured positions and torques at even times.
-#[derive(Clone, Debug)]
-pub struct Recorded {
-    /// Joint names, base to tip, n.
-    pub joints: Vec<String>,
-    /// Time stamps \[s\], m.
-    pub t: Vec<f64>,
-    /// Positions by the encoders \[rad\], m×n.
-    pub q: Mat<f64>,
-    /// Torque of the drives about each stamp \[N·m\], m×n.
-    pub tau: Mat<f64>,
-}
-
-/// Moves the plant by velocity controllers in its drives and records it.
+/// Moves the plant by velocity controllers in its drives and records positions by the encoders and
+/// torques of the drives, at even times.
 ///
 /// Each joint has τ = 2 m ω (v_d − v) + m ω² ∫(v_d − v) with its own mean inertia m, as a drive is
 /// tuned that knows nothing of the arm; v are differences of the measured position. The torque of
@@ -35,7 +24,7 @@ pub struct Recorded {
 /// # Errors
 /// [`SimError::JointCount`], [`SimError::Setting`] or [`SimError::Uneven`] if these do
 /// not belong together; [`SimError::Diverged`] for a loop that is unstable.
-pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Recorded, SimError> {
+pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw, SimError> {
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
     check_between("the bandwidth [rad/s]", bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
@@ -73,5 +62,6 @@ pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Recorded
         before = Some(after);
     }
     let t = (0..m).map(|row| row as f64 * period).collect();
-    Ok(Recorded { joints: plant.arm.joints().to_vec(), t, q, tau })
+    let joints = plant.arm.joints().to_vec();
+    Ok(Raw { joints, t, q, dq: None, ddq: None, tau: Some(tau) })
 }
