@@ -15,11 +15,8 @@ pub(crate) fn chart(title: impl Into<String>, [x, y]: [Axis; 2], series: Vec<Ser
     Chart { title: title.into(), x, y, series, ..Chart::default() }
 }
 
-/// Name, colour and torque of what is drawn, m×n.
-pub(crate) type Line = (String, Colour, Mat<f64>);
-
-/// The torque after each step.
-pub(crate) fn step_lines(steps: Vec<Step>) -> Vec<Line> {
+/// Name, colour and torque after each step, m×n.
+pub(crate) fn step_lines(steps: Vec<Step>) -> Vec<(String, Colour, Mat<f64>)> {
     let colours = [5, 2, 1].map(Colour::Series);
     let line = |(step, Step { name, torque, .. }): (usize, Step)| {
         (format!("after step {}: {name}", step + 1), colours[step.min(2)], torque)

@@ -32,6 +32,9 @@ pub enum PaperError {
     Json(#[from] serde_json::Error),
 }
 
+/// What came of an experiment.
+pub(crate) type Result<T = (), E = PaperError> = std::result::Result<T, E>;
+
 /// Names the experiment in which a reconstruction failed.
 pub(crate) fn within(experiment: impl Into<String>) -> impl FnOnce(IdentifyError) -> PaperError {
     |source| PaperError::Identify { experiment: experiment.into(), source }

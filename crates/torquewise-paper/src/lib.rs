@@ -54,8 +54,7 @@ pub fn reproduce(
     rows.reverse();
     rows.extend([cases::rows(settings), beyond::variants(settings), levels, lengths].concat());
     let trials = Trials::run(&cases::timed_rows(settings), &rows, settings.seed, progress)?;
-    let (orders, control): (Result<Study, PaperError>, Result<Study, PaperError>) =
-        rayon::join(|| orders::study(settings), || control::study(settings));
+    let (orders, control) = rayon::join(|| orders::study(settings), || control::study(settings));
     let studies = vec![
         patterns,
         orders?,

@@ -3,7 +3,6 @@
 use torquewise_identify::plan::{LibraryOptions, Regression};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::lasso::Lasso;
-use torquewise_regression::select::stlsq::Stlsq;
 
 /// A coefficient larger than this counts as active in the paper.
 pub(crate) const ACTIVE: f64 = 0.1;
@@ -17,8 +16,7 @@ pub(crate) enum Method {
     Sindy,
     /// Stepwise over the paper's product library, everything else the same as with energies.
     Product,
-    /// One-shot SINDy whose terms are chosen by LASSO (5) at the best information criterion, then
-    /// refitted.
+    /// One-shot SINDy, terms by LASSO (5) at the best information criterion, then refitted.
     SindyLasso,
     /// The stepwise product plan in a single step: what is left of it without the steps.
     SindyCriterion,
@@ -34,41 +32,34 @@ impl Method {
 
     /// Its name in tables and figures.
     pub(crate) fn name(self) -> &'static str {
-        self.described().0
+        match self {
+            Self::Energy => "stepwise, energy library",
+            Self::Product => "stepwise, product library",
+            Self::Sindy => "one-shot SINDy, |c| > 0.1",
+            Self::SindyLasso => "one-shot SINDy, LASSO + BIC + refit",
+            Self::SindyCriterion => "one-shot SINDy, our rule",
+        }
     }
 
     /// What it offers, and which terms stay.
     pub(crate) fn options(self) -> LibraryOptions {
-        // How often a term stays in resampled logs is not asked here.
-        LibraryOptions { bags: 0, ..self.described().1 }
-    }
-
-    fn described(self) -> (&'static str, LibraryOptions) {
         let (product, sindy) = (LibraryOptions::product(), LibraryOptions::sindy());
-        match self {
-            Self::Energy => ("stepwise, energy library", LibraryOptions::default()),
-            Self::Product => ("stepwise, product library", product),
-            Self::Sindy => ("one-shot SINDy, |c| > 0.1", sindy),
-            Self::SindyLasso => (
-                "one-shot SINDy, LASSO + BIC + refit",
-                LibraryOptions { selector: lasso(), ..sindy },
-            ),
-            Self::SindyCriterion => (
-                "one-shot SINDy, our rule",
-                LibraryOptions { regression: Regression::OneShot, ..product },
-            ),
-        }
+        let lasso = Selector::Lasso(Lasso::default());
+        let options = match self {
+            Self::Energy => LibraryOptions::default(),
+            Self::Product => product,
+            Self::Sindy => sindy,
+            Self::SindyLasso => LibraryOptions { selector: lasso, ..sindy },
+            Self::SindyCriterion => LibraryOptions { regression: Regression::OneShot, ..product },
+        };
+        // How often a term stays in resampled logs is not asked here.
+        LibraryOptions { bags: 0, ..options }
     }
-}
 
-/// LASSO, the point of its path by the Bayesian information criterion, refitted.
-pub(crate) fn lasso() -> Selector {
-    Selector::Lasso(Lasso::default())
-}
-
-/// The paper's rule for active terms, |coefficient| > 0.1.
-pub(crate) fn threshold() -> Selector {
-    Selector::Stlsq(Stlsq { threshold: ACTIVE, ..Stlsq::default() })
+    /// The same with the rule for terms of another method.
+    pub(crate) fn with_rule_of(self, other: Self) -> LibraryOptions {
+        LibraryOptions { selector: other.options().selector, ..self.options() }
+    }
 }
 
 #[cfg(test)]

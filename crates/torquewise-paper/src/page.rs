@@ -19,8 +19,9 @@ pub fn page(results: &Results) -> Result<String, PaperError> {
         count(Verdict::HoldsInPart),
         count(Verdict::Contradicted),
     );
-    let mut sections = vec![Section { heading: "What holds".into(), items: vec![claims(results)] }];
-    sections[0].items.insert(0, Item::Text(Study::described("setup", 0).text));
+    let setup = Study { heading: "What holds".into(), ..Study::described("setup", 0) };
+    let mut sections = vec![section(&setup)];
+    sections[0].items.push(claims(results));
     sections.extend(results.studies.iter().map(section));
     let title = "Stepwise model reconstruction, simulated again".into();
     Ok(Page { title, lead, sections, ..Page::default() }.to_html()?)

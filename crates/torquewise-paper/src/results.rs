@@ -168,12 +168,8 @@ cells!(Text &str, Text String, Count usize, Number f64, Spread Spread);
 
 impl Table {
     /// Adds a row of some cells, then others of one kind.
-    pub(crate) fn push<C: Into<Cell>>(
-        &mut self,
-        head: impl IntoIterator<Item = Cell>,
-        others: impl IntoIterator<Item = C>,
-    ) {
-        self.rows.push(head.into_iter().chain(others.into_iter().map(C::into)).collect());
+    pub(crate) fn push(&mut self, head: &[Cell], rest: impl IntoIterator<Item = impl Into<Cell>>) {
+        self.rows.push(head.iter().cloned().chain(rest.into_iter().map(Into::into)).collect());
     }
 
     /// The table as a part of a page.
@@ -255,11 +251,10 @@ impl Spread {
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.into_iter().collect();
         sorted.sort_by(f64::total_cmp);
-        let Some(last) = sorted.len().checked_sub(1) else {
-            return Self { median: f64::NAN, least: f64::NAN, greatest: f64::NAN };
-        };
-        let median = 0.5 * (sorted[last / 2] + sorted[last.div_ceil(2)]);
-        Self { median, least: sorted[0], greatest: sorted[last] }
+        let last = sorted.len().saturating_sub(1);
+        let at = |place: usize| sorted.get(place).copied().unwrap_or(f64::NAN);
+        let median = 0.5 * (at(last / 2) + at(last.div_ceil(2)));
+        Self { median, least: at(0), greatest: at(last) }
     }
 
     /// The spread of each column of some rows of the same length.

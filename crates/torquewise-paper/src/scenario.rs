@@ -80,10 +80,7 @@ pub struct Settings {
 impl Settings {
     /// All of the paper's arm: a few minutes on two cores.
     pub fn full(seed: u64) -> Self {
-        let level = |step: i32| {
-            let [q, ddq] = [7.5, 5.0].map(|less| less * f64::from(step));
-            Noise::from_db(70.0 - q, 50.0 - q, 30.0 - ddq).ok()
-        };
+        let level = |less: f64| Noise::from_db(70.0 - less, 50.0 - less, 30.0 - less / 1.5).ok();
         Self {
             arm: "puma560-3",
             seed,
@@ -91,7 +88,7 @@ impl Settings {
             seeds: 10,
             timed_seeds: 3,
             sweep_seeds: 2,
-            noise_levels: (0..5).filter_map(level).collect(),
+            noise_levels: [0.0, 7.5, 15.0, 22.5, 30.0].into_iter().filter_map(level).collect(),
             lengths: vec![30.0, 60.0, 120.0, 300.0, 600.0],
             arms: vec![
                 ("planar-2", 600.0),

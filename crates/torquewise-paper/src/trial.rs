@@ -1,12 +1,11 @@
 //! Trials: one reconstruction each, its cost, its terms and its error on another motion.
 
-use crate::error::{PaperError, within};
+use crate::error::{Result, within};
 use crate::method::ACTIVE;
 use crate::results::{Cell, Spread};
 use crate::scenario::{Scenario, outside};
 use cpu_time::ThreadTime;
 use faer::Mat;
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use torquewise_identify::{Plan, reconstruct, score};
@@ -31,21 +30,11 @@ pub(crate) struct Row {
 
 impl Row {
     /// The same plan with each of some seeds, from that of the scenario on.
-    pub(crate) fn new(
-        head: impl IntoIterator<Item = Cell>,
-        from: &Scenario,
-        plan: impl Into<Plan>,
-        seeds: u64,
-    ) -> Self {
+    pub(crate) fn new(head: &[Cell], from: &Scenario, plan: impl Into<Plan>, seeds: u64) -> Self {
         let plan = plan.into();
         let seed = |step| Scenario { seed: from.seed.wrapping_add(step), ..from.clone() };
         let trial = |step| TrialPlan { scenario: seed(step), plan: plan.clone() };
-        Self { head: head.into_iter().collect(), trials: (0..seeds).map(trial).collect() }
-    }
-
-    /// That of the first seed.
-    pub(crate) fn scenario(&self) -> &Scenario {
-        &self.trials[0].scenario
+        Self { head: head.to_vec(), trials: (0..seeds).map(trial).collect() }
     }
 }
 
@@ -73,31 +62,30 @@ impl Trials {
         others: &[Row],
         seed: u64,
         progress: &(dyn Fn(Progress) + Sync),
-    ) -> Result<Self, PaperError> {
-        let (mut plans, mut n_timed, mut tests) = (Vec::new(), 0, BTreeMap::new());
+    ) -> Result<Self> {
+        let (mut plans, mut n_timed) = (Vec::new(), 0);
         for (place, row) in timed.iter().chain(others).enumerate() {
             for plan in &row.trials {
                 if !plans.contains(&plan) {
                     plans.push(plan);
                     n_timed += usize::from(place < timed.len());
-                    tests.insert(plan.scenario.arm, outside(plan.scenario.arm, seed)?);
                 }
             }
         }
         let done = AtomicUsize::new(0);
-        let attempt = |place: usize| -> Result<(TrialPlan, Trial), PaperError> {
+        let attempt = |place: usize| -> Result<(TrialPlan, Trial)> {
             let plan = plans[place];
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-            let trial = pool.install(|| attempt(plan, &tests[plan.scenario.arm]))?;
+            let trial = pool.install(|| attempt(plan, seed))?;
             let doing = if place < n_timed { "timed trials" } else { "trials" };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress(Progress { doing, done, total: plans.len() });
             Ok((plan.clone(), trial))
         };
-        let mut trials = (0..n_timed).map(attempt).collect::<Result<Vec<_>, _>>()?;
+        let mut trials = (0..n_timed).map(attempt).collect::<Result<Vec<_>>>()?;
         let begun = AtomicUsize::new(n_timed);
         let next = || Some(begun.fetch_add(1, Ordering::Relaxed)).filter(|at| *at < plans.len());
-        let worker = || std::iter::from_fn(next).map(attempt).collect::<Result<Vec<_>, _>>();
+        let worker = || std::iter::from_fn(next).map(attempt).collect::<Result<Vec<_>>>();
         for part in rayon::broadcast(|_| worker()) {
             trials.extend(part?);
         }
@@ -145,7 +133,6 @@ impl<'a> Runs<'a> {
 /// What came of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Trial {
-    /// What was found.
     pub model: Model,
     pub candidates: usize,
     /// Candidates offered in each step.
@@ -166,33 +153,23 @@ pub(crate) struct Trial {
 impl Trial {
     /// The terms of an energy model, none of another.
     pub(crate) fn energies(&self) -> &[Weighted<EnergyTerm>] {
-        match &self.model.form {
-            Form::Energy(terms) => terms,
-            Form::Torque(_) => &[],
-        }
+        if let Form::Energy(terms) = &self.model.form { terms } else { &[] }
     }
 }
 
 /// Does a trial and judges it on a motion it has not seen.
-///
-/// The cost is that of the calling thread: it counts all of the work if that runs in a pool of one
-/// thread.
-fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
+fn attempt(trial: &TrialPlan, test_seed: u64) -> Result<Trial> {
     let log = trial.scenario.record(&trial.scenario.simulate()?)?;
     let Scenario { arm, seconds, noise, seed } = &trial.scenario;
     let named = || within(format!("{arm}, {seconds} s, noise {noise}, seed {seed}"));
-    let (start, mut regression) = (now(), Duration::ZERO);
-    let (mut since, mut is_regression) = (start, false);
-    let mut enter = |work| {
-        if is_regression {
-            regression += now().saturating_sub(since);
-        }
-        since = now();
-        is_regression = matches!(work, Work::Geometry | Work::Sums | Work::Step(_));
-    };
+    let (start, mut entered) = (now(), Vec::new());
+    let mut enter = |work| entered.push((now(), work));
     let found = reconstruct(&log, &trial.plan, &mut enter).map_err(named())?;
-    let total = now().saturating_sub(start).as_secs_f64();
-    let scores = score(&found.model, test).map_err(named())?;
+    let total = now().saturating_sub(start);
+    let is_regression = |work| matches!(work, Work::Geometry | Work::Sums | Work::Step(_));
+    let parts = entered.windows(2).filter(|pair| is_regression(pair[0].1));
+    let regression: Duration = parts.map(|pair| pair[1].0.saturating_sub(pair[0].0)).sum();
+    let scores = score(&found.model, &outside(arm, test_seed)?).map_err(named())?;
     let coefficients: Vec<f64> = match &found.model.form {
         Form::Torque(joints) => joints.iter().flatten().map(|w| w.coefficient).collect(),
         Form::Energy(terms) => terms.iter().map(|w| w.coefficient).collect(),
@@ -204,7 +181,7 @@ fn attempt(trial: &TrialPlan, test: &Motion) -> Result<Trial, PaperError> {
         active: coefficients.iter().filter(|c| c.abs() > ACTIVE).count() as f64,
         nrmse_percent: scores.joints.iter().map(|joint| joint.nrmse_percent).collect(),
         rmse: scores.joints.iter().map(|joint| joint.rmse).collect(),
-        cost: [regression.as_secs_f64(), total],
+        cost: [regression, total].map(|time| time.as_secs_f64()),
         model: found.model,
     })
 }
@@ -220,17 +197,13 @@ pub(crate) struct Step {
 }
 
 /// A model after each of its steps, made ready to predict a motion.
-pub(crate) fn steps(
-    model: &Model,
-    ready: impl Fn(&Model) -> Model,
-    motion: &Motion,
-) -> Result<Vec<Step>, PaperError> {
+pub(crate) fn steps(model: &Model, ready: fn(&Model) -> Model, test: &Motion) -> Result<Vec<Step>> {
     let step = |(place, stage): (usize, &Stage)| {
         let model = ready(&model.after_step(place + 1)?);
-        let scores = score(&model, motion).map_err(within(format!("step {}", place + 1)))?;
+        let scores = score(&model, test).map_err(within(format!("step {}", place + 1)))?;
         Ok(Step {
             name: stage.name.clone(),
-            torque: Torque::new(&model).over(motion)?,
+            torque: Torque::new(&model).over(test)?,
             nrmse_percent: scores.joints.into_iter().map(|joint| joint.nrmse_percent).collect(),
         })
     };
@@ -250,14 +223,14 @@ mod tests {
 
     fn row(noise: Noise, seconds: f64, seed: u64) -> Row {
         let scenario = Scenario { arm: "planar-2", seconds, noise, seed };
-        Row::new([], &scenario, Method::Energy.options(), 1)
+        Row::new(&[], &scenario, Method::Energy.options(), 1)
     }
 
     #[test]
     fn a_trial_without_noise_predicts_another_motion() {
         let test = outside("planar-2", 3).unwrap();
 
-        let trial = attempt(&row(Noise::CASES[0], 60.0, 3).trials[0], &test).unwrap();
+        let trial = attempt(&row(Noise::CASES[0], 60.0, 3).trials[0], 3).unwrap();
 
         assert!(trial.nrmse_percent.iter().all(|&percent| percent < 1e-6), "{trial:?}");
         assert_eq!(trial.candidates_by_step.len(), 3);
@@ -281,6 +254,6 @@ mod tests {
 
         assert_eq!(errors(1), errors(3));
         let failed = Trials::run(&[], &[row(Noise::CASES[2], 0.1, 1)], 1, &|_| {});
-        assert!(matches!(failed, Err(PaperError::Identify { .. })), "{failed:?}");
+        assert!(matches!(failed, Err(crate::PaperError::Identify { .. })), "{failed:?}");
     }
 }

@@ -69,11 +69,8 @@ pub(crate) fn true_products(arm: &Arm) -> Vec<f64> {
         }
         values
     });
-    weights
-        .col_iter()
-        .flat_map(|column| column.iter().copied().collect::<Vec<_>>())
-        .filter(|weight| weight.abs() > ROUNDING)
-        .collect()
+    let all = weights.col_iter().flat_map(|column| column.iter().copied().collect::<Vec<_>>());
+    all.filter(|weight| weight.abs() > ROUNDING).collect()
 }
 
 /// Weights of functions of the angles in some values, functions × values, by least squares at more

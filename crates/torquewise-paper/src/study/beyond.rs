@@ -1,8 +1,8 @@
 //! Beyond the paper: what each choice buys, more noise, less data, more joints.
 
 use crate::charts::{chart, colour};
-use crate::error::PaperError;
-use crate::method::{Method, lasso, threshold};
+use crate::error::Result;
+use crate::method::Method;
 use crate::results::{Cell, Spread, Study};
 use crate::scenario::{Scenario, Settings, outside};
 use crate::trial::{Row, Trials, steps};
@@ -28,13 +28,13 @@ pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
         // The printed index leaves the product library with so many terms that its refit takes
         // longest of all: one seed says it.
         let seeds = if change == PRINTED { 1 } else { settings.sweep_seeds };
-        Row::new([family, change, equation].map(Cell::from), &scenario, plan, seeds)
+        Row::new(&[family, change, equation].map(Cell::from), &scenario, plan, seeds)
     };
     let mut rows = Vec::new();
     let uncorrected = |options| LibraryOptions { noise_correction: false, ..options }.into();
     for method in [Method::Energy, Method::Product] {
         let (name, options) = (method.name(), method.options());
-        let selecting = |selector| LibraryOptions { selector, ..options.clone() }.into();
+        let ruled = |other| method.with_rule_of(other).into();
         let patterns =
             PatternPlan { scaling: Scaling::Paper, clusters: Some(3), ..PatternPlan::default() };
         let one_step = LibraryOptions { regression: Regression::OneShot, ..options.clone() };
@@ -43,8 +43,8 @@ pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
             row(name, "as it is", "", plan.clone()),
             row(name, PRINTED, "[E1]", Plan { patterns, ..plan.clone() }),
             row(name, "one step, all rows", "", one_step.into()),
-            row(name, "terms chosen by LASSO + BIC", "[E5]", selecting(lasso())),
-            row(name, "terms chosen by |c| > 0.1", "[E5]", selecting(threshold())),
+            row(name, "terms chosen by LASSO + BIC", "[E5]", ruled(Method::SindyLasso)),
+            row(name, "terms chosen by |c| > 0.1", "[E5]", ruled(Method::Sindy)),
             row(name, BEFORE_REFIT, "[E6]", plan),
             row(name, "no noise correction", "[E7]", uncorrected(options)),
         ]);
@@ -60,7 +60,7 @@ pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
 }
 
 /// The error of every variant.
-pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study> {
     let test = outside(settings.arm, settings.seed)?;
     let mut study = Study::described("ablation", test.n_joints());
     for row in variants(settings) {
@@ -68,12 +68,12 @@ pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study, Pa
         let mut cells = runs.cells();
         if row.head[1] == BEFORE_REFIT.into() {
             let last = runs.0.iter().map(|trial| steps(&trial.model, Model::clone, &test));
-            let last = last.collect::<Result<Vec<_>, _>>()?;
+            let last = last.collect::<Result<Vec<_>>>()?;
             let last = last.iter().filter_map(|steps| Some(&steps.last()?.nrmse_percent[..]));
             cells.truncate(2);
             cells.extend(Spread::of_columns(last).into_iter().map(Cell::from));
         }
-        study.tables[0].push(row.head, cells);
+        study.tables[0].push(&row.head, cells);
     }
     Ok(study)
 }
@@ -84,42 +84,40 @@ pub(crate) fn points(settings: &Settings) -> [Vec<Row>; 2] {
     let row = |log: &Scenario, method: Method| {
         let seeds = if method == Method::Sindy { 1 } else { settings.sweep_seeds };
         let head = [method.name().into(), log.noise.to_string().into(), log.seconds.into()];
-        Row::new(head, log, method.options(), seeds)
+        Row::new(&head, log, method.options(), seeds)
     };
     let noisy = |noise| settings.scenario(noise, settings.seed);
     let long = |&seconds| Scenario { seconds, ..noisy(Noise::CASES[2]) };
-    let (levels, lengths) = (settings.noise_levels.iter(), settings.lengths.iter());
+    let levels = settings.noise_levels.iter().map(|&noise| noisy(noise));
+    let lengths = settings.lengths.iter().map(long);
     let unruined = [Method::Energy, Method::Product, Method::SindyCriterion];
     [
-        levels
-            .map(|&noise| noisy(noise))
-            .flat_map(|log| Method::SWEPT.map(|method| row(&log, method)))
-            .collect(),
-        lengths.map(long).flat_map(|log| unruined.map(|method| row(&log, method))).collect(),
+        levels.flat_map(|log| Method::SWEPT.map(|method| row(&log, method))).collect(),
+        lengths.flat_map(|log| unruined.map(|method| row(&log, method))).collect(),
     ]
 }
 
 /// More noise, less data.
-pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study> {
     let mut study = Study::described("sweeps", Arm::builtin(settings.arm)?.n_joints());
     for (table, rows) in study.tables.iter_mut().zip(points(settings)) {
         study.figures[0].charts.push(sweep(&table.caption, &rows, trials));
         for row in rows {
-            let cells = trials.of(&row).cells();
-            table.push(row.head, cells);
+            table.push(&row.head, trials.of(&row).cells());
         }
     }
     Ok(study)
 }
 
 fn sweep(caption: &str, rows: &[Row], trials: &Trials) -> Chart {
-    let mut places: Vec<String> = rows.iter().map(|row| row.scenario().noise.to_string()).collect();
+    let mut places: Vec<String> =
+        rows.iter().map(|row| row.trials[0].scenario.noise.to_string()).collect();
     places.dedup();
     let is_noise = places.len() > 1;
     let line = |method: Method| {
         let own = rows.iter().filter(|row| row.head[0] == method.name().into());
         let point = |(place, row): (usize, &Row)| {
-            let x = if is_noise { place as f64 } else { row.scenario().seconds };
+            let x = if is_noise { place as f64 } else { row.trials[0].scenario.seconds };
             let worst = trials.of(row).worst();
             ([x, worst.median], [worst.least, worst.greatest])
         };
@@ -144,16 +142,16 @@ const GRAVITY_ORDER: u8 = 2;
 pub(crate) fn arm_rows(settings: &Settings) -> Vec<Row> {
     let row = |&(arm, seconds): &(&'static str, f64)| {
         let scenario = Scenario { arm, seconds, noise: Noise::CASES[2], seed: settings.seed };
-        Row::new([arm.into(), seconds.into()], &scenario, Method::Energy.options(), 1)
+        Row::new(&[arm.into(), seconds.into()], &scenario, Method::Energy.options(), 1)
     };
     settings.arms.iter().map(row).collect()
 }
 
 /// How the energy library does for each arm, and how large the others would be.
-pub(crate) fn arms(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn arms(settings: &Settings, trials: &Trials) -> Result<Study> {
     let mut study = Study::described("arms", 0);
     for row in arm_rows(settings) {
-        let (runs, arm) = (trials.of(&row), Arm::builtin(row.scenario().arm)?);
+        let (runs, arm) = (trials.of(&row), Arm::builtin(row.trials[0].scenario.arm)?);
         let (trial, truth) = (runs.first(), true_energies(&arm));
         let energies = trial.energies();
         let right = energies.iter().filter(|w| truth.contains_key(&w.term)).count();
@@ -161,8 +159,8 @@ pub(crate) fn arms(settings: &Settings, trials: &Trials) -> Result<Study, PaperE
         let found = [format!("{right} of {}", truth.len()).into(), (energies.len() - right).into()];
         let errors = [errors.join(" / ").into(), runs.worst().median.into()];
         let sizes = candidates(arm.n_joints()).map(Cell::from);
-        study.timed.tables[0].push([row.head[0].clone()], [trial.cost[1]]);
-        study.tables[0].push(row.head, sizes.into_iter().chain(found).chain(errors));
+        study.timed.tables[0].push(&row.head[..1], [trial.cost[1]]);
+        study.tables[0].push(&row.head, sizes.into_iter().chain(found).chain(errors));
     }
     Ok(study)
 }

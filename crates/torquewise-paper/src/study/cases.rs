@@ -2,8 +2,8 @@
 //! (Fig. 8), step by step (Fig. 10), coefficients.
 
 use crate::charts::{colour, step_lines};
-use crate::error::PaperError;
-use crate::method::{ACTIVE, Method, lasso, threshold};
+use crate::error::Result;
+use crate::method::{ACTIVE, Method};
 use crate::results::{Cell, Spread, Study};
 use crate::scenario::{Settings, outside};
 use crate::trial::{self, Row, Runs, Trial, Trials};
@@ -30,7 +30,7 @@ const FEWER: f64 = 0.5;
 pub(crate) fn row(settings: &Settings, case: u8, method: Method) -> Row {
     let seeds = if case == 1 { 1 } else { settings.seeds };
     let scenario = settings.scenario(Noise::CASES[usize::from(case) - 1], settings.seed);
-    Row::new([usize::from(case).into(), method.name().into()], &scenario, method.options(), seeds)
+    Row::new(&[usize::from(case).into(), method.name().into()], &scenario, method.options(), seeds)
 }
 
 /// Every method in every case.
@@ -44,12 +44,12 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Row> {
 pub(crate) fn timed_rows(settings: &Settings) -> Vec<Row> {
     let scenario = settings.scenario(Noise::CASES[2], settings.seed);
     let row = |method: &str, rule: &str, options: LibraryOptions| {
-        Row::new([method.into(), rule.into()], &scenario, options, settings.timed_seeds)
+        Row::new(&[method.into(), rule.into()], &scenario, options, settings.timed_seeds)
     };
-    let product = |selector| LibraryOptions { selector, ..Method::Product.options() };
-    let stepwise = [Method::Product.options(), product(lasso()), product(threshold())];
-    let one_shot = [Method::SindyCriterion, Method::SindyLasso, Method::Sindy].map(Method::options);
+    let one_shot = [Method::SindyCriterion, Method::SindyLasso, Method::Sindy];
+    let stepwise = one_shot.map(|other| Method::Product.with_rule_of(other));
     let mut rows = vec![row("stepwise, energy", "criterion", Method::Energy.options())];
+    let one_shot = one_shot.map(Method::options);
     for (method, all) in [("stepwise, product", stepwise), ("one-shot SINDy", one_shot)] {
         let rules = ["criterion", "LASSO", "|c| > 0.1"].into_iter().zip(all);
         rows.extend(rules.map(|(rule, options)| row(method, rule, options)));
@@ -70,8 +70,8 @@ pub(crate) fn cost(settings: &Settings, trials: &Trials) -> Study {
     let all: Vec<Runs<'_>> = rows.iter().map(|row| trials.of(row)).collect();
     for (row, runs) in rows.iter().zip(&all) {
         let size: [Cell; 2] = [listed(runs.first(), " + ").into(), runs.first().candidates.into()];
-        tables[0].push(row.head.clone(), size);
-        timed.tables[0].push(row.head.clone(), costs(runs));
+        tables[0].push(&row.head, size);
+        timed.tables[0].push(&row.head, costs(runs));
     }
     let [energy, stepwise, sindy] = [0, 1, 6].map(|row: usize| all[row].first());
     let largest = |trial: &Trial| trial.candidates_by_step.iter().max().copied();
@@ -91,20 +91,20 @@ pub(crate) fn cost(settings: &Settings, trials: &Trials) -> Study {
 }
 
 /// Fig. 7: coefficients kept, and those above 0.1, which the paper calls active.
-pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study> {
     let mut study = Study::described("terms", 0);
     let table = &mut study.tables[0];
     for row in rows(settings) {
         let runs = trials.of(&row);
         let head = [format!("case {}", row.head[0].text()).into(), row.head[1].clone()];
-        table.push(head, [runs.spread(|trial| trial.active), runs.spread(|trial| trial.terms)]);
+        table.push(&head, [runs.spread(|trial| trial.active), runs.spread(|trial| trial.terms)]);
     }
     let arm = Arm::builtin(settings.arm)?;
     let energies: Vec<f64> = true_energies(&arm).into_values().collect();
     let products = true_products(&arm);
     let active = |weights: &[f64]| weights.iter().filter(|weight| weight.abs() > ACTIVE).count();
     for (name, weights) in [("functions of M(q) and V(q)", &energies), ("products", &products)] {
-        table.push(["truth".into(), name.into()], [active(weights), weights.len()]);
+        table.push(&["truth".into(), name.into()], [active(weights), weights.len()]);
     }
     let medians = |case| {
         [Method::Product, Method::Sindy, Method::SindyLasso].map(|method| {
@@ -122,7 +122,7 @@ pub(crate) fn terms(settings: &Settings, trials: &Trials) -> Result<Study, Paper
 }
 
 /// Fig. 8: torque outside the training log.
-pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study> {
     let test = outside(settings.arm, settings.seed)?;
     let mut study = Study::described("torque", test.n_joints());
     for (case, figure) in (1..).zip(&mut study.figures) {
@@ -131,8 +131,8 @@ pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, Pape
             let row = row(settings, case, method);
             let runs = trials.of(&row);
             let rmse = Spread::of_columns(runs.0.iter().map(|trial| trial.rmse.as_slice()));
-            let head = row.head.into_iter().chain([runs.0.len().into()]);
-            study.tables[0].push(head, runs.errors().into_iter().chain(rmse));
+            let head = [&row.head[..], &[runs.0.len().into()]].concat();
+            study.tables[0].push(&head, runs.errors().into_iter().chain(rmse));
             let torque = Torque::new(&runs.first().model).over(&test)?;
             predicted.push((method.name().to_owned(), colour(method), torque));
         }
@@ -153,7 +153,7 @@ pub(crate) fn torque(settings: &Settings, trials: &Trials) -> Result<Study, Pape
 }
 
 /// Fig. 10, simulated: both libraries after each step, on the first log of case 2.
-pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study> {
     let test = outside(settings.arm, settings.seed)?;
     let mut study = Study::described("steps", test.n_joints());
     let (mut parts, mut falls) = (Vec::new(), Vec::new());
@@ -163,7 +163,7 @@ pub(crate) fn steps(settings: &Settings, trials: &Trials) -> Result<Study, Paper
         let refit = ("refit of all terms on all rows", &trial.nrmse_percent);
         let all = steps.iter().map(|step| (step.name.as_str(), &step.nrmse_percent));
         for (name, errors) in all.chain([refit]) {
-            study.tables[0].push([method.name().into(), name.into()], errors.clone());
+            study.tables[0].push(&[method.name().into(), name.into()], errors.clone());
         }
         let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
         let means: Vec<f64> = steps.iter().map(|step| mean(&step.nrmse_percent)).collect();
@@ -186,7 +186,7 @@ const NINETY_PERCENT: f64 = 1.645;
 type Found = BTreeMap<EnergyTerm, (f64, f64)>;
 
 /// Coefficients of the energy models beside the truth, and how often their intervals hold it.
-pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study, PaperError> {
+pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study> {
     let truth = true_energies(&Arm::builtin(settings.arm)?);
     let mut study = Study::described("coefficients", 0);
     for case in [2, 3] {
@@ -202,7 +202,7 @@ pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study
         let wrong = [truth.len() * runs.len() - found, kept - found].map(Cell::from);
         let share = 100.0 * covered as f64 / found.max(1) as f64;
         let held = [format!("{covered} of {found}").into(), share.into()];
-        study.tables[0].push([usize::from(case).into(), of_runs], wrong.into_iter().chain(held));
+        study.tables[0].push(&[usize::from(case).into(), of_runs], wrong.into_iter().chain(held));
         for (term, &truth) in truth.iter().filter(|_| case == 3) {
             let (covered, found) = count(term, truth, &runs);
             let first = runs[0].get(term).map(|(estimate, std_error)| {
@@ -211,7 +211,7 @@ pub(crate) fn coefficients(settings: &Settings, trials: &Trials) -> Result<Study
             let [estimate, std_error] = first.unwrap_or(["–".to_owned(), "–".to_owned()]);
             let held = format!("{covered} of {found}");
             let cells = [significant(truth, 6), estimate, std_error, held];
-            study.tables[1].push([term.name().into()], cells);
+            study.tables[1].push(&[term.name().into()], cells);
         }
     }
     Ok(study)

@@ -2,7 +2,7 @@
 //! (Fig. 10, 11).
 
 use crate::charts::{chart, step_lines};
-use crate::error::{PaperError, within};
+use crate::error::{Result, within};
 use crate::results::Study;
 use crate::scenario::Settings;
 use crate::trial;
@@ -64,7 +64,7 @@ const NAMES: [&str; 6] = [
 ];
 
 /// Records, learns, predicts and controls.
-pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
+pub(crate) fn study(settings: &Settings) -> Result<Study> {
     let plant = plant(settings)?;
     let model = learn(&plant, settings)?;
     let plan = Periodic { rate: RATE, seed: settings.seed, ..Periodic::default() };
@@ -73,16 +73,15 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
     friction(&plant, &model, &mut study)?;
     steps(&plant, &model, &wanted, &mut study)?;
     // The first period begins with an empty integral.
-    tracking(&plant, &model, &wanted, plan.seconds - plan.period, &mut study)?;
+    track(&plant, &model, &wanted, plan.seconds - plan.period, &mut study)?;
     Ok(study)
 }
 
 /// The arm of the settings with friction, rotors, drives and encoders.
-fn plant(settings: &Settings) -> Result<Plant, PaperError> {
+fn plant(settings: &Settings) -> Result<Plant> {
     let arm = Arm::builtin(settings.arm)?;
-    let joints = 0..arm.n_joints();
-    let curves: Vec<Stribeck> = joints.clone().map(|j| FRICTION[j % FRICTION.len()]).collect();
-    let rotors: Vec<f64> = joints.map(|j| ROTORS[j % ROTORS.len()]).collect();
+    let curves: Vec<Stribeck> = FRICTION.into_iter().cycle().take(arm.n_joints()).collect();
+    let rotors: Vec<f64> = ROTORS.into_iter().cycle().take(arm.n_joints()).collect();
     let mut plant = Plant::ideal(arm.with_rotors(&rotors)?);
     plant.friction = Friction::new(&curves)?;
     plant.drive.delay = DELAY;
@@ -92,7 +91,7 @@ fn plant(settings: &Settings) -> Result<Plant, PaperError> {
 }
 
 /// The model that recordings of very slow, uniform and variable velocity lead to.
-fn learn(plant: &Plant, settings: &Settings) -> Result<Model, PaperError> {
+fn learn(plant: &Plant, settings: &Settings) -> Result<Model> {
     let [velocity, acceleration] = LIMITS.map(|value| excite::PerJoint(vec![(None, value)]));
     let wishes = Wishes { velocity, acceleration, speed_scale: 1.0, ..Wishes::default() };
     let plan = excite::Plan {
@@ -105,12 +104,11 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model, PaperError> {
         ..excite::Plan::default()
     };
     let planned = excite::excite(&excite::limits(&plant.arm, &wishes)?, &plan, &mut |_, _| {})?;
-    let recorded = |planned: &Planned| -> Result<Motion, PaperError> {
+    let recorded = |planned: &Planned| -> Result<Motion> {
         let raw = record(plant, &planned.motion()?, VELOCITY_BANDWIDTH)?;
         Ok(condition(&raw, &Conditioning::default())?.motion)
     };
-    let logs: Vec<Motion> =
-        planned.recordings.par_iter().map(recorded).collect::<Result<_, _>>()?;
+    let logs = planned.recordings.par_iter().map(recorded).collect::<Result<Vec<_>>>()?;
     let options = LibraryOptions { friction: FrictionKind::Stribeck, ..LibraryOptions::default() };
     let experiment = "on the recordings of an arm with friction";
     let found = reconstruct(&logs[..], &options.into(), &mut |_| {}).map_err(within(experiment))?;
@@ -118,20 +116,19 @@ fn learn(plant: &Plant, settings: &Settings) -> Result<Model, PaperError> {
 }
 
 /// f(v) of each joint, true and learned, at speeds from the dead zone on, both ways.
-fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result<(), PaperError> {
+fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result {
     let n = plant.arm.n_joints();
-    let model = sharp(model);
-    let known = Torque::new(&model);
+    let known = Torque::new(&sharp(model));
     let mut speeds: Vec<f64> = (0..SPEEDS)
         .map(|k| DEAD_ZONE * (FASTEST / DEAD_ZONE).powf(k as f64 / (SPEEDS - 1) as f64))
         .flat_map(|speed| [-speed, speed])
         .collect();
     speeds.sort_by(f64::total_cmp);
-    let at = |&v: &f64| -> Result<[Vec<f64>; 2], PaperError> {
+    let at = |&v: &f64| -> Result<[Vec<f64>; 2]> {
         let all = vec![v; n];
         Ok([plant.friction.torques(&all), known.friction(&vec![0.0; n], &all)?])
     };
-    let torques = speeds.iter().map(at).collect::<Result<Vec<_>, _>>()?;
+    let torques = speeds.iter().map(at).collect::<Result<Vec<_>>>()?;
     let mut worst_percent = Vec::new();
     for joint in 0..n {
         let off = torques.iter().map(|[truth, f]| ((f[joint] - truth[joint]) / truth[joint]).abs());
@@ -149,17 +146,12 @@ fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result<(), Paper
         let chart = chart(format!("Joint {}: friction", joint + 1), axes, series);
         study.figures[0].charts.push(Chart { guides, ..chart });
     }
-    study.tables[0].push(["".into()], worst_percent);
+    study.tables[0].push(&["".into()], worst_percent);
     Ok(())
 }
 
 /// The torque that a motion takes, and what each step predicts of it.
-fn steps(
-    plant: &Plant,
-    model: &Model,
-    wanted: &Motion,
-    study: &mut Study,
-) -> Result<(), PaperError> {
+fn steps(plant: &Plant, model: &Model, wanted: &Motion, study: &mut Study) -> Result {
     let rows: Vec<usize> = (0..wanted.n_rows()).step_by(SHOWN).collect();
     let mut signals = wanted.select(&rows).into_signals();
     let needed = |row: usize| {
@@ -171,7 +163,7 @@ fn steps(
     let motion = Motion::new(signals)?;
     let steps = trial::steps(model, sharp, &motion)?;
     for step in &steps {
-        study.tables[1].push([step.name.clone().into()], step.nrmse_percent.iter().copied());
+        study.tables[1].push(&[step.name.clone().into()], step.nrmse_percent.iter().copied());
     }
     let predicted = step_lines(steps);
     study.figures[1].charts = torque_charts(("needed", &motion), 1, &predicted, Some("control"))?;
@@ -182,13 +174,7 @@ fn steps(
 /// follow from the model.
 ///
 /// - `settle`: from when on errors count \[s\]
-fn tracking(
-    plant: &Plant,
-    model: &Model,
-    wanted: &Motion,
-    settle: f64,
-    study: &mut Study,
-) -> Result<(), PaperError> {
+fn track(plant: &Plant, model: &Model, wanted: &Motion, settle: f64, study: &mut Study) -> Result {
     let known = Learned::new(model)?;
     let gains = Gains::critically_damped(BANDWIDTH, &mean_inertia(&known, wanted)?);
     let learned = [Law::Pid, Law::Controller1, Law::Controller2, Law::ComputedTorque];
@@ -202,7 +188,7 @@ fn tracking(
         let shares: Vec<f64> = errors.iter().zip(&pid).map(|(error, pid)| error / pid).collect();
         let percent = shares.iter().map(|share| 100.0 * share);
         let errors = errors.iter().map(|error| 1e3 * error);
-        study.tables[2].push([(*name).into()], errors.chain(percent));
+        study.tables[2].push(&[(*name).into()], errors.chain(percent));
         worst.push(shares.into_iter().fold(0.0, f64::max));
     }
     let values = [1, 2, 4, 5].map(|place: usize| significant(100.0 * worst[place], 2));

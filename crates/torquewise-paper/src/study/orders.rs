@@ -1,6 +1,6 @@
 //! Residual against order for one-shot SINDy, each step and the energy library (Fig. 5).
 
-use crate::error::{PaperError, within};
+use crate::error::{Result, within};
 use crate::results::{Cell, Study};
 use crate::scenario::Settings;
 use torquewise_report::order_charts;
@@ -11,7 +11,7 @@ use torquewise_stepwise::orders::{OrderCurve, OrderPlan, orders};
 const SETTLED: f64 = 0.5;
 
 /// Residuals without noise and with that of case 2.
-pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
+pub(crate) fn study(settings: &Settings) -> Result<Study> {
     let plan = OrderPlan {
         trig_order: settings.trig_order,
         whole_order: settings.whole_order,
@@ -30,7 +30,7 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
             let head = [noise.to_string(), curve.name.clone()].map(Cell::from);
             let orders = [point.order, point.motion_order].map(|number| order(number).into());
             let found: [Cell; 2] = [point.candidates.into(), (100.0 * residual).into()];
-            study.tables[0].push(head.into_iter().chain(orders), found);
+            study.tables[0].push(&[head, orders].concat(), found);
             if case == 0 {
                 let what = if curve.name == "energy" { "interaction" } else { "N₁" };
                 let second = format!(", N₂ = {}", point.motion_order);

@@ -1,7 +1,7 @@
 //! Purity of the patterns in noisy motions, with the scaled and with the printed index (Fig. 1–3).
 
 use crate::charts::chart;
-use crate::error::{PaperError, within};
+use crate::error::{Result, within};
 use crate::results::Study;
 use crate::scenario::Settings;
 use torquewise_identify::{PatternPlan, Patterns, find_patterns, survey};
@@ -31,7 +31,7 @@ struct Clustered {
 }
 
 /// Finds and judges the patterns at three levels of noise.
-pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
+pub(crate) fn study(settings: &Settings) -> Result<Study> {
     // The noise of the clustering figures.
     let clustering = Noise::from_db(f64::INFINITY, 60.0, 50.0)?;
     let mut scenario = settings.scenario(clustering, settings.seed);
@@ -43,7 +43,7 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
         scenario.noise = noise;
         let log = scenario.record(&simulation)?;
         let look = survey(&log).map_err(within("patterns"))?;
-        let mut judged = |index: &'static str, scaling| -> Result<Clustered, PaperError> {
+        let mut judged = |index: &'static str, scaling| -> Result<Clustered> {
             let find = |clusters| {
                 let plan = PatternPlan { scaling, clusters, ..PatternPlan::default() };
                 find_patterns(&look, &plan).map_err(within("patterns"))
@@ -59,8 +59,7 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
                 let percent = |whole: usize| 100.0 * right as f64 / whole.max(1) as f64;
                 let head = [noise.to_string().into(), index.into(), elbow.into()];
                 let counts = [pattern.name().into(), rows.into(), labelled.into()];
-                let shares = [labelled, rows].map(percent);
-                tables[0].push(head.into_iter().chain(counts), shares);
+                tables[0].push(&[head, counts].concat(), [labelled, rows].map(percent));
                 least_percent = least_percent.min(percent(labelled));
             }
             Ok(Clustered { index, patterns, elbow, least_percent })
@@ -71,7 +70,6 @@ pub(crate) fn study(settings: &Settings) -> Result<Study, PaperError> {
             let show = |own: &Clustered| [own.elbow.to_string(), significant(own.least_percent, 3)];
             let is_found = |own: &Clustered| own.elbow == CLUSTERS && own.least_percent >= PURE;
             let values = [show(printed), show(scaled)].concat();
-            // The printed index is that of the claim.
             let found = [printed, scaled].map(is_found);
             claims[0].judge(values, &[found[0], found[0] || found[1]]);
             figures[0].charts = both.iter().map(|own| plane(own, &log, truth)).collect();
