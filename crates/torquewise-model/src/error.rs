@@ -55,6 +55,11 @@ pub enum ModelError {
     #[error("the chain of the model cannot be used: {reason}")]
     #[diagnostic(help("take a file that is whole"))]
     Chain { reason: String },
+    #[error(
+        "the inertia of the model is next to nothing in some direction: it cannot be simulated"
+    )]
+    #[diagnostic(help("record motion that accelerates every joint, and fit the model anew"))]
+    NoInertia,
     #[error("the model has no chain of rigid bodies")]
     #[diagnostic(help("fit the log along a chain, learned or given"))]
     NoChain,

@@ -75,7 +75,7 @@ impl<'m> Simulator<'m> {
     /// it never turns a joint round: what it cannot carry past rest stays at rest.
     ///
     /// # Errors
-    /// [`ModelError::Chain`] if the inertia of the model is none, so that nothing can be moved.
+    /// [`ModelError::NoInertia`] if a direction of the arm has none, so that nothing can be moved.
     pub fn step(&self, arm: &mut Moving, tau: &[f64], seconds: f64) -> Result<(), ModelError> {
         let n = tau.len();
         let half = 0.5 * seconds;
@@ -102,9 +102,7 @@ impl<'m> Simulator<'m> {
                     }
                 }
             }
-            let factor = matrix.llt(Side::Lower).map_err(|_| ModelError::Chain {
-                reason: "its inertia is not positive, so that it cannot be simulated".to_owned(),
-            })?;
+            let factor = matrix.llt(Side::Lower).map_err(|_| ModelError::NoInertia)?;
             let next = factor.solve(faer::ColRef::from_slice(&right));
             let change = speed.iter().zip(next.iter()).map(|(a, b)| (a - b).abs());
             let change = change.fold(0.0_f64, f64::max);

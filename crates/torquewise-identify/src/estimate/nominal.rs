@@ -22,10 +22,6 @@ const DENSITY: f64 = 200.0;
 const SPREAD: f64 = 0.3;
 /// Radius at which the mass of a link makes a usual rotor, after the gear, as a part of its length.
 const ROTOR_RADIUS: f64 = 0.3;
-/// What it counts beside a link: torque hardly tells a small inertia from none, and an arm without
-/// rotors runs away when it is simulated (E23). The drift of eight real arms falls by a sixth, that of
-/// one to less than half; their torque on other motion stays what it was.
-const WEIGHT_OF_ROTOR: f64 = 100.0;
 /// Least length of a link \[m\].
 const LEAST_LENGTH: f64 = 0.02;
 /// Least speed that an arm is taken to reach \[rad/s\].
@@ -89,8 +85,8 @@ pub(crate) fn prior(at: &Linearisation, sizes: &Sizes) -> Result<(Prior, Vec<f64
         let index = first + k;
         match term {
             DriveTerm::Rotor(_) => {
-                let (terms, weight) = (vec![(index, 1.0)], WEIGHT_OF_ROTOR);
-                prior.positive.push(Positive { least: 0.0, terms, nominal: rotor, weight });
+                let terms = vec![(index, 1.0)];
+                prior.positive.push(Positive { least: 0.0, terms, nominal: rotor, weight: 1.0 });
                 start[index] = rotor;
             }
             DriveTerm::Friction(term) => {
