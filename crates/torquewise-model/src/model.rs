@@ -134,12 +134,9 @@ pub struct GeometryFound {
 }
 
 impl GeometryFound {
-    /// Starts that must lead to the best arm: where fewer do, the arm may be another.
-    pub const AGREEING: usize = torquewise_rigid::search::AGREEING;
-
-    /// Whether so many did.
+    /// Whether so many starts led to it that the arm is no other.
     pub fn is_certain(&self) -> bool {
-        self.times >= Self::AGREEING
+        self.times >= torquewise_rigid::search::AGREEING
     }
 }
 

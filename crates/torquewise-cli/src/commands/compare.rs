@@ -9,7 +9,6 @@ use crate::table::methods;
 use clap::Args;
 use std::path::PathBuf;
 use torquewise::compare::compare;
-
 use torquewise::log::Rows;
 
 /// Compare stepwise reconstruction with one-shot SINDy

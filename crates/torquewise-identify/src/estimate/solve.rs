@@ -4,7 +4,6 @@ use super::linearisation::Linearisation;
 use super::step::{Step, Tuning};
 use faer::{ColRef, Mat};
 use torquewise_model::model::Choice;
-use torquewise_regression::normal_sums::FOLDS;
 use torquewise_rigid::feasible::curvature;
 use torquewise_stepwise::error::IdentifyError;
 use torquewise_stepwise::held_out::{CvScore, choose_worth};
@@ -68,18 +67,15 @@ impl Step<'_> {
     /// The same over regions of configuration, of which there are few: what the model gets wrong in one
     /// is alike in all of its blocks (E22).
     fn scores_by_region(&self, indices: &[usize]) -> Mat<f64> {
-        let (sums, p) = (self.sums, self.before.len());
-        let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
+        let p = self.before.len();
+        let folds = self.folds();
         let few = folds.len() as f64 / (folds.len() as f64 - 1.0).max(1.0);
         let mut scores = Mat::zeros(indices.len(), indices.len());
         for fold in folds {
-            let (gram, share) =
-                (sums.gram_of(fold), sums.rows_of(fold) as f64 / sums.rows() as f64);
-            let centred = |&k: &usize| {
-                let mean = share * (self.gram[(p, k)] - self.bias[(p, k)]);
-                (gram[(p, k)] - share * self.bias[(p, k)] - mean) / self.at.scales[k]
-            };
-            let own: Vec<f64> = indices.iter().map(centred).collect();
+            let (gram, share) = (self.sums.gram_of(fold), self.share_of(fold));
+            // The bias of noise is of all rows alike, and no part of what sets a region apart.
+            let own = |k: usize| (gram[(p, k)] - share * self.gram[(p, k)]) / self.at.scales[k];
+            let own: Vec<f64> = indices.iter().map(|&k| own(k)).collect();
             for i in 0..own.len() {
                 (0..own.len()).for_each(|j| scores[(i, j)] += few * own[i] * own[j]);
             }

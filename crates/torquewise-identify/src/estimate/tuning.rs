@@ -76,8 +76,7 @@ impl Step<'_> {
         strengths: &[f64],
         prior: f64,
     ) -> Result<Option<Vec<Vec<f64>>>, IdentifyError> {
-        let sums = self.sums;
-        let folds: Vec<usize> = (0..FOLDS).filter(|&fold| sums.rows_of(fold) > 0).collect();
+        let folds = self.folds();
         if folds.len() < LEAST_FOLDS {
             return Ok(None);
         }
@@ -97,11 +96,21 @@ impl Step<'_> {
         Ok(Some((0..strengths.len()).map(of).collect()))
     }
 
+    /// Folds that have rows.
+    pub(super) fn folds(&self) -> Vec<usize> {
+        (0..FOLDS).filter(|&fold| self.sums.rows_of(fold) > 0).collect()
+    }
+
+    /// Part of all rows that a fold has.
+    pub(super) fn share_of(&self, fold: usize) -> f64 {
+        self.sums.rows_of(fold) as f64 / self.sums.rows() as f64
+    }
+
     /// The Gram matrix of a fold, the equations of the others, and their part of all rows.
     fn without(&self, fold: usize) -> (Mat<f64>, Equations, f64) {
         let sums = self.sums;
         let held = sums.gram_of(fold);
-        let share = 1.0 - sums.rows_of(fold) as f64 / sums.rows() as f64;
+        let share = 1.0 - self.share_of(fold);
         let (gram, bias) = (&self.gram - &held, faer::Scale(share) * &self.bias);
         let rest = Equations::new(&gram, &bias, self.at);
         (held, rest, share)
