@@ -123,16 +123,16 @@ pub(crate) fn fit(
 
 #[pymethods]
 impl Fit {
-    /// `good`, `usable` or `unusable`, from held-out blocks of the log; None if it is not known.
+    /// `good`, `usable` or `unusable`, from held-out rows of the log.
     #[getter]
-    fn verdict(&self) -> Option<String> {
-        self.found.verdict().map(|verdict| verdict.grade.to_string())
+    fn verdict(&self) -> String {
+        self.found.verdict().grade.to_string()
     }
 
     /// Why, in sentences.
     #[getter]
     fn because(&self) -> Vec<String> {
-        self.found.verdict().map(|verdict| verdict.because).unwrap_or_default()
+        self.found.verdict().because
     }
 
     /// What to know before the model is used, in sentences.
@@ -204,7 +204,6 @@ impl Fit {
     }
 
     fn __repr__(&self) -> String {
-        let verdict = self.found.verdict().map_or_else(String::new, |own| format!("; {own}"));
-        format!("Fit({}{verdict})", self.logs.join(", "))
+        format!("Fit({}; {})", self.logs.join(", "), self.found.verdict())
     }
 }

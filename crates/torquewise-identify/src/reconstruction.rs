@@ -2,6 +2,7 @@
 
 use crate::clipped::clipped;
 use crate::excitation::Finding;
+use crate::library_errors::held_out_rms;
 use crate::torque_sign::SignTest;
 use crate::warning::Warning;
 use torquewise_model::{Model, Torque};
@@ -51,7 +52,9 @@ impl Reconstruction {
         seed: u64,
     ) -> Result<Self, IdentifyError> {
         let warnings = Warning::of_library(&survey, &fit);
-        let LibraryFit { model, patterns, noise, candidates, steps, dropped, .. } = fit;
+        let LibraryFit { mut model, patterns, noise, candidates, steps, dropped, .. } = fit;
+        [model.training.held_out_rms, model.training.held_out_by_region_rms] =
+            held_out_rms(&model, &survey.sample)?;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
         found.doubt_torque(|survey| SignTest::search(survey, seed))?;

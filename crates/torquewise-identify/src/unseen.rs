@@ -160,12 +160,22 @@ impl<'a> Unseen<'a> {
         targets: &'a [Target<'a>],
         blocks: &'a [HeldOut],
     ) -> Result<Option<Self>, IdentifyError> {
-        let (m, n) = (motion.n_rows(), motion.n_joints());
+        let columns = at.columns_of(motion)?;
+        Ok(Self::of_columns(columns, motion.n_rows(), targets, blocks))
+    }
+
+    /// - `columns`: (m·n)×p, joint by joint, and what each row was multiplied by, m·n
+    /// - returns: `None` where there are too few rows
+    pub(crate) fn of_columns(
+        (all, weights): (Mat<f64>, Vec<f64>),
+        m: usize,
+        targets: &'a [Target<'a>],
+        blocks: &'a [HeldOut],
+    ) -> Option<Self> {
         if m < BLOCKS * LEAST_ROWS {
-            return Ok(None);
+            return None;
         }
-        let (all, weights) = at.columns_of(motion)?;
-        let p = all.ncols();
+        let (n, p) = (weights.len() / m, all.ncols());
         let of_joint = |joint: usize| {
             let own = |j: usize| &all.col_as_slice(j)[joint * m..(joint + 1) * m];
             let columns: Vec<usize> =
@@ -194,12 +204,12 @@ impl<'a> Unseen<'a> {
         };
         let around = blocks.iter().map(|block| sums(&block.around)).collect();
         let all = sums(&all_of(m));
-        Ok(Some(Self { targets, blocks, joints, all, around }))
+        Some(Self { targets, blocks, joints, all, around })
     }
 
-    /// Number of columns.
-    pub(crate) fn n_columns(&self) -> usize {
-        self.all.0.ncols()
+    /// What all columns leave, see [`Self::errors`].
+    pub(crate) fn errors_of_all(&self) -> Option<Vec<Errors>> {
+        self.errors(&all_of(self.all.0.ncols())).into_iter().collect()
     }
 
     /// What some columns, ascending, fitted to the torque but for each block and the rows around it,
@@ -282,8 +292,8 @@ pub(crate) fn held_out(
     targets: &[Target<'_>],
     blocks: &[HeldOut],
 ) -> Result<Option<Vec<Errors>>, IdentifyError> {
-    let Some(unseen) = Unseen::new(at, motion, targets, blocks)? else { return Ok(None) };
-    Ok(unseen.errors(&all_of(unseen.n_columns())).into_iter().collect())
+    let unseen = Unseen::new(at, motion, targets, blocks)?;
+    Ok(unseen.and_then(|unseen| unseen.errors_of_all()))
 }
 
 /// Coefficients for each target without the rows around each block, p×targets; `None` where they

@@ -35,12 +35,14 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// From blocks of time that were held out, and what the motion leaves open; `None` of a model
-    /// whose held-out error was not found and which nothing makes useless.
-    pub fn of(found: &Reconstruction) -> Option<Self> {
+    /// From rows that were held out, by time and by region, and what the motion leaves open. Where
+    /// there are too few rows to hold any out, a model is at best usable.
+    pub fn of(found: &Reconstruction) -> Self {
         let Some(errors) = found.model.training.held_out_errors() else {
-            let because = grave(&found.warnings);
-            return (!because.is_empty()).then_some(Self { grade: Grade::Unusable, because });
+            let mut because = grave(&found.warnings);
+            let grade = if because.is_empty() { Grade::Usable } else { Grade::Unusable };
+            because.push("too few rows to hold any out".to_owned());
+            return Self { grade, because };
         };
         let joints = |is: &dyn Fn(f64) -> bool| -> Vec<String> {
             let named = found.model.joints.iter().zip(&errors);
@@ -50,14 +52,13 @@ impl Verdict {
         let poor = joints(&|error| (Training::POOR..USELESS).contains(&error));
         let grave = grave(&found.warnings);
         let doubts = doubts(found);
-        let mut because = Vec::new();
+        let mut because = grave;
         if !useless.is_empty() {
             because.push(format!(
                 "held-out torque of {} is predicted no better than by its mean",
                 list(&useless)
             ));
         }
-        because.extend(grave);
         let grade = if !because.is_empty() {
             Grade::Unusable
         } else if geometric_mean(&errors) <= GOOD && poor.is_empty() && doubts.is_empty() {
@@ -82,7 +83,7 @@ impl Verdict {
             100.0 * least,
             100.0 * most
         ));
-        Some(Self { grade, because })
+        Self { grade, because }
     }
 }
 
@@ -113,6 +114,10 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
 
 /// What keeps a model from being good, whatever its error on held-out rows.
 fn doubts(found: &Reconstruction) -> Vec<String> {
+    let at_rest = found.warnings.iter().filter_map(|warning| match warning {
+        Warning::ConstantJoint { joint } => Some(format!("{joint} never moves")),
+        _ => None,
+    });
     let geometry = found.model.training.geometry_found.as_ref().filter(|found| !found.is_certain());
     let geometry = geometry.map(|GeometryFound { times, starts, .. }| {
         format!("its geometry was found by only {times} of {starts} starts")
@@ -121,7 +126,7 @@ fn doubts(found: &Reconstruction) -> Vec<String> {
         Warning::Refit { .. } => Some("all rows are fitted worse than a sample of them".to_owned()),
         _ => None,
     });
-    geometry.into_iter().chain(refit).collect()
+    at_rest.chain(geometry).chain(refit).collect()
 }
 
 /// Joints of which only one direction was seen.

@@ -11,9 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for joint in fit.evaluate(&Log::open(test)?)?.joints {
         println!("{}: {:.3} % of the torque is not explained", joint.name, joint.nrmse_percent);
     }
-    if let Some(verdict) = fit.verdict() {
-        println!("verdict: {verdict}");
-    }
+    println!("verdict: {}", fit.verdict());
     fit.model.save(folder.path().join("arm.json"))?;
     Ok(())
 }

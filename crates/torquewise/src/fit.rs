@@ -111,8 +111,8 @@ impl Deref for FitResult {
 }
 
 impl FitResult {
-    /// Whether the model may be used, and why; `None` of a model whose held-out error is not known.
-    pub fn verdict(&self) -> Option<Verdict> {
+    /// Whether the model may be used, and why.
+    pub fn verdict(&self) -> Verdict {
         Verdict::of(&self.found)
     }
 

@@ -14,7 +14,7 @@ use torquewise_stepwise::{NoiseFloor, StepReport};
 #[derive(Clone, Debug, Serialize)]
 #[expect(missing_docs, reason = "fields of a JSON object, explained in docs/library.md")]
 pub struct FitSummary<'a> {
-    pub verdict: Option<String>,
+    pub verdict: String,
     pub because: Vec<String>,
     pub joints: &'a [String],
     pub rows: usize,
@@ -77,8 +77,8 @@ impl FitResult {
         };
         let steps = self.steps.iter().zip(&self.step_seconds);
         Ok(FitSummary {
-            because: verdict.iter().flat_map(|verdict| verdict.because.clone()).collect(),
-            verdict: verdict.map(|verdict| verdict.grade.to_string()),
+            because: verdict.because,
+            verdict: verdict.grade.to_string(),
             joints: &model.joints,
             rows: self.survey.rows,
             seconds: self.seconds,

@@ -146,7 +146,13 @@ fn quoted(word: &str) -> String {
 pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) -> Outcome {
     let mut text = Vec::new();
     let flaw = summary.mass_matrix.flaw();
-    text.extend(flaw.map(|flaw| format!("NOT PHYSICAL: {flaw}\n\n")));
+    let at_rest: Vec<&Warning> = (fit.warnings.iter())
+        .filter(|warning| matches!(warning, Warning::ConstantJoint { .. }))
+        .collect();
+    if let Some(flaw) = flaw {
+        text.extend(at_rest.iter().map(|cause| format!("{cause}\n")));
+        text.push(format!("NOT PHYSICAL: {flaw}\n\n"));
+    }
     if explain {
         text.extend(fit.log.as_ref().map(Prepared::text));
     }
@@ -166,17 +172,16 @@ pub(crate) fn outcome(fit: &FitResult, summary: &FitSummary<'_>, explain: bool) 
         fit.warnings.iter().partition(|warning| warning.is_remark());
     let words = |list: Vec<&Warning>| list.into_iter().map(ToString::to_string).collect::<Vec<_>>();
     let mut warnings = words(warnings);
-    warnings.splice(0..0, summary.mass_matrix.warning());
+    // What comes of a joint at rest stands behind it.
+    warnings.splice(at_rest.len()..at_rest.len(), summary.mass_matrix.warning());
     warnings.extend(fit.log.iter().flat_map(Prepared::warnings));
     let mut remarks = conditioning::notes(&fit.model.training.conditioning);
     remarks.extend(words(notes));
-    let mut is_unusable = false;
-    if let Some(verdict) = fit.verdict() {
-        text.push(format!("\nverdict: {verdict}\n"));
-        if verdict.grade == Grade::Unusable {
-            warnings.push(format!("the model is {verdict}"));
-            is_unusable = true;
-        }
+    let verdict = fit.verdict();
+    text.push(format!("\nverdict: {verdict}\n"));
+    let is_unusable = verdict.grade == Grade::Unusable;
+    if is_unusable {
+        warnings.push(format!("the model is {verdict}"));
     }
     Outcome { text: text.concat(), json: object(summary), warnings, notes: remarks, is_unusable }
 }
@@ -209,9 +214,12 @@ fn steps(fit: &FitResult) -> String {
 fn joints(summary: &FitSummary<'_>) -> String {
     let mut headings = vec!["joint", "terms", "residual [N·m]", "residual [% of std]"];
     let mut errors = vec![summary.residual_rms, &summary.residual_percent];
-    if !summary.held_out_percent.is_empty() {
+    // The same figure as in the verdict.
+    let pairs = summary.held_out_percent.iter().zip(&summary.held_out_by_region_percent);
+    let held_out: Vec<f64> = pairs.map(|(by_time, by_region)| by_time.max(*by_region)).collect();
+    if !held_out.is_empty() {
         headings.push("held out [% of std]");
-        errors.push(&summary.held_out_percent);
+        errors.push(&held_out);
     }
     let mut table = Table::new(&headings);
     for (joint, name) in summary.joints.iter().enumerate() {

@@ -10,6 +10,7 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
 use std::fmt::Write;
 use torquewise_identify::bandwidth::{Tuned, tune, tune_from};
 use torquewise_identify::plan::ChainOptions;
@@ -212,14 +213,12 @@ fn a_spoilt_log_teaches_as_much_as_a_clean_one() {
     let clean = error(&model, &test);
     assert!(clean < 2.0, "{clean}");
 
-    let mut failed = Vec::new();
-    for (name, rows) in spoilt() {
+    let one = |(name, rows): (&str, Rows)| {
         let before = (!SEARCHED.contains(&name)).then(|| searched.clone());
         let found = error(&fit(&fine, &rows, before).0, &test);
         println!("{name}: {found:.3} % ({:.2} of {clean:.3} %)", found / clean);
-        if found > 1.3 * clean {
-            failed.push(format!("{name}: {found:.2} of {clean:.2} %"));
-        }
-    }
+        (found > 1.3 * clean).then(|| format!("{name}: {found:.2} of {clean:.2} %"))
+    };
+    let failed: Vec<String> = spoilt().into_par_iter().filter_map(one).collect();
     assert!(failed.is_empty(), "{failed:?}");
 }

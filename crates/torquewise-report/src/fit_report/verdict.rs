@@ -34,29 +34,14 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 }
 
 fn verdict(findings: &Findings<'_>) -> Item {
-    let callout =
-        match Verdict::of(findings.found) {
-            Some(Verdict { grade, because }) => {
-                let (tone, heading) = match grade {
-                    Grade::Good => (Tone::Good, "Good"),
-                    Grade::Usable => (Tone::Note, "Usable"),
-                    Grade::Unusable => (Tone::Warning, "Unusable"),
-                };
-                let lines = because.iter().map(|reason| sentence(reason)).collect();
-                Callout { tone, heading: heading.into(), lines }
-            }
-            None => {
-                Callout {
-                    tone: Tone::Note,
-                    heading: "Not graded".into(),
-                    lines: vec![match findings.test {
-                Some(_) => "This method holds no rows out: judge it by its error on the test log.",
-                None => "This method holds no rows out: judge it on a log of another motion.",
-            }
-            .into()],
-                }
-            }
-        };
+    let Verdict { grade, because } = Verdict::of(findings.found);
+    let (tone, heading) = match grade {
+        Grade::Good => (Tone::Good, "Good"),
+        Grade::Usable => (Tone::Note, "Usable"),
+        Grade::Unusable => (Tone::Warning, "Unusable"),
+    };
+    let lines = because.iter().map(|reason| sentence(reason)).collect();
+    let callout = Callout { tone, heading: heading.into(), lines };
     Item::Callout(callout)
 }
 
@@ -93,7 +78,9 @@ pub(crate) fn next(findings: &Findings<'_>) -> Section {
 
 /// Which joint to move more, where the errors of the model are not small.
 fn worst_joint(findings: &Findings<'_>) -> Option<String> {
-    Verdict::of(findings.found).filter(|verdict| verdict.grade != Grade::Good)?;
+    if Verdict::of(findings.found).grade == Grade::Good {
+        return None;
+    }
     let errors = findings.found.model.training.held_out_errors()?;
     let (joint, error) = errors.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     Some(format!(

@@ -1,0 +1,86 @@
+//! From the terms of a library, sample to what they leave of torque on rows that they were not
+//! fitted on.
+
+use crate::states::States;
+use crate::unseen::{HeldOut, Unseen, regions, whole_logs};
+use faer::Mat;
+use torquewise_model::{Form, Model};
+use torquewise_motion::Motion;
+use torquewise_stepwise::error::IdentifyError;
+use torquewise_stepwise::survey::thinned;
+
+/// Rows that the terms are fitted to, at most.
+const ROWS: usize = 2_000;
+
+/// RMS of what the terms of a model, fitted anew without them, leave of the torque of each joint
+/// \[N·m\] on whole logs or blocks of time, n, and on regions of configuration, n (E20). Nothing
+/// where there are too few rows.
+///
+/// # Errors
+/// [`IdentifyError`] if the sample has no torque.
+pub(crate) fn held_out_rms(model: &Model, sample: &Motion) -> Result<[Vec<f64>; 2], IdentifyError> {
+    let few = thinned(sample, ROWS);
+    let every = sample.n_rows().div_ceil(few.n_rows().max(1)).max(1);
+    let tau = few.require_tau()?.to_owned();
+    let columns = columns(model, &few);
+    let rms = |blocks: &[HeldOut]| -> Vec<f64> {
+        let of = |(joints, columns): &(std::ops::Range<usize>, Mat<f64>)| {
+            let own = tau.subcols(joints.start, joints.len()).to_owned();
+            let target = [(&own, &own)];
+            let weight = |row: usize| {
+                let rms = model.training.residual_rms[joints.start + row / few.n_rows()];
+                if rms > 0.0 { 1.0 / rms } else { 1.0 }
+            };
+            let weights: Vec<f64> = (0..columns.nrows()).map(weight).collect();
+            let weighed = Mat::from_fn(columns.nrows(), columns.ncols(), |row, k| {
+                weights[row] * columns[(row, k)]
+            });
+            let unseen = Unseen::of_columns((weighed, weights), few.n_rows(), &target, blocks)?;
+            Some(unseen.errors_of_all()?.first()?.rms_by_joint())
+        };
+        let all: Option<Vec<Vec<f64>>> = columns.iter().map(of).collect();
+        all.unwrap_or_default().concat()
+    };
+    Ok([rms(&whole_logs(&few)), rms(&regions(&few, every))])
+}
+
+/// Columns of the terms of a model that are fitted together, and to which joints, each once;
+/// (m·joints)×p, joint by joint.
+fn columns(model: &Model, motion: &Motion) -> Vec<(std::ops::Range<usize>, Mat<f64>)> {
+    let (m, n, states) = (motion.n_rows(), model.n_joints(), States::of(motion));
+    let rows: Vec<[Vec<f64>; 3]> = (0..m)
+        .map(|row| {
+            [motion.q(), motion.dq(), motion.ddq()].map(|x| x.row(row).iter().copied().collect())
+        })
+        .collect();
+    let friction = |joint: usize| {
+        let own = model.friction.iter().map(move |own| (&own.term, own.term.shaft[joint]));
+        own.map(|(law, turn)| (0..m).map(|row| turn * states.friction(row, law)).collect())
+    };
+    let joined = |joint: usize, columns: Vec<Vec<f64>>| {
+        let own = Mat::from_fn(m, columns.len(), |row, k| columns[k][row]);
+        (joint..joint + 1, own)
+    };
+    match &model.form {
+        Form::Torque(joints) => joints
+            .iter()
+            .enumerate()
+            .map(|(joint, terms)| {
+                let value =
+                    |[q, dq, ddq]: &[Vec<f64>; 3], k: usize| terms[k].term.value(q, dq, ddq);
+                let own = (0..terms.len()).map(|k| rows.iter().map(|row| value(row, k)).collect());
+                joined(joint, own.chain(friction(joint)).collect())
+            })
+            .collect(),
+        Form::Energy(terms) => {
+            let loads: Vec<Mat<f64>> =
+                terms.iter().map(|own| states.loads(&own.term, 1.0)).collect();
+            let laws: Vec<Vec<Vec<f64>>> = (0..n).map(|joint| friction(joint).collect()).collect();
+            let value = |row: usize, k: usize| match k.checked_sub(loads.len()) {
+                None => loads[k][(row % m, row / m)],
+                Some(law) => laws[row / m][law][row % m],
+            };
+            vec![(0..n, Mat::from_fn(m * n, loads.len() + model.friction.len(), value))]
+        }
+    }
+}
