@@ -11,9 +11,8 @@ use rayon::prelude::*;
 use std::hint::black_box;
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
-use torquewise_regression::accumulate::{Prepared, Route};
 use torquewise_regression::moments::MomentPlan;
-use torquewise_regression::row_sums::RowAdder;
+use torquewise_regression::row_sums::{Prepared, Route, RowAdder};
 use torquewise_regression::samples::Samples;
 use torquewise_stepwise::candidates::Candidates;
 

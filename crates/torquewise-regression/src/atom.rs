@@ -27,18 +27,15 @@ impl Wave {
 
     /// ±cos(k·θ) or ±sin(k·θ) with its sign, for any k; `None` for sin(0), which is zero.
     pub fn canonical(mut multiples: Vec<i8>, phase: Phase) -> Option<(f64, Self)> {
-        let lead = multiples.iter().copied().find(|&k| k != 0);
-        let flipped = lead.is_some_and(|k| k < 0);
-        if flipped {
-            for k in &mut multiples {
-                *k = -*k;
-            }
+        let lead = multiples.iter().copied().find(|&k| k != 0).unwrap_or(0);
+        if lead < 0 {
+            multiples = multiples.into_iter().map(|k| -k).collect();
         }
-        match (phase, lead) {
-            (Phase::Sin, None) => None,
-            (Phase::Sin, _) if flipped => Some((-1.0, Self { multiples, phase })),
-            _ => Some((1.0, Self { multiples, phase })),
-        }
+        let sign = match phase {
+            Phase::Sin => f64::from(lead.signum()),
+            Phase::Cos => 1.0,
+        };
+        (sign != 0.0).then_some((sign, Self { multiples, phase }))
     }
 
     /// The integer multiples k of the angles.
@@ -56,46 +53,29 @@ impl Wave {
         let combine = |sign: i8| -> Vec<i8> {
             self.multiples.iter().zip(&other.multiples).map(|(a, b)| a + sign * b).collect()
         };
-        let (sum, difference) = (combine(1), combine(-1));
         let signed = |sign: f64, k: Vec<i8>, phase| {
             Self::canonical(k, phase).map(|(flip, wave)| (sign * flip, wave))
         };
-        match (self.phase, other.phase) {
-            (Phase::Cos, Phase::Cos) => {
-                [signed(1.0, difference, Phase::Cos), signed(1.0, sum, Phase::Cos)]
-            }
-            (Phase::Sin, Phase::Sin) => {
-                [signed(1.0, difference, Phase::Cos), signed(-1.0, sum, Phase::Cos)]
-            }
-            (Phase::Sin, Phase::Cos) => {
-                [signed(1.0, difference, Phase::Sin), signed(1.0, sum, Phase::Sin)]
-            }
-            (Phase::Cos, Phase::Sin) => {
-                [signed(-1.0, difference, Phase::Sin), signed(1.0, sum, Phase::Sin)]
-            }
-        }
+        let (phase, signs) = match (self.phase, other.phase) {
+            (Phase::Cos, Phase::Cos) => (Phase::Cos, [1.0, 1.0]),
+            (Phase::Sin, Phase::Sin) => (Phase::Cos, [1.0, -1.0]),
+            (Phase::Sin, Phase::Cos) => (Phase::Sin, [1.0, 1.0]),
+            (Phase::Cos, Phase::Sin) => (Phase::Sin, [-1.0, 1.0]),
+        };
+        [signed(signs[0], combine(-1), phase), signed(signs[1], combine(1), phase)]
     }
 }
 
 /// x^α = Π xⱼ^αⱼ.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Monomial {
-    powers: Vec<u8>,
+    /// α
+    pub powers: Vec<u8>,
 }
 
 impl Monomial {
-    /// The monomial with these powers α.
-    pub fn new(powers: Vec<u8>) -> Self {
-        Self { powers }
-    }
-
-    /// The powers α.
-    pub fn powers(&self) -> &[u8] {
-        &self.powers
-    }
-
     /// x^α · x^β = x^(α+β).
-    pub fn product(&self, other: &Self) -> Self {
+    pub(crate) fn product(&self, other: &Self) -> Self {
         Self { powers: self.powers.iter().zip(&other.powers).map(|(a, b)| a + b).collect() }
     }
 }
@@ -112,10 +92,9 @@ pub struct Atom {
 }
 
 /// Numbers the distinct values handed to it, in the order they come.
-#[derive(Debug)]
 pub(crate) struct Numbering<T> {
     places: BTreeMap<T, usize>,
-    values: Vec<T>,
+    pub(crate) values: Vec<T>,
 }
 
 impl<T: Ord + Clone> Numbering<T> {
@@ -131,10 +110,6 @@ impl<T: Ord + Clone> Numbering<T> {
         self.places.insert(value.clone(), place);
         self.values.push(value.clone());
         place
-    }
-
-    pub(crate) fn into_values(self) -> Vec<T> {
-        self.values
     }
 }
 

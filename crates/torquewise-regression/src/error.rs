@@ -25,3 +25,7 @@ pub enum SparseError {
     #[diagnostic(help("ask for at least 1 cluster and at most one a point"))]
     Clusters { clusters: usize, points: usize },
 }
+
+pub(crate) fn expect(what: &'static str, found: usize, expected: usize) -> Result<(), SparseError> {
+    if found == expected { Ok(()) } else { Err(SparseError::Shape { what, found, expected }) }
+}

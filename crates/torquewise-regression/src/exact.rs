@@ -1,6 +1,7 @@
 //! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
-use crate::error::SparseError;
+use crate::error::{SparseError, expect};
+use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Sums of floating-point numbers without rounding.
@@ -55,10 +56,7 @@ impl ExactSums {
     /// [`SparseError::Shape`] if the other has another number of sums,
     /// [`SparseError::OutOfRange`] if one becomes too large.
     pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
-        let (found, expected) = (other.len(), self.len());
-        if found != expected {
-            return Err(SparseError::Shape { what: "a table of sums", found, expected });
-        }
+        expect("a table of sums", other.len(), self.len())?;
         for (sum, more) in self.entries.iter_mut().zip(&other.entries) {
             if !add_words(sum, *more) {
                 return Err(SparseError::OutOfRange { found: rounded(*more) });
@@ -79,6 +77,20 @@ impl ExactSums {
         }
     }
 
+    /// Adds several numbers to each sum, sums shared out to all cores.
+    ///
+    /// - `tables`: as many numbers each as there are sums
+    pub(crate) fn add_tables(&mut self, tables: &[Vec<f64>]) -> Result<(), SparseError> {
+        const SHARE: usize = 1 << 13;
+        for table in tables {
+            expect("a table of sums", table.len(), self.len())?;
+        }
+        self.entries.par_chunks_mut(SHARE).enumerate().try_for_each(|(share, sums)| {
+            let own = share * SHARE..share * SHARE + sums.len();
+            tables.iter().try_for_each(|table| add_to(sums, &table[own.clone()]))
+        })
+    }
+
     /// One sum as that of two numbers, the second what rounding takes from the first.
     pub fn pair(&self, place: usize) -> [f64; 2] {
         let high = self.value(place);
@@ -86,25 +98,6 @@ impl ExactSums {
         let left = rest.add(0, &[-high]).map_or(0.0, |()| rest.value(0));
         [high, left]
     }
-}
-
-/// Adds several numbers to each sum, sums shared out to all cores.
-///
-/// - `tables`: as many numbers each as there are sums
-///
-/// # Errors
-/// As [`ExactSums::add`].
-pub(crate) fn add_tables(sums: &mut ExactSums, tables: &[&[f64]]) -> Result<(), SparseError> {
-    use rayon::prelude::*;
-    const SHARE: usize = 1 << 13;
-    if let Some(table) = tables.iter().find(|table| table.len() != sums.len()) {
-        let (found, expected) = (table.len(), sums.len());
-        return Err(SparseError::Shape { what: "a table of sums", found, expected });
-    }
-    sums.entries.par_chunks_mut(SHARE).enumerate().try_for_each(|(share, sums)| {
-        let own = share * SHARE..share * SHARE + sums.len();
-        tables.iter().try_for_each(|table| add_to(sums, &table[own.clone()]))
-    })
 }
 
 fn add_to(sums: &mut [Words], values: &[f64]) -> Result<(), SparseError> {

@@ -1,37 +1,13 @@
 //! Normal equations YᵀY and Yᵀy of a design from its moments, without its rows (E3).
 
-use crate::accumulate::responses_of;
 use crate::atom::Numbering;
 use crate::design::Design;
-use crate::moments::{MomentPlan, Moments};
+use crate::moments::MomentPlan;
 use crate::normal_equations::NormalEquations;
 use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// The normal equations of each equation of the plan's design in some of its columns, gathered from
-/// moments.
-pub(crate) fn gather(
-    plan: &MomentPlan,
-    moments: &Moments,
-    wanted: &[usize],
-) -> Vec<NormalEquations> {
-    let design = plan.design();
-    let n_equations = design.n_equations();
-    (0..n_equations)
-        .map(|equation| {
-            let own = responses_of(equation, n_equations, moments.energy.len());
-            let all = &design.equations[equation];
-            let columns: Vec<Entries> = wanted.iter().map(|&column| all[column].clone()).collect();
-            NormalEquations {
-                gram: gather_gram(plan, moments, &columns),
-                cross: gather_cross(design, moments, &columns, own.clone()),
-                energy: moments.energy[own].to_vec(),
-                rows: moments.rows as f64,
-            }
-        })
-        .collect()
-}
+use std::ops::Range;
 
 /// (atom, weight) of a column.
 type Entries = Vec<(usize, f64)>;
@@ -46,12 +22,43 @@ struct Part {
     weight: f64,
 }
 
+/// The normal equations of each equation of the plan's design in some of its columns, gathered from
+/// moments: those of waves with monomials, of waves with responses, and the energy of each response.
+pub(crate) fn gather(
+    plan: &MomentPlan,
+    [table, cross, energy]: &[Mat<f64>; 3],
+    rows: usize,
+    wanted: &[usize],
+) -> Vec<NormalEquations> {
+    let (design, energy) = (&plan.design, energy.col_as_slice(0));
+    let equations = design.equations.iter().enumerate().map(|(equation, all)| {
+        let own = responses_of(equation, design.n_equations(), energy.len());
+        let columns: Vec<Entries> = wanted.iter().map(|&column| all[column].clone()).collect();
+        NormalEquations {
+            gram: gather_gram(plan, table, &columns),
+            cross: gather_cross(design, cross, &columns, own.clone()),
+            energy: energy[own].to_vec(),
+            rows: rows as f64,
+        }
+    });
+    equations.collect()
+}
+
+/// The responses an equation explains: all of them if there is one equation, else its own.
+pub(crate) fn responses_of(
+    equation: usize,
+    n_equations: usize,
+    n_responses: usize,
+) -> Range<usize> {
+    if n_equations == 1 { 0..n_responses } else { equation..equation + 1 }
+}
+
 /// The Gram matrix of columns: of their parts first, unless each column is a single one.
-fn gather_gram(plan: &MomentPlan, moments: &Moments, columns: &[Entries]) -> Mat<f64> {
-    let (functions, columns) = parts_of(plan.design(), columns);
+fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<f64> {
+    let (functions, columns) = parts_of(&plan.design, columns);
     let singles: Vec<Part> = columns.iter().flatten().copied().collect();
     if columns.iter().all(|parts| parts.len() == 1) {
-        return part_gram(plan, moments, &functions, &singles);
+        return part_gram(plan, table, &functions, &singles);
     }
     let name = |part: &Part| (part.function, part.monomial);
     let mut names: Vec<(usize, usize)> = singles.iter().map(name).collect();
@@ -59,7 +66,7 @@ fn gather_gram(plan: &MomentPlan, moments: &Moments, columns: &[Entries]) -> Mat
     names.dedup();
     let unit = |&(function, monomial): &(usize, usize)| Part { function, monomial, weight: 1.0 };
     let units: Vec<Part> = names.iter().map(unit).collect();
-    let gram = part_gram(plan, moments, &functions, &units);
+    let gram = part_gram(plan, table, &functions, &units);
     let place = |part: &Part| Some((names.binary_search(&name(part)).ok()?, part.weight));
     let sums: Vec<Entries> =
         columns.iter().map(|parts| parts.iter().filter_map(place).collect()).collect();
@@ -75,74 +82,54 @@ fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Par
             let (wave, monomial) = design.atoms[atom];
             *by_monomial.entry(monomial).or_default().entry(wave).or_default() += weight;
         }
-        by_monomial.retain(|_, waves| {
+        let mut part = |(monomial, mut waves): (usize, BTreeMap<usize, f64>)| {
             waves.retain(|_, weight| *weight != 0.0);
-            !waves.is_empty()
-        });
-        let mut part = |(monomial, waves): (usize, BTreeMap<usize, f64>)| {
-            let lead = waves.values().next().copied().unwrap_or(1.0);
+            let weight = *waves.values().next()?;
             let shape: Vec<(usize, u64)> =
-                waves.into_iter().map(|(wave, weight)| (wave, (weight / lead).to_bits())).collect();
-            Part { function: functions.place(&shape), monomial, weight: lead }
+                waves.into_iter().map(|(wave, own)| (wave, (own / weight).to_bits())).collect();
+            Some(Part { function: functions.place(&shape), monomial, weight })
         };
-        by_monomial.into_iter().map(&mut part).collect()
+        by_monomial.into_iter().filter_map(&mut part).collect()
     };
     let columns = columns.iter().map(&mut split).collect();
     let spell = |shape: Vec<(usize, u64)>| {
         shape.into_iter().map(|(wave, bits)| (wave, f64::from_bits(bits))).collect()
     };
-    (functions.into_values().into_iter().map(spell).collect(), columns)
-}
-
-/// Parts that follow each other and share a function.
-struct Run<'a> {
-    first: usize,
-    parts: &'a [Part],
-}
-
-impl Run<'_> {
-    fn function(&self) -> usize {
-        self.parts[0].function
-    }
+    (functions.values.into_iter().map(spell).collect(), columns)
 }
 
 /// The Gram matrix of parts: functions f and g share their sum of moments, one entry per monomial,
 /// whatever monomials they are multiplied with.
 fn part_gram(
     plan: &MomentPlan,
-    moments: &Moments,
+    table: &Mat<f64>,
     functions: &[Function],
     parts: &[Part],
 ) -> Mat<f64> {
-    let mut runs = Vec::new();
-    let mut first = 0;
-    for parts in parts.chunk_by(|a, b| a.function == b.function) {
-        runs.push(Run { first, parts });
-        first += parts.len();
-    }
+    // Parts that follow each other and share a function: their columns.
     let mut gram = Mat::zeros(parts.len(), parts.len());
-    let mut strips = Vec::with_capacity(runs.len());
+    let mut strips = Vec::new();
     let mut rest = gram.as_mut();
-    for run in &runs {
-        let (strip, after) = rest.split_at_col_mut(run.parts.len());
+    for run in parts.chunk_by(|a, b| a.function == b.function) {
+        let (strip, after) = rest.split_at_col_mut(run.len());
         strips.push((run, strip));
         rest = after;
     }
     strips.into_par_iter().for_each(|(run, strip)| {
-        let half = half_product(plan, moments, &functions[run.function()]);
-        fill_columns(plan, &half, functions, &runs, run.parts, strip);
+        let half = half_product(plan, table, &functions[run[0].function]);
+        fill_columns(plan, &half, functions, (parts, run), strip);
     });
     gram
 }
 
 /// Σₜ wave(θₜ) g(θₜ) x(t)^α for each wave of the design and each α, monomials × waves.
-fn half_product(plan: &MomentPlan, moments: &Moments, function: &Function) -> Mat<f64> {
-    let mut half = Mat::zeros(moments.table.nrows(), plan.design().waves.len());
+fn half_product(plan: &MomentPlan, table: &Mat<f64>, function: &Function) -> Mat<f64> {
+    let mut half = Mat::zeros(table.nrows(), plan.design.waves.len());
     for wave in 0..half.ncols() {
         let out = half.col_as_slice_mut(wave);
         for &(other, weight) in function {
             for (share, place) in plan.wave_pair(wave, other) {
-                add_scaled(out, weight * share, moments.table.col_as_slice(place));
+                add_scaled(out, weight * share, table.col_as_slice(place));
             }
         }
     }
@@ -159,24 +146,23 @@ fn fill_columns(
     plan: &MomentPlan,
     half: &Mat<f64>,
     functions: &[Function],
-    runs: &[Run<'_>],
-    columns: &[Part],
+    (parts, columns): (&[Part], &[Part]),
     mut strip: MatMut<'_, f64>,
 ) {
-    let mut product = vec![0.0; half.nrows()];
-    for run in runs {
+    let (mut product, mut first) = (vec![0.0; half.nrows()], 0);
+    for rows in parts.chunk_by(|a, b| a.function == b.function) {
         product.fill(0.0);
-        for &(wave, weight) in &functions[run.function()] {
+        for &(wave, weight) in &functions[rows[0].function] {
             add_scaled(&mut product, weight, half.col_as_slice(wave));
         }
         for (column, out) in columns.iter().zip(strip.as_mut().col_iter_mut()) {
             let Some(out) = out.try_as_col_major_mut() else { continue };
             let places = plan.monomial_pairs(column.monomial);
-            let out = &mut out.as_slice_mut()[run.first..][..run.parts.len()];
-            for (out, row) in out.iter_mut().zip(run.parts) {
+            for (out, row) in out.as_slice_mut()[first..].iter_mut().zip(rows) {
                 *out = row.weight * column.weight * product[places[row.monomial]];
             }
         }
+        first += rows.len();
     }
 }
 
@@ -198,19 +184,17 @@ fn combine(gram: &Mat<f64>, sums: &[Entries]) -> Mat<f64> {
 
 fn gather_cross(
     design: &Design,
-    moments: &Moments,
+    cross: &Mat<f64>,
     columns: &[Entries],
-    responses: std::ops::Range<usize>,
+    responses: Range<usize>,
 ) -> Mat<f64> {
     let n_monomials = design.monomials.len();
     Mat::from_fn(columns.len(), responses.len(), |j, r| {
-        let place = (responses.start + r) * n_monomials;
-        columns[j]
-            .iter()
-            .map(|&(atom, weight)| {
-                let (wave, monomial) = design.atoms[atom];
-                weight * moments.cross[(wave, place + monomial)]
-            })
-            .sum()
+        let of_response = (responses.start + r) * n_monomials;
+        let entries = columns[j].iter().map(|&(atom, weight)| {
+            let (wave, monomial) = design.atoms[atom];
+            weight * cross[(wave, of_response + monomial)]
+        });
+        entries.sum()
     })
 }

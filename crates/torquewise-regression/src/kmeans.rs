@@ -6,9 +6,6 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cmp::Ordering;
 
-/// Points whose sums are added up before they join those of the others, lest roundings grow.
-const CHUNK: usize = 8192;
-
 /// Starts drawn by k-means++.
 const STARTS: usize = 8;
 /// A centre stands still if it moves by no more than this part of the root mean square distance of
@@ -91,59 +88,33 @@ fn start<const D: usize>(points: &[[f64; D]], k: usize, rng: &mut ChaCha8Rng) ->
 fn lloyd<const D: usize>(points: &[[f64; D]], mut centres: Vec<[f64; D]>) -> Clustering<D> {
     let mut moves = 0;
     loop {
-        let tally = assign(points, &centres);
-        let moved = tally.means(&centres);
-        let still2 = TOLERANCE.powi(2) * tally.inertia / points.len() as f64;
+        let (mut sums, mut counts) = (vec![[0.0; D]; centres.len()], vec![0_usize; centres.len()]);
+        let (mut inertia, mut farthest) = (0.0, (0.0, points[0]));
+        for point in points {
+            let (nearest, distance) = nearest(point, &centres);
+            sums[nearest].iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
+            counts[nearest] += 1;
+            inertia += distance;
+            if distance > farthest.0 {
+                farthest = (distance, *point);
+            }
+        }
+        // The first empty cluster gets the farthest point, any other waits.
+        let first_empty = counts.iter().position(|&count| count == 0);
+        let mean = |cluster: usize| match counts[cluster] {
+            0 if Some(cluster) == first_empty && farthest.0 > 0.0 => farthest.1,
+            0 => centres[cluster],
+            count => sums[cluster].map(|sum| sum / count as f64),
+        };
+        let moved: Vec<[f64; D]> = (0..centres.len()).map(mean).collect();
+        let still2 = TOLERANCE.powi(2) * inertia / points.len() as f64;
         let stands = |(old, new): (&[f64; D], &[f64; D])| distance2(old, new) <= still2;
         if moves == MOST_MOVES || centres.iter().zip(&moved).all(stands) {
-            return Clustering { centres, inertia: tally.inertia };
+            return Clustering { centres, inertia };
         }
         centres = moved;
         moves += 1;
     }
-}
-
-/// What a pass over points finds out about the clusters.
-struct Tally<const D: usize> {
-    sums: Vec<[f64; D]>,
-    counts: Vec<usize>,
-    inertia: f64,
-    /// Squared distance of the point farthest from its centre, and the point.
-    farthest: (f64, [f64; D]),
-}
-
-impl<const D: usize> Tally<D> {
-    /// Centres after the move. The first empty cluster gets the farthest point, any other waits.
-    fn means(&self, centres: &[[f64; D]]) -> Vec<[f64; D]> {
-        let first_empty = self.counts.iter().position(|&count| count == 0);
-        let mean = |cluster: usize| match self.counts[cluster] {
-            0 if Some(cluster) == first_empty && self.farthest.0 > 0.0 => self.farthest.1,
-            0 => centres[cluster],
-            count => self.sums[cluster].map(|sum| sum / count as f64),
-        };
-        (0..centres.len()).map(mean).collect()
-    }
-}
-
-/// Gives every point to its nearest centre, the first of equals.
-fn assign<const D: usize>(points: &[[f64; D]], centres: &[[f64; D]]) -> Tally<D> {
-    let (sums, counts) = (vec![[0.0; D]; centres.len()], vec![0; centres.len()]);
-    let mut tally = Tally { sums, counts, inertia: 0.0, farthest: (-1.0, [0.0; D]) };
-    for points in points.chunks(CHUNK) {
-        let (mut sums, mut inertia) = (vec![[0.0; D]; centres.len()], 0.0);
-        for point in points {
-            let (nearest, distance) = nearest(point, centres);
-            add(&mut sums[nearest], point);
-            tally.counts[nearest] += 1;
-            inertia += distance;
-            if distance > tally.farthest.0 {
-                tally.farthest = (distance, *point);
-            }
-        }
-        tally.sums.iter_mut().zip(&sums).for_each(|(sum, part)| add(sum, part));
-        tally.inertia += inertia;
-    }
-    tally
 }
 
 /// Index of the nearest centre and the squared distance to it.
@@ -160,12 +131,6 @@ fn nearest<const D: usize>(point: &[f64; D], centres: &[[f64; D]]) -> (usize, f6
 
 fn distance2<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
-}
-
-fn add<const D: usize>(sum: &mut [f64; D], point: &[f64; D]) {
-    for (s, x) in sum.iter_mut().zip(point) {
-        *s += x;
-    }
 }
 
 /// By the sum of the coordinates, then by each in turn.

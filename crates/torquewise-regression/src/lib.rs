@@ -16,7 +16,6 @@ pub mod normal_equations;
 pub mod normal_sums;
 pub mod noise_correction;
 mod gather;
-pub mod accumulate;
 pub mod row_sums;
 pub mod elimination;
 pub mod select;

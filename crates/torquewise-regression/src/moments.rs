@@ -2,7 +2,6 @@
 
 use crate::atom::{Monomial, Numbering};
 use crate::design::Design;
-use crate::error::SparseError;
 use crate::products::add_product;
 use crate::samples::{Phasors, Samples, WaveTree, monomial_values, multiply};
 use faer::Mat;
@@ -12,7 +11,7 @@ use std::ops::Range;
 /// Which moments a design needs, and where each stands in the table.
 #[derive(Clone, Debug)]
 pub struct MomentPlan {
-    design: Design,
+    pub(crate) design: Design,
     /// The waves of the design, then what else is in products of two of them.
     waves: WaveTree,
     /// The monomials of the design, then what else is a product of two of them.
@@ -51,99 +50,70 @@ impl MomentPlan {
                 }
             }
         }
-        Self {
-            design: design.clone(),
-            waves: WaveTree::new(&waves.into_values()),
-            monomials: monomials.into_values(),
-            products,
-            wave_pairs,
-            monomial_pairs,
-        }
-    }
-
-    /// The design these moments serve.
-    pub fn design(&self) -> &Design {
-        &self.design
+        let (design, waves) = (design.clone(), WaveTree::new(&waves.values));
+        let monomials = monomials.values;
+        Self { design, waves, monomials, products, wave_pairs, monomial_pairs }
     }
 
     /// Multiplications per row with `n_responses` responses: harmonics, then two products of
     /// matrices.
     pub fn cost(&self, n_responses: usize) -> f64 {
-        let (w, a) = (self.design.waves.len(), self.design.monomials.len());
-        (4 * self.waves.n_nodes()
-            + self.waves.n_waves() * self.monomials.len()
-            + w * a * n_responses) as f64
+        (4 * self.waves.nodes.len() + self.size(n_responses)) as f64
     }
 
     /// Entries of the moment table, 8 bytes each.
     pub fn size(&self, n_responses: usize) -> usize {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
-        self.waves.n_waves() * self.monomials.len() + w * a * n_responses
+        self.waves.n_waves * self.monomials.len() + w * a * n_responses
     }
 
-    /// An empty table.
-    pub(crate) fn start(&self, n_responses: usize) -> Moments {
+    /// The moments of no rows: monomials × waves; waves × (response, monomial) of the design; the
+    /// energy of each response.
+    pub(crate) fn zeros(&self, n_responses: usize) -> [Mat<f64>; 3] {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
-        Moments {
-            table: Mat::zeros(self.monomials.len(), self.waves.n_waves()),
-            cross: Mat::zeros(w, a * n_responses),
-            energy: vec![0.0; n_responses],
-            rows: 0,
-        }
+        [
+            Mat::zeros(self.monomials.len(), self.waves.n_waves),
+            Mat::zeros(w, a * n_responses),
+            Mat::zeros(n_responses, 1),
+        ]
     }
 
-    /// Memory to accumulate with, for any number of blocks.
-    pub(crate) fn strip(&self, n_responses: usize) -> Strip {
+    /// Adds blocks of rows to the moments.
+    pub(crate) fn add(&self, blocks: &[Samples], [table, cross, energy]: &mut [Mat<f64>; 3]) {
         let zeros = |columns| Mat::zeros(STRIP_ROWS, columns);
-        Strip {
+        let mut strip = Strip {
             phasors: self.waves.phasors(STRIP_ROWS),
-            waves: zeros(self.waves.n_waves()),
+            waves: zeros(self.waves.n_waves),
             monomials: zeros(self.monomials.len()),
-            weighted: zeros(self.design.monomials.len() * n_responses),
+            weighted: zeros(cross.ncols()),
+        };
+        for samples in blocks {
+            let m = samples.n_rows();
+            for first in (0..m).step_by(STRIP_ROWS) {
+                let rows = first..m.min(first + STRIP_ROWS);
+                self.evaluate(samples, &rows, &mut strip);
+                let waves = strip.waves.subrows(0, rows.len());
+                let own = waves.subcols(0, self.design.waves.len());
+                add_product(table, strip.monomials.subrows(0, rows.len()), waves);
+                add_product(cross, own, strip.weighted.subrows(0, rows.len()));
+            }
+            for (r, response) in samples.responses.col_iter().enumerate() {
+                energy[(r, 0)] += response.squared_norm_l2();
+            }
         }
     }
 
-    /// Adds a block of rows to a table, in memory of [`Self::strip`].
-    pub(crate) fn accumulate(
-        &self,
-        strip: &mut Strip,
-        moments: &mut Moments,
-        samples: &Samples,
-    ) -> Result<(), SparseError> {
-        samples.check(&self.design)?;
-        let (found, expected) = (samples.responses.ncols(), moments.energy.len());
-        if found != expected {
-            return Err(SparseError::Shape { what: "the responses of a block", found, expected });
-        }
-        let m = samples.n_rows();
-        for first in (0..m).step_by(STRIP_ROWS) {
-            self.add_strip(strip, moments, samples, &(first..m.min(first + STRIP_ROWS)));
-        }
-        for (energy, y) in moments.energy.iter_mut().zip(samples.responses.col_iter()) {
-            *energy += y.squared_norm_l2();
-        }
-        moments.rows += m;
-        Ok(())
-    }
-
-    fn add_strip(
-        &self,
-        strip: &mut Strip,
-        moments: &mut Moments,
-        samples: &Samples,
-        rows: &Range<usize>,
-    ) {
+    /// Writes what is summed at some rows into the first rows of a strip.
+    fn evaluate(&self, samples: &Samples, rows: &Range<usize>, strip: &mut Strip) {
         let Strip { phasors, waves, monomials, weighted } = strip;
         self.waves.evaluate(&samples.angles, rows, phasors, waves);
-        let Self { monomials: all, products, .. } = self;
-        monomial_values(all, products, &samples.variables, rows, monomials);
-        weigh(weighted, monomials, &samples.responses, rows);
-
-        let m = rows.len();
-        let waves = waves.subrows(0, m);
-        let own = waves.subcols(0, self.design.waves.len());
-        add_product(&mut moments.table, monomials.subrows(0, m), waves);
-        add_product(&mut moments.cross, own, weighted.subrows(0, m));
+        monomial_values(&self.monomials, &self.products, &samples.variables, rows, monomials);
+        // The monomials of the design are the first of all.
+        let own = self.design.monomials.len();
+        for j in 0..weighted.ncols() {
+            let response = &samples.responses.col_as_slice(j / own)[rows.clone()];
+            multiply(weighted.col_as_slice_mut(j), monomials.col_as_slice(j % own), response);
+        }
     }
 
     /// The two waves that the product of waves a and b is the weighted sum of, by their place in
@@ -168,32 +138,12 @@ fn packed(a: usize, b: usize) -> usize {
 const STRIP_ROWS: usize = 256;
 
 /// What a design and its products are at a strip of rows, in memory that is taken once.
-pub(crate) struct Strip {
+struct Strip {
     phasors: Phasors,
     /// Rows × waves.
     waves: Mat<f64>,
     /// Rows × monomials.
     monomials: Mat<f64>,
-    /// Rows × (response, monomial of the design).
+    /// Rows × (response, monomial of the design): each response times each monomial.
     weighted: Mat<f64>,
-}
-
-/// Writes each response times each monomial of a design, which are the first of all monomials.
-fn weigh(weighted: &mut Mat<f64>, monomials: &Mat<f64>, responses: &Mat<f64>, rows: &Range<usize>) {
-    let own = weighted.ncols() / responses.ncols().max(1);
-    for j in 0..weighted.ncols() {
-        let response = &responses.col_as_slice(j / own)[rows.clone()];
-        multiply(weighted.col_as_slice_mut(j), monomials.col_as_slice(j % own), response);
-    }
-}
-
-/// Sums over rows.
-#[derive(Clone, Debug)]
-pub(crate) struct Moments {
-    /// Monomials × waves.
-    pub(crate) table: Mat<f64>,
-    /// Waves × (response, monomial).
-    pub(crate) cross: Mat<f64>,
-    pub(crate) energy: Vec<f64>,
-    pub(crate) rows: usize,
 }

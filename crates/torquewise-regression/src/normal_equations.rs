@@ -1,7 +1,7 @@
 //! Normal equations YᵀY and Yᵀy: all that least squares can know of rows, and what it makes of them.
 
-use crate::cholesky;
-use crate::error::SparseError;
+use crate::cholesky::{self, Solution};
+use crate::error::{SparseError, expect};
 use faer::Mat;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -37,14 +37,6 @@ pub struct Selection {
     pub dependent: Vec<usize>,
     /// ‖y − Y c‖², zero or more.
     pub residual_energy: f64,
-}
-
-/// Least squares of some responses on some of the columns.
-pub(crate) struct Solved {
-    /// Weight of every column, p×r.
-    pub(crate) weights: Mat<f64>,
-    /// Columns asked for, without a weight, ascending.
-    pub(crate) dependent: Vec<usize>,
 }
 
 impl NormalEquations {
@@ -99,17 +91,10 @@ impl NormalEquations {
     /// energy below zero or less than one row.
     pub fn checked(mut self) -> Result<Self, SparseError> {
         let columns = self.n_columns();
-        for (what, found) in [
-            ("rows of the Gram matrix", self.gram.nrows()),
-            ("the Gram matrix's row", self.gram.ncols()),
-        ] {
-            if found != columns {
-                return Err(SparseError::Shape { what, found, expected: columns });
-            }
-        }
+        expect("rows of the Gram matrix", self.gram.nrows(), columns)?;
+        expect("the Gram matrix's row", self.gram.ncols(), columns)?;
         let mut cross = (0..self.cross.ncols()).flat_map(|r| self.cross.col_as_slice(r));
-        let broken = cross.position(|x| !x.is_finite());
-        if let Some(entry) = broken {
+        if let Some(entry) = cross.position(|x| !x.is_finite()) {
             return Err(SparseError::NotFinite { what: "the cross product", entry });
         }
         for &energy in &self.energy {
@@ -127,11 +112,6 @@ impl NormalEquations {
         self.cross.nrows()
     }
 
-    /// Column `j` of YᵀY, p.
-    pub(crate) fn gram_column(&self, j: usize) -> &[f64] {
-        self.gram.col_as_slice(j)
-    }
-
     /// Yᵀy of the first response, p.
     pub fn right(&self) -> &[f64] {
         self.cross.col_as_slice(0)
@@ -142,11 +122,8 @@ impl NormalEquations {
     /// # Errors
     /// [`SparseError::Shape`] if the two were made for different designs.
     pub fn add(&mut self, other: &Self, weight: f64) -> Result<(), SparseError> {
-        let shapes =
-            [(self.gram.ncols(), other.gram.ncols()), (self.cross.ncols(), other.cross.ncols())];
-        if let Some(&(expected, found)) = shapes.iter().find(|(a, b)| a != b) {
-            return Err(SparseError::Shape { what: "a Gram matrix", found, expected });
-        }
+        expect("a Gram matrix", other.gram.ncols(), self.gram.ncols())?;
+        expect("a cross product", other.cross.ncols(), self.cross.ncols())?;
         for (sum, more) in [(&mut self.gram, &other.gram), (&mut self.cross, &other.cross)] {
             faer::zip!(sum, more).for_each(|faer::unzip!(sum, more)| *sum += weight * *more);
         }
@@ -169,18 +146,14 @@ impl NormalEquations {
     /// The normal equations in some of the columns for what weights of all columns leave of a
     /// response.
     pub fn left_by(&self, weights: &[f64], response: usize, columns: &[usize]) -> Self {
-        let p = columns.len();
         let left = |j: usize, _| {
-            let from = self.gram_column(columns[j]);
+            let from = self.gram.col_as_slice(columns[j]);
             let explained: f64 = from.iter().zip(weights).map(|(g, c)| g * c).sum();
             self.cross[(columns[j], response)] - explained
         };
-        Self {
-            gram: Mat::from_fn(p, p, |i, j| self.gram[(columns[i], columns[j])]),
-            cross: Mat::from_fn(p, 1, left),
-            energy: vec![self.residual_energy(weights, response)],
-            rows: self.rows,
-        }
+        let cross = Mat::from_fn(columns.len(), 1, left);
+        let energy = vec![self.residual_energy(weights, response)];
+        Self { cross, energy, ..self.restricted(columns) }
     }
 
     /// Root mean square of column `j`; zero if it is empty, or has lost more than its energy to a
@@ -197,7 +170,7 @@ impl NormalEquations {
         let active = nonzero(coefficients, self.n_columns());
         let mut residual = self.energy[response];
         for &j in &active {
-            let column = self.gram_column(j);
+            let column = self.gram.col_as_slice(j);
             let fitted: f64 = active.iter().map(|&i| column[i] * coefficients[i]).sum();
             residual += coefficients[j] * (fitted - 2.0 * self.cross[(j, response)]);
         }
@@ -222,16 +195,16 @@ impl NormalEquations {
     /// The same in columns of unit mean square, whose Gram matrix has m on its diagonal, and what
     /// they were divided by, p; zero marks a column that may never be selected.
     pub fn standardised(&self) -> (Self, Vec<f64>) {
-        let (p, r) = (self.n_columns(), self.cross.ncols());
-        let scale: Vec<f64> = (0..p).map(|j| self.column_scale(j)).collect();
-        let inverse: Vec<f64> =
-            scale.iter().map(|&s| if s > 0.0 { s.recip() } else { 0.0 }).collect();
-        let scaled = Self {
-            gram: Mat::from_fn(p, p, |i, j| self.gram[(i, j)] * inverse[i] * inverse[j]),
-            cross: Mat::from_fn(p, r, |j, response| self.cross[(j, response)] * inverse[j]),
-            energy: self.energy.clone(),
-            rows: self.rows,
-        };
+        let scale: Vec<f64> = (0..self.n_columns()).map(|j| self.column_scale(j)).collect();
+        let inverse = |s: &f64| if *s > 0.0 { s.recip() } else { 0.0 };
+        let inverse: Vec<f64> = scale.iter().map(inverse).collect();
+        let mut scaled = self.clone();
+        for (i, own) in inverse.iter().enumerate() {
+            scaled.cross.row_mut(i).iter_mut().for_each(|x| *x *= own);
+            for (j, other) in inverse.iter().enumerate() {
+                scaled.gram[(i, j)] = self.gram[(i, j)] * own * other;
+            }
+        }
         (scaled, scale)
     }
 
@@ -253,8 +226,8 @@ impl NormalEquations {
         response: usize,
         active: &[usize],
     ) -> Result<Selection, SparseError> {
-        let Solved { weights, dependent } = self.solve(active, response..response + 1, 0.0)?;
-        let coefficients = weights.col_as_slice(0).to_vec();
+        let Solution { values, dependent } = self.solve(active, response..response + 1, 0.0)?;
+        let coefficients = values.col_as_slice(0).to_vec();
         let mut active = ascending(active);
         active.retain(|j| dependent.binary_search(j).is_err());
         let residual_energy = self.residual_energy(&coefficients, response);
@@ -267,16 +240,17 @@ impl NormalEquations {
     /// None in practice: all columns are below p.
     pub fn weights(&self) -> Result<Mat<f64>, SparseError> {
         let all: Vec<usize> = (0..self.n_columns()).collect();
-        Ok(self.solve(&all, 0..self.cross.ncols(), 0.0)?.weights)
+        Ok(self.solve(&all, 0..self.cross.ncols(), 0.0)?.values)
     }
 
-    /// Ridge regression of some responses on the columns `active`, min ‖y − Y c‖² + ridge ‖c‖².
+    /// Ridge regression of some responses on the columns `active`, min ‖y − Y c‖² + ridge ‖c‖²: the
+    /// weight of every column, p×r, and which of those asked for have none.
     pub(crate) fn solve(
         &self,
         active: &[usize],
         responses: Range<usize>,
         ridge: f64,
-    ) -> Result<Solved, SparseError> {
+    ) -> Result<Solution, SparseError> {
         let columns = self.n_columns();
         let cross = self.cross.subcols(responses.start, responses.len());
         if let Some(&column) = active.iter().find(|&&j| j >= columns) {
@@ -287,19 +261,17 @@ impl NormalEquations {
 
         // Columns of unit length: the matrix has 1 + ridge on its diagonal.
         let length: Vec<f64> = used.iter().map(|&j| self.gram[(j, j)].sqrt()).collect();
-        let matrix = || self.correlations(&used, &length, ridge);
+        let matrix = self.correlations(&used, &length, ridge);
         let right = Mat::from_fn(used.len(), cross.ncols(), |i, k| cross[(used[i], k)] / length[i]);
         let solution = cholesky::solve(matrix, right.as_ref());
 
-        let mut weights = Mat::zeros(columns, cross.ncols());
+        let mut values = Mat::zeros(columns, cross.ncols());
         for (i, (&j, l)) in used.iter().zip(&length).enumerate() {
-            for k in 0..cross.ncols() {
-                weights[(j, k)] = solution.values[(i, k)] / l;
-            }
+            (0..cross.ncols()).for_each(|k| values[(j, k)] = solution.values[(i, k)] / l);
         }
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
-        Ok(Solved { weights, dependent })
+        Ok(Solution { values, dependent })
     }
 
     /// Lower triangle of the Gram matrix of some columns, each divided by its length, with ridge.
@@ -309,7 +281,7 @@ impl NormalEquations {
         let columns: Vec<_> = out.col_iter_mut().collect();
         columns.into_par_iter().enumerate().for_each(|(j, out)| {
             let Some(out) = out.try_as_col_major_mut() else { return };
-            let (from, out) = (self.gram_column(used[j]), &mut out.as_slice_mut()[j..]);
+            let (from, out) = (self.gram.col_as_slice(used[j]), &mut out.as_slice_mut()[j..]);
             for (out, (&row, own)) in out.iter_mut().zip(used[j..].iter().zip(&inverse[j..])) {
                 *out = from[row] * own * inverse[j];
             }

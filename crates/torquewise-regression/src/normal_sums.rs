@@ -33,14 +33,10 @@ pub struct NormalSums {
     parameters: usize,
     /// Equations per instant n.
     equations: usize,
-    /// \[J e\]ᵀ\[J e\] of each fold, the lower triangle row by row.
-    grams: Vec<ExactSums>,
-    /// What noise in the rows adds to them (E7).
-    bias: ExactSums,
-    /// Σ s sᵀ, s = Jᵀe of the rows that err alike.
-    scores: ExactSums,
-    /// Of each equation: Σ e², Σ w² and Σ (e/w)², w what its rows were multiplied by.
-    energies: ExactSums,
+    /// Lower triangles row by row: \[J e\]ᵀ\[J e\] of each fold; what noise in the rows adds to them
+    /// (E7); Σ s sᵀ, s = Jᵀe of the rows that err alike. Then of each equation Σ e², Σ w² and
+    /// Σ (e/w)², w what its rows were multiplied by.
+    sums: ExactSums,
     /// Instants of each fold.
     rows: Vec<u64>,
     blocks: u64,
@@ -124,29 +120,36 @@ fn packed(matrix: &Mat<f64>) -> Vec<f64> {
     (0..matrix.nrows()).flat_map(|i| (0..=i).map(move |j| matrix[(i, j)])).collect()
 }
 
-fn unpacked(sums: &ExactSums, size: usize) -> Mat<f64> {
-    let mut values = vec![0.0; sums.len()];
-    sums.write_to(0, &mut values);
-    Mat::from_fn(size, size, |i, j| {
-        let (high, low) = (i.max(j), i.min(j));
-        values[high * (high + 1) / 2 + low]
-    })
+/// Numbers of a lower triangle.
+fn triangle(size: usize) -> usize {
+    size * (size + 1) / 2
 }
 
 impl NormalSums {
     /// Sums of nothing: p parameters, n equations an instant, dealt out to so many folds.
     pub fn new(parameters: usize, equations: usize, folds: usize) -> Self {
-        let triangle = |size: usize| ExactSums::zeros(size * (size + 1) / 2);
-        Self {
-            parameters,
-            equations,
-            grams: vec![triangle(parameters + 1); folds.max(1)],
-            bias: triangle(parameters + 1),
-            scores: triangle(parameters),
-            energies: ExactSums::zeros(PER_EQUATION * equations),
-            rows: vec![0; folds.max(1)],
-            blocks: 0,
-        }
+        let (sums, rows) = (ExactSums::zeros(0), vec![0; folds.max(1)]);
+        let mut empty = Self { parameters, equations, sums, rows, blocks: 0 };
+        empty.sums = ExactSums::zeros(empty.energies() + PER_EQUATION * equations);
+        empty
+    }
+
+    /// Where the Gram matrix of a fold begins, or what follows that of the last one: the bias.
+    fn gram_at(&self, fold: usize) -> usize {
+        fold * triangle(self.parameters + 1)
+    }
+
+    fn scores_at(&self) -> usize {
+        self.gram_at(self.rows.len() + 1)
+    }
+
+    fn energies(&self) -> usize {
+        self.scores_at() + triangle(self.parameters)
+    }
+
+    /// The symmetric matrix whose lower triangle begins at a place.
+    fn matrix(&self, first: usize, size: usize) -> Mat<f64> {
+        Mat::from_fn(size, size, |i, j| self.sums.value(first + triangle(i.max(j)) + i.min(j)))
     }
 
     /// Adds a block.
@@ -154,11 +157,11 @@ impl NormalSums {
     /// # Errors
     /// [`SparseError::OutOfRange`] if a sum is not finite or too large.
     pub fn add(&mut self, block: &BlockSums) -> Result<(), SparseError> {
-        let fold = block.fold % self.grams.len();
-        self.grams[fold].add(0, &packed(&block.gram))?;
-        self.bias.add(0, &packed(&block.bias))?;
-        self.scores.add(0, &packed(&block.scores()))?;
-        self.energies.add(0, &block.energies)?;
+        let fold = block.fold % self.rows.len();
+        self.sums.add(self.gram_at(fold), &packed(&block.gram))?;
+        self.sums.add(self.gram_at(self.rows.len()), &packed(&block.bias))?;
+        self.sums.add(self.scores_at(), &packed(&block.scores()))?;
+        self.sums.add(self.energies(), &block.energies)?;
         self.rows[fold] += block.rows;
         self.blocks += 1;
         Ok(())
@@ -169,12 +172,7 @@ impl NormalSums {
     /// # Errors
     /// [`SparseError::Shape`] if it is of other parameters, [`SparseError::OutOfRange`].
     pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
-        for (sums, more) in self.grams.iter_mut().zip(&other.grams) {
-            sums.merge(more)?;
-        }
-        self.bias.merge(&other.bias)?;
-        self.scores.merge(&other.scores)?;
-        self.energies.merge(&other.energies)?;
+        self.sums.merge(&other.sums)?;
         self.rows.iter_mut().zip(&other.rows).for_each(|(rows, more)| *rows += more);
         self.blocks += other.blocks;
         Ok(())
@@ -182,14 +180,8 @@ impl NormalSums {
 
     /// Whether it holds what p parameters, n equations and so many folds ask for.
     pub fn is_sound(&self, parameters: usize, equations: usize, folds: usize) -> bool {
-        let triangle = |size: usize| size * (size + 1) / 2;
-        (self.parameters, self.equations) == (parameters, equations)
-            && self.grams.len() == folds
-            && self.rows.len() == folds
-            && self.grams.iter().all(|sums| sums.len() == triangle(parameters + 1))
-            && self.bias.len() == triangle(parameters + 1)
-            && self.scores.len() == triangle(parameters)
-            && self.energies.len() == PER_EQUATION * equations
+        (self.parameters, self.equations, self.rows.len()) == (parameters, equations, folds)
+            && self.sums.len() == self.energies() + PER_EQUATION * equations
     }
 
     /// Instants summed.
@@ -210,22 +202,22 @@ impl NormalSums {
     /// \[J e\]ᵀ\[J e\] of all rows, (p+1)×(p+1).
     pub fn gram(&self) -> Mat<f64> {
         let size = self.parameters + 1;
-        (0..self.grams.len()).fold(Mat::zeros(size, size), |sum, fold| sum + self.gram_of(fold))
+        (0..self.rows.len()).fold(Mat::zeros(size, size), |sum, fold| sum + self.gram_of(fold))
     }
 
     /// The same of one fold.
     pub fn gram_of(&self, fold: usize) -> Mat<f64> {
-        unpacked(&self.grams[fold], self.parameters + 1)
+        self.matrix(self.gram_at(fold), self.parameters + 1)
     }
 
     /// What noise in the rows adds to the Gram matrix (E7), (p+1)×(p+1).
     pub fn bias(&self) -> Mat<f64> {
-        unpacked(&self.bias, self.parameters + 1)
+        self.matrix(self.gram_at(self.rows.len()), self.parameters + 1)
     }
 
     /// Σ s sᵀ over the rows that err alike, p×p: how far the scores Jᵀe scatter.
     pub fn scores(&self) -> Mat<f64> {
-        faer::Scale(SCORE_UNIT.powi(-2)) * unpacked(&self.scores, self.parameters)
+        faer::Scale(SCORE_UNIT.powi(-2)) * self.matrix(self.scores_at(), self.parameters)
     }
 
     /// RMS of the residual of each equation in its own unit, rows counted by their weights, n.
@@ -242,7 +234,7 @@ impl NormalSums {
     fn rms(&self, mean: impl Fn([f64; PER_EQUATION]) -> f64) -> Vec<f64> {
         (0..self.equations)
             .map(|equation| {
-                let sum = |k| self.energies.value(PER_EQUATION * equation + k);
+                let sum = |k| self.sums.value(self.energies() + PER_EQUATION * equation + k);
                 let mean = mean(std::array::from_fn(sum));
                 if mean.is_finite() { mean.max(0.0).sqrt() } else { 0.0 }
             })

@@ -1,12 +1,161 @@
-//! Exact sums over blocks of rows: the same bits whatever the split, order or threads.
+//! Normal equations of a design from blocks of rows, by the cheaper of two routes, in exact sums:
+//! the same bits whatever the split, order or threads.
 
-use crate::accumulate::{GramSum, Prepared};
-use crate::error::SparseError;
-use crate::exact::{ExactSums, add_tables};
-use crate::normal_equations::NormalEquations;
-use crate::samples::Samples;
+use crate::design::Design;
+use crate::error::{SparseError, expect};
+use crate::exact::ExactSums;
+use crate::gather::{gather, responses_of};
+use crate::moments::MomentPlan;
+use crate::normal_equations::{NormalEquations, mirror_lower};
+use crate::products::{add_gram, add_product};
+use crate::samples::{Evaluator, Samples};
+use faer::Mat;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+
+/// Which route computes the normal equations of a design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Route {
+    /// Moments, then gathering.
+    Moments,
+    /// Evaluate the rows, then a symmetric product.
+    Direct,
+}
+
+/// A design made ready to be summed by one of the routes, and how many responses it explains.
+pub struct Prepared {
+    ready: Ready,
+    n_responses: usize,
+}
+
+enum Ready {
+    Moments(Box<MomentPlan>),
+    Direct(Box<Evaluator>),
+}
+
+/// Three matrices of sums over rows: the moments of waves with monomials and with responses, or the
+/// lower triangle of YᵀY and Yᵀy of an equation; then the energy of each response.
+pub(crate) type Sums = [Mat<f64>; 3];
+
+impl Prepared {
+    /// Makes a design ready for a route.
+    pub fn new(design: &Design, n_responses: usize, route: Route) -> Self {
+        let ready = match route {
+            Route::Moments => Ready::Moments(Box::new(MomentPlan::new(design))),
+            Route::Direct => Ready::Direct(Box::new(Evaluator::new(design.clone()))),
+        };
+        Self { ready, n_responses }
+    }
+
+    /// Makes a design ready for the cheaper route by multiplications: per row, and once for
+    /// gathering (two per pair of atoms).
+    pub fn cheaper(design: &Design, n_responses: usize, n_rows: usize) -> Self {
+        let direct = Self::new(design, n_responses, Route::Direct);
+        // So many go into moments at least: a cheap look before the products of a very large design
+        // are listed.
+        let least = design.waves.len() as f64 * design.monomials.len() as f64;
+        if least <= direct.cost() {
+            let moments = Self::new(design, n_responses, Route::Moments);
+            let pairs = (design.n_equations() as f64) * (design.atoms.len() as f64).powi(2);
+            if moments.cost() * n_rows as f64 + 2.0 * pairs < direct.cost() * n_rows as f64 {
+                return moments;
+            }
+        }
+        direct
+    }
+
+    /// Its route.
+    pub fn route(&self) -> Route {
+        match self.ready {
+            Ready::Moments(_) => Route::Moments,
+            Ready::Direct(_) => Route::Direct,
+        }
+    }
+
+    /// Multiplications per row. The direct route evaluates the columns, then half of YᵀY each.
+    pub fn cost(&self) -> f64 {
+        match &self.ready {
+            Ready::Moments(plan) => plan.cost(self.n_responses),
+            Ready::Direct(evaluator) => {
+                let design = evaluator.design();
+                let (p, count) = (design.n_columns() as f64, design.n_equations());
+                let responses = responses_of(0, count, self.n_responses).len() as f64;
+                evaluator.cost() + count as f64 * p * (p / 2.0 + responses)
+            }
+        }
+    }
+
+    fn design(&self) -> &Design {
+        match &self.ready {
+            Ready::Moments(plan) => &plan.design,
+            Ready::Direct(evaluator) => evaluator.design(),
+        }
+    }
+
+    /// The sums of no rows.
+    fn zeros(&self) -> Vec<Sums> {
+        match &self.ready {
+            Ready::Moments(plan) => vec![plan.zeros(self.n_responses)],
+            Ready::Direct(evaluator) => {
+                let (p, count) = (evaluator.design().n_columns(), evaluator.design().n_equations());
+                let own = responses_of(0, count, self.n_responses).len();
+                let zeros = |_| [Mat::zeros(p, p), Mat::zeros(p, own), Mat::zeros(own, 1)];
+                (0..count).map(zeros).collect()
+            }
+        }
+    }
+
+    /// All numbers of sums, always in the same order.
+    fn numbers<'s>(&self, sums: &'s mut [Sums]) -> impl Iterator<Item = &'s mut [f64]> {
+        let is_direct = self.route() == Route::Direct;
+        sums.iter_mut().flat_map(move |sums| {
+            sums.iter_mut().enumerate().flat_map(move |(place, matrix)| {
+                let is_triangle = is_direct && place == 0;
+                matrix.col_iter_mut().enumerate().filter_map(move |(j, column)| {
+                    let column = column.try_as_col_major_mut()?.as_slice_mut();
+                    Some(&mut column[if is_triangle { j } else { 0 }..])
+                })
+            })
+        })
+    }
+
+    fn n_sums(&self) -> usize {
+        self.numbers(&mut self.zeros()).map(|part| part.len()).sum()
+    }
+
+    /// The numbers of the sums over some blocks.
+    fn table(&self, blocks: &[Samples]) -> Result<Vec<f64>, SparseError> {
+        for samples in blocks {
+            samples.check(self.design())?;
+            expect("the responses of a block", samples.responses.ncols(), self.n_responses)?;
+        }
+        let mut sums = self.zeros();
+        match &self.ready {
+            Ready::Moments(plan) => plan.add(blocks, &mut sums[0]),
+            Ready::Direct(evaluator) => {
+                for samples in blocks {
+                    add_rows(&evaluator.columns(samples)?, &samples.responses, &mut sums);
+                }
+            }
+        }
+        let mut table = Vec::new();
+        self.numbers(&mut sums).for_each(|part| table.extend_from_slice(part));
+        Ok(table)
+    }
+}
+
+/// Adds the columns of each equation and their responses to its normal equations.
+fn add_rows(columns: &[Mat<f64>], responses: &Mat<f64>, sums: &mut [Sums]) {
+    for (equation, (y, [gram, cross, energy])) in columns.iter().zip(sums).enumerate() {
+        let own = responses_of(equation, columns.len(), responses.ncols());
+        let own = responses.subcols(own.start, own.len());
+        add_gram(gram, y.as_ref(), 1.0);
+        add_product(cross, y.as_ref(), own);
+        for (r, response) in own.col_iter().enumerate() {
+            energy[(r, 0)] += response.squared_norm_l2();
+        }
+    }
+}
 
 /// What rows say of a design: its moments or its normal equations, summed without rounding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,11 +185,27 @@ impl RowSums {
         Ok(())
     }
 
-    /// The normal equations of each equation, in some of the columns of the design.
+    /// The normal equations of each equation.
+    pub fn all_grams(&self, prepared: &Prepared) -> Vec<NormalEquations> {
+        self.grams(prepared, &(0..prepared.design().n_columns()).collect::<Vec<_>>())
+    }
+
+    /// The same in some of the columns of the design.
     pub fn grams(&self, prepared: &Prepared, columns: &[usize]) -> Vec<NormalEquations> {
-        let mut table = vec![0.0; self.sums.len()];
-        self.sums.write_to(0, &mut table);
-        prepared.grams_of(&table, self.rows, columns)
+        let (mut sums, mut first) = (prepared.zeros(), 0);
+        for part in prepared.numbers(&mut sums) {
+            self.sums.write_to(first, part);
+            first += part.len();
+        }
+        if let Ready::Moments(plan) = &prepared.ready {
+            return gather(plan, &sums[0], self.rows, columns);
+        }
+        let own = sums.into_iter().map(|[mut gram, cross, energy]| {
+            mirror_lower(&mut gram);
+            let (energy, rows) = (energy.col_as_slice(0).to_vec(), self.rows as f64);
+            NormalEquations { gram, cross, energy, rows }.restricted(columns)
+        });
+        own.collect()
     }
 
     /// Whether they are sums for the design.
@@ -53,33 +218,29 @@ impl RowSums {
 ///
 /// Few enough for a rounding that no one sees, enough that exact sums cost next to nothing.
 const CHUNK_BLOCKS: usize = 4;
-/// Memory that the sums of all lanes together may take.
-const LANE_BYTES: usize = 128 << 20;
+/// Memory that the sums of all chunks under way may take.
+const CHUNK_BYTES: usize = 128 << 20;
 
 /// Sums blocks, as many chunks at a time as there are threads.
 ///
 /// Chunks are cut by the number of the block alone, and their sums are added exactly: which thread
 /// sums which chunk leaves no trace.
 pub struct RowAdder<'a> {
-    lanes: Vec<Lane<'a>>,
+    prepared: &'a Prepared,
+    /// Blocks that are summed at a time.
+    most: usize,
     waiting: Vec<Samples>,
     total: RowSums,
-}
-
-/// The sum of a chunk, and its numbers.
-struct Lane<'a> {
-    sum: GramSum<'a>,
-    table: Vec<f64>,
 }
 
 impl<'a> RowAdder<'a> {
     /// Starts from nothing.
     pub fn new(prepared: &'a Prepared) -> Self {
+        let total = RowSums::new(prepared);
         // Numbers of a sum, and the square that a triangle of them is kept in.
-        let most = (LANE_BYTES / (2 * 8 * prepared.n_sums()).max(1)).max(1);
-        let lane = |_| Lane { sum: prepared.start(), table: Vec::new() };
-        let lanes = (0..rayon::current_num_threads().clamp(1, most)).map(lane).collect();
-        Self { lanes, waiting: Vec::new(), total: RowSums::new(prepared) }
+        let most = (CHUNK_BYTES / (2 * 8 * total.sums.len()).max(1)).max(1);
+        let most = CHUNK_BLOCKS * rayon::current_num_threads().clamp(1, most);
+        Self { prepared, most, waiting: Vec::new(), total }
     }
 
     /// Hands over the next block.
@@ -88,7 +249,7 @@ impl<'a> RowAdder<'a> {
     /// [`SparseError`] if a block does not fit, or holds what is too large to be summed.
     pub fn push(&mut self, samples: Samples) -> Result<(), SparseError> {
         self.waiting.push(samples);
-        if self.waiting.len() == CHUNK_BLOCKS * self.lanes.len() { self.drain() } else { Ok(()) }
+        if self.waiting.len() == self.most { self.drain() } else { Ok(()) }
     }
 
     /// The sums of all blocks.
@@ -102,14 +263,9 @@ impl<'a> RowAdder<'a> {
 
     fn drain(&mut self) -> Result<(), SparseError> {
         let chunks = self.waiting.par_chunks(CHUNK_BLOCKS);
-        let work = self.lanes.par_iter_mut().zip(chunks).map(|(lane, blocks)| {
-            lane.sum.clear();
-            blocks.iter().try_for_each(|block| lane.sum.add(block))?;
-            lane.sum.write_to(&mut lane.table);
-            Ok(&lane.table[..])
-        });
-        let tables = work.collect::<Result<Vec<&[f64]>, SparseError>>()?;
-        add_tables(&mut self.total.sums, &tables)?;
+        let tables = chunks.map(|blocks| self.prepared.table(blocks));
+        let tables = tables.collect::<Result<Vec<_>, _>>()?;
+        self.total.sums.add_tables(&tables)?;
         self.total.rows += self.waiting.drain(..).map(|block| block.n_rows()).sum::<usize>();
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use crate::atom::{Monomial, Phase, Wave};
 use crate::design::Design;
-use crate::error::SparseError;
+use crate::error::{SparseError, expect};
 use faer::Mat;
 use pulp::Arch;
 use std::collections::BTreeMap;
@@ -40,16 +40,10 @@ impl Samples {
     /// # Errors
     /// [`SparseError::Shape`] if the rows, angles or variables differ.
     pub fn check(&self, design: &Design) -> Result<(), SparseError> {
-        let found = [
-            ("the angles of a block", self.angles.ncols(), design.n_angles()),
-            ("the variables of a block", self.variables.ncols(), design.n_variables()),
-            ("the rows of the variables", self.variables.nrows(), self.n_rows()),
-            ("the rows of the responses", self.responses.nrows(), self.n_rows()),
-        ];
-        match found.into_iter().find(|(_, found, expected)| found != expected) {
-            Some((what, found, expected)) => Err(SparseError::Shape { what, found, expected }),
-            None => Ok(()),
-        }
+        expect("the angles of a block", self.angles.ncols(), design.n_angles)?;
+        expect("the variables of a block", self.variables.ncols(), design.n_variables)?;
+        expect("the rows of the variables", self.variables.nrows(), self.n_rows())?;
+        expect("the rows of the responses", self.responses.nrows(), self.n_rows())
     }
 }
 
@@ -58,11 +52,12 @@ impl Samples {
 #[derive(Clone, Debug)]
 pub(crate) struct WaveTree {
     /// (parent, angle, multiple) of each node; node 0 is k = 0.
-    nodes: Vec<(usize, usize, i8)>,
+    pub(crate) nodes: Vec<(usize, usize, i8)>,
     /// Place of the cosine and of the sine of each node among the waves asked for.
     places: Vec<[Option<usize>; 2]>,
     largest: Vec<i8>,
-    n_waves: usize,
+    /// Waves asked for.
+    pub(crate) n_waves: usize,
 }
 
 impl WaveTree {
@@ -86,16 +81,6 @@ impl WaveTree {
             places[node][usize::from(wave.phase() == Phase::Sin)] = Some(place);
         }
         Self { nodes, places, largest, n_waves: waves.len() }
-    }
-
-    /// Number of complex products per row.
-    pub(crate) fn n_nodes(&self) -> usize {
-        self.nodes.len()
-    }
-
-    /// Number of waves asked for.
-    pub(crate) fn n_waves(&self) -> usize {
-        self.n_waves
     }
 
     /// Memory to evaluate up to `rows` rows at once.
@@ -221,7 +206,7 @@ pub(crate) fn monomial_values(
         }
         let column = &mut out.col_as_slice_mut(j)[..rows.len()];
         column.fill(1.0);
-        for (variable, &power) in monomial.powers().iter().enumerate() {
+        for (variable, &power) in monomial.powers.iter().enumerate() {
             let factor = &variables.col_as_slice(variable)[rows.clone()];
             for _ in 0..power {
                 column.iter_mut().zip(factor).for_each(|(value, x)| *value *= x);
@@ -256,7 +241,7 @@ impl Evaluator {
     pub fn columns(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
         samples.check(&self.design)?;
         let rows = 0..samples.n_rows();
-        let mut waves = Mat::zeros(rows.len(), self.tree.n_waves());
+        let mut waves = Mat::zeros(rows.len(), self.tree.n_waves);
         self.tree.evaluate(&samples.angles, &rows, &mut self.tree.phasors(rows.len()), &mut waves);
         let mut monomials = Mat::zeros(rows.len(), self.design.monomials.len());
         let none = BTreeMap::new();
@@ -283,6 +268,6 @@ impl Evaluator {
     /// Multiplications per row that [`Evaluator::columns`] makes.
     pub fn cost(&self) -> f64 {
         let entries: usize = self.design.equations.iter().flatten().map(Vec::len).sum();
-        (4 * self.tree.n_nodes() + self.design.monomials.len() + 2 * entries) as f64
+        (4 * self.tree.nodes.len() + self.design.monomials.len() + 2 * entries) as f64
     }
 }

@@ -1,6 +1,5 @@
 //! Selectors: the few columns that explain a response.
 
-mod descent;
 pub mod lasso;
 pub mod stlsq;
 pub mod criterion;

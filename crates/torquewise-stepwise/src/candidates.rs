@@ -289,7 +289,7 @@ fn columns_of_friction(
         let mut powers = vec![0; 2 * n_joints + friction.len()];
         powers[2 * n_joints + place] = 1;
         let wave = Wave::one(n_joints);
-        let atom = Atom { weight: share, wave, monomial: Monomial::new(powers) };
+        let atom = Atom { weight: share, wave, monomial: Monomial { powers } };
         if share == 0.0 { Vec::new() } else { vec![atom] }
     };
     (0..n_equations)
@@ -300,7 +300,7 @@ fn columns_of_friction(
 /// A monomial in q̇ and q̈ as one in q̇, q̈ and the values of friction.
 fn wider(monomial: &Monomial, friction: &[FrictionTerm]) -> Monomial {
     let none = friction.iter().map(|_| 0);
-    Monomial::new(monomial.powers().iter().copied().chain(none).collect())
+    Monomial { powers: monomial.powers.iter().copied().chain(none).collect() }
 }
 
 /// A sum of terms as a sum of harmonic × monomial.
@@ -309,7 +309,7 @@ fn column(sum: &[(f64, Term)]) -> Column {
 }
 
 fn atoms(weight: f64, term: &Term) -> Vec<Atom> {
-    let monomial = Monomial::new(term.dq.iter().chain(&term.ddq).copied().collect());
+    let monomial = Monomial { powers: term.dq.iter().chain(&term.ddq).copied().collect() };
     waves_of(weight, term)
         .into_iter()
         .map(|(weight, wave)| Atom { weight, wave, monomial: monomial.clone() })

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{Pattern, Recording};
-use torquewise_regression::accumulate::Prepared;
+use torquewise_regression::row_sums::Prepared;
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -11,8 +11,8 @@ use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_regression::accumulate::Prepared;
 use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::row_sums::{Prepared, RowAdder};
 use torquewise_regression::select::Selector;
 use torquewise_regression::select::criterion::Criterion;
 
@@ -228,9 +228,9 @@ impl<'a> CrossValidation<'a> {
             .map(|block| {
                 let rows = survey.sample.select(&split(m, block).0);
                 let rows = clear_of_reversals(&rows, &candidates.friction);
-                let mut sum = prepared.start();
-                sum.add(&samples_of(&rows, &candidates.friction)?)?;
-                Ok(sum.grams())
+                let mut sums = RowAdder::new(&prepared);
+                sums.push(samples_of(&rows, &candidates.friction)?)?;
+                Ok(sums.finish()?.all_grams(&prepared))
             })
             .collect::<Result<_, IdentifyError>>()?;
         let groups = candidates.groups();

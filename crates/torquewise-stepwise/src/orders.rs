@@ -16,9 +16,9 @@ use torquewise_model::library::{
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::accumulate::{GramSum, Prepared};
 use torquewise_regression::design::Design;
 use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::row_sums::{Prepared, RowAdder};
 use torquewise_regression::samples::Samples;
 
 /// What is tried.
@@ -210,7 +210,8 @@ fn accumulate(
     let mut bins: Vec<Bin<'_>> = (ladders.iter().zip(&prepared))
         .map(|(ladder, design)| Bin {
             gathering: Gathering::new(ladder.pattern, n, 0),
-            halves: [design.start(), design.start()],
+            design,
+            halves: [RowAdder::new(design), RowAdder::new(design)],
             rows: 0,
             next: 0,
             piece,
@@ -229,7 +230,8 @@ fn accumulate(
 /// Rows of one ladder on their way to its halves.
 struct Bin<'a> {
     gathering: Gathering,
-    halves: [GramSum<'a>; 2],
+    design: &'a Prepared,
+    halves: [RowAdder<'a>; 2],
     rows: usize,
     /// The half that the next piece belongs to.
     next: usize,
@@ -248,7 +250,7 @@ impl Bin<'_> {
     fn deal(&mut self, samples: Samples) -> Result<(), SparseError> {
         self.rows += samples.n_rows();
         for piece in cut(samples, self.piece) {
-            self.halves[self.next].add(&piece)?;
+            self.halves[self.next].push(piece)?;
             self.next = 1 - self.next;
         }
         Ok(())
@@ -258,7 +260,8 @@ impl Bin<'_> {
         if let Some(rest) = self.gathering.take() {
             self.deal(rest)?;
         }
-        Ok((self.rows, self.halves.map(GramSum::grams)))
+        let [even, odd] = self.halves.map(RowAdder::finish);
+        Ok((self.rows, [even?.all_grams(self.design), odd?.all_grams(self.design)]))
     }
 }
 

@@ -144,7 +144,7 @@ impl<'a> PartialModel<'a> {
         let terms = self.terms();
         let form = form(self.candidates, &terms);
         let friction = friction_of(self.candidates, &terms);
-        let mut active = form.active(self.candidates.design.n_angles());
+        let mut active = form.active(self.candidates.n_joints);
         for (joint, count) in active.iter_mut().enumerate() {
             *count += friction.iter().filter(|law| law.term.acts_on(joint)).count();
         }

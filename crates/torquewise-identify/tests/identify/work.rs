@@ -2,10 +2,9 @@
 
 use torquewise_identify::LibraryKind;
 use torquewise_identify::plan::Regression;
-use torquewise_regression::accumulate::{Prepared, Route, direct_cost};
 use torquewise_regression::design::Design;
 use torquewise_regression::moments::MomentPlan;
-use torquewise_regression::samples::Evaluator;
+use torquewise_regression::row_sums::{Prepared, Route};
 use torquewise_stepwise::candidates::Candidates;
 
 const N_RESPONSES: usize = 3;
@@ -20,8 +19,8 @@ fn sindy() -> Design {
 fn moments_take_a_twentieth_of_the_multiplications_of_the_sindy_library() {
     let design = sindy();
 
-    let by_moments = MomentPlan::new(&design).cost(N_RESPONSES);
-    let by_rows = direct_cost(&Evaluator::new(design.clone()), N_RESPONSES);
+    let [by_moments, by_rows] = [Route::Moments, Route::Direct]
+        .map(|route| Prepared::new(&design, N_RESPONSES, route).cost());
 
     assert_eq!(design.n_columns(), 3_612);
     assert_eq!(Prepared::cheaper(&design, N_RESPONSES, 60_000).route(), Route::Moments);

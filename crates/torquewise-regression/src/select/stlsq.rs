@@ -52,7 +52,7 @@ impl Stlsq {
             .into_par_iter()
             .map(|response| {
                 let mut dependent = first.dependent.clone();
-                let mut active = self.survivors(&usable, &first.weights, response);
+                let mut active = self.survivors(&usable, &first.values, response);
                 let mut before = usable.len();
                 for _ in 1..MOST_FITS {
                     if active.len() == before {
@@ -61,7 +61,7 @@ impl Stlsq {
                     let fit = problem.solve(&active, response..response + 1, self.ridge)?;
                     dependent.extend(fit.dependent);
                     before = active.len();
-                    active = self.survivors(&active, &fit.weights, 0);
+                    active = self.survivors(&active, &fit.values, 0);
                 }
                 let mut selection = problem.refit_of(response, &active)?;
                 selection.dependent.extend(dependent);

@@ -4,11 +4,9 @@ use faer::Mat;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use torquewise_regression::accumulate::{Prepared, Route};
 use torquewise_regression::atom::{Atom, Monomial, Phase, Wave};
 use torquewise_regression::design::{Column, Design};
-use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::RowSums;
+use torquewise_regression::row_sums::{Prepared, Route};
 use torquewise_regression::samples::Samples;
 
 /// weight · cos or sin (k·θ) · x^α, k of any sign.
@@ -96,12 +94,6 @@ impl RandomDesign {
         Prepared::new(&self.design(), self.n_responses(), route)
     }
 
-    /// The normal equations of all columns from sums over rows.
-    pub(crate) fn grams_of(&self, prepared: &Prepared, sums: &RowSums) -> Vec<NormalEquations> {
-        let columns: Vec<usize> = (0..self.n_columns()).collect();
-        sums.grams(prepared, &columns)
-    }
-
     pub(crate) fn n_columns(&self) -> usize {
         self.equations[0].len()
     }
@@ -137,7 +129,7 @@ impl RandomDesign {
 
 fn atom(letter: &Letter) -> Option<Atom> {
     let (sign, wave) = Wave::canonical(letter.multiples.clone(), letter.phase)?;
-    let monomial = Monomial::new(letter.powers.clone());
+    let monomial = Monomial { powers: letter.powers.clone() };
     Some(Atom { weight: sign * letter.weight, wave, monomial })
 }
 
