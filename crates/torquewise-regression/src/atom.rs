@@ -112,39 +112,3 @@ impl<T: Ord + Clone> Numbering<T> {
         place
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn value(wave: &Wave, theta: &[f64]) -> f64 {
-        let angle: f64 = wave.multiples().iter().zip(theta).map(|(&k, x)| f64::from(k) * x).sum();
-        match wave.phase() {
-            Phase::Cos => angle.cos(),
-            Phase::Sin => angle.sin(),
-        }
-    }
-
-    #[test]
-    fn a_product_of_waves_is_half_the_sum_of_two() {
-        let theta = [0.3, -1.1];
-        for a in [vec![1, 0], vec![2, -1], vec![0, 0], vec![-1, 2]] {
-            for b in [vec![1, 0], vec![0, 3], vec![0, 0]] {
-                for phases in [(Phase::Cos, Phase::Sin), (Phase::Sin, Phase::Sin)] {
-                    let Some((s, left)) = Wave::canonical(a.clone(), phases.0) else { continue };
-                    let Some((r, right)) = Wave::canonical(b.clone(), phases.1) else { continue };
-
-                    let sum: f64 = left
-                        .product(&right)
-                        .iter()
-                        .flatten()
-                        .map(|(sign, wave)| 0.5 * sign * value(wave, &theta))
-                        .sum();
-
-                    let direct = value(&left, &theta) * value(&right, &theta);
-                    assert!((sum - direct).abs() < 1e-15, "{s} {r} {left:?} {right:?}");
-                }
-            }
-        }
-    }
-}

@@ -4,7 +4,6 @@ use crate::cholesky::{self, Solution};
 use crate::error::{SparseError, expect};
 use faer::Mat;
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Relative residual energy that rounding alone leaves in normal equations.
 ///
@@ -217,20 +216,11 @@ impl NormalEquations {
     /// # Errors
     /// [`SparseError::Column`] if an active column is not below p.
     pub fn refit(&self, active: &[usize]) -> Result<Selection, SparseError> {
-        self.refit_of(0, active)
-    }
-
-    /// The same of another response.
-    pub(crate) fn refit_of(
-        &self,
-        response: usize,
-        active: &[usize],
-    ) -> Result<Selection, SparseError> {
-        let Solution { values, dependent } = self.solve(active, response..response + 1, 0.0)?;
+        let Solution { values, dependent } = self.solve(active, 0.0)?;
         let coefficients = values.col_as_slice(0).to_vec();
         let mut active = ascending(active);
         active.retain(|j| dependent.binary_search(j).is_err());
-        let residual_energy = self.residual_energy(&coefficients, response);
+        let residual_energy = self.residual_energy(&coefficients, 0);
         Ok(Selection { coefficients, active, dependent, residual_energy })
     }
 
@@ -240,19 +230,13 @@ impl NormalEquations {
     /// None in practice: all columns are below p.
     pub fn weights(&self) -> Result<Mat<f64>, SparseError> {
         let all: Vec<usize> = (0..self.n_columns()).collect();
-        Ok(self.solve(&all, 0..self.cross.ncols(), 0.0)?.values)
+        Ok(self.solve(&all, 0.0)?.values)
     }
 
-    /// Ridge regression of some responses on the columns `active`, min ‖y − Y c‖² + ridge ‖c‖²: the
+    /// Ridge regression of each response on the columns `active`, min ‖y − Y c‖² + ridge ‖c‖²: the
     /// weight of every column, p×r, and which of those asked for have none.
-    pub(crate) fn solve(
-        &self,
-        active: &[usize],
-        responses: Range<usize>,
-        ridge: f64,
-    ) -> Result<Solution, SparseError> {
-        let columns = self.n_columns();
-        let cross = self.cross.subcols(responses.start, responses.len());
+    pub(crate) fn solve(&self, active: &[usize], ridge: f64) -> Result<Solution, SparseError> {
+        let (columns, cross) = (self.n_columns(), &self.cross);
         if let Some(&column) = active.iter().find(|&&j| j >= columns) {
             return Err(SparseError::Column { column, columns });
         }

@@ -54,21 +54,3 @@ pub fn add_gram_of_equations(
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_gram_matrix_is_the_product_of_the_rows_with_themselves() {
-        let rows = faer::mat![[1.0, 2.0], [3.0, -4.0], [0.5, 0.0]];
-        let (mut gram, mut whole) = (Mat::zeros(2, 2), Mat::zeros(2, 2));
-
-        add_gram(&mut gram, rows.as_ref(), 2.0);
-        add_product(&mut whole, rows.as_ref(), rows.as_ref());
-
-        assert_eq!(whole, product(rows.transpose(), rows.as_ref()));
-        assert_eq!(whole, faer::mat![[10.25, -10.0], [-10.0, 20.0]]);
-        assert_eq!(gram, faer::mat![[20.5, 0.0], [-20.0, 40.0]]);
-    }
-}

@@ -4,7 +4,7 @@
 use crate::candidates::{Candidates, Group};
 use crate::noise::NoiseFloor;
 use crate::rows::fill_friction;
-use crate::step::{response_index, unexplained, weighted_problem};
+use crate::step::{of_joint, unexplained, weighted_problem};
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -20,22 +20,13 @@ pub(crate) struct ActiveSet {
     pub(crate) group: Group,
     /// Columns of the library, ascending.
     pub(crate) columns: Vec<usize>,
-    /// Weight of the rows of each equation: one over its noise variance.
+    /// Weight of the rows of each joint: one over its noise variance.
     pub(crate) weights: Vec<f64>,
 }
 
 /// The largest weight of a row, a power of two squared: rows are then well within what exact sums
 /// hold, and so is what they leave where torque is explained but for rounding.
 const LARGEST: f64 = 4_294_967_296.0;
-
-impl ActiveSet {
-    /// The same with weights in a unit of their own, which changes no fit.
-    pub(crate) fn with_normalised_weights(&self) -> Self {
-        let most = self.weights.iter().fold(f64::MIN_POSITIVE, |most, weight| most.max(*weight));
-        let weights = self.weights.iter().map(|weight| weight / most * LARGEST).collect();
-        Self { weights, ..self.clone() }
-    }
-}
 
 /// A group with its columns ready to be evaluated.
 pub(crate) struct Fit<'a> {
@@ -47,11 +38,16 @@ pub(crate) struct Fit<'a> {
 }
 
 impl<'a> Fit<'a> {
+    /// The weights of `kept` get a unit of their own, which changes no fit.
     pub(crate) fn new(
-        kept: ActiveSet,
+        mut kept: ActiveSet,
         candidates: &'a Candidates,
         noise: &'a NoiseFloor,
     ) -> Result<Self, SparseError> {
+        let most = kept.weights.iter().fold(f64::MIN_POSITIVE, |most, weight| most.max(*weight));
+        for weight in &mut kept.weights {
+            *weight = *weight / most * LARGEST;
+        }
         let evaluator = Evaluator::new(candidates.design.subset(&kept.columns)?);
         Ok(Self { kept, evaluator, friction: &candidates.friction, noise })
     }
@@ -60,15 +56,15 @@ impl<'a> Fit<'a> {
         self.kept.columns.len()
     }
 
-    /// Rows √w·\[Y τ − Yβ\] of all equations, all instants of one after those of the one before.
+    /// Rows √w·\[Y τ − Yβ\] of all joints, all instants of one after those of the one before.
     fn rows(&self, samples: &Samples, coefficients: &[f64]) -> Result<Mat<f64>, SparseError> {
         let columns = self.evaluator.columns(samples)?;
         let (m, p) = (samples.n_rows(), self.n_columns());
-        let equations = self.kept.group.equations.iter().zip(&self.kept.weights);
+        let joints = self.kept.group.joints.iter().zip(&self.kept.weights);
         let mut rows = Mat::zeros(m * self.kept.weights.len(), p + 1);
-        for (place, (&(equation, response), &weight)) in equations.enumerate() {
-            let (root, y) = (weight.sqrt(), &columns[equation]);
-            let tau = samples.responses.col_as_slice(response);
+        for (place, (&joint, &weight)) in joints.enumerate() {
+            let (root, y) = (weight.sqrt(), &columns[if columns.len() == 1 { 0 } else { joint }]);
+            let tau = samples.responses.col_as_slice(joint);
             for row in 0..m {
                 let explained: f64 = (0..p).map(|j| coefficients[j] * y[(row, j)]).sum();
                 let k = place * m + row;
@@ -135,7 +131,7 @@ pub(crate) struct FirstFit {
     rows: f64,
     /// Least-squares weights, p.
     pub(crate) coefficients: Vec<f64>,
-    /// Columns that depend on others.
+    /// Columns that depend on others, ascending.
     pub(crate) dependent: Vec<usize>,
     /// Whether the torque is explained but for rounding.
     pub(crate) is_explained: bool,
@@ -145,12 +141,12 @@ impl FirstFit {
     /// - `grams`: of each equation over all rows
     pub(crate) fn new(kept: &ActiveSet, grams: &[NormalEquations]) -> Result<Self, SparseError> {
         let all: Vec<usize> = (0..kept.columns.len()).collect();
-        let (pairs, none) = (&kept.group.equations, vec![0.0; all.len()]);
-        let equations = weighted_problem(grams, pairs, &kept.weights, &none, &all)?;
+        let (joints, none) = (&kept.group.joints, vec![0.0; all.len()]);
+        let equations = weighted_problem(grams, joints, &kept.weights, &none, &all)?;
         let Selection { coefficients, dependent, .. } = equations.refit(&all)?;
-        let is_explained = pairs.iter().all(|&(equation, response)| {
-            let energy = grams[equation].energy[response_index(grams.len(), response)];
-            unexplained(grams, equation, response, &coefficients) <= EXPLAINED * energy
+        let is_explained = joints.iter().all(|&joint| {
+            let (gram, response) = of_joint(grams, joint);
+            unexplained(grams, joint, &coefficients) <= EXPLAINED * gram.energy[response]
         });
         let (gram, rows) = (equations.joined(), equations.rows);
         Ok(Self { gram, rows, coefficients, dependent, is_explained })

@@ -34,11 +34,11 @@ pub struct Candidates {
     pub(crate) n_joints: usize,
 }
 
-/// Coefficients that are found together: which equation explains which response.
+/// Coefficients that are found together.
 #[derive(Clone, Debug)]
 pub struct Group {
-    /// (equation of the design, response) pairs.
-    pub equations: Vec<(usize, usize)>,
+    /// Joints whose torque they explain.
+    pub joints: Vec<usize>,
     /// Columns it has no use for: friction of other joints.
     pub of_other_joints: Vec<usize>,
 }
@@ -68,48 +68,40 @@ impl Candidates {
         regression: Regression,
         mut friction: Vec<FrictionTerm>,
     ) -> Result<Self, IdentifyError> {
-        check_library(n_joints, library, regression)?;
-        let terms = match library {
-            LibraryKind::Energy { interaction } => Terms::Energy(match interaction {
-                Some(limit) => energy_library(n_joints, Some(limit)),
-                None => largest_energy_library(n_joints, MOST_CANDIDATES),
-            }),
-            LibraryKind::Product { gravity_order, trig_order } => {
-                let parts = product_parts(gravity_order, trig_order, regression);
-                let terms = parts.iter().map(|(order, own)| product_library(n_joints, *order, own));
-                Terms::Torque(terms.flatten().collect())
-            }
-        };
-        let mut equations = match &terms {
-            Terms::Torque(terms) => columns_of_terms(terms),
-            Terms::Energy(terms) => columns_of_energies(terms, n_joints),
-        };
+        let terms = Terms::new(n_joints, library, regression)?;
         if matches!(terms, Terms::Torque(_)) {
             // Every joint has a constant among its own terms.
             friction.retain(|term| term.law != FrictionLaw::Offset);
         }
-        let of_friction = columns_of_friction(&friction, n_joints, equations.len());
-        for (columns, more) in equations.iter_mut().zip(of_friction) {
-            for column in columns.iter_mut() {
-                for atom in column.iter_mut() {
-                    atom.monomial = wider(&atom.monomial, &friction);
-                }
-            }
-            columns.extend(more);
+        let mut equations = match &terms {
+            Terms::Torque(terms) => columns_of_terms(terms, friction.len()),
+            Terms::Energy(terms) => columns_of_energies(terms, n_joints, friction.len()),
+        };
+        let n_equations = equations.len();
+        for (equation, columns) in equations.iter_mut().enumerate() {
+            // In one equation per joint each law loads its joints, in the one equation of all joints
+            // it stands bare.
+            columns.extend(friction.iter().enumerate().map(|(place, law)| {
+                let weight = if n_equations > 1 { law.shaft[equation] } else { 1.0 };
+                let mut powers = vec![0; 2 * n_joints + friction.len()];
+                powers[2 * n_joints + place] = 1;
+                let (wave, monomial) = (Wave::one(n_joints), Monomial { powers });
+                if weight == 0.0 { Vec::new() } else { vec![Atom { weight, wave, monomial }] }
+            }));
         }
-        let p = terms.len() + friction.len();
-        check_size(p, equations.len())?;
+        check_size(terms.len() + friction.len(), n_equations)?;
         let design = Design::new(n_joints, 2 * n_joints + friction.len(), &equations)?;
-        let mut offered = Pattern::ALL.map(|pattern| terms.offered(pattern));
-        for (pattern, columns) in Pattern::ALL.iter().zip(&mut offered) {
+        let offered = Pattern::ALL.map(|pattern| {
             // Slow motion tells dry friction; what it said of the rest would be far off elsewhere.
-            let dry = |law: &FrictionTerm| {
-                matches!(law.law, FrictionLaw::Offset | FrictionLaw::Coulomb { .. })
+            let is_asked = |law: &FrictionTerm| {
+                pattern != Pattern::Standstill
+                    || matches!(law.law, FrictionLaw::Offset | FrictionLaw::Coulomb { .. })
             };
-            let asked = friction.iter().enumerate();
-            let asked = asked.filter(|(_, law)| *pattern != Pattern::Standstill || dry(law));
-            columns.extend(asked.map(|(place, _)| terms.len() + place));
-        }
+            let mut columns = terms.offered(pattern);
+            let asked = (0..friction.len()).filter(|&place| is_asked(&friction[place]));
+            columns.extend(asked.map(|place| terms.len() + place));
+            columns
+        });
         Ok(Self { terms, friction, design, offered, n_joints })
     }
 
@@ -150,30 +142,50 @@ impl Candidates {
 
     /// The coefficients that are found together.
     pub fn groups(&self) -> Vec<Group> {
-        let n = self.n_joints;
+        let joints = 0..self.n_joints;
+        let of_other_joints = |joint: usize| -> Vec<usize> {
+            let laws = self.friction.iter().enumerate();
+            let elsewhere = laws.filter(|(_, law)| !law.acts_on(joint));
+            elsewhere.map(|(place, _)| self.terms.len() + place).collect()
+        };
+        let own = |joint| Group { joints: vec![joint], of_other_joints: of_other_joints(joint) };
         match self.terms {
-            Terms::Torque(_) => (0..n)
-                .map(|joint| Group {
-                    equations: vec![(0, joint)],
-                    of_other_joints: self.of_other_joints(joint),
-                })
-                .collect(),
+            Terms::Torque(_) => joints.map(own).collect(),
             Terms::Energy(_) => {
-                let equations = (0..n).map(|joint| (joint, joint)).collect();
-                vec![Group { equations, of_other_joints: Vec::new() }]
+                vec![Group { joints: joints.collect(), of_other_joints: Vec::new() }]
             }
         }
-    }
-
-    /// Columns of friction that do not load a joint.
-    fn of_other_joints(&self, joint: usize) -> Vec<usize> {
-        let first = self.terms.len();
-        let elsewhere = self.friction.iter().enumerate().filter(|(_, law)| !law.acts_on(joint));
-        elsewhere.map(|(place, _)| first + place).collect()
     }
 }
 
 impl Terms {
+    /// Lists the terms of a library, unless their sums are too large.
+    fn new(
+        n_joints: usize,
+        library: LibraryKind,
+        regression: Regression,
+    ) -> Result<Self, IdentifyError> {
+        match library {
+            LibraryKind::Energy { interaction } => {
+                let least = interaction.unwrap_or(1);
+                check_size(energy_library_size(n_joints, Some(least)), n_joints)?;
+                let fits =
+                    |order: &usize| energy_library_size(n_joints, Some(*order)) <= MOST_CANDIDATES;
+                let largest = || (2..=n_joints).take_while(fits).last().unwrap_or(1);
+                let order = interaction.unwrap_or_else(largest);
+                Ok(Self::Energy(energy_library(n_joints, Some(order))))
+            }
+            LibraryKind::Product { gravity_order, trig_order } => {
+                let parts = product_parts(gravity_order, trig_order, regression);
+                let size =
+                    |(order, own): &(u8, Vec<Degree>)| product_library_size(n_joints, *order, own);
+                check_size(parts.iter().map(size).fold(0, usize::saturating_add), 1)?;
+                let terms = parts.iter().map(|(order, own)| product_library(n_joints, *order, own));
+                Ok(Self::Torque(terms.flatten().collect()))
+            }
+        }
+    }
+
     /// Number of candidates.
     fn len(&self) -> usize {
         match self {
@@ -212,33 +224,6 @@ impl Terms {
     }
 }
 
-/// The energy library of the highest interaction order that holds at most `most` terms.
-pub fn largest_energy_library(n_joints: usize, most: usize) -> Vec<EnergyTerm> {
-    let fits = |limit: &usize| energy_library_size(n_joints, Some(*limit)) <= most;
-    let limit = (2..=n_joints).take_while(fits).last().unwrap_or(1);
-    energy_library(n_joints, Some(limit))
-}
-
-/// Refuses a library that is too large before it is listed.
-fn check_library(
-    n_joints: usize,
-    library: LibraryKind,
-    regression: Regression,
-) -> Result<(), IdentifyError> {
-    match library {
-        LibraryKind::Energy { interaction } => {
-            let limit = interaction.unwrap_or(1);
-            check_size(energy_library_size(n_joints, Some(limit)), n_joints)
-        }
-        LibraryKind::Product { gravity_order, trig_order } => {
-            let parts = product_parts(gravity_order, trig_order, regression);
-            let sizes =
-                parts.iter().map(|(order, own)| product_library_size(n_joints, *order, own));
-            check_size(sizes.fold(0, usize::saturating_add), 1)
-        }
-    }
-}
-
 /// Orders and degrees of the parts of a product library, one after the other.
 fn product_parts(gravity: u8, order: u8, regression: Regression) -> Vec<(u8, Vec<Degree>)> {
     let of = |kind| vec![Degree::of(kind)];
@@ -266,54 +251,36 @@ fn check_size(candidates: usize, equations: usize) -> Result<(), IdentifyError> 
 }
 
 /// The columns of torque terms: one equation that serves all joints.
-pub(crate) fn columns_of_terms(terms: &[Term]) -> Vec<Vec<Column>> {
-    vec![terms.iter().map(|term| column(&[(1.0, term.clone())])).collect()]
+///
+/// - `laws`: variables of a row beside q̇ and q̈
+pub(crate) fn columns_of_terms(terms: &[Term], laws: usize) -> Vec<Vec<Column>> {
+    vec![terms.iter().map(|term| column(&[(1.0, term.clone())], laws)).collect()]
 }
 
 /// The columns of energy terms: one equation per joint.
-pub(crate) fn columns_of_energies(terms: &[EnergyTerm], n_joints: usize) -> Vec<Vec<Column>> {
-    (0..n_joints)
-        .map(|joint| terms.iter().map(|term| column(&term.torque(joint))).collect())
-        .collect()
-}
-
-/// The columns of laws of friction, the values of which are variables of their own: in one equation
-/// per joint each law loads its joints, in the one equation of all joints it stands bare.
-fn columns_of_friction(
-    friction: &[FrictionTerm],
+pub(crate) fn columns_of_energies(
+    terms: &[EnergyTerm],
     n_joints: usize,
-    n_equations: usize,
+    laws: usize,
 ) -> Vec<Vec<Column>> {
-    let column = |equation: usize, place: usize| -> Column {
-        let share = if n_equations > 1 { friction[place].shaft[equation] } else { 1.0 };
-        let mut powers = vec![0; 2 * n_joints + friction.len()];
-        powers[2 * n_joints + place] = 1;
-        let wave = Wave::one(n_joints);
-        let atom = Atom { weight: share, wave, monomial: Monomial { powers } };
-        if share == 0.0 { Vec::new() } else { vec![atom] }
-    };
-    (0..n_equations)
-        .map(|equation| (0..friction.len()).map(|place| column(equation, place)).collect())
+    (0..n_joints)
+        .map(|joint| terms.iter().map(|term| column(&term.torque(joint), laws)).collect())
         .collect()
-}
-
-/// A monomial in q̇ and q̈ as one in q̇, q̈ and the values of friction.
-fn wider(monomial: &Monomial, friction: &[FrictionTerm]) -> Monomial {
-    let none = friction.iter().map(|_| 0);
-    Monomial { powers: monomial.powers.iter().copied().chain(none).collect() }
 }
 
 /// A sum of terms as a sum of harmonic × monomial.
-fn column(sum: &[(f64, Term)]) -> Column {
-    sum.iter().flat_map(|(weight, term)| atoms(*weight, term)).collect()
-}
-
-fn atoms(weight: f64, term: &Term) -> Vec<Atom> {
-    let monomial = Monomial { powers: term.dq.iter().chain(&term.ddq).copied().collect() };
-    waves_of(weight, term)
-        .into_iter()
-        .map(|(weight, wave)| Atom { weight, wave, monomial: monomial.clone() })
-        .collect()
+fn column(sum: &[(f64, Term)], laws: usize) -> Column {
+    let atoms = sum.iter().flat_map(|(weight, term)| {
+        let none = std::iter::repeat_n(0, laws);
+        let powers = term.dq.iter().chain(&term.ddq).copied().chain(none).collect();
+        let monomial = Monomial { powers };
+        waves_of(*weight, term).into_iter().map(move |(weight, wave)| Atom {
+            weight,
+            wave,
+            monomial: monomial.clone(),
+        })
+    });
+    atoms.collect()
 }
 
 /// The trigonometric part of a term, times a weight, as a sum of harmonics of joint sums.

@@ -3,14 +3,16 @@
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
 use crate::friction::{FrictionKind, FrictionLibrary, REVERSAL, WIDTHS, WORTH, reversal_label};
-use crate::held_out::{BLOCKS, CvScore, choose_worth, split};
+use crate::held_out::{BLOCKS, CvScore, choose_worth, mean, split};
 use crate::plan::{LibraryKind, LibraryOptions, MOST_CANDIDATES, Regression};
 use crate::rows::{clear_of_reversals, samples_of};
-use crate::step::{self, Step};
+use crate::step::{self, Step, of_joint};
 use crate::survey::Survey;
 use rayon::prelude::*;
 use torquewise_model::FrictionTerm;
+use torquewise_model::library::energy_library_size;
 use torquewise_model::model::Choice;
+use torquewise_regression::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::{Prepared, RowAdder};
 use torquewise_regression::select::Selector;
@@ -41,26 +43,17 @@ pub(crate) fn choose_laws(
     survey: &Survey,
     options: &LibraryOptions,
 ) -> Result<(Vec<FrictionTerm>, Vec<Choice>), IdentifyError> {
-    if options.friction == FrictionKind::None {
-        return Ok((Vec::new(), Vec::new()));
-    }
     let kind = match options.friction {
         FrictionKind::Auto => FrictionKind::Linear,
         asked => asked,
     };
     let friction = FrictionLibrary::new(survey.dq_peak.clone()).of(kind);
     let mut settled = ModelSelection::start(survey, options, friction);
-    if is_short(survey) {
-        return Ok((settled.friction, settled.choices));
-    }
-    if options.library == (LibraryKind::Energy { interaction: None }) {
+    if kind != FrictionKind::None && !is_short(survey) {
         settled.grow()?;
-        // It is chosen, and recorded, once more when the laws are known.
+        // The order is chosen, and recorded, once more when the laws are known.
         settled.choices.clear();
-    }
-    let (validation, laws) = settled.choose_reversal()?;
-    if options.friction == FrictionKind::Auto {
-        settled.choose_friction(&validation, &laws)?;
+        settled.choose_friction()?;
     }
     Ok((settled.friction, settled.choices))
 }
@@ -82,17 +75,20 @@ pub(crate) fn select_model<'a>(
     if options.regression != Regression::Stepwise || is_short(survey) {
         return Ok(settled);
     }
-    let grown = if options.library == (LibraryKind::Energy { interaction: None }) {
-        settled.grow()?
-    } else {
-        None
-    };
-    if let Selector::Criterion(criterion) = settled.selector {
+    let grown = settled.grow()?;
+    if let Selector::Criterion(Criterion { gamma }) = settled.selector {
         let validation = match grown {
             Some(validation) => validation,
             None => settled.validation(settled.library, settled.friction.clone())?,
         };
-        settled.choose_ebic_gamma(criterion, &validation)?;
+        let gammas = STRICTER.map(|times| times * gamma);
+        let stricter = |gamma| Selector::Criterion(Criterion { gamma });
+        let trial = |&gamma: &f64| {
+            validation.trial(format!("{gamma}"), Some(&settled.friction), &stricter(gamma))
+        };
+        let trials = gammas.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
+        let place = settled.choose("EBIC gamma", 0.0, &trials);
+        settled.selector = stricter(gammas[place]);
     }
     Ok(settled)
 }
@@ -119,24 +115,28 @@ impl<'a> ModelSelection<'a> {
     }
 
     /// Chooses among trials, simplest first, and puts the choice on record; returns its place.
-    fn choose(&mut self, what: &str, worth: f64, trials: &[CvScore]) -> Option<usize> {
-        let (place, choice) = choose_worth(what, trials, worth)?;
-        self.choices.push(choice);
-        Some(place)
+    fn choose(&mut self, what: &str, worth: f64, trials: &[CvScore]) -> usize {
+        choose_worth(what, trials, worth).map_or(0, |(place, choice)| {
+            self.choices.push(choice);
+            place
+        })
     }
 
-    /// Adds joint angles to a term, one at a time, while held-out rows are predicted better.
+    /// Adds joint angles to a term of an energy library whose order is open, one at a time, while
+    /// held-out rows are predicted better.
     fn grow(&mut self) -> Result<Option<CrossValidation<'a>>, IdentifyError> {
+        if self.options.library != (LibraryKind::Energy { interaction: None }) {
+            return Ok(None);
+        }
+        let n = self.survey.joints.len();
         let (mut trials, mut validations) = (Vec::<CvScore>::new(), Vec::new());
-        for order in 1..=self.survey.joints.len() {
-            let library = LibraryKind::Energy { interaction: Some(order) };
-            let (n, regression) = (self.survey.joints.len(), self.options.regression);
-            let laws = self.friction.clone();
-            let candidates = Candidates::with_friction(n, library, regression, laws)?;
-            if order > 1 && candidates.len() > MOST_CANDIDATES {
+        for order in 1..=n {
+            let size = energy_library_size(n, Some(order)) + self.friction.len();
+            if order > 1 && size > MOST_CANDIDATES {
                 break;
             }
-            let validation = CrossValidation::new(self.survey, candidates)?;
+            let library = LibraryKind::Energy { interaction: Some(order) };
+            let validation = self.validation(library, self.friction.clone())?;
             trials.push(validation.trial(format!("{order}"), None, &self.selector)?);
             validations.push(validation);
             // One more look: a pair of orders may help where one alone does not.
@@ -147,36 +147,30 @@ impl<'a> ModelSelection<'a> {
                 break;
             }
         }
-        let Some(place) = self.choose("joint angles in a term", 0.0, &trials) else {
-            return Ok(None);
-        };
+        let place = self.choose("joint angles in a term", 0.0, &trials);
         self.library = LibraryKind::Energy { interaction: Some(place + 1) };
         Ok(Some(validations.swap_remove(place)))
     }
 
-    /// Chooses how sharply friction reverses, with all laws of its kind.
-    fn choose_reversal(&mut self) -> Result<(CrossValidation<'a>, FrictionLibrary), IdentifyError> {
-        let (mut ways, mut trials) = (Vec::new(), Vec::new());
+    /// Chooses how sharply friction reverses, with all laws of its kind; then which laws, where that
+    /// is open.
+    fn choose_friction(&mut self) -> Result<(), IdentifyError> {
+        let (mut widths, mut trials) = (Vec::new(), Vec::new());
         for part in WIDTHS {
             let laws = FrictionLibrary::with_width(self.survey.dq_peak.clone(), part);
             let validation = self.validation(self.library, laws.of(self.options.friction))?;
             trials.push(validation.trial(reversal_label(part), None, &self.selector)?);
-            ways.push((validation, laws));
+            widths.push((validation, laws));
         }
-        let place = self.choose(REVERSAL, 0.0, &trials).unwrap_or(0);
-        let (validation, laws) = ways.swap_remove(place);
+        let place = self.choose(REVERSAL, 0.0, &trials);
+        let (validation, laws) = widths.swap_remove(place);
         self.friction = laws.of(self.options.friction);
-        Ok((validation, laws))
-    }
-
-    fn choose_friction(
-        &mut self,
-        validation: &CrossValidation<'_>,
-        laws: &FrictionLibrary,
-    ) -> Result<(), IdentifyError> {
+        if self.options.friction != FrictionKind::Auto {
+            return Ok(());
+        }
         let stribeck = laws.of(FrictionKind::Stribeck);
         let alike = stribeck.iter().filter(|law| law.direction.is_both()).cloned().collect();
-        let ways = [
+        let offers = [
             ("none", Vec::new()),
             ("linear", laws.of(FrictionKind::Linear)),
             ("stribeck", alike),
@@ -185,27 +179,9 @@ impl<'a> ModelSelection<'a> {
         let trial = |(label, laws): &(&str, Vec<FrictionTerm>)| {
             validation.trial((*label).into(), Some(laws), &self.selector)
         };
-        let trials = ways.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
-        if let Some(place) = self.choose("friction", WORTH, &trials) {
-            self.friction.clone_from(&ways[place].1);
-        }
-        Ok(())
-    }
-
-    fn choose_ebic_gamma(
-        &mut self,
-        criterion: Criterion,
-        validation: &CrossValidation<'_>,
-    ) -> Result<(), IdentifyError> {
-        let gammas = STRICTER.map(|times| times * criterion.gamma);
-        let stricter = |gamma| Selector::Criterion(Criterion { gamma });
-        let trial = |&gamma: &f64| {
-            validation.trial(format!("{gamma}"), Some(&self.friction), &stricter(gamma))
-        };
-        let trials = gammas.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
-        if let Some(place) = self.choose("EBIC gamma", 0.0, &trials) {
-            self.selector = stricter(gammas[place]);
-        }
+        let trials = offers.iter().map(trial).collect::<Result<Vec<_>, _>>()?;
+        let place = self.choose("friction", WORTH, &trials);
+        self.friction.clone_from(&offers[place].1);
         Ok(())
     }
 }
@@ -223,16 +199,15 @@ impl<'a> CrossValidation<'a> {
     fn new(survey: &'a Survey, candidates: Candidates) -> Result<Self, IdentifyError> {
         let (m, n) = (survey.sample.n_rows(), survey.joints.len());
         let prepared = Prepared::cheaper(&candidates.design, n, m / BLOCKS);
-        let blocks = (0..BLOCKS)
-            .into_par_iter()
-            .map(|block| {
-                let rows = survey.sample.select(&split(m, block).0);
-                let rows = clear_of_reversals(&rows, &candidates.friction);
-                let mut sums = RowAdder::new(&prepared);
-                sums.push(samples_of(&rows, &candidates.friction)?)?;
-                Ok(sums.finish()?.all_grams(&prepared))
-            })
-            .collect::<Result<_, IdentifyError>>()?;
+        let of_block = |block| {
+            let rows = survey.sample.select(&split(m, block).0);
+            let rows = clear_of_reversals(&rows, &candidates.friction);
+            let mut sums = RowAdder::new(&prepared);
+            sums.push(samples_of(&rows, &candidates.friction)?)?;
+            Ok(sums.finish()?.all_grams(&prepared))
+        };
+        let blocks = (0..BLOCKS).into_par_iter().map(of_block);
+        let blocks = blocks.collect::<Result<_, IdentifyError>>()?;
         let groups = candidates.groups();
         Ok(Self { survey, candidates, groups, blocks })
     }
@@ -253,50 +228,32 @@ impl<'a> CrossValidation<'a> {
         let offered: Vec<usize> = columns.iter().copied().filter(is_offered).collect();
         let complexity = offered.len();
         let step = Step { pattern: None, offered, columns };
-        let errors = (0..BLOCKS)
-            .map(|block| self.error(block, &step, selector))
-            .collect::<Result<_, _>>()?;
+        let errors = (0..BLOCKS).map(|block| self.error(block, &step, selector));
+        let errors = errors.collect::<Result<_, _>>()?;
         Ok(CvScore { label, complexity, errors })
     }
 
     /// Geometric mean over the joints of RMSE on a block over the spread of the torque.
-    fn error(&self, block: usize, step: &Step, selector: &Selector) -> Result<f64, IdentifyError> {
-        let rest = self.equations((0..BLOCKS).filter(|&other| other != block))?;
-        let judge = self.equations(std::iter::once(block))?;
-        let errors: Vec<f64> = self
-            .groups
-            .par_iter()
-            .map(|group| {
-                let mut known = vec![0.0; self.candidates.len()];
-                for (column, weight) in step::select(step, &rest, group, &known, selector)? {
-                    known[column] = weight;
-                }
-                Ok(group
-                    .equations
-                    .iter()
-                    .filter_map(|&(equation, joint)| {
-                        let left = step::unexplained(&judge, equation, joint, &known);
-                        let spread = self.survey.torque_std[joint];
-                        let rms = (left / judge[equation].rows.max(1.0)).sqrt();
-                        (spread > 0.0).then(|| (rms / spread).max(LEAST_ERROR).ln())
-                    })
-                    .collect::<Vec<f64>>())
-            })
-            .collect::<Result<Vec<_>, torquewise_regression::SparseError>>()?
-            .concat();
-        Ok((errors.iter().sum::<f64>() / errors.len().max(1) as f64).exp())
-    }
-
-    /// The normal equations of some blocks together.
-    fn equations(
-        &self,
-        blocks: impl Iterator<Item = usize>,
-    ) -> Result<Vec<NormalEquations>, IdentifyError> {
-        let mut blocks = blocks.map(|block| &self.blocks[block]);
-        let mut sums = blocks.next().cloned().unwrap_or_default();
-        for block in blocks {
-            sums.iter_mut().zip(block).try_for_each(|(sum, more)| sum.add(more, 1.0))?;
+    fn error(&self, block: usize, step: &Step, selector: &Selector) -> Result<f64, SparseError> {
+        let mut others = (0..BLOCKS).filter(|&other| other != block);
+        let mut rest = others.next().map_or_else(Vec::new, |first| self.blocks[first].clone());
+        for other in others {
+            let mut pairs = rest.iter_mut().zip(&self.blocks[other]);
+            pairs.try_for_each(|(sum, more)| sum.add(more, 1.0))?;
         }
-        Ok(sums)
+        let (judge, spread) = (&self.blocks[block], &self.survey.torque_std);
+        let of_group = |group: &Group| {
+            let mut known = vec![0.0; self.candidates.len()];
+            step::take_step(step, &rest, group, &mut known, selector)?;
+            let moving = group.joints.iter().filter(|joint| spread[**joint] > 0.0);
+            let error = |&joint: &usize| {
+                let left = step::unexplained(judge, joint, &known);
+                let rms = (left / of_joint(judge, joint).0.rows.max(1.0)).sqrt();
+                (rms / spread[joint]).max(LEAST_ERROR).ln()
+            };
+            Ok(moving.map(error).collect::<Vec<f64>>())
+        };
+        let errors = self.groups.par_iter().map(of_group);
+        Ok(mean(&errors.collect::<Result<Vec<_>, SparseError>>()?.concat()).exp())
     }
 }

@@ -4,7 +4,7 @@
 use crate::candidates::{columns_of_energies, columns_of_terms};
 use crate::error::IdentifyError;
 use crate::patterns::{PatternPlan, Patterns, find_patterns};
-use crate::rows::{Gathering, cut, samples_of};
+use crate::rows::{PatternSums, samples_of};
 use crate::step;
 use crate::survey::survey;
 use faer::Mat;
@@ -16,10 +16,9 @@ use torquewise_model::library::{
 use torquewise_model::{Kind, Term};
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::design::Design;
+use torquewise_regression::design::{Column, Design};
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{Prepared, RowAdder};
-use torquewise_regression::samples::Samples;
+use torquewise_regression::row_sums::{Prepared, RowSums};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,35 +99,47 @@ pub fn orders(
         return Err(IdentifyError::ConstantTorque(survey.joints[joint].clone()));
     }
     let patterns = find_patterns(&survey, &plan.patterns)?;
-    let n = survey.joints.len();
+    let (n, rows) = (survey.joints.len(), survey.rows);
     let ladders = ladders(n, plan, &patterns)?;
-    let halves = accumulate(recording, &patterns, &ladders, survey.rows)?;
-    (ladders.iter().zip(&halves))
-        .map(|(ladder, (rows, halves))| ladder.sweep(*rows, halves, &survey.torque_std))
+    let prepared: Vec<Prepared> =
+        ladders.iter().map(|ladder| Prepared::cheaper(&ladder.design, n, rows)).collect();
+    // Pieces of one size, or one half would get all the remainders.
+    let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
+    let empty = |(ladder, prepared): (&Ladder, _)| {
+        PatternSums::new(ladder.pattern, (n, 0), prepared, (2, piece))
+    };
+    let mut sums: Vec<PatternSums<'_>> = ladders.iter().zip(&prepared).map(empty).collect();
+    let mut add = |block: &Motion| -> Result<(), ReadError> {
+        let (samples, labels) = (samples_of(block, &[])?, patterns.label(block));
+        Ok(sums.par_iter_mut().try_for_each(|sums| sums.add(&samples, &labels))?)
+    };
+    recording.read(&mut |_, block| add(block)).map_err(IdentifyError::Read)?;
+    (ladders.iter().zip(&prepared).zip(sums))
+        .map(|((ladder, prepared), sums)| {
+            let halves = sums.finish()?;
+            let rows = halves.iter().map(RowSums::rows).sum();
+            let halves: Vec<_> = halves.iter().map(|half| half.all_grams(prepared)).collect();
+            ladder.climb(rows, &halves, &survey.torque_std)
+        })
         .collect()
 }
 
 /// A library with the columns of each of its orders.
-struct OrderSweep {
-    name: String,
+struct Ladder {
+    name: &'static str,
     pattern: Option<Pattern>,
     design: Design,
     /// (order, motion order, columns)
     rungs: Vec<(u8, u8, Vec<usize>)>,
 }
 
-fn ladders(
-    n: usize,
-    plan: &OrderPlan,
-    patterns: &Patterns,
-) -> Result<Vec<OrderSweep>, IdentifyError> {
-    let mut ladders = vec![whole_ladder(n, plan.whole_order)?];
-    for &pattern in &patterns.present {
-        ladders.push(step_ladder(n, plan.trig_order, pattern)?);
-    }
+fn ladders(n: usize, plan: &OrderPlan, patterns: &Patterns) -> Result<Vec<Ladder>, IdentifyError> {
+    let steps = patterns.present.iter().map(|&pattern| step_ladder(n, plan.trig_order, pattern));
     let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
-    ladders.push(energy_ladder(n, interaction)?);
-    Ok(ladders)
+    std::iter::once(whole_ladder(n, plan.whole_order))
+        .chain(steps)
+        .chain(std::iter::once(energy_ladder(n, interaction)))
+        .collect()
 }
 
 /// The highest order up to `largest` whose library is small enough to be fitted whole.
@@ -137,24 +148,21 @@ fn feasible(largest: u8, size: impl Fn(u8) -> usize) -> u8 {
 }
 
 /// One-shot SINDy: N₁ at N₂ ≤ 1, then at N₂ ≤ 2.
-fn whole_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
+fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
     let degrees = Degree::up_to(2);
     let largest = feasible(largest, |order| product_library_size(n, order, &degrees));
     let terms = product_library(n, largest, &degrees);
     let rungs = (1..=2).flat_map(|motion| (1..=largest).map(move |order| (order, motion)));
-    OrderSweep::of_terms(n, ("SINDy", None), &terms, rungs, |term, order, motion| {
-        trig_order(term) <= order && motion_order(term) <= motion
+    let equations = columns_of_terms(&terms, 0);
+    Ladder::new(n, ("SINDy", None), &equations, rungs, |column, order, motion| {
+        trig_order(&terms[column]) <= order && motion_order(&terms[column]) <= motion
     })
 }
 
 /// One step: its own part of the library at N₁, beside the parts of the steps before at the
 /// largest.
-fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<OrderSweep, IdentifyError> {
-    let kinds: &[Kind] = match pattern {
-        Pattern::Standstill => &[Kind::Gravity],
-        Pattern::UniformVelocity => &[Kind::Gravity, Kind::Coriolis],
-        Pattern::VariableVelocity => &[Kind::Gravity, Kind::Coriolis, Kind::Inertia],
-    };
+fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<Ladder, IdentifyError> {
+    let kinds = &[Kind::Gravity, Kind::Coriolis, Kind::Inertia][..=pattern as usize];
     let own = kinds[kinds.len() - 1];
     // What an order adds to the step before shows only if the step before is not short of it.
     let degrees: Vec<Degree> = kinds.iter().map(|&kind| Degree::of(kind)).collect();
@@ -166,23 +174,20 @@ fn step_ladder(n: usize, largest: u8, pattern: Pattern) -> Result<OrderSweep, Id
     let largest = feasible(largest, size);
     let mut terms = product_library(n, largest.min(BEFORE), before);
     terms.extend(product_library(n, largest, added));
-    let rungs = (1..=largest).map(|order| (order, 0));
-    OrderSweep::of_terms(n, (pattern.name(), Some(pattern)), &terms, rungs, |term, order, _| {
-        term.kind() != own || trig_order(term) <= order
+    let (equations, rungs) = (columns_of_terms(&terms, 0), (1..=largest).map(|order| (order, 0)));
+    Ladder::new(n, (pattern.name(), Some(pattern)), &equations, rungs, |column, order, _| {
+        terms[column].kind() != own || trig_order(&terms[column]) <= order
     })
 }
 
-fn energy_ladder(n: usize, largest: u8) -> Result<OrderSweep, IdentifyError> {
+fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
     let largest = feasible(largest, |order| energy_library_size(n, Some(order.into())));
     let terms = energy_library(n, Some(largest.into()));
-    let rungs = (1..=largest)
-        .map(|order| {
-            let fits = |&column: &usize| terms[column].function.interaction() <= usize::from(order);
-            (order, 0, (0..terms.len()).filter(fits).collect())
-        })
-        .collect();
-    let design = Design::new(n, 2 * n, &columns_of_energies(&terms, n))?;
-    Ok(OrderSweep { name: "energy".into(), pattern: None, design, rungs })
+    let equations = columns_of_energies(&terms, n, 0);
+    let rungs = (1..=largest).map(|order| (order, 0));
+    Ladder::new(n, ("energy", None), &equations, rungs, |column, order, _| {
+        terms[column].function.interaction() <= usize::from(order)
+    })
 }
 
 fn trig_order(term: &Term) -> u8 {
@@ -193,136 +198,58 @@ fn motion_order(term: &Term) -> u8 {
     term.dq.iter().chain(&term.ddq).sum()
 }
 
-/// Sums of the even and of the odd blocks of each ladder's rows.
-type Halves = [Vec<NormalEquations>; 2];
-
-fn accumulate(
-    recording: &(impl Recording + ?Sized),
-    patterns: &Patterns,
-    ladders: &[OrderSweep],
-    rows: usize,
-) -> Result<Vec<(usize, Halves)>, IdentifyError> {
-    let n = recording.joints().len();
-    let prepared: Vec<Prepared> =
-        ladders.iter().map(|ladder| Prepared::cheaper(&ladder.design, n, rows)).collect();
-    // Pieces of one size, or one half would get all the remainders.
-    let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
-    let mut bins: Vec<Bin<'_>> = (ladders.iter().zip(&prepared))
-        .map(|(ladder, design)| Bin {
-            gathering: Gathering::new(ladder.pattern, n, 0),
-            design,
-            halves: [RowAdder::new(design), RowAdder::new(design)],
-            rows: 0,
-            next: 0,
-            piece,
-        })
-        .collect();
-    let mut add = |block: &Motion| -> Result<(), ReadError> {
-        let (samples, labels) = (samples_of(block, &[])?, patterns.label(block));
-        bins.par_iter_mut().try_for_each(|bin| bin.add(&samples, &labels))?;
-        Ok(())
-    };
-    recording.read(&mut |_, block| add(block)).map_err(IdentifyError::Read)?;
-    let halves = bins.into_par_iter().map(Bin::finish).collect::<Result<_, _>>()?;
-    Ok(halves)
-}
-
-/// Rows of one ladder on their way to its halves.
-struct Bin<'a> {
-    gathering: Gathering,
-    design: &'a Prepared,
-    halves: [RowAdder<'a>; 2],
-    rows: usize,
-    /// The half that the next piece belongs to.
-    next: usize,
-    /// Rows of a piece.
-    piece: usize,
-}
-
-impl Bin<'_> {
-    fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Result<(), SparseError> {
-        for full in self.gathering.add(samples, labels) {
-            self.deal(full)?;
-        }
-        Ok(())
-    }
-
-    fn deal(&mut self, samples: Samples) -> Result<(), SparseError> {
-        self.rows += samples.n_rows();
-        for piece in cut(samples, self.piece) {
-            self.halves[self.next].push(piece)?;
-            self.next = 1 - self.next;
-        }
-        Ok(())
-    }
-
-    fn finish(mut self) -> Result<(usize, Halves), SparseError> {
-        if let Some(rest) = self.gathering.take() {
-            self.deal(rest)?;
-        }
-        let [even, odd] = self.halves.map(RowAdder::finish);
-        Ok((self.rows, [even?.all_grams(self.design), odd?.all_grams(self.design)]))
-    }
-}
-
-impl OrderSweep {
-    /// - `rungs`: (order, motion order), of terms that `fits` accepts at these
-    fn of_terms(
+impl Ladder {
+    /// - `rungs`: (order, motion order), of columns that `fits` accepts at these
+    fn new(
         n: usize,
-        (name, pattern): (&str, Option<Pattern>),
-        terms: &[Term],
+        (name, pattern): (&'static str, Option<Pattern>),
+        equations: &[Vec<Column>],
         rungs: impl Iterator<Item = (u8, u8)>,
-        fits: impl Fn(&Term, u8, u8) -> bool,
+        fits: impl Fn(usize, u8, u8) -> bool,
     ) -> Result<Self, IdentifyError> {
-        let columns = |order, motion| {
-            (0..terms.len()).filter(|&column| fits(&terms[column], order, motion)).collect()
-        };
+        let design = Design::new(n, 2 * n, equations)?;
+        let all = 0..design.n_columns();
+        let columns =
+            |order, motion| all.clone().filter(|&column| fits(column, order, motion)).collect();
         let rungs = rungs.map(|(order, motion)| (order, motion, columns(order, motion))).collect();
-        let design = Design::new(n, 2 * n, &columns_of_terms(terms))?;
-        Ok(Self { name: name.into(), pattern, design, rungs })
+        Ok(Self { name, pattern, design, rungs })
     }
 
-    fn sweep(
+    /// - `halves`: the normal equations of each equation over the even and the odd pieces
+    fn climb(
         &self,
         rows: usize,
-        halves: &Halves,
+        halves: &[Vec<NormalEquations>],
         torque_std: &[f64],
     ) -> Result<OrderCurve, IdentifyError> {
+        let relative = |(joint, sum): (usize, f64)| {
+            (sum / rows.max(1) as f64).sqrt() / torque_std[joint].max(f64::MIN_POSITIVE)
+        };
         let mut points = Vec::with_capacity(self.rungs.len());
         for (order, motion_order, columns) in &self.rungs {
             let in_columns = |half: &Vec<NormalEquations>| -> Vec<_> {
                 half.iter().map(|part| part.restricted(columns)).collect()
             };
-            let halves = [in_columns(&halves[0]), in_columns(&halves[1])];
+            let halves: Vec<_> = halves.iter().map(in_columns).collect();
             let mut squares = [vec![0.0; torque_std.len()], vec![0.0; torque_std.len()]];
-            for [fitted, judged] in [[0, 1], [1, 0]] {
-                let weights = fit(&halves[fitted], torque_std)?;
-                for (sums, half) in squares.iter_mut().zip([judged, fitted]) {
+            for own in 0..2 {
+                let weights = fit(&halves[own], torque_std)?;
+                for (sums, half) in squares.iter_mut().zip([&halves[1 - own], &halves[own]]) {
                     for (joint, sum) in sums.iter_mut().enumerate() {
                         // Weights are shared by all joints, or each has its own.
                         let own = weights.col_as_slice(joint.min(weights.ncols() - 1));
-                        let half = &halves[half];
-                        let part = &half[joint.min(half.len() - 1)];
-                        *sum += part.residual_energy(own, step::response_index(half.len(), joint));
+                        let (gram, response) = step::of_joint(half, joint);
+                        *sum += gram.residual_energy(own, response);
                     }
                 }
             }
-            let [residual, fitted] = squares.map(|squares| {
-                let relative = |(sum, std): (f64, &f64)| {
-                    (sum / rows.max(1) as f64).sqrt() / std.max(f64::MIN_POSITIVE)
-                };
-                squares.into_iter().zip(torque_std).map(relative).collect::<Vec<f64>>()
-            });
-            points.push(OrderPoint {
-                order: *order,
-                motion_order: *motion_order,
-                candidates: columns.len(),
-                residual,
-                fitted,
-            });
+            let [residual, fitted] =
+                squares.map(|sums| sums.into_iter().enumerate().map(relative).collect());
+            let (order, motion_order, candidates) = (*order, *motion_order, columns.len());
+            points.push(OrderPoint { order, motion_order, candidates, residual, fitted });
         }
         let chosen = choose(&points);
-        Ok(OrderCurve { name: self.name.clone(), rows, points, chosen })
+        Ok(OrderCurve { name: self.name.into(), rows, points, chosen })
     }
 }
 
@@ -333,11 +260,11 @@ fn fit(half: &[NormalEquations], torque_std: &[f64]) -> Result<Mat<f64>, SparseE
         let rows = joints.rows.max(1.0);
         return NormalEquations { rows, ..joints.clone() }.checked()?.weights();
     }
-    let equations: Vec<(usize, usize)> = (0..half.len()).map(|joint| (joint, joint)).collect();
+    let joints: Vec<usize> = (0..half.len()).collect();
     let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
     let weights: Vec<f64> = torque_std.iter().map(weight).collect();
     let all: Vec<usize> = (0..half[0].n_columns()).collect();
-    step::weighted_problem(half, &equations, &weights, &vec![0.0; all.len()], &all)?.weights()
+    step::weighted_problem(half, &joints, &weights, &vec![0.0; all.len()], &all)?.weights()
 }
 
 /// The first point that no later one improves worthwhile. Ratios of all joints are multiplied, so

@@ -11,7 +11,7 @@ use crate::patterns::find_patterns;
 use crate::plan::{LibraryOptions, Regression};
 use crate::progress::Progress;
 use crate::refit::{FittedTerm, RefitPlan, Refitted, refit};
-use crate::step::{self, Step, one_shot, plan_steps};
+use crate::step::{self, Step, plan_steps};
 use crate::sums::LibrarySums;
 use crate::survey::Survey;
 use rayon::prelude::*;
@@ -55,10 +55,7 @@ pub fn reconstruct(
     // Gravity at standstill (14), Coriolis at uniform velocity (15), inertia at variable one (16);
     // the last fits all terms of M(q) anew, of which the second had a part.
     let candidates = &basis.candidates;
-    let (steps, unassigned) = match options.regression {
-        Regression::Stepwise => plan_steps(candidates, &patterns.present),
-        Regression::OneShot => (one_shot(candidates), Vec::new()),
-    };
+    let (steps, unassigned) = plan_steps(candidates, options.regression, &patterns.present);
     let mut model = PartialModel::new(candidates, choices);
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
@@ -112,7 +109,7 @@ impl<'a> PartialModel<'a> {
     fn new(candidates: &'a Candidates, choices: Vec<Choice>) -> Self {
         let groups = candidates.groups();
         let weights = vec![vec![0.0; candidates.len()]; groups.len()];
-        let row_weights = groups.iter().map(|group| vec![1.0; group.equations.len()]).collect();
+        let row_weights = groups.iter().map(|group| vec![1.0; group.joints.len()]).collect();
         let (stages, reports) = (Vec::new(), Vec::new());
         Self { candidates, groups, weights, row_weights, stages, reports, choices }
     }
@@ -126,21 +123,14 @@ impl<'a> PartialModel<'a> {
         selector: &Selector,
     ) -> Result<(), IdentifyError> {
         // Joints with coefficients of their own are independent regressions.
-        let found: Vec<_> = (self.groups.par_iter().zip(&self.weights))
-            .map(|(group, known)| step::select(step, grams, group, known, selector))
-            .collect::<Result<_, _>>()
+        (self.groups.par_iter().zip(&mut self.weights).zip(&mut self.row_weights))
+            .try_for_each(|((group, known), row_weights)| {
+                step::take_step(step, grams, group, known, selector)?;
+                let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
+                *row_weights = step::noise_weights(grams, group, &total);
+                Ok(())
+            })
             .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
-        for (place, found) in found.into_iter().enumerate() {
-            let known = &mut self.weights[place];
-            for &column in &step.offered {
-                known[column] = 0.0;
-            }
-            for (column, weight) in found {
-                known[column] = weight;
-            }
-            let total: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-            self.row_weights[place] = step::noise_weights(grams, &self.groups[place], &total);
-        }
         let terms = self.terms();
         let form = form(self.candidates, &terms);
         let friction = friction_of(self.candidates, &terms);

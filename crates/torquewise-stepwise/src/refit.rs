@@ -6,7 +6,7 @@ use crate::error::IdentifyError;
 use crate::noise::NoiseFloor;
 use crate::plan::LibraryOptions;
 use crate::rows::{clear_of_reversals, cut, samples_of};
-use crate::step::unexplained;
+use crate::step::{of_joint, unexplained};
 use crate::survey::Survey;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -45,18 +45,6 @@ pub(crate) struct RefitPlan<'a> {
     pub(crate) seed: u64,
 }
 
-impl RefitPlan<'_> {
-    /// Terms of less t² leave, of so many candidates.
-    fn least_t_squared(&self, candidates: usize) -> f64 {
-        match self.options.selector {
-            Selector::Criterion(criterion) => {
-                criterion.threshold(self.survey.rows as f64, candidates)
-            }
-            _ => 0.0,
-        }
-    }
-}
-
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
 const PRECISION: f64 = 1e-11;
 /// Memory of the sums of all parts of a log at most, unless a single one takes more.
@@ -87,22 +75,23 @@ pub(crate) fn refit(
     whole: &[Vec<NormalEquations>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
-    let fits: Vec<Fit<'_>> = kept
-        .iter()
-        .map(|kept| Fit::new(kept.with_normalised_weights(), candidates, plan.noise))
-        .collect::<Result<_, SparseError>>()?;
-    let (parts, sample) = (parts(kept), &plan.survey.sample);
-    let least_t_squared = plan.least_t_squared(candidates.len());
-    let pieces = pieces(sample, &candidates.friction, parts)?;
-    let scale = plan.survey.rows as f64 / sample.n_rows().max(1) as f64;
-    let draws = draws(scale);
-    (fits.iter().zip(whole))
-        .map(|(fit, grams)| {
+    let (RefitPlan { survey, options, noise, seed }, parts) = (plan, n_parts(kept));
+    let least_t_squared = match options.selector {
+        Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.len()),
+        _ => 0.0,
+    };
+    let pieces = pieces(&survey.sample, &candidates.friction, parts)?;
+    let scale = survey.rows as f64 / survey.sample.n_rows().max(1) as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
+    let draws = scale.ceil().clamp(1.0, MOST_DRAWS) as usize;
+    (kept.iter().zip(whole))
+        .map(|(kept, grams)| {
+            let fit = Fit::new(kept.clone(), candidates, noise)?;
             let mut base = FirstFit::new(&fit.kept, grams)?;
             let sums_at = |start: &[f64], draws: usize| {
                 let of_part = |part: usize| {
                     let own = pieces.iter().skip(part).step_by(parts);
-                    Ok(Part::new(&fit.normal_sums(start, draws, (plan.seed, part as u64), own)?))
+                    Ok(Part::new(&fit.normal_sums(start, draws, (*seed, part as u64), own)?))
                 };
                 (0..parts).into_par_iter().map(of_part).collect::<Result<Vec<_>, SparseError>>()
             };
@@ -110,7 +99,8 @@ pub(crate) fn refit(
                 base.refine(&(faer::Scale(scale) * gram_of(&sums_at(&base.coefficients, 0)?)))?;
             }
             let parts = sums_at(&base.coefficients, draws)?;
-            GroupRefit { fit, base: &base, grams, parts, scale, least_t_squared }.finish(plan)
+            let (fit, base) = (&fit, &base);
+            GroupRefit { fit, base, grams, parts, scale, least_t_squared, plan }.finish()
         })
         .collect()
 }
@@ -131,14 +121,8 @@ fn pieces(
     Ok(pieces)
 }
 
-/// How often noise is drawn for each row of a sample that stands for `scale` rows a row.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
-fn draws(scale: f64) -> usize {
-    scale.ceil().clamp(1.0, MOST_DRAWS) as usize
-}
-
 /// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
-fn parts(kept: &[ActiveSet]) -> usize {
+fn n_parts(kept: &[ActiveSet]) -> usize {
     // Half of each of three matrices in exact numbers, and all of it in plain ones.
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
@@ -182,36 +166,35 @@ struct GroupRefit<'a> {
     scale: f64,
     /// Terms of less t² leave.
     least_t_squared: f64,
+    plan: &'a RefitPlan<'a>,
 }
 
 impl GroupRefit<'_> {
-    fn finish(self, plan: &RefitPlan<'_>) -> Result<Refitted, IdentifyError> {
+    fn finish(self) -> Result<Refitted, IdentifyError> {
         let equations = self.equations(&vec![1.0; self.parts.len()]);
         let mut estimate = self.estimate(&equations, &self.independent(), self.least_t_squared);
-        let weights = estimate.active.iter().zip(&estimate.coefficients);
-        let least_size = plan.options.threshold.unwrap_or(0.0);
-        let large = weights.filter(|(_, weight)| weight.abs() > least_size);
-        let large: Vec<usize> = large.map(|(&column, _)| column).collect();
+        let least_size = self.plan.options.threshold.unwrap_or(0.0);
+        let is_large = |&place: &usize| estimate.coefficients[place].abs() > least_size;
+        let large: Vec<usize> = (0..estimate.active.len()).filter(is_large).collect();
         if large.len() < estimate.active.len() {
+            let large: Vec<usize> = large.iter().map(|&place| estimate.active[place]).collect();
             estimate = self.estimate(&equations, &large, 0.0);
         }
-        let inclusion = self.inclusion(plan, &estimate.active);
+        let (active, columns) = (&estimate.active, &self.fit.kept.columns);
+        let inclusion = self.inclusion(active);
         let exact = self.sharpen(&estimate)?;
-        let terms = (0..estimate.active.len())
-            .map(|place| Weighted {
-                term: self.fit.kept.columns[estimate.active[place]],
-                coefficient: exact[place],
-                std_error: estimate.std_errors[place],
-                inclusion: inclusion.as_ref().map(|shares| shares[estimate.active[place]]),
-            })
-            .collect();
-        let dropped = inclusion.iter().flatten().enumerate();
-        let dropped = dropped
-            .filter(|(j, share)| **share > 0.0 && !estimate.active.contains(j))
-            .map(|(j, &share)| (self.fit.kept.columns[j], share))
-            .collect();
-        let dependent = self.base.dependent.iter().map(|&j| self.fit.kept.columns[j]).collect();
-        let residual_rms = self.residual_rms(&estimate.active, &exact);
+        let term = |(place, &j): (usize, &usize)| Weighted {
+            term: columns[j],
+            coefficient: exact[place],
+            std_error: estimate.std_errors[place],
+            inclusion: inclusion.as_ref().map(|shares| shares[j]),
+        };
+        let terms = active.iter().enumerate().map(term).collect();
+        let shares = inclusion.iter().flatten().enumerate();
+        let dropped = shares.filter(|(j, share)| **share > 0.0 && !active.contains(j));
+        let dropped = dropped.map(|(j, &share)| (columns[j], share)).collect();
+        let dependent = self.base.dependent.iter().map(|&j| columns[j]).collect();
+        let residual_rms = self.residual_rms(active, &exact);
         Ok(Refitted { terms, dropped, dependent, residual_rms })
     }
 
@@ -267,19 +250,19 @@ impl GroupRefit<'_> {
 
     /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
     /// replacement, as there are, and the elimination is run again.
-    fn inclusion(&self, plan: &RefitPlan<'_>, active: &[usize]) -> Option<Vec<f64>> {
-        let p = self.fit.n_columns();
+    fn inclusion(&self, active: &[usize]) -> Option<Vec<f64>> {
+        let (p, bags) = (self.fit.n_columns(), self.plan.options.bags);
         let filled: Vec<usize> =
             (0..self.parts.len()).filter(|&part| self.parts[part].rows > 0.0).collect();
-        if plan.options.bags == 0 || filled.len() < LEAST_PARTS {
+        if bags == 0 || filled.len() < LEAST_PARTS {
             return None;
         }
         let all = self.independent();
         let columns = if p > MOST_BAGGED { active } else { &all };
-        let rounds: Vec<Vec<usize>> = (0..plan.options.bags)
+        let rounds: Vec<Vec<usize>> = (0..bags)
             .into_par_iter()
             .map(|round| {
-                let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
+                let mut random = ChaCha8Rng::seed_from_u64(self.plan.seed);
                 random.set_stream(BAGS + round as u64);
                 let mut weights = vec![0.0; self.parts.len()];
                 for _ in 0..filled.len() {
@@ -292,28 +275,26 @@ impl GroupRefit<'_> {
         for j in rounds.into_iter().flatten() {
             counts[j] += 1;
         }
-        Some(counts.into_iter().map(|count| count as f64 / plan.options.bags as f64).collect())
+        Some(counts.into_iter().map(|count| count as f64 / bags as f64).collect())
     }
 
-    /// RMS of what the final coefficients leave of each equation \[N·m\].
+    /// RMS of what the final coefficients leave of each joint \[N·m\].
     fn residual_rms(&self, active: &[usize], coefficients: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.fit.n_columns()];
         active.iter().zip(coefficients).for_each(|(&j, c)| all[j] = *c);
-        let of_equation = |&(equation, response): &(usize, usize)| {
-            let left = unexplained(self.grams, equation, response, &all);
-            (left / self.grams[equation].rows.max(1.0)).sqrt()
-        };
-        if !self.base.is_explained {
-            return self.fit.kept.group.equations.iter().map(of_equation).collect();
-        }
-        // Normal equations keep too few digits to say how little is left: the sample says it.
         let rows: f64 = self.parts.iter().map(|part| part.rows).sum();
-        (0..self.fit.kept.group.equations.len())
-            .map(|equation| {
-                let squares = self.parts.iter().map(|part| part.rows * part.left[equation]);
-                (squares.sum::<f64>() / rows.max(1.0)).sqrt()
-            })
-            .collect()
+        let of_joint = |(place, &joint): (usize, &usize)| {
+            let mean = if self.base.is_explained {
+                // Normal equations keep too few digits to say how little is left: the sample does.
+                let squares = self.parts.iter().map(|part| part.rows * part.left[place]);
+                squares.sum::<f64>() / rows.max(1.0)
+            } else {
+                let rows = of_joint(self.grams, joint).0.rows;
+                unexplained(self.grams, joint, &all) / rows.max(1.0)
+            };
+            mean.sqrt()
+        };
+        self.fit.kept.group.joints.iter().enumerate().map(of_joint).collect()
     }
 
     /// The coefficients of an estimate to full precision where all is explained and no noise was

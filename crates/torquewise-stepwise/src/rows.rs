@@ -4,6 +4,8 @@ use faer::Mat;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{BLOCK_ROWS, Motion, MotionError, Pattern};
+use torquewise_regression::SparseError;
+use torquewise_regression::row_sums::{Prepared, RowAdder, RowSums};
 use torquewise_regression::samples::Samples;
 
 /// The rows of a motion in the words of a regression.
@@ -82,32 +84,41 @@ pub(crate) fn cut(samples: Samples, rows: usize) -> Vec<Samples> {
 /// Rows of a piece at least.
 const LEAST_PIECE: usize = 16;
 
-/// Rows of one pattern on their way to full blocks.
-#[derive(Debug)]
-pub(crate) struct Gathering {
+/// Sums over the rows of a pattern, which are gathered to full blocks and dealt out in turn.
+pub(crate) struct PatternSums<'a> {
     /// Whose rows; `None` for all.
     pattern: Option<Pattern>,
     /// A block, whose first rows are held.
     block: Samples,
     held: usize,
+    /// Rows of a piece.
+    piece: usize,
+    sums: Vec<RowAdder<'a>>,
+    /// The sum that the next piece belongs to.
+    next: usize,
 }
 
-impl Gathering {
-    /// - `pattern`: whose rows; `None` for all
-    /// - `friction`: number of laws
-    pub(crate) fn new(pattern: Option<Pattern>, n_joints: usize, friction: usize) -> Self {
+impl<'a> PatternSums<'a> {
+    /// - `widths`: number of joints and of laws of friction
+    /// - `parts`: number of sums that pieces of so many rows are dealt out to
+    pub(crate) fn new(
+        pattern: Option<Pattern>,
+        (n_joints, friction): (usize, usize),
+        prepared: &'a Prepared,
+        (parts, piece): (usize, usize),
+    ) -> Self {
         let empty = |columns| Mat::zeros(BLOCK_ROWS, columns);
         let block = Samples {
             angles: empty(n_joints),
             variables: empty(2 * n_joints + friction),
             responses: empty(n_joints),
         };
-        Self { pattern, block, held: 0 }
+        let sums = (0..parts).map(|_| RowAdder::new(prepared)).collect();
+        Self { pattern, block, held: 0, piece, sums, next: 0 }
     }
 
-    /// Adds the rows of its pattern; blocks come out when there are enough.
-    pub(crate) fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Vec<Samples> {
-        let mut full = Vec::new();
+    /// Adds the rows of its pattern.
+    pub(crate) fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Result<(), SparseError> {
         for (row, &label) in labels.iter().enumerate() {
             if self.pattern.is_some_and(|pattern| pattern != label) {
                 continue;
@@ -118,15 +129,25 @@ impl Gathering {
             responses.row_mut(self.held).copy_from(samples.responses.row(row));
             self.held += 1;
             if self.held == BLOCK_ROWS {
-                full.extend(self.take());
+                self.deal()?;
             }
         }
-        full
+        Ok(())
     }
 
-    /// The rows still held, if any.
-    pub(crate) fn take(&mut self) -> Option<Samples> {
-        let held = std::mem::take(&mut self.held);
-        (held > 0).then(|| self.block.rows(0, held))
+    fn deal(&mut self) -> Result<(), SparseError> {
+        for piece in cut(self.block.rows(0, std::mem::take(&mut self.held)), self.piece) {
+            self.sums[self.next].push(piece)?;
+            self.next = (self.next + 1) % self.sums.len();
+        }
+        Ok(())
+    }
+
+    /// The sums of all rows.
+    pub(crate) fn finish(mut self) -> Result<Vec<RowSums>, SparseError> {
+        if self.held > 0 {
+            self.deal()?;
+        }
+        self.sums.into_iter().map(RowAdder::finish).collect()
     }
 }

@@ -2,6 +2,7 @@
 //! leave unexplained.
 
 use crate::candidates::{Candidates, Group};
+use crate::plan::Regression;
 use torquewise_motion::Pattern;
 use torquewise_regression::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
@@ -28,10 +29,19 @@ impl Step {
     }
 }
 
-/// The steps a log allows: the candidates of a pattern it does not show join the next step.
+/// The steps a log allows: the candidates of a pattern it does not show join the next step; the one
+/// step of one-shot SINDy.
 ///
 /// Returns the steps and the candidates that no pattern is left for.
-pub fn plan_steps(candidates: &Candidates, present: &[Pattern]) -> (Vec<Step>, Vec<usize>) {
+pub fn plan_steps(
+    candidates: &Candidates,
+    regression: Regression,
+    present: &[Pattern],
+) -> (Vec<Step>, Vec<usize>) {
+    if regression == Regression::OneShot {
+        let columns: Vec<usize> = (0..candidates.len()).collect();
+        return (vec![Step { pattern: None, offered: columns.clone(), columns }], Vec::new());
+    }
     let mut steps: Vec<Step> = Vec::new();
     let (mut waiting, mut known) = (Vec::new(), Vec::new());
     for pattern in Pattern::ALL {
@@ -46,79 +56,66 @@ pub fn plan_steps(candidates: &Candidates, present: &[Pattern]) -> (Vec<Step>, V
     (steps, ascending(waiting))
 }
 
-/// The one step of one-shot SINDy.
-pub fn one_shot(candidates: &Candidates) -> Vec<Step> {
-    let columns: Vec<usize> = (0..candidates.len()).collect();
-    vec![Step { pattern: None, offered: columns.clone(), columns }]
-}
-
 fn ascending(mut columns: Vec<usize>) -> Vec<usize> {
     columns.sort_unstable();
     columns.dedup();
     columns
 }
 
-/// Selects among the offered columns of a step, given what is known.
+/// Finds the offered columns of a step anew, given what is known.
 ///
+/// - `grams`: of each equation, in the columns of the step
 /// - `known`: weight of each column of the library, p
-/// - returns: (column of the library, weight) of the offered columns that stay
 ///
 /// Rows of several joints are divided by their own noise, or the strong joints drown the wrist:
 /// first the unexplained torque, then the residual of the first fit stands for it.
-pub(crate) fn select(
+pub(crate) fn take_step(
     step: &Step,
     grams: &[NormalEquations],
     group: &Group,
-    known: &[f64],
+    known: &mut [f64],
     selector: &Selector,
-) -> Result<Vec<(usize, f64)>, SparseError> {
-    let before: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
-    // What is offered is found anew; only the rest of what is known counts as explained.
-    let mut fixed = before.clone();
-    let offered: Vec<usize> = step
-        .offered
-        .iter()
-        .copied()
-        .filter(|column| !group.of_other_joints.contains(column))
-        .collect();
-    let places: Vec<usize> =
-        offered.iter().filter_map(|column| step.columns.binary_search(column).ok()).collect();
-    for &place in &places {
-        fixed[place] = 0.0;
+) -> Result<(), SparseError> {
+    for &column in &step.offered {
+        known[column] = 0.0;
     }
-    let mut weights = noise_weights(grams, group, &fixed);
-    let mut found = None;
-    for _ in 0..if group.equations.len() > 1 { ROUNDS } else { 1 } {
-        let problem = weighted_problem(grams, &group.equations, &weights, &fixed, &places)?;
+    let is_own = |column: &usize| !group.of_other_joints.contains(column);
+    let places: Vec<usize> = (step.offered.iter().copied().filter(is_own))
+        .filter_map(|column| step.columns.binary_search(&column).ok())
+        .collect();
+    // Only the rest of what is known counts as explained.
+    let fixed: Vec<f64> = step.columns.iter().map(|&column| known[column]).collect();
+    let mut total = fixed.clone();
+    for _ in 0..if group.joints.len() > 1 { ROUNDS } else { 1 } {
+        let weights = noise_weights(grams, group, &total);
+        let problem = weighted_problem(grams, &group.joints, &weights, &fixed, &places)?;
         let selection = selector.select(&problem)?;
-        let mut total = fixed.clone();
         for (&place, &weight) in places.iter().zip(&selection.coefficients) {
             total[place] = weight;
         }
-        weights = noise_weights(grams, group, &total);
-        found = Some(selection);
     }
-    let Some(selection) = found else { return Ok(Vec::new()) };
-    let active = selection.active.iter();
-    Ok(active.map(|&j| (offered[j], selection.coefficients[j])).collect())
+    for &place in &places {
+        known[step.columns[place]] = total[place];
+    }
+    Ok(())
 }
 
 /// Normal equations of some columns for the torque that `fixed` weights of all leave unexplained.
 ///
-/// - `equations`: (equation, response) pairs, added up with their `weights`
+/// - `joints`: their equations are added up with their `weights`
 /// - `places`: the columns
 pub(crate) fn weighted_problem(
     grams: &[NormalEquations],
-    equations: &[(usize, usize)],
+    joints: &[usize],
     weights: &[f64],
     fixed: &[f64],
     places: &[usize],
 ) -> Result<NormalEquations, SparseError> {
     let mut sum = NormalEquations::zeros(places.len(), 1);
-    for (&(equation, response), &weight) in equations.iter().zip(weights) {
-        let own = response_index(grams.len(), response);
-        let mut left = grams[equation].left_by(fixed, own, places);
-        left.energy[0] = unexplained(grams, equation, response, fixed);
+    for (&joint, &weight) in joints.iter().zip(weights) {
+        let (gram, response) = of_joint(grams, joint);
+        let mut left = gram.left_by(fixed, response, places);
+        left.energy[0] = unexplained(grams, joint, fixed);
         sum.add(&left, weight)?;
     }
     sum.rows = sum.rows.max(1.0);
@@ -127,32 +124,24 @@ pub(crate) fn weighted_problem(
 
 /// One over the unexplained variance of each joint of a group.
 pub(crate) fn noise_weights(grams: &[NormalEquations], group: &Group, total: &[f64]) -> Vec<f64> {
-    group
-        .equations
-        .iter()
-        .map(|&(equation, response)| {
-            let rows = grams[equation].rows;
-            let left = unexplained(grams, equation, response, total);
-            if left > 0.0 { rows / left } else { 1.0 }
-        })
-        .collect()
+    let weight = |&joint: &usize| {
+        let left = unexplained(grams, joint, total);
+        if left > 0.0 { of_joint(grams, joint).0.rows / left } else { 1.0 }
+    };
+    group.joints.iter().map(weight).collect()
 }
 
-/// ‖τ − Y c‖² of one equation, at least what rounding leaves of it.
-pub(crate) fn unexplained(
-    grams: &[NormalEquations],
-    equation: usize,
-    response: usize,
-    total: &[f64],
-) -> f64 {
-    let (own, part) = (response_index(grams.len(), response), &grams[equation]);
-    part.residual_energy(total, own).max(ROUNDING * part.energy[own])
+/// ‖τ − Y c‖² of one joint, at least what rounding leaves of it.
+pub(crate) fn unexplained(grams: &[NormalEquations], joint: usize, total: &[f64]) -> f64 {
+    let (gram, response) = of_joint(grams, joint);
+    gram.residual_energy(total, response).max(ROUNDING * gram.energy[response])
 }
 
 /// Sums over rows keep about 13 digits.
 const ROUNDING: f64 = 1e-13;
 
-/// Place of a response in the cross products of its equation.
-pub(crate) fn response_index(n_equations: usize, response: usize) -> usize {
-    if n_equations == 1 { response } else { 0 }
+/// The normal equations of a joint, and the place of its torque in them: one equation serves all
+/// joints, or each has its own.
+pub(crate) fn of_joint(grams: &[NormalEquations], joint: usize) -> (&NormalEquations, usize) {
+    if let [all] = grams { (all, joint) } else { (&grams[joint], 0) }
 }

@@ -4,14 +4,14 @@ use crate::error::IdentifyError;
 use crate::library::{Basis, SummedLibrary};
 use crate::noise::{NoiseFloor, NoiseSum};
 use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns};
-use crate::rows::{Gathering, clear_of_reversals, samples_of};
+use crate::rows::{PatternSums, clear_of_reversals, samples_of};
 use crate::step::Step;
 use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_motion::{Motion, Pattern, ReadError};
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError};
 use torquewise_regression::SparseError;
-use torquewise_regression::row_sums::{RowAdder, RowSums};
+use torquewise_regression::row_sums::RowSums;
 
 /// What logs were summed up to for a library.
 #[derive(Clone, Debug)]
@@ -77,12 +77,7 @@ pub struct PatternAccumulator<'a> {
     patterns: &'a Patterns,
     friction: &'a [FrictionTerm],
     noise: NoiseSum,
-    bins: Vec<Bin<'a>>,
-}
-
-struct Bin<'a> {
-    gathering: Gathering,
-    adder: RowAdder<'a>,
+    sums: Vec<PatternSums<'a>>,
 }
 
 impl<'a> PatternAccumulator<'a> {
@@ -90,14 +85,11 @@ impl<'a> PatternAccumulator<'a> {
     ///
     /// - `parts`: the patterns whose rows are summed apart; `None` stands for all rows
     pub fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
-        let n = basis.candidates.n_joints;
-        let friction = &basis.candidates.friction[..];
-        let bin = |&pattern: &Option<Pattern>| Bin {
-            gathering: Gathering::new(pattern, n, friction.len()),
-            adder: RowAdder::new(&basis.prepared),
-        };
-        let bins = parts.iter().map(bin).collect();
-        Self { patterns, friction, noise: NoiseSum::new(n), bins }
+        let (n, friction) = (basis.candidates.n_joints, &basis.candidates.friction[..]);
+        let widths = (n, friction.len());
+        let empty = |&part| PatternSums::new(part, widths, &basis.prepared, (1, BLOCK_ROWS));
+        let sums = parts.iter().map(empty).collect();
+        Self { patterns, friction, noise: NoiseSum::new(n), sums }
     }
 
     /// Adds a block of the log.
@@ -105,21 +97,14 @@ impl<'a> PatternAccumulator<'a> {
     /// # Errors
     /// [`ReadError`] if it holds no torque, or numbers too large to be summed.
     pub fn add(&mut self, block: &Motion) -> Result<(), ReadError> {
-        let labels = self.patterns.label(block);
+        let mut labels = self.patterns.label(block);
         self.noise.add(block, |row| labels[row] == Pattern::Standstill);
-        match clear_of_reversals(block, self.friction) {
-            Cow::Borrowed(block) => self.add_rows(block, &labels),
-            Cow::Owned(block) => self.add_rows(&block, &self.patterns.label(&block)),
+        let clear = clear_of_reversals(block, self.friction);
+        if let Cow::Owned(clear) = &clear {
+            labels = self.patterns.label(clear);
         }
-    }
-
-    fn add_rows(&mut self, block: &Motion, labels: &[Pattern]) -> Result<(), ReadError> {
-        let samples = samples_of(block, self.friction)?;
-        for bin in &mut self.bins {
-            for full in bin.gathering.add(&samples, labels) {
-                bin.adder.push(full)?;
-            }
-        }
+        let samples = samples_of(&clear, self.friction)?;
+        self.sums.iter_mut().try_for_each(|sums| sums.add(&samples, &labels))?;
         Ok(())
     }
 
@@ -128,12 +113,7 @@ impl<'a> PatternAccumulator<'a> {
     /// # Errors
     /// [`SparseError`] if its numbers are too large to be summed.
     pub fn finish(self) -> Result<(Vec<RowSums>, NoiseSum), SparseError> {
-        let sums = self.bins.into_iter().map(|mut bin| {
-            if let Some(rest) = bin.gathering.take() {
-                bin.adder.push(rest)?;
-            }
-            bin.adder.finish()
-        });
-        Ok((sums.collect::<Result<_, _>>()?, self.noise))
+        let sums = self.sums.into_iter().map(PatternSums::finish);
+        Ok((sums.collect::<Result<Vec<_>, _>>()?.concat(), self.noise))
     }
 }

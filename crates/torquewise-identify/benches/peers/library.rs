@@ -1,6 +1,6 @@
 //! The whole library of SINDy, three joints: least squares, STLSQ, the path of the LASSO.
 
-use crate::trial::{N, grams, moves, timed, write, write_motion, write_terms};
+use crate::trial::{N, grams, moves, select_each, timed, write, write_motion, write_terms};
 use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -48,8 +48,7 @@ fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     for (name, ridge) in [("stlsq", 0.05), ("stlsq_without_ridge", 0.0)] {
         let (active, seconds) = timed(name, || {
             let stlsq = Stlsq { ridge, ..Stlsq::default() };
-            let selected = stlsq.select_each(&all);
-            let selected = selected.expect("settings within range");
+            let selected = select_each(&stlsq, &all);
             selected.iter().map(|selection| selection.active.len()).sum::<usize>()
         });
         out[name] = seconds;

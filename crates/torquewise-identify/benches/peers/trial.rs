@@ -2,15 +2,17 @@
 
 use cpu_time::ProcessTime;
 use faer::Mat;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::time::Instant;
 use torquewise_identify::score;
 use torquewise_model::Model;
 use torquewise_motion::{BLOCK_ROWS, Motion};
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::normal_equations::{NormalEquations, Selection};
 use torquewise_regression::row_sums::{Prepared, RowAdder};
 use torquewise_regression::samples::Samples;
+use torquewise_regression::select::stlsq::Stlsq;
 use torquewise_sim::{Arm, MotionKind, MotionPlan, Noise, add_noise, simulate};
 use torquewise_stepwise::candidates::{Candidates, Terms};
 
@@ -60,7 +62,6 @@ pub(crate) fn grams(
     repeats: usize,
 ) -> Vec<NormalEquations> {
     let n = motion.n_joints();
-    let columns: Vec<usize> = (0..candidates.len()).collect();
     let prepared = Prepared::cheaper(&candidates.design, n, repeats * motion.n_rows());
     let mut adder = RowAdder::new(&prepared);
     for _ in 0..repeats {
@@ -68,8 +69,17 @@ pub(crate) fn grams(
             adder.push(block).expect("a block that fits");
         }
     }
-    let sums = adder.finish().expect("sums within range");
-    sums.grams(&prepared, &columns)
+    adder.finish().expect("sums within range").all_grams(&prepared)
+}
+
+/// The terms of each response.
+pub(crate) fn select_each(stlsq: &Stlsq, problem: &NormalEquations) -> Vec<Selection> {
+    let all: Vec<usize> = (0..problem.n_columns()).collect();
+    let own = |response| {
+        let own = problem.left_by(&[], response, &all);
+        stlsq.select(&own).expect("settings within range")
+    };
+    (0..problem.cross.ncols()).into_par_iter().map(own).collect()
 }
 
 /// Work that takes less than so many seconds is done [`AGAIN`] times: the median counts.

@@ -2,8 +2,6 @@
 
 use crate::error::SparseError;
 use crate::normal_equations::{NormalEquations, Selection, require};
-use faer::Mat;
-use rayon::prelude::*;
 
 /// Fit, drop the small weights, fit again, until none is small; then least squares on the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,54 +31,31 @@ impl Stlsq {
     /// # Errors
     /// [`SparseError::Setting`] if threshold or ridge are negative or not finite.
     pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
-        let mut selected = self.select_each(problem)?.into_iter();
-        selected.next().ok_or(SparseError::Shape { what: "responses", found: 0, expected: 1 })
-    }
-
-    /// The same for every response: one factorisation serves their first fits.
-    ///
-    /// # Errors
-    /// As [`Self::select`].
-    pub fn select_each(&self, problem: &NormalEquations) -> Result<Vec<Selection>, SparseError> {
         require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")?;
         require("ridge", self.ridge, self.ridge >= 0.0, "zero or more")?;
         let columns = 0..problem.n_columns();
-        let usable: Vec<usize> = columns.filter(|&j| problem.column_scale(j) > 0.0).collect();
-        let responses = 0..problem.cross.ncols();
-        let first = problem.solve(&usable, responses.clone(), self.ridge)?;
-        responses
-            .into_par_iter()
-            .map(|response| {
-                let mut dependent = first.dependent.clone();
-                let mut active = self.survivors(&usable, &first.values, response);
-                let mut before = usable.len();
-                for _ in 1..MOST_FITS {
-                    if active.len() == before {
-                        break;
-                    }
-                    let fit = problem.solve(&active, response..response + 1, self.ridge)?;
-                    dependent.extend(fit.dependent);
-                    before = active.len();
-                    active = self.survivors(&active, &fit.values, 0);
-                }
-                let mut selection = problem.refit_of(response, &active)?;
-                selection.dependent.extend(dependent);
-                selection.dependent.sort_unstable();
-                Ok(selection)
-            })
-            .collect()
-    }
-
-    /// The columns of `active` whose weight in a fit is large enough.
-    fn survivors(&self, active: &[usize], weights: &Mat<f64>, response: usize) -> Vec<usize> {
-        let large = |&&j: &&usize| weights[(j, response)].abs() > self.threshold;
-        active.iter().filter(large).copied().collect()
+        let mut active: Vec<usize> = columns.filter(|&j| problem.column_scale(j) > 0.0).collect();
+        let mut gone = Vec::new();
+        for _ in 0..MOST_FITS {
+            let fit = problem.solve(&active, self.ridge)?;
+            gone.extend(fit.dependent);
+            let before = active.len();
+            active.retain(|&j| fit.values[(j, 0)].abs() > self.threshold);
+            if active.len() == before {
+                break;
+            }
+        }
+        let mut selection = problem.refit(&active)?;
+        selection.dependent.extend(gone);
+        selection.dependent.sort_unstable();
+        Ok(selection)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::Mat;
 
     fn diagonal(weights: &[f64]) -> NormalEquations {
         let gram = Mat::from_fn(weights.len(), weights.len(), |i, j| f64::from(i == j) * 100.0);

@@ -139,15 +139,3 @@ fn a_column_without_information_is_left_out() {
     assert_eq!(found.active, [0]);
     assert_eq!(found.coefficients, [0.25]);
 }
-
-#[test]
-fn equations_without_columns_have_an_empty_estimate() {
-    let none = Equations {
-        information: Mat::zeros(0, 0),
-        right: Vec::new(),
-        spread: Mat::zeros(0, 0),
-        floor: Vec::new(),
-    };
-
-    assert_eq!(eliminate(&none, 1.0).active, []);
-}

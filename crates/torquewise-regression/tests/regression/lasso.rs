@@ -85,23 +85,6 @@ proptest! {
             prop_assert!(rough.sweeps <= sweeps);
         }
     }
-
-    #[test]
-    fn orthonormal_columns_are_soft_thresholded(
-        cross in prop::collection::vec(-5.0..5.0_f64, 1..20),
-    ) {
-        let size = cross.len();
-        let energy: f64 = cross.iter().map(|b| b * b).sum();
-        let gram = Mat::from_fn(size, size, |i, j| f64::from(i == j));
-        let problem = NormalEquations::new(gram, &cross, energy, 1.0).unwrap();
-
-        for point in lasso_path(&problem, &EXACT).unwrap() {
-            for (weight, b) in point.coefficients.iter().zip(&cross) {
-                let expected = b.signum() * (b.abs() - point.lambda).max(0.0);
-                prop_assert!((weight - expected).abs() < 1e-14 * energy.sqrt());
-            }
-        }
-    }
 }
 
 #[test]
