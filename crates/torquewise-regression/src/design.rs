@@ -42,6 +42,10 @@ impl Design {
                 expect("the powers of a monomial", atom.monomial.powers.len(), n_variables)?;
             }
         }
+        Ok(Self::numbered(n_angles, n_variables, equations))
+    }
+
+    fn numbered(n_angles: usize, n_variables: usize, equations: &[Vec<Column>]) -> Self {
         let (mut waves, mut monomials) = (Numbering::new(), Numbering::new());
         let mut pair = |a: &Atom| (waves.place(&a.wave), monomials.place(&a.monomial));
         let mut atoms: Vec<(usize, usize)> =
@@ -53,7 +57,7 @@ impl Design {
         let equations =
             equations.iter().map(|columns| columns.iter().map(&mut column).collect()).collect();
         let (waves, monomials) = (waves.values, monomials.values);
-        Ok(Self { waves, monomials, atoms, equations, n_angles, n_variables })
+        Self { waves, monomials, atoms, equations, n_angles, n_variables }
     }
 
     /// Number of columns p.
@@ -67,10 +71,7 @@ impl Design {
     }
 
     /// The library of the columns named by `columns`, in that order.
-    ///
-    /// # Errors
-    /// None in practice: the atoms of a design fit it.
-    pub fn subset(&self, columns: &[usize]) -> Result<Self, SparseError> {
+    pub fn subset(&self, columns: &[usize]) -> Self {
         let spell = |&(atom, weight): &(usize, f64)| {
             let (wave, monomial) = self.atoms[atom];
             let (wave, monomial) = (self.waves[wave].clone(), self.monomials[monomial].clone());
@@ -82,6 +83,6 @@ impl Design {
             .iter()
             .map(|all| columns.iter().map(|&j| column(all, j)).collect())
             .collect();
-        Self::new(self.n_angles, self.n_variables, &equations)
+        Self::numbered(self.n_angles, self.n_variables, &equations)
     }
 }

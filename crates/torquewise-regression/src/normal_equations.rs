@@ -216,7 +216,11 @@ impl NormalEquations {
     /// # Errors
     /// [`SparseError::Column`] if an active column is not below p.
     pub fn refit(&self, active: &[usize]) -> Result<Selection, SparseError> {
-        let Solution { values, dependent } = self.solve(active, 0.0)?;
+        let columns = self.n_columns();
+        if let Some(&column) = active.iter().find(|&&j| j >= columns) {
+            return Err(SparseError::Column { column, columns });
+        }
+        let Solution { values, dependent } = self.solve(active, 0.0);
         let coefficients = values.col_as_slice(0).to_vec();
         let mut active = ascending(active);
         active.retain(|j| dependent.binary_search(j).is_err());
@@ -225,21 +229,14 @@ impl NormalEquations {
     }
 
     /// Least-squares weights of every response on all columns, p×r: one factorisation serves all.
-    ///
-    /// # Errors
-    /// None in practice: all columns are below p.
-    pub fn weights(&self) -> Result<Mat<f64>, SparseError> {
-        let all: Vec<usize> = (0..self.n_columns()).collect();
-        Ok(self.solve(&all, 0.0)?.values)
+    pub fn weights(&self) -> Mat<f64> {
+        self.solve(&(0..self.n_columns()).collect::<Vec<_>>(), 0.0).values
     }
 
     /// Ridge regression of each response on the columns `active`, min ‖y − Y c‖² + ridge ‖c‖²: the
     /// weight of every column, p×r, and which of those asked for have none.
-    pub(crate) fn solve(&self, active: &[usize], ridge: f64) -> Result<Solution, SparseError> {
+    pub(crate) fn solve(&self, active: &[usize], ridge: f64) -> Solution {
         let (columns, cross) = (self.n_columns(), &self.cross);
-        if let Some(&column) = active.iter().find(|&&j| j >= columns) {
-            return Err(SparseError::Column { column, columns });
-        }
         let (used, mut dependent): (Vec<usize>, Vec<usize>) =
             ascending(active).into_iter().partition(|&j| self.column_scale(j) > 0.0);
 
@@ -255,7 +252,7 @@ impl NormalEquations {
         }
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
-        Ok(Solution { values, dependent })
+        Solution { values, dependent }
     }
 
     /// Lower triangle of the Gram matrix of some columns, each divided by its length, with ridge.

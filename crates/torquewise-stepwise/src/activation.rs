@@ -59,24 +59,21 @@ impl ActivationIndex {
 
     fn scaled(rates: MatRef<'_, f64>) -> Self {
         let n = rates.ncols();
-        let mut scale: Vec<f64> = (0..n)
-            .map(|joint| {
-                let mut sizes: Vec<f64> = rates.col(joint).iter().map(|a| a.abs()).collect();
-                quantile(&mut sizes, RANGE_QUANTILE)
-            })
-            .collect();
+        let range = |joint: usize| {
+            let mut sizes: Vec<f64> = rates.col(joint).iter().map(|a| a.abs()).collect();
+            quantile(&mut sizes, RANGE_QUANTILE)
+        };
+        let mut scale: Vec<f64> = (0..n).map(range).collect();
         // A joint that hardly ever moves would blow its noise up to full range.
         let largest = scale.iter().copied().fold(0.0, f64::max);
         for s in &mut scale {
             *s = if largest > 0.0 { s.max(0.05 * largest) } else { 1.0 };
         }
-        let sizes: Vec<[f64; 1]> = (0..rates.nrows())
-            .map(|row| {
-                let norm: f64 =
-                    (0..n).map(|joint| (rates[(row, joint)] / scale[joint]).abs()).sum();
-                [norm.max(LEAST_RATE).ln()]
-            })
-            .collect();
+        let size = |row: usize| {
+            let norm: f64 = (0..n).map(|joint| (rates[(row, joint)] / scale[joint]).abs()).sum();
+            [norm.max(LEAST_RATE).ln()]
+        };
+        let sizes: Vec<[f64; 1]> = (0..rates.nrows()).map(size).collect();
         // Rows at rest and rows in motion form two clusters on a log scale, noise or not.
         let halfway = kmeans(&sizes, 2, 0)
             .map_or(0.0, |heaps| 0.5 * (heaps.centres[0][0] + heaps.centres[1][0]));
@@ -103,18 +100,14 @@ impl Activation {
 
     /// \[I(q̇) I(q̈)\] of each row of a motion, m.
     pub fn over(&self, motion: &Motion) -> Vec<[f64; 2]> {
-        let n = motion.n_joints();
-        let row_of = |rates: MatRef<'_, f64>, row: usize| -> Vec<f64> {
-            (0..n).map(|joint| rates[(row, joint)]).collect()
+        let index = |index: &ActivationIndex, rates: MatRef<'_, f64>, row: usize| {
+            index.of(&rates.row(row).iter().copied().collect::<Vec<f64>>())
         };
-        (0..motion.n_rows())
-            .map(|row| {
-                [
-                    self.velocity.of(&row_of(motion.dq(), row)),
-                    self.acceleration.of(&row_of(motion.ddq(), row)),
-                ]
-            })
-            .collect()
+        let pair = |row| {
+            let velocity = index(&self.velocity, motion.dq(), row);
+            [velocity, index(&self.acceleration, motion.ddq(), row)]
+        };
+        (0..motion.n_rows()).map(pair).collect()
     }
 }
 

@@ -54,24 +54,21 @@ pub struct Dropped {
     pub inclusion: f64,
 }
 
-/// The model form of fitted terms, per group.
-pub(crate) fn form(candidates: &Candidates, found: &[Vec<FittedTerm>]) -> Form {
-    match &candidates.terms {
+/// Fitted terms, per group, as a model has them: its form and its friction.
+pub(crate) fn model_terms(
+    candidates: &Candidates,
+    found: &[Vec<FittedTerm>],
+) -> (Form, Vec<Weighted<FrictionTerm>>) {
+    let form = match &candidates.terms {
         Terms::Torque(terms) => {
             Form::Torque(found.iter().map(|group| weigh(group, |j| terms.get(j))).collect())
         }
         Terms::Energy(terms) => {
             Form::Energy(found.iter().flat_map(|group| weigh(group, |j| terms.get(j))).collect())
         }
-    }
-}
-
-/// The friction among fitted terms, per group.
-pub(crate) fn friction_of(
-    candidates: &Candidates,
-    found: &[Vec<FittedTerm>],
-) -> Vec<Weighted<FrictionTerm>> {
-    found.iter().flat_map(|group| weigh(group, |column| candidates.law(column))).collect()
+    };
+    let laws = found.iter().flat_map(|group| weigh(group, |column| candidates.law(column)));
+    (form, laws.collect())
 }
 
 /// The fitted terms of a group that `term` knows.
@@ -89,20 +86,9 @@ fn weigh<'a, T: Clone + 'a>(
 
 /// Near-miss terms, by descending inclusion probability.
 pub(crate) fn dropped(candidates: &Candidates, refitted: &[Refitted]) -> Vec<Dropped> {
-    let mut dropped: Vec<Dropped> = refitted
-        .iter()
-        .flat_map(|group| &group.dropped)
-        .map(|&(column, inclusion)| Dropped { name: candidates.name(column), inclusion })
-        .collect();
+    let dropped = refitted.iter().flat_map(|group| &group.dropped);
+    let named = |&(column, inclusion)| Dropped { name: candidates.name(column), inclusion };
+    let mut dropped: Vec<Dropped> = dropped.map(named).collect();
     dropped.sort_by(|a, b| b.inclusion.total_cmp(&a.inclusion));
     dropped
-}
-
-/// Names of linearly dependent terms.
-pub(crate) fn dependent(candidates: &Candidates, refitted: &[Refitted]) -> Vec<String> {
-    let mut columns: Vec<usize> =
-        refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();
-    columns.sort_unstable();
-    columns.dedup();
-    columns.into_iter().map(|column| candidates.name(column)).collect()
 }

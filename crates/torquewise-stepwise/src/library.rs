@@ -71,12 +71,6 @@ impl SummedLibrary {
         Ok(Basis { candidates, prepared })
     }
 
-    /// Options with what was settled when rows were summed.
-    pub(crate) fn applied_to(&self, options: &LibraryOptions) -> LibraryOptions {
-        let (library, regression) = (self.kind, self.regression);
-        LibraryOptions { library, regression, ..options.clone() }
-    }
-
     /// The patterns whose rows are summed apart; `None` stands for all rows.
     pub fn parts(&self) -> Vec<Option<Pattern>> {
         match self.regression {

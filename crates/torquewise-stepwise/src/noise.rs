@@ -55,32 +55,26 @@ impl NoiseFloor {
     /// # Errors
     /// [`ModelError::JointCount`] if the motion is of another arm.
     pub fn in_torque(&self, torque: &Torque, motion: &Motion) -> Result<Mat<f64>, ModelError> {
+        let n = self.q.len();
         let mut variance = Mat::zeros(motion.n_rows(), motion.n_joints());
-        for (signal, sigmas) in [&self.q, &self.dq, &self.ddq].into_iter().enumerate() {
-            for (joint, &sigma) in sigmas.iter().enumerate().filter(|(_, sigma)| **sigma > 0.0) {
-                let [above, below] = [sigma, -sigma].map(|step| -> Result<Mat<f64>, ModelError> {
-                    let mut signals = motion.clone().into_signals();
-                    let shifted = match signal {
-                        0 => &mut signals.q,
-                        1 => &mut signals.dq,
-                        _ => &mut signals.ddq,
-                    };
-                    shifted.col_as_slice_mut(joint).iter_mut().for_each(|x| *x += step);
-                    torque.over(&Motion::new(signals)?.with_memory(motion.memory().cloned()))
-                });
-                faer::zip!(&mut variance, &above?, &below?)
-                    .for_each(|faer::unzip!(v, a, b)| *v += 0.25 * (*a - *b).powi(2));
-            }
+        for (place, &sigma) in self.deviations().enumerate().filter(|(_, sigma)| **sigma > 0.0) {
+            let [above, below] = [sigma, -sigma].map(|step| -> Result<Mat<f64>, ModelError> {
+                let mut signals = motion.clone().into_signals();
+                let shifted = [&mut signals.q, &mut signals.dq, &mut signals.ddq];
+                let column = shifted[place / n].col_mut(place % n);
+                column.iter_mut().for_each(|x| *x += step);
+                torque.over(&Motion::new(signals)?.with_memory(motion.memory().cloned()))
+            });
+            faer::zip!(&mut variance, &above?, &below?)
+                .for_each(|faer::unzip!(v, a, b)| *v += 0.25 * (*a - *b).powi(2));
         }
         Ok(variance)
     }
 
     /// Draws noise for so many rows, q, q̇ and q̈ side by side, m×3n.
     pub fn draw(&self, random: &mut impl Rng, rows: usize) -> Mat<f64> {
-        let deviations: Vec<f64> =
-            [&self.q, &self.dq, &self.ddq].into_iter().flatten().copied().collect();
-        let mut out = Mat::zeros(rows, deviations.len());
-        for (j, &sigma) in deviations.iter().enumerate() {
+        let mut out = Mat::zeros(rows, SIGNALS * self.q.len());
+        for (j, &sigma) in self.deviations().enumerate() {
             for value in out.col_as_slice_mut(j) {
                 let unit: f64 = StandardNormal.sample(random);
                 *value = sigma * unit;
@@ -91,7 +85,11 @@ impl NoiseFloor {
 
     /// Whether there is none.
     pub fn is_none(&self) -> bool {
-        [&self.q, &self.dq, &self.ddq].into_iter().flatten().all(|&sigma| sigma == 0.0)
+        self.deviations().all(|&sigma| sigma == 0.0)
+    }
+
+    fn deviations(&self) -> impl Iterator<Item = &f64> {
+        [&self.q, &self.dq, &self.ddq].into_iter().flatten()
     }
 }
 
@@ -182,8 +180,7 @@ impl NoiseSum {
 
     /// The noise of all rows, zero where it is unlikely to be noise.
     pub fn finish(&self) -> NoiseFloor {
-        let likely = |sigma: f64, peak: f64| if sigma > UNLIKELY * peak { 0.0 } else { sigma };
-        self.floor(likely)
+        self.floor(|sigma, peak| if sigma > UNLIKELY * peak { 0.0 } else { sigma })
     }
 
     /// The noise of rows known to stand still; `None` if they are too few.
@@ -213,10 +210,8 @@ fn variances(signals: &[ColRef<'_, f64>], starts: &[usize]) -> Vec<f64> {
         let terms = FOURTH_DIFFERENCE.iter().enumerate().map(|(k, c)| c * signal[row + k]);
         terms.sum::<f64>().abs()
     };
-    let differences: Vec<Vec<f64>> = signals
-        .iter()
-        .map(|signal| starts.iter().map(|&row| difference(signal, row)).collect())
-        .collect();
+    let of_signal = |signal| starts.iter().map(|&row| difference(signal, row)).collect();
+    let differences: Vec<Vec<f64>> = signals.iter().map(of_signal).collect();
     let limits: Vec<f64> =
         differences.iter().map(|sizes| JUMP * clipped_deviation(sizes)).collect();
     let is_smooth =

@@ -258,13 +258,14 @@ fn fit(half: &[NormalEquations], torque_std: &[f64]) -> Result<Mat<f64>, SparseE
     if let [joints] = half {
         // A half may have no rows.
         let rows = joints.rows.max(1.0);
-        return NormalEquations { rows, ..joints.clone() }.checked()?.weights();
+        return Ok(NormalEquations { rows, ..joints.clone() }.checked()?.weights());
     }
     let joints: Vec<usize> = (0..half.len()).collect();
     let weight = |std: &f64| std.max(f64::MIN_POSITIVE).powi(-2);
     let weights: Vec<f64> = torque_std.iter().map(weight).collect();
     let all: Vec<usize> = (0..half[0].n_columns()).collect();
-    step::weighted_problem(half, &joints, &weights, &vec![0.0; all.len()], &all)?.weights()
+    let none = vec![0.0; all.len()];
+    Ok(step::weighted_problem(half, &joints, &weights, &none, &all)?.weights())
 }
 
 /// The first point that no later one improves worthwhile. Ratios of all joints are multiplied, so

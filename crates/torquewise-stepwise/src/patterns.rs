@@ -58,33 +58,30 @@ pub struct Patterns {
 /// # Errors
 /// [`IdentifyError::Clusters`] if a number of clusters out of range is asked for.
 pub fn find_patterns(survey: &Survey, plan: &PatternPlan) -> Result<Patterns, IdentifyError> {
+    if let Some(wanted) = plan.clusters.filter(|k| !(1..=MOST_CLUSTERS).contains(k)) {
+        return Err(IdentifyError::Clusters(wanted));
+    }
     let activation = match plan.scaling {
         Scaling::Scaled => Activation::scaled(&survey.sample),
         Scaling::Paper => Activation::paper(survey.joints.len()),
     };
     let points = activation.over(&survey.sample);
-    if let Some(wanted) = plan.clusters.filter(|k| !(1..=MOST_CLUSTERS).contains(k)) {
-        return Err(IdentifyError::Clusters(wanted));
-    }
     let most = MOST_CLUSTERS.min(points.len());
-    let clusterings =
+    let mut clusterings =
         (1..=most).map(|k| kmeans(&points, k, plan.seed)).collect::<Result<Vec<_>, _>>()?;
-    let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
-    let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most.max(1));
-    let Some(clustering) = clusterings.into_iter().nth(chosen - 1) else {
+    if clusterings.is_empty() {
         return Err(IdentifyError::TooFewRows { rows: 0, needed: 1, joints: survey.joints.len() });
-    };
-    let names: Vec<Pattern> =
-        clustering.centres.iter().map(|centre| named(centre[0] > HALF, centre[1] > HALF)).collect();
-    let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&clustering.centres));
-    let centres = clustering.centres;
+    }
+    let inertia: Vec<f64> = clusterings.iter().map(|clustering| clustering.inertia).collect();
+    let chosen = plan.clusters.unwrap_or_else(|| elbow(&inertia)).clamp(1, most);
+    let centres = clusterings.swap_remove(chosen - 1).centres;
+    let names = centres.iter().map(|centre| named(centre[0] > HALF, centre[1] > HALF)).collect();
+    let switches = (plan.scaling == Scaling::Scaled).then(|| switches(&centres));
     let present = Pattern::ALL.to_vec();
     let mut patterns = Patterns { activation, centres, names, switches, inertia, present };
     let labels = patterns.label(&survey.sample);
-    patterns.present = Pattern::ALL
-        .into_iter()
-        .filter(|&pattern| is_genuine(survey, &patterns, &labels, pattern, plan.slow))
-        .collect();
+    let is_genuine = |&pattern: &Pattern| patterns.is_genuine(survey, &labels, pattern, plan.slow);
+    patterns.present = Pattern::ALL.into_iter().filter(is_genuine).collect();
     Ok(patterns)
 }
 
@@ -94,40 +91,6 @@ fn named(moves: bool, accelerates: bool) -> Pattern {
         (true, false) => Pattern::UniformVelocity,
         (false, false) => Pattern::Standstill,
     }
-}
-
-/// Whether a pattern has rows, and what should be zero in them is: the velocity at standstill, the
-/// acceleration at uniform velocity, but for noise and a small part of the range.
-///
-/// The printed index is taken at its word, to show what it does.
-fn is_genuine(
-    survey: &Survey,
-    patterns: &Patterns,
-    labels: &[Pattern],
-    pattern: Pattern,
-    slow: bool,
-) -> bool {
-    let activation = &patterns.activation;
-    let rows: Vec<usize> = (0..labels.len()).filter(|&row| labels[row] == pattern).collect();
-    if (rows.len() as f64) <= LEAST_SHARE * labels.len() as f64 {
-        return false;
-    }
-    let (rates, noise, scale) = match pattern {
-        Pattern::Standstill => (survey.sample.dq(), &survey.noise.dq, &activation.velocity.scale),
-        Pattern::UniformVelocity => {
-            (survey.sample.ddq(), &survey.noise.ddq, &activation.acceleration.scale)
-        }
-        Pattern::VariableVelocity => return true,
-    };
-    if patterns.switches.is_none() {
-        return true;
-    }
-    (0..survey.joints.len()).all(|joint| {
-        let squares: f64 = rows.iter().map(|&row| rates[(row, joint)].powi(2)).sum();
-        let range = if slow && pattern == Pattern::Standstill { SLOW } else { OF_RANGE };
-        let limit = (OF_NOISE * noise[joint]).max(range * scale[joint]);
-        (squares / rows.len() as f64).sqrt() <= limit
-    })
 }
 
 impl Patterns {
@@ -141,6 +104,31 @@ impl Patterns {
         self.present.len() == Pattern::ALL.len()
     }
 
+    /// Whether a pattern has rows, and what should be zero in them is: the velocity at standstill,
+    /// the acceleration at uniform velocity, but for noise and a small part of the range.
+    ///
+    /// The printed index is taken at its word, to show what it does.
+    fn is_genuine(&self, survey: &Survey, labels: &[Pattern], own: Pattern, slow: bool) -> bool {
+        let Activation { velocity, acceleration } = &self.activation;
+        let (sample, noise) = (&survey.sample, &survey.noise);
+        let rows: Vec<usize> = (0..labels.len()).filter(|&row| labels[row] == own).collect();
+        if (rows.len() as f64) <= LEAST_SHARE * labels.len() as f64 {
+            return false;
+        }
+        let range = if slow && own == Pattern::Standstill { SLOW } else { OF_RANGE };
+        let (rates, noise, scale) = match own {
+            Pattern::Standstill => (sample.dq(), &noise.dq, &velocity.scale),
+            Pattern::UniformVelocity => (sample.ddq(), &noise.ddq, &acceleration.scale),
+            Pattern::VariableVelocity => return true,
+        };
+        self.switches.is_none()
+            || (0..survey.joints.len()).all(|joint| {
+                let squares: f64 = rows.iter().map(|&row| rates[(row, joint)].powi(2)).sum();
+                let limit = (OF_NOISE * noise[joint]).max(range * scale[joint]);
+                (squares / rows.len() as f64).sqrt() <= limit
+            })
+    }
+
     /// Pattern of each row of a motion, m.
     ///
     /// With the scaled index, each of I(q̈) and I(q̇) is a switch that is on beyond the middle
@@ -152,7 +140,7 @@ impl Patterns {
             Some([velocity, acceleration]) => named(point[0] > velocity, point[1] > acceleration),
             None => self.nearest(point),
         };
-        let genuine = |name: Pattern| {
+        let genuine = |name| {
             if self.present.contains(&name) { name } else { Pattern::VariableVelocity }
         };
         self.activation.over(motion).iter().map(|point| genuine(name(point))).collect()
@@ -161,11 +149,8 @@ impl Patterns {
     fn nearest(&self, point: &[f64; 2]) -> Pattern {
         let distance =
             |centre: &[f64; 2]| (centre[0] - point[0]).powi(2) + (centre[1] - point[1]).powi(2);
-        let near = self
-            .centres
-            .iter()
-            .zip(&self.names)
-            .min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
+        let clusters = self.centres.iter().zip(&self.names);
+        let near = clusters.min_by(|(a, _), (b, _)| distance(a).total_cmp(&distance(b)));
         near.map_or(Pattern::VariableVelocity, |(_, &name)| name)
     }
 }

@@ -3,8 +3,8 @@
 use crate::active_set::ActiveSet;
 use crate::candidates::{Candidates, Group};
 use crate::error::IdentifyError;
-use crate::fit::{LibraryFit, StepReport, dependent, dropped, form, friction_of};
-use crate::library::Basis;
+use crate::fit::{LibraryFit, StepReport, dropped, model_terms};
+use crate::library::SummedLibrary;
 use crate::model_selection::{ModelSelection, select_model};
 use crate::noise::NoiseFloor;
 use crate::patterns::find_patterns;
@@ -15,6 +15,7 @@ use crate::step::{self, Step, plan_steps};
 use crate::sums::LibrarySums;
 use crate::survey::Survey;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage, Weighted};
 use torquewise_motion::Pattern;
@@ -43,12 +44,15 @@ pub fn reconstruct(
 
     // Library of candidates (4) (13), and what the options leave open, chosen on held-out rows.
     let mut basis = sums.library.basis(survey.joints.len())?;
-    let options = sums.library.applied_to(options);
-    let chosen = select_model(survey, &options, (&sums.library.friction, &sums.choices))?;
+    let SummedLibrary { kind: library, regression, friction } = &sums.library;
+    let mut options =
+        LibraryOptions { library: *library, regression: *regression, ..options.clone() };
+    let chosen = select_model(survey, &options, (friction, &sums.choices))?;
     let ModelSelection { library, selector, choices, .. } = chosen;
-    let options = LibraryOptions { selector, ..options };
+    options.selector = selector;
     basis.candidates.limit_to(library);
-    if options.regression == Regression::Stepwise {
+    let is_stepwise = options.regression == Regression::Stepwise;
+    if is_stepwise {
         patterns.present = sums.assign_patterns(&basis, &patterns.present, survey.rows)?;
     }
 
@@ -56,12 +60,12 @@ pub fn reconstruct(
     // the last fits all terms of M(q) anew, of which the second had a part.
     let candidates = &basis.candidates;
     let (steps, unassigned) = plan_steps(candidates, options.regression, &patterns.present);
-    let mut model = PartialModel::new(candidates, choices);
+    let mut found = PartialModel::new(survey, candidates, choices);
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
         let rows = sums.of_step(step);
         let grams = rows.grams(&basis.prepared, &step.columns);
-        model.take_step(step, rows.rows(), &grams, &options.selector)?;
+        found.take_step(step, rows.rows(), &grams, &options.selector)?;
     }
 
     // All kept terms on all rows (E6), less the bias that noise leaves (E7).
@@ -69,16 +73,18 @@ pub fn reconstruct(
     let noise = sums.still.clone().unwrap_or_else(|| survey.noise.clone());
     let bias =
         if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
+    let kept = found.kept();
+    let all = sums.whole(&basis)?;
+    let whole: Vec<_> = kept.iter().map(|kept| all.grams(&basis.prepared, &kept.columns)).collect();
     let plan = RefitPlan { survey, options: &options, noise: &bias, seed };
-    let refitted = model.refit(&sums, &basis, &plan)?;
+    let refitted = refit(candidates, &kept, &whole, &plan)?;
 
     progress(Progress::Done);
-    let missing = |pattern: &Pattern| !patterns.present.contains(pattern);
-    let missing = match options.regression {
-        Regression::Stepwise => Pattern::ALL.into_iter().filter(missing).collect(),
-        Regression::OneShot => Vec::new(),
-    };
-    let (model, steps) = model.finish(survey, &refitted);
+    let is_missing = |pattern: &Pattern| is_stepwise && !patterns.present.contains(pattern);
+    let missing = Pattern::ALL.into_iter().filter(is_missing).collect();
+    let dependent: BTreeSet<usize> =
+        refitted.iter().flat_map(|group| group.dependent.iter().copied()).collect();
+    let (model, steps) = found.finish(survey, &refitted);
     Ok(LibraryFit {
         model,
         patterns,
@@ -88,7 +94,7 @@ pub fn reconstruct(
         dropped: dropped(candidates, &refitted),
         missing,
         unassigned: unassigned.len(),
-        dependent: dependent(candidates, &refitted),
+        dependent: dependent.into_iter().map(|column| candidates.name(column)).collect(),
     })
 }
 
@@ -98,20 +104,19 @@ struct PartialModel<'a> {
     groups: Vec<Group>,
     /// Weight of each candidate, per group.
     weights: Vec<Vec<f64>>,
-    /// Weight of the rows of each equation, per group.
+    /// Weight of the rows of each joint, per group.
     row_weights: Vec<Vec<f64>>,
-    stages: Vec<Stage>,
+    model: Model,
     reports: Vec<StepReport>,
-    choices: Vec<Choice>,
 }
 
 impl<'a> PartialModel<'a> {
-    fn new(candidates: &'a Candidates, choices: Vec<Choice>) -> Self {
+    fn new(survey: &Survey, candidates: &'a Candidates, choices: Vec<Choice>) -> Self {
         let groups = candidates.groups();
         let weights = vec![vec![0.0; candidates.len()]; groups.len()];
         let row_weights = groups.iter().map(|group| vec![1.0; group.joints.len()]).collect();
-        let (stages, reports) = (Vec::new(), Vec::new());
-        Self { candidates, groups, weights, row_weights, stages, reports, choices }
+        let model = Model { joints: survey.joints.clone(), choices, ..Model::default() };
+        Self { candidates, groups, weights, row_weights, model, reports: Vec::new() }
     }
 
     /// Regresses what is unexplained on the rows of a step, and adds what was found.
@@ -131,78 +136,43 @@ impl<'a> PartialModel<'a> {
                 Ok(())
             })
             .map_err(|source| IdentifyError::Step { step: step.name().into(), source })?;
-        let terms = self.terms();
-        let form = form(self.candidates, &terms);
-        let friction = friction_of(self.candidates, &terms);
-        let mut active = form.active(self.candidates.n_joints);
-        for (joint, count) in active.iter_mut().enumerate() {
-            *count += friction.iter().filter(|law| law.term.acts_on(joint)).count();
-        }
-        self.reports.push(StepReport {
-            name: step.name(),
-            rows,
-            candidates: step.offered.len(),
-            active,
-        });
-        self.stages.push(Stage {
-            name: step.name().into(),
-            rows,
-            candidates: step.offered.len(),
-            form,
-            friction,
-        });
+        let (model, name, candidates) = (&mut self.model, step.name(), step.offered.len());
+        let terms: Vec<Vec<FittedTerm>> = self.weights.iter().map(|own| nonzero(own)).collect();
+        let (form, friction) = model_terms(self.candidates, &terms);
+        (model.form, model.friction) = (form.clone(), friction.clone());
+        self.reports.push(StepReport { name, rows, candidates, active: model.active() });
+        model.stages.push(Stage { name: name.into(), rows, candidates, form, friction });
         Ok(())
     }
 
-    /// What is found so far, per group; errors are not known yet.
-    fn terms(&self) -> Vec<Vec<FittedTerm>> {
-        let term = |(term, &coefficient): (usize, &f64)| {
-            (coefficient != 0.0).then_some(Weighted {
-                term,
-                coefficient,
-                std_error: 0.0,
-                inclusion: None,
-            })
-        };
-        let found = |weights: &Vec<f64>| weights.iter().enumerate().filter_map(term).collect();
-        self.weights.iter().map(found).collect()
-    }
-
-    fn refit(
-        &self,
-        sums: &LibrarySums,
-        basis: &Basis,
-        plan: &RefitPlan<'_>,
-    ) -> Result<Vec<Refitted>, IdentifyError> {
-        let kept: Vec<ActiveSet> = self
-            .terms()
-            .iter()
-            .zip(self.groups.iter().zip(&self.row_weights))
-            .map(|(found, (group, weights))| ActiveSet {
-                group: group.clone(),
-                columns: found.iter().map(|term| term.term).collect(),
-                weights: weights.clone(),
-            })
-            .collect();
-        let all = sums.whole(basis)?;
-        let whole = kept.iter().map(|kept| all.grams(&basis.prepared, &kept.columns));
-        let whole: Vec<_> = whole.collect();
-        refit(self.candidates, &kept, &whole, plan)
-    }
-
     /// The model of refitted terms, and the steps that led to it.
-    fn finish(self, survey: &Survey, refitted: &[Refitted]) -> (Model, Vec<StepReport>) {
+    fn finish(mut self, survey: &Survey, refitted: &[Refitted]) -> (Model, Vec<StepReport>) {
         let terms: Vec<_> = refitted.iter().map(|group| group.terms.clone()).collect();
-        let left = refitted.iter().flat_map(|group| group.residual_rms.iter().copied()).collect();
-        let model = Model {
-            joints: survey.joints.clone(),
-            form: form(self.candidates, &terms),
-            chain: None,
-            friction: friction_of(self.candidates, &terms),
-            stages: self.stages,
-            training: survey.training(left),
-            choices: self.choices,
-        };
-        (model, self.reports)
+        let left = refitted.iter().flat_map(|group| group.residual_rms.iter().copied());
+        (self.model.form, self.model.friction) = model_terms(self.candidates, &terms);
+        self.model.training = survey.training(left.collect());
+        (self.model, self.reports)
     }
+
+    /// What is found so far, to be fitted together.
+    fn kept(&self) -> Vec<ActiveSet<'a>> {
+        let groups = self.groups.iter().zip(&self.weights).zip(&self.row_weights);
+        let kept = groups.map(|((group, found), weights)| {
+            let columns = nonzero(found).into_iter().map(|term| term.term).collect();
+            ActiveSet::new(self.candidates, group.clone(), columns, weights)
+        });
+        kept.collect()
+    }
+}
+
+/// Terms that carry a weight; errors are not known yet.
+fn nonzero(weights: &[f64]) -> Vec<FittedTerm> {
+    let found = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+    let term = |(term, &coefficient): (usize, &f64)| Weighted {
+        term,
+        coefficient,
+        std_error: 0.0,
+        inclusion: None,
+    };
+    found.map(term).collect()
 }

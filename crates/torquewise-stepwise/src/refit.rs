@@ -1,12 +1,12 @@
 //! Coefficients, standard errors and inclusion of the kept terms, all fitted together (E6) (E7).
 
-use crate::active_set::{ActiveSet, FirstFit, Fit, with_response};
+use crate::active_set::ActiveSet;
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::noise::NoiseFloor;
 use crate::plan::LibraryOptions;
 use crate::rows::{clear_of_reversals, cut, samples_of};
-use crate::step::{of_joint, unexplained};
+use crate::step::{of_joint, unexplained, weighted_problem};
 use crate::survey::Survey;
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -16,7 +16,7 @@ use torquewise_model::{FrictionTerm, Weighted};
 use torquewise_motion::{Motion, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
-use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::normal_equations::{NormalEquations, Selection};
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::samples::Samples;
 use torquewise_regression::select::Selector;
@@ -56,6 +56,9 @@ const LEAST_PARTS: usize = 8;
 /// Above this many kept terms, only those of the final model are asked of resampled logs.
 const MOST_BAGGED: usize = 150;
 
+/// Where least squares leaves less than this part of the torque, squared, normal equations cannot
+/// say how much less: they keep about 13 digits.
+const EXPLAINED: f64 = 1e-10;
 /// Steps of iterative refinement: each leaves about ε times the condition of the Gram matrix of what
 /// was wrong.
 const REFINEMENTS: usize = 2;
@@ -71,36 +74,37 @@ const MOST_DRAWS: f64 = 16.0;
 /// - `whole`: normal equations of all rows in the kept columns of each group
 pub(crate) fn refit(
     candidates: &Candidates,
-    kept: &[ActiveSet],
+    kept: &[ActiveSet<'_>],
     whole: &[Vec<NormalEquations>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
-    let (RefitPlan { survey, options, noise, seed }, parts) = (plan, n_parts(kept));
+    let (RefitPlan { survey, options, noise, seed }, n_parts) = (plan, n_parts(kept));
     let least_t_squared = match options.selector {
         Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.len()),
         _ => 0.0,
     };
-    let pieces = pieces(&survey.sample, &candidates.friction, parts)?;
+    let pieces = pieces(&survey.sample, &candidates.friction, n_parts)?;
     let scale = survey.rows as f64 / survey.sample.n_rows().max(1) as f64;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
     let draws = scale.ceil().clamp(1.0, MOST_DRAWS) as usize;
     (kept.iter().zip(whole))
         .map(|(kept, grams)| {
-            let fit = Fit::new(kept.clone(), candidates, noise)?;
-            let mut base = FirstFit::new(&fit.kept, grams)?;
             let sums_at = |start: &[f64], draws: usize| {
                 let of_part = |part: usize| {
-                    let own = pieces.iter().skip(part).step_by(parts);
-                    Ok(Part::new(&fit.normal_sums(start, draws, (*seed, part as u64), own)?))
+                    let own = pieces.iter().skip(part).step_by(n_parts);
+                    let sums =
+                        kept.normal_sums(start, (*noise, draws), (*seed, part as u64), own)?;
+                    Ok(Part::new(&sums))
                 };
-                (0..parts).into_par_iter().map(of_part).collect::<Result<Vec<_>, SparseError>>()
+                (0..n_parts).into_par_iter().map(of_part).collect::<Result<Vec<_>, SparseError>>()
             };
-            for _ in 0..if base.is_explained { REFINEMENTS } else { 0 } {
-                base.refine(&(faer::Scale(scale) * gram_of(&sums_at(&base.coefficients, 0)?)))?;
+            let mut fit = GroupRefit::new(kept, grams, (scale, least_t_squared), plan)?;
+            for _ in 0..if fit.is_explained { REFINEMENTS } else { 0 } {
+                fit.parts = sums_at(&fit.coefficients, 0)?;
+                fit.refine()?;
             }
-            let parts = sums_at(&base.coefficients, draws)?;
-            let (fit, base) = (&fit, &base);
-            GroupRefit { fit, base, grams, parts, scale, least_t_squared, plan }.finish()
+            fit.parts = sums_at(&fit.coefficients, draws)?;
+            fit.finish()
         })
         .collect()
 }
@@ -122,7 +126,7 @@ fn pieces(
 }
 
 /// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
-fn n_parts(kept: &[ActiveSet]) -> usize {
+fn n_parts(kept: &[ActiveSet<'_>]) -> usize {
     // Half of each of three matrices in exact numbers, and all of it in plain ones.
     let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
     (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
@@ -147,19 +151,20 @@ impl Part {
     }
 }
 
-/// \[Y e\]ᵀ\[Y e\] of all parts.
-fn gram_of(parts: &[Part]) -> Mat<f64> {
-    let mut sum = parts[0].gram.clone();
-    parts[1..].iter().for_each(|part| sum += &part.gram);
-    sum
-}
-
 /// All that is known of one group.
 struct GroupRefit<'a> {
-    fit: &'a Fit<'a>,
-    base: &'a FirstFit,
+    kept: &'a ActiveSet<'a>,
     /// Normal equations of all rows, of each equation.
     grams: &'a [NormalEquations],
+    /// \[Y τ\]ᵀ\[Y τ\] of all rows, its equations weighted and added up, (p+1)×(p+1).
+    gram: Mat<f64>,
+    rows: f64,
+    /// Where the refit begins: plain least squares, p.
+    coefficients: Vec<f64>,
+    /// Columns that depend on others, ascending.
+    dependent: Vec<usize>,
+    /// Whether the torque is explained but for rounding.
+    is_explained: bool,
     /// What the parts of the sample say.
     parts: Vec<Part>,
     /// Rows that a row of the sample stands for.
@@ -169,7 +174,57 @@ struct GroupRefit<'a> {
     plan: &'a RefitPlan<'a>,
 }
 
-impl GroupRefit<'_> {
+impl<'a> GroupRefit<'a> {
+    fn new(
+        kept: &'a ActiveSet<'a>,
+        grams: &'a [NormalEquations],
+        (scale, least_t_squared): (f64, f64),
+        plan: &'a RefitPlan<'a>,
+    ) -> Result<Self, SparseError> {
+        let all: Vec<usize> = (0..kept.columns.len()).collect();
+        let (joints, none) = (&kept.group.joints, vec![0.0; all.len()]);
+        let equations = weighted_problem(grams, joints, &kept.weights, &none, &all)?;
+        let Selection { coefficients, dependent, .. } = equations.refit(&all)?;
+        let is_explained = joints.iter().all(|&joint| {
+            let (gram, response) = of_joint(grams, joint);
+            unexplained(grams, joint, &coefficients) <= EXPLAINED * gram.energy[response]
+        });
+        let (gram, rows, parts) = (equations.joined(), equations.rows, Vec::new());
+        Ok(Self {
+            kept,
+            grams,
+            gram,
+            rows,
+            coefficients,
+            dependent,
+            is_explained,
+            parts,
+            scale,
+            least_t_squared,
+            plan,
+        })
+    }
+
+    /// A step of iterative refinement: least squares of what the coefficients leave of the sample,
+    /// which stands for all rows.
+    fn refine(&mut self) -> Result<(), SparseError> {
+        let left = faer::Scale(self.scale) * self.left();
+        self.gram = with_response(&left, &self.coefficients);
+        let all: Vec<usize> = (0..self.coefficients.len()).collect();
+        let change = NormalEquations::of_joined(&left, self.rows)?.refit(&all)?;
+        self.dependent = change.dependent;
+        let weights = self.coefficients.iter_mut().zip(change.coefficients);
+        weights.for_each(|(weight, change)| *weight += change);
+        Ok(())
+    }
+
+    /// \[Y e\]ᵀ\[Y e\] of all parts.
+    fn left(&self) -> Mat<f64> {
+        let mut sum = self.parts[0].gram.clone();
+        self.parts[1..].iter().for_each(|part| sum += &part.gram);
+        sum
+    }
+
     fn finish(self) -> Result<Refitted, IdentifyError> {
         let equations = self.equations(&vec![1.0; self.parts.len()]);
         let mut estimate = self.estimate(&equations, &self.independent(), self.least_t_squared);
@@ -180,7 +235,7 @@ impl GroupRefit<'_> {
             let large: Vec<usize> = large.iter().map(|&place| estimate.active[place]).collect();
             estimate = self.estimate(&equations, &large, 0.0);
         }
-        let (active, columns) = (&estimate.active, &self.fit.kept.columns);
+        let (active, columns) = (&estimate.active, &self.kept.columns);
         let inclusion = self.inclusion(active);
         let exact = self.sharpen(&estimate)?;
         let term = |(place, &j): (usize, &usize)| Weighted {
@@ -193,7 +248,7 @@ impl GroupRefit<'_> {
         let shares = inclusion.iter().flatten().enumerate();
         let dropped = shares.filter(|(j, share)| **share > 0.0 && !active.contains(j));
         let dropped = dropped.map(|(j, &share)| (columns[j], share)).collect();
-        let dependent = self.base.dependent.iter().map(|&j| columns[j]).collect();
+        let dependent = self.dependent.iter().map(|&j| columns[j]).collect();
         let residual_rms = self.residual_rms(active, &exact);
         Ok(Refitted { terms, dropped, dependent, residual_rms })
     }
@@ -204,8 +259,8 @@ impl GroupRefit<'_> {
     /// What a part more or less changes in sums over m rows is what it changes in sums over the
     /// sample times the square root of how many rows each sampled one stands for.
     fn equations(&self, weights: &[f64]) -> Equations {
-        let p = self.fit.n_columns();
-        let start = &self.base.coefficients;
+        let p = self.coefficients.len();
+        let start = &self.coefficients;
         let (mut more, mut bias) = (Mat::<f64>::zeros(p + 1, p + 1), Mat::zeros(p + 1, p + 1));
         let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
         for (part, &weight) in self.parts.iter().zip(weights) {
@@ -220,7 +275,7 @@ impl GroupRefit<'_> {
                 rows += weight * part.rows;
             }
         }
-        let gram = &self.base.gram + with_response(&more, start);
+        let gram = &self.gram + with_response(&more, start);
         let bias = with_response(&bias, start);
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
         let information = |i, j| gram[(i, j)] - bias[(i, j)];
@@ -235,7 +290,7 @@ impl GroupRefit<'_> {
 
     /// Columns that do not depend on others.
     fn independent(&self) -> Vec<usize> {
-        (0..self.fit.n_columns()).filter(|j| !self.base.dependent.contains(j)).collect()
+        (0..self.coefficients.len()).filter(|j| !self.dependent.contains(j)).collect()
     }
 
     /// Eliminates among some columns; where the corrected equations cannot be solved, the plain fit
@@ -243,7 +298,7 @@ impl GroupRefit<'_> {
     fn estimate(&self, equations: &Equations, columns: &[usize], least: f64) -> Estimate {
         equations.eliminate(columns, least).unwrap_or_else(|| Estimate {
             active: columns.to_vec(),
-            coefficients: columns.iter().map(|&j| self.base.coefficients[j]).collect(),
+            coefficients: columns.iter().map(|&j| self.coefficients[j]).collect(),
             std_errors: vec![0.0; columns.len()],
         })
     }
@@ -251,7 +306,7 @@ impl GroupRefit<'_> {
     /// Share of resampled logs in which each kept term stays: as many parts are drawn, with
     /// replacement, as there are, and the elimination is run again.
     fn inclusion(&self, active: &[usize]) -> Option<Vec<f64>> {
-        let (p, bags) = (self.fit.n_columns(), self.plan.options.bags);
+        let (p, bags) = (self.coefficients.len(), self.plan.options.bags);
         let filled: Vec<usize> =
             (0..self.parts.len()).filter(|&part| self.parts[part].rows > 0.0).collect();
         if bags == 0 || filled.len() < LEAST_PARTS {
@@ -280,11 +335,11 @@ impl GroupRefit<'_> {
 
     /// RMS of what the final coefficients leave of each joint \[N·m\].
     fn residual_rms(&self, active: &[usize], coefficients: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; self.fit.n_columns()];
+        let mut all = vec![0.0; self.coefficients.len()];
         active.iter().zip(coefficients).for_each(|(&j, c)| all[j] = *c);
         let rows: f64 = self.parts.iter().map(|part| part.rows).sum();
         let of_joint = |(place, &joint): (usize, &usize)| {
-            let mean = if self.base.is_explained {
+            let mean = if self.is_explained {
                 // Normal equations keep too few digits to say how little is left: the sample does.
                 let squares = self.parts.iter().map(|part| part.rows * part.left[place]);
                 squares.sum::<f64>() / rows.max(1.0)
@@ -294,22 +349,22 @@ impl GroupRefit<'_> {
             };
             mean.sqrt()
         };
-        self.fit.kept.group.joints.iter().enumerate().map(of_joint).collect()
+        self.kept.group.joints.iter().enumerate().map(of_joint).collect()
     }
 
     /// The coefficients of an estimate to full precision where all is explained and no noise was
     /// taken out: by a step of iterative refinement on the columns that stay.
     fn sharpen(&self, estimate: &Estimate) -> Result<Vec<f64>, SparseError> {
-        if !self.base.is_explained || !self.fit.noise.is_none() {
+        if !self.is_explained || !self.plan.noise.is_none() {
             return Ok(estimate.coefficients.clone());
         }
-        let (active, start) = (&estimate.active, &self.base.coefficients);
+        let (active, start) = (&estimate.active, &self.coefficients);
         let mut gone = start.clone();
         for &j in active {
             gone[j] = 0.0;
         }
         // The weights of columns that left are among what is left to be explained.
-        let left = with_response(&gram_of(&self.parts), &gone);
+        let left = with_response(&self.left(), &gone);
         let equations = NormalEquations::of_joined(&left, 1.0)?.restricted(active);
         let change = equations.refit(&(0..active.len()).collect::<Vec<_>>())?.coefficients;
         Ok(active.iter().zip(change).map(|(&j, change)| start[j] + change).collect())
@@ -318,3 +373,11 @@ impl GroupRefit<'_> {
 
 /// Streams of random numbers from here on are for resampling, those before for noise.
 const BAGS: u64 = 1 << 32;
+
+/// Sums in \[Y e\], e = τ − Yβ, as they are in \[Y τ\].
+fn with_response(sums: &Mat<f64>, coefficients: &[f64]) -> Mat<f64> {
+    let p = coefficients.len();
+    let mut change = Mat::<f64>::identity(p + 1, p + 1);
+    coefficients.iter().enumerate().for_each(|(j, c)| change[(j, p)] = *c);
+    change.transpose() * (sums * &change)
+}

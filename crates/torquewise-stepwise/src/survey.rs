@@ -45,8 +45,6 @@ pub struct Survey {
 pub const SAMPLE_ROWS: usize = 1 << 14;
 /// q, q̇, q̈ and τ.
 const SIGNALS: usize = 4;
-/// Sign, exponent and the first 26 digits of a number.
-const HIGH_HALF: u64 = !((1 << 27) - 1);
 
 /// Looks through a recording once, as if it were one log.
 ///
@@ -145,26 +143,23 @@ impl SurveySum {
     }
 
     fn add_joint(&mut self, block: &Motion, joint: usize) -> Result<(), SparseError> {
+        let [low, high] = &mut self.q_range[joint];
         for &q in block.q().col(joint).iter() {
-            let [low, high] = &mut self.q_range[joint];
             (*low, *high) = (low.min(q), high.max(q));
         }
         for (peaks, rates) in self.peaks.iter_mut().zip([block.dq(), block.ddq()]) {
-            let peak = rates.col(joint).iter().fold(0.0_f64, |peak, rate| peak.max(rate.abs()));
-            peaks[joint] = peaks[joint].max(peak);
+            let rates = rates.col(joint).iter();
+            peaks[joint] = rates.fold(peaks[joint], |peak, rate| peak.max(rate.abs()));
         }
         let Some(tau) = block.tau() else {
             self.has_torque = false;
             return Ok(());
         };
         for &tau in tau.col(joint).iter() {
-            // The square without rounding, so that no digit is lost to a large mean: of two halves
-            // of at most 27 digits, all products are exact.
-            let high = f64::from_bits(tau.to_bits() & HIGH_HALF);
-            let low = tau - high;
-            self.sums.add(1 + 2 * joint, &[tau, high * high])?;
-            self.sums.add(2 + 2 * joint, &[2.0 * high * low])?;
-            self.sums.add(2 + 2 * joint, &[low * low])?;
+            // The square without rounding, so that no digit is lost to a large mean.
+            let square = tau * tau;
+            self.sums.add(1 + 2 * joint, &[tau, square])?;
+            self.sums.add(2 + 2 * joint, &[tau.mul_add(tau, -square)])?;
         }
         let place = 1 + 2 * self.joints.len() + joint;
         let removed = block.removed_tau().map(|removed| removed.col(joint).squared_norm_l2());
@@ -221,18 +216,12 @@ impl SurveySum {
         let columns = |first: usize, count: usize| {
             Mat::from_fn(rows.len(), count, |row, k| rows[row][first + k])
         };
-        let signal = |first: usize| columns(1 + first * n, n);
+        let [q, dq, ddq, tau] = std::array::from_fn(|signal| columns(1 + signal * n, n));
+        let (t, tau) = (rows.iter().map(|row| row[0]).collect(), self.has_torque.then_some(tau));
         let states = columns(1 + SIGNALS * n, TRAVELS.len() * n);
         let memory = Memory::new(TRAVELS.to_vec(), states);
-        let sample = Motion::new(Signals {
-            joints: self.joints.clone(),
-            t: rows.iter().map(|row| row[0]).collect(),
-            q: signal(0),
-            dq: signal(1),
-            ddq: signal(2),
-            tau: self.has_torque.then(|| signal(3)),
-        })?
-        .with_memory(Some(memory));
+        let joints = self.joints.clone();
+        let sample = Motion::new(Signals { joints, t, q, dq, ddq, tau })?.with_memory(Some(memory));
         let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
         let removed = |joint| self.sums.value(1 + 2 * n + joint) / self.rows.max(1) as f64;
         let [dq_peak, ddq_peak] = self.peaks.clone();

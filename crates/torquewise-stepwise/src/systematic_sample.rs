@@ -1,6 +1,7 @@
 //! Every k-th of some records, k a power of two: even samples of logs that add up.
 
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 
 /// Every k-th record of each log, k the least power of two that keeps all logs together within a
 /// limit.
@@ -31,14 +32,11 @@ impl SystematicSample {
 
     /// Hands over the record at a place of the log, if it is to be kept.
     pub(crate) fn push(&mut self, place: u64, values: impl IntoIterator<Item = f64>) {
-        if !place.is_multiple_of(self.stride) {
-            return;
-        }
-        if let Some(log) = self.logs.last_mut() {
+        if let Some(log) = self.logs.last_mut().filter(|_| place.is_multiple_of(self.stride)) {
             log.places.push(place);
             log.values.extend(values);
+            self.thin();
         }
-        self.thin();
     }
 
     /// Whether a record at this place is kept so far.
@@ -84,9 +82,8 @@ impl SystematicSample {
     pub(crate) fn sort(&mut self) {
         self.logs.retain(|log| !log.places.is_empty());
         self.logs.sort_by(|a, b| {
-            let pairs = a.values.iter().zip(&b.values);
-            let first = pairs.map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne());
-            first.unwrap_or_else(|| a.values.len().cmp(&b.values.len()))
+            let pairs = a.values.iter().zip(&b.values).map(|(a, b)| a.total_cmp(b));
+            pairs.fold(Ordering::Equal, Ordering::then).then(a.values.len().cmp(&b.values.len()))
         });
     }
 

@@ -37,7 +37,7 @@ impl Stlsq {
         let mut active: Vec<usize> = columns.filter(|&j| problem.column_scale(j) > 0.0).collect();
         let mut gone = Vec::new();
         for _ in 0..MOST_FITS {
-            let fit = problem.solve(&active, self.ridge)?;
+            let fit = problem.solve(&active, self.ridge);
             gone.extend(fit.dependent);
             let before = active.len();
             active.retain(|&j| fit.values[(j, 0)].abs() > self.threshold);

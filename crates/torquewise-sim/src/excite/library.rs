@@ -101,7 +101,7 @@ impl Library {
         let laws = (0..3).filter(|&law| friction.0[law]);
         let shafts = laws.flat_map(|law| (0..n).map(move |joint| first + law * n + joint));
         let scale = energies.iter().copied().chain(shafts).map(|j| self.scale[j]).collect();
-        let evaluator = Evaluator::new(design.subset(&energies)?);
+        let evaluator = Evaluator::new(design.subset(&energies));
         Ok(Self { evaluator, friction, scale, ..self.clone() })
     }
 
