@@ -1,10 +1,13 @@
-//! Moments Σₜ wave(θₜ)·x(t)^α, from which the Gram matrix of any library follows (E3).
+//! Moments Σₜ wave(θₜ)·x(t)^α, and the normal equations YᵀY and Yᵀy that follow from them without
+//! the rows (E3).
 
-use crate::atom::{Monomial, Numbering};
+use crate::atom::{Monomial, Numbering, Wave};
 use crate::design::Design;
+use crate::normal_equations::NormalEquations;
 use crate::products::add_product;
-use crate::samples::{Phasors, Samples, WaveTree, monomial_values, multiply};
-use faer::Mat;
+use crate::samples::{Samples, monomial_values, multiply, wave_cost, wave_values};
+use faer::{Mat, MatMut};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -13,7 +16,7 @@ use std::ops::Range;
 pub struct MomentPlan {
     pub(crate) design: Design,
     /// The waves of the design, then what else is in products of two of them.
-    waves: WaveTree,
+    waves: Vec<Wave>,
     /// The monomials of the design, then what else is a product of two of them.
     monomials: Vec<Monomial>,
     /// Which monomials are made of which two of the design.
@@ -50,21 +53,20 @@ impl MomentPlan {
                 }
             }
         }
-        let (design, waves) = (design.clone(), WaveTree::new(&waves.values));
-        let monomials = monomials.values;
+        let (design, waves, monomials) = (design.clone(), waves.values, monomials.values);
         Self { design, waves, monomials, products, wave_pairs, monomial_pairs }
     }
 
     /// Multiplications per row with `n_responses` responses: harmonics, then two products of
     /// matrices.
     pub fn cost(&self, n_responses: usize) -> f64 {
-        (4 * self.waves.nodes.len() + self.size(n_responses)) as f64
+        (wave_cost(&self.waves) + self.size(n_responses)) as f64
     }
 
     /// Entries of the moment table, 8 bytes each.
     pub fn size(&self, n_responses: usize) -> usize {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
-        self.waves.n_waves * self.monomials.len() + w * a * n_responses
+        self.waves.len() * self.monomials.len() + w * a * n_responses
     }
 
     /// The moments of no rows: monomials × waves; waves × (response, monomial) of the design; the
@@ -72,7 +74,7 @@ impl MomentPlan {
     pub(crate) fn zeros(&self, n_responses: usize) -> [Mat<f64>; 3] {
         let (w, a) = (self.design.waves.len(), self.design.monomials.len());
         [
-            Mat::zeros(self.monomials.len(), self.waves.n_waves),
+            Mat::zeros(self.monomials.len(), self.waves.len()),
             Mat::zeros(w, a * n_responses),
             Mat::zeros(n_responses, 1),
         ]
@@ -81,38 +83,27 @@ impl MomentPlan {
     /// Adds blocks of rows to the moments.
     pub(crate) fn add(&self, blocks: &[Samples], [table, cross, energy]: &mut [Mat<f64>; 3]) {
         let zeros = |columns| Mat::zeros(STRIP_ROWS, columns);
-        let mut strip = Strip {
-            phasors: self.waves.phasors(STRIP_ROWS),
-            waves: zeros(self.waves.n_waves),
-            monomials: zeros(self.monomials.len()),
-            weighted: zeros(cross.ncols()),
-        };
-        for samples in blocks {
-            let m = samples.n_rows();
+        // The waves and monomials of the design are the first of all.
+        let [w, a] = [self.design.waves.len(), self.design.monomials.len()];
+        let (mut waves, mut monomials) = (zeros(self.waves.len()), zeros(self.monomials.len()));
+        let mut weighted = zeros(cross.ncols());
+        for Samples { angles, variables, responses } in blocks {
+            let m = angles.nrows();
             for first in (0..m).step_by(STRIP_ROWS) {
                 let rows = first..m.min(first + STRIP_ROWS);
-                self.evaluate(samples, &rows, &mut strip);
-                let waves = strip.waves.subrows(0, rows.len());
-                let own = waves.subcols(0, self.design.waves.len());
-                add_product(table, strip.monomials.subrows(0, rows.len()), waves);
-                add_product(cross, own, strip.weighted.subrows(0, rows.len()));
+                wave_values(&self.waves, angles, &rows, &mut waves);
+                monomial_values(&self.monomials, &self.products, variables, &rows, &mut monomials);
+                for j in 0..weighted.ncols() {
+                    let response = &responses.col_as_slice(j / a)[rows.clone()];
+                    multiply(weighted.col_as_slice_mut(j), monomials.col_as_slice(j % a), response);
+                }
+                let waves = waves.subrows(0, rows.len());
+                add_product(table, monomials.subrows(0, rows.len()), waves);
+                add_product(cross, waves.subcols(0, w), weighted.subrows(0, rows.len()));
             }
-            for (r, response) in samples.responses.col_iter().enumerate() {
+            for (r, response) in responses.col_iter().enumerate() {
                 energy[(r, 0)] += response.squared_norm_l2();
             }
-        }
-    }
-
-    /// Writes what is summed at some rows into the first rows of a strip.
-    fn evaluate(&self, samples: &Samples, rows: &Range<usize>, strip: &mut Strip) {
-        let Strip { phasors, waves, monomials, weighted } = strip;
-        self.waves.evaluate(&samples.angles, rows, phasors, waves);
-        monomial_values(&self.monomials, &self.products, &samples.variables, rows, monomials);
-        // The monomials of the design are the first of all.
-        let own = self.design.monomials.len();
-        for j in 0..weighted.ncols() {
-            let response = &samples.responses.col_as_slice(j / own)[rows.clone()];
-            multiply(weighted.col_as_slice_mut(j), monomials.col_as_slice(j % own), response);
         }
     }
 
@@ -137,13 +128,192 @@ fn packed(a: usize, b: usize) -> usize {
 /// Rows worked on at once: few enough to stay in a cache, many enough for a product of matrices.
 const STRIP_ROWS: usize = 256;
 
-/// What a design and its products are at a strip of rows, in memory that is taken once.
-struct Strip {
-    phasors: Phasors,
-    /// Rows × waves.
-    waves: Mat<f64>,
-    /// Rows × monomials.
-    monomials: Mat<f64>,
-    /// Rows × (response, monomial of the design): each response times each monomial.
-    weighted: Mat<f64>,
+/// (atom, weight) of a column.
+type Entries = Vec<(usize, f64)>;
+/// (wave, weight) of a function of the angles; the first weight is 1.
+type Function = Vec<(usize, f64)>;
+
+/// weight × function × monomial: what a column is a sum of.
+#[derive(Clone, Copy)]
+struct Part {
+    function: usize,
+    monomial: usize,
+    weight: f64,
+}
+
+/// The normal equations of each equation of the plan's design in some of its columns, gathered from
+/// moments: those of waves with monomials, of waves with responses, and the energy of each response.
+pub(crate) fn gather(
+    plan: &MomentPlan,
+    [table, cross, energy]: &[Mat<f64>; 3],
+    rows: usize,
+    wanted: &[usize],
+) -> Vec<NormalEquations> {
+    let (design, energy) = (&plan.design, energy.col_as_slice(0));
+    let equations = design.equations.iter().enumerate().map(|(equation, all)| {
+        let own = responses_of(equation, design.n_equations(), energy.len());
+        let columns: Vec<Entries> = wanted.iter().map(|&column| all[column].clone()).collect();
+        NormalEquations {
+            gram: gather_gram(plan, table, &columns),
+            cross: gather_cross(design, cross, &columns, own.clone()),
+            energy: energy[own].to_vec(),
+            rows: rows as f64,
+        }
+    });
+    equations.collect()
+}
+
+/// The responses an equation explains: all of them if there is one equation, else its own.
+pub(crate) fn responses_of(
+    equation: usize,
+    n_equations: usize,
+    n_responses: usize,
+) -> Range<usize> {
+    if n_equations == 1 { 0..n_responses } else { equation..equation + 1 }
+}
+
+/// The Gram matrix of columns: of their parts first, unless each column is a single one.
+fn gather_gram(plan: &MomentPlan, table: &Mat<f64>, columns: &[Entries]) -> Mat<f64> {
+    let (functions, columns) = parts_of(&plan.design, columns);
+    let singles: Vec<Part> = columns.iter().flatten().copied().collect();
+    if columns.iter().all(|parts| parts.len() == 1) {
+        return part_gram(plan, table, &functions, &singles);
+    }
+    let name = |part: &Part| (part.function, part.monomial);
+    let mut names: Vec<(usize, usize)> = singles.iter().map(name).collect();
+    names.sort_unstable();
+    names.dedup();
+    let unit = |&(function, monomial): &(usize, usize)| Part { function, monomial, weight: 1.0 };
+    let units: Vec<Part> = names.iter().map(unit).collect();
+    let gram = part_gram(plan, table, &functions, &units);
+    let place = |part: &Part| Some((names.binary_search(&name(part)).ok()?, part.weight));
+    let sums: Vec<Entries> =
+        columns.iter().map(|parts| parts.iter().filter_map(place).collect()).collect();
+    combine(&gram, &sums)
+}
+
+/// Splits columns into parts, and numbers the functions of the angles in them.
+fn parts_of(design: &Design, columns: &[Entries]) -> (Vec<Function>, Vec<Vec<Part>>) {
+    let mut functions = Numbering::new();
+    let mut split = |entries: &Entries| {
+        let mut by_monomial: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
+        for &(atom, weight) in entries {
+            let (wave, monomial) = design.atoms[atom];
+            *by_monomial.entry(monomial).or_default().entry(wave).or_default() += weight;
+        }
+        let mut part = |(monomial, mut waves): (usize, BTreeMap<usize, f64>)| {
+            waves.retain(|_, weight| *weight != 0.0);
+            let weight = *waves.values().next()?;
+            let shape: Vec<(usize, u64)> =
+                waves.into_iter().map(|(wave, own)| (wave, (own / weight).to_bits())).collect();
+            Some(Part { function: functions.place(&shape), monomial, weight })
+        };
+        by_monomial.into_iter().filter_map(&mut part).collect()
+    };
+    let columns = columns.iter().map(&mut split).collect();
+    let spell = |shape: Vec<(usize, u64)>| {
+        shape.into_iter().map(|(wave, bits)| (wave, f64::from_bits(bits))).collect()
+    };
+    (functions.values.into_iter().map(spell).collect(), columns)
+}
+
+/// The Gram matrix of parts: functions f and g share their sum of moments, one entry per monomial,
+/// whatever monomials they are multiplied with.
+fn part_gram(
+    plan: &MomentPlan,
+    table: &Mat<f64>,
+    functions: &[Function],
+    parts: &[Part],
+) -> Mat<f64> {
+    // Parts that follow each other and share a function: their columns.
+    let mut gram = Mat::zeros(parts.len(), parts.len());
+    let mut strips = Vec::new();
+    let mut rest = gram.as_mut();
+    for run in parts.chunk_by(|a, b| a.function == b.function) {
+        let (strip, after) = rest.split_at_col_mut(run.len());
+        strips.push((run, strip));
+        rest = after;
+    }
+    strips.into_par_iter().for_each(|(run, strip)| {
+        let half = half_product(plan, table, &functions[run[0].function]);
+        fill_columns(plan, &half, functions, (parts, run), strip);
+    });
+    gram
+}
+
+/// Σₜ wave(θₜ) g(θₜ) x(t)^α for each wave of the design and each α, monomials × waves.
+fn half_product(plan: &MomentPlan, table: &Mat<f64>, function: &Function) -> Mat<f64> {
+    let mut half = Mat::zeros(table.nrows(), plan.design.waves.len());
+    for wave in 0..half.ncols() {
+        let out = half.col_as_slice_mut(wave);
+        for &(other, weight) in function {
+            for (share, place) in plan.wave_pair(wave, other) {
+                add_scaled(out, weight * share, table.col_as_slice(place));
+            }
+        }
+    }
+    half
+}
+
+/// out += weight · values
+fn add_scaled(out: &mut [f64], weight: f64, values: &[f64]) {
+    out.iter_mut().zip(values).for_each(|(out, value)| *out += weight * value);
+}
+
+/// Writes the columns of the Gram matrix that belong to parts sharing one function.
+fn fill_columns(
+    plan: &MomentPlan,
+    half: &Mat<f64>,
+    functions: &[Function],
+    (parts, columns): (&[Part], &[Part]),
+    mut strip: MatMut<'_, f64>,
+) {
+    let (mut product, mut first) = (vec![0.0; half.nrows()], 0);
+    for rows in parts.chunk_by(|a, b| a.function == b.function) {
+        product.fill(0.0);
+        for &(wave, weight) in &functions[rows[0].function] {
+            add_scaled(&mut product, weight, half.col_as_slice(wave));
+        }
+        for (column, out) in columns.iter().zip(strip.as_mut().col_iter_mut()) {
+            let Some(out) = out.try_as_col_major_mut() else { continue };
+            let places = plan.monomial_pairs(column.monomial);
+            for (out, row) in out.as_slice_mut()[first..].iter_mut().zip(rows) {
+                *out = row.weight * column.weight * product[places[row.monomial]];
+            }
+        }
+        first += rows.len();
+    }
+}
+
+/// SᵀGS for a sparse S, given by its columns.
+fn combine(gram: &Mat<f64>, sums: &[Entries]) -> Mat<f64> {
+    let mut combined = Mat::zeros(sums.len(), sums.len());
+    let columns: Vec<_> = combined.col_iter_mut().collect();
+    columns.into_par_iter().zip(sums).for_each(|(out, sum)| {
+        let mut half = vec![0.0; gram.nrows()];
+        for &(part, weight) in sum {
+            add_scaled(&mut half, weight, gram.col_as_slice(part));
+        }
+        for (out, sum) in out.iter_mut().zip(sums) {
+            *out = sum.iter().map(|&(part, weight)| weight * half[part]).sum();
+        }
+    });
+    combined
+}
+
+fn gather_cross(
+    design: &Design,
+    cross: &Mat<f64>,
+    columns: &[Entries],
+    responses: Range<usize>,
+) -> Mat<f64> {
+    let n_monomials = design.monomials.len();
+    Mat::from_fn(columns.len(), responses.len(), |j, r| {
+        let of_response = (responses.start + r) * n_monomials;
+        let entries = columns[j].iter().map(|&(atom, weight)| {
+            let (wave, monomial) = design.atoms[atom];
+            weight * cross[(wave, of_response + monomial)]
+        });
+        entries.sum()
+    })
 }

@@ -4,11 +4,10 @@
 use crate::design::Design;
 use crate::error::{SparseError, expect};
 use crate::exact::ExactSums;
-use crate::gather::{gather, responses_of};
-use crate::moments::MomentPlan;
+use crate::moments::{MomentPlan, gather, responses_of};
 use crate::normal_equations::{NormalEquations, mirror_lower};
 use crate::products::{add_gram, add_product};
-use crate::samples::{Evaluator, Samples};
+use crate::samples::Samples;
 use faer::Mat;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -24,27 +23,21 @@ pub enum Route {
 
 /// A design made ready to be summed by one of the routes, and how many responses it explains.
 pub struct Prepared {
-    ready: Ready,
+    design: Design,
+    /// Those of the design, by the route of moments.
+    moments: Option<MomentPlan>,
     n_responses: usize,
-}
-
-enum Ready {
-    Moments(Box<MomentPlan>),
-    Direct(Box<Evaluator>),
 }
 
 /// Three matrices of sums over rows: the moments of waves with monomials and with responses, or the
 /// lower triangle of YᵀY and Yᵀy of an equation; then the energy of each response.
-pub(crate) type Sums = [Mat<f64>; 3];
+type Sums = [Mat<f64>; 3];
 
 impl Prepared {
     /// Makes a design ready for a route.
     pub fn new(design: &Design, n_responses: usize, route: Route) -> Self {
-        let ready = match route {
-            Route::Moments => Ready::Moments(Box::new(MomentPlan::new(design))),
-            Route::Direct => Ready::Direct(Box::new(Evaluator::new(design.clone()))),
-        };
-        Self { ready, n_responses }
+        let moments = (route == Route::Moments).then(|| MomentPlan::new(design));
+        Self { design: design.clone(), moments, n_responses }
     }
 
     /// Makes a design ready for the cheaper route by multiplications: per row, and once for
@@ -66,48 +59,33 @@ impl Prepared {
 
     /// Its route.
     pub fn route(&self) -> Route {
-        match self.ready {
-            Ready::Moments(_) => Route::Moments,
-            Ready::Direct(_) => Route::Direct,
-        }
+        if self.moments.is_some() { Route::Moments } else { Route::Direct }
     }
 
     /// Multiplications per row. The direct route evaluates the columns, then half of YᵀY each.
     pub fn cost(&self) -> f64 {
-        match &self.ready {
-            Ready::Moments(plan) => plan.cost(self.n_responses),
-            Ready::Direct(evaluator) => {
-                let design = evaluator.design();
-                let (p, count) = (design.n_columns() as f64, design.n_equations());
-                let responses = responses_of(0, count, self.n_responses).len() as f64;
-                evaluator.cost() + count as f64 * p * (p / 2.0 + responses)
-            }
+        if let Some(plan) = &self.moments {
+            return plan.cost(self.n_responses);
         }
-    }
-
-    fn design(&self) -> &Design {
-        match &self.ready {
-            Ready::Moments(plan) => &plan.design,
-            Ready::Direct(evaluator) => evaluator.design(),
-        }
+        let (p, count) = (self.design.n_columns() as f64, self.design.n_equations());
+        let responses = responses_of(0, count, self.n_responses).len() as f64;
+        self.design.cost() + count as f64 * p * (p / 2.0 + responses)
     }
 
     /// The sums of no rows.
     fn zeros(&self) -> Vec<Sums> {
-        match &self.ready {
-            Ready::Moments(plan) => vec![plan.zeros(self.n_responses)],
-            Ready::Direct(evaluator) => {
-                let (p, count) = (evaluator.design().n_columns(), evaluator.design().n_equations());
-                let own = responses_of(0, count, self.n_responses).len();
-                let zeros = |_| [Mat::zeros(p, p), Mat::zeros(p, own), Mat::zeros(own, 1)];
-                (0..count).map(zeros).collect()
-            }
+        if let Some(plan) = &self.moments {
+            return vec![plan.zeros(self.n_responses)];
         }
+        let (p, count) = (self.design.n_columns(), self.design.n_equations());
+        let own = responses_of(0, count, self.n_responses).len();
+        let zeros = |_| [Mat::zeros(p, p), Mat::zeros(p, own), Mat::zeros(own, 1)];
+        (0..count).map(zeros).collect()
     }
 
     /// All numbers of sums, always in the same order.
     fn numbers<'s>(&self, sums: &'s mut [Sums]) -> impl Iterator<Item = &'s mut [f64]> {
-        let is_direct = self.route() == Route::Direct;
+        let is_direct = self.moments.is_none();
         sums.iter_mut().flat_map(move |sums| {
             sums.iter_mut().enumerate().flat_map(move |(place, matrix)| {
                 let is_triangle = is_direct && place == 0;
@@ -126,16 +104,15 @@ impl Prepared {
     /// The numbers of the sums over some blocks.
     fn table(&self, blocks: &[Samples]) -> Result<Vec<f64>, SparseError> {
         for samples in blocks {
-            samples.check(self.design())?;
+            samples.check(&self.design)?;
             expect("the responses of a block", samples.responses.ncols(), self.n_responses)?;
         }
         let mut sums = self.zeros();
-        match &self.ready {
-            Ready::Moments(plan) => plan.add(blocks, &mut sums[0]),
-            Ready::Direct(evaluator) => {
-                for samples in blocks {
-                    add_rows(&evaluator.columns(samples)?, &samples.responses, &mut sums);
-                }
+        if let Some(plan) = &self.moments {
+            plan.add(blocks, &mut sums[0]);
+        } else {
+            for samples in blocks {
+                add_rows(&self.design.columns(samples)?, &samples.responses, &mut sums);
             }
         }
         let mut table = Vec::new();
@@ -187,7 +164,7 @@ impl RowSums {
 
     /// The normal equations of each equation.
     pub fn all_grams(&self, prepared: &Prepared) -> Vec<NormalEquations> {
-        self.grams(prepared, &(0..prepared.design().n_columns()).collect::<Vec<_>>())
+        self.grams(prepared, &(0..prepared.design.n_columns()).collect::<Vec<_>>())
     }
 
     /// The same in some of the columns of the design.
@@ -197,7 +174,7 @@ impl RowSums {
             self.sums.write_to(first, part);
             first += part.len();
         }
-        if let Ready::Moments(plan) = &prepared.ready {
+        if let Some(plan) = &prepared.moments {
             return gather(plan, &sums[0], self.rows, columns);
         }
         let own = sums.into_iter().map(|[mut gram, cross, energy]| {

@@ -47,85 +47,6 @@ impl Samples {
     }
 }
 
-/// How to evaluate a list of waves with one complex product each: e^{ik·θ} from the k without its
-/// last angle, times a power of e^{iθⱼ}.
-#[derive(Clone, Debug)]
-pub(crate) struct WaveTree {
-    /// (parent, angle, multiple) of each node; node 0 is k = 0.
-    pub(crate) nodes: Vec<(usize, usize, i8)>,
-    /// Place of the cosine and of the sine of each node among the waves asked for.
-    places: Vec<[Option<usize>; 2]>,
-    largest: Vec<i8>,
-    /// Waves asked for.
-    pub(crate) n_waves: usize,
-}
-
-impl WaveTree {
-    /// Plans the evaluation of waves that are all different.
-    pub(crate) fn new(waves: &[Wave]) -> Self {
-        let n_angles = waves.first().map_or(0, |wave| wave.multiples().len());
-        let mut known = BTreeMap::from([(vec![0; n_angles], 0)]);
-        let (mut nodes, mut places) = (vec![(0, 0, 0)], vec![[None; 2]]);
-        let mut largest = vec![0; n_angles];
-        for (place, wave) in waves.iter().enumerate() {
-            let (mut prefix, mut node) = (vec![0; n_angles], 0);
-            for (angle, &k) in wave.multiples().iter().enumerate().filter(|&(_, &k)| k != 0) {
-                prefix[angle] = k;
-                largest[angle] = k.abs().max(largest[angle]);
-                node = *known.entry(prefix.clone()).or_insert_with(|| {
-                    nodes.push((node, angle, k));
-                    places.push([None; 2]);
-                    nodes.len() - 1
-                });
-            }
-            places[node][usize::from(wave.phase() == Phase::Sin)] = Some(place);
-        }
-        Self { nodes, places, largest, n_waves: waves.len() }
-    }
-
-    /// Memory to evaluate up to `rows` rows at once.
-    pub(crate) fn phasors(&self, rows: usize) -> Phasors {
-        let many = |count: usize| vec![Phasor::one(rows); count];
-        Phasors {
-            powers: self.largest.iter().map(|&k| many(usize::from(k.unsigned_abs()))).collect(),
-            nodes: many(self.nodes.len()),
-        }
-    }
-
-    /// Writes the waves at some rows into the first rows of `out`, rows × waves.
-    pub(crate) fn evaluate(
-        &self,
-        angles: &Mat<f64>,
-        rows: &Range<usize>,
-        phasors: &mut Phasors,
-        out: &mut Mat<f64>,
-    ) {
-        let m = rows.len();
-        for (angle, powers) in phasors.powers.iter_mut().enumerate() {
-            raise(powers, &angles.col_as_slice(angle)[rows.clone()]);
-        }
-        for (node, &(parent, angle, k)) in self.nodes.iter().enumerate() {
-            let (before, rest) = phasors.nodes.split_at_mut(node);
-            if k != 0 {
-                let turn = &phasors.powers[angle][usize::from(k.unsigned_abs()) - 1];
-                rest[0].set_product(&before[parent], turn, f64::from(k.signum()));
-            }
-            for (place, values) in self.places[node].iter().zip([&rest[0].cos, &rest[0].sin]) {
-                if let &Some(place) = place {
-                    out.col_as_slice_mut(place)[..m].copy_from_slice(&values[..m]);
-                }
-            }
-        }
-    }
-}
-
-/// Memory of a [`WaveTree`], written over by each evaluation.
-pub(crate) struct Phasors {
-    /// e^{ikθⱼ} for k = 1, 2, … of each angle.
-    powers: Vec<Vec<Phasor>>,
-    nodes: Vec<Phasor>,
-}
-
 /// e^{iφ} at each row.
 #[derive(Clone)]
 struct Phasor {
@@ -133,46 +54,75 @@ struct Phasor {
     sin: Vec<f64>,
 }
 
-/// e^{ikθ} for k = 1, 2, …: each the product of its two halves, so that roundings grow with log k.
-fn raise(powers: &mut [Phasor], angle: &[f64]) {
-    for place in 0..powers.len() {
-        let (before, rest) = powers.split_at_mut(place);
-        let half = place.div_ceil(2);
-        if place == 0 {
-            rest[0].set_turn(angle);
-        } else {
-            rest[0].set_product(&before[half - 1], &before[place - half], 1.0);
-        }
-    }
-}
-
 impl Phasor {
     fn one(rows: usize) -> Self {
         Self { cos: vec![1.0; rows], sin: vec![0.0; rows] }
     }
 
-    /// e^{iθ}
-    fn set_turn(&mut self, angle: &[f64]) {
-        for ((cos, sin), &angle) in self.cos.iter_mut().zip(&mut self.sin).zip(angle) {
-            (*sin, *cos) = angle.sin_cos();
+    /// e^{ikθ} for k = 1, 2, …, `most`: each the product of its two halves, so that roundings grow
+    /// with log k.
+    fn powers(angle: &[f64], most: usize) -> Vec<Self> {
+        let (sin, cos) = angle.iter().map(|angle| angle.sin_cos()).unzip();
+        let mut powers = vec![Self { cos, sin }];
+        for place in 1..most {
+            let half = place.div_ceil(2);
+            let mut power = powers[half - 1].clone();
+            power.turn(&powers[place - half], 1.0);
+            powers.push(power);
         }
+        powers
     }
 
-    /// One phasor turned by another, or by its conjugate if `sign` is −1.
-    fn set_product(&mut self, one: &Self, turn: &Self, sign: f64) {
+    /// Turns it by another, or by its conjugate if `sign` is −1.
+    fn turn(&mut self, other: &Self, sign: f64) {
         // As wide as this machine's registers; no sum is fused, so that bits are the same on all.
         Arch::new().dispatch(
             #[inline(always)]
             || {
-                let parts = one.cos.iter().zip(&one.sin).zip(turn.cos.iter().zip(&turn.sin));
                 let targets = self.cos.iter_mut().zip(&mut self.sin);
-                for ((cos, sin), ((a, b), (c, s))) in targets.zip(parts) {
+                for ((cos, sin), (c, s)) in targets.zip(other.cos.iter().zip(&other.sin)) {
+                    let (a, b) = (*cos, *sin);
                     *cos = a * c - sign * b * s;
                     *sin = sign * a * s + b * c;
                 }
             },
         );
     }
+}
+
+/// Writes waves at some rows into the first rows of `out`, rows × waves: each a product of powers of
+/// e^{iθⱼ}.
+pub(crate) fn wave_values(
+    waves: &[Wave],
+    angles: &Mat<f64>,
+    rows: &Range<usize>,
+    out: &mut Mat<f64>,
+) {
+    let power_of = |angle: usize| {
+        let multiples = waves.iter().map(|wave| wave.multiples()[angle].unsigned_abs());
+        let most = multiples.max().unwrap_or(0).into();
+        Phasor::powers(&angles.col_as_slice(angle)[rows.clone()], most)
+    };
+    let powers: Vec<Vec<Phasor>> = (0..angles.ncols()).map(power_of).collect();
+    let (mut phasor, mut multiples) = (Phasor::one(rows.len()), &[][..]);
+    for (j, wave) in waves.iter().enumerate() {
+        if wave.multiples() != multiples {
+            multiples = wave.multiples();
+            phasor = Phasor::one(rows.len());
+            for (angle, &k) in multiples.iter().enumerate().filter(|(_, k)| **k != 0) {
+                let power = &powers[angle][usize::from(k.unsigned_abs()) - 1];
+                phasor.turn(power, f64::from(k.signum()));
+            }
+        }
+        let values = if wave.phase() == Phase::Cos { &phasor.cos } else { &phasor.sin };
+        out.col_as_slice_mut(j)[..rows.len()].copy_from_slice(values);
+    }
+}
+
+/// Multiplications per row that [`wave_values`] makes at most.
+pub(crate) fn wave_cost(waves: &[Wave]) -> usize {
+    let products = |wave: &Wave| wave.multiples().iter().filter(|k| **k != 0).count();
+    4 * waves.iter().map(products).sum::<usize>()
 }
 
 /// Writes the products of two columns.
@@ -215,59 +165,40 @@ pub(crate) fn monomial_values(
     }
 }
 
-/// Evaluates the columns of a design on blocks of rows.
-#[derive(Clone, Debug)]
-pub struct Evaluator {
-    design: Design,
-    tree: WaveTree,
-}
-
-impl Evaluator {
-    /// Prepares the evaluation of a design.
-    pub fn new(design: Design) -> Self {
-        let tree = WaveTree::new(&design.waves);
-        Self { design, tree }
-    }
-
-    /// The design evaluated.
-    pub fn design(&self) -> &Design {
-        &self.design
-    }
-
+impl Design {
     /// The columns of each equation at the rows of a block: one m×p matrix per equation.
     ///
     /// # Errors
     /// [`SparseError::Shape`] if the block does not fit the design.
     pub fn columns(&self, samples: &Samples) -> Result<Vec<Mat<f64>>, SparseError> {
-        samples.check(&self.design)?;
+        samples.check(self)?;
         let rows = 0..samples.n_rows();
-        let mut waves = Mat::zeros(rows.len(), self.tree.n_waves);
-        self.tree.evaluate(&samples.angles, &rows, &mut self.tree.phasors(rows.len()), &mut waves);
-        let mut monomials = Mat::zeros(rows.len(), self.design.monomials.len());
+        let mut waves = Mat::zeros(rows.len(), self.waves.len());
+        wave_values(&self.waves, &samples.angles, &rows, &mut waves);
+        let mut monomials = Mat::zeros(rows.len(), self.monomials.len());
         let none = BTreeMap::new();
-        monomial_values(&self.design.monomials, &none, &samples.variables, &rows, &mut monomials);
-        let mut matrices = Vec::with_capacity(self.design.n_equations());
-        for columns in &self.design.equations {
-            let mut values = Mat::zeros(samples.n_rows(), columns.len());
+        monomial_values(&self.monomials, &none, &samples.variables, &rows, &mut monomials);
+        let values_of = |columns: &Vec<Vec<(usize, f64)>>| {
+            let mut values = Mat::zeros(rows.len(), columns.len());
             for (j, entries) in columns.iter().enumerate() {
                 let out = values.col_as_slice_mut(j);
                 for &(atom, weight) in entries {
-                    let (wave, monomial) = self.design.atoms[atom];
-                    let factors =
-                        waves.col_as_slice(wave).iter().zip(monomials.col_as_slice(monomial));
-                    for (out, (a, b)) in out.iter_mut().zip(factors) {
+                    let (wave, monomial) = self.atoms[atom];
+                    let (wave, monomial) =
+                        (waves.col_as_slice(wave), monomials.col_as_slice(monomial));
+                    for (out, (a, b)) in out.iter_mut().zip(wave.iter().zip(monomial)) {
                         *out += weight * a * b;
                     }
                 }
             }
-            matrices.push(values);
-        }
-        Ok(matrices)
+            values
+        };
+        Ok(self.equations.iter().map(values_of).collect())
     }
 
-    /// Multiplications per row that [`Evaluator::columns`] makes.
-    pub fn cost(&self) -> f64 {
-        let entries: usize = self.design.equations.iter().flatten().map(Vec::len).sum();
-        (4 * self.tree.nodes.len() + self.design.monomials.len() + 2 * entries) as f64
+    /// Multiplications per row that [`Design::columns`] makes.
+    pub(crate) fn cost(&self) -> f64 {
+        let entries: usize = self.equations.iter().flatten().map(Vec::len).sum();
+        (wave_cost(&self.waves) + self.monomials.len() + 2 * entries) as f64
     }
 }

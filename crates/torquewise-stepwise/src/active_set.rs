@@ -8,8 +8,9 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::FrictionTerm;
 use torquewise_regression::SparseError;
+use torquewise_regression::design::Design;
 use torquewise_regression::normal_sums::{Alike, BlockSums, NormalSums};
-use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::samples::Samples;
 
 /// The terms of one group to be fitted together.
 pub(crate) struct ActiveSet<'a> {
@@ -19,8 +20,8 @@ pub(crate) struct ActiveSet<'a> {
     /// Weight of the rows of each joint: one over its noise variance, in a unit of its own, which
     /// changes no fit.
     pub(crate) weights: Vec<f64>,
-    /// The columns ready to be evaluated.
-    evaluator: Evaluator,
+    /// The columns alone.
+    design: Design,
     /// Laws of friction whose values are among the variables.
     friction: &'a [FrictionTerm],
 }
@@ -38,13 +39,13 @@ impl<'a> ActiveSet<'a> {
     ) -> Self {
         let most = weights.iter().fold(f64::MIN_POSITIVE, |most, weight| most.max(*weight));
         let weights = weights.iter().map(|weight| weight / most * LARGEST).collect();
-        let evaluator = Evaluator::new(candidates.design.subset(&columns));
-        Self { group, columns, weights, evaluator, friction: &candidates.friction }
+        let design = candidates.design.subset(&columns);
+        Self { group, columns, weights, design, friction: &candidates.friction }
     }
 
     /// Rows √w·\[Y τ − Yβ\] of all joints, all instants of one after those of the one before.
     fn rows(&self, samples: &Samples, coefficients: &[f64]) -> Result<Mat<f64>, SparseError> {
-        let columns = self.evaluator.columns(samples)?;
+        let columns = self.design.columns(samples)?;
         let (m, p) = (samples.n_rows(), self.columns.len());
         let joints = self.group.joints.iter().zip(&self.weights);
         let mut rows = Mat::zeros(m * self.weights.len(), p + 1);

@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::row_sums::{Prepared, Route, RowAdder, RowSums};
-use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::samples::Samples;
 
 const ROUTES: [Route; 2] = [Route::Moments, Route::Direct];
 
@@ -43,7 +43,7 @@ fn assert_same(found: &NormalEquations, expected: &NormalEquations, bounds: &[f6
 
 /// The normal equations of all columns of a block, by plain products.
 fn plain(random: &RandomDesign, block: &Samples) -> Vec<NormalEquations> {
-    let columns = Evaluator::new(random.design()).columns(block).expect("a block that fits");
+    let columns = random.design().columns(block).expect("a block that fits");
     let equations = columns.iter().enumerate().map(|(equation, y)| {
         let responses = random.responses_of(equation, block);
         NormalEquations {
@@ -60,14 +60,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn an_evaluator_gives_the_values_that_the_formula_gives(
+    fn columns_have_the_values_that_the_formula_gives(
         random in any_design(),
         seed in 0..u64::MAX,
         rows in 0..300_usize,
     ) {
         let block = samples(&random, seed, rows);
 
-        let columns = Evaluator::new(random.design()).columns(&block).unwrap();
+        let columns = random.design().columns(&block).unwrap();
 
         for (equation, values) in columns.iter().enumerate() {
             let expected = random.naive(equation, &block);

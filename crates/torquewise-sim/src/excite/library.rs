@@ -9,7 +9,8 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use torquewise_model::library::energy_library_size;
-use torquewise_regression::samples::{Evaluator, Samples};
+use torquewise_regression::design::Design;
+use torquewise_regression::samples::Samples;
 use torquewise_stepwise::LibraryKind;
 use torquewise_stepwise::Regression;
 use torquewise_stepwise::candidates::Candidates;
@@ -30,7 +31,7 @@ pub(crate) struct Friction(pub(crate) [bool; 3]);
 /// The columns of a regression for the torque of n joints at once.
 #[derive(Clone, Debug)]
 pub(crate) struct Library {
-    evaluator: Evaluator,
+    design: Design,
     /// Columns of energies asked for at standstill, then at uniform velocity (14)(15).
     offered: [Vec<usize>; 2],
     friction: Friction,
@@ -67,7 +68,7 @@ impl Library {
         let candidates = Candidates::new(n, kind, Regression::Stepwise)?;
         let [gravity, coriolis, _] = candidates.offered;
         let mut library = Self {
-            evaluator: Evaluator::new(candidates.design),
+            design: candidates.design,
             offered: [gravity, coriolis],
             friction: Friction([true; 3]),
             scale: vec![1.0; columns],
@@ -95,14 +96,14 @@ impl Library {
             Share::Uniform => ([&gravity[..], coriolis].concat(), Friction([true; 3])),
             Share::Whole => return Ok(self.clone()),
         };
-        let design = self.evaluator.design();
+        let design = &self.design;
         let first = design.n_columns();
         let n = design.n_equations();
         let laws = (0..3).filter(|&law| friction.0[law]);
         let shafts = laws.flat_map(|law| (0..n).map(move |joint| first + law * n + joint));
         let scale = energies.iter().copied().chain(shafts).map(|j| self.scale[j]).collect();
-        let evaluator = Evaluator::new(design.subset(&energies));
-        Ok(Self { evaluator, friction, scale, ..self.clone() })
+        let design = design.subset(&energies);
+        Ok(Self { design, friction, scale, ..self.clone() })
     }
 
     /// The columns at the states of each part.
@@ -124,9 +125,9 @@ impl Library {
         });
         let responses = Mat::zeros(m, 0);
         let samples = Samples { angles: q.clone(), variables, responses };
-        let energies = self.evaluator.columns(&samples)?;
+        let energies = self.design.columns(&samples)?;
         let mut rows = Mat::zeros(n * m, self.n_columns());
-        let first = self.evaluator.design().n_columns();
+        let first = self.design.n_columns();
         for (joint, values) in energies.iter().enumerate() {
             for j in 0..first {
                 let out = &mut rows.col_as_slice_mut(j)[joint * m..][..m];
