@@ -45,7 +45,7 @@ fn sum(prepared: &Prepared, blocks: &[Samples]) -> Vec<NormalEquations> {
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
 fn library(route: Route) -> Prepared {
-    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot)
+    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot, Vec::new())
         .expect("a library that fits into memory");
     assert_eq!(candidates.len(), 3_612);
     Prepared::new(&candidates.design, N_RESPONSES, route)

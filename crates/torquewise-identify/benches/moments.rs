@@ -51,7 +51,7 @@ fn share(
     rows: usize,
     threads: usize,
 ) -> String {
-    let design = Candidates::new(n, library, regression).expect("a library").design;
+    let design = Candidates::new(n, library, regression, Vec::new()).expect("a library").design;
     let plan = MomentPlan::new(&design);
     let flops = 2.0 * plan.size(n) as f64;
     let prepared = Prepared::new(&design, n, Route::Moments);

@@ -48,25 +48,18 @@ impl Equations {
         let mut active = columns.to_vec();
         active.retain(|&j| self.information[(j, j)] > 0.0);
         loop {
-            let fit = self.solve(&active)?;
-            let leaving = weakest(&fit.t_squared, threshold);
+            let (estimate, t_squared) = self.solve(&active)?;
+            let leaving = weakest(&t_squared, threshold);
             if leaving.is_empty() {
-                let Fit { coefficients, std_errors, .. } = fit;
-                return Some(Estimate { active, coefficients, std_errors });
+                return Some(estimate);
             }
-            let mut place = 0;
-            active.retain(|_| {
-                place += 1;
-                leaving.binary_search(&(place - 1)).is_err()
-            });
+            leaving.iter().rev().for_each(|&place| _ = active.remove(place));
         }
     }
 
-    fn solve(&self, active: &[usize]) -> Option<Fit> {
+    /// The estimate in some columns, and t² of each.
+    fn solve(&self, active: &[usize]) -> Option<(Estimate, Vec<f64>)> {
         let size = active.len();
-        if size == 0 {
-            return Some(Fit::default());
-        }
         // Columns of unit length, lest units decide what is singular.
         let length: Vec<f64> = active.iter().map(|&j| self.information[(j, j)].sqrt()).collect();
         let pick = |from: &Mat<f64>| {
@@ -75,7 +68,8 @@ impl Equations {
         let inverse = pick(&self.information).llt(Side::Lower).ok()?.inverse();
         let half = product(inverse.as_ref(), pick(&self.spread).as_ref());
 
-        let mut fit = Fit::default();
+        let (mut coefficients, mut std_errors) = (Vec::new(), Vec::new());
+        let mut t_squared = Vec::new();
         for (j, &column) in active.iter().enumerate() {
             let solved: f64 =
                 (0..size).map(|i| inverse[(j, i)] * self.right[active[i]] / length[i]).sum();
@@ -84,19 +78,12 @@ impl Equations {
                 (solved / length[j], variance.max(0.0).sqrt() / length[j]);
             let resolved = coefficient.abs() > self.floor[column];
             let t = if resolved { coefficient / std_error.max(f64::MIN_POSITIVE) } else { 0.0 };
-            fit.coefficients.push(coefficient);
-            fit.std_errors.push(std_error);
-            fit.t_squared.push(t * t);
+            coefficients.push(coefficient);
+            std_errors.push(std_error);
+            t_squared.push(t * t);
         }
-        Some(fit)
+        Some((Estimate { active: active.to_vec(), coefficients, std_errors }, t_squared))
     }
-}
-
-#[derive(Default)]
-struct Fit {
-    coefficients: Vec<f64>,
-    std_errors: Vec<f64>,
-    t_squared: Vec<f64>,
 }
 
 /// Places to leave out next, ascending: the weakest one below the threshold, or while there are

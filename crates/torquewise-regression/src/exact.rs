@@ -1,7 +1,6 @@
 //! Exact sums: fixed point of 192 bits, the same bits in whatever order numbers are added.
 
 use crate::error::{SparseError, expect};
-use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Sums of floating-point numbers without rounding.
@@ -29,13 +28,8 @@ impl ExactSums {
     }
 
     /// Number of sums.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.entries.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
     }
 
     /// Adds a number to each sum from `first` on.
@@ -44,10 +38,15 @@ impl ExactSums {
     /// [`SparseError::OutOfRange`] for a number that is not finite or too large,
     /// [`SparseError::Shape`] if there are more numbers than sums.
     pub fn add(&mut self, first: usize, values: &[f64]) -> Result<(), SparseError> {
-        let (found, expected) = (first.saturating_add(values.len()), self.entries.len());
-        let sums = self.entries.get_mut(first..found);
-        let short = SparseError::Shape { what: "numbers to be summed", found, expected };
-        add_to(sums.ok_or(short)?, values)
+        let own = self.entries.iter_mut().skip(first).zip(values);
+        expect("numbers to be summed", values.len(), own.len())?;
+        for (sum, &found) in own {
+            let added = words(found).is_some_and(|words| add_words(sum, words));
+            if !added {
+                return Err(SparseError::OutOfRange { found });
+            }
+        }
+        Ok(())
     }
 
     /// Adds the sums of another.
@@ -56,7 +55,7 @@ impl ExactSums {
     /// [`SparseError::Shape`] if the other has another number of sums,
     /// [`SparseError::OutOfRange`] if one becomes too large.
     pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
-        expect("a table of sums", other.len(), self.len())?;
+        expect("a table of sums", other.count(), self.count())?;
         for (sum, more) in self.entries.iter_mut().zip(&other.entries) {
             if !add_words(sum, *more) {
                 return Err(SparseError::OutOfRange { found: rounded(*more) });
@@ -77,20 +76,6 @@ impl ExactSums {
         }
     }
 
-    /// Adds several numbers to each sum, sums shared out to all cores.
-    ///
-    /// - `tables`: as many numbers each as there are sums
-    pub(crate) fn add_tables(&mut self, tables: &[Vec<f64>]) -> Result<(), SparseError> {
-        const SHARE: usize = 1 << 13;
-        for table in tables {
-            expect("a table of sums", table.len(), self.len())?;
-        }
-        self.entries.par_chunks_mut(SHARE).enumerate().try_for_each(|(share, sums)| {
-            let own = share * SHARE..share * SHARE + sums.len();
-            tables.iter().try_for_each(|table| add_to(sums, &table[own.clone()]))
-        })
-    }
-
     /// One sum as that of two numbers, the second what rounding takes from the first.
     pub fn pair(&self, place: usize) -> [f64; 2] {
         let high = self.value(place);
@@ -98,16 +83,6 @@ impl ExactSums {
         let left = rest.add(0, &[-high]).map_or(0.0, |()| rest.value(0));
         [high, left]
     }
-}
-
-fn add_to(sums: &mut [Words], values: &[f64]) -> Result<(), SparseError> {
-    for (sum, &value) in sums.iter_mut().zip(values) {
-        let added = words(value).is_some_and(|words| add_words(sum, words));
-        if !added {
-            return Err(SparseError::OutOfRange { found: value });
-        }
-    }
-    Ok(())
 }
 
 /// A number in fixed point; `None` if it is too large or none.
@@ -126,10 +101,7 @@ fn words(value: f64) -> Option<Words> {
     }
     let wide = u128::from(digits) << (shift % 64);
     let [low, high] = [low_word(wide), low_word(wide >> 64)];
-    let size = match shift / 64 {
-        0 => [low, high, 0],
-        _ => [0, low, high],
-    };
+    let size = if shift < 64 { [low, high, 0] } else { [0, low, high] };
     Some(if bits >> 63 == 0 { size } else { negated(size) })
 }
 

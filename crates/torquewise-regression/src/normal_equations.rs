@@ -3,7 +3,6 @@
 use crate::cholesky::{self, Solution};
 use crate::error::{SparseError, expect};
 use faer::Mat;
-use rayon::prelude::*;
 
 /// Relative residual energy that rounding alone leaves in normal equations.
 ///
@@ -242,7 +241,12 @@ impl NormalEquations {
 
         // Columns of unit length: the matrix has 1 + ridge on its diagonal.
         let length: Vec<f64> = used.iter().map(|&j| self.gram[(j, j)].sqrt()).collect();
-        let matrix = self.correlations(&used, &length, ridge);
+        let inverse: Vec<f64> = length.iter().map(|l| l.recip()).collect();
+        let matrix = Mat::from_fn(used.len(), used.len(), |i, j| {
+            let own = ridge / length[j].powi(2);
+            let shared = || self.gram[(used[i], used[j])] * inverse[i] * inverse[j];
+            if i == j { 1.0 + own } else { shared() }
+        });
         let right = Mat::from_fn(used.len(), cross.ncols(), |i, k| cross[(used[i], k)] / length[i]);
         let solution = cholesky::solve(matrix, right.as_ref());
 
@@ -253,22 +257,6 @@ impl NormalEquations {
         dependent.extend(solution.dependent.iter().map(|&i| used[i]));
         dependent.sort_unstable();
         Solution { values, dependent }
-    }
-
-    /// Lower triangle of the Gram matrix of some columns, each divided by its length, with ridge.
-    fn correlations(&self, used: &[usize], length: &[f64], ridge: f64) -> Mat<f64> {
-        let inverse: Vec<f64> = length.iter().map(|l| l.recip()).collect();
-        let mut out = Mat::zeros(used.len(), used.len());
-        let columns: Vec<_> = out.col_iter_mut().collect();
-        columns.into_par_iter().enumerate().for_each(|(j, out)| {
-            let Some(out) = out.try_as_col_major_mut() else { return };
-            let (from, out) = (self.gram.col_as_slice(used[j]), &mut out.as_slice_mut()[j..]);
-            for (out, (&row, own)) in out.iter_mut().zip(used[j..].iter().zip(&inverse[j..])) {
-                *out = from[row] * own * inverse[j];
-            }
-            out[0] = 1.0 + ridge / length[j].powi(2);
-        });
-        out
     }
 }
 

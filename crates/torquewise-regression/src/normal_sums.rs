@@ -181,7 +181,7 @@ impl NormalSums {
     /// Whether it holds what p parameters, n equations and so many folds ask for.
     pub fn is_sound(&self, parameters: usize, equations: usize, folds: usize) -> bool {
         (self.parameters, self.equations, self.rows.len()) == (parameters, equations, folds)
-            && self.sums.len() == self.energies() + PER_EQUATION * equations
+            && self.sums.count() == self.energies() + PER_EQUATION * equations
     }
 
     /// Instants summed.

@@ -187,7 +187,7 @@ impl RowSums {
 
     /// Whether they are sums for the design.
     pub fn is_sound(&self, prepared: &Prepared) -> bool {
-        self.sums.len() == prepared.n_sums()
+        self.sums.count() == prepared.n_sums()
     }
 }
 
@@ -215,7 +215,7 @@ impl<'a> RowAdder<'a> {
     pub fn new(prepared: &'a Prepared) -> Self {
         let total = RowSums::new(prepared);
         // Numbers of a sum, and the square that a triangle of them is kept in.
-        let most = (CHUNK_BYTES / (2 * 8 * total.sums.len()).max(1)).max(1);
+        let most = (CHUNK_BYTES / (2 * 8 * total.sums.count()).max(1)).max(1);
         let most = CHUNK_BLOCKS * rayon::current_num_threads().clamp(1, most);
         Self { prepared, most, waiting: Vec::new(), total }
     }
@@ -242,7 +242,7 @@ impl<'a> RowAdder<'a> {
         let chunks = self.waiting.par_chunks(CHUNK_BLOCKS);
         let tables = chunks.map(|blocks| self.prepared.table(blocks));
         let tables = tables.collect::<Result<Vec<_>, _>>()?;
-        self.total.sums.add_tables(&tables)?;
+        tables.iter().try_for_each(|table| self.total.sums.add(0, table))?;
         self.total.rows += self.waiting.drain(..).map(|block| block.n_rows()).sum::<usize>();
         Ok(())
     }

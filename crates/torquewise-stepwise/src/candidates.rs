@@ -44,25 +44,14 @@ pub struct Group {
 }
 
 impl Candidates {
-    /// Lists the library of a plan for n joints.
-    ///
-    /// # Errors
-    /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
-    pub fn new(
-        n_joints: usize,
-        library: LibraryKind,
-        regression: Regression,
-    ) -> Result<Self, IdentifyError> {
-        Self::with_friction(n_joints, library, regression, Vec::new())
-    }
-
-    /// The same with laws of friction, which every step is asked for.
+    /// Lists the library of a plan for n joints, with laws of friction, which every step is asked
+    /// for.
     ///
     /// Values of the laws join the variables of a row: q̇, q̈, then one per law.
     ///
     /// # Errors
-    /// As [`Self::new`].
-    pub fn with_friction(
+    /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
+    pub fn new(
         n_joints: usize,
         library: LibraryKind,
         regression: Regression,

@@ -66,7 +66,7 @@ impl SummedLibrary {
     /// [`IdentifyError::LibraryTooLarge`] if its sums would not fit into memory.
     pub fn basis(&self, n_joints: usize) -> Result<Basis, IdentifyError> {
         let laws = self.friction.clone();
-        let candidates = Candidates::with_friction(n_joints, self.kind, self.regression, laws)?;
+        let candidates = Candidates::new(n_joints, self.kind, self.regression, laws)?;
         let prepared = Prepared::cheaper(&candidates.design, n_joints, USUAL_ROWS);
         Ok(Basis { candidates, prepared })
     }

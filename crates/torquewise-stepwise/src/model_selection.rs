@@ -110,7 +110,7 @@ impl<'a> ModelSelection<'a> {
         laws: Vec<FrictionTerm>,
     ) -> Result<CrossValidation<'a>, IdentifyError> {
         let (n, regression) = (self.survey.joints.len(), self.options.regression);
-        let candidates = Candidates::with_friction(n, library, regression, laws)?;
+        let candidates = Candidates::new(n, library, regression, laws)?;
         CrossValidation::new(self.survey, candidates)
     }
 

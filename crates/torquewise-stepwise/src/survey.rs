@@ -201,7 +201,7 @@ impl SurveySum {
         n > 0
             && self.q_range.len() == n
             && self.peaks.iter().all(|peaks| peaks.len() == n && finite(peaks))
-            && self.sums.len() == 1 + 3 * n
+            && self.sums.count() == 1 + 3 * n
             && self.noise.is_sound(n)
             && self.sampled.is_sound(width(n), SAMPLE_ROWS)
     }

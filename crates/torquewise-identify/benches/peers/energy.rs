@@ -21,7 +21,8 @@ pub(crate) fn three_joints(folder: &Path) -> Value {
     let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
     write_files(folder, "energy3", &motion, &test);
     let library = LibraryKind::Energy { interaction: None };
-    let candidates = Candidates::new(N, library, Regression::Stepwise).expect("a library");
+    let candidates =
+        Candidates::new(N, library, Regression::Stepwise, Vec::new()).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
 
     let (all, gram) = timed("gram", || stacked(&grams(&candidates, &motion, 1), &motion));

@@ -34,7 +34,8 @@ pub(crate) fn run(folder: &Path) -> Value {
 /// Number of candidates and times at one order; the weights are written at the largest.
 fn sindy(motion: &Motion, order: u8, folder: &Path) -> (usize, Value) {
     let library = LibraryKind::Product { gravity_order: 2, trig_order: order };
-    let candidates = Candidates::new(N, library, Regression::OneShot).expect("a library");
+    let candidates =
+        Candidates::new(N, library, Regression::OneShot, Vec::new()).expect("a library");
     let p = candidates.len();
     let route = Prepared::cheaper(&candidates.design, N, ROWS).route();
     let columns: Vec<usize> = (0..p).collect();

@@ -16,7 +16,8 @@ const REPEATS: [usize; 4] = [1, 10, 100, 1_000];
 pub(crate) fn run(folder: &Path) -> Value {
     let motion = moves("puma560-3", ROWS, 3);
     let library = LibraryKind::Product { gravity_order: 1, trig_order: 1 };
-    let candidates = Candidates::new(N, library, Regression::OneShot).expect("a library");
+    let candidates =
+        Candidates::new(N, library, Regression::OneShot, Vec::new()).expect("a library");
     let columns: Vec<usize> = (0..candidates.len()).collect();
     write_motion(&folder.join("many.f64"), &motion);
     write_terms(&folder.join("many.txt"), &candidates, &columns);
@@ -25,9 +26,7 @@ pub(crate) fn run(folder: &Path) -> Value {
     for repeats in REPEATS {
         let rows = ROWS * repeats;
         let sums = || grams(&candidates, &motion, repeats).remove(0);
-        let (_, lstsq) = timed(&format!("{rows} rows, least squares"), || {
-            sums().weights()
-        });
+        let (_, lstsq) = timed(&format!("{rows} rows, least squares"), || sums().weights());
         let (_, stlsq) = timed(&format!("{rows} rows, STLSQ"), || {
             let stlsq = Stlsq { ridge: 0.05, ..Stlsq::default() };
             select_each(&stlsq, &sums())

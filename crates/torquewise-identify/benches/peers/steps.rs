@@ -14,7 +14,8 @@ const ROWS: usize = 20_000;
 pub(crate) fn run(folder: &Path) -> Value {
     let (motion, test) = (moves("puma560-3", ROWS, 3), test("puma560-3"));
     let options = LibraryOptions { bags: 0, ..LibraryOptions::product() };
-    let candidates = Candidates::new(N, options.library, options.regression).expect("a library");
+    let candidates =
+        Candidates::new(N, options.library, options.regression, Vec::new()).expect("a library");
     let plan = options.into();
     let (found, seconds) =
         timed("fit", || reconstruct(&motion, &plan, &mut |_| {}).expect("a log of three patterns"));

@@ -11,7 +11,7 @@ const N_RESPONSES: usize = 3;
 
 /// The one-shot SINDy library of three joints, N₁ = 4, N₂ ≤ 2.
 fn sindy() -> Design {
-    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot);
+    let candidates = Candidates::new(3, LibraryKind::PRODUCT, Regression::OneShot, Vec::new());
     candidates.expect("a library that fits into memory").design
 }
 

@@ -65,55 +65,43 @@ const DEPENDENT: f64 = 1e-9;
 /// Orthogonal forward selection: at each turn the column that explains most of what is left enters,
 /// while it explains more than the threshold asks of the noise left.
 fn forward(problem: &NormalEquations, usable: &[usize], threshold: f64) -> Vec<usize> {
-    let rows = problem.rows;
+    let NormalEquations { gram, rows, .. } = problem;
     let mut entered: Vec<usize> = Vec::new();
     let mut factors: Vec<Vec<f64>> = Vec::new();
-    let mut own: Vec<f64> = usable.iter().map(|&j| problem.gram[(j, j)]).collect();
+    let mut own: Vec<f64> = usable.iter().map(|&j| gram[(j, j)]).collect();
     let mut cross: Vec<f64> = usable.iter().map(|&j| problem.right()[j]).collect();
     let mut left = problem.energy[0];
     while entered.len() < MOST.min(usable.len()) {
         let gain = |place: usize| {
             if own[place] > DEPENDENT * rows { cross[place].powi(2) / own[place] } else { 0.0 }
         };
-        let best = (0..usable.len())
+        let (best, gain) = (0..usable.len())
             .map(|place| (place, gain(place)))
             .fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
         let freedom = (rows - entered.len() as f64).max(1.0);
-        let noise = (left - best.1).max(problem.resolution()) / freedom;
-        if best.1 <= threshold * noise || left <= problem.resolution() {
+        let noise = (left - gain).max(problem.resolution()) / freedom;
+        if gain <= threshold * noise || left <= problem.resolution() {
             break;
         }
-        let factor = orthogonal_part(problem, usable, &factors, best.0, own[best.0].sqrt());
-        let scaled = cross[best.0] / own[best.0].sqrt();
-        for (place, l) in factor.iter().enumerate() {
-            own[place] -= l * l;
-            cross[place] -= l * scaled;
+        // The next column of the Cholesky factor: what each column shares with the one that enters,
+        // beyond what those before explain.
+        let mut factor: Vec<f64> = usable.iter().map(|&j| gram[(j, usable[best])]).collect();
+        for before in &factors {
+            let weight = before[best];
+            factor.iter_mut().zip(before).for_each(|(value, l)| *value -= weight * l);
         }
-        own[best.0] = 0.0;
-        left -= best.1;
+        let pivot = own[best].sqrt();
+        let scaled = cross[best] / pivot;
+        for (place, l) in factor.iter_mut().enumerate() {
+            *l /= pivot;
+            own[place] -= *l * *l;
+            cross[place] -= *l * scaled;
+        }
+        own[best] = 0.0;
+        left -= gain;
         factors.push(factor);
-        entered.push(usable[best.0]);
+        entered.push(usable[best]);
     }
     entered.sort_unstable();
     entered
-}
-
-/// The next column of the Cholesky factor: what each column shares with the one that enters, beyond
-/// what those before explain.
-fn orthogonal_part(
-    problem: &NormalEquations,
-    usable: &[usize],
-    factors: &[Vec<f64>],
-    enters: usize,
-    pivot: f64,
-) -> Vec<f64> {
-    let gram = &problem.gram;
-    let mut part: Vec<f64> = usable.iter().map(|&j| gram[(j, usable[enters])]).collect();
-    for before in factors {
-        let weight = before[enters];
-        for (value, l) in part.iter_mut().zip(before) {
-            *value -= weight * l;
-        }
-    }
-    part.into_iter().map(|value| value / pivot).collect()
 }

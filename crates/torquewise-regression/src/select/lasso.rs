@@ -84,8 +84,11 @@ impl Lasso {
     /// # Errors
     /// [`SparseError::Setting`] if a setting is out of its range.
     pub fn select(&self, problem: &NormalEquations) -> Result<Selection, SparseError> {
+        let support = |PathPoint { coefficients, .. }| {
+            (0..coefficients.len()).filter(|&j| coefficients[j].abs() > self.threshold).collect()
+        };
         let mut supports: Vec<Vec<usize>> =
-            lasso_path(problem, self)?.iter().map(|point| self.support(point)).collect();
+            lasso_path(problem, self)?.into_iter().map(support).collect();
         supports.sort_by_key(Vec::len);
         supports.dedup();
 
@@ -106,12 +109,6 @@ impl Lasso {
             }
         }
         Ok(best)
-    }
-
-    /// Columns whose weight at this point counts as active.
-    fn support(&self, point: &PathPoint) -> Vec<usize> {
-        let weights = &point.coefficients;
-        (0..weights.len()).filter(|&j| weights[j].abs() > self.threshold).collect()
     }
 
     /// Penalties in equal ratios, from the one above which nothing is active.

@@ -65,21 +65,14 @@ mod tests {
     }
 
     #[test]
-    fn weights_above_the_threshold_stay() {
+    fn weights_above_the_threshold_stay_and_carry_no_ridge() {
         let problem = diagonal(&[0.3, -0.05, 0.11, -0.4]);
 
-        let selection = Stlsq::default().select(&problem).unwrap();
+        let plain = Stlsq::default().select(&problem).unwrap();
+        let ridged = Stlsq { ridge: 1.0, ..Stlsq::default() }.select(&problem).unwrap();
 
-        assert_eq!(selection.active, [0, 2, 3]);
-    }
-
-    #[test]
-    fn the_weights_kept_carry_no_ridge() {
-        let problem = diagonal(&[0.3, -0.05]);
-
-        let selection = Stlsq { ridge: 50.0, ..Stlsq::default() }.select(&problem).unwrap();
-
-        assert!((selection.coefficients[0] - 0.3).abs() < 1e-15);
+        assert_eq!([&plain.active, &ridged.active], [&[0, 2, 3], &[0, 2, 3]]);
+        assert!((ridged.coefficients[0] - 0.3).abs() < 1e-15);
     }
 
     #[test]

@@ -65,7 +65,7 @@ impl Library {
             return Err(SimError::TooManyColumns { columns, limit: MOST_COLUMNS });
         }
         let kind = LibraryKind::Energy { interaction: Some(order) };
-        let candidates = Candidates::new(n, kind, Regression::Stepwise)?;
+        let candidates = Candidates::new(n, kind, Regression::Stepwise, Vec::new())?;
         let [gravity, coriolis, _] = candidates.offered;
         let mut library = Self {
             design: candidates.design,
