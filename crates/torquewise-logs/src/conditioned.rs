@@ -264,7 +264,7 @@ impl Recording for ConditionedLogs {
         seed: u64,
         visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
     ) -> Result<bool, ReadError> {
-        let noise = RawNoise::of(&self.report, self.settings.derive, seed);
+        let noise = RawNoise::of(&self.report, seed);
         self.visit(Some(log), Some(&noise), &mut |trajectory, motion, noise| match noise {
             Some(noise) => visit(trajectory, motion, noise),
             None => Ok(()),

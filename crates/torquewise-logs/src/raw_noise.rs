@@ -4,15 +4,14 @@ use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use torquewise_motion::signals::{ConditionReport, Conditioner, Derive, Plan, Raw};
+use torquewise_motion::signals::{ConditionReport, Conditioner, Plan, Raw};
 use torquewise_motion::{Motion, MotionError};
 
-/// Standard deviations of the white noise of raw q, q̇ and q̈, n each; empty where a signal is not
-/// there or does not matter.
+/// Standard deviation of the white noise of raw q of each joint, n: q̇ and q̈ are derived from it.
 #[derive(Clone, Debug)]
 pub(crate) struct RawNoise {
     seed: u64,
-    deviations: [Vec<f64>; 3],
+    deviations: Vec<f64>,
 }
 
 /// The noise of one trajectory on its way through the filter.
@@ -24,18 +23,10 @@ pub(crate) struct NoiseLane {
 }
 
 impl RawNoise {
-    /// The noise that a report found in the signals that rows are made of.
-    pub(crate) fn of(report: &ConditionReport, derive: Derive, seed: u64) -> Self {
-        let of = |signal: &str, matters: bool| -> Vec<f64> {
-            let own = report.signals.iter().filter(|own| own.signal == signal && matters);
-            own.map(|own| own.noise.sigma).collect()
-        };
-        let deviations = [
-            of("q", true),
-            of("dq", derive != Derive::FromPosition),
-            of("ddq", derive == Derive::Measured),
-        ];
-        Self { seed, deviations }
+    /// The noise that a report found in the positions.
+    pub(crate) fn of(report: &ConditionReport, seed: u64) -> Self {
+        let positions = report.signals.iter().filter(|own| own.signal == "q");
+        Self { seed, deviations: positions.map(|own| own.noise.sigma).collect() }
     }
 
     /// A lane beside a conditioner of this plan.
@@ -58,24 +49,16 @@ impl NoiseLane {
             random
         });
         let n = raw.joints.len();
-        let mut parts =
-            self.noise.deviations.each_ref().map(|deviations| {
-                (deviations.len() == n).then(|| Mat::<f64>::zeros(raw.t.len(), n))
-            });
+        let mut q = Mat::<f64>::zeros(raw.t.len(), n);
         // Row by row, so that draws do not depend on where blocks end.
         for row in 0..raw.t.len() {
-            for (part, deviations) in parts.iter_mut().zip(&self.noise.deviations) {
-                let Some(part) = part else { continue };
-                for (joint, deviation) in deviations.iter().enumerate() {
-                    let unit: f64 = StandardNormal.sample(random);
-                    part[(row, joint)] = deviation * unit;
-                }
+            for (joint, deviation) in self.noise.deviations.iter().enumerate() {
+                let unit: f64 = StandardNormal.sample(random);
+                q[(row, joint)] = deviation * unit;
             }
         }
-        let [q, dq, ddq] = parts;
-        let q = q.unwrap_or_else(|| Mat::zeros(raw.t.len(), n));
         let (joints, t) = (raw.joints.clone(), raw.t.clone());
-        self.conditioner.push(&Raw { joints, t, q, dq, ddq, tau: None })
+        self.conditioner.push(&Raw { joints, t, q, dq: None, ddq: None, tau: None })
     }
 
     /// The rest.

@@ -27,9 +27,6 @@ pub enum MotionError {
     NotFiniteAt { row: usize },
     #[error("{0} is missing, and this work needs it")]
     Missing(&'static str),
-    #[error("{what} needs measured {signal}, the log has none")]
-    #[diagnostic(help("derive it from position"))]
-    Unmeasured { what: &'static str, signal: &'static str },
     #[error("a polynomial of degree {degree} does not fit on {half_window} rows to each side")]
     #[diagnostic(help("take a degree of at least 1 and at most twice that number"))]
     Window { half_window: usize, degree: usize },

@@ -47,5 +47,4 @@ pub use delay::{Shift, best_shift, shift};
 pub use plan::Plan;
 pub use raw::Raw;
 pub use report::{ConditionReport, CutoffFrom, SignalReport};
-pub use settings::{Conditioning, Cutoff, Derive, Trim};
-pub use zero_phase::low_pass_columns;
+pub use settings::{Conditioning, Cutoff, Trim};

@@ -1,7 +1,7 @@
 //! From columns to even columns: spikes out, then onto even time stamps.
 
 use crate::MotionError;
-use crate::signals::outliers::{Hampel, replace_outliers, spike_scale};
+use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
 use crate::signals::raw::{Columns, NAMES};
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
 
@@ -25,20 +25,16 @@ pub(crate) struct Base {
     pub(crate) timing: Timing,
     /// Of each signal and joint, empty where there is no such signal or nothing to be looked for.
     scales: [Vec<f64>; 4],
-    hampel: Option<Hampel>,
 }
 
 impl Base {
-    pub(crate) fn of(columns: &Columns, outliers: bool) -> Result<Self, MotionError> {
+    pub(crate) fn of(columns: &Columns) -> Result<Self, MotionError> {
         let timing = timing(&columns.t)?;
-        let hampel = outliers.then(Hampel::default);
         let mut scales = [const { Vec::new() }; 4];
-        if hampel.is_some() {
-            for (place, columns) in columns.present() {
-                scales[place] = columns.iter().map(|column| spike_scale(column)).collect();
-            }
+        for (place, columns) in columns.present() {
+            scales[place] = columns.iter().map(|column| spike_scale(column)).collect();
         }
-        Ok(Self { timing, scales, hampel })
+        Ok(Self { timing, scales })
     }
 
     /// Looks for spikes in no signal; rows are cut as before.
@@ -51,7 +47,7 @@ impl Base {
         // The influence of a row on a spline falls by 0.27 a row: 1e-17 after 30 even ones.
         // A bridge reaches as far as its gap is long.
         let spline = if self.timing.is_even() { 0 } else { 80 + self.timing.rows_of_gap() };
-        spline + self.hampel.map_or(0, |hampel| hampel.half_window + 8)
+        spline + HALF_WINDOW + 8
     }
 }
 
@@ -75,9 +71,8 @@ pub(crate) fn clean(
     let mut outliers = Vec::new();
     let despiked = columns.map(columns.t.clone(), |place, joint, column| {
         let mut column = column.to_vec();
-        let scale = base.scales[place].get(joint);
-        if let (Some(hampel), Some(&scale)) = (base.hampel, scale) {
-            let mut rows = replace_outliers(&columns.t, &mut column, scale, hampel)?;
+        if let Some(&scale) = base.scales[place].get(joint) {
+            let mut rows = replace_outliers(&columns.t, &mut column, scale);
             if !rows.is_empty() {
                 for row in &mut rows {
                     *row += origin.1;

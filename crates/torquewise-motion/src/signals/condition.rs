@@ -74,7 +74,6 @@ fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, Mo
             Cutoff::Auto => CutoffFrom::Motion,
             Cutoff::Hz(_) | Cutoff::Off => CutoffFrom::Setting,
         },
-        order: plan.settings.order,
         outliers: even.outliers.clone(),
         signals: signal_reports(columns, even, &filtered, &dq),
         dq_lag: lags(&dq, &filtered, plan)?,

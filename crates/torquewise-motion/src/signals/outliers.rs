@@ -1,34 +1,24 @@
 //! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
 
-use crate::MotionError;
 use crate::signals::noise::quantisation;
 use crate::stats::median;
 
 /// Looks for spikes at most.
 const ROUNDS: usize = 3;
 
-/// What counts as a spike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hampel {
-    /// Rows on each side that a row is compared with, three or more.
-    pub half_window: usize,
-    /// Distance from the running median, in robust standard deviations.
-    pub threshold: f64,
-    /// Rows in a row that a spike may last; a longer excursion is left alone.
-    pub longest: usize,
-}
+/// Rows on each side that a row is compared with.
+pub(crate) const HALF_WINDOW: usize = 7;
 
-impl Default for Hampel {
-    /// Seven rows on each side, six deviations, at most three rows long.
-    fn default() -> Self {
-        Self { half_window: 7, threshold: 6.0, longest: 3 }
-    }
-}
+/// Distance of a spike from the running median, in robust standard deviations.
+const THRESHOLD: f64 = 6.0;
+
+/// Rows in a row that a spike may last; a longer excursion is left alone.
+const LONGEST: usize = 3;
 
 /// Smallest deviation that counts as one, so that a signal that hardly moves, or moves in steps,
 /// is not full of spikes: the middle one of the third differences of `x`, as a standard deviation,
 /// which few spikes do not change; at least the step of its quantisation.
-pub fn spike_scale(x: &[f64]) -> f64 {
+pub(crate) fn spike_scale(x: &[f64]) -> f64 {
     let third = |w: &[f64]| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs();
     let mut differences: Vec<f64> = x.windows(4).map(third).collect();
     let step = quantisation(x).map_or(0.0, |quantisation| quantisation.step);
@@ -38,7 +28,7 @@ pub fn spike_scale(x: &[f64]) -> f64 {
 
 /// Replaces spikes in place and returns their rows.
 ///
-/// A row is off if it lies `threshold` deviations off the line through the medians of the rows on
+/// A row is off if it lies six deviations off the line through the medians of the rows on
 /// both sides. The deviation is the scaled median distance of the window from that line, at least
 /// `scale`. Rows that are off are a spike if they are few and stand off the rows next to them on
 /// both sides. A step is no spike, nor is the peak of a sine, whose window is as bent as itself.
@@ -51,32 +41,12 @@ pub fn spike_scale(x: &[f64]) -> f64 {
 /// three of an end are judged by the one side they have.
 ///
 /// Source: R. Pearson et al., EURASIP J. Adv. Signal Process. 2016:87, with a line for the median.
-///
-/// # Errors
-/// [`MotionError::Setting`], or [`MotionError::TooFewRows`] if `t` and `x` differ in length.
-pub fn replace_outliers(
-    t: &[f64],
-    x: &mut [f64],
-    scale: f64,
-    hampel: Hampel,
-) -> Result<Vec<usize>, MotionError> {
-    if hampel.half_window < 3 {
-        let (value, expected) = (hampel.half_window as f64, "3 rows or more");
-        return Err(MotionError::Setting { what: "half window of outliers", value, expected });
-    }
-    if hampel.threshold.is_nan() || hampel.threshold <= 0.0 {
-        let expected = "above 0";
-        let value = hampel.threshold;
-        return Err(MotionError::Setting { what: "threshold of outliers", value, expected });
-    }
-    if t.len() != x.len() {
-        return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: x.len() });
-    }
+pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usize> {
     let mut is_spike = vec![false; x.len()];
     let mut spikes = Vec::new();
     // What stands beside a spike is judged once that is gone.
     for _ in 0..ROUNDS {
-        let found = find(x, scale, hampel);
+        let found = find(x, scale);
         if found.is_empty() {
             break;
         }
@@ -88,7 +58,7 @@ pub fn replace_outliers(
     }
     spikes.sort_unstable();
     spikes.dedup();
-    Ok(spikes)
+    spikes
 }
 
 /// Puts values in the place of spikes.
@@ -102,18 +72,18 @@ fn replace(t: &[f64], x: &mut [f64], spikes: &[usize], is_spike: &[bool]) {
 }
 
 /// Rows of all spikes no longer than they may be.
-fn find(x: &[f64], scale: f64, hampel: Hampel) -> Vec<usize> {
-    let mut space = Vec::with_capacity(2 * hampel.half_window + 1);
+fn find(x: &[f64], scale: f64) -> Vec<usize> {
+    let mut space = Vec::with_capacity(2 * HALF_WINDOW + 1);
     let mut spikes = Vec::new();
     let mut run: Vec<usize> = Vec::new();
     let mut margin = f64::INFINITY;
-    spikes.extend(at_the_ends(x, scale, hampel.threshold));
+    spikes.extend(at_the_ends(x, scale));
     for row in 0..x.len() {
-        if let Some(distance) = distance(x, row, scale, hampel, &mut space) {
+        if let Some(distance) = distance(x, row, scale, &mut space) {
             run.push(row);
             margin = margin.min(0.5 * distance);
         } else {
-            if is_spike(x, &run, margin, hampel.longest) {
+            if is_spike(x, &run, margin) {
                 spikes.append(&mut run);
             }
             run.clear();
@@ -130,7 +100,7 @@ const GROUP: usize = 7;
 
 /// Spikes in the first and last rows: off the line that the medians of the rows next to them lie
 /// on, by more than these bend.
-fn at_the_ends(x: &[f64], scale: f64, threshold: f64) -> Vec<usize> {
+fn at_the_ends(x: &[f64], scale: f64) -> Vec<usize> {
     if x.len() < 2 * (END + 3 * GROUP) {
         return Vec::new();
     }
@@ -147,7 +117,7 @@ fn at_the_ends(x: &[f64], scale: f64, threshold: f64) -> Vec<usize> {
         let line = |k: usize| near + slope * (k as f64 - (END + GROUP / 2) as f64);
         let mut rest: Vec<f64> = (END..END + 2 * GROUP).map(|k| (at(k) - line(k)).abs()).collect();
         let deviation = (1.4826 * median(&mut rest)).max(scale);
-        let allowed = threshold * deviation + 2.0 * (far - 2.0 * middle + near).abs();
+        let allowed = THRESHOLD * deviation + 2.0 * (far - 2.0 * middle + near).abs();
         let spikes = (0..END).filter(|&k| (at(k) - line(k)).abs() > allowed);
         found.extend(spikes.map(|k| if from_end { last - k } else { k }));
     }
@@ -155,9 +125,9 @@ fn at_the_ends(x: &[f64], scale: f64, threshold: f64) -> Vec<usize> {
 }
 
 /// Whether the run is short and each of its rows stands off the neighbours on both sides.
-fn is_spike(x: &[f64], run: &[usize], margin: f64, longest: usize) -> bool {
+fn is_spike(x: &[f64], run: &[usize], margin: f64) -> bool {
     let (Some(&first), Some(&last)) = (run.first(), run.last()) else { return false };
-    if run.len() > longest {
+    if run.len() > LONGEST {
         return false;
     }
     let (before, after) = (x[first - 1], x[last + 1]);
@@ -172,14 +142,8 @@ fn is_spike(x: &[f64], run: &[usize], margin: f64, longest: usize) -> bool {
 }
 
 /// How far `row` is off the line through the medians of both sides, if that is too far.
-fn distance(
-    x: &[f64],
-    row: usize,
-    scale: f64,
-    hampel: Hampel,
-    space: &mut Vec<f64>,
-) -> Option<f64> {
-    let width = hampel.half_window.min(row).min(x.len() - 1 - row);
+fn distance(x: &[f64], row: usize, scale: f64, space: &mut Vec<f64>) -> Option<f64> {
+    let width = HALF_WINDOW.min(row).min(x.len() - 1 - row);
     if width < 3 {
         return None;
     }
@@ -195,7 +159,7 @@ fn distance(
     space.extend((0..=2 * width).map(|k| (x[row - width + k] - line(k)).abs()));
     let distance = space[width];
     let deviation = (1.4826 * median(space)).max(scale);
-    (distance > hampel.threshold * deviation).then_some(distance)
+    (distance > THRESHOLD * deviation).then_some(distance)
 }
 
 /// The polynomial through the rows `near`, at `at`; the mean time step is no matter.

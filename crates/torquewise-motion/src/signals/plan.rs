@@ -6,8 +6,8 @@ use crate::signals::clean::{Base, Even, clean};
 use crate::signals::cutoff::above_motion;
 use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
-use crate::signals::raw::{Columns, DDQ, DQ, NAMES, Q, Raw};
-use crate::signals::settings::{Conditioning, Cutoff, Derive, Trim};
+use crate::signals::raw::{Columns, Q, Raw};
+use crate::signals::settings::{Conditioning, Cutoff, ORDER, Trim};
 
 /// Samples per period of the cut-off that are kept.
 const OVERSAMPLING: f64 = 8.0;
@@ -46,7 +46,7 @@ impl Plan {
         settings: &Conditioning,
     ) -> Result<(Self, Even), MotionError> {
         settings.check()?;
-        let base = Base::of(columns, settings.outliers)?;
+        let base = Base::of(columns)?;
         let even = clean(columns, &base, (columns.t[0], 0))?;
         let rate = base.timing.rate;
         let cutoff = match settings.cutoff {
@@ -58,7 +58,7 @@ impl Plan {
             Cutoff::Off => None,
         };
         if let Some(cutoff) = cutoff {
-            low_pass(settings.order, cutoff, rate)?;
+            low_pass(ORDER, cutoff, rate)?;
         }
         let keep_every = match (settings.rate, cutoff) {
             (Some(keep), _) => rows((rate / keep).round()),
@@ -87,29 +87,14 @@ impl Plan {
         self
     }
 
-    /// Cut-off of the low-pass filter \[Hz\], if there is one.
-    pub fn cutoff(&self) -> Option<f64> {
-        self.cutoff
-    }
-
-    /// Samples per second that pass the filter \[Hz\], before rows are left out.
-    pub fn rate(&self) -> f64 {
-        self.rate
-    }
-
     /// Samples per second that come out \[Hz\].
-    pub fn rate_out(&self) -> f64 {
+    pub(crate) fn rate_out(&self) -> f64 {
         self.rate / self.keep_every as f64
     }
 
     /// Seconds dropped at each end.
-    pub fn trimmed(&self) -> f64 {
+    pub(crate) fn trimmed(&self) -> f64 {
         self.trim as f64 / self.rate
-    }
-
-    /// Order of the filter and everything else that was asked for.
-    pub fn settings(&self) -> &Conditioning {
-        &self.settings
     }
 
     /// Of so many rows one is enough to compare filtered signals.
@@ -122,7 +107,7 @@ impl Plan {
             (Trim::Seconds(seconds), _) => seconds,
             (Trim::Auto, None) => 0.0,
             (Trim::Auto, Some(cutoff)) => {
-                settle_time(self.settings.order, cutoff, SETTLED).min(MAX_TRIM * span)
+                settle_time(ORDER, cutoff, SETTLED).min(MAX_TRIM * span)
             }
         };
         // Rounding of the rate is not to cost a row.
@@ -131,7 +116,7 @@ impl Plan {
 
     /// Rows to each side on which a conditioned row depends, to rounding.
     pub(crate) fn reach(&self) -> usize {
-        let settle = |cutoff| settle_time(self.settings.order, cutoff, FORGOTTEN) * self.rate;
+        let settle = |cutoff| settle_time(ORDER, cutoff, FORGOTTEN) * self.rate;
         let filter = self.cutoff.map_or(0.0, |cutoff| 1.3 * settle(cutoff).ceil());
         self.base.reach() + rows(filter) + self.shift_reach() + REACH
     }
@@ -141,22 +126,9 @@ impl Plan {
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
 
-    /// Refuses signals that are not those planned for, and plans that need others.
+    /// Refuses signals that are not those planned for.
     pub(crate) fn check(&self, columns: &Columns) -> Result<(), MotionError> {
-        if columns.joints != self.joints {
-            return Err(MotionError::Block);
-        }
-        let needed: &[usize] = match self.settings.derive {
-            Derive::FromPosition => &[],
-            Derive::FromVelocity => &[DQ],
-            Derive::Measured => &[DQ, DDQ],
-        };
-        match needed.iter().find(|place| columns.signals[**place].is_none()) {
-            Some(&place) => {
-                Err(MotionError::Unmeasured { what: "conditioning", signal: NAMES[place] })
-            }
-            None => Ok(()),
-        }
+        if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
     }
 }
 

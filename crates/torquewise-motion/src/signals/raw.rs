@@ -9,7 +9,6 @@ pub(crate) const NAMES: [&str; 4] = ["q", "dq", "ddq", "tau"];
 /// Place of each signal in [`NAMES`].
 pub(crate) const Q: usize = 0;
 pub(crate) const DQ: usize = 1;
-pub(crate) const DDQ: usize = 2;
 pub(crate) const TAU: usize = 3;
 
 /// What was measured of one trajectory of an arm with n joints, m rows.

@@ -74,8 +74,6 @@ pub struct ConditionReport {
     pub cutoff: Option<f64>,
     /// Where it comes from.
     pub cutoff_from: CutoffFrom,
-    /// Order of the filter.
-    pub order: usize,
     /// Spikes that were replaced, by signal and joint; none without.
     pub outliers: Vec<Outliers>,
     /// Noise and quantisation, by signal and joint.

@@ -4,7 +4,7 @@ use crate::MotionError;
 use crate::Repairs;
 use crate::signals::spline::{check_increasing, interpolate};
 use faer::linalg::solvers::Solve;
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, Side};
 
 /// Jitter below which stamps count as even and are kept as they are.
 pub const EVEN: f64 = 1e-6;
@@ -251,31 +251,6 @@ fn lagrange(t: &[f64], at: f64) -> [f64; WIDTH] {
         }
     }
     weights
-}
-
-/// Columns of `x` at the times `at`, see [`Resampler`].
-///
-/// - `t`: \[s\], strictly increasing, m
-/// - `x`: m×n
-/// - `rate`: usual rows per second of `t` \[Hz\]
-/// - returns: one row per value of `at`
-///
-/// # Errors
-/// Those of [`interpolate`].
-pub fn resample(
-    t: &[f64],
-    x: MatRef<'_, f64>,
-    at: &[f64],
-    rate: f64,
-) -> Result<Mat<f64>, MotionError> {
-    check_increasing(t)?;
-    let resampler = Resampler::new(t, at, rate);
-    let mut resampled = Mat::zeros(at.len(), x.ncols());
-    for j in 0..x.ncols() {
-        let column: Vec<f64> = x.col(j).iter().copied().collect();
-        resampled.col_as_slice_mut(j).copy_from_slice(&resampler.column(&column)?);
-    }
-    Ok(resampled)
 }
 
 #[cfg(test)]

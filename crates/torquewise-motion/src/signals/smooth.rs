@@ -6,8 +6,8 @@ use crate::signals::clean::Even;
 use crate::signals::delay::shift;
 use crate::signals::derivative::even_derivative;
 use crate::signals::plan::Plan;
-use crate::signals::raw::{Columns, DDQ, DQ, Q, TAU, matrix};
-use crate::signals::settings::Derive;
+use crate::signals::raw::{Columns, Q, TAU, matrix};
+use crate::signals::settings::ORDER;
 use crate::signals::zero_phase::filtfilt;
 use crate::{Motion, Signals};
 use faer::Mat;
@@ -30,7 +30,7 @@ pub(crate) struct Smooth {
 pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
-    let sections = low_pass(plan.settings.order, cutoff, plan.rate)?;
+    let sections = low_pass(ORDER, cutoff, plan.rate)?;
     columns.map(columns.t.clone(), |_, _, column| {
         let mut column = column.to_vec();
         filtfilt(&sections, &mut column)?;
@@ -40,18 +40,9 @@ pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
 
 /// Derivatives of the filtered signals, and the torque advanced by its delay.
 pub(crate) fn smooth(filtered: &Columns, even: &Even, plan: &Plan) -> Result<Smooth, MotionError> {
-    let of = |place: usize| filtered.signals[place].as_deref().map(matrix);
-    let (q, derive) =
-        (matrix(filtered.signals[Q].as_deref().unwrap_or_default()), plan.settings.derive);
-    let derived = |x: &Mat<f64>, order| even_derivative(x.as_ref(), plan.rate, order);
-    let measured_dq = of(DQ).filter(|_| derive != Derive::FromPosition);
-    let measured_ddq = of(DDQ).filter(|_| derive == Derive::Measured);
-    let ddq = match (measured_ddq, &measured_dq) {
-        (Some(ddq), _) => ddq,
-        (None, Some(dq)) => derived(dq, 1)?,
-        (None, None) => derived(&q, 2)?,
-    };
-    let dq = measured_dq.map_or_else(|| derived(&q, 1), Ok)?;
+    let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
+    let [dq, ddq] = [1, 2].map(|order| even_derivative(q.as_ref(), plan.rate, order));
+    let (dq, ddq) = (dq?, ddq?);
     let delay = plan.settings.delay;
     let advanced = |tau: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
         tau.iter().map(|x| shift(x, plan.rate, delay)).collect()

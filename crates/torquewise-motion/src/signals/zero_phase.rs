@@ -1,8 +1,7 @@
 //! From signal to smoothed signal: a filter run forwards and backwards, so that nothing is delayed.
 
 use crate::MotionError;
-use crate::signals::butterworth::{Section, low_pass, sosfilt, sosfilt_zi};
-use faer::{Mat, MatRef};
+use crate::signals::butterworth::{Section, sosfilt, sosfilt_zi};
 
 /// Runs `x` through the sections forwards and backwards, in place.
 ///
@@ -45,30 +44,6 @@ pub fn padding(sections: &[Section]) -> usize {
     let zeros_at_origin = sections.iter().filter(|section| section.b[2] == 0.0).count();
     let poles_at_origin = sections.iter().filter(|section| section.a[2] == 0.0).count();
     3 * (2 * sections.len() + 1 - zeros_at_origin.min(poles_at_origin))
-}
-
-/// [`filtfilt`] of each column with a Butterworth low-pass filter.
-///
-/// With the same arguments as for the torque, columns of a regressor pass exactly what it passed.
-///
-/// - `x`: signals, m×n, evenly sampled at `rate` \[Hz\]
-/// - `cutoff`: \[Hz\], where the gain is one half
-/// - returns: m×n
-///
-/// # Errors
-/// Those of [`low_pass`] and [`filtfilt`].
-pub fn low_pass_columns(
-    x: MatRef<'_, f64>,
-    rate: f64,
-    cutoff: f64,
-    order: usize,
-) -> Result<Mat<f64>, MotionError> {
-    let sections = low_pass(order, cutoff, rate)?;
-    let mut filtered = x.to_owned();
-    for column in 0..filtered.ncols() {
-        filtfilt(&sections, filtered.col_as_slice_mut(column))?;
-    }
-    Ok(filtered)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::signals::raw::TAU;
-use crate::signals::settings::{Cutoff, Derive, Trim};
+use crate::signals::settings::{Cutoff, Trim};
 use approx::assert_abs_diff_eq;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -113,8 +113,7 @@ fn noise_of_each_signal_is_reported() {
 fn a_perfect_log_passes_as_it_is() {
     let perfect = Measured { jitter: 0.0, noise: 0.0, velocity_lag: 0.0, torque_lag: 0.0, ..BAD };
     let raw = measure(&perfect);
-    let settings =
-        Conditioning { cutoff: Cutoff::Off, derive: Derive::FromVelocity, ..Default::default() };
+    let settings = Conditioning { cutoff: Cutoff::Off, ..Default::default() };
 
     let found = condition(&raw, &settings).unwrap();
 
@@ -172,12 +171,6 @@ fn errors_say_which_signal_of_which_joint() {
 
     let short = measure(&Measured { n: 40, ..BAD });
     assert!(condition(&short, &Conditioning::default()).is_err());
-
-    let mut no_velocity = measure(&BAD);
-    no_velocity.dq = None;
-    let settings = Conditioning { derive: Derive::FromVelocity, ..Default::default() };
-    let error = condition(&no_velocity, &settings).unwrap_err();
-    assert!(matches!(error, MotionError::Unmeasured { signal: "dq", .. }));
 
     let settings = Conditioning { trim: Trim::Seconds(30.0), ..Default::default() };
     let error = condition(&measure(&BAD), &settings).unwrap_err();
