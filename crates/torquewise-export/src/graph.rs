@@ -4,6 +4,7 @@
 //! for the same operation on the same nodes gets the same number, so that a common factor is shared
 //! however it came about. Constants are folded, signs are drawn out of products.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 
 pub(crate) type Id = usize;
@@ -76,62 +77,65 @@ const CHAIN: usize = 4;
 /// Operations, each once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Graph {
-    nodes: Vec<Node>,
-    places: HashMap<Node, Id>,
+    /// Behind cells, so that operations nest as expressions do.
+    nodes: RefCell<Vec<Node>>,
+    places: RefCell<HashMap<Node, Id>>,
 }
 
 impl Graph {
-    pub(crate) fn node(&self, id: Id) -> &Node {
-        &self.nodes[id]
+    pub(crate) fn node(&self, id: Id) -> Node {
+        self.nodes.borrow()[id].clone()
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.nodes.len()
+        self.nodes.borrow().len()
     }
 
-    fn put(&mut self, node: Node) -> Id {
-        if let Some(&id) = self.places.get(&node) {
-            return id;
-        }
-        let id = self.nodes.len();
-        self.nodes.push(node.clone());
-        self.places.insert(node, id);
-        id
+    fn put(&self, node: Node) -> Id {
+        *self.places.borrow_mut().entry(node).or_insert_with_key(|node| {
+            let mut nodes = self.nodes.borrow_mut();
+            nodes.push(node.clone());
+            nodes.len() - 1
+        })
     }
 
     /// A number; never −0, which nothing tells from 0.
-    pub(crate) fn constant(&mut self, value: f64) -> Id {
+    pub(crate) fn constant(&self, value: f64) -> Id {
         let value = if value == 0.0 { 0.0 } else { value };
         self.put(Node::Constant(value.to_bits()))
     }
 
     /// The number a node is, if it is one.
     pub(crate) fn value(&self, id: Id) -> Option<f64> {
-        match self.nodes[id] {
+        match self.nodes.borrow()[id] {
             Node::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
 
-    pub(crate) fn input(&mut self, input: Input) -> Id {
+    /// The node that a node is the negative of, if it is one.
+    fn opposite(&self, id: Id) -> Option<Id> {
+        if let Node::Neg(a) = self.nodes.borrow()[id] { Some(a) } else { None }
+    }
+
+    pub(crate) fn input(&self, input: Input) -> Id {
         self.put(Node::Input(input))
     }
 
     /// sin(k·q); the first k that is not zero is made positive.
-    pub(crate) fn sin(&mut self, multiples: &[i32]) -> Id {
+    pub(crate) fn sin(&self, multiples: &[i32]) -> Id {
         match multiples.iter().find(|k| **k != 0) {
             None => self.constant(0.0),
             Some(k) if *k < 0 => {
                 let opposite: Vec<i32> = multiples.iter().map(|k| -k).collect();
-                let sine = self.put(Node::Sin(opposite));
-                self.neg(sine)
+                self.neg(self.put(Node::Sin(opposite)))
             }
             Some(_) => self.put(Node::Sin(multiples.to_vec())),
         }
     }
 
     /// cos(k·q); the first k that is not zero is made positive.
-    pub(crate) fn cos(&mut self, multiples: &[i32]) -> Id {
+    pub(crate) fn cos(&self, multiples: &[i32]) -> Id {
         match multiples.iter().find(|k| **k != 0) {
             None => self.constant(1.0),
             Some(k) if *k < 0 => self.put(Node::Cos(multiples.iter().map(|k| -k).collect())),
@@ -139,28 +143,23 @@ impl Graph {
         }
     }
 
-    pub(crate) fn add(&mut self, a: Id, b: Id) -> Id {
+    pub(crate) fn add(&self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x + y),
             (Some(0.0), None) => return b,
             (None, Some(0.0)) => return a,
-            (Some(x), None) if x < 0.0 => return self.less(b, -x),
-            (None, Some(x)) if x < 0.0 => return self.less(a, -x),
+            (Some(x), None) if x < 0.0 => return self.sub(b, self.constant(-x)),
+            (None, Some(x)) if x < 0.0 => return self.sub(a, self.constant(-x)),
             _ => {}
         }
-        match (&self.nodes[a], &self.nodes[b]) {
-            (_, &Node::Neg(b)) => self.sub(a, b),
-            (&Node::Neg(a), _) => self.sub(b, a),
+        match (self.opposite(a), self.opposite(b)) {
+            (_, Some(b)) => self.sub(a, b),
+            (Some(a), _) => self.sub(b, a),
             _ => self.put(Node::Add(a.min(b), a.max(b))),
         }
     }
 
-    fn less(&mut self, a: Id, by: f64) -> Id {
-        let by = self.constant(by);
-        self.sub(a, by)
-    }
-
-    pub(crate) fn sub(&mut self, a: Id, b: Id) -> Id {
+    pub(crate) fn sub(&self, a: Id, b: Id) -> Id {
         if a == b {
             return self.constant(0.0);
         }
@@ -168,63 +167,49 @@ impl Graph {
             (Some(x), Some(y)) => return self.constant(x - y),
             (Some(0.0), None) => return self.neg(b),
             (None, Some(0.0)) => return a,
-            (None, Some(x)) if x < 0.0 => {
-                let opposite = self.constant(-x);
-                return self.add(a, opposite);
-            }
+            (None, Some(x)) if x < 0.0 => return self.add(a, self.constant(-x)),
             _ => {}
         }
-        match (&self.nodes[a], &self.nodes[b]) {
-            (_, &Node::Neg(b)) => self.add(a, b),
-            (&Node::Neg(a), _) => {
-                let sum = self.add(a, b);
-                self.neg(sum)
-            }
+        match (self.opposite(a), self.opposite(b)) {
+            (_, Some(b)) => self.add(a, b),
+            (Some(a), _) => self.neg(self.add(a, b)),
             _ => self.put(Node::Sub(a, b)),
         }
     }
 
-    pub(crate) fn mul(&mut self, a: Id, b: Id) -> Id {
+    pub(crate) fn mul(&self, a: Id, b: Id) -> Id {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x * y),
             (Some(x), None) => return self.scaled(x, b),
             (None, Some(x)) => return self.scaled(x, a),
             (None, None) => {}
         }
-        match (&self.nodes[a], &self.nodes[b]) {
-            (&Node::Neg(a), _) => self.neg_product(a, b),
-            (_, &Node::Neg(b)) => self.neg_product(a, b),
+        match (self.opposite(a), self.opposite(b)) {
+            (Some(a), _) => self.neg(self.mul(a, b)),
+            (_, Some(b)) => self.neg(self.mul(a, b)),
             _ => self.put(Node::Mul(a.min(b), a.max(b))),
         }
     }
 
-    fn neg_product(&mut self, a: Id, b: Id) -> Id {
-        let product = self.mul(a, b);
-        self.neg(product)
-    }
-
     /// factor·a, the factor first and positive.
-    fn scaled(&mut self, factor: f64, a: Id) -> Id {
+    fn scaled(&self, factor: f64, a: Id) -> Id {
         if factor == 0.0 {
             return self.constant(0.0);
         }
         if factor < 0.0 {
-            let opposite = self.scaled(-factor, a);
-            return self.neg(opposite);
+            return self.neg(self.scaled(-factor, a));
         }
-        if let Node::Neg(a) = self.nodes[a] {
-            let opposite = self.scaled(factor, a);
-            return self.neg(opposite);
+        if let Some(a) = self.opposite(a) {
+            return self.neg(self.scaled(factor, a));
         }
         if (factor - 1.0).abs() == 0.0 {
             return a;
         }
-        let factor = self.constant(factor);
-        self.put(Node::Mul(factor, a))
+        self.put(Node::Mul(self.constant(factor), a))
     }
 
-    pub(crate) fn neg(&mut self, a: Id) -> Id {
-        match self.nodes[a] {
+    pub(crate) fn neg(&self, a: Id) -> Id {
+        match self.node(a) {
             Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
             Node::Neg(a) => a,
             Node::Sub(a, b) => self.sub(b, a),
@@ -232,12 +217,12 @@ impl Graph {
         }
     }
 
-    pub(crate) fn call(&mut self, function: Function, a: Id) -> Id {
+    pub(crate) fn call(&self, function: Function, a: Id) -> Id {
         self.put(Node::Call(function, a))
     }
 
-    pub(crate) fn abs(&mut self, a: Id) -> Id {
-        match self.nodes[a] {
+    pub(crate) fn abs(&self, a: Id) -> Id {
+        match self.node(a) {
             Node::Constant(bits) => self.constant(f64::from_bits(bits).abs()),
             Node::Neg(a) => self.abs(a),
             _ => self.call(Function::Abs, a),
@@ -245,7 +230,7 @@ impl Graph {
     }
 
     /// aᵖ by repeated squares.
-    pub(crate) fn power(&mut self, a: Id, power: u32) -> Id {
+    pub(crate) fn power(&self, a: Id, power: u32) -> Id {
         if power == 0 {
             return self.constant(1.0);
         }
@@ -254,34 +239,31 @@ impl Graph {
         if power.is_multiple_of(2) { even } else { self.mul(even, a) }
     }
 
-    pub(crate) fn sum(&mut self, parts: &[Id]) -> Id {
+    pub(crate) fn sum(&self, parts: &[Id]) -> Id {
         if parts.len() > CHAIN {
             let chains: Vec<Id> = parts.chunks(CHAIN).map(|chain| self.sum(chain)).collect();
             return self.sum(&chains);
         }
-        let zero = self.constant(0.0);
-        parts.iter().fold(zero, |sum, &part| self.add(sum, part))
+        parts.iter().fold(self.constant(0.0), |sum, &part| self.add(sum, part))
     }
 
-    pub(crate) fn product(&mut self, parts: &[Id]) -> Id {
-        let one = self.constant(1.0);
-        parts.iter().fold(one, |product, &part| self.mul(product, part))
+    pub(crate) fn product(&self, parts: &[Id]) -> Id {
+        parts.iter().fold(self.constant(1.0), |product, &part| self.mul(product, part))
     }
 
     /// The nodes that some nodes are computed from, and they, in order.
     pub(crate) fn reachable(&self, roots: &[Id]) -> Vec<Id> {
-        let mut needed = vec![false; self.nodes.len()];
+        let nodes = self.nodes.borrow();
+        let mut needed = vec![false; nodes.len()];
         for &root in roots {
             needed[root] = true;
         }
-        for id in (0..self.nodes.len()).rev() {
+        for id in (0..nodes.len()).rev() {
             if needed[id] {
-                for operand in self.nodes[id].operands() {
-                    needed[operand] = true;
-                }
+                nodes[id].operands().into_iter().for_each(|operand| needed[operand] = true);
             }
         }
-        (0..self.nodes.len()).filter(|&id| needed[id]).collect()
+        (0..nodes.len()).filter(|&id| needed[id]).collect()
     }
 }
 
@@ -291,7 +273,7 @@ mod tests {
 
     #[test]
     fn the_same_operation_is_one_node() {
-        let mut graph = Graph::default();
+        let graph = Graph::default();
         let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
 
         assert_eq!(graph.mul(a, b), graph.mul(b, a));
@@ -301,25 +283,21 @@ mod tests {
 
     #[test]
     fn signs_are_drawn_out_and_cancel() {
-        let mut graph = Graph::default();
+        let graph = Graph::default();
         let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
         let minus = graph.neg(a);
-        let two = graph.constant(-2.0);
 
-        let scaled = graph.mul(two, minus);
+        let scaled = graph.mul(graph.constant(-2.0), minus);
         let sum = graph.add(b, minus);
 
         assert!(matches!(graph.node(scaled), Node::Mul(..)));
         assert_eq!(graph.sub(b, a), sum);
-        assert_eq!(graph.sin(&[-1, 2]), {
-            let sine = graph.sin(&[1, -2]);
-            graph.neg(sine)
-        });
+        assert_eq!(graph.sin(&[-1, 2]), graph.neg(graph.sin(&[1, -2])));
     }
 
     #[test]
     fn nothing_is_added_or_multiplied_in_vain() {
-        let mut graph = Graph::default();
+        let graph = Graph::default();
         let a = graph.input(Input::Dq(0));
         let (zero, one) = (graph.constant(-0.0), graph.constant(1.0));
 

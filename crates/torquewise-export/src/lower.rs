@@ -13,17 +13,17 @@ pub(crate) fn lowered(graph: &Graph, roots: &[Id]) -> (Graph, Vec<Id>) {
     let order = graph.reachable(roots);
     let mut places: HashMap<Id, Id> = HashMap::new();
     for id in order {
-        let at = |operand: &Id| places[operand];
+        let at = |operand: Id| places[&operand];
         let place = match graph.node(id) {
-            Node::Constant(bits) => lower.target.constant(f64::from_bits(*bits)),
-            Node::Input(input) => lower.target.input(*input),
-            Node::Sin(multiples) => lower.angle(multiples).sin,
-            Node::Cos(multiples) => lower.angle(multiples).cos,
+            Node::Constant(bits) => lower.target.constant(f64::from_bits(bits)),
+            Node::Input(input) => lower.target.input(input),
+            Node::Sin(multiples) => lower.angle(&multiples).sin,
+            Node::Cos(multiples) => lower.angle(&multiples).cos,
             Node::Add(a, b) => lower.target.add(at(a), at(b)),
             Node::Sub(a, b) => lower.target.sub(at(a), at(b)),
             Node::Mul(a, b) => lower.target.mul(at(a), at(b)),
             Node::Neg(a) => lower.target.neg(at(a)),
-            Node::Call(function, a) => lower.target.call(*function, at(a)),
+            Node::Call(function, a) => lower.target.call(function, at(a)),
         };
         places.insert(id, place);
     }
@@ -86,9 +86,9 @@ impl Lower {
     }
 
     fn sum(&mut self, a: SinCos, b: SinCos) -> SinCos {
-        let graph = &mut self.target;
+        let graph = &self.target;
         let (cc, ss) = (graph.mul(a.cos, b.cos), graph.mul(a.sin, b.sin));
-        let (sc, cs) = (graph.mul(a.sin, b.cos), graph.mul(a.cos, b.sin));
-        SinCos { sin: graph.add(sc, cs), cos: graph.sub(cc, ss) }
+        let sin = graph.add(graph.mul(a.sin, b.cos), graph.mul(a.cos, b.sin));
+        SinCos { sin, cos: graph.sub(cc, ss) }
     }
 }

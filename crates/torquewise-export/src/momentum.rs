@@ -7,7 +7,7 @@ use crate::ways::Frictionless;
 
 /// C(q, q̇) by Christoffel symbols, row by row, n·n: half the slope of C(q, q̇)q̇ by q̇, which is of
 /// second order in q̇; Ṁ − 2C is skew where M is symmetric.
-pub(crate) fn coriolis_matrix(graph: &mut Graph, coriolis: &[Id]) -> Vec<Id> {
+pub(crate) fn coriolis_matrix(graph: &Graph, coriolis: &[Id]) -> Vec<Id> {
     let (n, half) = (coriolis.len(), graph.constant(0.5));
     let mut matrix = vec![half; n * n];
     for column in 0..n {
@@ -20,12 +20,11 @@ pub(crate) fn coriolis_matrix(graph: &mut Graph, coriolis: &[Id]) -> Vec<Id> {
 }
 
 /// p = M(q) q̇ and Cᵀq̇ − G − F, the part of ṗ that is neither τ nor external (E16); 2n.
-pub(crate) fn momentum(graph: &mut Graph, parts: &Frictionless, friction: &[Id]) -> Vec<Id> {
+pub(crate) fn momentum(graph: &Graph, parts: &Frictionless, friction: &[Id]) -> Vec<Id> {
     let n = friction.len();
     let mut momentum = Vec::with_capacity(2 * n);
     for row in parts.matrix.chunks_exact(n) {
-        let entries = products(graph, row, Input::Dq);
-        momentum.push(graph.sum(&entries));
+        momentum.push(graph.sum(&products(graph, row, Input::Dq)));
     }
     // Cᵀq̇ = Ṁq̇ − Cq̇.
     let turning = rates(graph, &momentum, Along::Motion);
@@ -46,7 +45,7 @@ pub(crate) struct Factors {
 }
 
 impl Factors {
-    pub(crate) fn of(graph: &mut Graph, matrix: &[Id], n: usize) -> Self {
+    pub(crate) fn of(graph: &Graph, matrix: &[Id], n: usize) -> Self {
         let mut entries = matrix.to_vec();
         let mut pivots = Vec::with_capacity(n);
         for k in 0..n {
@@ -56,8 +55,8 @@ impl Factors {
                 let factor = graph.mul(entries[i * n + k], pivot);
                 entries[i * n + k] = factor;
                 for j in k + 1..n {
-                    let part = graph.mul(factor, entries[k * n + j]);
-                    entries[i * n + j] = graph.sub(entries[i * n + j], part);
+                    entries[i * n + j] =
+                        graph.sub(entries[i * n + j], graph.mul(factor, entries[k * n + j]));
                 }
             }
         }
@@ -65,18 +64,16 @@ impl Factors {
     }
 
     /// M⁻¹b, n.
-    pub(crate) fn solve(&self, graph: &mut Graph, b: &[Id]) -> Vec<Id> {
+    pub(crate) fn solve(&self, graph: &Graph, b: &[Id]) -> Vec<Id> {
         let (n, mut x) = (self.n, b.to_vec());
         for i in 0..n {
             for j in 0..i {
-                let part = graph.mul(self.entries[i * n + j], x[j]);
-                x[i] = graph.sub(x[i], part);
+                x[i] = graph.sub(x[i], graph.mul(self.entries[i * n + j], x[j]));
             }
         }
         for i in (0..n).rev() {
             for j in i + 1..n {
-                let part = graph.mul(self.entries[i * n + j], x[j]);
-                x[i] = graph.sub(x[i], part);
+                x[i] = graph.sub(x[i], graph.mul(self.entries[i * n + j], x[j]));
             }
             x[i] = graph.mul(x[i], self.pivots[i]);
         }
@@ -84,7 +81,7 @@ impl Factors {
     }
 
     /// M⁻¹ row by row, n·n.
-    pub(crate) fn inverse(&self, graph: &mut Graph) -> Vec<Id> {
+    pub(crate) fn inverse(&self, graph: &Graph) -> Vec<Id> {
         let n = self.n;
         let mut inverse = self.entries.clone();
         for column in 0..n {
@@ -100,16 +97,14 @@ impl Factors {
     /// q̈ = M⁻¹(τ − Cq̇ − G − F), n.
     pub(crate) fn accelerations(
         &self,
-        graph: &mut Graph,
+        graph: &Graph,
         parts: &Frictionless,
         friction: &[Id],
     ) -> Vec<Id> {
-        let mut free = Vec::with_capacity(self.n);
-        for (joint, &friction) in friction.iter().enumerate() {
+        let free = |(joint, &friction): (usize, &Id)| {
             let held = graph.sum(&[parts.coriolis[joint], parts.gravity[joint], friction]);
-            let tau = graph.input(Input::Tau(joint));
-            free.push(graph.sub(tau, held));
-        }
-        self.solve(graph, &free)
+            graph.sub(graph.input(Input::Tau(joint)), held)
+        };
+        self.solve(graph, &friction.iter().enumerate().map(free).collect::<Vec<Id>>())
     }
 }

@@ -24,7 +24,7 @@ pub(crate) struct Parts {
 ///
 /// Source: method.md, \[E4\].
 pub(crate) fn from_energies(
-    graph: &mut Graph,
+    graph: &Graph,
     terms: &[Weighted<EnergyTerm>],
     n: usize,
     order: Order,
@@ -48,17 +48,14 @@ pub(crate) fn from_energies(
             }
         }
     }
-    let one = graph.constant(1.0);
-    let gravity = slopes(graph, &[(potential, one)], n);
+    let gravity = slopes(graph, &[(potential, graph.constant(1.0))], n);
     let matrix_rates = rates(graph, &matrix, Along::Motion);
-    let kinetic = kinetic_weights(graph, &matrix, n);
-    let kinetic_slopes = slopes(graph, &kinetic, n);
+    let kinetic_slopes = slopes(graph, &kinetic_weights(graph, &matrix, n), n);
     let (mut coriolis, mut motion) = (Vec::new(), Vec::new());
     for (joint, &slope) in kinetic_slopes.iter().enumerate() {
         let row = joint * n..(joint + 1) * n;
         let less = graph.neg(slope);
-        let mut moved = products(graph, &matrix_rates[row.clone()], Input::Dq);
-        moved.push(less);
+        let moved = [products(graph, &matrix_rates[row.clone()], Input::Dq), vec![less]].concat();
         coriolis.push(graph.sum(&moved));
         let mut both = products(graph, &matrix[row], Input::Ddq);
         both.extend(moved);
@@ -68,23 +65,18 @@ pub(crate) fn from_energies(
 }
 
 /// One row of a matrix, each entry times the rate of its joint.
-pub(crate) fn products(graph: &mut Graph, row: &[Id], rate: fn(usize) -> Input) -> Vec<Id> {
-    let mut products = Vec::new();
-    for (joint, &entry) in row.iter().enumerate() {
-        let rate = graph.input(rate(joint));
-        products.push(graph.mul(entry, rate));
-    }
-    products
+pub(crate) fn products(graph: &Graph, row: &[Id], rate: fn(usize) -> Input) -> Vec<Id> {
+    let product = |(joint, &entry)| graph.mul(entry, graph.input(rate(joint)));
+    row.iter().enumerate().map(product).collect()
 }
 
 /// ½ q̇ᵀMq̇ as entries of M with their weights: q̇ᵢq̇ⱼ, halved on the diagonal.
-fn kinetic_weights(graph: &mut Graph, matrix: &[Id], n: usize) -> Vec<(Id, Id)> {
+fn kinetic_weights(graph: &Graph, matrix: &[Id], n: usize) -> Vec<(Id, Id)> {
     let half = graph.constant(0.5);
     let mut weights = Vec::new();
     for i in 0..n {
         for j in i..n {
-            let (left, right) = (graph.input(Input::Dq(i)), graph.input(Input::Dq(j)));
-            let rates = graph.mul(left, right);
+            let rates = graph.mul(graph.input(Input::Dq(i)), graph.input(Input::Dq(j)));
             let weight = if i == j { graph.mul(half, rates) } else { rates };
             if graph.value(matrix[i * n + j]).is_none() {
                 weights.push((matrix[i * n + j], weight));
@@ -105,30 +97,25 @@ pub(crate) enum Grouping {
 
 /// Parts from torque equations, each joint on its own.
 pub(crate) fn from_equations(
-    graph: &mut Graph,
+    graph: &Graph,
     equations: &[Sum],
     order: Order,
     grouping: Grouping,
 ) -> Parts {
     let n = equations.len();
-    let of_kinds = |kinds: &[Kind], graph: &mut Graph| -> Vec<Id> {
-        let mut nodes = Vec::new();
-        for sum in equations {
+    let of_kinds = |kinds: &[Kind]| -> Vec<Id> {
+        let of_joint = |sum: &Sum| {
             let held = sum.iter().filter(|(_, term)| kinds.contains(&term.kind()));
-            let held = held.cloned().collect();
-            nodes.push(equation(graph, held, order, grouping));
-        }
-        nodes
+            equation(graph, held.cloned().collect(), order, grouping)
+        };
+        equations.iter().map(of_joint).collect()
     };
-    let coriolis = of_kinds(&[Kind::Coriolis], graph);
-    let motion = of_kinds(&[Kind::Inertia, Kind::Coriolis], graph);
-    let gravity = of_kinds(&[Kind::Gravity], graph);
-    let mut matrix = Vec::new();
-    for row in equations {
-        for column in 0..n {
-            matrix.push(equation(graph, per_acceleration(row, column), order, grouping));
-        }
-    }
+    let coriolis = of_kinds(&[Kind::Coriolis]);
+    let motion = of_kinds(&[Kind::Inertia, Kind::Coriolis]);
+    let gravity = of_kinds(&[Kind::Gravity]);
+    let entries = equations.iter().flat_map(|row| (0..n).map(move |column| (row, column)));
+    let entry = |(row, column)| equation(graph, per_acceleration(row, column), order, grouping);
+    let matrix = entries.map(entry).collect();
     Parts { coriolis, motion, gravity, matrix }
 }
 
@@ -147,7 +134,7 @@ fn per_acceleration(equation: &Sum, column: usize) -> Sum {
     .collect()
 }
 
-fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {
+fn equation(graph: &Graph, sum: Sum, order: Order, grouping: Grouping) -> Id {
     let mut groups: BTreeMap<Vec<(Id, u32)>, Vec<Monomial>> = BTreeMap::new();
     for (coefficient, term) in sum {
         let weight = graph.constant(coefficient);
@@ -178,7 +165,7 @@ fn equation(graph: &mut Graph, sum: Sum, order: Order, grouping: Grouping) -> Id
 /// - `gravity`: G(q), n
 /// - `elements`: whose states are known, in the order of their states
 pub(crate) fn friction(
-    graph: &mut Graph,
+    graph: &Graph,
     terms: &[Weighted<FrictionTerm>],
     gravity: &[Id],
     elements: &[(usize, f64)],
@@ -202,28 +189,20 @@ pub(crate) fn friction(
     for (term, curves) in shafts {
         let torque = weighted_sum(graph, curves);
         let torque = match term.joint().and_then(|joint| gravity.get(joint)) {
-            Some(&load) if term.load => {
-                let load = graph.abs(load);
-                graph.mul(load, torque)
-            }
+            Some(&load) if term.load => graph.mul(graph.abs(load), torque),
             _ => torque,
         };
         for (torques, &share) in torques.iter_mut().zip(&term.shaft) {
-            let share = graph.constant(share);
-            torques.push(graph.mul(share, torque));
+            torques.push(graph.mul(graph.constant(share), torque));
         }
     }
     torques.iter().map(|parts| graph.sum(parts)).collect()
 }
 
 /// Σ weight·node.
-fn weighted_sum(graph: &mut Graph, weights: BTreeMap<Id, f64>) -> Id {
-    let mut parts = Vec::new();
-    for (node, weight) in weights {
-        let weight = graph.constant(weight);
-        parts.push(graph.mul(weight, node));
-    }
-    graph.sum(&parts)
+fn weighted_sum(graph: &Graph, weights: BTreeMap<Id, f64>) -> Id {
+    let part = |(node, weight)| graph.mul(graph.constant(weight), node);
+    graph.sum(&weights.into_iter().map(part).collect::<Vec<Id>>())
 }
 
 /// Joint, from 0, and travel \[rad\] of the Dahl elements that terms follow, once each.
@@ -239,24 +218,21 @@ pub(crate) fn elements(terms: &[Weighted<FrictionTerm>]) -> Vec<(usize, f64)> {
 
 /// The states of Dahl elements after a step from the last positions to q, one each:
 /// x ← s + (x − s)·e^(−|Δq|/δ), s = sign Δq, which leaves x as it is at rest (E13).
-pub(crate) fn next_states(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+pub(crate) fn next_states(graph: &Graph, elements: &[(usize, f64)]) -> Vec<Id> {
     let fadings = fadings(graph, elements);
     let mut states = Vec::new();
     for (element, (&(joint, _), fading)) in elements.iter().zip(fadings).enumerate() {
         let way = way(graph, joint);
         let end = graph.call(Function::Sign, way);
         let state = graph.input(Input::Element(element));
-        let off = graph.sub(state, end);
-        let left = graph.mul(off, fading);
-        states.push(graph.add(end, left));
+        states.push(graph.add(end, graph.mul(graph.sub(state, end), fading)));
     }
     states
 }
 
 /// Δq of a joint since the sample before.
-fn way(graph: &mut Graph, joint: usize) -> Id {
-    let (now, last) = (graph.input(Input::Q(joint)), graph.input(Input::Last(joint)));
-    graph.sub(now, last)
+fn way(graph: &Graph, joint: usize) -> Id {
+    graph.sub(graph.input(Input::Q(joint)), graph.input(Input::Last(joint)))
 }
 
 /// Power up to which one exponential serves several elements: rounding grows with it.
@@ -264,7 +240,7 @@ const MOST_POWER: u32 = 512;
 
 /// e^(−|Δq|/δ) of each element: where the next longer travel of the joint is a whole multiple of δ,
 /// that power of its own, which costs less than an exponential.
-fn fadings(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
+fn fadings(graph: &Graph, elements: &[(usize, f64)]) -> Vec<Id> {
     let mut order: Vec<usize> = (0..elements.len()).collect();
     order.sort_by(|&a, &b| {
         let ((a, long), (b, short)) = (elements[a], elements[b]);
@@ -286,8 +262,7 @@ fn fadings(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
         let (fading, power) = power.unwrap_or_else(|| {
             let way = way(graph, joint);
             let (length, rate) = (graph.abs(way), graph.constant(-1.0 / travel));
-            let exponent = graph.mul(rate, length);
-            (graph.call(Function::Exp, exponent), 1)
+            (graph.call(Function::Exp, graph.mul(rate, length)), 1)
         });
         fadings[place] = fading;
         longer = Some((elements[place], fading, power));
@@ -296,43 +271,29 @@ fn fadings(graph: &mut Graph, elements: &[(usize, f64)]) -> Vec<Id> {
 }
 
 /// f(v) of one law, zero in the direction in which it does not act.
-fn curve(graph: &mut Graph, term: &FrictionTerm) -> Id {
-    let mut parts = Vec::new();
-    for (joint, &share) in term.shaft.iter().enumerate() {
-        let (share, speed) = (graph.constant(share), graph.input(Input::Dq(joint)));
-        parts.push(graph.mul(share, speed));
-    }
-    let speed = graph.sum(&parts);
+fn curve(graph: &Graph, term: &FrictionTerm) -> Id {
+    let part = |(joint, &share)| graph.mul(graph.constant(share), graph.input(Input::Dq(joint)));
+    let speed = graph.sum(&term.shaft.iter().enumerate().map(part).collect::<Vec<Id>>());
     let value = match term.law {
         FrictionLaw::Offset => graph.constant(1.0),
         FrictionLaw::Viscous => speed,
         FrictionLaw::Coulomb { width } => sign(graph, speed, width),
         FrictionLaw::Stribeck { speed: stribeck, width } => {
-            let inverse = graph.constant(1.0 / stribeck);
-            let ratio = graph.mul(speed, inverse);
-            let square = graph.mul(ratio, ratio);
-            let exponent = graph.neg(square);
-            let fading = graph.call(Function::Exp, exponent);
-            let sign = sign(graph, speed, width);
-            graph.mul(fading, sign)
+            let ratio = graph.mul(speed, graph.constant(1.0 / stribeck));
+            let fading = graph.call(Function::Exp, graph.neg(graph.mul(ratio, ratio)));
+            graph.mul(fading, sign(graph, speed, width))
         }
         FrictionLaw::Dahl { .. } => sign(graph, speed, 0.0),
     };
     match term.direction {
         Direction::Both => value,
-        Direction::Backward => {
-            let opposite = graph.neg(speed);
-            let holds = graph.call(Function::Positive, opposite);
-            graph.mul(value, holds)
-        }
+        Direction::Backward => graph.mul(value, graph.call(Function::Positive, graph.neg(speed))),
     }
 }
 
-fn sign(graph: &mut Graph, speed: Id, width: f64) -> Id {
+fn sign(graph: &Graph, speed: Id, width: f64) -> Id {
     if width > 0.0 {
-        let inverse = graph.constant(1.0 / width);
-        let ratio = graph.mul(speed, inverse);
-        graph.call(Function::Tanh, ratio)
+        graph.call(Function::Tanh, graph.mul(speed, graph.constant(1.0 / width)))
     } else {
         graph.call(Function::Sign, speed)
     }

@@ -23,7 +23,7 @@ pub(crate) struct Monomial {
 }
 
 /// The angle functions of a term as powers of nodes.
-pub(crate) fn angles(graph: &mut Graph, term: &Term) -> BTreeMap<Id, u32> {
+pub(crate) fn angles(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
     let mut powers = BTreeMap::new();
     for factor in &term.factors {
         raise(&mut powers, angle(graph, factor), u32::from(factor.power));
@@ -32,7 +32,7 @@ pub(crate) fn angles(graph: &mut Graph, term: &Term) -> BTreeMap<Id, u32> {
 }
 
 /// The velocities and accelerations of a term as powers of nodes.
-pub(crate) fn motions(graph: &mut Graph, term: &Term) -> BTreeMap<Id, u32> {
+pub(crate) fn motions(graph: &Graph, term: &Term) -> BTreeMap<Id, u32> {
     let mut powers = BTreeMap::new();
     let velocities = term.dq.iter().enumerate().map(|(joint, &p)| (Input::Dq(joint), p));
     let accelerations = term.ddq.iter().enumerate().map(|(joint, &p)| (Input::Ddq(joint), p));
@@ -46,7 +46,7 @@ fn raise(powers: &mut BTreeMap<Id, u32>, atom: Id, power: u32) {
     *powers.entry(atom).or_insert(0) += power;
 }
 
-fn angle(graph: &mut Graph, factor: &Factor) -> Id {
+fn angle(graph: &Graph, factor: &Factor) -> Id {
     let multiples: Vec<i32> = factor.multiples.iter().map(|&k| i32::from(k)).collect();
     match factor.function {
         Trig::Sin => graph.sin(&multiples),
@@ -62,28 +62,23 @@ impl Monomial {
 }
 
 /// Σ weight·Π atom^power as one node.
-pub(crate) fn polynomial(graph: &mut Graph, monomials: Vec<Monomial>, order: Order) -> Id {
+pub(crate) fn polynomial(graph: &Graph, monomials: Vec<Monomial>, order: Order) -> Id {
     match order {
         Order::Products => sum_of_products(graph, &monomials),
         Order::Horner => horner(graph, monomials),
     }
 }
 
-fn sum_of_products(graph: &mut Graph, monomials: &[Monomial]) -> Id {
-    let parts: Vec<Id> = monomials
-        .iter()
-        .map(|monomial| {
-            let powers: Vec<Id> =
-                monomial.powers.iter().map(|(&atom, &power)| graph.power(atom, power)).collect();
-            let product = graph.product(&powers);
-            graph.mul(monomial.weight, product)
-        })
-        .collect();
-    graph.sum(&parts)
+fn sum_of_products(graph: &Graph, monomials: &[Monomial]) -> Id {
+    let part = |Monomial { weight, powers }: &Monomial| {
+        let powers = powers.iter().map(|(&atom, &power)| graph.power(atom, power));
+        graph.mul(*weight, graph.product(&powers.collect::<Vec<Id>>()))
+    };
+    graph.sum(&monomials.iter().map(part).collect::<Vec<Id>>())
 }
 
 /// atom·(those that hold it, without it) + the rest.
-fn horner(graph: &mut Graph, monomials: Vec<Monomial>) -> Id {
+fn horner(graph: &Graph, monomials: Vec<Monomial>) -> Id {
     let mut counts: BTreeMap<Id, usize> = BTreeMap::new();
     for atom in monomials.iter().flat_map(|monomial| monomial.powers.keys()) {
         *counts.entry(*atom).or_insert(0) += 1;
@@ -105,8 +100,5 @@ fn horner(graph: &mut Graph, monomials: Vec<Monomial>) -> Id {
             None => rest.push(monomial),
         }
     }
-    let inside = horner(graph, inside);
-    let product = graph.mul(atom, inside);
-    let rest = horner(graph, rest);
-    graph.add(product, rest)
+    graph.add(graph.mul(atom, horner(graph, inside)), horner(graph, rest))
 }

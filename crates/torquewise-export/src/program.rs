@@ -141,7 +141,7 @@ pub(crate) struct Memory {
 impl Memory {
     /// Also the friction at these states, n.
     fn of(
-        graph: &mut Graph,
+        graph: &Graph,
         model: &Model,
         parts: &Frictionless,
         factors: &Factors,
@@ -179,23 +179,23 @@ impl Program {
     /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
     pub fn of(model: &Model) -> Result<Self, ExportError> {
         let text = to_json(model)?;
-        let mut graph = Graph::default();
+        let graph = Graph::default();
         let n = model.n_joints();
-        let parts = frictionless(&mut graph, model)?;
+        let parts = frictionless(&graph, model)?;
         let first = match (model.stages.len(), &model.chain) {
             (0, Some(_)) => parts.gravity.clone(),
-            (0, None) => gravity_of(&mut graph, &model.form, n),
-            _ => gravity_of(&mut graph, &model.after_step(1)?.form, n),
+            (0, None) => gravity_of(&graph, &model.form, n),
+            _ => gravity_of(&graph, &model.after_step(1)?.form, n),
         };
-        let factors = Factors::of(&mut graph, &parts.matrix, n);
-        let own = friction(&mut graph, &model.friction, &parts.gravity, &[]);
-        let (mut memory, after) = Memory::of(&mut graph, model, &parts, &factors).unzip();
-        let mut momentum = momentum(&mut graph, &parts, after.as_ref().unwrap_or(&own));
-        let coriolis_matrix = coriolis_matrix(&mut graph, &parts.coriolis);
-        let inverse = factors.inverse(&mut graph);
-        let accelerations = factors.accelerations(&mut graph, &parts, &own);
+        let factors = Factors::of(&graph, &parts.matrix, n);
+        let own = friction(&graph, &model.friction, &parts.gravity, &[]);
+        let (mut memory, after) = Memory::of(&graph, model, &parts, &factors).unzip();
+        let mut momentum = momentum(&graph, &parts, after.as_ref().unwrap_or(&own));
+        let coriolis_matrix = coriolis_matrix(&graph, &parts.coriolis);
+        let inverse = factors.inverse(&graph);
+        let accelerations = factors.accelerations(&graph, &parts, &own);
         let mut functions = vec![
-            (Quantity::Torque, sums(&mut graph, &parts.torque, &own)),
+            (Quantity::Torque, sums(&graph, &parts.torque, &own)),
             (Quantity::Gravity, parts.gravity),
             (Quantity::Coriolis, parts.coriolis),
             (Quantity::Inertia, parts.matrix),
@@ -276,7 +276,7 @@ impl Program {
 
     /// Whether a function is called anywhere.
     pub(crate) fn calls(&self, function: Function) -> bool {
-        let calls = |id| matches!(self.graph.node(id), Node::Call(f, _) if *f == function);
+        let calls = |id| matches!(self.graph.node(id), Node::Call(f, _) if f == function);
         (0..self.graph.len()).any(calls)
     }
 

@@ -23,7 +23,7 @@ pub(crate) enum Motion {
 
 /// Nodes that compute the functions of a chain.
 pub(crate) struct Recursion<'a> {
-    graph: &'a mut Graph,
+    graph: &'a Graph,
     chain: &'a BaseChain,
     /// Sine and cosine of each joint with its offset, n.
     angles: Vec<[Id; 2]>,
@@ -51,7 +51,7 @@ struct Composite {
 }
 
 impl<'a> Recursion<'a> {
-    pub(crate) fn new(graph: &'a mut Graph, chain: &'a BaseChain) -> Self {
+    pub(crate) fn new(graph: &'a Graph, chain: &'a BaseChain) -> Self {
         let mut angles = Vec::with_capacity(chain.links.len());
         for link in &chain.links {
             let multiples: Vec<i32> = link.turns.iter().map(|&k| k.into()).collect();
@@ -61,16 +61,15 @@ impl<'a> Recursion<'a> {
         Self { graph, chain, angles }
     }
 
-    pub(crate) fn torque(&mut self, motion: Motion) -> Vec<Id> {
+    pub(crate) fn torque(&self, motion: Motion) -> Vec<Id> {
         let moved = self.moved(motion);
-        let mut wrench = self.no_wrench();
+        let none = [self.graph.constant(0.0); 3];
+        let mut wrench = Wrench { force: none, moment: none };
         let mut torque = Vec::with_capacity(moved.len());
         for (joint, (link, moved)) in self.chain.links.iter().zip(&moved).enumerate().rev() {
-            let own = self.wrench(link, moved);
-            wrench = Wrench {
-                force: self.plus(&own.force, &wrench.force),
-                moment: self.plus(&own.moment, &wrench.moment),
-            };
+            let Wrench { force, moment } = self.wrench(link, moved);
+            let force = self.plus(&force, &wrench.force);
+            wrench = Wrench { force, moment: self.plus(&moment, &wrench.moment) };
             torque.push(wrench.moment[2]);
             wrench = self.carried(joint, &wrench);
         }
@@ -80,7 +79,7 @@ impl<'a> Recursion<'a> {
     }
 
     /// M(q) row by row, n·n: each link with all beyond it as one body.
-    pub(crate) fn matrix(&mut self) -> Vec<Id> {
+    pub(crate) fn matrix(&self) -> Vec<Id> {
         let n = self.chain.links.len();
         let zero = self.graph.constant(0.0);
         let mut matrix = vec![zero; n * n];
@@ -110,29 +109,28 @@ impl<'a> Recursion<'a> {
     }
 
     /// Torques of the joints of the chain → those of the coordinates that turn them: Γᵀτ (E18).
-    fn load(&mut self, torque: &mut [Id]) {
+    fn load(&self, torque: &mut [Id]) {
         for (joint, link) in self.chain.links.iter().enumerate() {
             for driver in (0..joint).filter(|&driver| link.turns[driver] != 0) {
                 let ratio = self.graph.constant(link.turns[driver].into());
-                let load = self.graph.mul(ratio, torque[joint]);
-                torque[driver] = self.graph.add(torque[driver], load);
+                torque[driver] =
+                    self.graph.add(torque[driver], self.graph.mul(ratio, torque[joint]));
             }
         }
     }
 
-    fn moved(&mut self, motion: Motion) -> Vec<Moved> {
+    fn moved(&self, motion: Motion) -> Vec<Moved> {
         let zero = self.graph.constant(0.0);
         let weighs = matches!(motion, Motion::Rest | Motion::Whole);
         let gravity = self.chain.gravity.map(|g| if weighs { -g } else { 0.0 });
-        let mut omega = [zero; 3];
-        let mut alpha = [zero; 3];
+        let (mut omega, mut alpha) = ([zero; 3], [zero; 3]);
         let mut acceleration = gravity.map(|g| self.graph.constant(g));
         let mut all: Vec<Moved> = Vec::new();
         for (joint, link) in self.chain.links.iter().enumerate() {
             if let Some(before) = all.last() {
                 let origin = link.origin.map(|x| self.graph.constant(x));
-                let spread = self.times(&before.spread, &origin);
-                acceleration = self.plus(&before.acceleration, &spread);
+                acceleration =
+                    self.plus(&before.acceleration, &self.times(&before.spread, &origin));
                 (omega, alpha) = (before.omega, before.alpha);
             }
             let (speed, rate) = self.inputs(joint, motion);
@@ -151,7 +149,7 @@ impl<'a> Recursion<'a> {
     }
 
     /// q̇ and q̈ of a joint, zero where it is held.
-    fn inputs(&mut self, joint: usize, motion: Motion) -> (Id, Id) {
+    fn inputs(&self, joint: usize, motion: Motion) -> (Id, Id) {
         let zero = self.graph.constant(0.0);
         let (speed, rate) = (self.driven(joint, Input::Dq), self.driven(joint, Input::Ddq));
         match motion {
@@ -162,27 +160,22 @@ impl<'a> Recursion<'a> {
     }
 
     /// What turns a joint of the chain: multiples of a signal of the coordinates.
-    fn driven(&mut self, joint: usize, signal: fn(usize) -> Input) -> Id {
+    fn driven(&self, joint: usize, signal: fn(usize) -> Input) -> Id {
         let mut sum = self.graph.input(signal(joint));
         let turns = &self.chain.links[joint].turns;
         for driver in (0..joint).filter(|&driver| turns[driver] != 0) {
             let ratio = self.graph.constant(turns[driver].into());
-            let input = self.graph.input(signal(driver));
-            let part = self.graph.mul(ratio, input);
-            sum = self.graph.add(sum, part);
+            sum = self.graph.add(sum, self.graph.mul(ratio, self.graph.input(signal(driver))));
         }
         sum
     }
 
-    fn spread(&mut self, omega: &Vector, alpha: &Vector) -> [Vector; 3] {
-        let graph = &mut *self.graph;
+    fn spread(&self, omega: &Vector, alpha: &Vector) -> [Vector; 3] {
+        let graph = self.graph;
         let [x, y, z] = *omega;
         let [xx, yy, zz] = [graph.mul(x, x), graph.mul(y, y), graph.mul(z, z)];
         let [xy, xz, yz] = [graph.mul(x, y), graph.mul(x, z), graph.mul(y, z)];
-        let diagonal = [[yy, zz], [xx, zz], [xx, yy]].map(|[a, b]| {
-            let sum = graph.add(a, b);
-            graph.neg(sum)
-        });
+        let diagonal = [[yy, zz], [xx, zz], [xx, yy]].map(|[a, b]| graph.neg(graph.add(a, b)));
         [
             [diagonal[0], graph.sub(xy, alpha[2]), graph.add(xz, alpha[1])],
             [graph.add(xy, alpha[2]), diagonal[1], graph.sub(yz, alpha[0])],
@@ -191,7 +184,7 @@ impl<'a> Recursion<'a> {
     }
 
     /// Force and moment that the motion of a link takes: Us, and Jω̇ + ω×Jω + s×a.
-    fn wrench(&mut self, link: &BaseLink, moved: &Moved) -> Wrench {
+    fn wrench(&self, link: &BaseLink, moved: &Moved) -> Wrench {
         let zero = self.graph.constant(0.0);
         let [x, y] = link.first.map(|s| self.graph.constant(s));
         let force = self.times(&moved.spread, &[x, y, zero]);
@@ -201,18 +194,14 @@ impl<'a> Recursion<'a> {
     }
 
     /// Jω̇ + ω×Jω.
-    fn turning(&mut self, moments: &Moments, moved: &Moved) -> Vector {
+    fn turning(&self, moments: &Moments, moved: &Moved) -> Vector {
         let Moments { xx, zz, xy, xz, yz } = *moments;
         let [[_, u_xy, u_xz], [u_yx, _, u_yz], [u_zx, u_zy, _]] = moved.spread;
         let [x, y, z] = moved.omega;
-        let squares = {
-            let graph = &mut *self.graph;
-            [(y, z), (z, x), (x, y)].map(|(a, b)| {
-                let (a, b) = (graph.mul(a, a), graph.mul(b, b));
-                graph.sub(a, b)
-            })
-        };
-        let products = [(y, z), (x, z), (x, y)].map(|(a, b)| self.graph.mul(a, b));
+        let graph = self.graph;
+        let squares =
+            [(y, z), (z, x), (x, y)].map(|(a, b)| graph.sub(graph.mul(a, a), graph.mul(b, b)));
+        let products = [(y, z), (x, z), (x, y)].map(|(a, b)| graph.mul(a, b));
         [
             self.weighted([
                 (xx, moved.alpha[0]),
@@ -238,16 +227,13 @@ impl<'a> Recursion<'a> {
         ]
     }
 
-    fn weighted(&mut self, parts: [(f64, Id); 5]) -> Id {
-        let parts = parts.map(|(weight, node)| {
-            let weight = self.graph.constant(weight);
-            self.graph.mul(weight, node)
-        });
-        self.graph.sum(&parts)
+    fn weighted(&self, parts: [(f64, Id); 5]) -> Id {
+        let part = |(weight, node)| self.graph.mul(self.graph.constant(weight), node);
+        self.graph.sum(&parts.map(part))
     }
 
     /// A link and all beyond it, in its frame.
-    fn with(&mut self, link: &BaseLink, beyond: &Composite) -> Composite {
+    fn with(&self, link: &BaseLink, beyond: &Composite) -> Composite {
         let Moments { xx, zz, xy, xz, yz } = link.moments;
         let own = [[xx, xy, xz], [xy, 0.0, yz], [xz, yz, zz]];
         let own = own.map(|row| row.map(|x| self.graph.constant(x)));
@@ -257,27 +243,26 @@ impl<'a> Recursion<'a> {
     }
 
     /// The same body in the frame before that of a joint, about its origin.
-    fn shifted(&mut self, joint: usize, body: &Composite) -> Composite {
-        let by = self.chain.links[joint].origin.map(|x| self.graph.constant(x));
+    fn shifted(&self, joint: usize, body: &Composite) -> Composite {
+        let graph = self.graph;
+        let by = self.chain.links[joint].origin.map(|x| graph.constant(x));
         let first = self.outward(joint, &body.first);
         let columns = body.moments.map(|column| self.outward(joint, &column));
         let rows = [0, 1, 2].map(|i| columns.map(|column| column[i]));
         let turned = rows.map(|row| self.outward(joint, &row));
-        let along = [0, 1, 2].map(|i| self.graph.mul(by[i], first[i]));
+        let along = [0, 1, 2].map(|i| graph.mul(by[i], first[i]));
         let mut moments = turned;
         for i in 0..3 {
             // The tensor is symmetric: entries below the diagonal are those above.
             for j in i..3 {
                 let shift = if i == j {
-                    let sum = self.graph.add(along[(i + 1) % 3], along[(i + 2) % 3]);
-                    self.graph.add(sum, sum)
+                    let sum = graph.add(along[(i + 1) % 3], along[(i + 2) % 3]);
+                    graph.add(sum, sum)
                 } else {
-                    let (left, right) =
-                        (self.graph.mul(by[i], first[j]), self.graph.mul(by[j], first[i]));
-                    let sum = self.graph.add(left, right);
-                    self.graph.neg(sum)
+                    let [left, right] = [graph.mul(by[i], first[j]), graph.mul(by[j], first[i])];
+                    graph.neg(graph.add(left, right))
                 };
-                moments[i][j] = self.graph.add(turned[i][j], shift);
+                moments[i][j] = graph.add(turned[i][j], shift);
                 moments[j][i] = moments[i][j];
             }
         }
@@ -285,16 +270,15 @@ impl<'a> Recursion<'a> {
     }
 
     /// A wrench in the frame before that of a joint, about its origin.
-    fn carried(&mut self, joint: usize, wrench: &Wrench) -> Wrench {
+    fn carried(&self, joint: usize, wrench: &Wrench) -> Wrench {
         let force = self.outward(joint, &wrench.force);
         let moment = self.outward(joint, &wrench.moment);
         let origin = self.chain.links[joint].origin.map(|x| self.graph.constant(x));
-        let lever = self.cross(&origin, &force);
-        Wrench { force, moment: self.plus(&moment, &lever) }
+        Wrench { force, moment: self.plus(&moment, &self.cross(&origin, &force)) }
     }
 
     /// Components in the frame of a joint of a vector of the frame before.
-    fn inward(&mut self, joint: usize, v: &Vector) -> Vector {
+    fn inward(&self, joint: usize, v: &Vector) -> Vector {
         let [sine, cosine] = self.chain.links[joint].twist.map(|x| self.graph.constant(x));
         let [z, y] = self.turn([sine, cosine], [v[2], v[1]], -1.0);
         let [y, x] = self.turn(self.angles[joint], [y, v[0]], -1.0);
@@ -302,7 +286,7 @@ impl<'a> Recursion<'a> {
     }
 
     /// Components in the frame before that of a joint.
-    fn outward(&mut self, joint: usize, v: &Vector) -> Vector {
+    fn outward(&self, joint: usize, v: &Vector) -> Vector {
         let [sine, cosine] = self.chain.links[joint].twist.map(|x| self.graph.constant(x));
         let [y, x] = self.turn(self.angles[joint], [v[1], v[0]], 1.0);
         let [z, y] = self.turn([sine, cosine], [v[2], y], 1.0);
@@ -310,8 +294,8 @@ impl<'a> Recursion<'a> {
     }
 
     /// (second, first) component turned forward or, with a direction of −1, back.
-    fn turn(&mut self, [sine, cosine]: [Id; 2], [y, x]: [Id; 2], direction: f64) -> [Id; 2] {
-        let graph = &mut *self.graph;
+    fn turn(&self, [sine, cosine]: [Id; 2], [y, x]: [Id; 2], direction: f64) -> [Id; 2] {
+        let graph = self.graph;
         let [xc, yc] = [graph.mul(x, cosine), graph.mul(y, cosine)];
         let [xs, ys] = [graph.mul(x, sine), graph.mul(y, sine)];
         if direction > 0.0 {
@@ -321,32 +305,23 @@ impl<'a> Recursion<'a> {
         }
     }
 
-    fn no_wrench(&mut self) -> Wrench {
-        let zero = self.graph.constant(0.0);
-        Wrench { force: [zero; 3], moment: [zero; 3] }
-    }
-
-    fn plus(&mut self, a: &Vector, b: &Vector) -> Vector {
+    fn plus(&self, a: &Vector, b: &Vector) -> Vector {
         [0, 1, 2].map(|i| self.graph.add(a[i], b[i]))
     }
 
-    fn times(&mut self, matrix: &[Vector; 3], v: &Vector) -> Vector {
-        matrix.map(|row| {
-            let parts = [0, 1, 2].map(|i| self.graph.mul(row[i], v[i]));
-            self.graph.sum(&parts)
-        })
+    fn times(&self, matrix: &[Vector; 3], v: &Vector) -> Vector {
+        matrix.map(|row| self.graph.sum(&[0, 1, 2].map(|i| self.graph.mul(row[i], v[i]))))
     }
 
-    fn cross(&mut self, a: &Vector, b: &Vector) -> Vector {
-        [(1, 2), (2, 0), (0, 1)].map(|(i, j)| {
-            let (left, right) = (self.graph.mul(a[i], b[j]), self.graph.mul(a[j], b[i]));
-            self.graph.sub(left, right)
-        })
+    fn cross(&self, a: &Vector, b: &Vector) -> Vector {
+        let graph = self.graph;
+        [(1, 2), (2, 0), (0, 1)]
+            .map(|(i, j)| graph.sub(graph.mul(a[i], b[j]), graph.mul(a[j], b[i])))
     }
 }
 
 /// Sine and cosine of a + b, of those of a number a and an angle b.
-fn turned(graph: &mut Graph, offset: [f64; 2], [sine, cosine]: [Id; 2]) -> [Id; 2] {
+fn turned(graph: &Graph, offset: [f64; 2], [sine, cosine]: [Id; 2]) -> [Id; 2] {
     let [s, c] = offset.map(|x| graph.constant(x));
     let (sc, cs) = (graph.mul(s, cosine), graph.mul(c, sine));
     let (cc, ss) = (graph.mul(c, cosine), graph.mul(s, sine));

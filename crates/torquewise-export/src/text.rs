@@ -143,8 +143,9 @@ impl Body {
         let mut body = Self::default();
         let mut texts: HashMap<Id, Text> = HashMap::new();
         for id in order {
-            body.note(graph.node(id));
-            let text = body.text(graph.node(id), &mut texts, language);
+            let node = graph.node(id);
+            body.note(&node);
+            let text = body.text(&node, &mut texts, language);
             texts.insert(id, text);
             if uses.get(&id).is_some_and(|&uses| uses > 1) {
                 body.name(id, &mut texts);
@@ -336,7 +337,7 @@ mod tests {
 
     #[test]
     fn a_result_that_stands_in_two_places_is_computed_once() {
-        let mut graph = Graph::default();
+        let graph = Graph::default();
         let (a, b) = (graph.input(Input::Q(0)), graph.input(Input::Q(1)));
         let product = graph.mul(a, b);
         let sum = graph.add(product, a);

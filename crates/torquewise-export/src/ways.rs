@@ -35,13 +35,13 @@ pub(crate) struct Frictionless {
 
 type Choice = fn(&Frictionless) -> &Vec<Id>;
 
-type Way<'a, T> = Box<dyn Fn(&mut Graph) -> T + 'a>;
+type Way<'a, T> = Box<dyn Fn(&Graph) -> T + 'a>;
 
 /// The functions of a model, each the cheapest that is known.
 ///
 /// # Errors
 /// [`ExportError::Model`] if a chain of it is none.
-pub(crate) fn frictionless(graph: &mut Graph, model: &Model) -> Result<Frictionless, ExportError> {
+pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless, ExportError> {
     match &model.chain {
         Some(chain) => of_chain(graph, chain),
         None => Ok(of_form(graph, &model.form, model.n_joints(), |parts| &parts.motion)),
@@ -49,17 +49,17 @@ pub(crate) fn frictionless(graph: &mut Graph, model: &Model) -> Result<Frictionl
 }
 
 /// G(q) of terms, n.
-pub(crate) fn gravity_of(graph: &mut Graph, form: &Form, n: usize) -> Vec<Id> {
+pub(crate) fn gravity_of(graph: &Graph, form: &Form, n: usize) -> Vec<Id> {
     of_form(graph, form, n, |parts| &parts.gravity).gravity
 }
 
 impl Frictionless {
-    fn of(graph: &mut Graph, parts: Parts) -> Self {
+    fn of(graph: &Graph, parts: Parts) -> Self {
         let Parts { motion, gravity, coriolis, matrix } = parts;
         Self { torque: sums(graph, &motion, &gravity), gravity, coriolis, matrix }
     }
 
-    fn plus(&self, graph: &mut Graph, other: &Self) -> Self {
+    fn plus(&self, graph: &Graph, other: &Self) -> Self {
         Self {
             torque: sums(graph, &self.torque, &other.torque),
             gravity: sums(graph, &self.gravity, &other.gravity),
@@ -70,12 +70,12 @@ impl Frictionless {
 }
 
 /// a + b, one by one.
-pub(crate) fn sums(graph: &mut Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
+pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
     left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
 }
 
 /// The recursion or the expansion, for each function the cheaper.
-fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, ExportError> {
+fn of_chain(graph: &Graph, chain: &RigidChain) -> Result<Frictionless, ExportError> {
     let n = chain.n_joints();
     let base = BaseChain::of(chain)?;
     let drives = joined(chain.drives.iter().flat_map(Drive::energy_terms).collect());
@@ -84,7 +84,7 @@ fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, Expor
         _ => Vec::new(),
     };
     let mut ways: Vec<Way<'_, Frictionless>> = vec![Box::new(|graph| {
-        let mut recursion = Recursion::new(graph, &base);
+        let recursion = Recursion::new(graph, &base);
         let links = Frictionless {
             torque: recursion.torque(Motion::Whole),
             gravity: recursion.torque(Motion::Rest),
@@ -92,14 +92,12 @@ fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, Expor
             matrix: recursion.matrix(),
         };
         let beside = from_energies(graph, &drives, n, Order::Products);
-        let beside = Frictionless::of(graph, beside);
-        links.plus(graph, &beside)
+        links.plus(graph, &Frictionless::of(graph, beside))
     })];
     for terms in &energies {
         for order in [Order::Products, Order::Horner] {
             ways.push(Box::new(move |graph| {
-                let parts = from_energies(graph, terms, n, order);
-                Frictionless::of(graph, parts)
+                Frictionless::of(graph, from_energies(graph, terms, n, order))
             }));
         }
     }
@@ -113,8 +111,8 @@ fn of_chain(graph: &mut Graph, chain: &RigidChain) -> Result<Frictionless, Expor
 fn cheapest(ways: &[Way<'_, Frictionless>], choices: [Choice; 4]) -> [(usize, Choice); 4] {
     let mut best = choices.map(|choice| (usize::MAX, 0, choice));
     for (place, way) in ways.iter().enumerate() {
-        let mut graph = Graph::default();
-        let functions = way(&mut graph);
+        let graph = Graph::default();
+        let functions = way(&graph);
         for (least, at, choice) in &mut best {
             let weight = weight(&graph, choice(&functions));
             if weight < *least {
@@ -141,12 +139,7 @@ fn joined(terms: Vec<(EnergyTerm, f64)>) -> Vec<Weighted<EnergyTerm>> {
 }
 
 /// The parts that cost least where it matters most, of all ways to compute them.
-fn of_form(
-    graph: &mut Graph,
-    form: &Form,
-    n: usize,
-    which: fn(&Parts) -> &Vec<Id>,
-) -> Frictionless {
+fn of_form(graph: &Graph, form: &Form, n: usize, which: fn(&Parts) -> &Vec<Id>) -> Frictionless {
     let equations = form.equations(n);
     let energies = match form {
         Form::Energy(terms) => with_sums(terms.clone(), n),
@@ -163,9 +156,8 @@ fn of_form(
         }
     }
     let tried = ways.iter().map(|way| {
-        let mut graph = Graph::default();
-        let parts = way(&mut graph);
-        weight(&graph, which(&parts))
+        let graph = Graph::default();
+        weight(&graph, which(&way(&graph)))
     });
     let best = tried.enumerate().min_by_key(|&(place, cost)| (cost, place));
     let parts = ways[best.map_or(0, |(place, _)| place)](graph);

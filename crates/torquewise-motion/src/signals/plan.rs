@@ -106,9 +106,7 @@ impl Plan {
         let seconds = match (self.settings.trim, self.cutoff) {
             (Trim::Seconds(seconds), _) => seconds,
             (Trim::Auto, None) => 0.0,
-            (Trim::Auto, Some(cutoff)) => {
-                settle_time(ORDER, cutoff, SETTLED).min(MAX_TRIM * span)
-            }
+            (Trim::Auto, Some(cutoff)) => settle_time(ORDER, cutoff, SETTLED).min(MAX_TRIM * span),
         };
         // Rounding of the rate is not to cost a row.
         rows((seconds * self.rate - 1e-6).ceil()) + self.shift_reach()
