@@ -3,8 +3,9 @@
 use crate::error::{CliError, Result};
 use crate::files::read_text;
 use crate::outcome::object;
-use crate::selection::{Friction, SelectionArguments};
-use clap::{Args, ValueEnum};
+use crate::selection::{FRICTION, SelectionArguments};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -14,16 +15,24 @@ use torquewise::identify::PatternPlan;
 use torquewise::identify::plan::KnownGeometry;
 use torquewise::urdf::known_geometry;
 
-/// Constants of the activation index.
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Activation {
-    /// Each joint by its own range, sensitivity from the noise floor
-    #[default]
-    Scaled,
-    /// Fixed constants, as published with the method
-    Paper,
+/// A word that an option may have, and its help.
+pub(crate) type Word<T> = (&'static str, &'static str, T);
+
+/// A parser of words that stand for values.
+pub(crate) fn choice<T: Copy + Send + Sync>(
+    all: &'static [Word<T>],
+) -> impl TypedValueParser<Value = T> {
+    let words = all.iter().map(|(name, help, _)| PossibleValue::new(*name).help(*help));
+    PossibleValuesParser::new(words).map(|given| {
+        let known = all.iter().find(|(name, ..)| *name == given);
+        known.unwrap_or(&all[0]).2
+    })
 }
+
+const ACTIVATION: [Word<&str>; 2] = [
+    ("scaled", "Each joint by its own range, sensitivity from the noise floor", "scaled"),
+    ("paper", "Fixed constants, as published with the method", "paper"),
+];
 
 /// What is known of an arm before its log is read.
 #[derive(Args, Clone, Debug)]
@@ -80,8 +89,8 @@ pub(crate) struct Clusters(Option<usize>);
 #[command(next_help_heading = "Patterns of motion")]
 pub(crate) struct PatternArguments {
     /// Constants of the activation index
-    #[arg(long, value_enum, default_value_t)]
-    activation: Activation,
+    #[arg(long, value_parser = choice(&ACTIVATION), default_value = "scaled")]
+    activation: &'static str,
     /// Number of clusters from 1 to 9, or `auto` for the elbow
     #[arg(long, value_name = "auto|K", default_value = "auto", value_parser = clusters)]
     clusters: Clusters,
@@ -106,30 +115,35 @@ pub(crate) fn fit_options(mut flags: Value) -> Result<FitOptions> {
     Ok(FitOptions::of_keywords(&keywords)?)
 }
 
-/// Which candidates are offered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Library {
-    /// M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints; all terms for
-    /// up to four joints, or with --interaction, else those of a learned chain
-    Energy,
-    /// Products of sines, cosines, velocities and accelerations, for each joint on its own
-    Product,
-    /// Energies of a chain of rigid bodies whose geometry is learned too: for four joints and more,
-    /// noisy logs and friction
-    Chain,
-}
+const LIBRARY: [Word<&str>; 3] = [
+    (
+        "energy",
+        "M(q) and V(q), shared by all joints: exact for rigid arms of revolute joints; all terms \
+         for up to four joints, or with --interaction, else those of a learned chain",
+        "energy",
+    ),
+    (
+        "product",
+        "Products of sines, cosines, velocities and accelerations, for each joint on its own",
+        "product",
+    ),
+    (
+        "chain",
+        "Energies of a chain of rigid bodies whose geometry is learned too: for four joints and \
+         more, noisy logs and friction",
+        "chain",
+    ),
+];
 
 /// One regression or three.
-#[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum MethodName {
-    /// Gravity from standstill, Coriolis from uniform, inertia from variable velocity
-    #[default]
-    Stepwise,
-    /// One-shot SINDy: the product library on all rows, without noise correction
-    Sindy,
-}
+pub(crate) const METHOD: [Word<&str>; 2] = [
+    (
+        "stepwise",
+        "Gravity from standstill, Coriolis from uniform, inertia from variable velocity",
+        "stepwise",
+    ),
+    ("sindy", "One-shot SINDy: the product library on all rows, without noise correction", "sindy"),
+];
 
 /// How a log becomes a model, the method left open.
 #[derive(Args, Clone, Debug, Serialize)]
@@ -137,11 +151,11 @@ pub(crate) enum MethodName {
 pub(crate) struct PlanArguments {
     /// Candidates [default: energy; product with --method sindy; chain for filtered logs, friction,
     /// or five joints and more]
-    #[arg(long, value_enum)]
-    library: Option<Library>,
+    #[arg(long, value_parser = choice(&LIBRARY))]
+    library: Option<&'static str>,
     /// Friction of the joints [default: auto with --library chain, else none]
-    #[arg(long, value_enum)]
-    friction: Option<Friction>,
+    #[arg(long, value_parser = choice(&FRICTION))]
+    friction: Option<&'static str>,
     /// Energy library: at most this many joint angles in a term [default: as many as are feasible]
     #[arg(help_heading = "Term libraries", long, value_name = "K", value_parser = clap::value_parser!(u8).range(1..=16))]
     interaction: Option<u8>,
@@ -161,7 +175,7 @@ pub(crate) struct PlanArguments {
 
 impl PlanArguments {
     /// The options of a fit by a method.
-    pub(crate) fn options(&self, method: MethodName) -> Result<FitOptions> {
+    pub(crate) fn options(&self, method: &str) -> Result<FitOptions> {
         let mut flags = object(self);
         flags["method"] = json!(method);
         fit_options(flags)

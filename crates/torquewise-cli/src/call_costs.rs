@@ -4,8 +4,7 @@
 use crate::table::Table;
 use serde_json::{Value, json};
 use torquewise::export::ExportError;
-use torquewise::model::Model;
-use torquewise::model::number;
+use torquewise::model::{Model, number};
 use torquewise::page::call_costs;
 use torquewise::report::CallCost;
 use torquewise::report::fit_report::call_cost::RATES;

@@ -1,42 +1,35 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
-use clap::{Args, ValueEnum};
+use crate::arguments::{Word, choice};
+use clap::Args;
 use serde::Serialize;
 
 /// Friction beside inertia, Coriolis and gravity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Friction {
-    /// None
-    None,
-    /// Offset, viscous and dry friction
-    Linear,
-    /// The same and the Stribeck curve, forward and backward apart
-    Stribeck,
-    /// Whichever predicts held-out rows best; of a chain joint by joint, with memory of the path at
-    /// rest and reversal, and with load, where they pay
-    Auto,
-}
+pub(crate) const FRICTION: [Word<&str>; 4] = [
+    ("none", "None", "none"),
+    ("linear", "Offset, viscous and dry friction", "linear"),
+    ("stribeck", "The same and the Stribeck curve, forward and backward apart", "stribeck"),
+    (
+        "auto",
+        "Whichever predicts held-out rows best; of a chain joint by joint, with memory of the path \
+         at rest and reversal, and with load, where they pay",
+        "auto",
+    ),
+];
 
-/// Which terms stay.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Select {
-    /// BIC-like information criterion
-    Bic,
-    /// LASSO, then least squares
-    Lasso,
-    /// Sequentially thresholded least squares
-    Stlsq,
-}
+const SELECT: [Word<&str>; 3] = [
+    ("bic", "BIC-like information criterion", "bic"),
+    ("lasso", "LASSO, then least squares", "lasso"),
+    ("stlsq", "Sequentially thresholded least squares", "stlsq"),
+];
 
 /// What becomes of candidates once the rows are summed.
 #[derive(Args, Clone, Debug, Serialize)]
 #[command(next_help_heading = "Term libraries")]
 pub(crate) struct SelectionArguments {
     /// Which terms of a library stay [default: bic; stlsq with --method sindy]
-    #[arg(long, value_enum)]
-    select: Option<Select>,
+    #[arg(long, value_parser = choice(&SELECT))]
+    select: Option<&'static str>,
     /// Drop coefficients of a library that are at most this large [paper: 0.1]
     #[arg(long, value_name = "X", value_parser = threshold)]
     threshold: Option<f64>,

@@ -4,8 +4,7 @@ use crate::error::Result;
 use crate::files::read_model;
 use clap::Args;
 use std::path::PathBuf;
-use torquewise::log::Prepared;
-use torquewise::log::Rows;
+use torquewise::log::{Prepared, Rows};
 use torquewise::logs::{Clock, Options, Profile};
 use torquewise::{Filter, Log};
 

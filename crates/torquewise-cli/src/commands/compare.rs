@@ -1,6 +1,6 @@
 //! Stepwise reconstruction beside one-shot SINDy.
 
-use crate::arguments::{MethodName, PlanArguments};
+use crate::arguments::PlanArguments;
 use crate::error::Result;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
 
 /// Fits with both methods and scores both.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
-    let options = arguments.plan.options(MethodName::Stepwise)?;
+    let options = arguments.plan.options("stepwise")?;
     let open = |paths: &[PathBuf]| -> Result<_> {
         let log = arguments.filter.open(paths)?;
         log.files().require_tau()?;

@@ -4,13 +4,14 @@ mod report;
 mod setup;
 mod summary;
 
+use crate::arguments::{Word, choice};
 use crate::commands::control::setup::{MotionArguments, PlantArguments};
 use crate::error::{CliError, Result};
 use crate::files::{
     check_files, read_arm, read_friction, read_model, read_twin, staged, write_whole,
 };
 use crate::outcome::Outcome;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::control::{Gains, Law, Learned, Plant, Tracking, compare, mean_inertia};
 use torquewise::dynamics::Arm;
@@ -34,9 +35,9 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "ARM")]
     arm: String,
     /// Controllers to compare
-    #[arg(help_heading = "Controllers", long, value_enum, value_name = "LAW")]
+    #[arg(help_heading = "Controllers", long, value_parser = choice(&LAWS), value_name = "LAW")]
     #[arg(value_delimiter = ',', default_values = ["pid", "controller1", "controller2"])]
-    controllers: Vec<Controllers>,
+    controllers: Vec<Law>,
     /// Also control with perfect knowledge of arm and friction, by controllers 1 and 2
     #[arg(help_heading = "Controllers", long)]
     perfect: bool,
@@ -61,32 +62,13 @@ pub(crate) struct Arguments {
     report: Option<PathBuf>,
 }
 
-/// How a command comes about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Controllers {
-    /// Feedback alone
-    Pid,
-    /// Feedback, and gravity and friction as known after step 1
-    Controller1,
-    /// Feedback and the whole model
-    Controller2,
-    /// Feedback linearisation with the model
-    ComputedTorque,
-    /// The model's gravity alone, while a hand leads the arm
-    HandGuiding,
-}
-
-impl Controllers {
-    fn law(self) -> Law {
-        match self {
-            Self::Pid => Law::Pid,
-            Self::Controller1 => Law::Controller1,
-            Self::Controller2 => Law::Controller2,
-            Self::ComputedTorque => Law::ComputedTorque,
-            Self::HandGuiding => Law::HandGuiding,
-        }
-    }
-}
+const LAWS: [Word<Law>; 5] = [
+    ("pid", "Feedback alone", Law::Pid),
+    ("controller1", "Feedback, and gravity and friction as known after step 1", Law::Controller1),
+    ("controller2", "Feedback and the whole model", Law::Controller2),
+    ("computed-torque", "Feedback linearisation with the model", Law::ComputedTorque),
+    ("hand-guiding", "The model's gravity alone, while a hand leads the arm", Law::HandGuiding),
+];
 
 /// What one controller did.
 struct Run {
@@ -160,9 +142,9 @@ fn compare_all(arguments: &Arguments, model: &Model, plant: &Plant) -> Result<Co
         return Err(CliError::Usage(message));
     }
     let mut laws: Vec<Law> = Vec::new();
-    for law in arguments.controllers.iter().map(|controller| controller.law()) {
-        if !laws.contains(&law) {
-            laws.push(law);
+    for law in &arguments.controllers {
+        if !laws.contains(law) {
+            laws.push(*law);
         }
     }
     let named = |suffix: &str, laws: &[Law], found: Vec<Tracking>| -> Vec<Run> {

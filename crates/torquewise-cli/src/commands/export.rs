@@ -1,15 +1,16 @@
 //! From model to source code, an FMU or a ROS 2 package.
 
+use crate::arguments::{Word, choice};
 use crate::error::{CliError, Result};
 use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
 use crate::outcome::Outcome;
 use crate::table::Table;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 use torquewise::export::{Precision, Program, Quantity, test_vectors};
-use torquewise::exported::{self, ExportOptions, Exported, function_name};
+use torquewise::exported::{self, ExportOptions, Exported, Target, function_name};
 use torquewise::model::Model;
 
 /// Write a model as code for a controller, or as a robot for a simulator
@@ -21,14 +22,14 @@ pub(crate) struct Arguments {
     /// Model file
     model: PathBuf,
     /// What to write
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(&TARGETS))]
     to: Target,
     /// File to write, for ros2 a new folder
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
     /// Precision of the numbers, for c and rust
-    #[arg(help_heading = "Code", long, value_enum, default_value_t)]
-    precision: Digits,
+    #[arg(help_heading = "Code", long, value_parser = choice(&PRECISIONS), default_value = "double")]
+    precision: Precision,
     /// URDF of the arm to put inertia and friction into, all else of it kept, for urdf
     #[arg(help_heading = "Robot", long, value_name = "ROBOT.urdf")]
     onto: Option<PathBuf>,
@@ -59,36 +60,19 @@ pub(crate) struct Arguments {
     force: bool,
 }
 
-/// What is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Target {
-    /// One file of C99
-    C,
-    /// One file of Rust without std
-    Rust,
-    /// One file of Python
-    Python,
-    /// A LaTeX document
-    Latex,
-    /// An FMI 2.0 unit for model exchange and co-simulation
-    Fmu,
-    /// Sources of a ROS 2 package
-    Ros2,
-    /// A robot for ROS, Pinocchio, Drake, Gazebo
-    Urdf,
-    /// A robot for MuJoCo
-    Mjcf,
-}
+const TARGETS: [Word<Target>; 8] = [
+    ("c", "One file of C99", Target::C),
+    ("rust", "One file of Rust without std", Target::Rust),
+    ("python", "One file of Python", Target::Python),
+    ("latex", "A LaTeX document", Target::Latex),
+    ("fmu", "An FMI 2.0 unit for model exchange and co-simulation", Target::Fmu),
+    ("ros2", "Sources of a ROS 2 package", Target::Ros2),
+    ("urdf", "A robot for ROS, Pinocchio, Drake, Gazebo", Target::Urdf),
+    ("mjcf", "A robot for MuJoCo", Target::Mjcf),
+];
 
-/// Precision of the numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum Digits {
-    /// 64 bits
-    #[default]
-    Double,
-    /// 32 bits
-    Float,
-}
+const PRECISIONS: [Word<Precision>; 2] =
+    [("double", "64 bits", Precision::Double), ("float", "32 bits", Precision::Single)];
 
 /// States to test exported code at.
 const TEST_STATES: usize = 1000;
@@ -105,14 +89,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let work = has_binary.then(work_folder).transpose()?;
     let options = ExportOptions {
         name: &name(arguments),
-        precision: precision(arguments.precision),
+        precision: arguments.precision,
         reversal: arguments.reversal,
         onto: onto.as_ref().map(|text| (&text[..], &arguments.lock[..])),
         binary: has_binary,
         force: arguments.force,
         work: work.as_deref(),
     };
-    let exported = exported::export(&model, to.library(), &options)?;
+    let exported = exported::export(&model, *to, &options)?;
     match (&exported.files[..], to) {
         (files, Target::Ros2) => write_package(output, files)?,
         ([(_, bytes)], _) => write_whole(output, bytes)?,
@@ -129,21 +113,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let flaw = exported.flaw.into_iter();
     let warnings = flaw.map(|flaw| format!("{flaw}: do not let this {what} move an arm there"));
     Ok(Outcome { warnings: warnings.collect(), ..outcome })
-}
-
-impl Target {
-    fn library(self) -> exported::Target {
-        match self {
-            Self::C => exported::Target::C,
-            Self::Rust => exported::Target::Rust,
-            Self::Python => exported::Target::Python,
-            Self::Latex => exported::Target::Latex,
-            Self::Fmu => exported::Target::Fmu,
-            Self::Ros2 => exported::Target::Ros2,
-            Self::Urdf => exported::Target::Urdf,
-            Self::Mjcf => exported::Target::Mjcf,
-        }
-    }
 }
 
 /// What is said of a robot file, and what it has no room for.
@@ -177,12 +146,12 @@ fn check_usage(arguments: &Arguments) -> Result<()> {
     let Arguments { to, precision, name, no_binary, .. } = arguments;
     let misplaced = match to {
         Target::C | Target::Rust => None,
-        _ if *precision == Digits::Float => Some("--precision float is for --to c and rust"),
+        _ if *precision == Precision::Single => Some("--precision float is for --to c and rust"),
         _ => None,
     };
     let is_code = matches!(to, Target::C | Target::Fmu | Target::Ros2);
     let named = name.is_some() && !is_code;
-    let is_robot = matches!(to, Target::Urdf | Target::Mjcf);
+    let is_robot = to.is_robot();
     let misplaced = misplaced
         .or((arguments.onto.is_some() && *to != Target::Urdf).then_some("--onto is for --to urdf"))
         .or((arguments.test_vectors && is_robot).then_some("--test-vectors is for code"))
@@ -223,13 +192,6 @@ fn name(arguments: &Arguments) -> String {
     arguments.name.clone().unwrap_or_else(|| {
         function_name(&arguments.output.file_stem().unwrap_or_default().to_string_lossy())
     })
-}
-
-fn precision(digits: Digits) -> Precision {
-    match digits {
-        Digits::Double => Precision::Double,
-        Digits::Float => Precision::Single,
-    }
 }
 
 fn write_package(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<()> {

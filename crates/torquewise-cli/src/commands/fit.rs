@@ -1,6 +1,6 @@
 //! The main job: logs to a model file.
 
-use crate::arguments::{MethodName, PlanArguments, RobotArguments};
+use crate::arguments::{METHOD, PlanArguments, RobotArguments, choice};
 use crate::call_costs::CallCosts;
 use crate::conditioning;
 use crate::error::Result;
@@ -18,10 +18,8 @@ use std::time::SystemTime;
 use torquewise::evaluate::evaluate_prepared;
 use torquewise::identify::Warning;
 
-use torquewise::log::Prepared;
-use torquewise::log::Rows;
-use torquewise::model::Model;
-use torquewise::model::number;
+use torquewise::log::{Prepared, Rows};
+use torquewise::model::{Model, number};
 use torquewise::page::{LogFile, Origin, page};
 use torquewise::summary::FitSummary;
 use torquewise::{Error, Fit, FitResult, Grade};
@@ -42,8 +40,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "LOG")]
     test: Vec<PathBuf>,
     /// Stepwise regression (default) or one-shot SINDy baseline
-    #[arg(help_heading = "Method", long, value_enum, default_value_t)]
-    method: MethodName,
+    #[arg(help_heading = "Method", long, value_parser = choice(&METHOD), default_value = "stepwise")]
+    method: &'static str,
     /// Show what was chosen on the way: signals, steps, candidates, and what each call costs
     #[arg(help_heading = "Output", long)]
     explain: bool,

@@ -1,6 +1,6 @@
 //! All that a fit needs of logs, in a file that adds to others.
 
-use crate::arguments::{MethodName, PlanArguments};
+use crate::arguments::{METHOD, PlanArguments, choice};
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::check_files;
@@ -25,8 +25,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE.request")]
     request: Option<PathBuf>,
     /// Stepwise regression (default) or one-shot SINDy baseline
-    #[arg(help_heading = "Method", long, value_enum, default_value_t)]
-    method: MethodName,
+    #[arg(help_heading = "Method", long, value_parser = choice(&METHOD), default_value = "stepwise")]
+    method: &'static str,
     #[command(flatten)]
     plan: PlanArguments,
     #[command(flatten)]

@@ -13,12 +13,10 @@ use serde_json::json;
 use std::path::PathBuf;
 use torquewise::log::Rows;
 use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
-use torquewise::model::number;
-use torquewise::model::{Model, Torque};
+use torquewise::model::{Model, Torque, number};
 use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::observe::Watched;
-use torquewise::predict::Interval;
-use torquewise::predict::MotionRange;
+use torquewise::predict::{Interval, MotionRange};
 use torquewise::summary::AllRepairs;
 
 /// Predict the torque of a log, with or without measured torque

@@ -1,5 +1,6 @@
 //! What a model holds: what was learned of the arm, its equations, and whether they are physics.
 
+use crate::arguments::{Word, choice};
 use crate::call_costs::CallCosts;
 use crate::conditioning;
 use crate::error::{CliError, Result};
@@ -10,11 +11,9 @@ use clap::{Args, ValueEnum};
 use serde_json::Value;
 use std::path::PathBuf;
 use torquewise::describe::description;
-use torquewise::model::learned;
 use torquewise::model::model::Choice;
-use torquewise::model::number;
 use torquewise::model::selection::Selection;
-use torquewise::model::{Kind, Model, print};
+use torquewise::model::{Kind, Model, learned, number, print};
 use torquewise::physics::{PhysicsCheck, STATES};
 
 /// Print what was learned of the arm, and the equations of the model
@@ -30,8 +29,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "J")]
     joint: Option<String>,
     /// Show one part of the torque only
-    #[arg(long, value_enum)]
-    part: Option<Part>,
+    #[arg(long, value_parser = choice(&PARTS))]
+    part: Option<Kind>,
     /// Show the N largest coefficients of each sum only
     #[arg(long, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u16).range(1..))]
@@ -70,29 +69,12 @@ enum Format {
     Json,
 }
 
-/// A part of the torque.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Part {
-    /// M(q) q̈
-    Inertia,
-    /// C(q, q̇) q̇
-    Coriolis,
-    /// G(q)
-    Gravity,
-    /// F(q, q̇)
-    Friction,
-}
-
-impl From<Part> for Kind {
-    fn from(part: Part) -> Self {
-        match part {
-            Part::Inertia => Self::Inertia,
-            Part::Coriolis => Self::Coriolis,
-            Part::Gravity => Self::Gravity,
-            Part::Friction => Self::Friction,
-        }
-    }
-}
+const PARTS: [Word<Kind>; 4] = [
+    ("inertia", "M(q) q̈", Kind::Inertia),
+    ("coriolis", "C(q, q̇) q̇", Kind::Coriolis),
+    ("gravity", "G(q)", Kind::Gravity),
+    ("friction", "F(q, q̇)", Kind::Friction),
+];
 
 /// Prints, and checks if asked to.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -137,7 +119,7 @@ impl Arguments {
         };
         Ok(Selection {
             joint: self.joint.as_ref().map(joint).transpose()?,
-            part: self.part.map(Into::into),
+            part: self.part,
             top: self.top.map(usize::from),
             all: self.all,
         })

@@ -1,13 +1,13 @@
 //! From arm, motion, noise to log with known truth.
 
-use crate::arguments::noise_levels;
+use crate::arguments::{Word, choice, noise_levels};
 use crate::error::Result;
 use crate::files::{check_files, check_rows, read_arm, read_friction, read_twin, staged};
 use crate::outcome::Outcome;
 use crate::pattern_table::PatternTable;
 use crate::progress::watch;
 use crate::table::Table;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use faer::MatRef;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -32,8 +32,8 @@ pub(crate) struct Arguments {
     #[arg(short, long, value_name = "LOG", required_unless_present = "list")]
     output: Option<PathBuf>,
     /// How the joints are moved
-    #[arg(help_heading = "Motion", long, value_enum, default_value_t)]
-    motion: Motions,
+    #[arg(help_heading = "Motion", long, value_parser = choice(&MOTIONS), default_value = "moves")]
+    motion: MotionKind,
     /// Recorded time in seconds
     #[arg(help_heading = "Motion", long, value_name = "S", default_value_t = MotionPlan::default().seconds)]
     seconds: f64,
@@ -62,27 +62,15 @@ pub(crate) struct Arguments {
     truth: Option<PathBuf>,
 }
 
-/// How the joints are moved.
-#[derive(Clone, Copy, Debug, Default, ValueEnum)]
-pub(crate) enum Motions {
-    /// Positioning and sorting: dwell, accelerate, cruise, brake, dwell
-    #[default]
-    Moves,
-    /// Smooth sums of sines
-    Sines,
-    /// Poses held, then constant speeds, then constant accelerations
-    Staged,
-}
-
-impl Motions {
-    fn kind(self) -> MotionKind {
-        match self {
-            Self::Moves => MotionKind::Moves,
-            Self::Sines => MotionKind::Sines,
-            Self::Staged => MotionKind::Staged,
-        }
-    }
-}
+const MOTIONS: [Word<MotionKind>; 3] = [
+    (
+        "moves",
+        "Positioning and sorting: dwell, accelerate, cruise, brake, dwell",
+        MotionKind::Moves,
+    ),
+    ("sines", "Smooth sums of sines", MotionKind::Sines),
+    ("staged", "Poses held, then constant speeds, then constant accelerations", MotionKind::Staged),
+];
 
 /// Simulates and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -96,7 +84,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(name, &arguments.lock)?;
     let twin = read_twin(name, arguments.friction.as_deref())?;
     let Arguments { seconds, rate, seed, .. } = *arguments;
-    let plan = MotionPlan { kind: arguments.motion.kind(), seconds, rate, seed };
+    let plan = MotionPlan { kind: arguments.motion, seconds, rate, seed };
     let friction = read_friction(arguments.friction.as_deref(), &arm)?;
     let clean = SimulatedLog::new(&arm, &plan)?.with_friction(friction)?;
     let noise = match (arguments.noise_db, arguments.case) {

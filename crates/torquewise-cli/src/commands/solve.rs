@@ -1,13 +1,13 @@
 //! The model that fitting all logs of a moments file together gives.
 
-use crate::arguments::{RobotArguments, fit_options};
+use crate::arguments::{RobotArguments, choice, fit_options};
 use crate::commands::fit;
 use crate::error::Result;
 use crate::files::{check_files, staged, write_whole};
 use crate::moments_file::read_moments;
 use crate::outcome::{Outcome, object};
 use crate::progress::watch;
-use crate::selection::{Friction, SelectionArguments};
+use crate::selection::{FRICTION, SelectionArguments};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -27,8 +27,8 @@ pub(crate) struct Arguments {
     #[arg(help_heading = "Output", long, value_name = "FILE.request")]
     request: Option<PathBuf>,
     /// Friction, where a chain is learned [default: auto]
-    #[arg(help_heading = "Method", long, value_enum)]
-    friction: Option<Friction>,
+    #[arg(help_heading = "Method", long, value_parser = choice(&FRICTION))]
+    friction: Option<&'static str>,
     /// Random seed [default: that of the moments]
     #[arg(help_heading = "Method", long)]
     seed: Option<u64>,

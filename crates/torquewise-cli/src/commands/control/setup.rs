@@ -1,7 +1,8 @@
 //! From words of the command line to the plant, and the motion that is wanted of it.
 
+use crate::arguments::{Word, choice};
 use crate::error::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 use torquewise::control::{Drive, Periodic, Plant, Sensors, periodic};
@@ -13,8 +14,9 @@ use torquewise::motion::Motion;
 #[command(next_help_heading = "Motion")]
 pub(crate) struct MotionArguments {
     /// Motion that is wanted
-    #[arg(long, value_enum, default_value_t)]
-    trajectory: Trajectories,
+    #[arg(long, value_parser = choice(&TRAJECTORIES), default_value = "periodic")]
+    // Named in full, since clap takes a plain Option for one that may be left out.
+    trajectory: std::option::Option<MotionKind>,
     /// Its length in seconds
     #[arg(long, value_name = "S", default_value_t = Periodic::default().seconds)]
     seconds: f64,
@@ -35,29 +37,24 @@ pub(crate) struct MotionArguments {
     acceleration: f64,
 }
 
-/// How the joints are to move.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-enum Trajectories {
-    /// Smooth, at rest after each period
-    #[default]
-    Periodic,
-    /// Smooth sums of sines
-    Sines,
-    /// Positioning and sorting: dwell, accelerate, cruise, brake, dwell
-    Moves,
-}
+/// None is for periodic motion.
+const TRAJECTORIES: [Word<Option<MotionKind>>; 3] = [
+    ("periodic", "Smooth, at rest after each period", None),
+    ("sines", "Smooth sums of sines", Some(MotionKind::Sines)),
+    (
+        "moves",
+        "Positioning and sorting: dwell, accelerate, cruise, brake, dwell",
+        Some(MotionKind::Moves),
+    ),
+];
 
 impl MotionArguments {
     /// The desired motion, one row per tick.
     pub(crate) fn wanted(&self, arm: &Arm) -> Result<Motion> {
         let Self { seconds, rate, seed, period, speed, acceleration, .. } = *self;
-        let plan = |kind| MotionPlan { kind, seconds, rate, seed };
         Ok(match self.trajectory {
-            Trajectories::Periodic => {
-                periodic(arm, &Periodic { seconds, period, rate, speed, acceleration, seed })?
-            }
-            Trajectories::Sines => simulate(arm, &plan(MotionKind::Sines))?.motion,
-            Trajectories::Moves => simulate(arm, &plan(MotionKind::Moves))?.motion,
+            None => periodic(arm, &Periodic { seconds, period, rate, speed, acceleration, seed })?,
+            Some(kind) => simulate(arm, &MotionPlan { kind, seconds, rate, seed })?.motion,
         })
     }
 }
