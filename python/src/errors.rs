@@ -7,8 +7,8 @@ use pyo3::exceptions::{
 use pyo3::prelude::*;
 use std::error::Error as StdError;
 use std::io::ErrorKind;
+use torquewise::Error;
 use torquewise::logs::LogError as Logs;
-use torquewise::{Error, Setting};
 
 create_exception!(torquewise, TorquewiseError, PyException, "What torquewise cannot do, and why.");
 create_exception!(torquewise, LogError, TorquewiseError, "A log that cannot be read or used.");
@@ -28,14 +28,13 @@ pub(crate) fn message(error: &Error) -> String {
     error.advice(keyword).map_or(text.clone(), |help| format!("{text}\nhelp: {help}"))
 }
 
-/// An option as a keyword.
-fn keyword(setting: Setting, value: Option<&str>) -> String {
-    let value = match (setting, value) {
-        (Setting::Force, _) => Some("True".to_owned()),
-        (Setting::NoBinary, _) => Some("False".to_owned()),
+fn keyword(name: &str, value: Option<&str>) -> String {
+    let value = match (name, value) {
+        ("force", _) => Some("True".to_owned()),
+        ("binary", _) => Some("False".to_owned()),
         (_, value) => value.map(|value| format!("{value:?}")),
     };
-    value.map_or(setting.name().to_owned(), |value| format!("{setting}={value}"))
+    value.map_or_else(|| name.to_owned(), |value| format!("{name}={value}"))
 }
 
 fn with_causes(mut text: String, mut cause: Option<&(dyn StdError + 'static)>) -> String {
@@ -47,8 +46,8 @@ fn with_causes(mut text: String, mut cause: Option<&(dyn StdError + 'static)>) -
 }
 
 /// The exception for an error of the engine.
-pub(crate) fn raised(error: &Error) -> PyErr {
-    let text = message(error);
+pub(crate) fn raised(error: Error) -> PyErr {
+    let text = message(&error);
     match error {
         Error::Interrupted => Interrupted::new_err(text),
         Error::WrongValue { .. } => PyValueError::new_err(text),

@@ -44,7 +44,7 @@ pub(crate) fn fit_options(
 ) -> PyResult<FitOptions> {
     let mut keywords = Map::from_iter([("seed".to_owned(), seed.into())]);
     let Some(given) = options else {
-        return FitOptions::of_keywords(&keywords).map_err(|error| raised(&error));
+        return FitOptions::of_keywords(&keywords).map_err(raised);
     };
     let (plain, of_urdf) = (PyDict::new(given.py()), ["urdf", "lock", "gravity"]);
     for (name, value) in given.iter().filter(|(_, value)| !value.is_none()) {
@@ -58,7 +58,7 @@ pub(crate) fn fit_options(
     let text = given.py().import("json")?.call_method("dumps", (plain,), Some(&whole))?;
     let plain: Map<String, Value> = serde_json::from_str(text.extract()?).map_err(value_error)?;
     keywords.extend(plain);
-    let found = FitOptions::of_keywords(&keywords).map_err(|error| raised(&error))?;
+    let found = FitOptions::of_keywords(&keywords).map_err(raised)?;
     Ok(FitOptions { geometry: geometry(given, joints)?, ..found })
 }
 
@@ -110,13 +110,11 @@ pub(crate) fn fit(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Fit> {
     let options = fit_options(options, log.log.joints(), 0)?;
-    options.check().map_err(|error| raised(&error))?;
+    options.check().map_err(raised)?;
     let own = log.log.clone();
-    let found = work(
-        py,
-        progress,
-        Box::new(move |observer| Run::new(&own).options(options).observer(observer).run()),
-    )?;
+    let found = work(py, progress, move |observer| {
+        Run::new(&own).options(options).observer(observer).run()
+    })?;
     let files = log.log.files().paths().iter();
     Fit::new(py, found, files.map(|path| path.display().to_string()).collect())
 }
@@ -164,7 +162,7 @@ impl Fit {
 
     /// All numbers: the JSON of the command line.
     fn _summary(&self) -> PyResult<String> {
-        json(&self.found.summary().map_err(|error| raised(&error))?)
+        json(&self.found.summary().map_err(raised)?)
     }
 
     /// The report as one page of HTML.
@@ -183,23 +181,19 @@ impl Fit {
         let paths = test.map(|test| test.log.files().paths()).into_iter().flatten();
         let tests: Vec<LogFile> = paths.map(|path| file(&path.display().to_string())).collect();
         let (found, test) = (Arc::clone(&self.found), test.map(|test| test.log.clone()));
-        let text = work(
-            py,
-            progress,
-            Box::new(move |observer| {
-                let known = found.model.training.filter;
-                let test = test.map(|test| test.prepare_as(known, Rows::WithRawTorque));
-                let origin = Origin {
-                    logs: &logs,
-                    tests: &tests,
-                    model: "model.json",
-                    command: "torquewise.fit(…)",
-                    version: env!("CARGO_PKG_VERSION"),
-                    date: &date,
-                };
-                page(&found, test.transpose()?.as_ref(), origin, observer)
-            }),
-        )?;
+        let text = work(py, progress, move |observer| {
+            let known = found.model.training.filter;
+            let test = test.map(|test| test.prepare_as(known, Rows::WithRawTorque));
+            let origin = Origin {
+                logs: &logs,
+                tests: &tests,
+                model: "model.json",
+                command: "torquewise.fit(…)",
+                version: env!("CARGO_PKG_VERSION"),
+                date: &date,
+            };
+            page(&found, test.transpose()?.as_ref(), origin, observer)
+        })?;
         Ok(PyBytes::new(py, text.unwrap_or_default().as_bytes()))
     }
 

@@ -20,7 +20,6 @@ mod work;
 
 use pyo3::prelude::*;
 
-/// The engine of torquewise.
 #[pymodule]
 mod _core {
     use pyo3::prelude::*;

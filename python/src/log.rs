@@ -31,7 +31,6 @@ pub(crate) struct Log {
 pub(crate) enum Sources {
     /// Paths of files, or of folders of bags.
     Files(Vec<PathBuf>),
-    /// Labels and columns.
     Frames(Vec<(String, Py<ArrayFrame>)>),
 }
 
@@ -68,7 +67,7 @@ impl Log {
                 py.detach(|| torquewise::Log::of_frames(&frames, &options))
             }
         }
-        .map_err(|error| raised(&error))?;
+        .map_err(raised)?;
         log.filter = match filter {
             None => Filter::Auto,
             Some(FilterWord::Word(word)) if word == "auto" => Filter::Auto,
@@ -124,27 +123,23 @@ impl Log {
     ) -> PyResult<Bound<'py, PyList>> {
         let log = self.log.clone();
         let known = model.map(|model| Arc::clone(&model.model));
-        let blocks = work(
-            py,
-            None,
-            Box::new(move |observer| {
-                if !conditioned && known.is_none() {
-                    return Ok(log.files().read_all()?);
-                }
-                let rows = match known {
-                    Some(model) => log.prepare_as(model.training.filter, Rows::Every)?,
-                    None => log.prepare(Rows::Filtered)?,
-                };
-                let mut all: Vec<(usize, Motion)> = Vec::new();
-                Watched::new(rows.rows(), observer, "reading", (rows.rows_hint(), 1)).read(
-                    &mut |trajectory, block| {
-                        all.push((trajectory, block.clone()));
-                        Ok(())
-                    },
-                )?;
-                joined(all)
-            }),
-        )?;
+        let blocks = work(py, None, move |observer| {
+            if !conditioned && known.is_none() {
+                return Ok(log.files().read_all()?);
+            }
+            let rows = match known {
+                Some(model) => log.prepare_as(model.training.filter, Rows::Every)?,
+                None => log.prepare(Rows::Filtered)?,
+            };
+            let mut all: Vec<(usize, Motion)> = Vec::new();
+            Watched::new(rows.rows(), observer, "reading", (rows.rows_hint(), 1)).read(
+                &mut |trajectory, block| {
+                    all.push((trajectory, block.clone()));
+                    Ok(())
+                },
+            )?;
+            joined(all)
+        })?;
         let dicts = blocks.iter().map(|motion| motion_dict(py, motion));
         PyList::new(py, dicts.collect::<PyResult<Vec<_>>>()?)
     }
@@ -154,7 +149,6 @@ impl Log {
     }
 }
 
-/// The blocks of each trajectory as one motion.
 fn joined(blocks: Vec<(usize, Motion)>) -> Result<Vec<Motion>, torquewise::Error> {
     let mut all: Vec<(usize, Vec<Motion>)> = Vec::new();
     for (trajectory, block) in blocks {
@@ -170,7 +164,6 @@ fn joined(blocks: Vec<(usize, Motion)>) -> Result<Vec<Motion>, torquewise::Error
     all.into_iter().map(whole).collect()
 }
 
-/// Arrays of a motion.
 pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("t", PyArray1::from_slice(py, motion.t()))?;
@@ -184,7 +177,7 @@ pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bou
 }
 
 fn log_error(error: logs::LogError) -> PyErr {
-    raised(&torquewise::Error::Log(error))
+    raised(torquewise::Error::Log(error))
 }
 
 /// Writes a `.csv` or `.parquet` log, whole or not at all.
@@ -216,19 +209,15 @@ pub(crate) fn inspect(
 ) -> PyResult<(String, Vec<String>)> {
     let log = log.log.clone();
     let filter = model.map(|model| model.model.training.filter);
-    let found = work(
-        py,
-        progress,
-        Box::new(move |observer| {
-            let rows = match filter {
-                Some(filter) => log.prepare_as(filter, Rows::Filtered)?,
-                None => log.prepare(Rows::Filtered)?,
-            };
-            let found = torquewise::inspect::inspect(&rows, observer)?;
-            let warnings = found.warnings().into_iter().chain(rows.warnings()).collect();
-            Ok((found, warnings))
-        }),
-    )?;
+    let found = work(py, progress, move |observer| {
+        let rows = match filter {
+            Some(filter) => log.prepare_as(filter, Rows::Filtered)?,
+            None => log.prepare(Rows::Filtered)?,
+        };
+        let found = torquewise::inspect::inspect(&rows, observer)?;
+        let warnings = found.warnings().into_iter().chain(rows.warnings()).collect();
+        Ok((found, warnings))
+    })?;
     let (found, warnings): (_, Vec<String>) = found;
     Ok((json(&found)?, warnings))
 }
@@ -255,33 +244,24 @@ pub(crate) fn patterns<'py>(
 ) -> PyResult<(Bound<'py, PyArray1<u8>>, Vec<f64>, Vec<String>)> {
     let plan = pattern_plan(activation, clusters, seed)?;
     let log = log.log.clone();
-    let (labels, found) = work(
-        py,
-        progress,
-        Box::new(move |observer| {
-            let rows = log.prepare(Rows::Every)?;
-            let watched = Watched::new(
-                rows.rows(),
-                observer,
-                "looking through the log",
-                (rows.rows_hint(), 2),
-            );
-            let found = find_patterns(&survey(&watched)?, &plan)?;
-            let mut labels: Vec<u8> = Vec::new();
-            watched.read(&mut |_, block| {
-                let place = |own: &Pattern| Pattern::ALL.iter().position(|all| all == own);
-                let label = |own: &Pattern| place(own).and_then(|k| u8::try_from(k).ok());
-                labels.extend(found.label(block).iter().filter_map(label));
-                Ok(())
-            })?;
-            Ok((labels, found))
-        }),
-    )?;
+    let (labels, found) = work(py, progress, move |observer| {
+        let rows = log.prepare(Rows::Every)?;
+        let watched =
+            Watched::new(rows.rows(), observer, "looking through the log", (rows.rows_hint(), 2));
+        let found = find_patterns(&survey(&watched)?, &plan)?;
+        let mut labels: Vec<u8> = Vec::new();
+        watched.read(&mut |_, block| {
+            let place = |own: &Pattern| Pattern::ALL.iter().position(|all| all == own);
+            let label = |own: &Pattern| place(own).and_then(|k| u8::try_from(k).ok());
+            labels.extend(found.label(block).iter().filter_map(label));
+            Ok(())
+        })?;
+        Ok((labels, found))
+    })?;
     let warnings = missing_patterns(&found.present);
     Ok((PyArray1::from_vec(py, labels), found.inertia.clone(), warnings))
 }
 
-/// How rows are clustered.
 pub(crate) fn pattern_plan(
     activation: &str,
     clusters: Option<usize>,

@@ -225,7 +225,7 @@ impl Model {
             let total = self.torque.over(&motion)?;
             Ok(interval.bounds(&motion, &total)?)
         });
-        let [low, high] = bounds.map_err(|error| raised(&error))?;
+        let [low, high] = bounds.map_err(raised)?;
         Ok((array(py, low.as_ref()), array(py, high.as_ref())))
     }
 
@@ -250,11 +250,9 @@ impl Model {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(String, Vec<String>)> {
         let (model, log) = (Arc::clone(&self.model), log.log.clone());
-        let found = work(
-            py,
-            progress,
-            Box::new(move |observer| evaluate_prepared(&model, &prepare(&model, &log)?, observer)),
-        )?;
+        let found = work(py, progress, move |observer| {
+            evaluate_prepared(&model, &prepare(&model, &log)?, observer)
+        })?;
         let notes = found.notes.iter().chain(&found.warnings).cloned().collect();
         Ok((json(&found)?, notes))
     }

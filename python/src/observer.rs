@@ -38,28 +38,24 @@ pub(crate) fn contacts<'py>(
     let n = model.model.n_joints();
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
     let free = free.map(|free| free.log.clone());
-    let (rows, thresholds, found) = work(
-        py,
-        progress,
-        Box::new(move |observer| {
-            let mut rows: Vec<f64> = Vec::new();
-            let (thresholds, found) = torquewise::external::contacts(
-                &model,
-                &log,
-                free.as_ref(),
-                options,
-                observer,
-                &mut |t, external| {
-                    if external.iter().all(|x| x.is_finite()) {
-                        rows.push(t);
-                        rows.extend_from_slice(external);
-                    }
-                    Ok(())
-                },
-            )?;
-            Ok((rows, thresholds, found))
-        }),
-    )?;
+    let (rows, thresholds, found) = work(py, progress, move |observer| {
+        let mut rows: Vec<f64> = Vec::new();
+        let (thresholds, found) = torquewise::external::contacts(
+            &model,
+            &log,
+            free.as_ref(),
+            options,
+            observer,
+            &mut |t, external| {
+                if external.iter().all(|x| x.is_finite()) {
+                    rows.push(t);
+                    rows.extend_from_slice(external);
+                }
+                Ok(())
+            },
+        )?;
+        Ok((rows, thresholds, found))
+    })?;
     let table = Array2::from_shape_vec((rows.len() / (n + 1), n + 1), rows)
         .map_err(crate::errors::value_error)?;
     Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
@@ -75,15 +71,11 @@ pub(crate) fn payload(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(String, Vec<String>, Model)> {
     let (model, log) = (Arc::clone(&model.model), log.log.clone());
-    let (found, loaded) = work(
-        py,
-        progress,
-        Box::new(move |observer| {
-            let found = torquewise::payload::payload(&model, &log, observer)?;
-            let loaded = found.added_to(&model)?;
-            Ok((found, loaded))
-        }),
-    )?;
+    let (found, loaded) = work(py, progress, move |observer| {
+        let found = torquewise::payload::payload(&model, &log, observer)?;
+        let loaded = found.added_to(&model)?;
+        Ok((found, loaded))
+    })?;
     let hints = found.hints().into_iter().map(str::to_owned).collect();
     Ok((json(&found)?, hints, Model::new(loaded)))
 }

@@ -15,7 +15,6 @@ pub(crate) struct Wanted<'a> {
     pub(crate) name: &'a str,
     pub(crate) precision: &'a str,
     pub(crate) reversal: Option<f64>,
-    /// Text of a URDF.
     pub(crate) onto: Option<&'a str>,
     pub(crate) lock: Vec<String>,
     pub(crate) binary: bool,
@@ -56,7 +55,7 @@ pub(crate) fn export(model: &Model, wanted: &Wanted<'_>) -> PyResult<Exported> {
         force: wanted.force,
         work: None,
     };
-    let found = exported(model, to, &options).map_err(|error| raised(&error))?;
+    let found = exported(model, to, &options).map_err(raised)?;
     Ok((found.files, found.left_out))
 }
 

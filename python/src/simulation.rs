@@ -31,7 +31,7 @@ fn arm_of(
     match source {
         ArmSource::Model(model) => {
             let model = Arc::clone(&model.get().model);
-            let arm = twin::arm(&model).map_err(|error| crate::errors::raised(&error))?;
+            let arm = twin::arm(&model).map_err(crate::errors::raised)?;
             Ok((arm, Some(model)))
         }
         ArmSource::Name(name) => {
@@ -164,8 +164,7 @@ pub(crate) fn excite<'py>(
         tries: tries.unwrap_or(usual.tries),
         seed,
     };
-    let found =
-        work(py, progress, Box::new(move |_| Ok(plan_motions(&limits, &plan, &mut |_, _| {}))))?;
+    let found = work(py, progress, move |_| Ok(plan_motions(&limits, &plan, &mut |_, _| {})))?;
     let found = found.map_err(value_error)?;
     let dicts = PyList::empty(py);
     for (recording, name) in found.recordings.iter().zip(["standstill", "uniform", "variable"]) {

@@ -54,13 +54,9 @@ impl Summary {
     ) -> PyResult<Self> {
         let options = fit_options(options, log.log.joints(), 0)?;
         let (log, request) = (log.log.clone(), request.map(|own| own.request.clone()));
-        let sums = work(
-            py,
-            progress,
-            Box::new(move |observer| {
-                sum_up(&log, &options, request.as_ref(), observer).map(|(sums, _)| sums)
-            }),
-        )?;
+        let sums = work(py, progress, move |observer| {
+            sum_up(&log, &options, request.as_ref(), observer).map(|(sums, _)| sums)
+        })?;
         Ok(Self { sums })
     }
 
@@ -82,8 +78,7 @@ impl Summary {
         let seed = self.sums.settings().patterns.seed;
         let options = fit_options(options, self.sums.joints(), seed)?;
         let sums = self.sums.clone();
-        let solved =
-            work(py, progress, Box::new(move |observer| solve_sums(sums, &options, observer)))?;
+        let solved = work(py, progress, move |observer| solve_sums(sums, &options, observer))?;
         match solved {
             Solved::Model(found) => Fit::new(py, *found, Vec::new())?.into_bound_py_any(py),
             Solved::Request(request) => Request { request: *request }.into_bound_py_any(py),

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
-use torquewise::{Error, Event};
+use torquewise::{Error, Event, Observer};
 
 /// How often the calling thread looks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
@@ -17,15 +17,12 @@ const LOOK: Duration = Duration::from_millis(50);
 /// How often the bar is moved: once in so many milliseconds.
 const SHOW: Duration = Duration::from_millis(100);
 
-/// What the worker is told to do, with an observer to be handed to the engine.
-pub(crate) type Job<T> = dyn FnOnce(&dyn Fn(Event) -> ControlFlow<()>) -> Result<T, Error> + Send;
-
 enum Told<T> {
     Event(Event),
     Done(Result<T, Error>),
 }
 
-/// Does work without the interpreter, and shows it.
+/// Does work without the interpreter, with an observer to be handed to the engine, and shows it.
 ///
 /// - `progress`: is called with what is done, rows since the last call and rows in all, the last
 ///   two if they are known
@@ -36,7 +33,7 @@ enum Told<T> {
 pub(crate) fn work<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
-    job: Box<Job<T>>,
+    job: impl FnOnce(Observer<'_>) -> Result<T, Error> + Send + 'static,
 ) -> PyResult<T> {
     let (sender, mut receiver) = channel();
     let stopped = Arc::new(AtomicBool::new(false));
@@ -72,14 +69,18 @@ pub(crate) fn work<T: Send + 'static>(
     };
     bar.finish()?;
     match (found, worker.join()) {
-        (Some(found), _) => found.map_err(|error| raised(&error)),
+        (Some(found), _) => found.map_err(raised),
         (None, Err(panic)) => resume_unwind(panic),
-        (None, Ok(())) => Err(raised(&Error::Interrupted)),
+        (None, Ok(())) => Err(raised(Error::Interrupted)),
     }
 }
 
 /// The worker: tells each event, and stops where it is told to.
-fn run<T: Send>(sender: &Sender<Told<T>>, stopped: &AtomicBool, job: Box<Job<T>>) {
+fn run<T: Send>(
+    sender: &Sender<Told<T>>,
+    stopped: &AtomicBool,
+    job: impl FnOnce(Observer<'_>) -> Result<T, Error>,
+) {
     let found = job(&|event| {
         // Whoever does not listen any more has stopped the work.
         let is_heard = sender.send(Told::Event(event)).is_ok();

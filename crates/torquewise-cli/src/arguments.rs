@@ -51,7 +51,6 @@ pub(crate) struct RobotArguments {
     gravity: Option<Direction>,
 }
 
-/// Three components.
 #[derive(Clone, Copy, Debug)]
 struct Direction([f64; 3]);
 
@@ -100,7 +99,6 @@ pub(crate) struct PatternArguments {
 }
 
 impl PatternArguments {
-    /// The clustering asked for.
     pub(crate) fn plan(self) -> Result<PatternPlan> {
         Ok(fit_options(object(&self))?.patterns())
     }
@@ -174,7 +172,6 @@ pub(crate) struct PlanArguments {
 }
 
 impl PlanArguments {
-    /// The options of a fit by a method.
     pub(crate) fn options(&self, method: &str) -> Result<FitOptions> {
         let mut flags = object(self);
         flags["method"] = json!(method);

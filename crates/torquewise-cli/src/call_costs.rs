@@ -16,14 +16,12 @@ pub(crate) struct CallCosts {
 }
 
 impl CallCosts {
-    /// Counts what exported code computes.
     pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
         let steps = model.stages.iter().map(|stage| stage.name.clone());
         let names = steps.chain(std::iter::once("refit".to_owned())).collect();
         Ok(Self { names, costs: call_costs(model)? })
     }
 
-    /// For people.
     pub(crate) fn text(&self) -> String {
         let shares = RATES.map(|rate| format!("of {} kHz [%]", 1e-3 * rate));
         let fixed = ["torque after", "+ - *", "sin cos exp tanh", "about [ns]"];
@@ -42,7 +40,6 @@ impl CallCosts {
         )
     }
 
-    /// For programs.
     pub(crate) fn json(&self) -> Value {
         let each = self.names.iter().zip(&self.costs).map(|(name, cost)| {
             json!({

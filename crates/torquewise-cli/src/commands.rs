@@ -72,7 +72,6 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Does what is asked.
     pub(crate) fn run(&self) -> Result<Outcome> {
         match self {
             Self::Demo(arguments) => demo::run(arguments),

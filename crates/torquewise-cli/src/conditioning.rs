@@ -14,7 +14,6 @@ pub(crate) fn notes(by_log: &ByLog) -> Vec<String> {
     vec![by_log.values().sum::<Repairs>().to_string()]
 }
 
-/// One line per log.
 pub(crate) fn text(by_log: &ByLog) -> String {
     if by_log.is_empty() {
         return String::new();

@@ -4,9 +4,7 @@ use miette::Diagnostic;
 use std::error::Error;
 use std::io;
 use std::path::PathBuf;
-use torquewise::Setting;
 
-/// What a command comes to.
 pub(crate) type Result<T, E = CliError> = std::result::Result<T, E>;
 
 /// Why a command cannot be carried out.
@@ -106,13 +104,12 @@ impl CliError {
     }
 }
 
-/// An option as a flag.
-fn flag(setting: Setting, value: Option<&str>) -> String {
-    let name = match setting {
-        Setting::Bootstrap => "bootstrap".to_owned(),
-        Setting::NoiseCorrection => "no-noise-correction".to_owned(),
-        Setting::NoBinary => "no-binary".to_owned(),
-        other => other.name().split('_').collect::<Vec<_>>().join("-"),
+fn flag(name: &str, value: Option<&str>) -> String {
+    let name = match name {
+        "n_bootstrap" => "bootstrap".to_owned(),
+        "noise_correction" => "no-noise-correction".to_owned(),
+        "binary" => "no-binary".to_owned(),
+        other => other.replace('_', "-"),
     };
     value.map_or_else(|| format!("--{name}"), |value| format!("--{name} {value}"))
 }

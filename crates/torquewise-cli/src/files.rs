@@ -12,7 +12,6 @@ use torquewise::motion::bounded_file;
 use torquewise::motion::whole_file::{self, destination, folder_of, keep_mode};
 use torquewise::twin;
 
-/// Reads a model file.
 pub(crate) fn read_model(file: &Path) -> Result<Model> {
     Ok(Model::load(file)?)
 }
@@ -60,12 +59,10 @@ pub(crate) fn read_friction(file: Option<&Path>, arm: &Arm) -> Result<Friction> 
     }
 }
 
-/// Reads a file of bytes.
 pub(crate) fn read_bytes(file: &Path) -> Result<Vec<u8>> {
     bounded_file::read(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
 
-/// Reads a file of text.
 pub(crate) fn read_text(file: &Path) -> Result<String> {
     bounded_file::read_text(file).map_err(|source| CliError::Read { file: file.into(), source })
 }
@@ -131,13 +128,11 @@ pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<()> {
 
 /// What the command at work has begun and not yet put in place.
 struct Unfinished {
-    /// Folders of temporary files.
     temporary: Vec<TempDir>,
     /// Temporary files, and the files whose place they will take.
     files: Vec<(PathBuf, PathBuf)>,
     /// Folders that were made for results.
     folders: Vec<PathBuf>,
-    /// Files that took their place.
     placed: usize,
 }
 
@@ -199,7 +194,6 @@ pub(crate) fn staged(file: &Path) -> Result<PathBuf> {
     Ok(written)
 }
 
-/// Writes bytes or a text to what will appear as `file`.
 pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
     whole_file::write_whole(&staged(file)?, bytes.as_ref())
         .map_err(|source| CliError::Write { file: file.into(), source })

@@ -7,7 +7,6 @@ use std::path::Path;
 use torquewise::identify::Summary;
 use torquewise::identify::rounds::Request;
 
-/// Reads a moments file.
 pub(crate) fn read_moments(file: &Path) -> Result<Summary> {
     let bytes = read_bytes(file)?;
     let what = || format!("{} is not a moments file", file.display());
@@ -40,7 +39,6 @@ pub(crate) fn text(summary: &Summary, file: &Path, bytes: usize) -> String {
     )
 }
 
-/// The same for programs.
 pub(crate) fn json(summary: &Summary, file: &Path, bytes: usize) -> Value {
     let settings = summary.settings();
     json!({

@@ -10,7 +10,6 @@ use std::process::ExitCode;
 /// What a command found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outcome {
-    /// For people.
     pub(crate) text: String,
     /// For programs: an object.
     pub(crate) json: Value,
@@ -22,7 +21,6 @@ pub(crate) struct Outcome {
     pub(crate) is_unusable: bool,
 }
 
-/// The object that programs read.
 pub(crate) fn object(result: &impl Serialize) -> Value {
     // Results have neither keys that are no text nor numbers that JSON cannot hold.
     serde_json::to_value(result).unwrap_or_default()

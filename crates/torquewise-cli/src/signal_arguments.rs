@@ -34,12 +34,10 @@ pub(crate) struct SignalArguments {
 }
 
 impl SignalArguments {
-    /// Whether a profile is named.
     pub(crate) fn has_profile(&self) -> bool {
         self.profile.is_some()
     }
 
-    /// Opens logs.
     pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
         let profile = self.profile.as_ref().map(|file| Profile::read(file)).transpose()?;
         let clock = if self.repair { Clock::Repair } else { Clock::Strict };
@@ -86,7 +84,6 @@ pub(crate) struct FilterArguments {
 }
 
 impl FilterArguments {
-    /// Opens logs.
     pub(crate) fn open(&self, paths: &[PathBuf]) -> Result<Log> {
         self.signals.open(paths)
     }

@@ -12,7 +12,6 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A table with these headings.
     pub(crate) fn new(headings: &[&str]) -> Self {
         Self::of(vec![headings.iter().map(|&heading| heading.to_owned()).collect()])
     }
@@ -67,7 +66,6 @@ pub(crate) fn methods<'a>(
     table
 }
 
-/// Several numbers in one cell.
 pub(crate) fn counts(values: &[usize]) -> String {
     values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }

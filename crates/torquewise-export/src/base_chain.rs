@@ -13,7 +13,6 @@ use torquewise_model::RigidChain;
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
 const ROUNDING: f64 = 1e-15;
 
-/// Three components of a vector.
 pub(crate) type Vector = [f64; 3];
 
 /// A chain whose links carry what torque can tell.

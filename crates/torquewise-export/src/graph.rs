@@ -26,18 +26,14 @@ pub(crate) enum Input {
     Element(usize),
 }
 
-/// A function of one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Function {
-    /// tanh x
     Tanh,
-    /// eˣ
     Exp,
     /// −1, 0 or 1
     Sign,
     /// 1 for x > 0, else 0
     Positive,
-    /// |x|
     Abs,
     /// 1/x
     Reciprocal,

@@ -31,7 +31,6 @@ pub fn to_latex(model: &Model, version: &str) -> String {
     )
 }
 
-/// How torques follow from energies.
 const DERIVED: &str = "\\begin{equation*}\n\
     \\tau = M(q)\\,\\ddot q + \\dot M(q)\\,\\dot q - \
     \\tfrac{1}{2}\\frac{\\partial}{\\partial q}\\bigl(\\dot q^{\\top} M(q)\\,\\dot q\\bigr) + \

@@ -91,7 +91,6 @@ fn kinetic_weights(graph: &Graph, matrix: &[Id], n: usize) -> Vec<(Id, Id)> {
 pub(crate) enum Grouping {
     /// The angles of each product of velocities and accelerations first.
     ByMotion,
-    /// All factors alike.
     None,
 }
 

@@ -274,7 +274,6 @@ impl Program {
         self.graph.value(id) == Some(0.0)
     }
 
-    /// Whether a function is called anywhere.
     pub(crate) fn calls(&self, function: Function) -> bool {
         let calls = |id| matches!(self.graph.node(id), Node::Call(f, _) if f == function);
         (0..self.graph.len()).any(calls)

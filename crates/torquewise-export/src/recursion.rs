@@ -10,14 +10,12 @@ use crate::graph::{Graph, Id, Input};
 /// Components in the frame of a link.
 type Vector = [Id; 3];
 
-/// What moves the arm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Motion {
     /// Gravity alone.
     Rest,
     /// Velocities, no gravity.
     Steady,
-    /// All.
     Whole,
 }
 

@@ -53,7 +53,6 @@ pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)
     ])
 }
 
-/// What both nodes begin with.
 const NODE: &str = "// {{ version }}\n\n{{ inclusion }}constexpr int N = {{ upper }}_JOINTS;\n\n";
 
 const DEPENDS: [&str; 4] = ["rclcpp", "sensor_msgs", "std_msgs", "trajectory_msgs"];

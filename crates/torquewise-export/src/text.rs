@@ -12,20 +12,17 @@ const LINE: usize = 84;
 /// How a language writes what it does not share with the others.
 pub(crate) trait Language {
     fn constant(&self, value: f64) -> String;
-    /// Name of a function of one value.
     fn name(&self, function: Function) -> String;
     fn quoted(&self, text: &str) -> String;
     fn statements(&self, body: &Body, role: Role, program: &Program) -> Vec<String>;
 }
 
-/// What statements compute.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
     /// A function of signals alone.
     Function(Quantity),
     /// A function at the state that friction remembers.
     After(Quantity),
-    /// The next state of friction.
     Step,
     /// Momentum, and the part of its change that is neither motor nor external.
     Momentum,

@@ -17,7 +17,6 @@ use torquewise_model::{Drive, EnergyTerm, Form, Model, RigidChain, Weighted};
 
 /// Joints up to which a chain is expanded; the terms of more cost many times the recursion.
 const MOST_EXPANDED: usize = 4;
-/// Ways to sum angles that are worth trying.
 const SUMS: usize = 3;
 
 /// What a model computes but for friction, as nodes.

@@ -18,7 +18,6 @@ const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
 /// Bytes of a message, or of a part of a bag that has to be held whole, at most.
 const MAX_BYTES: usize = 1 << 27;
 
-/// A topic of a bag.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Topic {
     name: String,

@@ -76,7 +76,6 @@ impl Blocks {
         Ok(Some((self.trajectory, block)))
     }
 
-    /// What was read so far.
     pub(crate) fn report(&self) -> ReadReport {
         self.rows.report()
     }
@@ -148,7 +147,6 @@ impl Blocks {
         Ok(())
     }
 
-    /// Forgets the trajectory that ended.
     fn begin_trajectory(&mut self) {
         self.forget(self.known);
         self.done = 0;

@@ -42,7 +42,6 @@ pub(crate) fn by_profile(
     })
 }
 
-/// A mapping in the making.
 struct Build<'a> {
     file: &'a Path,
     names: &'a [String],
@@ -203,7 +202,6 @@ fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>,
     }
 }
 
-/// A slot for each joint.
 fn signal_slots(signal: Signal, parts: Option<&SignalColumns>, columns: &[usize]) -> Vec<Slot> {
     let Some(parts) = parts else {
         return columns.iter().map(|place| Slot::as_it_stands(*place)).collect();

@@ -195,7 +195,6 @@ impl ClockLane {
         out
     }
 
-    /// Hands out the rest.
     pub(crate) fn finish(&mut self) -> Option<Raw> {
         let waiting = self.waiting.take()?;
         let rows = waiting.t.len();

@@ -276,7 +276,6 @@ impl Recording for ConditionedLogs {
 /// Who is shown rows, and noise beside them if it was asked for.
 type Visit<'v> = &'v mut dyn FnMut(usize, &Motion, Option<&Motion>) -> Result<(), ReadError>;
 
-/// Cuts motion into blocks.
 struct Cutter<'a> {
     /// The trajectory in hand, as the logs count them.
     trajectory: usize,

@@ -231,7 +231,6 @@ pub(crate) fn guarded<T>(
         .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
 }
 
-/// A file that is there and not empty.
 #[cfg(feature = "formats")]
 pub(crate) fn open_whole(file: &Path) -> Result<File, LogError> {
     let input = File::open(file).map_err(LogError::read(file))?;

@@ -12,7 +12,6 @@ pub(crate) enum Format {
     Db3,
     /// Bag of ROS 2 in an MCAP container.
     Mcap,
-    /// Arrays of NumPy.
     Npz,
     /// Variables of MATLAB, version 5 of the format.
     Mat,

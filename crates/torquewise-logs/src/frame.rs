@@ -29,7 +29,6 @@ pub trait Frame: Debug + Send + Sync {
     fn read(&self, column: usize, first: usize, values: &mut [f64]) -> Result<(), String>;
 }
 
-/// The rows of a frame.
 pub(crate) struct FrameRows {
     /// What it is called in messages.
     label: PathBuf,

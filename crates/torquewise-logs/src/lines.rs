@@ -47,7 +47,6 @@ impl<R: BufRead> Lines<R> {
         Ok(if self.line.len() > MAX_LINE { Advance::TooLong } else { Advance::Line })
     }
 
-    /// The line last read.
     pub(crate) fn line(&self) -> &[u8] {
         &self.line
     }
@@ -84,7 +83,6 @@ pub(crate) fn split(line: &[u8], fields: &mut Vec<Range<usize>>) -> bool {
     }
 }
 
-/// The first quote from `start` on that is not one of a pair.
 fn closing_quote(line: &[u8], start: usize) -> Option<usize> {
     let mut at = start;
     loop {

@@ -36,7 +36,6 @@ pub struct Logs {
 struct Reading {
     report: ReadReport,
     trajectories: usize,
-    /// Gaps at which it was split.
     gaps: u64,
 }
 

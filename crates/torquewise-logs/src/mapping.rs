@@ -67,7 +67,6 @@ impl Mapping {
         }
     }
 
-    /// Number of slots.
     pub(crate) fn n_slots(&self) -> usize {
         1 + self.present.len() * self.n_joints
     }

@@ -118,7 +118,6 @@ pub(crate) fn page_bytes(input: &mut File, start: u64, length: u64) -> io::Resul
 }
 
 struct Page {
-    /// After decompression.
     bytes: u64,
     is_dictionary: bool,
     /// With its header, in the file.
@@ -163,7 +162,6 @@ const DEEPEST: usize = 32;
 enum Found {
     /// The next element of a list begins.
     Element,
-    /// A whole number.
     Integer(i64),
 }
 

@@ -25,9 +25,7 @@ pub(crate) struct ParquetRows {
     pages: File,
     /// Columns of the file that are read.
     chosen: Vec<usize>,
-    /// The chosen columns of the row group at hand.
     group: Vec<NumberColumn>,
-    /// Row groups begun.
     groups: usize,
     /// Values decoded of each chosen column; none of a null.
     batch: Vec<Vec<Option<f64>>>,
@@ -37,7 +35,6 @@ pub(crate) struct ParquetRows {
 }
 
 impl ParquetRows {
-    /// Opens a file and reads its footer.
     pub(crate) fn open(file: &Path) -> Result<Self, LogError> {
         let mut input = open_whole(file)?;
         parquet_checks::check_footer(file, &mut input)?;
@@ -232,7 +229,6 @@ fn foreign_type(column: &ColumnDescriptor) -> Option<String> {
     })
 }
 
-/// A numeric column of a row group.
 struct NumberColumn {
     reader: ColumnReader,
     is_signed: bool,

@@ -43,7 +43,6 @@ impl Pieces {
     }
 }
 
-/// The pieces as they were recorded.
 fn recorded(logs: &Logs) -> Result<Vec<Raw>, LogError> {
     let (mut kept, mut every, mut count) = (Vec::<Raw>::new(), 1, 0);
     let mut open: (usize, Vec<Raw>) = (0, Vec::new());

@@ -6,7 +6,6 @@ use crate::mapping::{Mapping, Slot};
 use crate::signal::Signal;
 use std::path::Path;
 
-/// Columns a plain log may have at most.
 pub(crate) const MAX_COLUMNS: usize = 1_000;
 
 /// Finds the signals among the column names of `file`.

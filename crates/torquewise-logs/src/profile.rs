@@ -122,7 +122,6 @@ pub enum PerJoint {
 }
 
 impl Profile {
-    /// What the profile says of a signal.
     pub(crate) fn signal(&self, signal: Signal) -> Option<&SignalColumns> {
         match signal {
             Signal::Q => self.q.as_ref(),

@@ -23,13 +23,11 @@ pub(crate) struct NoiseLane {
 }
 
 impl RawNoise {
-    /// The noise that a report found in the positions.
     pub(crate) fn of(report: &ConditionReport, seed: u64) -> Self {
         let positions = report.signals.iter().filter(|own| own.signal == "q");
         Self { seed, deviations: positions.map(|own| own.noise.sigma).collect() }
     }
 
-    /// A lane beside a conditioner of this plan.
     pub(crate) fn lane(&self, plan: Plan) -> NoiseLane {
         let conditioner = Conditioner::new(plan.for_part());
         NoiseLane { noise: self.clone(), conditioner, random: None }
@@ -61,7 +59,6 @@ impl NoiseLane {
         self.conditioner.push(&Raw { joints, t, q, dq: None, ddq: None, tau: None })
     }
 
-    /// The rest.
     pub(crate) fn finish(mut self) -> Result<Vec<Motion>, MotionError> {
         self.conditioner.finish()
     }

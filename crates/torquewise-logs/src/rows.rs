@@ -44,6 +44,5 @@ pub(crate) trait Rows {
 pub(crate) struct Irregular {
     /// Rows that came after one with a later time stamp and were sorted.
     pub(crate) sorted: u64,
-    /// Messages of other joints.
     pub(crate) passed_over: u64,
 }

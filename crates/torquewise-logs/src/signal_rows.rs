@@ -43,7 +43,6 @@ pub struct ReadReport {
     pub passed_over: u64,
 }
 
-/// The rows of signals of one file.
 pub(crate) struct SignalRows {
     rows: Box<dyn Rows>,
     mapping: Mapping,
@@ -58,10 +57,8 @@ pub(crate) struct SignalRows {
     report: ReadReport,
 }
 
-/// Where a row belongs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Origin {
-    /// The range it is in.
     pub(crate) part: usize,
     /// Its number in the file, 1 for the first.
     pub(crate) number: u64,

@@ -59,7 +59,6 @@ struct Opening {
     clock_column: Option<ClockColumn>,
 }
 
-/// Where rows come from.
 #[derive(Clone, Debug)]
 enum Origin {
     File(Format),
@@ -187,7 +186,6 @@ impl Origin {
         })
     }
 
-    /// The rows as they stand.
     fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
         Ok(match self {
             Self::Frame(frame) => Box::new(FrameRows::new(file, frame.clone())),

@@ -21,7 +21,6 @@ pub(crate) struct Trajectory<'a> {
     stretch: Stretch,
 }
 
-/// How far the filter is.
 enum Stretch {
     /// Too few rows to plan by so far.
     Waiting(Vec<Raw>),

@@ -41,7 +41,6 @@ impl LocalPolynomial {
         self.degree + 1
     }
 
-    /// Rows that the polynomial at `row` of `n_rows` is fitted to.
     fn window(self, row: usize, n_rows: usize) -> Range<usize> {
         let width = self.half_window.saturating_mul(2).saturating_add(1).min(n_rows);
         let start = row.saturating_sub(self.half_window).min(n_rows - width);

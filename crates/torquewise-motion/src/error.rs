@@ -78,7 +78,6 @@ impl MotionError {
         }
     }
 
-    /// Says which signal of which joint this is about.
     pub(crate) fn of(self, signal: &'static str, joint: &str) -> Self {
         Self::Joint { signal, joint: joint.to_owned(), source: Box::new(self) }
     }

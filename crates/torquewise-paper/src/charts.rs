@@ -10,7 +10,6 @@ pub(crate) fn colour(method: Method) -> Colour {
     Colour::Series(method as usize)
 }
 
-/// A chart of some series.
 pub(crate) fn chart(title: impl Into<String>, [x, y]: [Axis; 2], series: Vec<Series>) -> Chart {
     Chart { title: title.into(), x, y, series, ..Chart::default() }
 }

@@ -32,7 +32,6 @@ pub enum PaperError {
     Json(#[from] serde_json::Error),
 }
 
-/// What came of an experiment.
 pub(crate) type Result<T = (), E = PaperError> = std::result::Result<T, E>;
 
 /// Names the experiment in which a reconstruction failed.

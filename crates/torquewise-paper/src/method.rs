@@ -56,7 +56,6 @@ impl Method {
         LibraryOptions { bags: 0, ..options }
     }
 
-    /// The same with the rule for terms of another method.
     pub(crate) fn with_rule_of(self, other: Self) -> LibraryOptions {
         LibraryOptions { selector: other.options().selector, ..self.options() }
     }

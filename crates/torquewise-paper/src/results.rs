@@ -209,7 +209,6 @@ impl Figure {
         Ok(chart_figure(&self.caption, &self.charts, self.columns())?)
     }
 
-    /// Charts beside each other.
     pub(crate) fn columns(&self) -> usize {
         if self.charts.len() == 2 { 2 } else { 1 }
     }

@@ -12,7 +12,6 @@ const TEST_SECONDS: f64 = 20.0;
 /// Added to the seed of the results, so that no training log shares the seed of the test.
 const TEST_SEED: u64 = 1_000;
 
-/// A log to learn from.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Scenario {
     /// Name of a reference arm.

@@ -13,7 +13,6 @@ use torquewise_model::{EnergyTerm, Form, Model, Stage, Torque, Weighted};
 use torquewise_motion::Motion;
 use torquewise_stepwise::Progress as Work;
 
-/// What is to be tried.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TrialPlan {
     pub scenario: Scenario,
@@ -49,7 +48,6 @@ pub struct Progress {
     pub total: usize,
 }
 
-/// Trials that are done.
 #[derive(Clone, Debug)]
 pub(crate) struct Trials(Vec<(TrialPlan, Trial)>);
 
@@ -92,7 +90,6 @@ impl Trials {
         Ok(Self(trials))
     }
 
-    /// The trials of a row that was run.
     pub(crate) fn of(&self, row: &Row) -> Runs<'_> {
         let find = |plan| self.0.iter().find(|(known, _)| known == plan);
         Runs(row.trials.iter().filter_map(find).map(|(_, trial)| trial).collect())
@@ -130,7 +127,6 @@ impl<'a> Runs<'a> {
     }
 }
 
-/// What came of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Trial {
     pub model: Model,

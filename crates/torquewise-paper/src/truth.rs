@@ -14,7 +14,6 @@ use torquewise_sim::Arm;
 const ROUNDING: f64 = 1e-10;
 /// Sines and cosines in a product of the torque of a serial arm.
 const TRIG_ORDER: u8 = 4;
-/// States per function that is fitted to them.
 const STATES_PER_FUNCTION: usize = 4;
 /// Any seed will do: the functions are exact everywhere.
 const SEED: u64 = 20;

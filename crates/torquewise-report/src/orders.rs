@@ -39,7 +39,6 @@ fn chart(name: &str, logs: &[(String, &[OrderCurve])]) -> Chart {
     }
 }
 
-/// One line per N₂.
 fn lines(curve: &OrderCurve, log: &str, colours: usize) -> Vec<Series> {
     let mut second: Vec<u8> = curve.points.iter().map(|point| point.motion_order).collect();
     second.sort_unstable();

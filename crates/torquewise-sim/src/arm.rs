@@ -216,7 +216,6 @@ fn placements(joints: &[Joint]) -> Vec<Placement> {
 }
 
 impl Joint {
-    /// Inertial parameters of the body in the frame whose z is the axis.
     fn inertial_parameters(&self) -> [f64; PER_BODY] {
         self.body.seen_from(&Pose::with_z_along(&self.axis).inverse()).inertial_parameters()
     }

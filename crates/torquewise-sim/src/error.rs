@@ -180,7 +180,6 @@ pub(crate) fn check_between(
     (least..=most).contains(&found).then_some(()).ok_or_else(refused)
 }
 
-/// Refuses a number that is NaN or not above zero.
 pub(crate) fn check_above_zero(what: &'static str, found: f64) -> Result<(), SimError> {
     check_between(what, found, [f64::MIN_POSITIVE, f64::INFINITY], "above 0")
 }

@@ -35,7 +35,6 @@ enum Path {
 }
 
 impl Trajectory {
-    /// Draws the motion of `plan` within the joint ranges of `arm`.
     pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self, SimError> {
         let n_rows = plan.n_rows()?;
         let ranges = arm.ranges();

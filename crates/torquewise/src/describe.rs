@@ -2,12 +2,10 @@
 
 use crate::summary::AllRepairs;
 use serde_json::{Value, json};
-use torquewise_model::learned;
-use torquewise_model::print;
 use torquewise_model::selection::Selection;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::term::Kind;
-use torquewise_model::{Form, FrictionTerm, Model, ModelError, Weighted};
+use torquewise_model::{Form, FrictionTerm, Model, ModelError, Weighted, learned, print};
 
 /// What is in a model, or in a part of it, for programs: axes, terms by joint, energies, friction,
 /// what was chosen and repaired on the way.
@@ -21,9 +19,9 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
     let joints = joints.filter(|(joint, _)| selection.has_joint(*joint));
     let joints = joints.map(|(_, (name, (equation, friction)))| {
         let terms = equation.iter().filter(|w| selection.has_part(w.term.kind()));
-        let terms = terms.map(|w| term_json(w, &w.term.name(), w.term.kind()));
+        let terms = terms.map(|w| term_json(w, &w.term.name(), kind_of(w.term.kind())));
         let friction = friction.iter().filter(|_| selection.has_part(Kind::Friction));
-        let friction = friction.map(|w| term_json(w, &w.term.formula(), Kind::Friction));
+        let friction = friction.map(|w| term_json(w, &w.term.formula(), kind_of(Kind::Friction)));
         let mut terms: Vec<Value> = terms.chain(friction).collect();
         if let Some(top) = selection.top {
             let size = |term: &Value| term["coefficient"].as_f64().unwrap_or_default().abs();
@@ -38,13 +36,8 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
             .iter()
             .filter(|weighted| selection.has_energy(weighted.term.place))
             .map(|weighted| {
-                json!({
-                    "place": weighted.term.place.name(),
-                    "term": weighted.term.function.name(),
-                    "coefficient": weighted.coefficient,
-                    "std_error": weighted.std_error,
-                    "inclusion": weighted.inclusion,
-                })
+                let place = ("place", json!(weighted.term.place.name()));
+                term_json(weighted, &weighted.term.function.name(), place)
             })
             .collect(),
     };
@@ -65,17 +58,21 @@ pub fn description(model: &Model, selection: &Selection) -> Result<Value, ModelE
     }))
 }
 
-fn term_json<T>(weighted: &Weighted<T>, name: &str, kind: Kind) -> Value {
+fn kind_of(kind: Kind) -> (&'static str, Value) {
+    ("kind", json!(kind.name()))
+}
+
+/// A weighted term, and what else is said of it.
+fn term_json<T>(weighted: &Weighted<T>, name: &str, (key, more): (&str, Value)) -> Value {
     json!({
         "term": name,
-        "kind": kind.name(),
+        key: more,
         "coefficient": weighted.coefficient,
         "std_error": weighted.std_error,
         "inclusion": weighted.inclusion,
     })
 }
 
-/// Friction of a shaft as engineers read it.
 fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
     let mut json = json!(shaft.parameters());
     json["name"] = json!(shaft.name());
@@ -85,11 +82,5 @@ fn shaft_json(shaft: &ShaftFriction<'_>) -> Value {
 
 /// A law of friction of a shaft, before its joints share it.
 fn friction_json(weighted: &Weighted<FrictionTerm>) -> Value {
-    json!({
-        "term": weighted.term.name(),
-        "shaft": weighted.term.shaft,
-        "coefficient": weighted.coefficient,
-        "std_error": weighted.std_error,
-        "inclusion": weighted.inclusion,
-    })
+    term_json(weighted, &weighted.term.name(), ("shaft", json!(weighted.term.shaft)))
 }

@@ -1,7 +1,7 @@
 //! What can go wrong between a log and its model.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
-use crate::setting::{Remedy, Setting, Wording};
+use crate::setting::{OF_FIT, Remedy, Wording};
 use miette::Diagnostic;
 use torquewise_logs::LogError;
 use torquewise_model::ModelError;
@@ -40,11 +40,11 @@ pub enum Error {
     Export(#[from] torquewise_export::ExportError),
     #[error("{setting} is not used by {fitted}, which is fitted because {because}")]
     #[diagnostic(help("leave it out or choose {remedy}"))]
-    UnusedOption { setting: Setting, fitted: &'static str, because: String, remedy: Remedy },
+    UnusedOption { setting: &'static str, fitted: &'static str, because: String, remedy: Remedy },
     #[error("{setting}: {reason}")]
-    WrongValue { setting: Setting, reason: String },
+    WrongValue { setting: &'static str, reason: String },
     #[error("{name} is no option of a fit")]
-    #[diagnostic(help("choose among {}", Setting::names()))]
+    #[diagnostic(help("choose among {}", OF_FIT.join(", ")))]
     NoOption { name: String },
     #[error("SINDy fits a library, not a chain")]
     #[diagnostic(help("choose the product library"))]
@@ -76,16 +76,13 @@ pub enum Error {
     #[cfg(feature = "figures")]
     #[error("{flaw}: a controller or simulation with this model goes wrong there")]
     #[diagnostic(help(
-        "fit anew on more motion or with {}, or give {} to export it all the same",
-        Setting::Library.plain(Some("chain")),
-        Setting::Force
+        "fit anew on more motion or with library chain, or give force to export it all the same"
     ))]
     NotPositiveDefinite { flaw: String },
     #[cfg(feature = "figures")]
     #[error("there is no C compiler {compiler:?}, and a unit holds a binary")]
     #[diagnostic(help(
-        "install one, name it in the variable CC, or export sources alone ({})",
-        Setting::NoBinary
+        "install one, name it in the variable CC, or export sources alone (binary)"
     ))]
     NoCompiler { compiler: String, source: std::io::Error },
     #[cfg(feature = "figures")]
@@ -145,9 +142,9 @@ impl Error {
         match self {
             Self::UnusedOption { setting, fitted, because, .. } => format!(
                 "{} is not used by {fitted}, which is fitted because {because}",
-                word(*setting, None)
+                word(setting, None)
             ),
-            Self::WrongValue { setting, reason } => format!("{}: {reason}", word(*setting, None)),
+            Self::WrongValue { setting, reason } => format!("{}: {reason}", word(setting, None)),
             other => other.to_string(),
         }
     }
@@ -161,13 +158,13 @@ impl Error {
             #[cfg(feature = "figures")]
             Self::NotPositiveDefinite { .. } => Some(format!(
                 "fit anew on more motion or with {}, or give {} to export it all the same",
-                word(Setting::Library, Some("chain")),
-                word(Setting::Force, None)
+                word("library", Some("chain")),
+                word("force", None)
             )),
             #[cfg(feature = "figures")]
             Self::NoCompiler { .. } => Some(format!(
                 "install one, name it in the variable CC, or export sources alone ({})",
-                word(Setting::NoBinary, None)
+                word("binary", None)
             )),
             other => other.help().map(|help| help.to_string()),
         }

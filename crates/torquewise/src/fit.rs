@@ -93,7 +93,7 @@ impl<'a> Fit<'a> {
 /// `fit.model`, `fit.warnings`, see [`Reconstruction`].
 #[derive(Debug)]
 pub struct FitResult {
-    found: Reconstruction,
+    pub(crate) found: Reconstruction,
     /// The log as it was fitted; none where motion at hand was.
     pub log: Option<Prepared>,
     /// Time it took \[s\].
@@ -123,11 +123,6 @@ impl FitResult {
     pub fn evaluate<'b>(&self, test: impl Into<Source<'b>>) -> Result<Evaluation, Error> {
         evaluate(&self.found.model, test)
     }
-
-    /// What was found, without the log.
-    pub fn into_reconstruction(self) -> Reconstruction {
-        self.found
-    }
 }
 
 /// Fits a plan to rows as they are.
@@ -140,8 +135,9 @@ pub(crate) fn fit_plan(
     observer: Observer<'_>,
 ) -> Result<FitResult, Error> {
     let watched = Watched::new(recording, observer, "reading", (rows, 2));
-    let timed = timed(observer, |progress| reconstruct(&watched, plan, progress))?;
-    Ok(timed.map(|found| (None, found)).into())
+    let (found, seconds, step_seconds) =
+        timed(observer, |progress| reconstruct(&watched, plan, progress))?;
+    Ok(FitResult { found, log: None, seconds, step_seconds })
 }
 
 /// The same at the bandwidth that held-out rows ask for, where raw torque is at hand (E12).
@@ -155,7 +151,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
         Method::Chain(_) => plan.clone(),
         Method::Library(_) => Plan { seed: plan.seed, ..Plan::chain() },
     };
-    let timed = timed(observer, |progress| {
+    let ((log, found), seconds, step_seconds) = timed(observer, |progress| {
         let Tuned { recording, request, choices } = tune(raw.as_ref(), &by_chain, progress)?;
         let log = Prepared::Conditioned(Box::new(recording));
         let watched = Watched::new(log.rows(), observer, "reading", (rows, 2));
@@ -164,16 +160,16 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
             Method::Library(_) => reconstruct(&watched, plan, progress)?,
         };
         found.model.choices.splice(0..0, choices);
-        Ok((Some(log), found))
+        Ok((log, found))
     })?;
-    Ok(timed.into())
+    Ok(FitResult { found, log: Some(log), seconds, step_seconds })
 }
 
-/// Does some work, and takes the time of it and of its steps.
+/// Does some work, and takes the time of it and of its steps \[s\].
 pub(crate) fn timed<T>(
     observer: Observer<'_>,
     work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<T, IdentifyError>,
-) -> Result<Timed<T>, Error> {
+) -> Result<(T, f64, Vec<f64>), Error> {
     let mut events: Vec<(Progress, Instant)> = Vec::new();
     let start = Instant::now();
     let done = work(&mut |stage| {
@@ -189,32 +185,5 @@ pub(crate) fn timed<T>(
             _ => {}
         }
     }
-    Ok(Timed { done, seconds: start.elapsed().as_secs_f64(), step_seconds })
-}
-
-/// Work and the time it took.
-pub(crate) struct Timed<T> {
-    done: T,
-    seconds: f64,
-    step_seconds: Vec<f64>,
-}
-
-impl<T> Timed<T> {
-    /// The work, and the times.
-    pub(crate) fn split(self) -> (T, Timed<()>) {
-        let Self { done, seconds, step_seconds } = self;
-        (done, Timed { done: (), seconds, step_seconds })
-    }
-
-    pub(crate) fn map<U>(self, change: impl FnOnce(T) -> U) -> Timed<U> {
-        let Self { done, seconds, step_seconds } = self;
-        Timed { done: change(done), seconds, step_seconds }
-    }
-}
-
-impl From<Timed<(Option<Prepared>, Reconstruction)>> for FitResult {
-    fn from(timed: Timed<(Option<Prepared>, Reconstruction)>) -> Self {
-        let Timed { done: (log, found), seconds, step_seconds } = timed;
-        Self { found, log, seconds, step_seconds }
-    }
+    Ok((done, start.elapsed().as_secs_f64(), step_seconds))
 }

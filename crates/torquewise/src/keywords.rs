@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::options::{FitOptions, Library};
-use crate::setting::Setting;
+use crate::setting::OF_FIT;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value, json};
 use torquewise_identify::plan::{FrictionKind, Regression};
@@ -19,14 +19,14 @@ impl FitOptions {
     /// [`Error::NoOption`], [`Error::WrongValue`].
     pub fn of_keywords(keywords: &Map<String, Value>) -> Result<Self, Error> {
         for (name, value) in keywords {
-            let setting = Setting::OF_FIT.into_iter().find(|setting| setting.name() == name);
+            let setting = OF_FIT.into_iter().find(|setting| setting == name);
             let setting = setting.ok_or_else(|| Error::NoOption { name: name.clone() })?;
             let wrong = |reason| Error::WrongValue { setting, reason };
             // One by one, so that a complaint names the option.
             Self::deserialize(json!({ name: value })).map_err(|error| wrong(error.to_string()))?;
         }
         let options = Self::deserialize(Value::Object(keywords.clone()));
-        let wrong = |reason: String| Error::WrongValue { setting: Setting::Library, reason };
+        let wrong = |reason: String| Error::WrongValue { setting: "library", reason };
         let options = options.map_err(|error| wrong(error.to_string()))?;
         options.check_bounds()?;
         Ok(options)
@@ -35,11 +35,11 @@ impl FitOptions {
     /// Fails where a number is out of its bounds.
     pub(crate) fn check_bounds(&self) -> Result<(), Error> {
         let counts = [
-            (Setting::Interaction, self.interaction, 1..=16),
-            (Setting::TrigOrder, self.trig_order.map(usize::from), 1..=8),
-            (Setting::GravityOrder, self.gravity_order.map(usize::from), 1..=8),
-            (Setting::Clusters, self.clusters, 1..=9),
-            (Setting::Bootstrap, self.n_bootstrap, 0..=1_000),
+            ("interaction", self.interaction, 1..=16),
+            ("trig_order", self.trig_order.map(usize::from), 1..=8),
+            ("gravity_order", self.gravity_order.map(usize::from), 1..=8),
+            ("clusters", self.clusters, 1..=9),
+            ("n_bootstrap", self.n_bootstrap, 0..=1_000),
         ];
         for (setting, count, bounds) in counts {
             if count.is_some_and(|count| !bounds.contains(&count)) {
@@ -50,7 +50,7 @@ impl FitOptions {
         }
         match self.threshold {
             Some(x) if !(x >= 0.0 && x.is_finite()) => Err(Error::WrongValue {
-                setting: Setting::Threshold,
+                setting: "threshold",
                 reason: "expected a number that is zero or more".to_owned(),
             }),
             _ => Ok(()),
@@ -58,9 +58,7 @@ impl FitOptions {
     }
 }
 
-/// A choice by words.
 pub(crate) trait Word: Clone {
-    /// All of them.
     fn all() -> Vec<(&'static str, Self)>;
 }
 
@@ -137,17 +135,17 @@ mod tests {
             }
         );
         for (keywords, setting) in [
-            (json!({ "library": "magic" }), Setting::Library),
-            (json!({ "seed": "x" }), Setting::Seed),
-            (json!({ "interaction": 17 }), Setting::Interaction),
-            (json!({ "threshold": -1.0 }), Setting::Threshold),
+            (json!({ "library": "magic" }), "library"),
+            (json!({ "seed": "x" }), "seed"),
+            (json!({ "interaction": 17 }), "interaction"),
+            (json!({ "threshold": -1.0 }), "threshold"),
         ] {
             let error = of(keywords).unwrap_err();
             assert!(matches!(error, Error::WrongValue { setting: own, .. } if own == setting));
         }
         assert!(matches!(of(json!({ "bags": 3 })), Err(Error::NoOption { .. })));
-        for setting in Setting::OF_FIT {
-            let known = of(json!({ setting.name(): [] })).map_or_else(|e| e.is_usage(), |_| false);
+        for setting in OF_FIT {
+            let known = of(json!({ setting: [] })).map_or_else(|e| e.is_usage(), |_| false);
             assert!(!known, "{setting} is a field");
         }
     }

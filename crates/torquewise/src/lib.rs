@@ -61,7 +61,7 @@ pub use log::{Filter, Log};
 pub use miette::Diagnostic;
 pub use observe::{Event, Observer};
 pub use options::{FitOptions, Library};
-pub use setting::{Remedy, Setting, Wording};
+pub use setting::{Remedy, Wording};
 #[cfg(feature = "figures")]
 pub use torquewise_export as export;
 pub use torquewise_identify as diagnose;

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::keywords::{some_word, word};
-use crate::setting::{Remedy, Setting};
+use crate::setting::Remedy;
 use serde::Deserialize;
 use torquewise_identify::plan::{
     ChainOptions, FrictionKind, KnownGeometry, LibraryOptions, Regression,
@@ -135,7 +135,6 @@ impl FitOptions {
         self.plan(Facts::default()).map(drop)
     }
 
-    /// The plan for a log.
     pub(crate) fn plan(&self, log: Facts) -> Result<Plan, Error> {
         let (library, because) = self.fitted(log);
         let fitted = match library {
@@ -161,7 +160,7 @@ impl FitOptions {
             Some(Library::Chain) => return Err(Error::CompareChain),
         };
         let because = "one-shot SINDy is compared with it";
-        self.refuse_unused(stepwise, because, &[Setting::TrigOrder])?;
+        self.refuse_unused(stepwise, because, &["trig_order"])?;
         Ok([stepwise, Fitted::Product(Regression::OneShot)].map(|fitted| self.plan_of(fitted)))
     }
 
@@ -216,31 +215,22 @@ impl FitOptions {
     }
 
     /// Fails at the first option given that `fitted` does not use.
-    fn refuse_unused(
-        &self,
-        fitted: Fitted,
-        because: &str,
-        spared: &[Setting],
-    ) -> Result<(), Error> {
-        use Setting::{
-            Bootstrap, Counterbalance, Friction, GravityOrder, Interaction, Select, Threshold,
-            TrigOrder, Urdf,
-        };
+    fn refuse_unused(&self, fitted: Fitted, because: &str, spared: &[&str]) -> Result<(), Error> {
         let chain = fitted == Fitted::Chain;
         let energy = matches!(fitted, Fitted::Energy(_));
         let product = matches!(fitted, Fitted::Product(_));
         let by_step = fitted == Fitted::Product(Regression::Stepwise);
         let one_shot = fitted == Fitted::Product(Regression::OneShot);
         let all = [
-            (Friction, self.has_friction(), !one_shot, Remedy::Stepwise),
-            (Interaction, self.interaction.is_some(), energy, Remedy::Energy),
-            (TrigOrder, self.trig_order.is_some(), product, Remedy::Product),
-            (GravityOrder, self.gravity_order.is_some(), by_step, Remedy::ProductByStep),
-            (Select, self.selector.is_some(), !chain, Remedy::Terms),
-            (Threshold, self.threshold.is_some(), !chain, Remedy::Terms),
-            (Bootstrap, self.n_bootstrap.is_some(), !chain, Remedy::Terms),
-            (Urdf, self.geometry.is_some(), chain, Remedy::Chain),
-            (Counterbalance, !self.counterbalanced.is_empty(), chain, Remedy::Chain),
+            ("friction", self.has_friction(), !one_shot, Remedy::Stepwise),
+            ("interaction", self.interaction.is_some(), energy, Remedy::Energy),
+            ("trig_order", self.trig_order.is_some(), product, Remedy::Product),
+            ("gravity_order", self.gravity_order.is_some(), by_step, Remedy::ProductByStep),
+            ("select", self.selector.is_some(), !chain, Remedy::Terms),
+            ("threshold", self.threshold.is_some(), !chain, Remedy::Terms),
+            ("n_bootstrap", self.n_bootstrap.is_some(), !chain, Remedy::Terms),
+            ("urdf", self.geometry.is_some(), chain, Remedy::Chain),
+            ("counterbalance", !self.counterbalanced.is_empty(), chain, Remedy::Chain),
         ];
         for (setting, is_given, is_used, remedy) in all {
             if is_given && !is_used && !spared.contains(&setting) {
@@ -339,7 +329,7 @@ mod tests {
         );
         let help = "leave it out or choose library energy or library product (energy needs \
                     interaction beyond four joints)";
-        assert_eq!(error.advice(Setting::plain).as_deref(), Some(help));
+        assert_eq!(error.advice(crate::setting::plain).as_deref(), Some(help));
     }
 
     #[test]

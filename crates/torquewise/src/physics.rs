@@ -140,7 +140,6 @@ impl PhysicsCheck {
 }
 
 impl fmt::Display for PhysicsCheck {
-    /// One line per property.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let verdict = |good: bool| if good { "yes" } else { "NO" };
         let states = self.trained.states;

@@ -37,15 +37,6 @@ impl Prepared {
         }
     }
 
-    /// The same, taken out.
-    pub fn into_conditioned(self) -> Option<ConditionedLogs> {
-        match self {
-            Self::Plain(_) => None,
-            Self::Conditioned(logs) => Some(*logs),
-            Self::Raw(raw) => Some(raw.conditioned().clone()),
-        }
-    }
-
     /// What can be read of them.
     pub fn rows(&self) -> &dyn Recording {
         match self.conditioned() {

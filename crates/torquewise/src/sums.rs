@@ -10,8 +10,7 @@ use torquewise_identify::plan::{ChainOptions, FrictionKind, LibraryOptions};
 use torquewise_identify::reconstruct::Solution;
 use torquewise_identify::rounds::Request;
 use torquewise_identify::summary::summarise_again;
-use torquewise_identify::{Method, Plan, Reconstruction, Summary, solve, summarise};
-use torquewise_model::model::Filter;
+use torquewise_identify::{Method, Plan, Summary, solve, summarise};
 
 /// What solving sums of logs came to.
 #[derive(Debug)]
@@ -79,18 +78,14 @@ pub fn solve_sums(
 ) -> Result<Solved, Error> {
     let plan = options.plan_for_sums(summary.settings())?;
     let filter = summary.settings().filter;
-    let timed = timed(observer, |progress| solve(summary, &plan, progress))?;
-    let (solution, times) = timed.split();
+    let (solution, seconds, step_seconds) =
+        timed(observer, |progress| solve(summary, &plan, progress))?;
     Ok(match solution {
         Solution::Request(request) => Solved::Request(request),
         Solution::Model(found) => {
-            let found = (None, with_filter(*found, filter));
-            Solved::Model(Box::new(FitResult::from(times.map(|()| found))))
+            let mut fit = FitResult { found: *found, log: None, seconds, step_seconds };
+            fit.found.model.training.filter = filter;
+            Solved::Model(Box::new(fit))
         }
     })
-}
-
-fn with_filter(mut found: Reconstruction, filter: Option<Filter>) -> Reconstruction {
-    found.model.training.filter = filter;
-    found
 }

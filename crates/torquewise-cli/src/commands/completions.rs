@@ -14,7 +14,6 @@ pub(crate) struct Arguments {
     shell: Shell,
 }
 
-/// Writes the script for `command`.
 pub(crate) fn run(arguments: &Arguments, command: &mut Command) -> Result<Outcome> {
     let mut script = Vec::new();
     generate(arguments.shell, command, "torquewise", &mut script);

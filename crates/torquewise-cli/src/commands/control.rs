@@ -70,7 +70,6 @@ const LAWS: [Word<Law>; 5] = [
     ("hand-guiding", "The model's gravity alone, while a hand leads the arm", Law::HandGuiding),
 ];
 
-/// What one controller did.
 struct Run {
     /// Name in tables, files and JSON.
     name: String,
@@ -78,7 +77,6 @@ struct Run {
     tracking: Tracking,
 }
 
-/// All that is told.
 struct Compared {
     wanted: Motion,
     gains: Gains,

@@ -44,13 +44,11 @@ pub(crate) struct Arguments {
     case: u8,
 }
 
-/// Rows that the demonstration holds at most.
 const MOST_ROWS: f64 = 1e6;
 
 /// Length of the motion that models are judged by \[s\].
 const TEST_SECONDS: f64 = 20.0;
 
-/// One of the three reconstructions.
 struct Found {
     name: &'static str,
     file: &'static str,
@@ -65,7 +63,6 @@ struct Purity {
     right: usize,
 }
 
-/// Goes the whole way.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { seconds, rate, seed, case, .. } = *arguments;
     check_rows(seconds, rate, MOST_ROWS)?;

@@ -29,7 +29,6 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// Scores the model.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
     let log = arguments.signals.open(&arguments.logs)?;

@@ -83,7 +83,6 @@ pub(crate) struct Arguments {
     seed: u64,
 }
 
-/// Where everything goes.
 struct Files {
     /// .csv and .yaml of each recording.
     recordings: [[PathBuf; 2]; 3],

@@ -74,7 +74,6 @@ const TARGETS: [Word<Target>; 8] = [
 const PRECISIONS: [Word<Precision>; 2] =
     [("double", "64 bits", Precision::Double), ("float", "32 bits", Precision::Single)];
 
-/// States to test exported code at.
 const TEST_STATES: usize = 1000;
 
 /// Writes the code, and test vectors beside it.

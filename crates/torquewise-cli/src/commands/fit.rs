@@ -53,7 +53,6 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// Fits and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.test).chain(arguments.robot.file());
     let html = arguments.report.iter().map(|file| (file.as_path(), &["html", "htm"][..]));

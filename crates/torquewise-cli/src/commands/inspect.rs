@@ -27,7 +27,6 @@ pub(crate) struct Arguments {
     filter: FilterArguments,
 }
 
-/// Looks through the logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let log = match arguments.filter.open(&arguments.logs) {
         Ok(log) => log,

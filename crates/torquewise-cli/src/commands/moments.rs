@@ -33,7 +33,6 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// Sums up and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.request);
     check_files(inputs, [(arguments.output.as_path(), &[][..])])?;

@@ -52,7 +52,6 @@ pub(crate) struct Arguments {
     filter: FilterArguments,
 }
 
-/// Tries all orders.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let figure = arguments.output.iter().map(|file| (file.as_path(), &["svg"][..]));
     check_files(&arguments.logs, figure)?;

@@ -46,7 +46,6 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
-/// Predicts row by row.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files([&arguments.model, &arguments.log], [(arguments.output.as_path(), &[][..])])?;
     let whole = read_model(&arguments.model)?;
@@ -95,7 +94,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// What is written of each row.
 struct Written<'a> {
     torque: Torque,
     /// Whether parts of the torque are.

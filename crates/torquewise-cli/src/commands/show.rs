@@ -104,7 +104,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 }
 
 impl Arguments {
-    /// What is to be shown.
     fn selection(&self, model: &Model) -> Result<Selection> {
         let joint = |wanted: &String| {
             let named = model.joints.iter().position(|name| name == wanted);
@@ -161,7 +160,6 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
     Ok(text.concat())
 }
 
-/// How the geometry is to be read.
 const GEOMETRY: &str = "Geometry at q = 0, z up; no torque tells where a joint lies along its own \
                         axis\n";
 
@@ -170,7 +168,6 @@ const LINKS: &str = "Links, ± standard error, – where it is not resolved: fir
                      moments of inertia\nabout the origin of the joint [kg·m²]; mass, m·z and Iyy \
                      are counted into the link before\n";
 
-/// How the friction is to be read.
 const FRICTION: &str = "Friction, ± standard error, – where it is not resolved\n\
     F_c Coulomb, F_s static, v_s Stribeck speed, F_v viscous; stiffness, travel: of reversals\n\
     \n";

@@ -72,7 +72,6 @@ const MOTIONS: [Word<MotionKind>; 3] = [
     ("staged", "Poses held, then constant speeds, then constant accelerations", MotionKind::Staged),
 ];
 
-/// Simulates and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let (Some(name), Some(output)) = (&arguments.arm, &arguments.output) else {
         return Ok(list());

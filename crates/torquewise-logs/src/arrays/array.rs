@@ -12,10 +12,8 @@ use std::path::Path;
 /// Series of one array at most; a wider one, such as an image, is no signal of a robot.
 const MAX_SERIES: usize = 256;
 
-/// Columns of all arrays at most.
 pub(super) const MAX_COLUMNS: usize = 10_000;
 
-/// Bytes of the name of an array at most.
 pub(super) const LONGEST_NAME: usize = 4_096;
 
 /// How the elements of a matrix follow each other.
@@ -51,7 +49,6 @@ pub(super) struct Body {
     pub(super) element: Result<Element, &'static str>,
 }
 
-/// How bytes are packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Packing {
     Plain,

@@ -29,7 +29,6 @@ pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
     Ok(walk.arrays)
 }
 
-/// What was found so far.
 #[derive(Default)]
 struct Walk {
     arrays: Vec<Array>,

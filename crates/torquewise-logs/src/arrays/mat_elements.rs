@@ -5,11 +5,9 @@
 use crate::arrays::numbers::Kind;
 use std::io::{self, Read};
 
-/// Kinds of elements.
 pub(super) const MATRIX: u32 = 14;
 pub(super) const COMPRESSED: u32 = 15;
 
-/// The start of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Tag {
     pub(super) kind: u32,
@@ -23,13 +21,11 @@ pub(super) struct Tag {
 /// Elements that follow each other in `left` bytes.
 pub(super) struct Elements<'a> {
     input: &'a mut dyn Read,
-    /// Bytes before this place.
     at: u64,
     left: u64,
 }
 
 impl<'a> Elements<'a> {
-    /// Elements from place `at` to the end of `input`.
     pub(super) fn new(input: &'a mut dyn Read, at: u64) -> Self {
         Self { input, at, left: u64::MAX }
     }

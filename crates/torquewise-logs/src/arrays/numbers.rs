@@ -25,7 +25,6 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Bytes that one takes.
     pub(super) fn size(self) -> usize {
         match self.kind {
             Kind::I1 | Kind::U1 => 1,

@@ -33,7 +33,6 @@ struct Stream {
 }
 
 impl ArrayRows {
-    /// Reads names and shapes.
     pub(crate) fn open(file: &Path, format: Format) -> Result<Self, LogError> {
         let arrays = if format == Format::Mat { mat::arrays(file)? } else { npz::arrays(file)? };
         let (mut names, mut series) = (Vec::new(), Vec::new());

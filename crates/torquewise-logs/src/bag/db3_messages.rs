@@ -16,7 +16,6 @@ use std::path::{Path, PathBuf};
 const PAGE: u32 = 1_024;
 const PAGE_BYTES: usize = 16 << 20;
 
-/// Topics of a bag at most.
 const MOST_TOPICS: usize = 10_000;
 
 const MAGIC: &[u8] = b"SQLite format 3\0";
@@ -64,7 +63,6 @@ pub(super) struct Db3Messages {
     file: PathBuf,
     connection: Bag,
     topic: String,
-    /// The query for a page.
     query: &'static str,
     page: VecDeque<Message>,
     /// Time and id of the last message of the page.
@@ -133,7 +131,6 @@ impl Drop for SharedMemory {
     }
 }
 
-/// Opens a bag to be read only.
 fn open(file: &Path) -> Result<Bag, LogError> {
     check_magic(file)?;
     let mut shared = OsString::from(file);

@@ -3,7 +3,6 @@
 //! Source: OMG CORBA 3.4, part 2, chapter 9.3 (CDR); OMG DDS-RTPS 2.5, chapter 10 (encapsulation);
 //! OMG DDS-XTypes 1.3, chapter 7.4 (alignment of version 2).
 
-/// Joints of a message at most.
 pub(crate) const MOST_JOINTS: usize = 1_000;
 
 /// One message: a time stamp, and what is known of each joint.

@@ -64,12 +64,10 @@ impl Survey {
         Ok(survey)
     }
 
-    /// The messages of the topic.
     pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>, LogError> {
         messages(file, self.format, &self.topic)
     }
 
-    /// Finds the joints in messages.
     pub(super) fn aligned(&self) -> Aligned {
         Aligned::new(&self.joints, self.passes_over)
     }
@@ -144,7 +142,6 @@ pub(super) fn places<'a>(
     })
 }
 
-/// The topic to be read.
 fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String, LogError> {
     let listed = |topics: &[&Topic]| {
         let topic = |topic: &&Topic| {
@@ -194,7 +191,6 @@ fn shown_names(names: &[String]) -> String {
 #[derive(Clone, Debug)]
 pub(super) struct Aligned {
     joints: Vec<String>,
-    /// Whether messages without any of the joints are passed over.
     passes_over: bool,
     /// Names of the message last looked at, and where the joints stand in it.
     names: Vec<String>,

@@ -30,7 +30,6 @@ pub(super) enum Meaning {
     Signal(Signal),
 }
 
-/// Columns of one signal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Family {
     /// Names of the columns, joint by joint.
@@ -39,9 +38,7 @@ pub(super) struct Family {
     pub(super) prefix: Option<String>,
     /// The word that told, and where it stood.
     pub(super) told_by: String,
-    /// Whether the name says current.
     pub(super) is_current: bool,
-    /// Whether the name says degrees.
     pub(super) is_degrees: bool,
     /// How much the name speaks for a measurement.
     pub(super) score: usize,

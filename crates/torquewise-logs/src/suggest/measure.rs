@@ -12,12 +12,10 @@ use std::path::Path;
 /// Rows that are looked at closely.
 const SAMPLE: usize = 20_000;
 
-/// What the rows tell.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Measured {
     /// Median of the steps of the clock, in its own unit.
     pub(super) step: Option<f64>,
-    /// Largest absolute position.
     pub(super) largest_q: Option<f64>,
     /// Velocity over slope of the position, where both are known.
     pub(super) ratio: Option<f64>,

@@ -108,7 +108,6 @@ fn clock(draft: &mut Suggestion, time: &str, measured: &Measured) {
     }
 }
 
-/// Units of positions and velocities.
 fn units(
     draft: &mut Suggestion,
     found: &Found,

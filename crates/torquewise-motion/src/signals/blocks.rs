@@ -24,7 +24,6 @@ pub struct Conditioner {
     /// Rows at which a part is worked off.
     part: usize,
     waiting: Columns,
-    /// First stamp of the trajectory.
     origin: Option<f64>,
     /// Raw rows before those that wait.
     rows_before: usize,

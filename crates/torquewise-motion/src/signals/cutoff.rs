@@ -13,7 +13,6 @@ pub const HIGHEST: f64 = 0.4;
 
 /// The first cut-off is so many times the band of the motion.
 const MARGIN: f64 = 8.0;
-/// Share of the power of the speed that counts as motion.
 const MOTION_SHARE: f64 = 0.95;
 /// Power of the speed counts where it is so many times that of white noise in the position.
 const CLEAR: f64 = 16.0;

@@ -125,7 +125,6 @@ pub(crate) fn shift_at(
     rows.map(|row| value(row.cast_signed())).collect()
 }
 
-/// Windowed sinc at `u` samples.
 fn weight(u: f64) -> f64 {
     let inside = 1.0 - (u / TAPS as f64).powi(2);
     if inside < 0.0 {

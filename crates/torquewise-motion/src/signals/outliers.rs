@@ -3,7 +3,6 @@
 use crate::signals::noise::quantisation;
 use crate::stats::median;
 
-/// Looks for spikes at most.
 const ROUNDS: usize = 3;
 
 /// Rows on each side that a row is compared with.

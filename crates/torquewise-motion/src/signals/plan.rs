@@ -92,7 +92,6 @@ impl Plan {
         self.rate / self.keep_every as f64
     }
 
-    /// Seconds dropped at each end.
     pub(crate) fn trimmed(&self) -> f64 {
         self.trim as f64 / self.rate
     }

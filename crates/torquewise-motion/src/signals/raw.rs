@@ -88,7 +88,6 @@ impl Columns {
         Self { joints: self.joints.clone(), t: self.t[..rows].to_vec(), signals }
     }
 
-    /// Drops the first rows.
     pub(crate) fn forget(&mut self, rows: usize) {
         let rows = rows.min(self.t.len());
         self.t.drain(..rows);

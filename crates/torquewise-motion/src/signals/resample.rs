@@ -145,7 +145,6 @@ pub struct Resampler {
 /// Weights of rows that a value is interpolated from.
 #[derive(Clone, Debug)]
 enum Weights {
-    /// Of the eight nearest.
     Near([f64; WIDTH]),
     /// Of those on both sides of a gap.
     Bridge(Vec<f64>),

@@ -59,7 +59,6 @@ pub(crate) fn variants(settings: &Settings) -> Vec<Row> {
     rows
 }
 
-/// The error of every variant.
 pub(crate) fn ablation(settings: &Settings, trials: &Trials) -> Result<Study> {
     let test = outside(settings.arm, settings.seed)?;
     let mut study = Study::described("ablation", test.n_joints());

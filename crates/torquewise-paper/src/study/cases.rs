@@ -33,7 +33,6 @@ pub(crate) fn row(settings: &Settings, case: u8, method: Method) -> Row {
     Row::new(&[usize::from(case).into(), method.name().into()], &scenario, method.options(), seeds)
 }
 
-/// Every method in every case.
 pub(crate) fn rows(settings: &Settings) -> Vec<Row> {
     let of_case = |case| Method::ALL.map(|method| row(settings, case, method));
     [1, 2, 3].into_iter().flat_map(of_case).collect()
@@ -57,7 +56,6 @@ pub(crate) fn timed_rows(settings: &Settings) -> Vec<Row> {
     rows
 }
 
-/// What each method costs.
 pub(crate) fn cost(settings: &Settings, trials: &Trials) -> Study {
     let mut study = Study::described("cost", 0);
     let Study { claims, tables, timed, .. } = &mut study;

@@ -47,7 +47,6 @@ pub(crate) fn study(settings: &Settings) -> Result<Study> {
     Ok(study)
 }
 
-/// The residual of the worst joint at a point of a curve.
 fn worst(curve: &OrderCurve, place: usize) -> f64 {
     curve.points[place].residual.iter().copied().fold(0.0, f64::max)
 }

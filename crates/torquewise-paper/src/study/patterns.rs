@@ -12,9 +12,7 @@ use torquewise_report::pattern_bands;
 use torquewise_sim::Noise;
 use torquewise_stepwise::activation::Scaling;
 
-/// The clusters of the paper.
 const CLUSTERS: usize = 3;
-/// Rows of a cloud at most.
 const CLOUD_ROWS: usize = 1_500;
 /// Part of the motion that is shown \[s\].
 const SHOWN_SECONDS: f64 = 16.0;

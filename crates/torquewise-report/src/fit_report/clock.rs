@@ -72,7 +72,6 @@ impl Clock {
         points
     }
 
-    /// Stretches of each pattern that is there.
     pub(crate) fn bands(&self, patterns: &[Pattern]) -> Vec<Band> {
         let all = Pattern::ALL.map(|pattern| Band {
             label: pattern.name().into(),

@@ -13,7 +13,6 @@ const REST: f64 = 0.003;
 /// Points of a curve in each direction, and groups of rows beside it at most.
 const POINTS: u32 = 100;
 const GROUPS: usize = 20;
-/// Rows of a group at least.
 const LEAST_ROWS: usize = 8;
 /// Half the length of a loop, in travels of a reversal.
 const REACH: f64 = 3.0;

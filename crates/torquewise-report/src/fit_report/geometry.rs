@@ -10,7 +10,6 @@ use torquewise_model::selection::Selection;
 
 /// Seconds of the log that move the skeleton, from its middle.
 const SECONDS: f64 = 60.0;
-/// Rows of them at most.
 const MOST_ROWS: usize = 600;
 /// The skeleton and a table of its axes; nothing for a model without a chain.
 pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {

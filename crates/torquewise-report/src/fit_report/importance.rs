@@ -12,7 +12,6 @@ use torquewise_model::{FrictionTerm, Term, Weighted};
 
 /// Terms of a joint that are shown.
 const MOST_TERMS: usize = 8;
-/// Dropped terms that are shown.
 const MOST_DROPPED: usize = 12;
 
 /// The most important terms of each joint; nothing for a model without terms.

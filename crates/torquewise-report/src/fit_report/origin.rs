@@ -28,7 +28,6 @@ pub struct LogFile {
     pub date: String,
 }
 
-/// Letters of a file name in the title at most.
 const MOST_LETTERS: usize = 32;
 
 impl Origin<'_> {

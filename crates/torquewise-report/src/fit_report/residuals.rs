@@ -9,7 +9,6 @@ use crate::html::{Axis, Chart, Colour, Guide, Item, Mark, Section, Series};
 use faer::MatRef;
 use std::f64::consts::PI;
 
-/// Points of a cloud.
 const MOST_POINTS: usize = 1_500;
 /// Half width of the interval that holds 95 % of a standard normal distribution.
 const TWO_SIGMA: f64 = 1.96;

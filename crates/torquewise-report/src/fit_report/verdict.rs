@@ -9,7 +9,6 @@ use torquewise_model::Form;
 
 const DIGITS: usize = 3;
 
-/// One sentence below the title.
 pub(crate) fn lead(findings: &Findings<'_>) -> String {
     let survey = &findings.found.survey;
     let trajectories = match survey.trajectories {

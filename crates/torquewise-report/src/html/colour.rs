@@ -37,7 +37,6 @@ impl Colour {
         }
     }
 
-    /// Its value on white paper.
     pub(crate) fn on_paper(self) -> RGBColor {
         match self {
             Self::Measured => RGBColor(178, 186, 197),

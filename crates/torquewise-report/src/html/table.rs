@@ -35,7 +35,6 @@ impl Column {
     }
 }
 
-/// Headings of columns of words.
 const WORDS: [&str; 4] = ["joint", "direction", "on", "what"];
 
 impl Table {

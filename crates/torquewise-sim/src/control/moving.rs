@@ -133,7 +133,6 @@ fn noise(random: &mut ChaCha8Rng, level: f64) -> f64 {
 #[derive(Clone, Debug)]
 pub(crate) struct Slopes {
     period: f64,
-    /// Share of the newest difference.
     share: f64,
     last: Option<Vec<f64>>,
     filtered: Vec<f64>,

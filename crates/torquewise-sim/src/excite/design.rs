@@ -15,16 +15,17 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Recipe {
     /// Poses held for so many seconds.
-    Poses { dwell: f64 },
+    Poses {
+        dwell: f64,
+    },
     /// Poses passed slowly in both directions, so many seconds each.
-    Creeps { dwell: f64 },
-    /// Ways at constant speed.
+    Creeps {
+        dwell: f64,
+    },
     Sweeps,
-    /// Sums of sines.
     Sines,
 }
 
-/// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Effort {
     /// Parts to choose from, each time.
@@ -33,7 +34,6 @@ pub(crate) struct Effort {
     pub(crate) rounds: usize,
 }
 
-/// What a design is for.
 pub(crate) struct Task<'a> {
     pub(crate) recipe: Recipe,
     pub(crate) library: &'a Library,

@@ -45,10 +45,11 @@ pub(crate) struct Library {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Share {
     /// V and offsets; dry friction too where joints creep.
-    Standstill { creep: bool },
+    Standstill {
+        creep: bool,
+    },
     /// V, what of M depends on q, and friction.
     Uniform,
-    /// All.
     Whole,
 }
 

@@ -68,7 +68,6 @@ pub struct Excitation {
 
 /// Names of the recordings, in the order in which the method uses them.
 const NAMES: [&str; 3] = ["standstill", "uniform", "variable"];
-/// What they are made of.
 const PIECES: [&str; 3] = ["pose", "sweep", "period of sines"];
 /// Rounds in which each part is looked at again, and one less for more columns than these.
 const ROUNDS: usize = 2;
@@ -129,7 +128,6 @@ pub fn excite(
     })
 }
 
-/// All that both plans share.
 struct Setting<'a> {
     plan: &'a Plan,
     joints: &'a [String],

@@ -55,7 +55,6 @@ impl Sines {
         Self { seconds, joints }
     }
 
-    /// A series near this one.
     pub(crate) fn vary(&self, limits: &[Bounds], rng: &mut ChaCha8Rng) -> Self {
         let share = log_between(rng, VARIATION);
         let joints = self.joints.iter().zip(limits);

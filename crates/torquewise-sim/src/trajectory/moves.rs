@@ -43,7 +43,6 @@ struct Move {
 }
 
 impl Moves {
-    /// Draws moves until `seconds` are full.
     pub(crate) fn draw(ranges: &[[f64; 2]], seconds: f64, rng: &mut ChaCha8Rng) -> Self {
         let mut from: Vec<f64> = ranges.iter().map(|&range| between(rng, range)).collect();
         let mut directions: Vec<f64> = ranges.iter().map(|_| direction(rng)).collect();

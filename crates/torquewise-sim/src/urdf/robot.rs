@@ -90,7 +90,6 @@ impl Inertial {
 }
 
 impl Origin {
-    /// The `<origin>` within an element.
     fn of(element: Node<'_, '_>) -> Result<Self, SimError> {
         let Some(origin) = child(element, "origin") else { return Ok(Self::default()) };
         let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(origin, name, Some([0.0; 3])));

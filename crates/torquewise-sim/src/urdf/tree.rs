@@ -127,7 +127,6 @@ impl<'a> Tree<'a> {
         joint.kind != "fixed" && !self.locked.contains(joint.name.as_str())
     }
 
-    /// Names of `joint` and of all moving joints beyond it.
     fn moving_from(&self, joint: &'a Joint) -> Vec<&'a str> {
         let mut names = Vec::new();
         let mut open = vec![joint];
@@ -223,7 +222,6 @@ fn body_of(link: &Link) -> Result<Body, SimError> {
     Ok(body.seen_from(&pose(&link.name, &inertial.origin)?))
 }
 
-/// An `<origin>` with finite numbers.
 fn pose(name: &str, origin: &Origin) -> Result<Pose, SimError> {
     check_finite("origin", name, &origin.xyz)?;
     check_finite("origin", name, &origin.rpy)?;

@@ -18,7 +18,6 @@ pub(super) fn figure(arm: &str, compared: &Compared) -> Result<String> {
     Ok(chart_figure(&format!("{arm}: desired and tracked motion"), &charts, 2)?)
 }
 
-/// All of it on one page.
 pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
     let n = compared.wanted.n_joints();
     let charts = |of: fn(&Compared, usize) -> Chart| -> Vec<Item> {

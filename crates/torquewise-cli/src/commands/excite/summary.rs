@@ -70,7 +70,6 @@ fn text(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
     )
 }
 
-/// Largest of the three recordings.
 fn peaks(planned: &Excitation, joint: usize) -> Peaks {
     let [mut most, others @ ..] = planned.peaks.each_ref().map(|peaks| peaks[joint]);
     for other in others {
@@ -102,7 +101,6 @@ fn limits_text(limits: &[Limits], planned: &Excitation) -> String {
     table.text()
 }
 
-/// Which limits nobody gave.
 fn assumed_text(limits: &[Limits]) -> String {
     let flags = [
         ("position", "--range", "one turn"),
