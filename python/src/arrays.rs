@@ -136,12 +136,10 @@ impl Rows<'_> {
     }
 }
 
-/// A copy for the engine, m×n.
 pub(crate) fn mat(view: ArrayView2<'_, f64>) -> Mat<f64> {
     Mat::from_fn(view.nrows(), view.ncols(), |row, column| view[(row, column)])
 }
 
-/// An array of the values of a matrix, m×n.
 pub(crate) fn array<'py>(py: Python<'py>, mat: MatRef<'_, f64>) -> Bound<'py, PyArray2<f64>> {
     let values = Array2::from_shape_fn((mat.nrows(), mat.ncols()), |(i, j)| mat[(i, j)]);
     PyArray2::from_owned_array(py, values)
@@ -159,9 +157,6 @@ pub(crate) fn matrices<'py>(
 }
 
 /// Rows of a motion; without q̇ or q̈ they are 0.
-///
-/// # Errors
-/// A value error if the shapes differ, or a number is not finite.
 pub(crate) fn motion(
     joints: &[String],
     t: Option<Vec<f64>>,
@@ -181,7 +176,6 @@ pub(crate) fn motion(
     Motion::new(signals).map_err(crate::errors::value_error)
 }
 
-/// Whether rows have one column for each joint.
 pub(crate) fn check_columns(name: &str, view: &ArrayView2<'_, f64>, n: usize) -> PyResult<()> {
     if view.ncols() == n {
         return Ok(());

@@ -45,7 +45,6 @@ fn with_causes(mut text: String, mut cause: Option<&(dyn StdError + 'static)>) -
     text
 }
 
-/// The exception for an error of the engine.
 pub(crate) fn raised(error: Error) -> PyErr {
     let text = message(&error);
     match error {

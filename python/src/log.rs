@@ -94,13 +94,13 @@ impl Log {
     /// Files or labels, as given.
     #[getter]
     fn files(&self) -> Vec<String> {
-        self.log.files().paths().iter().map(|path| path.display().to_string()).collect()
+        self.log.files.paths().iter().map(|path| path.display().to_string()).collect()
     }
 
     /// Whether all files hold torque.
     #[getter]
     fn has_torque(&self) -> bool {
-        self.log.files().has_tau()
+        self.log.files.has_tau()
     }
 
     /// Whether its signals are filtered before anything is fitted to them.
@@ -125,7 +125,7 @@ impl Log {
         let known = model.map(|model| Arc::clone(&model.model));
         let blocks = work(py, None, move |observer| {
             if !conditioned && known.is_none() {
-                return Ok(log.files().read_all()?);
+                return Ok(log.files.read_all()?);
             }
             let rows = match known {
                 Some(model) => log.prepare_as(model.training.filter, Rows::Every)?,

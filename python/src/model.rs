@@ -341,7 +341,6 @@ impl Model {
     }
 }
 
-/// The text of an object for Python to parse.
 pub(crate) fn json(found: &impl serde::Serialize) -> PyResult<String> {
     serde_json::to_string(found).map_err(crate::errors::value_error)
 }

@@ -24,7 +24,6 @@ pub(crate) struct Wanted<'a> {
 /// Paths and contents, and what is not in them.
 pub(crate) type Exported = (Vec<(String, Vec<u8>)>, Vec<String>);
 
-/// Writes a model for another program.
 pub(crate) fn export(model: &Model, wanted: &Wanted<'_>) -> PyResult<Exported> {
     let names = || Target::ALL.map(Target::name).join(", ");
     let to = Target::ALL.into_iter().find(|target| target.name() == wanted.to);

@@ -18,7 +18,6 @@ use torquewise::urdf::known_geometry;
 /// A word that an option may have, and its help.
 pub(crate) type Word<T> = (&'static str, &'static str, T);
 
-/// A parser of words that stand for values.
 pub(crate) fn choice<T: Copy + Send + Sync>(
     all: &'static [Word<T>],
 ) -> impl TypedValueParser<Value = T> {
@@ -64,7 +63,6 @@ impl RobotArguments {
         Ok(Some(known.map_err(|error| CliError::from(error).within(what()))?))
     }
 
-    /// The file, if one is named.
     pub(crate) fn file(&self) -> &[PathBuf] {
         self.urdf.as_slice()
     }
@@ -133,7 +131,6 @@ const LIBRARY: [Word<&str>; 3] = [
     ),
 ];
 
-/// One regression or three.
 pub(crate) const METHOD: [Word<&str>; 2] = [
     (
         "stepwise",
@@ -179,9 +176,6 @@ impl PlanArguments {
     }
 
     /// Fails where a flag is given that selects terms or fits them.
-    ///
-    /// # Errors
-    /// [`CliError::Usage`] names the flag.
     pub(crate) fn refuse_selection(&self) -> Result<()> {
         match self.selection.given() {
             None => Ok(()),

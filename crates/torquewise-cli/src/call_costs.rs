@@ -25,9 +25,7 @@ impl CallCosts {
     pub(crate) fn text(&self) -> String {
         let shares = RATES.map(|rate| format!("of {} kHz [%]", 1e-3 * rate));
         let fixed = ["torque after", "+ - *", "sin cos exp tanh", "about [ns]"];
-        let headings: Vec<&str> =
-            fixed.into_iter().chain(shares.iter().map(String::as_str)).collect();
-        let mut table = Table::new(&headings);
+        let mut table = Table::new(fixed.map(String::from).into_iter().chain(shares));
         for (name, cost) in self.names.iter().zip(&self.costs) {
             let counts = [cost.operations, cost.functions].map(|count| count.to_string());
             let time = format!("{:.0}", 1e9 * cost.seconds);

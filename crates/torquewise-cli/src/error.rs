@@ -7,7 +7,6 @@ use std::path::PathBuf;
 
 pub(crate) type Result<T, E = CliError> = std::result::Result<T, E>;
 
-/// Why a command cannot be carried out.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[non_exhaustive]
 pub(crate) enum CliError {
@@ -78,7 +77,6 @@ impl CliError {
         }
     }
 
-    /// What to do, if that is known.
     pub(crate) fn advice(&self) -> Option<String> {
         match self {
             Self::Library(error) => error.advice(flag),

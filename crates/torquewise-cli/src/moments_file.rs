@@ -13,7 +13,6 @@ pub(crate) fn read_moments(file: &Path) -> Result<Summary> {
     Summary::from_bytes(&bytes).map_err(|error| CliError::from(error).within(what()))
 }
 
-/// Reads what a chain asked for.
 pub(crate) fn read_request(file: &Path) -> Result<Request> {
     let bytes = read_bytes(file)?;
     let what = || format!("{} is not a request file", file.display());
@@ -27,7 +26,6 @@ pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<usize> {
     Ok(bytes.len())
 }
 
-/// What the moments are, in a line.
 pub(crate) fn text(summary: &Summary, file: &Path, bytes: usize) -> String {
     format!(
         "{} rows of {} logs{}\nmoments: {} ({:.1} MB)\n",

@@ -7,7 +7,6 @@ use std::env;
 use std::io::{self, IsTerminal, Write};
 use std::process::ExitCode;
 
-/// What a command found.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Outcome {
     pub(crate) text: String,

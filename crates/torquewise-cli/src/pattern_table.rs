@@ -16,7 +16,6 @@ pub(crate) struct PatternTable {
 }
 
 impl PatternTable {
-    /// Starts a `.csv` or `.parquet` table, if one is to be written.
     pub(crate) fn create(file: Option<&Path>) -> Result<Self> {
         let columns =
             [Column::new("row", ColumnKind::Count), Column::new("pattern", ColumnKind::Text)];
@@ -46,10 +45,9 @@ impl PatternTable {
     }
 }
 
-/// The rows of each pattern for people.
 pub(crate) fn counts_text(counts: [u64; 3]) -> String {
     let total = counts.iter().sum::<u64>().max(1) as f64;
-    let mut table = Table::new(&["pattern", "rows", "share [%]"]);
+    let mut table = Table::new(["pattern", "rows", "share [%]"]);
     for (pattern, rows) in Pattern::ALL.iter().zip(counts) {
         let share = format!("{:.1}", 100.0 * rows as f64 / total);
         table.row(pattern.name(), [rows.to_string(), share]);

@@ -6,7 +6,6 @@ use std::ops::ControlFlow;
 use std::time::Duration;
 use torquewise::Event;
 
-/// Shows on the terminal what is done.
 pub(crate) fn watch() -> impl Fn(Event) -> ControlFlow<()> {
     let shown = RefCell::new(bar("reading"));
     move |event| {
@@ -32,7 +31,6 @@ fn reading(doing: &str, rows: Option<u64>) -> ProgressBar {
     bar
 }
 
-/// Rows per second, in words.
 fn rate(state: &ProgressState, out: &mut dyn std::fmt::Write) {
     // A bar that cannot be written to is none.
     let _ = write!(out, "{:.0} rows/s", state.per_sec());
@@ -45,7 +43,6 @@ fn bar(doing: &str) -> ProgressBar {
     bar
 }
 
-/// A bar for work whose amount is known.
 pub(crate) fn share_bar() -> ProgressBar {
     shown(ProgressBar::new(1), "{spinner} {msg} {wide_bar} {percent} %, {elapsed}, {eta} left")
 }

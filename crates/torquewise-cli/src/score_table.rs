@@ -13,7 +13,7 @@ pub(crate) fn text(evaluation: &Evaluation) -> String {
     if is_filtered {
         names.extend(["of raw torque [%]", "its noise [%]"]);
     }
-    let mut table = Table::new(&names);
+    let mut table = Table::new(names);
     for JointEvaluation { name, rmse, nrmse_percent, r2, raw_nrmse_percent, noise_floor_percent } in
         joints
     {
@@ -31,10 +31,8 @@ pub(crate) fn text(evaluation: &Evaluation) -> String {
 pub(crate) fn rollouts(evaluation: &Evaluation) -> String {
     let Some(first) = evaluation.rollouts.first() else { return String::new() };
     let horizons = evaluation.rollouts.iter();
-    let names: Vec<String> = horizons.map(|drift| format!("after {} s", drift.horizon_s)).collect();
-    let headings: Vec<&str> =
-        ["joint"].into_iter().chain(names.iter().flat_map(|name| [&name[..], "held"])).collect();
-    let mut table = Table::new(&headings);
+    let names = horizons.flat_map(|drift| [format!("after {} s", drift.horizon_s), "held".into()]);
+    let mut table = Table::new(["joint".into()].into_iter().chain(names));
     for (joint, of) in evaluation.joints.iter().enumerate() {
         let both = |drift: &Drift| [drift.rms_drift_rad[joint], drift.hold_rms_rad[joint]];
         let cells: Vec<String> = evaluation.rollouts.iter().flat_map(both).map(number).collect();

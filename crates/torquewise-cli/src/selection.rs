@@ -4,7 +4,6 @@ use crate::arguments::{Word, choice};
 use clap::Args;
 use serde::Serialize;
 
-/// Friction beside inertia, Coriolis and gravity.
 pub(crate) const FRICTION: [Word<&str>; 4] = [
     ("none", "None", "none"),
     ("linear", "Offset, viscous and dry friction", "linear"),

@@ -89,9 +89,6 @@ impl FilterArguments {
     }
 
     /// The rows of logs, filtered as asked for, or as those of the model.
-    ///
-    /// # Errors
-    /// As [`Log::prepare`], and if the model cannot be read.
     pub(crate) fn prepare(&self, log: &Log, rows: Rows) -> Result<Prepared> {
         Ok(match &self.model {
             Some(file) => log.prepare_as(read_model(file)?.training.filter, rows)?,

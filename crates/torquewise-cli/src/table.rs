@@ -12,16 +12,14 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    pub(crate) fn new(headings: &[&str]) -> Self {
-        Self::of(vec![headings.iter().map(|&heading| heading.to_owned()).collect()])
+    pub(crate) fn new(headings: impl IntoIterator<Item = impl Into<String>>) -> Self {
+        Self::of(vec![headings.into_iter().map(Into::into).collect()])
     }
 
-    /// A table of these rows, the headings first.
     pub(crate) fn of(rows: Vec<Vec<String>>) -> Self {
         Self { rows }
     }
 
-    /// Adds a row, its name first.
     pub(crate) fn row(&mut self, name: &str, cells: impl IntoIterator<Item = String>) {
         self.rows.push(std::iter::once(name.to_owned()).chain(cells).collect());
     }
@@ -57,7 +55,7 @@ pub(crate) fn methods<'a>(
 ) -> Table {
     let mut headings = ["method", "candidates", "active", "seconds"].map(str::to_owned).to_vec();
     headings.extend(joints.iter().map(|name| format!("NRMSE {name} [%]")));
-    let mut table = Table::of(vec![headings]);
+    let mut table = Table::new(headings);
     for (name, counts, seconds, errors) in rows {
         let counts = counts.map(|count| count.to_string()).into_iter();
         let seconds = format!("{seconds:.2}");
@@ -76,7 +74,7 @@ mod tests {
 
     #[test]
     fn a_cell_beyond_any_terminal_is_cut() {
-        let mut table = Table::new(&["joint"]);
+        let mut table = Table::new(["joint"]);
         table.row(&"é".repeat(70_000), []);
 
         assert_eq!(table.text(), format!("joint\n{}…\n", "é".repeat(WIDEST)));
@@ -84,7 +82,7 @@ mod tests {
 
     #[test]
     fn names_stand_left_and_numbers_right() {
-        let mut table = Table::new(&["joint", "rmse"]);
+        let mut table = Table::new(["joint", "rmse"]);
         table.row("ψ1", [number(0.5)]);
         table.row("elbow pitch", [number(12.0)]);
 

@@ -18,7 +18,6 @@ pub(crate) type Vector = [f64; 3];
 /// A chain whose links carry what torque can tell.
 #[derive(Clone, Debug)]
 pub(crate) struct BaseChain {
-    /// The links, from the base outward, n.
     pub(crate) links: Vec<BaseLink>,
     /// Acceleration of gravity \[m/s²\], in the base.
     pub(crate) gravity: Vector,
@@ -71,9 +70,6 @@ struct Body {
 
 impl BaseChain {
     /// The chain of a model.
-    ///
-    /// # Errors
-    /// [`ExportError::Model`] if its geometry is none.
     pub(crate) fn of(chain: &RigidChain) -> Result<Self, ExportError> {
         let axes = chain.axes()?;
         let n = chain.n_joints();

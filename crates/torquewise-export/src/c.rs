@@ -101,7 +101,6 @@ pub(crate) fn inclusion(program: &Program, name: &str) -> String {
     )
 }
 
-/// Whether it can begin the name of a function in C.
 pub(crate) fn check_name(name: &str) -> Result<(), ExportError> {
     let mut letters = name.chars();
     let first = letters.next().is_some_and(|letter| letter.is_ascii_alphabetic());

@@ -56,7 +56,6 @@ pub(crate) enum Node {
 }
 
 impl Node {
-    /// The nodes it is computed from.
     pub(crate) fn operands(&self) -> Vec<Id> {
         match *self {
             Self::Constant(_) | Self::Input(_) | Self::Sin(_) | Self::Cos(_) => Vec::new(),

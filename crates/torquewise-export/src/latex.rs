@@ -36,11 +36,9 @@ const DERIVED: &str = "\\begin{equation*}\n\
     \\tfrac{1}{2}\\frac{\\partial}{\\partial q}\\bigl(\\dot q^{\\top} M(q)\\,\\dot q\\bigr) + \
     \\frac{\\partial V}{\\partial q} + F(q, \\dot q)\n\\end{equation*}\n";
 
-/// The load that gears press harder under.
 const LOAD: &str = "\\noindent $G_j$ is the torque that gravity and springs load joint $j$ with: \
     what its equation holds in $q$ alone.\n\n";
 
-/// How the state of a Dahl element follows its joint.
 const DAHL: &str = "\\noindent $x_\\delta(q)$ is the state of a Dahl element with travel \
     $\\delta$, zero at the start:\n\\begin{equation*}\n\
     \\mathrm{d}x_\\delta = \\frac{\\mathrm{d}q}{\\delta} - \

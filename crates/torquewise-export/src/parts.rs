@@ -14,7 +14,6 @@ pub(crate) struct Parts {
     pub(crate) coriolis: Vec<Id>,
     /// The same and what q̈ adds, which for a rigid arm is M(q)q̈; n.
     pub(crate) motion: Vec<Id>,
-    /// G(q), n.
     pub(crate) gravity: Vec<Id>,
     /// Torque of joint i per unit acceleration of joint j at rest, row by row, n·n.
     pub(crate) matrix: Vec<Id>,
@@ -198,7 +197,6 @@ pub(crate) fn friction(
     torques.iter().map(|parts| graph.sum(parts)).collect()
 }
 
-/// Σ weight·node.
 fn weighted_sum(graph: &Graph, weights: BTreeMap<Id, f64>) -> Id {
     let part = |(node, weight)| graph.mul(graph.constant(weight), node);
     graph.sum(&weights.into_iter().map(part).collect::<Vec<Id>>())

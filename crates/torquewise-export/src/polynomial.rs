@@ -55,7 +55,6 @@ fn angle(graph: &Graph, factor: &Factor) -> Id {
 }
 
 impl Monomial {
-    /// weight·Π atom^power
     pub(crate) fn new(weight: Id, powers: BTreeMap<Id, u32>) -> Self {
         Self { weight, powers }
     }

@@ -279,7 +279,6 @@ impl Program {
         (0..self.graph.len()).any(calls)
     }
 
-    /// Whether all constants can be written in a precision.
     pub(crate) fn check_precision(&self, precision: Precision) -> Result<(), ExportError> {
         let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
         match constants.find(|constant| constant.abs() > f64::from(f32::MAX)) {

@@ -7,7 +7,6 @@
 use crate::base_chain::{BaseChain, BaseLink, Moments};
 use crate::graph::{Graph, Id, Input};
 
-/// Components in the frame of a link.
 type Vector = [Id; 3];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,7 +18,6 @@ pub(crate) enum Motion {
     Whole,
 }
 
-/// Nodes that compute the functions of a chain.
 pub(crate) struct Recursion<'a> {
     graph: &'a Graph,
     chain: &'a BaseChain,
@@ -35,7 +33,6 @@ struct Moved {
     spread: [Vector; 3],
 }
 
-/// Force and moment about the origin.
 #[derive(Clone, Copy)]
 struct Wrench {
     force: Vector,

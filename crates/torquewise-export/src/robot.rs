@@ -12,7 +12,6 @@ use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, RigidChain, Torque};
 use torquewise_rigid::geometry::Placement;
 
-/// An arm as robot files describe it.
 #[derive(Clone, Debug)]
 pub(crate) struct Robot {
     pub(crate) name: String,
@@ -61,10 +60,6 @@ const EFFORT_STATES: usize = 2_000;
 
 impl Robot {
     /// What of a model a robot file can hold.
-    ///
-    /// # Errors
-    /// [`ExportError::NoChain`] without a rigid chain, [`ExportError::Coupled`] where a joint is
-    /// turned by several coordinates, [`ExportError::Infeasible`] where a link is no body.
     pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
         let chain = model.chain.as_ref().ok_or(ExportError::NoChain)?;
         if !chain.coupling.is_none() {
@@ -305,7 +300,6 @@ fn quaternion(rotation: Matrix3<f64>) -> [f64; 4] {
     [q.w, q.i, q.j, q.k]
 }
 
-/// Numbers with all their digits, separated by spaces.
 fn numbers<const N: usize>(values: [f64; N]) -> String {
     // Rounding of a turn is no number to read.
     let clean = |x: f64| if x.abs() < 1e-16 { 0.0 } else { x };

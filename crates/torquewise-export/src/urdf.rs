@@ -63,14 +63,14 @@ pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFi
     let down = None;
     let chain = UrdfChain::of_joints(text, names, locked, down)?;
     let tilt = torquewise_rigid::geometry::PER_BASE;
-    let pairs = || chain.geometry().parameters()[tilt..].iter().zip(&geometry.parameters()[tilt..]);
+    let pairs = || chain.geometry.parameters()[tilt..].iter().zip(&geometry.parameters()[tilt..]);
     if let Some(k) = pairs().position(|(a, b)| (a - b).abs() > SAME) {
         let joint = names[k / torquewise_rigid::geometry::PER_JOINT + 1].clone();
         return Err(ExportError::OtherGeometry { joint });
     }
     let (mut bodies, mut dynamics) = (Vec::new(), Vec::new());
     let mut left_out = left_out_of_urdf(&robot);
-    for (joint, own) in chain.joints().iter().zip(&robot.joints) {
+    for (joint, own) in chain.joints.iter().zip(&robot.joints) {
         let (inertials, kept) = joint.distributed(&own.inertial);
         if !kept {
             left_out.push(format!(

@@ -24,7 +24,6 @@ const SUMS: usize = 3;
 pub(crate) struct Frictionless {
     /// M(q)q̈ + C(q, q̇)q̇ + G(q), n.
     pub(crate) torque: Vec<Id>,
-    /// G(q), n.
     pub(crate) gravity: Vec<Id>,
     /// C(q, q̇)q̇, n.
     pub(crate) coriolis: Vec<Id>,
@@ -37,9 +36,6 @@ type Choice = fn(&Frictionless) -> &Vec<Id>;
 type Way<'a, T> = Box<dyn Fn(&Graph) -> T + 'a>;
 
 /// The functions of a model, each the cheapest that is known.
-///
-/// # Errors
-/// [`ExportError::Model`] if a chain of it is none.
 pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless, ExportError> {
     match &model.chain {
         Some(chain) => of_chain(graph, chain),
@@ -47,7 +43,6 @@ pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless,
     }
 }
 
-/// G(q) of terms, n.
 pub(crate) fn gravity_of(graph: &Graph, form: &Form, n: usize) -> Vec<Id> {
     of_form(graph, form, n, |parts| &parts.gravity).gravity
 }
@@ -68,7 +63,6 @@ impl Frictionless {
     }
 }
 
-/// a + b, one by one.
 pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
     left.iter().zip(right).map(|(&a, &b)| graph.add(a, b)).collect()
 }

@@ -12,7 +12,6 @@ use crate::error::LogError;
 pub(crate) use rows::BagRows;
 pub(crate) use survey::Survey;
 
-/// The message type that is read.
 const JOINT_STATE: &str = "sensor_msgs/msg/JointState";
 
 /// Bytes of a message, or of a part of a bag that has to be held whole, at most.
@@ -21,13 +20,11 @@ const MAX_BYTES: usize = 1 << 27;
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Topic {
     name: String,
-    /// Message type, such as sensor_msgs/msg/JointState.
     kind: String,
     encoding: String,
     n_messages: u64,
 }
 
-/// A message of the topic that is read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Message {
     /// When the bag received it \[ns\].
@@ -37,6 +34,5 @@ struct Message {
 
 /// The messages of one topic, roughly in order of time.
 trait Messages {
-    /// The next one; `None` at the end.
     fn next(&mut self) -> Result<Option<Message>, LogError>;
 }

@@ -3,7 +3,7 @@
 use crate::error::LogError;
 use crate::gaps::UsualStep;
 use crate::signal::Signal;
-use crate::signal_rows::{Origin, ReadReport, SignalRows};
+use crate::signal_rows::{Origin, SignalRows};
 use faer::Mat;
 use torquewise_motion::signals::Raw;
 use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signals, derivative};
@@ -18,7 +18,7 @@ use torquewise_motion::{BLOCK_ROWS, LocalPolynomial, Motion, MotionError, Signal
 /// known …       not yet looked at; of the next trajectory if `ended`
 /// ```
 pub(crate) struct Blocks {
-    rows: SignalRows,
+    pub(crate) rows: SignalRows,
     joints: Vec<String>,
     /// How missing q̇ or q̈ are found; `None` if the file has both or none is wanted.
     polynomial: Option<LocalPolynomial>,
@@ -29,8 +29,8 @@ pub(crate) struct Blocks {
     at_end_of_file: bool,
     usual_step: Option<UsualStep>,
     trajectory: usize,
-    /// Gaps at which a trajectory ended.
-    gaps: u64,
+    /// Gaps at which a trajectory ended so far.
+    pub(crate) gaps: u64,
     /// Where the rows of `columns` come from.
     origins: Vec<Origin>,
 }
@@ -41,7 +41,7 @@ impl Blocks {
         joints: &[String],
         polynomial: Option<LocalPolynomial>,
     ) -> Self {
-        let mapping = rows.mapping();
+        let mapping = &rows.mapping;
         let complete = [Signal::Dq, Signal::Ddq].iter().all(|s| mapping.slot(*s).is_some());
         let columns = vec![Vec::new(); mapping.n_slots()];
         Self {
@@ -74,15 +74,6 @@ impl Blocks {
         let block = self.raw_block(rows)?;
         self.hand_out(rows);
         Ok(Some((self.trajectory, block)))
-    }
-
-    pub(crate) fn report(&self) -> ReadReport {
-        self.rows.report()
-    }
-
-    /// Gaps at which a trajectory ended so far.
-    pub(crate) fn gaps(&self) -> u64 {
-        self.gaps
     }
 
     /// How many rows the next block has; `None` at the end.
@@ -179,13 +170,8 @@ impl Blocks {
         let Raw { joints, t, q, dq, ddq, tau } = self.raw_block(rows)?;
         let has_dq = dq.is_some();
         let dq = dq.map_or_else(|| self.derived(Signal::Q, 1, rows), Ok)?;
-        let ddq = ddq.map_or_else(
-            || {
-                let (signal, order) = if has_dq { (Signal::Dq, 1) } else { (Signal::Q, 2) };
-                self.derived(signal, order, rows)
-            },
-            Ok,
-        )?;
+        let (signal, order) = if has_dq { (Signal::Dq, 1) } else { (Signal::Q, 2) };
+        let ddq = ddq.map_or_else(|| self.derived(signal, order, rows), Ok)?;
         Motion::new(Signals { joints, t, q, dq, ddq, tau })
             .map_err(|source| self.refused(self.done, source))
     }
@@ -215,7 +201,7 @@ impl Blocks {
 
     /// Rows `start` … `end` of a signal, if the file has it.
     fn signal(&self, signal: Signal, start: usize, end: usize) -> Option<Mat<f64>> {
-        let slot = self.rows.mapping().slot(signal)?;
+        let slot = self.rows.mapping.slot(signal)?;
         let of_joint = |row: usize, joint: usize| self.columns[slot + joint][start + row];
         Some(Mat::from_fn(end - start, self.joints.len(), of_joint))
     }

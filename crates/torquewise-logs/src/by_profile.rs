@@ -135,7 +135,6 @@ impl Build<'_> {
         (1..=n.max(1)).map(|joint| format!("{prefix}{joint}")).collect()
     }
 
-    /// The place of a column among the chosen.
     fn choose(&mut self, key: &str, name: &str) -> Result<usize, LogError> {
         let name = name.trim();
         let mut columns = (0..).zip(self.names).filter(|(_, known)| *known == name);
@@ -170,7 +169,6 @@ impl Build<'_> {
     }
 }
 
-/// What the columns of a bag are called.
 fn of_bag(signal: Signal, joints: &[String]) -> Vec<String> {
     let field = match signal {
         Signal::Q => "position",

@@ -3,7 +3,7 @@
 
 use faer::Mat;
 use torquewise_motion::Repairs;
-use torquewise_motion::signals::Raw;
+use torquewise_motion::signals::{Raw, lagrange};
 use torquewise_motion::stats::median;
 
 /// Repeats of position and torque that a logger faster than its device makes; a longer run is an
@@ -32,7 +32,6 @@ pub(crate) struct ClockRepair {
 }
 
 impl ClockRepair {
-    /// What pieces of logs ask for.
     pub(crate) fn of(pieces: &[Raw]) -> Self {
         let (mut rows, mut repeats) = (0, 0);
         for piece in pieces {
@@ -59,17 +58,13 @@ pub(crate) struct Held {
     run: usize,
 }
 
-/// Which rows repeat the one before.
 fn held(block: &Raw, state: &mut Held) -> Vec<bool> {
     // Velocities may have been derived after the device, so that they never repeat.
     let signals = [Some(&block.q), block.tau.as_ref()];
     let mut found = Vec::with_capacity(block.t.len());
     for row in 0..block.t.len() {
-        let values: Vec<f64> = signals
-            .into_iter()
-            .flatten()
-            .flat_map(|signal| (0..signal.ncols()).map(move |joint| signal[(row, joint)]))
-            .collect();
+        let values = signals.into_iter().flatten().flat_map(|x| x.row(row).iter().copied());
+        let values: Vec<f64> = values.collect();
         state.run = if values == state.last { state.run + 1 } else { 0 };
         state.last = values;
         found.push((1..=MOST_HELD).contains(&state.run));
@@ -136,11 +131,8 @@ fn roughness(t: &[f64], q: &Mat<f64>) -> f64 {
         let x = q.col_as_slice(joint);
         let off = |k: usize| {
             let at = [k - 2, k - 1, k + 1, k + 2];
-            let weight = |i: usize| {
-                let others = (0..4).filter(|j| *j != i);
-                others.map(|j| (t[k] - t[at[j]]) / (t[at[i]] - t[at[j]])).product::<f64>()
-            };
-            let between: f64 = (0..4).map(|i| weight(i) * (x[at[i]] - x[k])).sum();
+            let weights = lagrange(&at.map(|row| t[row]), t[k]);
+            let between: f64 = weights.iter().zip(at).map(|(w, row)| w * (x[row] - x[k])).sum();
             between * between
         };
         let mut steps: Vec<f64> = x.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).collect();
@@ -163,7 +155,8 @@ pub(crate) struct ClockLane {
     waiting: Option<Raw>,
     /// Of these, rows that were handed out.
     done: usize,
-    repairs: Repairs,
+    /// Rows left out and stamps moved so far.
+    pub(crate) repairs: Repairs,
 }
 
 impl ClockLane {
@@ -171,7 +164,6 @@ impl ClockLane {
         Self { repair, ..Self::default() }
     }
 
-    /// Takes a block, and hands out what is known by then.
     pub(crate) fn push(&mut self, mut block: Raw) -> Option<Raw> {
         if self.repair.held {
             let rows = block.t.len();
@@ -201,11 +193,6 @@ impl ClockLane {
         self.hand_out(&waiting, rows)
     }
 
-    /// Rows left out and stamps moved so far.
-    pub(crate) fn repairs(&self) -> &Repairs {
-        &self.repairs
-    }
-
     fn hand_out(&mut self, waiting: &Raw, known: usize) -> Option<Raw> {
         if known <= self.done {
             return None;
@@ -224,7 +211,6 @@ impl ClockLane {
 /// Rows that are remembered once they are done.
 const MEMORY: usize = 4 * WINDOW;
 
-/// Blocks of one trajectory, one after the other.
 pub(crate) fn joined(mut blocks: Vec<Raw>) -> Raw {
     if blocks.len() == 1 {
         return blocks.remove(0);

@@ -21,10 +21,13 @@ use torquewise_motion::{
 /// The cut-off is chosen once, from all logs, and holds for all.
 #[derive(Clone, Debug)]
 pub struct ConditionedLogs {
-    logs: Logs,
+    /// The logs as they were recorded; their trajectories have the same numbers as the conditioned.
+    pub logs: Logs,
+    /// How every trajectory is conditioned, the choices made.
+    pub settings: Conditioning,
+    /// What was found in the first rows, and why the cut-off is what it is.
+    pub report: ConditionReport,
     clock: ClockRepair,
-    settings: Conditioning,
-    report: ConditionReport,
     /// Of the last complete reading of each file.
     repairs: Arc<Mutex<Vec<Repairs>>>,
 }
@@ -33,7 +36,8 @@ pub struct ConditionedLogs {
 /// all are chosen.
 #[derive(Clone, Debug)]
 pub struct RawLogs {
-    conditioned: ConditionedLogs,
+    /// The logs at the bandwidth that is set, or eight times that of the motion.
+    pub conditioned: ConditionedLogs,
     first: Raw,
     bandwidths: Bandwidths,
     cutoffs: Vec<f64>,
@@ -65,21 +69,6 @@ impl ConditionedLogs {
     fn of(logs: Logs, clock: ClockRepair, settings: Conditioning, report: ConditionReport) -> Self {
         let repairs = Arc::new(Mutex::new(vec![Repairs::default(); logs.n_logs()]));
         Self { logs, clock, settings, report, repairs }
-    }
-
-    /// The logs as they were recorded; their trajectories have the same numbers as the conditioned.
-    pub fn logs(&self) -> &Logs {
-        &self.logs
-    }
-
-    /// How every trajectory is conditioned, the choices made.
-    pub fn settings(&self) -> &Conditioning {
-        &self.settings
-    }
-
-    /// What was found in the first rows, and why the cut-off is what it is.
-    pub fn report(&self) -> &ConditionReport {
-        &self.report
     }
 
     /// What was repaired in each log at its last complete reading, by its name; logs that are sound
@@ -170,11 +159,6 @@ impl RawLogs {
         };
         let delays = if find_delay { bandwidths.delays() } else { vec![settings.delay] };
         Ok(Self { conditioned, first, bandwidths, cutoffs, delays })
-    }
-
-    /// The logs at the bandwidth that is set, or eight times that of the motion.
-    pub fn conditioned(&self) -> &ConditionedLogs {
-        &self.conditioned
     }
 
     /// A sample of the motion at the bandwidth of the logs, with the torque as it was measured but

@@ -49,7 +49,7 @@ impl<R: BufRead> CsvRows<R> {
                 Advance::TooLong => return Err(self.too_long("line", MAX_LINE)),
                 Advance::Line => {}
             }
-            let line = self.lines.line();
+            let line = &self.lines.line[..];
             if line.first() == Some(&b'#') {
                 // The names of joints stand before the header: `# joints: shoulder,elbow`.
                 let names = line.strip_prefix(CSV_COMMENT.as_bytes());
@@ -58,7 +58,7 @@ impl<R: BufRead> CsvRows<R> {
                 }
             } else if !line.trim_ascii().is_empty() {
                 if !split(line, &mut self.fields) {
-                    let (file, line) = (self.file.clone(), self.lines.number());
+                    let (file, line) = (self.file.clone(), self.lines.number);
                     return Err(LogError::OpenQuote { file, line });
                 }
                 if self.fields.iter().any(|field| field.len() > MAX_FIELD) {
@@ -69,9 +69,8 @@ impl<R: BufRead> CsvRows<R> {
         }
     }
 
-    /// The names in the header line.
     fn header(&self) -> Result<Vec<String>, LogError> {
-        let header = self.text(self.lines.line())?;
+        let header = self.text(&self.lines.line)?;
         let found = header.chars().find(|c| matches!(c, ';' | '\t'));
         if let (1, Some(found)) = (self.fields.len(), found) {
             return Err(LogError::Delimiter { file: self.file.clone(), found });
@@ -80,16 +79,16 @@ impl<R: BufRead> CsvRows<R> {
     }
 
     fn text<'t>(&self, bytes: &'t [u8]) -> Result<&'t str, LogError> {
-        let not_utf8 = |_| LogError::NotUtf8 { file: self.file.clone(), line: self.lines.number() };
+        let not_utf8 = |_| LogError::NotUtf8 { file: self.file.clone(), line: self.lines.number };
         std::str::from_utf8(bytes).map_err(not_utf8)
     }
 
     fn too_long(&self, part: &'static str, limit: usize) -> LogError {
-        LogError::TooLong { file: self.file.clone(), line: self.lines.number(), part, limit }
+        LogError::TooLong { file: self.file.clone(), line: self.lines.number, part, limit }
     }
 
     fn number(&self, column: usize) -> Result<f64, LogError> {
-        let text = self.lines.line()[self.fields[column].clone()].trim_ascii();
+        let text = self.lines.line[self.fields[column].clone()].trim_ascii();
         let number = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
         number.ok_or_else(|| LogError::NotANumber {
             place: self.place(),
@@ -129,7 +128,7 @@ impl<R: BufRead> Rows for CsvRows<R> {
     }
 
     fn place(&self) -> Place {
-        Place { file: self.file.clone(), row: self.row, line: Some(self.lines.number()) }
+        Place { file: self.file.clone(), row: self.row, line: Some(self.lines.number) }
     }
 }
 

@@ -198,7 +198,6 @@ impl LogError {
         move |source| Self::Read { file: file.into(), source }
     }
 
-    /// What is wrong with a file or place, and what to do.
     pub(crate) fn unusable(place: impl fmt::Display, problem: &str, help: &'static str) -> Self {
         Self::Unusable { problem: format!("{place}{problem}"), help }
     }

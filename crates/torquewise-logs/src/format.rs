@@ -3,7 +3,6 @@
 use crate::error::{LogError, shown};
 use std::path::Path;
 
-/// A log format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
     Csv,

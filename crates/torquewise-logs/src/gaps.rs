@@ -44,7 +44,6 @@ impl UsualStep {
     }
 }
 
-/// The median of the steps forward, if there is any.
 pub(crate) fn median_step(t: &[f64]) -> Option<f64> {
     let steps = t.windows(2).map(|pair| pair[1] - pair[0]);
     let mut steps: Vec<f64> = steps.filter(|step| *step > 0.0 && step.is_finite()).collect();

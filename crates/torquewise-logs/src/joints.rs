@@ -27,7 +27,6 @@ pub(crate) fn join(names: &[String]) -> Result<String, LogError> {
     Ok(names.join(","))
 }
 
-/// Names read from `file` for its `n` joints.
 pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<String>, LogError> {
     if names.len() != n {
         let (file, found) = (file.into(), names.len());
@@ -36,7 +35,6 @@ pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<S
     check(&names).map(|()| names)
 }
 
-/// Makes sure that [`join`] can keep them.
 pub(crate) fn check(names: &[String]) -> Result<(), LogError> {
     unfit_joint_name(names)
         .map_or(Ok(()), |name| Err(LogError::JointName { name: shown(name.as_bytes()) }))

@@ -11,11 +11,11 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// The lines of a text, read one at a time into the same buffer.
 pub(crate) struct Lines<R> {
     input: R,
-    line: Vec<u8>,
-    number: u64,
+    pub(crate) line: Vec<u8>,
+    /// Number of the line, 1 for the first.
+    pub(crate) number: u64,
 }
 
-/// What a call of [`Lines::advance`] came to.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Advance {
     Line,
@@ -46,15 +46,6 @@ impl<R: BufRead> Lines<R> {
         }
         Ok(if self.line.len() > MAX_LINE { Advance::TooLong } else { Advance::Line })
     }
-
-    pub(crate) fn line(&self) -> &[u8] {
-        &self.line
-    }
-
-    /// Its number, 1 for the first.
-    pub(crate) fn number(&self) -> u64 {
-        self.number
-    }
 }
 
 /// Puts the places of the fields of `line` into `fields`; quotes around a field are left out.
@@ -65,9 +56,7 @@ pub(crate) fn split(line: &[u8], fields: &mut Vec<Range<usize>>) -> bool {
     let mut start = 0;
     loop {
         let (field, next) = if line.get(start) == Some(&b'"') {
-            let Some(close) = closing_quote(line, start + 1) else {
-                return false;
-            };
+            let Some(close) = closing_quote(line, start + 1) else { return false };
             (start + 1..close, close + 1)
         } else {
             let length = line[start..].iter().position(|byte| *byte == b',');
@@ -127,8 +116,8 @@ mod tests {
         let mut lines = Lines::new(BufReader::new(text));
 
         assert_eq!(lines.advance().unwrap(), Advance::Line);
-        assert_eq!(lines.line().len(), MAX_LINE);
+        assert_eq!(lines.line.len(), MAX_LINE);
         assert_eq!(lines.advance().unwrap(), Advance::Line);
-        assert_eq!(lines.line(), b"2");
+        assert_eq!(lines.line, b"2");
     }
 }

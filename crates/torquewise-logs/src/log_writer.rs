@@ -3,7 +3,7 @@
 use crate::error::LogError;
 use crate::joints;
 use crate::signal::Signal;
-use crate::sink::{Column, ColumnKind, Values};
+use crate::sink::{Column, Values};
 use crate::table::TableWriter;
 use faer::MatRef;
 use std::path::{Path, PathBuf};
@@ -27,12 +27,11 @@ impl LogWriter {
     /// As [`TableWriter::create`], and [`LogError::JointName`] if a name cannot be kept.
     pub fn create(file: &Path, joints: &[String], with_tau: bool) -> Result<Self, LogError> {
         let signals = if with_tau { &Signal::ALL[..] } else { &Signal::ALL[..3] };
-        let number = |name: String| Column::new(name, ColumnKind::Number);
-        let mut columns = vec![number("t".into())];
+        let mut names = vec!["t".to_owned()];
         for signal in signals {
-            let names = (1..=joints.len()).map(|joint| format!("{}{joint}", signal.name()));
-            columns.extend(names.map(number));
+            names.extend((1..=joints.len()).map(|joint| format!("{}{joint}", signal.name())));
         }
+        let columns = Column::numbers(&names);
         let is_named = joints != joints::numbered(joints.len());
         let kept = is_named.then(|| joints::join(joints)).transpose()?;
         let table = TableWriter::start(file, &columns, kept.as_deref())?;

@@ -132,23 +132,15 @@ impl Logs {
     /// [`LogError`] if a file cannot be read or a row is wrong.
     pub fn read_all(&self) -> Result<Vec<Motion>, LogError> {
         let mut trajectories: Vec<Vec<Motion>> = Vec::new();
-        self.each(
-            None,
-            Some(LocalPolynomial::default()),
-            Blocks::next,
-            &mut |trajectory, block| {
-                trajectories.resize_with(trajectory + 1, Vec::new);
-                trajectories[trajectory].push(block);
-                Ok::<(), LogError>(())
-            },
-        )?;
+        self.each_motion(None, &mut |trajectory, block| {
+            trajectories.resize_with(trajectory + 1, Vec::new);
+            trajectories[trajectory].push(block);
+            Ok::<(), LogError>(())
+        })?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
-            Motion::joined(&self.joints, blocks).map_err(|source| LogError::Motion {
-                file,
-                row: 1,
-                source,
-            })
+            let refused = |source| LogError::Motion { file, row: 1, source };
+            Motion::joined(&self.joints, blocks).map_err(refused)
         };
         trajectories.iter().map(whole).collect()
     }
@@ -225,6 +217,14 @@ impl Logs {
         self.paths.get(file).map(PathBuf::as_path)
     }
 
+    fn each_motion<E: From<LogError>>(
+        &self,
+        only: Option<usize>,
+        visit: &mut dyn FnMut(usize, Motion) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.each(only, Some(LocalPolynomial::default()), Blocks::next, visit)
+    }
+
     /// Reads all files, or one of them.
     fn each<B, E: From<LogError>>(
         &self,
@@ -244,7 +244,7 @@ impl Logs {
                 last = first + trajectory;
                 visit(last, block)?;
             }
-            let (report, gaps) = (blocks.report(), blocks.gaps());
+            let (report, gaps) = (blocks.rows.report(), blocks.gaps);
             let reading = Reading { report, trajectories: last + 1 - first, gaps };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
@@ -278,9 +278,7 @@ impl Recording for Logs {
         &self,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.each(None, Some(LocalPolynomial::default()), Blocks::next, &mut |k, block| {
-            visit(k, &block)
-        })
+        self.each_motion(None, &mut |trajectory, block| visit(trajectory, &block))
     }
 
     fn n_logs(&self) -> usize {
@@ -292,9 +290,7 @@ impl Recording for Logs {
         log: usize,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        self.each(Some(log), Some(LocalPolynomial::default()), Blocks::next, &mut |k, block| {
-            visit(k, &block)
-        })
+        self.each_motion(Some(log), &mut |trajectory, block| visit(trajectory, &block))
     }
 }
 

@@ -15,7 +15,6 @@ pub(crate) struct Mapping {
     /// One per slot after t.
     pub(crate) slots: Vec<Slot>,
     pub(crate) ranges: Ranges,
-    /// Names of the joints, if the mapping gives them.
     pub(crate) joints: Option<Vec<String>>,
     /// Columns with names that mean nothing here.
     pub(crate) ignored: Vec<String>,
@@ -106,7 +105,6 @@ impl Ranges {
     }
 }
 
-/// The range that a value is in; 0 if there are no ranges.
 fn place<T: PartialOrd + Copy>(ranges: &[[T; 2]], value: T) -> Option<usize> {
     if ranges.is_empty() {
         return Some(0);

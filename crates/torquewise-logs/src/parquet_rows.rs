@@ -23,13 +23,11 @@ pub(crate) struct ParquetRows {
     reader: SerializedFileReader<File>,
     /// The file once more, for the headers of its pages.
     pages: File,
-    /// Columns of the file that are read.
     chosen: Vec<usize>,
     group: Vec<NumberColumn>,
     groups: usize,
     /// Values decoded of each chosen column; none of a null.
     batch: Vec<Vec<Option<f64>>>,
-    /// Rows of the batch handed out.
     taken: usize,
     row: u64,
 }
@@ -69,7 +67,6 @@ impl ParquetRows {
         self.reader.metadata().file_metadata().schema_descr()
     }
 
-    /// Decodes the next rows; `false` at the end.
     fn next_batch(&mut self) -> Result<bool, LogError> {
         loop {
             let batch = self.group.iter_mut().map(|column| column.read(BLOCK_ROWS));
@@ -90,7 +87,6 @@ impl ParquetRows {
         }
     }
 
-    /// Makes sure that the pages of the next row group that are held at once fit into memory.
     fn check_pages(&mut self) -> Result<(), LogError> {
         let group = self.reader.metadata().row_group(self.groups);
         let mut bytes = 0_u64;
@@ -242,7 +238,6 @@ impl NumberColumn {
         Some(Self { reader, is_signed: is_signed(column)?, present: column.max_def_level() })
     }
 
-    /// The next values, at most `rows`; none of a null.
     fn read(&mut self, rows: usize) -> parquet::errors::Result<Vec<Option<f64>>> {
         let (is_signed, present) = (self.is_signed, self.present);
         match &mut self.reader {

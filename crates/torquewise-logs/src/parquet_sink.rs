@@ -18,7 +18,6 @@ use torquewise_motion::whole_file::Output;
 /// Rows of a row group at most: what a reader and a writer have to hold.
 const ROW_GROUP_ROWS: usize = 16_384;
 
-/// A Parquet file in the making.
 pub(crate) struct ParquetSink {
     file: PathBuf,
     writer: SerializedFileWriter<Output>,
@@ -58,7 +57,6 @@ impl ParquetSink {
         Ok(Self { file: file.into(), writer, held: columns.iter().map(held).collect(), rows: 0 })
     }
 
-    /// Writes what is held as a row group.
     fn flush(&mut self) -> Result<()> {
         if self.rows == 0 {
             return Ok(());

@@ -20,9 +20,6 @@ pub(crate) struct Pieces {
 
 impl Pieces {
     /// Reads all logs once.
-    ///
-    /// # Errors
-    /// [`LogError`] if the logs cannot be read.
     pub(crate) fn read(logs: &Logs) -> Result<Self, LogError> {
         let recorded = recorded(logs)?;
         let clock = ClockRepair::of(&recorded);
@@ -35,9 +32,6 @@ impl Pieces {
     }
 
     /// The piece of most rows, the first of several.
-    ///
-    /// # Errors
-    /// [`LogError::NoFiles`] if there is none.
     pub(crate) fn longest(&self) -> Result<&Raw, LogError> {
         self.all.iter().rev().max_by_key(|piece| piece.t.len()).ok_or(LogError::NoFiles)
     }

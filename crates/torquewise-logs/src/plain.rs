@@ -8,7 +8,6 @@ use std::path::Path;
 
 pub(crate) const MAX_COLUMNS: usize = 1_000;
 
-/// Finds the signals among the column names of `file`.
 pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping, LogError> {
     if names.len() > MAX_COLUMNS {
         let (file, found) = (file.into(), names.len());
@@ -34,7 +33,6 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping, LogError> 
     Ok(Mapping { ignored: found.ignored, ..Mapping::new(n_joints, present, columns, slots) })
 }
 
-/// The signal and the joint number that a column name means.
 fn meaning(name: &str) -> Option<(Signal, usize)> {
     let digits = name.find(|c: char| c.is_ascii_digit())?;
     let (signal, number) = name.split_at(digits);

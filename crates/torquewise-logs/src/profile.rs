@@ -133,7 +133,6 @@ impl Profile {
 }
 
 impl PerJoint {
-    /// The number of joint `joint`, 0 for the first.
     pub(crate) fn of(&self, joint: usize) -> Option<f64> {
         match self {
             Self::All(value) => Some(*value),

@@ -7,7 +7,6 @@ pub(crate) trait Rows {
     /// Names of the columns that can be chosen, as the file gives them less outer space.
     fn names(&self) -> &[String];
 
-    /// Joint names, if the file keeps any.
     fn joints(&self) -> Option<&[String]> {
         None
     }

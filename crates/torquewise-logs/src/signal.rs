@@ -1,6 +1,5 @@
 //! The signals of an arm.
 
-/// A signal with one column per joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Signal {
     Q,

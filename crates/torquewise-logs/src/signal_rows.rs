@@ -45,7 +45,7 @@ pub struct ReadReport {
 
 pub(crate) struct SignalRows {
     rows: Box<dyn Rows>,
-    mapping: Mapping,
+    pub(crate) mapping: Mapping,
     clock: Clock,
     /// Whether rows after the last range have to be read too.
     reads_on: bool,
@@ -65,7 +65,6 @@ pub(crate) struct Origin {
 }
 
 impl SignalRows {
-    /// Chooses the columns that the mapping needs.
     pub(crate) fn new(
         mut rows: Box<dyn Rows>,
         mapping: Mapping,
@@ -78,16 +77,10 @@ impl SignalRows {
         Ok(Self { rows, mapping, clock, reads_on, raw, number, first: None, last_t: None, report })
     }
 
-    pub(crate) fn mapping(&self) -> &Mapping {
-        &self.mapping
-    }
-
-    /// Where the row last read stands.
     pub(crate) fn place(&self) -> Place {
         self.rows.place()
     }
 
-    /// Why no row was handed out.
     pub(crate) fn none_left(&self) -> LogError {
         let file = self.place().file;
         match self.number {
@@ -102,7 +95,6 @@ impl SignalRows {
         }
     }
 
-    /// What was read, dropped and sorted so far.
     pub(crate) fn report(&self) -> ReadReport {
         let Irregular { sorted, passed_over } = self.rows.irregular();
         ReadReport { sorted, passed_over, ..self.report }
@@ -204,7 +196,6 @@ impl SignalRows {
 }
 
 impl ReadReport {
-    /// Both together, for several files.
     pub(crate) fn and(self, other: Self) -> Self {
         Self {
             rows: self.rows + other.rows,

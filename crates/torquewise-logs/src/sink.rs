@@ -42,6 +42,11 @@ impl Column {
     pub fn new(name: impl Into<String>, kind: ColumnKind) -> Self {
         Self { name: name.into(), kind }
     }
+
+    /// Columns of numbers.
+    pub fn numbers(names: &[String]) -> Vec<Self> {
+        names.iter().map(|name| Self::new(name, ColumnKind::Number)).collect()
+    }
 }
 
 /// Some rows of one column.
@@ -86,7 +91,6 @@ pub(crate) trait Sink {
     fn finish(self: Box<Self>) -> Result<(), LogError>;
 }
 
-/// A CSV file in the making.
 pub(crate) struct CsvSink {
     file: PathBuf,
     output: BufWriter<Output>,

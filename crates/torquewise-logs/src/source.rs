@@ -38,7 +38,6 @@ pub struct Options {
     pub clock: Clock,
 }
 
-/// A log file and what its header says.
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     pub(crate) file: PathBuf,
@@ -111,7 +110,6 @@ impl Source {
         Ok(source)
     }
 
-    /// The rows, from the first one.
     pub(crate) fn rows(&self) -> Result<SignalRows, LogError> {
         let rows = self.opening.rows(&self.file)?;
         if rows.names() != self.names {

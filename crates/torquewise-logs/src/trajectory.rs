@@ -13,7 +13,6 @@ pub(crate) struct Done {
     pub(crate) noise: Vec<Motion>,
 }
 
-/// A trajectory on its way through clock and filter.
 pub(crate) struct Trajectory<'a> {
     settings: &'a Conditioning,
     noise: Option<&'a RawNoise>,
@@ -39,9 +38,6 @@ impl<'a> Trajectory<'a> {
     }
 
     /// Takes a block, and hands out what is done by then.
-    ///
-    /// # Errors
-    /// Those of [`Conditioner::push`].
     pub(crate) fn push(&mut self, block: Raw) -> Result<Done, MotionError> {
         match self.clock.push(block) {
             Some(block) => self.filter(block),
@@ -50,22 +46,19 @@ impl<'a> Trajectory<'a> {
     }
 
     /// Hands out the rest; a trajectory that is too short to be filtered is left out.
-    ///
-    /// # Errors
-    /// Those of [`Conditioner::finish`].
     pub(crate) fn finish(mut self) -> Result<(Done, Repairs), MotionError> {
         let mut done = match self.clock.finish() {
             Some(rest) => self.filter(rest)?,
             None => Done::default(),
         };
-        let mut repairs = self.clock.repairs().clone();
+        let mut repairs = self.clock.repairs.clone();
         match self.stretch {
             Stretch::Running(mut conditioner, noise) => {
                 done.motions.extend(conditioner.finish()?);
                 if let Some(noise) = noise {
                     done.noise.extend(noise.finish()?);
                 }
-                repairs.add(conditioner.repairs());
+                repairs.add(&conditioner.repairs);
             }
             Stretch::Waiting(blocks) => {
                 let raw = joined(blocks);

@@ -31,16 +31,6 @@ impl LocalPolynomial {
         self.half_window
     }
 
-    /// Degree of the polynomial.
-    pub fn degree(self) -> usize {
-        self.degree
-    }
-
-    /// Rows a signal must have at least.
-    pub fn min_rows(self) -> usize {
-        self.degree + 1
-    }
-
     fn window(self, row: usize, n_rows: usize) -> Range<usize> {
         let width = self.half_window.saturating_mul(2).saturating_add(1).min(n_rows);
         let start = row.saturating_sub(self.half_window).min(n_rows - width);
@@ -102,20 +92,12 @@ fn check(
     order: usize,
 ) -> Result<(), MotionError> {
     let (rows, columns, degree) = (x.nrows(), x.ncols(), polynomial.degree);
-    if rows != t.len() {
-        return Err(MotionError::Shape {
-            signal: "x",
-            rows,
-            columns,
-            expected_rows: t.len(),
-            expected_columns: columns,
-        });
-    }
+    MotionError::check_shape("x", x, [t.len(), columns])?;
     if order > degree {
         return Err(MotionError::Order { order, degree });
     }
-    if rows < polynomial.min_rows() {
-        return Err(MotionError::TooFewRows { rows, needed: polynomial.min_rows() });
+    if rows <= degree {
+        return Err(MotionError::TooFewRows { rows, needed: degree + 1 });
     }
     if let Some(row) = t.iter().position(|t| !t.is_finite()) {
         return Err(MotionError::NotFinite { signal: "t", joint: 0, row });
@@ -148,17 +130,8 @@ struct Stencil {
 
 impl Stencil {
     fn new(degree: usize, order: usize) -> Self {
-        let empty = Vec::new;
-        Self {
-            degree,
-            order,
-            weights: empty(),
-            u: empty(),
-            previous: empty(),
-            current: empty(),
-            slopes_previous: empty(),
-            slopes: empty(),
-        }
+        let [weights, u, previous, current, slopes_previous, slopes] = [const { Vec::new() }; 6];
+        Self { degree, order, weights, u, previous, current, slopes_previous, slopes }
     }
 
     /// w = Σₖ Pₖ⁽ʳ⁾(at) Pₖ / ‖Pₖ‖², by Pₖ₊₁ = (u − aₖ) Pₖ − bₖ Pₖ₋₁.

@@ -1,6 +1,8 @@
 //! Errors of a motion and of conditioning what was recorded of it.
 #![expect(missing_docs, reason = "each message explains its fields")]
 
+use faer::MatRef;
+
 /// Why a set of signals is not a motion, or raw signals cannot be conditioned.
 #[derive(Debug, thiserror::Error, miette::Diagnostic, PartialEq)]
 #[non_exhaustive]
@@ -8,15 +10,9 @@ pub enum MotionError {
     #[error("cannot condition {signal} of joint {joint}")]
     #[diagnostic(forward(source))]
     Joint { signal: &'static str, joint: String, source: Box<MotionError> },
-    #[error("{signal} is {rows}x{columns}, expected {expected_rows}x{expected_columns}")]
+    #[error("{signal} is {}x{}, expected {}x{}", found[0], found[1], expected[0], expected[1])]
     #[diagnostic(help("every signal has one row per time stamp and one column per joint"))]
-    Shape {
-        signal: &'static str,
-        rows: usize,
-        columns: usize,
-        expected_rows: usize,
-        expected_columns: usize,
-    },
+    Shape { signal: &'static str, found: [usize; 2], expected: [usize; 2] },
     #[error("a motion needs at least one joint")]
     NoJoints,
     #[error("{signal}{} is not finite at row {row}", joint + 1)]
@@ -76,6 +72,16 @@ impl MotionError {
             Self::Joint { source, .. } => source.is_too_short(),
             _ => false,
         }
+    }
+
+    /// Refuses a signal that has not one row per time stamp and one column per joint.
+    pub(crate) fn check_shape(
+        signal: &'static str,
+        values: MatRef<'_, f64>,
+        expected: [usize; 2],
+    ) -> Result<(), Self> {
+        let found = [values.nrows(), values.ncols()];
+        if found == expected { Ok(()) } else { Err(Self::Shape { signal, found, expected }) }
     }
 
     pub(crate) fn of(self, signal: &'static str, joint: &str) -> Self {

@@ -51,15 +51,7 @@ impl Motion {
         ];
         for (signal, values) in named {
             let Some(values) = values else { continue };
-            if (values.nrows(), values.ncols()) != (rows, columns) {
-                return Err(MotionError::Shape {
-                    signal,
-                    rows: values.nrows(),
-                    columns: values.ncols(),
-                    expected_rows: rows,
-                    expected_columns: columns,
-                });
-            }
+            MotionError::check_shape(signal, values.as_ref(), [rows, columns])?;
             for joint in 0..columns {
                 if let Some(row) = values.col_as_slice(joint).iter().position(|x| !x.is_finite()) {
                     return Err(MotionError::NotFinite { signal, joint, row });

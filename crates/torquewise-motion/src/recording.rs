@@ -145,14 +145,7 @@ impl<R: Recording> Recording for [R] {
         log: usize,
         visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        let mut own = log;
-        for recording in self {
-            if own < recording.n_logs() {
-                return recording.read_log(own, visit);
-            }
-            own -= recording.n_logs();
-        }
-        Ok(())
+        place_of(self, log).map_or(Ok(()), |(recording, own)| recording.read_log(own, visit))
     }
 
     fn read_log_with_noise(
@@ -161,13 +154,20 @@ impl<R: Recording> Recording for [R] {
         seed: u64,
         visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
     ) -> Result<bool, ReadError> {
-        let mut own = log;
-        for recording in self {
-            if own < recording.n_logs() {
-                return recording.read_log_with_noise(own, seed, visit);
-            }
-            own -= recording.n_logs();
+        match place_of(self, log) {
+            Some((recording, own)) => recording.read_log_with_noise(own, seed, visit),
+            None => Ok(false),
         }
-        Ok(false)
     }
+}
+
+/// The recording that a log of all is in, and its number there.
+fn place_of<R: Recording>(all: &[R], mut log: usize) -> Option<(&R, usize)> {
+    for recording in all {
+        if log < recording.n_logs() {
+            return Some((recording, log));
+        }
+        log -= recording.n_logs();
+    }
+    None
 }

@@ -90,7 +90,6 @@ impl Repairs {
     }
 }
 
-/// What there is any of, with its number.
 fn told(counts: &[(u64, &str)]) -> Vec<String> {
     let any = counts.iter().filter(|(count, _)| *count > 0);
     any.map(|(count, what)| format!("{count} {what}")).collect()

@@ -21,15 +21,15 @@
 //! # Ok::<(), torquewise_motion::MotionError>(())
 //! ```
 
-pub mod butterworth;
-pub mod zero_phase;
-pub mod spline;
-pub mod resample;
-pub mod noise;
-pub mod outliers;
-pub mod cutoff;
-pub mod derivative;
-pub mod delay;
+mod butterworth;
+mod zero_phase;
+mod spline;
+mod resample;
+mod noise;
+mod outliers;
+mod cutoff;
+mod derivative;
+mod delay;
 mod raw;
 mod settings;
 mod clean;
@@ -42,9 +42,12 @@ pub mod bandwidth;
 
 pub use blocks::Conditioner;
 pub use clean::Outliers;
-pub use condition::{Conditioned, condition, condition_by};
-pub use delay::{Shift, best_shift, shift};
+pub use condition::{Conditioned, condition};
+pub use delay::Shift;
+pub use noise::{Quantisation, WhiteNoise};
 pub use plan::Plan;
 pub use raw::Raw;
 pub use report::{ConditionReport, CutoffFrom, SignalReport};
+pub use resample::Timing;
 pub use settings::{Conditioning, Cutoff, Trim};
+pub use spline::lagrange;

@@ -1,4 +1,10 @@
-//! Order statistics and correlation of values.
+//! Whole numbers, order statistics and correlation of values.
+
+/// A whole number at most 2⁵³; what is less than zero or no number is 0.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a cast saturates")]
+pub fn whole(x: f64) -> usize {
+    x as usize
+}
 
 /// Median, the upper of the middle two; sorts as far as needed. Zero of nothing.
 pub fn median(values: &mut [f64]) -> f64 {
@@ -15,9 +21,7 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
         return 0.0;
     }
     let last = values.len() - 1;
-    // share ≤ 1, so the place is within the slice.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 ≤ share ≤ 1")]
-    let place = ((share * last as f64).round() as usize).min(last);
+    let place = whole((share * last as f64).round()).min(last);
     let (_, value, _) = values.select_nth_unstable_by(place, f64::total_cmp);
     *value
 }

@@ -3,15 +3,10 @@
 use crate::method::Method;
 use crate::trial::Step;
 use faer::Mat;
-use torquewise_report::html::{Axis, Chart, Colour, Series};
+use torquewise_report::html::Colour;
 
-/// The colour of a method in every chart.
 pub(crate) fn colour(method: Method) -> Colour {
     Colour::Series(method as usize)
-}
-
-pub(crate) fn chart(title: impl Into<String>, [x, y]: [Axis; 2], series: Vec<Series>) -> Chart {
-    Chart { title: title.into(), x, y, series, ..Chart::default() }
 }
 
 /// Name, colour and torque after each step, m×n.

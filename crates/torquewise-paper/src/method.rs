@@ -7,7 +7,6 @@ use torquewise_regression::select::lasso::Lasso;
 /// A coefficient larger than this counts as active in the paper.
 pub(crate) const ACTIVE: f64 = 0.1;
 
-/// The methods compared in every experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Method {
     /// Stepwise over the energy library \[E4\], terms judged against the noise \[E5\].
@@ -30,7 +29,6 @@ impl Method {
     pub(crate) const SWEPT: [Self; 4] =
         [Self::Energy, Self::Product, Self::SindyCriterion, Self::Sindy];
 
-    /// Its name in tables and figures.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Energy => "stepwise, energy library",

@@ -141,7 +141,6 @@ pub enum Cell {
 }
 
 impl Cell {
-    /// As one reads it: numbers to three digits, of spreads to two with their range.
     pub(crate) fn text(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
@@ -172,7 +171,6 @@ impl Table {
         self.rows.push(head.iter().cloned().chain(rest.into_iter().map(Into::into)).collect());
     }
 
-    /// The table as a part of a page.
     pub(crate) fn to_html(&self) -> html::Table {
         let columns = self.columns.iter().enumerate().map(|(place, heading)| {
             let numeric =

@@ -98,7 +98,6 @@ impl<'a> Findings<'a> {
         &self.found.model.joints
     }
 
-    /// Whether both parts are of one arm, and there is something to show.
     fn check(&self) -> Result<(), ReportError> {
         let mut diagnoses = std::iter::once(self.diagnosis).chain(self.test);
         diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))?;

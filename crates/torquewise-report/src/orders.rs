@@ -29,14 +29,8 @@ fn chart(name: &str, logs: &[(String, &[OrderCurve])]) -> Chart {
         "energy" => ("Energy library".into(), "joint angles in a term"),
         step => (format!("Step: {step}"), "N₁"),
     };
-    Chart {
-        title,
-        x: Axis::whole(order),
-        y: Axis::log("held-out residual, worst joint [%]"),
-        series,
-        guides,
-        ..Chart::default()
-    }
+    let axes = [Axis::whole(order), Axis::log("held-out residual, worst joint [%]")];
+    Chart { guides, ..Chart::new(title, axes, series) }
 }
 
 fn lines(curve: &OrderCurve, log: &str, colours: usize) -> Vec<Series> {

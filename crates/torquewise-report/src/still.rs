@@ -87,7 +87,6 @@ fn panel(area: &Area<'_>, chart: &Chart) -> Result<(), ReportError> {
     }
 }
 
-/// Ends of an axis: those that it asks for, or all numbers and a margin.
 fn range(axis: &Axis, numbers: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     if let Some([low, high]) = axis.range.filter(|ends| ends.iter().all(|x| drawable(axis, *x))) {
         return low..high;
@@ -221,7 +220,6 @@ where
     Ok(())
 }
 
-/// Entries that a legend of a chart would have.
 fn names(chart: &Chart) -> usize {
     let series = chart.series.iter().map(|series| series.label.clone());
     let bands = chart.bands.iter().map(|band| band.label.clone());
@@ -267,7 +265,6 @@ fn half_bar(points: &[[f64; 2]]) -> f64 {
     0.4 * if least.is_finite() { least } else { 1.0 }
 }
 
-/// A number at an axis, or the name of its place.
 fn number(axis: &Axis, at: f64) -> String {
     let is_whole = (at - at.round()).abs() < 1e-9;
     if !axis.places.is_empty() {
@@ -286,7 +283,6 @@ fn number(axis: &Axis, at: f64) -> String {
     if (1e-3..1e6).contains(&at.abs()) { at.to_string() } else { format!("{at:e}") }
 }
 
-/// The drawing library's own error, in words.
 fn drawing(error: impl std::fmt::Display) -> ReportError {
     ReportError::Drawing { reason: error.to_string() }
 }

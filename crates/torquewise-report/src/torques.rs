@@ -37,14 +37,9 @@ pub fn torque_charts(
         series.extend(predicted.iter().map(|(label, colour, torque)| {
             Series::new(label, Mark::Line, *colour, over_time(torque.as_ref()))
         }));
-        Chart {
-            title: format!("Joint {}", joint + 1),
-            x: Axis::named("time [s]"),
-            y: Axis { range, ..Axis::named("torque [N·m]") },
-            series,
-            linked: linked.map(str::to_owned),
-            ..Chart::default()
-        }
+        let axes = [Axis::named("time [s]"), Axis { range, ..Axis::named("torque [N·m]") }];
+        let linked = linked.map(str::to_owned);
+        Chart { linked, ..Chart::new(format!("Joint {}", joint + 1), axes, series) }
     };
     Ok((0..motion.n_joints()).map(of_joint).collect())
 }

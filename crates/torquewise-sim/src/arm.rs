@@ -57,12 +57,12 @@ impl JointLimits {
 pub struct Arm {
     name: String,
     joint_names: Vec<String>,
-    joints: Vec<Joint>,
+    pub(crate) joints: Vec<Joint>,
     gravity: [f64; 3],
     /// The frames of the joints, each turned so that its z is the axis.
-    kinematics: Kinematics,
+    pub(crate) kinematics: Kinematics,
     /// Inertial parameters of all bodies in those frames, 10n.
-    inertial: Vec<f64>,
+    pub(crate) inertial: Vec<f64>,
 }
 
 impl Arm {
@@ -140,23 +140,9 @@ impl Arm {
         Ok(self)
     }
 
-    pub(crate) fn chain(&self) -> &[Joint] {
-        &self.joints
-    }
-
     /// Where its axes lie, as a fit is told of them.
     pub fn geometry(&self) -> Geometry {
         Geometry::of_frames(&placements(&self.joints), self.gravity).0
-    }
-
-    /// Frames whose z is the axis of their joint.
-    pub(crate) fn kinematics(&self) -> &Kinematics {
-        &self.kinematics
-    }
-
-    /// Inertial parameters of all bodies in the frames of [`Arm::kinematics`], 10n.
-    pub(crate) fn inertial(&self) -> &[f64] {
-        &self.inertial
     }
 }
 
@@ -235,7 +221,6 @@ impl Joint {
     }
 }
 
-/// Refuses a body that no real thing can be.
 pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), SimError> {
     if !(body.mass.is_finite() && body.mass >= 0.0) {
         return Err(SimError::Mass { place: place.into(), mass: body.mass });

@@ -117,10 +117,7 @@ pub enum SimError {
     Massless { joint: usize },
     #[error("the motion cannot be built")]
     #[diagnostic(help("check the arm's masses and the plan or noise asked for"))]
-    Motion {
-        #[from]
-        source: MotionError,
-    },
+    Motion(#[from] MotionError),
     #[error("the desired motion is not even in time at row {row}")]
     #[diagnostic(help("give one row per control period"))]
     Uneven { row: usize },
@@ -147,17 +144,11 @@ pub enum SimError {
     #[diagnostic(help("this is a mistake of the planner, please report it"))]
     Exceeds { what: &'static str, joint: String, found: f64, limit: f64 },
     #[error("the library cannot be listed")]
-    #[diagnostic(forward(source))]
-    Library {
-        #[from]
-        source: IdentifyError,
-    },
+    #[diagnostic(forward(0))]
+    Library(#[from] IdentifyError),
     #[error("the library cannot be evaluated")]
-    #[diagnostic(forward(source))]
-    Columns {
-        #[from]
-        source: SparseError,
-    },
+    #[diagnostic(forward(0))]
+    Columns(#[from] SparseError),
 }
 
 /// Refuses what is made for another number of joints.

@@ -11,7 +11,7 @@
 //! let limits = limits(&Arm::builtin("planar-2")?, &Wishes::default())?;
 //! let plan = Plan { seconds: [10.0, 40.0, 30.0], tries: 2, ..Plan::default() };
 //! let found = excite(&limits, &plan, &mut |_, _| {})?;
-//! assert!(found.recordings.iter().zip(plan.seconds).all(|(found, most)| found.seconds() <= most));
+//! assert!(found.recordings.iter().zip(plan.seconds).all(|(found, most)| found.seconds <= most));
 //! assert!(found.peaks[2][0].velocity <= limits[0].planned.velocity);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -56,7 +56,8 @@ const STEPS: u32 = 10;
 pub struct Friction {
     joints: Vec<[Stribeck; 2]>,
     bristles: Vec<Option<Bristles>>,
-    width: f64,
+    /// Half width \[rad/s\] of the reversal: from 4 times it on the sign is ±1 to 0.1 %.
+    pub width: f64,
 }
 
 /// How far the bristles of each joint are bent \[rad\], and how fast the joints last moved
@@ -70,7 +71,6 @@ pub struct Bent {
 /// Half width of the reversal \[rad/s\] where none is given.
 const WIDTH: f64 = 1e-3;
 
-/// Friction as its file says it.
 #[derive(Deserialize)]
 struct Table {
     #[serde(default = "default_width")]
@@ -201,11 +201,6 @@ impl Friction {
     /// Number of joints n.
     pub fn n_joints(&self) -> usize {
         self.joints.len()
-    }
-
-    /// Half width \[rad/s\] of the reversal: from 4 times it on the sign is ±1 to 0.1 %.
-    pub fn width(&self) -> f64 {
-        self.width
     }
 
     /// Friction of a joint, counted from 0, at v \[rad/s\]: what the drive has to add \[N·m\], once

@@ -74,7 +74,6 @@ pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion, Si
     Ok(Motion::new(signals)?)
 }
 
-/// Adds noise to each column of one signal, streams counted from `first_stream`.
 fn disturb(x: &mut Mat<f64>, db: f64, seed: u64, first_stream: u64) {
     for (joint, stream) in (0..x.ncols()).zip(first_stream..) {
         let column = x.col_as_slice_mut(joint);

@@ -1,6 +1,7 @@
 //! What a simulated log should hold.
 
 use crate::error::{SimError, check_between};
+use torquewise_motion::stats::whole;
 
 /// How the joints are moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -52,12 +53,7 @@ impl MotionPlan {
         let rows = (self.seconds * self.rate).round();
         let expected = "seconds times rate from 1 to 50000000";
         check_between("number of rows", rows, up_to(MAX_ROWS), expected)?;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "checked: whole, positive and below 50 million"
-        )]
-        Ok(rows as usize)
+        Ok(whole(rows))
     }
 }
 

@@ -4,7 +4,6 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-/// A number between two others, evenly drawn.
 pub(crate) fn between(rng: &mut ChaCha8Rng, [least, greatest]: [f64; 2]) -> f64 {
     least + (greatest - least) * rng.random::<f64>()
 }
@@ -18,7 +17,6 @@ pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(rng)
 }
 
-/// −1 or 1, evenly drawn.
 pub(crate) fn direction(rng: &mut ChaCha8Rng) -> f64 {
     if rng.random::<bool>() { 1.0 } else { -1.0 }
 }

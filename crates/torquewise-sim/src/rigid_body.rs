@@ -25,8 +25,8 @@ impl Arm {
     pub(crate) fn load(&self, state: State<'_, f64>, moved: &mut Moved<f64>, tau: &mut [f64]) {
         let State { q, dq, ddq } = state;
         self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq), ("tau", tau)]);
-        self.kinematics().inverse_dynamics(state, self.inertial(), moved, tau);
-        for ((tau, ddq), joint) in tau.iter_mut().zip(ddq).zip(self.chain()) {
+        self.kinematics.inverse_dynamics(state, &self.inertial, moved, tau);
+        for ((tau, ddq), joint) in tau.iter_mut().zip(ddq).zip(&self.joints) {
             *tau += joint.rotor * ddq;
         }
     }
@@ -41,9 +41,9 @@ impl Arm {
     pub fn coriolis_torque(&self, q: &[f64], dq: &[f64]) -> Vec<f64> {
         self.check_lengths(&[("q", q), ("dq", dq)]);
         let (ddq, mut tau) = (vec![0.0; self.n_joints()], vec![0.0; self.n_joints()]);
-        let weightless = self.kinematics().clone().without_gravity();
+        let weightless = self.kinematics.clone().without_gravity();
         let state = State { q, dq, ddq: &ddq };
-        weightless.inverse_dynamics(state, self.inertial(), &mut Moved::default(), &mut tau);
+        weightless.inverse_dynamics(state, &self.inertial, &mut Moved::default(), &mut tau);
         tau
     }
 
@@ -60,7 +60,7 @@ impl Arm {
         self.check_lengths(&[("q", q), ("dq", dq), ("ddq", ddq)]);
         let mut regressor = Mat::zeros(self.n_joints(), PER_BODY * self.n_joints());
         let mut moved = Moved::default();
-        self.kinematics().move_into(State { q, dq, ddq }, &mut moved);
+        self.kinematics.move_into(State { q, dq, ddq }, &mut moved);
         moved.regressor(|joint, parameter, value| regressor[(joint, parameter)] = value);
         regressor
     }
@@ -71,17 +71,17 @@ impl Arm {
     pub fn mass_matrix(&self, q: &[f64]) -> Mat<f64> {
         self.check_lengths(&[("q", q)]);
         let mut moved = Moved::default();
-        self.kinematics().place_into(q, &mut moved);
+        self.kinematics.place_into(q, &mut moved);
         self.mass_matrix_of(&moved)
     }
 
     /// [`Arm::mass_matrix`] where the bodies are.
     fn mass_matrix_of(&self, moved: &Moved<f64>) -> Mat<f64> {
         let mut mass = Mat::zeros(self.n_joints(), self.n_joints());
-        moved.mass_matrix(self.inertial(), |i, j, value| {
+        moved.mass_matrix(&self.inertial, |i, j, value| {
             (mass[(i, j)], mass[(j, i)]) = (value, value);
         });
-        for (i, joint) in self.chain().iter().enumerate() {
+        for (i, joint) in self.joints.iter().enumerate() {
             mass[(i, i)] += joint.rotor;
         }
         mass
@@ -128,7 +128,7 @@ impl Arm {
     /// Checked against: `tests/dynamics/identities.rs`.
     pub fn potential_energy(&self, q: &[f64]) -> f64 {
         self.check_lengths(&[("q", q)]);
-        self.kinematics().potential_energy(q, self.inertial())
+        self.kinematics.potential_energy(q, &self.inertial)
     }
 
     /// Calls are by slice for speed, so a wrong length is a mistake of the caller's code.

@@ -70,7 +70,7 @@ impl SimulatedLog {
 
     /// Number of rows m.
     pub fn n_rows(&self) -> usize {
-        self.trajectory.n_rows()
+        self.trajectory.n_rows
     }
 }
 

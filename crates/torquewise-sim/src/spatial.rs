@@ -89,7 +89,6 @@ impl Body {
         Self { mass, com, inertia: about_origin - mass * shift }
     }
 
-    /// The same body, given in B, seen from A.
     pub(crate) fn seen_from(&self, X_AB: &Pose) -> Self {
         Self {
             mass: self.mass,

@@ -21,6 +21,13 @@ impl State {
         Self { q: q.to_vec(), dq: vec![0.0; q.len()], ddq: vec![0.0; q.len()] }
     }
 
+    /// A share of the way from a pose, and its two derivatives.
+    pub(crate) fn set_on_line(&mut self, from: &[f64], travel: &[f64], [s, ds, dds]: [f64; 3]) {
+        for (i, (from, travel)) in from.iter().zip(travel).enumerate() {
+            (self.q[i], self.dq[i], self.ddq[i]) = (from + s * travel, ds * travel, dds * travel);
+        }
+    }
+
     pub(crate) fn of(motion: &Motion, row: usize) -> Self {
         let of = |x: MatRef<'_, f64>| x.row(row).iter().copied().collect();
         Self { q: of(motion.q()), dq: of(motion.dq()), ddq: of(motion.ddq()) }

@@ -22,7 +22,7 @@ const ACCELERATION: [f64; 2] = [2.0, 6.0];
 /// A drawn motion: every random choice is made, every row can be asked for.
 #[derive(Clone, Debug)]
 pub(crate) struct Trajectory {
-    n_rows: usize,
+    pub(crate) n_rows: usize,
     rate: f64,
     path: Path,
 }
@@ -45,10 +45,6 @@ impl Trajectory {
             MotionKind::Staged => Path::Staged(Staged::draw(&ranges, n_rows, plan.rate, &mut rng)),
         };
         Ok(Self { n_rows, rate: plan.rate, path })
-    }
-
-    pub(crate) fn n_rows(&self) -> usize {
-        self.n_rows
     }
 
     /// Time from row to row \[s\].

@@ -83,7 +83,7 @@ pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluat
 /// As [`evaluate`].
 pub fn prepare(model: &Model, log: &Log) -> Result<Prepared, Error> {
     model.check_joints(log.joints())?;
-    log.files().require_tau()?;
+    log.files.require_tau()?;
     log.prepare_as(model.training.filter, Rows::WithRawTorque)
 }
 

@@ -46,7 +46,7 @@ pub fn contacts(
 ) -> Result<(Thresholds, Vec<Contact>), Error> {
     let prepared = |log: &Log| -> Result<Prepared, Error> {
         model.check_joints(log.joints())?;
-        log.files().require_tau()?;
+        log.files.require_tau()?;
         log.prepare_as(model.training.filter, Rows::Settled)
     };
     let rows = prepared(log)?;

@@ -72,7 +72,7 @@ impl<'a> Fit<'a> {
     }
 
     fn run_log(&self, log: &Log) -> Result<FitResult, Error> {
-        log.files().require_tau()?;
+        log.files.require_tau()?;
         let plan = self.options.plan(log.facts())?;
         let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
         let rows = if is_chosen { Rows::WithRawTorque } else { Rows::Filtered };

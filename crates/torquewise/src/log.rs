@@ -26,7 +26,8 @@ pub use crate::prepared::Prepared;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Log {
-    logs: Logs,
+    /// The files.
+    pub files: Logs,
     /// How its signals are filtered.
     pub filter: Filter,
     /// Seconds by which torque lags motion; without, a fit chooses it where signals are filtered.
@@ -74,8 +75,8 @@ impl Log {
     /// # Errors
     /// As [`Log::open`], and if they are of different arms.
     pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self, Error> {
-        let logs = Logs::open_with(files, options)?;
-        Ok(Self { logs, filter: Filter::Auto, delay: None })
+        let files = Logs::open_with(files, options)?;
+        Ok(Self { files, filter: Filter::Auto, delay: None })
     }
 
     /// Tables in memory, each with a label for messages, read as files with the same columns.
@@ -86,18 +87,13 @@ impl Log {
         frames: &[(PathBuf, Arc<dyn Frame>)],
         options: &Options,
     ) -> Result<Self, Error> {
-        let logs = Logs::of_frames(frames, options)?;
-        Ok(Self { logs, filter: Filter::Auto, delay: None })
+        let files = Logs::of_frames(frames, options)?;
+        Ok(Self { files, filter: Filter::Auto, delay: None })
     }
 
     /// Joint names, base to tip.
     pub fn joints(&self) -> &[String] {
-        self.logs.joints()
-    }
-
-    /// The files.
-    pub fn files(&self) -> &Logs {
-        &self.logs
+        self.files.joints()
     }
 
     /// Whether its signals will be filtered.
@@ -112,7 +108,7 @@ impl Log {
 
     fn cutoff(&self) -> Option<Cutoff> {
         match self.filter {
-            Filter::Auto if self.logs.has_ddq() => None,
+            Filter::Auto if self.files.has_ddq() => None,
             Filter::None => None,
             Filter::Auto => Some(Cutoff::Auto),
             Filter::Hz(hz) => Some(Cutoff::Hz(hz)),
@@ -124,7 +120,7 @@ impl Log {
     /// # Errors
     /// [`Error::DelayWithoutFilter`], and those of reading logs.
     pub fn prepare(&self, rows: Rows) -> Result<Prepared, Error> {
-        let logs = self.logs.clone();
+        let logs = self.files.clone();
         let Some(cutoff) = self.cutoff() else {
             return match self.delay {
                 Some(delay) if delay != 0.0 => Err(Error::DelayWithoutFilter),
@@ -157,7 +153,7 @@ impl Log {
     /// As [`Self::prepare`].
     pub fn prepare_as(&self, known: Option<FilterUsed>, rows: Rows) -> Result<Prepared, Error> {
         let filter = match (self.filter, known) {
-            (Filter::Auto, Some(known)) if !self.logs.has_ddq() => Filter::Hz(known.cutoff_hz),
+            (Filter::Auto, Some(known)) if !self.files.has_ddq() => Filter::Hz(known.cutoff_hz),
             (Filter::Auto, _) => Filter::None,
             (asked, _) => asked,
         };

@@ -34,7 +34,7 @@ pub fn page(
     Ok(Some(fit_report(&Findings {
         found: fit,
         diagnosis: &diagnosis,
-        checks: Some(physics.checks()),
+        checks: Some(&physics.trained),
         test: test.as_ref(),
         costs: &call_costs(&fit.model)?,
         origin,

@@ -27,7 +27,8 @@ enum Range {
 /// What was measured, and which properties hold.
 #[derive(Clone, Debug)]
 pub struct PhysicsCheck {
-    trained: Checks,
+    /// What was measured in the training range.
+    pub trained: Checks,
     whole: Checks,
     driving: Option<DrivingFriction>,
 }
@@ -82,36 +83,10 @@ impl PhysicsCheck {
         Ok(Self { trained, whole, driving: driving_friction(model) })
     }
 
-    /// What was measured in the training range.
-    pub fn checks(&self) -> &Checks {
-        &self.trained
-    }
-
-    fn smallest_eigenvalue(&self) -> f64 {
-        self.trained.smallest_eigenvalue.min(self.whole.smallest_eigenvalue)
-    }
-
-    /// Whether M(q) is positive definite at all states looked at.
-    fn feasible(&self) -> bool {
-        self.smallest_eigenvalue() > 0.0
-    }
-
-    /// The worst of both ranges, of M(q) − M(q)ᵀ.
-    fn asymmetry(&self) -> f64 {
-        self.trained.asymmetry.max(self.whole.asymmetry)
-    }
-
-    /// The worst of both ranges, of dM/dt − 2C.
-    fn skew_defect(&self) -> f64 {
-        self.trained.skew_defect.max(self.whole.skew_defect)
-    }
-
-    fn is_symmetric(&self) -> bool {
-        self.asymmetry() < Checks::TOLERANCE
-    }
-
-    fn is_skew(&self) -> bool {
-        self.skew_defect() < Checks::TOLERANCE
+    /// The worst of both ranges, of M(q) − M(q)ᵀ and of dM/dt − 2C.
+    fn defects(&self) -> [f64; 2] {
+        let Self { trained, whole, .. } = self;
+        [trained.asymmetry.max(whole.asymmetry), trained.skew_defect.max(whole.skew_defect)]
     }
 
     /// What does not hold, if anything.
@@ -122,11 +97,13 @@ impl PhysicsCheck {
         if let Some((Checks { smallest_eigenvalue, weakest_q, .. }, range)) = weak {
             failures.push(format!("{} {range}", eigenvalue_at(*smallest_eigenvalue, weakest_q)));
         }
-        if !self.is_symmetric() {
-            failures.push(format!("M(q) is not symmetric by {:.1e}", self.asymmetry()));
-        }
-        if !self.is_skew() {
-            failures.push(format!("dM/dt − 2C is not skew by {:.1e}", self.skew_defect()));
+        let [asymmetry, skew] = self.defects();
+        for (what, defect) in
+            [("M(q) is not symmetric", asymmetry), ("dM/dt − 2C is not skew", skew)]
+        {
+            if !is_none(defect) {
+                failures.push(format!("{what} by {defect:.1e}"));
+            }
         }
         failures.extend(self.driving.as_ref().map(driving));
         (!failures.is_empty()).then(|| {
@@ -158,6 +135,7 @@ impl fmt::Display for PhysicsCheck {
                 angles(&checks.weakest_q)
             )?;
         }
+        let [asymmetry, skew] = self.defects();
         let friction = self.driving.as_ref().map_or_else(
             || "at every speed up to the trained peak, constant offset left aside".to_owned(),
             driving,
@@ -167,10 +145,10 @@ impl fmt::Display for PhysicsCheck {
             "  M(q) symmetric          {:3}  largest relative asymmetry {:.1e}\n\
              \x20 dM/dt − 2C skew         {:3}  largest relative defect {:.1e}\n\
              \x20 friction takes power    {:3}  {friction}",
-            verdict(self.is_symmetric()),
-            self.asymmetry(),
-            verdict(self.is_skew()),
-            self.skew_defect(),
+            verdict(is_none(asymmetry)),
+            asymmetry,
+            verdict(is_none(skew)),
+            skew,
             verdict(self.driving.is_none()),
         )
     }
@@ -186,17 +164,19 @@ impl Serialize for PhysicsCheck {
                 "q": checks.weakest_q,
             })
         };
+        let [asymmetry, skew_defect] = self.defects();
+        let smallest_eigenvalue = trained.smallest_eigenvalue.min(whole.smallest_eigenvalue);
         let found = json!({
             "states": trained.states + whole.states,
             "passed": trained.passed() && whole.passed(),
-            "feasible": self.feasible(),
-            "positive_definite": self.feasible(),
-            "symmetric": self.is_symmetric(),
-            "skew": self.is_skew(),
+            "feasible": smallest_eigenvalue > 0.0,
+            "positive_definite": smallest_eigenvalue > 0.0,
+            "symmetric": is_none(asymmetry),
+            "skew": is_none(skew_defect),
             "friction_passive": driving.is_none(),
-            "smallest_eigenvalue": self.smallest_eigenvalue(),
-            "asymmetry": self.asymmetry(),
-            "skew_defect": self.skew_defect(),
+            "smallest_eigenvalue": smallest_eigenvalue,
+            "asymmetry": asymmetry,
+            "skew_defect": skew_defect,
             "trained": range(trained),
             "whole_turn": range(whole),
         });
@@ -207,6 +187,10 @@ impl Serialize for PhysicsCheck {
 /// `M(q) has the eigenvalue −0.1 kg·m² at q = (0.10, 2.00) rad`.
 fn eigenvalue_at(eigenvalue: f64, q: &[f64]) -> String {
     format!("M(q) has the eigenvalue {} kg·m² at q = {} rad", number(eigenvalue), angles(q))
+}
+
+fn is_none(defect: f64) -> bool {
+    defect < Checks::TOLERANCE
 }
 
 fn angles(q: &[f64]) -> String {

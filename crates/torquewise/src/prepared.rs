@@ -23,8 +23,8 @@ impl Prepared {
     pub fn logs(&self) -> &Logs {
         match self {
             Self::Plain(logs) => logs,
-            Self::Conditioned(logs) => logs.logs(),
-            Self::Raw(raw) => raw.conditioned().logs(),
+            Self::Conditioned(logs) => &logs.logs,
+            Self::Raw(raw) => &raw.conditioned.logs,
         }
     }
 
@@ -33,7 +33,7 @@ impl Prepared {
         match self {
             Self::Plain(_) => None,
             Self::Conditioned(logs) => Some(logs),
-            Self::Raw(raw) => Some(raw.conditioned()),
+            Self::Raw(raw) => Some(&raw.conditioned),
         }
     }
 
@@ -53,7 +53,7 @@ impl Prepared {
     /// The filter that a model fitted on them keeps.
     pub fn filter(&self) -> Option<Filter> {
         let logs = self.conditioned()?;
-        Some(Filter { cutoff_hz: logs.report().cutoff?, delay: logs.settings().delay })
+        Some(Filter { cutoff_hz: logs.report.cutoff?, delay: logs.settings.delay })
     }
 
     /// A sample of the motion with the torque as it was measured, and the white noise in the torque
@@ -61,14 +61,14 @@ impl Prepared {
     pub(crate) fn raw_torque(&self) -> Result<Option<(Motion, Vec<f64>)>, ReadError> {
         let Self::Raw(raw) = self else { return Ok(None) };
         let Some(motion) = raw.beside_raw_torque()? else { return Ok(None) };
-        let signals = &raw.conditioned().report().signals;
+        let signals = &raw.conditioned.report.signals;
         let noise = signals.iter().filter(|signal| signal.signal == "tau");
         Ok(Some((motion, noise.map(|signal| signal.noise.sigma).collect())))
     }
 
     /// What was done to the signals, if anything was.
     pub fn report(&self) -> Option<&ConditionReport> {
-        self.conditioned().map(ConditionedLogs::report)
+        self.conditioned().map(|logs| &logs.report)
     }
 
     /// What was repaired in each log at its last complete reading, by its name.

@@ -33,7 +33,7 @@ pub fn sum_up(
     request: Option<&Request>,
     observer: Observer<'_>,
 ) -> Result<(Summary, Prepared), Error> {
-    log.files().require_tau()?;
+    log.files.require_tau()?;
     let plan = options.plan(log.facts())?;
     let plan = match (request, &plan.method) {
         (Some(_), Method::Library(_)) => {
@@ -62,7 +62,7 @@ pub fn sum_up(
 /// How the signals were filtered: parts that were filtered otherwise do not add up.
 fn conditioning(log: &Prepared) -> String {
     let Some(logs) = log.conditioned() else { return "as recorded".to_owned() };
-    let settings = logs.settings();
+    let settings = &logs.settings;
     format!("{:?}, torque {:?} s late", settings.cutoff, settings.delay)
 }
 

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{Motion, ReadError, Recording, Signals};
 use torquewise_sim::arm::ArmParts;
 use torquewise_sim::friction::{Friction, Stribeck};
 use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
@@ -79,10 +79,9 @@ impl TwinLog {
     /// [`Error::Arm`] if a torque overflows.
     pub fn whole(&self) -> Result<Motion, Error> {
         let motion = self.motion.whole()?.motion;
-        let tau = self.torque.over(&self.torque.path().follow(0, &motion))?;
-        let mut signals = motion.into_signals();
-        signals.tau = Some(tau);
-        Ok(Motion::new(signals).map_err(torquewise_sim::SimError::from)?)
+        let tau = Some(self.torque.over(&self.torque.path().follow(0, &motion))?);
+        let motion = Motion::new(Signals { tau, ..motion.into_signals() });
+        Ok(motion.map_err(torquewise_sim::SimError::from)?)
     }
 }
 
@@ -97,10 +96,8 @@ impl Recording for TwinLog {
     ) -> Result<(), ReadError> {
         let mut path = self.torque.path();
         self.motion.read(&mut |trajectory, block| {
-            let tau = self.torque.over(&path.follow(trajectory, block))?;
-            let mut signals = block.clone().into_signals();
-            signals.tau = Some(tau);
-            visit(trajectory, &Motion::new(signals)?)
+            let tau = Some(self.torque.over(&path.follow(trajectory, block))?);
+            visit(trajectory, &Motion::new(Signals { tau, ..block.clone().into_signals() })?)
         })
     }
 }

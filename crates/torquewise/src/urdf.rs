@@ -39,13 +39,13 @@ pub fn known_geometry(
     let chain = UrdfChain::of_joints(text, joints, locked, gravity)?;
     let first = |links: &[String]| links.first().cloned().unwrap_or_default();
     let robot = RobotNames {
-        robot: chain.name().to_owned(),
-        base: first(chain.base()),
-        joints: chain.joints().iter().map(|joint| joint.name.clone()).collect(),
-        links: chain.joints().iter().map(|joint| first(&joint.links)).collect(),
-        frames: chain.joints().iter().map(frame).collect(),
+        robot: chain.name.clone(),
+        base: first(&chain.base),
+        joints: chain.joints.iter().map(|joint| joint.name.clone()).collect(),
+        links: chain.joints.iter().map(|joint| first(&joint.links)).collect(),
+        frames: chain.joints.iter().map(frame).collect(),
     };
-    Ok(KnownGeometry { geometry: chain.geometry().clone(), robot: Some(robot) })
+    Ok(KnownGeometry { geometry: chain.geometry.clone(), robot: Some(robot) })
 }
 
 fn frame(joint: &UrdfJoint) -> LinkFrame {

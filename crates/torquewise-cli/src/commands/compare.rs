@@ -26,12 +26,11 @@ pub(crate) struct Arguments {
     filter: FilterArguments,
 }
 
-/// Fits with both methods and scores both.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let options = arguments.plan.options("stepwise")?;
     let open = |paths: &[PathBuf]| -> Result<_> {
         let log = arguments.filter.open(paths)?;
-        log.files().require_tau()?;
+        log.files.require_tau()?;
         Ok(log)
     };
     let train = arguments.filter.prepare(&open(&arguments.logs)?, Rows::Filtered)?;

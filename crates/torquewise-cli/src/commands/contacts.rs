@@ -10,10 +10,10 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use torquewise::external::{Contact, ExternalOptions, Thresholds, contacts};
-use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
+use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::{Model, number};
 use torquewise::report::chart_figure;
-use torquewise::report::html::{Axis, Chart, Growing, Guide, Series};
+use torquewise::report::html::{Chart, Growing, Guide, Series};
 
 /// External torque of a log by the momentum observer, and contacts beyond a threshold
 ///
@@ -56,7 +56,6 @@ fn positive(text: &str) -> Result<f64, String> {
     known.ok_or_else(|| "expected a number above 0, at most 10000".to_owned())
 }
 
-/// Observes, lists and writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain(&arguments.free).chain([&arguments.model]);
     let figure = arguments.figure.iter().map(|file| (file.as_path(), &["svg"][..]));
@@ -70,11 +69,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         false_alarms_per_hour: arguments.false_alarms,
     };
     let names = (1..=model.n_joints()).map(|joint| format!("tau_external{joint}"));
-    let columns: Vec<Column> = std::iter::once("t".to_owned())
-        .chain(names)
-        .map(|name| Column::new(name, ColumnKind::Number))
-        .collect();
-    let mut table = TableWriter::create(&staged(&arguments.output)?, &columns)?;
+    let names: Vec<String> = std::iter::once("t".to_owned()).chain(names).collect();
+    let mut table = TableWriter::create(&staged(&arguments.output)?, &Column::numbers(&names))?;
     let mut rows = 0;
     let mut curves = vec![Growing::default(); model.n_joints()];
     let (thresholds, found) =
@@ -98,15 +94,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// One chart per joint: its curve between its thresholds.
 fn charts(curves: Vec<Growing>, model: &Model, thresholds: &Thresholds) -> Vec<Chart> {
-    let chart = |((curve, name), most): ((Growing, &String), &f64)| Chart {
-        title: name.clone(),
-        x: Axis::named("time [s]"),
-        y: Axis::named("external torque [N·m]"),
-        guides: [1.0, -1.0].map(|sign| Guide::at_y(sign * most, "threshold")).to_vec(),
-        series: vec![Series::line("external torque", curve.into_points())],
-        ..Chart::default()
+    let chart = |((curve, name), most): ((Growing, &String), &f64)| {
+        let guides = [1.0, -1.0].map(|sign| Guide::at_y(sign * most, "threshold")).to_vec();
+        let series = vec![Series::line("external torque", curve.into_points())];
+        Chart { guides, ..Chart::over(name, ["time [s]", "external torque [N·m]"], series) }
     };
     curves.into_iter().zip(&model.joints).zip(&thresholds.torque).map(chart).collect()
 }
@@ -118,7 +110,7 @@ fn outcome(
     found: &[Contact],
     rows: usize,
 ) -> Outcome {
-    let mut table = Table::new(&["joint", "threshold [N·m]"]);
+    let mut table = Table::new(["joint", "threshold [N·m]"]);
     for (name, most) in model.joints.iter().zip(&thresholds.torque) {
         table.row(name, [number(*most)]);
     }
@@ -132,7 +124,7 @@ fn outcome(
     );
     if !found.is_empty() {
         let mut table =
-            Table::new(&["from [s]", "to [s]", "joint", "largest [N·m]", "of threshold"]);
+            Table::new(["from [s]", "to [s]", "joint", "largest [N·m]", "of threshold"]);
         for contact in found.iter().take(MOST_PRINTED) {
             let Contact { begin, end, joint, torque, factor } = contact;
             let cells =

@@ -15,7 +15,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use torquewise::control::{Gains, Law, Learned, Plant, Tracking, compare, mean_inertia};
 use torquewise::dynamics::Arm;
-use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
+use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::Model;
 use torquewise::motion::Motion;
 use torquewise::twin;
@@ -85,7 +85,6 @@ struct Compared {
     runs: Vec<Run>,
 }
 
-/// Controls, then writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { output, plot, report, .. } = arguments;
     let mut inputs = vec![arguments.model.clone(), PathBuf::from(&arguments.arm)];
@@ -174,9 +173,7 @@ fn write_table(file: &Path, compared: &Compared) -> Result<()> {
             values.extend((0..n).map(|joint| Values::Numbers(x.col_as_slice(joint))));
         }
     }
-    let columns: Vec<Column> =
-        names.into_iter().map(|name| Column::new(name, ColumnKind::Number)).collect();
-    let mut writer = TableWriter::create(&staged(file)?, &columns)?;
+    let mut writer = TableWriter::create(&staged(file)?, &Column::numbers(&names))?;
     writer.append(&values)?;
     Ok(writer.finish()?)
 }

@@ -143,7 +143,7 @@ fn write_files(arguments: &Arguments, log: &Motion, found: &[Found], svg: &str) 
 
 fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found]) -> String {
     let Arguments { arm, seconds, rate, case, output, .. } = arguments;
-    let mut patterns = Table::new(&["pattern", "rows", "purity [%]"]);
+    let mut patterns = Table::new(["pattern", "rows", "purity [%]"]);
     for purity in purities {
         let cells = [purity.rows.to_string(), format!("{:.2}", purity.percent())];
         patterns.row(purity.pattern.name(), cells);

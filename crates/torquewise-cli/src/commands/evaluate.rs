@@ -58,7 +58,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     })
 }
 
-/// Seconds above 0.
 fn horizon(text: &str) -> std::result::Result<f64, String> {
     let found = text.parse::<f64>().map_err(|error| error.to_string())?;
     if found > 0.0 && found.is_finite() { Ok(found) } else { Err("give seconds above 0".into()) }

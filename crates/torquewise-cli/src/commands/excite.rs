@@ -14,6 +14,7 @@ use torquewise::excite::{
 };
 use torquewise::logs::LogWriter;
 use torquewise::motion::Recording;
+use torquewise::motion::stats::whole;
 
 /// Plan the recordings from which a model can be reconstructed
 ///
@@ -89,7 +90,6 @@ struct Files {
     figure: PathBuf,
 }
 
-/// Plans, then writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let arm = read_arm(&arguments.arm, &arguments.lock)?;
     let limits = limits(&arm, &arguments.wishes())?;
@@ -106,12 +106,7 @@ fn plan_and_write(arguments: &Arguments, limits: &[Limits], files: &Files) -> Re
         let bar = share_bar();
         bar.set_length(1000);
         excite(limits, &arguments.plan(), &mut |share, doing| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "from 0 to 1000; a float cast saturates"
-            )]
-            bar.set_position((1000.0 * share) as u64);
+            bar.set_position(whole(1000.0 * share) as u64);
             bar.set_message(doing);
         })?
     };

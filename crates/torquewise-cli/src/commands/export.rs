@@ -76,7 +76,6 @@ const PRECISIONS: [Word<Precision>; 2] =
 
 const TEST_STATES: usize = 1000;
 
-/// Writes the code, and test vectors beside it.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { to, output, .. } = arguments;
     check_usage(arguments)?;
@@ -211,7 +210,7 @@ fn outcome(
     program: &Program,
     vectors: Option<&Path>,
 ) -> Outcome {
-    let mut table = Table::new(&["function", "+ - * /", "sin cos exp tanh"]);
+    let mut table = Table::new(["function", "+ - * /", "sin cos exp tanh"]);
     let mut costs = serde_json::Map::new();
     for quantity in Quantity::ALL {
         let cost = program.cost(quantity);

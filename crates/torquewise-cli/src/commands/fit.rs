@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let test = Some(&arguments.test).filter(|test| !test.is_empty());
     let test = test.map(|test| arguments.signals.open(test)).transpose()?;
     if let Some(test) = &test {
-        test.files().require_tau()?;
+        test.files.require_tau()?;
         if test.joints() != log.joints() {
             let [found, expected] = [test, &log].map(|log| log.joints().join(", "));
             return Err(Error::OtherArm { found, expected }.into());
@@ -101,7 +101,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// The report of a model over its logs and those of another motion.
 fn report(arguments: &Arguments, fit: &FitResult, test: Option<&Prepared>) -> Result<String> {
     let [logs, tests] = [&arguments.logs, &arguments.test]
         .map(|paths| paths.iter().map(|path| log_file(path)).collect::<Vec<_>>());
@@ -118,14 +117,12 @@ fn report(arguments: &Arguments, fit: &FitResult, test: Option<&Prepared>) -> Re
     Ok(page(fit, test, origin, &watch())?.unwrap_or_default())
 }
 
-/// A log by its name and age.
 fn log_file(path: &Path) -> LogFile {
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
     let written = path.metadata().and_then(|metadata| metadata.modified());
     LogFile { name, date: written.map_or_else(|_| String::new(), date) }
 }
 
-/// Day and minute in UTC.
 fn date(time: SystemTime) -> String {
     DateTime::<Utc>::from(time).format("%Y-%m-%d %H:%M UTC").to_string()
 }
@@ -197,9 +194,8 @@ fn rows(fit: &FitResult) -> String {
     format!("{} rows, {:.1} s at {rate} Hz{filter}\n\n", survey.rows, survey.seconds)
 }
 
-/// What each step was offered and kept.
 fn steps(fit: &FitResult) -> String {
-    let mut steps = Table::new(&["step", "rows", "candidates", "active per joint", "seconds"]);
+    let mut steps = Table::new(["step", "rows", "candidates", "active per joint", "seconds"]);
     for (step, seconds) in fit.steps.iter().zip(&fit.step_seconds) {
         let (rows, candidates) = (step.rows.to_string(), step.candidates.to_string());
         steps.row(step.name, [rows, candidates, counts(&step.active), format!("{seconds:.3}")]);
@@ -207,7 +203,6 @@ fn steps(fit: &FitResult) -> String {
     steps.text()
 }
 
-/// What is left of the torque of each joint.
 fn joints(summary: &FitSummary<'_>) -> String {
     let mut headings = vec!["joint", "terms", "residual [N·m]", "residual [% of std]"];
     let mut errors = vec![summary.residual_rms, &summary.residual_percent];
@@ -218,7 +213,7 @@ fn joints(summary: &FitSummary<'_>) -> String {
         headings.push("held out [% of std]");
         errors.push(&held_out);
     }
-    let mut table = Table::new(&headings);
+    let mut table = Table::new(headings);
     for (joint, name) in summary.joints.iter().enumerate() {
         let errors = errors.iter().map(|values| values.get(joint).copied().unwrap_or(f64::NAN));
         let terms = summary.active[joint].to_string();
@@ -227,12 +222,11 @@ fn joints(summary: &FitSummary<'_>) -> String {
     table.text()
 }
 
-/// What was chosen on held-out data, and its error.
 fn choices(model: &Model) -> String {
     if model.choices.is_empty() {
         return String::new();
     }
-    let mut table = Table::new(&["chosen on held-out rows", "", "error [%]", "from"]);
+    let mut table = Table::new(["chosen on held-out rows", "", "error [%]", "from"]);
     for choice in &model.choices {
         let error = choice.from.iter().find(|candidate| candidate.label == choice.chosen);
         let error = error.map_or_else(String::new, |chosen| number(100.0 * chosen.error));

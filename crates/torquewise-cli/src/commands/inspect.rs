@@ -48,7 +48,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     })
 }
 
-/// What was done to the signals before they were looked at.
 fn signals_text(recorded: &Prepared) -> String {
     recorded.report().map_or_else(String::new, |report| format!("\nsignals\n{report}\n"))
 }
@@ -72,7 +71,6 @@ fn suggested(arguments: &Arguments) -> Option<Outcome> {
     })
 }
 
-/// Names as one line shows them, whatever they hold.
 fn escaped(names: &[String]) -> String {
     names.iter().map(|name| name.escape_debug().to_string()).collect::<Vec<_>>().join(", ")
 }
@@ -101,16 +99,8 @@ fn text(inspection: &Inspection) -> String {
 
 fn motion_table(inspection: &Inspection) -> Table {
     let survey = &inspection.survey;
-    let headings = [
-        "joint",
-        "q from",
-        "to [rad]",
-        "dq to [rad/s]",
-        "ddq to [rad/s²]",
-        "tau mean",
-        "std [N·m]",
-    ];
-    let mut table = Table::new(&headings);
+    let motion = ["joint", "q from", "to [rad]", "dq to [rad/s]", "ddq to [rad/s²]"];
+    let mut table = Table::new(motion.into_iter().chain(["tau mean", "std [N·m]"]));
     for (joint, name) in survey.joints.iter().enumerate() {
         let [low, high] = survey.q_range[joint];
         let torque = [survey.torque_mean[joint], survey.torque_std[joint]]
@@ -126,8 +116,7 @@ fn noise_text(survey: &Survey) -> String {
     if survey.noise.is_none() {
         return "no white noise seen\n".to_owned();
     }
-    let headings = ["noise floor", "q [rad]", "dq [rad/s]", "ddq [rad/s²]"];
-    let mut table = Table::new(&headings);
+    let mut table = Table::new(["noise floor", "q [rad]", "dq [rad/s]", "ddq [rad/s²]"]);
     for (joint, name) in survey.joints.iter().enumerate() {
         table.row(name, [q[joint], dq[joint], ddq[joint]].map(number));
     }

@@ -18,7 +18,6 @@ pub(crate) struct Arguments {
     output: PathBuf,
 }
 
-/// Adds up and writes, one part in memory at a time.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(&arguments.parts, [(arguments.output.as_path(), &[][..])])?;
     let (first, others) = arguments.parts.split_at(1);

@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let figure = arguments.output.iter().map(|file| (file.as_path(), &["svg"][..]));
     check_files(&arguments.logs, figure)?;
     let log = arguments.filter.open(&arguments.logs)?;
-    log.files().require_tau()?;
+    log.files.require_tau()?;
     let logs = arguments.filter.prepare(&log, Rows::Filtered)?;
     let plan = OrderPlan {
         trig_order: arguments.trig_order,
@@ -102,17 +102,12 @@ fn curve_json(curve: &OrderCurve) -> Value {
     })
 }
 
-/// A table of the residuals of one library, its chosen order marked.
 fn curve_text(curve: &OrderCurve, joints: &[String]) -> String {
     let whole = curve.points.iter().any(|point| point.motion_order > 0);
     let order = if curve.name == "energy" { "interaction" } else { "N1" };
-    let errors: Vec<String> = joints.iter().map(|name| format!("{name} [%]")).collect();
-    let mut headings = vec![order];
-    headings.extend(whole.then_some("N2"));
-    headings.push("candidates");
-    headings.extend(errors.iter().map(String::as_str));
-    headings.push("");
-    let mut table = Table::new(&headings);
+    let numbers = [Some(order), whole.then_some("N2"), Some("candidates")].into_iter().flatten();
+    let errors = joints.iter().map(|name| format!("{name} [%]"));
+    let mut table = Table::new(numbers.map(String::from).chain(errors).chain([String::new()]));
     for (place, point) in curve.points.iter().enumerate() {
         let mut cells = Vec::new();
         cells.extend(whole.then(|| point.motion_order.to_string()));

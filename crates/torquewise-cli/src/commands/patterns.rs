@@ -32,7 +32,6 @@ pub(crate) struct Arguments {
     filter: FilterArguments,
 }
 
-/// Clusters the logs and labels their rows, counted from 1 through all logs.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     check_files(&arguments.logs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let log = arguments.filter.open(&arguments.logs)?;

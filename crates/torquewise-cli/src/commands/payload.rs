@@ -29,29 +29,22 @@ pub(crate) struct Arguments {
 }
 
 /// Names of the components, and their unit.
-const ROWS: [(&str, &str); 10] = [
-    ("mass", "kg"),
-    ("centre x", "m"),
-    ("centre y", "m"),
-    ("centre z", "m"),
-    ("Ixx", "kg m2"),
-    ("Iyy", "kg m2"),
-    ("Izz", "kg m2"),
-    ("Ixy", "kg m2"),
-    ("Ixz", "kg m2"),
-    ("Iyz", "kg m2"),
+const ROWS: [(&[&str], &str); 3] = [
+    (&["mass"], "kg"),
+    (&["centre x", "centre y", "centre z"], "m"),
+    (&["Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz"], "kg m2"),
 ];
 
-/// Estimates and prints, and writes the arm with its load.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let inputs = arguments.logs.iter().chain([&arguments.model]);
     check_files(inputs, arguments.output.iter().map(|file| (file.as_path(), &[][..])))?;
     let model = read_model(&arguments.model)?;
     let log = arguments.signals.open(&arguments.logs)?;
     let found = payload(&model, &log, &watch())?;
-    let mut table = Table::new(&["load", "value", "±", "unit"]);
+    let mut table = Table::new(["load", "value", "±", "unit"]);
     let all = std::iter::once(found.mass).chain(found.center).chain(found.inertia);
-    for ((name, unit), estimated) in ROWS.iter().zip(all) {
+    let names = ROWS.iter().flat_map(|(names, unit)| names.iter().map(move |name| (name, unit)));
+    for ((name, unit), estimated) in names.zip(all) {
         let Estimated { value, std_error } = estimated;
         table.row(name, [number(value), number(std_error), (*unit).to_owned()]);
     }
@@ -64,7 +57,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         found.rows,
         table.text()
     );
-    let mut left = Table::new(&["torque left [N m]", "without load", "with load"]);
+    let mut left = Table::new(["torque left [N m]", "without load", "with load"]);
     let pairs = found.residual_without.iter().zip(&found.residual_with);
     for (joint, (without, with)) in model.joints.iter().zip(pairs) {
         left.row(joint, [number(*without), number(*with)]);

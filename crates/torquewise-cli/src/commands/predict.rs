@@ -12,7 +12,7 @@ use faer::Mat;
 use serde_json::json;
 use std::path::PathBuf;
 use torquewise::log::Rows;
-use torquewise::logs::{Column, ColumnKind, TableWriter, Values};
+use torquewise::logs::{Column, TableWriter, Values};
 use torquewise::model::{Model, Torque, number};
 use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::observe::Watched;
@@ -64,9 +64,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let written =
         Written { torque: Torque::new(&model), parts: arguments.parts, interval, measured };
     let names = written.column_names(model.n_joints());
-    let columns: Vec<Column> =
-        names.iter().map(|name| Column::new(name.as_str(), ColumnKind::Number)).collect();
-    let mut writer = TableWriter::create(&staged(&arguments.output)?, &columns)?;
+    let mut writer = TableWriter::create(&staged(&arguments.output)?, &Column::numbers(&names))?;
     let mut range = MotionRange::new(model.n_joints());
     let mut largest = vec![0.0_f64; model.n_joints()];
     let mut rows = 0;
@@ -123,7 +121,6 @@ impl Written<'_> {
         std::iter::once("t".to_owned()).chain(signals.iter().flat_map(numbered)).collect()
     }
 
-    /// Writes the torque of a block, and returns it.
     fn append(&self, writer: &mut TableWriter, block: &Motion) -> Result<Mat<f64>, ReadError> {
         let parts = self.torque.parts(block)?;
         let total = parts.total();
@@ -157,7 +154,7 @@ fn outcome(
     range: &MotionRange,
 ) -> Outcome {
     let file = arguments.output.display().to_string();
-    let mut table = Table::new(&["joint", "largest |tau| [N·m]"]);
+    let mut table = Table::new(["joint", "largest |tau| [N·m]"]);
     for (name, &largest) in model.joints.iter().zip(largest) {
         table.row(name, [number(largest)]);
     }

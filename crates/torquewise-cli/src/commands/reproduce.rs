@@ -31,7 +31,6 @@ fn failed(source: PaperError) -> CliError {
     CliError::Experiment { source }
 }
 
-/// Experiments, then writes.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let Arguments { output, seed, quick, .. } = arguments;
     let usual = if *quick { Settings::quick(*seed) } else { Settings::full(*seed) };

@@ -76,7 +76,6 @@ const PARTS: [Word<Kind>; 4] = [
     ("friction", "F(q, q̇)", Kind::Friction),
 ];
 
-/// Prints, and checks if asked to.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let model = read_model(&arguments.model)?;
     let selection = arguments.selection(&model)?;
@@ -163,7 +162,6 @@ fn learned_text(model: &Model, selection: &Selection) -> Result<String> {
 const GEOMETRY: &str = "Geometry at q = 0, z up; no torque tells where a joint lies along its own \
                         axis\n";
 
-/// How the inertial parameters are to be read.
 const LINKS: &str = "Links, ± standard error, – where it is not resolved: first moments [kg·m] and \
                      moments of inertia\nabout the origin of the joint [kg·m²]; mass, m·z and Iyy \
                      are counted into the link before\n";
@@ -179,10 +177,9 @@ fn states(text: &str) -> Result<usize, String> {
     }
 }
 
-/// What there was to choose from, and what was taken.
 fn choice_text(choice: &Choice) -> String {
     let Choice { what, chosen, rule, from } = choice;
-    let mut table = Table::new(&["candidate", "error [%]", "± [%]", "coefficients", ""]);
+    let mut table = Table::new(["candidate", "error [%]", "± [%]", "coefficients", ""]);
     for candidate in from {
         let [error, std_error] = [candidate.error, candidate.std_error].map(|x| number(100.0 * x));
         let mark = if candidate.label == *chosen { "chosen" } else { "" };

@@ -163,10 +163,9 @@ fn outcome(
     Outcome { text, json, ..Outcome::default() }
 }
 
-/// The built-in arms, fewest joints first.
 fn list() -> Outcome {
     let mut text = String::new();
-    let mut table = Table::new(&["arm", "joints"]);
+    let mut table = Table::new(["arm", "joints"]);
     for arm in arms() {
         table.row(arm.name, [arm.joints.to_string()]);
     }

@@ -38,7 +38,6 @@ pub(crate) struct Arguments {
     selection: SelectionArguments,
 }
 
-/// Solves and writes a model, or what the next pass over the logs is asked for.
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let request = arguments.request.clone();
     let request = request.unwrap_or_else(|| arguments.output.with_extension("request"));

@@ -200,7 +200,7 @@ fn fit_filtered(seed: u64) -> Reconstruction {
     std::fs::write(&path, text).unwrap();
     let logs = Logs::open(&[path]).unwrap();
     let rows = ConditionedLogs::new(logs, &Conditioning::default()).unwrap();
-    eprintln!("cut-off {:?}", rows.report().cutoff);
+    eprintln!("cut-off {:?}", rows.report.cutoff);
     reconstruct(&rows, &self::plan(), &mut |_| {}).unwrap()
 }
 

@@ -16,7 +16,6 @@ pub(super) const MAX_COLUMNS: usize = 10_000;
 
 pub(super) const LONGEST_NAME: usize = 4_096;
 
-/// How the elements of a matrix follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Order {
     ByRow,
@@ -57,7 +56,6 @@ pub(super) enum Packing {
 }
 
 impl Body {
-    /// The elements from number `first` on.
     fn open(&self, file: &Path, element: Element, first: u64) -> io::Result<Numbers> {
         let mut input = File::open(file)?;
         input.seek(SeekFrom::Start(self.start))?;
@@ -118,7 +116,6 @@ impl Array {
         count.checked_mul(element.size() as u64)
     }
 
-    /// The elements from number `first` on, as stored.
     pub(super) fn numbers(&self, file: &Path, first: u64) -> Result<Numbers, LogError> {
         let refused = |reason| LogError::Array {
             file: file.into(),

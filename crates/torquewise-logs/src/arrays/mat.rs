@@ -12,7 +12,6 @@ use std::path::Path;
 /// Structures within structures that are followed.
 const DEEPEST: usize = 16;
 
-/// The class of arrays of cells.
 const CELLS: u8 = 1;
 
 /// Bytes of the names of all fields of a structure at most.
@@ -21,7 +20,6 @@ const LONGEST_NAMES: u64 = 1 << 20;
 /// Variables and fields of a file at most, with empty ones.
 const MOST_PARTS: usize = 1_000_000;
 
-/// Goes through a file for names and shapes.
 pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
     let mut walk = Walk::default();
     let walked = walk.file(&mut BufReader::new(open_whole(file)?));
@@ -192,7 +190,6 @@ fn element(tag: Tag, array: &Array) -> Result<Element, &'static str> {
     }
 }
 
-/// Elements of an array with these dimensions.
 fn count(dimensions: &[usize]) -> usize {
     dimensions.iter().fold(1, |count, n| count.saturating_mul(*n))
 }

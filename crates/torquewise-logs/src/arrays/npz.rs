@@ -30,7 +30,6 @@ const KINDS: [(&str, Kind); 11] = [
     ("b1", Kind::U1),
 ];
 
-/// Reads the headers of all arrays.
 pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
     let input = BufReader::new(open_whole(file)?);
     guarded(file, || {
@@ -91,7 +90,6 @@ fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array
     Ok(Some(array))
 }
 
-/// What the header of an array of numbers says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Header {
     shape: Vec<usize>,

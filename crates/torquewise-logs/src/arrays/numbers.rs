@@ -2,7 +2,6 @@
 
 use std::io::{self, BufReader, Read};
 
-/// What an element of an array is stored as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     F4,
@@ -54,7 +53,6 @@ impl Element {
     }
 }
 
-/// Elements of an array from one of them on.
 pub(super) struct Numbers {
     input: BufReader<Box<dyn Read + Send>>,
     element: Element,

@@ -41,7 +41,6 @@ const INDICES: &str = "SELECT COUNT(*) FROM pragma_index_list('messages') AS lis
 const GENERATED: &str = "SELECT (SELECT COUNT(*) FROM pragma_table_xinfo('messages') WHERE hidden) \
     + (SELECT COUNT(*) FROM pragma_table_xinfo('topics') WHERE hidden)";
 
-/// All topics of a bag, with the number of their messages.
 pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
     let refused = LogError::decode(file, Format::Db3);
     let connection = open(file)?;
@@ -58,7 +57,6 @@ pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
     topics.collect::<Result<_, _>>().map_err(&refused)
 }
 
-/// The messages of a topic in order of the time they were received.
 pub(super) struct Db3Messages {
     file: PathBuf,
     connection: Bag,

@@ -16,7 +16,6 @@ pub(crate) struct JointState {
     pub(crate) effort: Vec<f64>,
 }
 
-/// What is wrong with a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Malformed {
     Encapsulation,

@@ -33,7 +33,6 @@ pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
     Ok(topics.into_values().collect())
 }
 
-/// The messages of a topic in the order of the file.
 pub(super) struct McapMessages {
     file: PathBuf,
     topic: Option<String>,

@@ -12,15 +12,6 @@ use std::path::Path;
 /// Stamps beyond this \[ns\] are dates; seconds since 1970 cannot tell microseconds in 64 bits.
 const LONGEST_RUN: i64 = 1_000_000_000_000_000;
 
-/// The messages of a topic, from the first.
-fn messages(file: &Path, format: Format, topic: &str) -> Result<Box<dyn Messages>, LogError> {
-    Ok(match format {
-        Format::Db3 => Box::new(Db3Messages::open(file, topic)?),
-        _ => Box::new(McapMessages::open(file, Some(topic))?),
-    })
-}
-
-/// What the joint states of a bag hold.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "one for each question")]
 pub(crate) struct Survey {
@@ -65,7 +56,10 @@ impl Survey {
     }
 
     pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>, LogError> {
-        messages(file, self.format, &self.topic)
+        Ok(match self.format {
+            Format::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
+            _ => Box::new(McapMessages::open(file, Some(&self.topic))?),
+        })
     }
 
     pub(super) fn aligned(&self) -> Aligned {
@@ -108,11 +102,8 @@ impl Survey {
             let (wanted, found) = (self.joints.join(", "), shown_names(&found));
             let problem =
                 format!(" has no message of the joints {wanted}, its first names {found}");
-            return Err(LogError::unusable(
-                file.display(),
-                &problem,
-                "name joints as the bag does",
-            ));
+            let help = "name joints as the bag does";
+            return Err(LogError::unusable(file.display(), &problem, help));
         }
         let first = if self.is_stamped { first_stamp } else { first_received };
         self.zero = if first > LONGEST_RUN { first } else { 0 };
@@ -120,7 +111,6 @@ impl Survey {
     }
 }
 
-/// Decodes a message, or says what is wrong with it.
 pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState, LogError> {
     let malformed = |wrong: super::joint_state::Malformed| {
         let problem = format!(": the message is no joint state, {}", wrong.reason());

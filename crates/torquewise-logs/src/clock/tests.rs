@@ -41,7 +41,7 @@ fn mended(block: &Raw, cuts: &[usize]) -> (Raw, Repairs) {
         begin = end;
     }
     parts.extend(lane.finish());
-    (super::joined(parts), lane.repairs().clone())
+    (super::joined(parts), lane.repairs.clone())
 }
 
 #[test]

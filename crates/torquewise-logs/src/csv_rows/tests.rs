@@ -15,7 +15,7 @@ fn read(text: &[u8]) -> Result<Vec<Vec<f64>>, LogError> {
     let rows = CsvRows::new(file, std::io::Cursor::new(text.to_vec()))?;
     let mapping = plain(file, rows.names())?;
     let mut rows = SignalRows::new(Box::new(rows), mapping, Clock::Strict, false)?;
-    let mut row = vec![0.0; rows.mapping().n_slots()];
+    let mut row = vec![0.0; rows.mapping.n_slots()];
     let mut read = Vec::new();
     while rows.next(&mut row)?.is_some() {
         read.push(row.clone());

@@ -41,7 +41,6 @@ impl Profile {
     }
 }
 
-/// Line of the byte `at`, 1 for the first.
 fn line_of(text: &str, at: usize) -> usize {
     1 + text.bytes().take(at).filter(|byte| *byte == b'\n').count()
 }

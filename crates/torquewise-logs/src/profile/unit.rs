@@ -35,12 +35,10 @@ pub(crate) fn time_factor(unit: Option<&str>) -> Option<f64> {
     unit.map_or(Some(1.0), |unit| find(&TIME, unit))
 }
 
-/// Whether torque is to be worked out from a current.
 pub(crate) fn is_current(unit: Option<&str>) -> bool {
     unit.is_some_and(|unit| unit == AMPERE || unit == "mA")
 }
 
-/// The units of a signal, to be named in errors.
 pub(crate) fn known(signal: Option<Signal>) -> String {
     let units = signal.map_or(&TIME[..], of);
     units.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")

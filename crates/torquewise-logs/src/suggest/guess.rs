@@ -44,7 +44,6 @@ pub(super) struct Family {
     pub(super) score: usize,
 }
 
-/// What was made out of the columns of a file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Found {
     pub(super) time: Option<String>,

@@ -14,7 +14,6 @@ impl Suggestion {
         Self { toml: "robot = \"\"\n".into(), reasons: Vec::new(), is_complete: false }
     }
 
-    /// Adds a line to the profile, or several.
     fn line(&mut self, line: impl AsRef<str>) {
         self.toml.push_str(line.as_ref());
         self.toml.push('\n');
@@ -41,7 +40,6 @@ pub(super) fn of_bag(joints: &[String], columns: &[String]) -> Suggestion {
     Suggestion { is_complete: !joints.is_empty(), ..draft }
 }
 
-/// A profile for a file of columns.
 pub(super) fn of_columns(found: &Found, measured: &Measured) -> Suggestion {
     let mut draft = Suggestion::new();
     if let Some(q) = found.get(Signal::Q) {

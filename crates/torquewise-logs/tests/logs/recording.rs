@@ -52,7 +52,7 @@ fn trajectories_too_short_to_filter_leave_the_others_their_numbers() {
     assert_eq!(numbers, [0, 2]);
     let a = Repairs { too_short: 10, splits: 1, ..Repairs::default() };
     assert_eq!(conditioned.repairs(), [("a".to_owned(), a)].into());
-    assert_eq!(conditioned.logs().file_of(2), Some(b.as_path()));
+    assert_eq!(conditioned.logs.file_of(2), Some(b.as_path()));
 }
 
 #[test]

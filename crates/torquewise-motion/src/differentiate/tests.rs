@@ -41,7 +41,7 @@ fn polynomials_up_to_the_degree_are_exact_on_every_row() {
 fn assert_exact_to_the_degree(t: &[f64], polynomial: LocalPolynomial, order: usize) {
     let impulses = Mat::identity(t.len(), t.len());
     let weights = derivative(t, impulses.as_ref(), polynomial, order).unwrap();
-    for power in 0..=polynomial.degree() {
+    for power in 0..=polynomial.degree {
         let x = column(t, |t| t.powi(i32::try_from(power).unwrap()));
         let derived = derivative(t, x.as_ref(), polynomial, order).unwrap();
         for (row, at) in t.iter().enumerate() {
@@ -157,7 +157,7 @@ fn input_that_cannot_be_differentiated_is_refused() {
     assert_eq!(window, MotionError::Window { half_window: 2, degree: 5 });
     assert_eq!(constant, MotionError::Window { half_window: 2, degree: 0 });
     assert_eq!(short, MotionError::TooFewRows { rows: 3, needed: 4 });
-    assert!(matches!(shape, MotionError::Shape { rows: 6, expected_rows: 5, .. }));
+    assert!(matches!(shape, MotionError::Shape { found: [6, _], expected: [5, _], .. }));
     assert_eq!(order, MotionError::Order { order: 4, degree: 3 });
     assert_eq!(repeated, MotionError::TimeOrder { row: 3 });
     assert_eq!(endless, MotionError::NotFinite { signal: "t", joint: 0, row: 2 });

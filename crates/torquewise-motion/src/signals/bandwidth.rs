@@ -10,6 +10,7 @@ use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, Raw, TAU};
 use crate::signals::settings::{Conditioning, Cutoff};
 use crate::signals::smooth::{Smooth, filter, smooth};
+use crate::stats::whole;
 use crate::{Motion, Signals};
 use faer::Mat;
 
@@ -87,8 +88,7 @@ impl Bandwidths {
             };
             plan.check(&even.columns)?;
             let m = even.columns.t.len();
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
-            let ends = (ENDS.0 * m as f64).min(ENDS.1 * plan.rate) as usize;
+            let ends = whole((ENDS.0 * m as f64).min(ENDS.1 * plan.rate));
             let rows = (ends..m.saturating_sub(ends)).step_by(every).collect();
             cleaned.push(Piece { plan, even, rows });
         }
@@ -141,16 +141,12 @@ impl Bandwidths {
                 DelayedTorque { delay, filtered, raw }
             })
             .collect();
-        let pick = |of: fn(&Smooth) -> &Mat<f64>| self.picked(&seen, of);
         let states = self.states(&seen);
-        let motion = Motion::new(Signals {
-            joints: self.joints.clone(),
-            t: self.stamps(),
-            q: pick(|smooth| &smooth.q),
-            dq: pick(|smooth| &smooth.dq),
-            ddq: pick(|smooth| &smooth.ddq),
-            tau: torques.first().map(|torque| torque.filtered.clone()),
-        })?;
+        let parts = seen.iter().zip(&self.pieces);
+        let parts: Vec<Motion> = parts.map(|(own, piece)| own.motion.select(&piece.rows)).collect();
+        let signals = Motion::joined(&self.joints, &parts)?.into_signals();
+        let tau = torques.first().map(|torque| torque.filtered.clone());
+        let motion = Motion::new(Signals { t: self.stamps(), tau, ..signals })?;
         let motion = motion.with_memory(Some(Memory::new(TRAVELS.to_vec(), states)));
         Ok(Some(Band { motion, torques }))
     }
@@ -183,8 +179,9 @@ impl Bandwidths {
         for (smooth, piece) in seen.iter().zip(&self.pieces) {
             let mut path = Path::new(n, &TRAVELS);
             let mut wanted = piece.rows.iter().peekable();
-            for row in 0..smooth.q.nrows() {
-                path.step(&smooth.q.row(row).iter().copied().collect::<Vec<f64>>());
+            let q = smooth.motion.q();
+            for row in 0..q.nrows() {
+                path.step(&q.row(row).iter().copied().collect::<Vec<f64>>());
                 if wanted.next_if_eq(&&row).is_some() {
                     let own = path.states().iter().enumerate();
                     own.for_each(|(k, state)| states[(out, k)] = *state);
@@ -204,16 +201,5 @@ impl Bandwidths {
             begin += t[t.len() - 1] - t[0] + APART;
         }
         stamps
-    }
-
-    /// A signal at the rows that are compared.
-    fn picked(&self, seen: &[Smooth], of: impl Fn(&Smooth) -> &Mat<f64>) -> Mat<f64> {
-        let rows: Vec<(&Mat<f64>, usize)> = (seen.iter().zip(&self.pieces))
-            .flat_map(|(smooth, piece)| {
-                let signal = of(smooth);
-                piece.rows.iter().map(move |&row| (signal, row))
-            })
-            .collect();
-        Mat::from_fn(rows.len(), self.joints.len(), |row, joint| rows[row].0[(rows[row].1, joint)])
     }
 }

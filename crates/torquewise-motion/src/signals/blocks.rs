@@ -9,13 +9,13 @@ use crate::signals::smooth::{filter, smooth};
 use crate::{Motion, Repairs};
 
 /// Rows that are conditioned at once, besides the overlap.
-pub const PART_ROWS: usize = 1 << 15;
+pub(crate) const PART_ROWS: usize = 1 << 15;
 
 /// Conditions one trajectory block by block.
 ///
 /// Blocks are gathered to parts of 2¹⁵ rows, or four times the overlap if that is more. Parts
 /// overlap by as much as the filter remembers, so that the rows are those of
-/// [`condition_by`](crate::signals::condition_by) on the whole trajectory, but for rounding.
+/// [`condition`](crate::signals::condition()) on the whole trajectory, but for rounding.
 #[derive(Clone, Debug)]
 pub struct Conditioner {
     plan: Plan,
@@ -29,7 +29,8 @@ pub struct Conditioner {
     rows_before: usize,
     /// Grid index of the next row to hand out.
     next: usize,
-    repairs: Repairs,
+    /// Spikes that were replaced and gaps that were bridged so far.
+    pub repairs: Repairs,
     counted_to: usize,
 }
 
@@ -55,7 +56,7 @@ impl Conditioner {
     /// Takes the next rows and hands out those that are done, in order.
     ///
     /// # Errors
-    /// Those of [`condition_by`](crate::signals::condition_by), and [`MotionError::Block`] if the block has
+    /// Those of [`condition`](crate::signals::condition()), and [`MotionError::Block`] if the block has
     /// other joints or signals than the first. Rows are counted from the first of the trajectory,
     /// those of shapes and values from the first of the block.
     pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>, MotionError> {
@@ -81,12 +82,6 @@ impl Conditioner {
         Ok(self.work_off(rows, true)?.into_iter().collect())
     }
 
-    /// Spikes that were replaced and gaps that were bridged so far.
-    pub fn repairs(&self) -> &Repairs {
-        &self.repairs
-    }
-
-    /// Appends the rows of a block to those that wait.
     fn join(&mut self, block: &Columns) -> Result<(), MotionError> {
         let Some(&first) = block.t.first() else { return Ok(()) };
         if self.origin.is_none() {
@@ -123,7 +118,7 @@ impl Conditioner {
         let smooth = smooth(&filtered, &even, &self.plan)?;
         let held_back = if last { self.plan.trim } else { self.overlap };
         let end = (even.first + even.columns.t.len()).saturating_sub(held_back).max(self.next);
-        let motion = smooth.rows(self.next..end, self.plan.keep_every)?;
+        let motion = smooth.rows(self.next..end, self.plan.keep_every);
         self.next = end;
         let needed = end.saturating_sub(self.overlap);
         let forgotten = if self.plan.base.timing.is_even() {

@@ -4,15 +4,13 @@ use crate::MotionError;
 use std::f64::consts::PI;
 
 /// Highest order a filter may have.
-pub const MAX_ORDER: usize = 24;
+pub(crate) const MAX_ORDER: usize = 24;
 
 /// One second-order section: H(z) = (b₀ + b₁z⁻¹ + b₂z⁻²) / (1 + a₁z⁻¹ + a₂z⁻²).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Section {
-    /// Numerator b₀, b₁, b₂.
-    pub b: [f64; 3],
-    /// Denominator 1, a₁, a₂.
-    pub a: [f64; 3],
+pub(crate) struct Section {
+    pub(crate) b: [f64; 3],
+    pub(crate) a: [f64; 3],
 }
 
 /// Butterworth low-pass filter by the pre-warped bilinear transform.
@@ -24,10 +22,7 @@ pub struct Section {
 ///
 /// Source: A. Oppenheim, R. Schafer, Discrete-Time Signal Processing, ch. 7. Checked against:
 /// scipy.signal.butter, of the same order of sections.
-///
-/// # Errors
-/// [`MotionError::FilterOrder`] or [`MotionError::Cutoff`].
-pub fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>, MotionError> {
+pub(crate) fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>, MotionError> {
     if order == 0 || order > MAX_ORDER {
         return Err(MotionError::FilterOrder { order, limit: MAX_ORDER });
     }
@@ -67,13 +62,13 @@ pub fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>, Mo
 
 /// Time after which the step response of [`low_pass`] is within `share` of its end \[s\]: that of
 /// its slowest pole.
-pub fn settle_time(order: usize, cutoff: f64, share: f64) -> f64 {
+pub(crate) fn settle_time(order: usize, cutoff: f64, share: f64) -> f64 {
     let damping = (PI / (2.0 * order.max(1) as f64)).sin();
     (1.0 / share).ln() / (2.0 * PI * cutoff * damping)
 }
 
 /// Runs `x` through the sections in place; `state` is one pair per section and is carried on.
-pub fn sosfilt(sections: &[Section], x: &mut [f64], state: &mut [[f64; 2]]) {
+pub(crate) fn sosfilt(sections: &[Section], x: &mut [f64], state: &mut [[f64; 2]]) {
     for (section, state) in sections.iter().zip(state) {
         let ([b0, b1, b2], [_, a1, a2]) = (section.b, section.a);
         let [mut first, mut second] = *state;
@@ -91,7 +86,7 @@ pub fn sosfilt(sections: &[Section], x: &mut [f64], state: &mut [[f64; 2]]) {
 /// State in which a filter that has always seen 1 stands, one pair per section.
 ///
 /// Checked against: `scipy.signal.sosfilt_zi`.
-pub fn sosfilt_zi(sections: &[Section]) -> Vec<[f64; 2]> {
+pub(crate) fn sosfilt_zi(sections: &[Section]) -> Vec<[f64; 2]> {
     let mut scale = 1.0;
     let mut states = Vec::with_capacity(sections.len());
     for Section { b, a } in sections {

@@ -1,7 +1,7 @@
 //! From Raw to Motion: one trajectory, cleaned, made even, filtered and derived.
 
 use crate::MotionError;
-use crate::signals::clean::{Even, Outliers, clean};
+use crate::signals::clean::{Even, Outliers};
 use crate::signals::delay::{Shift, lag};
 use crate::signals::derivative::even_derivative;
 use crate::signals::noise::{quantisation, standstill, white_noise};
@@ -41,25 +41,12 @@ pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned, Moti
     finish(&columns, &even, &plan)
 }
 
-/// Conditions a trajectory by a plan made from another one of the same arm.
-///
-/// # Errors
-/// Those of [`condition`], and [`MotionError::Block`] if the joints differ.
-pub fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, MotionError> {
-    let columns = raw.columns()?;
-    plan.check(&columns)?;
-    let first = columns.t.first().copied().unwrap_or_default();
-    let even = clean(&columns, &plan.base, (first, 0))?;
-    finish(&columns, &even, plan)
-}
-
 fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, MotionError> {
-    plan.check(columns)?;
     let filtered = filter(even, plan)?;
     let smooth = smooth(&filtered, even, plan)?;
     let rows = even.columns.t.len();
     let kept = plan.trim..rows.saturating_sub(plan.trim);
-    let motion = smooth.rows(kept, plan.keep_every)?.ok_or(MotionError::NothingLeft { rows })?;
+    let motion = smooth.rows(kept, plan.keep_every).ok_or(MotionError::NothingLeft { rows })?;
     // The lag is against the derivative of position, wherever velocity is taken from.
     let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
     let dq = even_derivative(q.as_ref(), plan.rate, 1)?;
@@ -156,4 +143,4 @@ fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shi
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

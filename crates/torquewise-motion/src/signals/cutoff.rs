@@ -7,9 +7,9 @@ use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
 /// Lowest cut-off that is ever chosen \[Hz\].
-pub const LOWEST: f64 = 0.5;
+pub(crate) const LOWEST: f64 = 0.5;
 /// Highest cut-off that is ever chosen, as a share of the rate.
-pub const HIGHEST: f64 = 0.4;
+pub(crate) const HIGHEST: f64 = 0.4;
 
 /// The first cut-off is so many times the band of the motion.
 const MARGIN: f64 = 8.0;
@@ -27,10 +27,7 @@ const LEAST_ROWS: usize = 64;
 ///
 /// Source: ten times the bandwidth of the motion is usual in the identification of robots, see
 /// A. Janot et al., IEEE Trans. Control Syst. Technol. 22 (2014); the fit begins wider still.
-///
-/// # Errors
-/// [`MotionError::TooFewRows`] below 64 rows, [`MotionError::Setting`] for a rate of 1 Hz or less.
-pub fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64, MotionError> {
+pub(crate) fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64, MotionError> {
     let rows = q.first().map_or(0, Vec::len);
     if rows < LEAST_ROWS {
         return Err(MotionError::TooFewRows { rows, needed: LEAST_ROWS });

@@ -1,12 +1,12 @@
 //! Two signals → delay between them, and a signal → the same signal shifted in time.
 
 use crate::MotionError;
-use crate::stats::correlation;
+use crate::stats::{correlation, whole};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
 /// Samples to each side that a shifted value is interpolated from.
-pub const TAPS: usize = 16;
+pub(crate) const TAPS: usize = 16;
 /// Shape of the Kaiser window over them.
 const KAISER: f64 = 9.0;
 /// Steps of the coarse search at most.
@@ -30,10 +30,7 @@ pub struct Shift {
 /// - `range`: \[s\]
 /// - `resolution`: of the coarse search \[s\], finer than the valley around the least error. The
 ///   result is right to a thousandth of it.
-///
-/// # Errors
-/// [`MotionError::Setting`] unless the range holds 1 to 10 000 steps.
-pub fn best_shift(
+pub(crate) fn best_shift(
     mut error: impl FnMut(f64) -> f64,
     range: RangeInclusive<f64>,
     resolution: f64,
@@ -44,8 +41,7 @@ pub fn best_shift(
         let expected = "1 to 10000 steps of the resolution";
         return Err(MotionError::Setting { what: "range of shifts", value: steps, expected });
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
-    let steps = steps as usize;
+    let steps = whole(steps);
     let step = (end - begin) / steps as f64;
     let mut worst_as_infinite = |seconds: f64| {
         let error = error(seconds);
@@ -94,7 +90,7 @@ fn golden(mut f: impl FnMut(f64) -> f64, mut low: f64, mut high: f64, width: f64
 /// by odd reflection: drop as many rows there as the shift is long.
 ///
 /// - `x`: m values at `rate` \[Hz\]
-pub fn shift(x: &[f64], rate: f64, seconds: f64) -> Vec<f64> {
+pub(crate) fn shift(x: &[f64], rate: f64, seconds: f64) -> Vec<f64> {
     shift_at(x, rate, seconds, 0..x.len())
 }
 
@@ -106,21 +102,21 @@ pub(crate) fn shift_at(
     rows: impl Iterator<Item = usize>,
 ) -> Vec<f64> {
     let samples = seconds * rate;
-    let whole = samples.floor();
-    let rest = samples - whole;
+    let steps = samples.floor();
+    let rest = samples - steps;
     if x.is_empty() || seconds == 0.0 || !samples.is_finite() {
         return rows.map(|row| x[row]).collect();
     }
     // Beyond this every value is a reflection anyway.
     let far = 2.0 * x.len() as f64;
     #[expect(clippy::cast_possible_truncation, reason = "bounded")]
-    let whole = whole.clamp(-far, far) as isize;
+    let steps = steps.clamp(-far, far) as isize;
     let taps = TAPS.cast_signed();
     let weights: Vec<f64> = (1 - taps..=taps).map(|k| weight(k as f64 - rest)).collect();
     let sum: f64 = weights.iter().sum();
     let value = |row: isize| {
         let terms = (1 - taps..=taps).zip(&weights);
-        terms.map(|(k, w)| w * reflected(x, row + whole + k)).sum::<f64>() / sum
+        terms.map(|(k, w)| w * reflected(x, row + steps + k)).sum::<f64>() / sum
     };
     rows.map(|row| value(row.cast_signed())).collect()
 }
@@ -164,10 +160,7 @@ fn reflected(x: &[f64], row: isize) -> f64 {
 /// - `range`: \[s\]
 /// - returns: the lag, positive if `measured` comes late; `error` is one less the squared
 ///   correlation. `None` if one of them does not move, or they are too short.
-///
-/// # Errors
-/// Those of [`best_shift`].
-pub fn lag(
+pub(crate) fn lag(
     derived: &[f64],
     measured: &[f64],
     rate: f64,
@@ -179,8 +172,7 @@ pub fn lag(
     if n < 16 || 4.0 * edge > n as f64 {
         return Ok(None);
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below n")]
-    let middle = edge as usize..n - edge as usize;
+    let middle = whole(edge)..n - whole(edge);
     let reference = &derived[middle.clone()];
     let unlike = |seconds: f64| {
         let shifted = shift(measured, rate, seconds);

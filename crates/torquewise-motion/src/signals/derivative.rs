@@ -9,7 +9,7 @@ use faer::{Mat, MatRef};
 const DEGREE: usize = 6;
 
 /// Rows that a derivative looks at on each side.
-pub const REACH: usize = DEGREE / 2;
+pub(crate) const REACH: usize = DEGREE / 2;
 
 /// Derivative of each column, the central difference of order six.
 ///
@@ -19,10 +19,7 @@ pub const REACH: usize = DEGREE / 2;
 /// - `x`: m×n, at `rate` \[Hz\]
 /// - `order`: 1 or 2
 /// - returns: m×n, per s^`order`
-///
-/// # Errors
-/// [`MotionError::TooFewRows`] below seven rows, or [`MotionError`].
-pub fn even_derivative(
+pub(crate) fn even_derivative(
     x: MatRef<'_, f64>,
     rate: f64,
     order: usize,

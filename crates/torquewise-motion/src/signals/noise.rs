@@ -39,7 +39,7 @@ pub struct WhiteNoise {
 /// Source: J. von Neumann et al., Ann. Math. Stat. 12 (1941); white noise gives Δ⁴x a variance of
 /// 70 σ². The median of |Δ⁴x| is taken, or the root mean square where that is next to nothing, as
 /// with an encoder that mostly stands on one step.
-pub fn white_noise(x: &[f64], still: &[bool]) -> WhiteNoise {
+pub(crate) fn white_noise(x: &[f64], still: &[bool]) -> WhiteNoise {
     let fourth = |w: &[f64]| w[0] - 4.0 * w[1] + 6.0 * w[2] - 4.0 * w[3] + w[4];
     let windows = || x.windows(5).zip(still.windows(5));
     let is_still = |still: &[bool]| still.iter().all(|still| *still);
@@ -67,7 +67,7 @@ fn deviation(values: Vec<f64>) -> f64 {
 /// - `dq`: velocity \[rad/s\], m
 ///
 /// Source: N. Otsu, IEEE Trans. Syst. Man Cybern. 9 (1979), without its histogram.
-pub fn standstill(dq: &[f64]) -> Vec<bool> {
+pub(crate) fn standstill(dq: &[f64]) -> Vec<bool> {
     let mut speeds: Vec<f64> = dq.iter().map(|dq| dq.abs()).collect();
     speeds.sort_by(f64::total_cmp);
     let total: f64 = speeds.iter().sum();
@@ -90,7 +90,7 @@ pub fn standstill(dq: &[f64]) -> Vec<bool> {
 /// It is the smallest distance between two different values, or a whole fraction of it, of which
 /// 99 % of the distances between neighbouring values are multiples to 5 %. Values that differ by
 /// no more than rounding count as equal.
-pub fn quantisation(x: &[f64]) -> Option<Quantisation> {
+pub(crate) fn quantisation(x: &[f64]) -> Option<Quantisation> {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
     let (low, high) = (*sorted.first()?, *sorted.last()?);

@@ -1,6 +1,7 @@
 //! From signal to spikes, and the signal without them: a Hampel filter that follows the motion.
 
 use crate::signals::noise::quantisation;
+use crate::signals::spline::lagrange;
 use crate::stats::median;
 
 const ROUNDS: usize = 3;
@@ -60,17 +61,17 @@ pub(crate) fn replace_outliers(t: &[f64], x: &mut [f64], scale: f64) -> Vec<usiz
     spikes
 }
 
-/// Puts values in the place of spikes.
 fn replace(t: &[f64], x: &mut [f64], spikes: &[usize], is_spike: &[bool]) {
     for &row in spikes {
         let good = |row: &usize| !is_spike[*row];
         let mut near: Vec<usize> = (0..row).rev().filter(good).take(2).collect();
         near.extend((row + 1..x.len()).filter(good).take(2));
-        x[row] = lagrange(t, x, &near, t[row]);
+        let stamps: Vec<f64> = near.iter().map(|&row| t[row]).collect();
+        let weights = lagrange(&stamps, t[row]);
+        x[row] = near.iter().zip(weights).map(|(&row, weight)| x[row] * weight).sum();
     }
 }
 
-/// Rows of all spikes no longer than they may be.
 fn find(x: &[f64], scale: f64) -> Vec<usize> {
     let mut space = Vec::with_capacity(2 * HALF_WINDOW + 1);
     let mut spikes = Vec::new();
@@ -159,15 +160,6 @@ fn distance(x: &[f64], row: usize, scale: f64, space: &mut Vec<f64>) -> Option<f
     let distance = space[width];
     let deviation = (1.4826 * median(space)).max(scale);
     (distance > THRESHOLD * deviation).then_some(distance)
-}
-
-/// The polynomial through the rows `near`, at `at`; the mean time step is no matter.
-fn lagrange(t: &[f64], x: &[f64], near: &[usize], at: f64) -> f64 {
-    let basis = |i: usize| -> f64 {
-        let others = near.iter().filter(|j| **j != i);
-        others.map(|&j| (at - t[j]) / (t[i] - t[j])).product()
-    };
-    near.iter().map(|&i| x[i] * basis(i)).sum()
 }
 
 #[cfg(test)]

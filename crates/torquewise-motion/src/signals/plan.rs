@@ -8,6 +8,7 @@ use crate::signals::delay::TAPS;
 use crate::signals::derivative::REACH;
 use crate::signals::raw::{Columns, Q, Raw};
 use crate::signals::settings::{Conditioning, Cutoff, ORDER, Trim};
+use crate::stats::whole;
 
 /// Samples per period of the cut-off that are kept.
 const OVERSAMPLING: f64 = 8.0;
@@ -87,7 +88,6 @@ impl Plan {
         self
     }
 
-    /// Samples per second that come out \[Hz\].
     pub(crate) fn rate_out(&self) -> f64 {
         self.rate / self.keep_every as f64
     }
@@ -123,14 +123,12 @@ impl Plan {
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
 
-    /// Refuses signals that are not those planned for.
     pub(crate) fn check(&self, columns: &Columns) -> Result<(), MotionError> {
         if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
     }
 }
 
 /// A number of rows; more than any log has stays more.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
 fn rows(x: f64) -> usize {
-    x.clamp(0.0, 1e12) as usize
+    whole(x.clamp(0.0, 1e12))
 }

@@ -4,7 +4,6 @@ use crate::MotionError;
 use crate::signals::spline::check_increasing;
 use faer::Mat;
 
-/// Names of the signals, in the order of [`Columns::signals`].
 pub(crate) const NAMES: [&str; 4] = ["q", "dq", "ddq", "tau"];
 /// Place of each signal in [`NAMES`].
 pub(crate) const Q: usize = 0;
@@ -52,15 +51,7 @@ impl Raw {
         let mut signals = [const { None }; 4];
         for ((signal, values), columns) in NAMES.into_iter().zip(all).zip(&mut signals) {
             let Some(values) = values else { continue };
-            if (values.nrows(), values.ncols()) != (rows, n) {
-                return Err(MotionError::Shape {
-                    signal,
-                    rows: values.nrows(),
-                    columns: values.ncols(),
-                    expected_rows: rows,
-                    expected_columns: n,
-                });
-            }
+            MotionError::check_shape(signal, values.as_ref(), [rows, n])?;
             for (joint, name) in self.joints.iter().enumerate() {
                 let column = values.col_as_slice(joint);
                 if let Some(row) = column.iter().position(|x| !x.is_finite()) {
@@ -80,7 +71,6 @@ impl Columns {
         signals.filter_map(|(place, columns)| columns.as_ref().map(|columns| (place, columns)))
     }
 
-    /// The first rows, as many as there are up to `rows`.
     pub(crate) fn head(&self, rows: usize) -> Self {
         let rows = rows.min(self.t.len());
         let cut = |columns: &Vec<Vec<f64>>| columns.iter().map(|x| x[..rows].to_vec()).collect();

@@ -2,12 +2,13 @@
 
 use crate::MotionError;
 use crate::Repairs;
-use crate::signals::spline::{check_increasing, interpolate};
+use crate::signals::spline::{check_increasing, interpolate, lagrange};
+use crate::stats::whole;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
 /// Jitter below which stamps count as even and are kept as they are.
-pub const EVEN: f64 = 1e-6;
+pub(crate) const EVEN: f64 = 1e-6;
 
 /// An even grid may have this many times the rows of the log, and 1000 more.
 const MAX_GROWTH: f64 = 4.0;
@@ -30,33 +31,26 @@ pub struct Timing {
 
 impl Timing {
     /// Whether the stamps need no resampling.
-    pub fn is_even(&self) -> bool {
+    pub(crate) fn is_even(&self) -> bool {
         self.jitter < EVEN
     }
 
     /// Rows that the longest gap lacks, a hundred thousand at most.
     pub(crate) fn rows_of_gap(&self) -> usize {
-        let rows = (self.longest_step * self.rate).ceil().clamp(0.0, 1e5);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
-        let rows = rows as usize;
-        rows
+        whole((self.longest_step * self.rate).ceil().clamp(0.0, 1e5))
     }
 
     /// `line_deviation` over what steps of this jitter give if each stamp errs by itself.
     ///
     /// About 1: the device sampled evenly, and the stamps are those of a jittery receiver. Far
     /// above 1: the steps themselves vary, or rows are lost. `None` for even stamps.
-    pub fn receive_ratio(&self) -> Option<f64> {
+    pub(crate) fn receive_ratio(&self) -> Option<f64> {
         (!self.is_even()).then(|| self.line_deviation / (self.jitter * 0.5_f64.sqrt()))
     }
 }
 
 /// How evenly `t` \[s\] is stamped.
-///
-/// # Errors
-/// [`MotionError::TooFewRows`] below four rows, [`MotionError::NotFiniteAt`] or
-/// [`MotionError::TimeOrder`].
-pub fn timing(t: &[f64]) -> Result<Timing, MotionError> {
+pub(crate) fn timing(t: &[f64]) -> Result<Timing, MotionError> {
     if t.len() < 4 {
         return Err(MotionError::TooFewRows { rows: t.len(), needed: 4 });
     }
@@ -95,10 +89,11 @@ fn line_deviation(t: &[f64]) -> f64 {
 }
 
 /// Stamps `origin` + k/`rate` that lie within `t`, and the first k.
-///
-/// # Errors
-/// [`MotionError::Gap`] if that would be many more rows than `t` has.
-pub fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>), MotionError> {
+pub(crate) fn grid(
+    t: &[f64],
+    origin: f64,
+    timing: &Timing,
+) -> Result<(usize, Vec<f64>), MotionError> {
     let Timing { rate, longest_step: gap, longest_step_row: row, .. } = *timing;
     let (Some(begin), Some(end)) = (t.first(), t.last()) else { return Ok((0, Vec::new())) };
     // Rounding must not lose the first or last row.
@@ -108,8 +103,7 @@ pub fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>)
     if rows.is_nan() || rows > MAX_GROWTH * t.len() as f64 + 1000.0 {
         return Err(MotionError::Gap { row, gap, step: 1.0 / rate, rows });
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded above")]
-    let (first, rows) = (first as usize, rows as usize);
+    let (first, rows) = (whole(first), whole(rows));
     Ok((first, (first..first + rows).map(|k| origin + k as f64 / rate).collect()))
 }
 
@@ -133,37 +127,20 @@ pub(crate) fn count_gaps(t: &[f64], rate: f64, repairs: &mut Repairs) {
 /// much on both sides. Elsewhere the cubic spline, which keeps to the neighbours. Nothing is
 /// delayed.
 #[derive(Clone, Debug)]
-pub struct Resampler {
+pub(crate) struct Resampler {
     /// Rows that are used, and their stamps.
     rows: Vec<usize>,
     t: Vec<f64>,
     at: Vec<f64>,
     /// First of the rows and their weights, for each time.
-    local: Vec<Option<(usize, Weights)>>,
-}
-
-/// Weights of rows that a value is interpolated from.
-#[derive(Clone, Debug)]
-enum Weights {
-    Near([f64; WIDTH]),
-    /// Of those on both sides of a gap.
-    Bridge(Vec<f64>),
-}
-
-impl Weights {
-    fn as_slice(&self) -> &[f64] {
-        match self {
-            Self::Near(weights) => weights,
-            Self::Bridge(weights) => weights,
-        }
-    }
+    local: Vec<Option<(usize, Vec<f64>)>>,
 }
 
 impl Resampler {
     /// - `t`: \[s\], strictly increasing, m
     /// - `at`: times to interpolate to \[s\], increasing
     /// - `rate`: usual rows per second \[Hz\]
-    pub fn new(t: &[f64], at: &[f64], rate: f64) -> Self {
+    pub(crate) fn new(t: &[f64], at: &[f64], rate: f64) -> Self {
         let mut rows: Vec<usize> = Vec::with_capacity(t.len());
         for row in 0..t.len() {
             if rows.last().is_none_or(|&last| (t[row] - t[last]) * rate >= SHORTEST) {
@@ -182,7 +159,7 @@ impl Resampler {
             }
             let begin = after.checked_sub(WIDTH / 2)?;
             let inside = begin + WIDTH <= t.len() && regular(begin);
-            inside.then(|| (begin, Weights::Near(lagrange(&t[begin..begin + WIDTH], at))))
+            inside.then(|| (begin, lagrange(&t[begin..begin + WIDTH], at)))
         });
         let local = local.collect();
         Self { rows, t, at: at.to_vec(), local }
@@ -191,10 +168,7 @@ impl Resampler {
     /// One signal at the new times.
     ///
     /// - `x`: m values
-    ///
-    /// # Errors
-    /// Those of [`interpolate`].
-    pub fn column(&self, x: &[f64]) -> Result<Vec<f64>, MotionError> {
+    pub(crate) fn column(&self, x: &[f64]) -> Result<Vec<f64>, MotionError> {
         let last = self.rows.last().map_or(0, |row| row + 1);
         if x.len() < last {
             return Err(MotionError::TooFewRows { rows: x.len(), needed: last });
@@ -203,7 +177,7 @@ impl Resampler {
         let mut values = interpolate(&self.t, &x, &self.at)?;
         for (value, local) in values.iter_mut().zip(&self.local) {
             if let Some((begin, weights)) = local {
-                *value = weights.as_slice().iter().zip(&x[*begin..]).map(|(w, x)| w * x).sum();
+                *value = weights.iter().zip(&x[*begin..]).map(|(w, x)| w * x).sum();
             }
         }
         Ok(values)
@@ -217,7 +191,7 @@ const BRIDGE: usize = 4;
 /// one time within it: a spline would take the noise of two rows for a slope.
 ///
 /// - `after`: the row at which the gap ends
-fn bridge(t: &[f64], after: usize, at: f64, rate: f64) -> Option<(usize, Weights)> {
+fn bridge(t: &[f64], after: usize, at: f64, rate: f64) -> Option<(usize, Vec<f64>)> {
     let (left, right) = (t[after - 1], t[after]);
     let reach = (right - left).max(WIDTH as f64 / rate);
     let begin = t[..after].partition_point(|t| *t < left - reach);
@@ -238,18 +212,7 @@ fn bridge(t: &[f64], after: usize, at: f64, rate: f64) -> Option<(usize, Weights
     let unit = Mat::from_fn(BRIDGE, 1, |k, _| f64::from(u8::from(k == 0)));
     let solved = gram.llt(Side::Lower).ok()?.solve(unit);
     let weight = |t: &f64| powers(*t).iter().enumerate().map(|(k, x)| x * solved[(k, 0)]).sum();
-    Some((begin, Weights::Bridge(t[begin..end].iter().map(weight).collect())))
-}
-
-/// Weights of the polynomial through values at `t`, at one time.
-fn lagrange(t: &[f64], at: f64) -> [f64; WIDTH] {
-    let mut weights = [1.0; WIDTH];
-    for (i, weight) in weights.iter_mut().enumerate() {
-        for j in (0..WIDTH).filter(|j| *j != i) {
-            *weight *= (at - t[j]) / (t[i] - t[j]);
-        }
-    }
-    weights
+    Some((begin, t[begin..end].iter().map(weight).collect()))
 }
 
 #[cfg(test)]

@@ -10,23 +10,14 @@ use crate::signals::raw::{Columns, Q, TAU, matrix};
 use crate::signals::settings::ORDER;
 use crate::signals::zero_phase::filtfilt;
 use crate::{Motion, Signals};
-use faer::Mat;
 use std::ops::Range;
 
 /// Filtered and derived signals on the even grid, row 0 at grid index `first`.
 pub(crate) struct Smooth {
     first: usize,
-    joints: Vec<String>,
-    t: Vec<f64>,
-    pub(crate) q: Mat<f64>,
-    pub(crate) dq: Mat<f64>,
-    pub(crate) ddq: Mat<f64>,
-    pub(crate) tau: Option<Mat<f64>>,
-    /// What the filter took from it.
-    removed_tau: Option<Mat<f64>>,
+    pub(crate) motion: Motion,
 }
 
-/// Every signal through the low-pass filter of the plan, if it has one.
 pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
@@ -51,32 +42,17 @@ pub(crate) fn smooth(filtered: &Columns, even: &Even, plan: &Plan) -> Result<Smo
         .map(|columns| columns.signals[TAU].as_ref().map(|tau| matrix(&advanced(tau))));
     let removed_tau = tau.as_ref().zip(raw).map(|(tau, raw)| raw - tau);
     let (joints, t) = (filtered.joints.clone(), filtered.t.clone());
-    Ok(Smooth { first: even.first, joints, t, q, dq, ddq, tau, removed_tau })
+    let motion = Motion::new(Signals { joints, t, q, dq, ddq, tau })?;
+    Ok(Smooth { first: even.first, motion: motion.with_removed_tau(removed_tau) })
 }
 
 impl Smooth {
     /// The rows of these grid indices that are not left out; `None` if there is none.
-    pub(crate) fn rows(
-        &self,
-        indices: Range<usize>,
-        keep_every: usize,
-    ) -> Result<Option<Motion>, MotionError> {
-        let end = indices.end.min(self.first + self.t.len());
+    pub(crate) fn rows(&self, indices: Range<usize>, keep_every: usize) -> Option<Motion> {
+        let end = indices.end.min(self.first + self.motion.n_rows());
         let begin = indices.start.max(self.first).next_multiple_of(keep_every);
         let rows: Vec<usize> =
             (begin..end).step_by(keep_every).map(|index| index - self.first).collect();
-        if rows.is_empty() {
-            return Ok(None);
-        }
-        let pick = |x: &Mat<f64>| Mat::from_fn(rows.len(), x.ncols(), |r, c| x[(rows[r], c)]);
-        let motion = Motion::new(Signals {
-            joints: self.joints.clone(),
-            t: rows.iter().map(|&row| self.t[row]).collect(),
-            q: pick(&self.q),
-            dq: pick(&self.dq),
-            ddq: pick(&self.ddq),
-            tau: self.tau.as_ref().map(pick),
-        })?;
-        Ok(Some(motion.with_removed_tau(self.removed_tau.as_ref().map(pick))))
+        (!rows.is_empty()).then(|| self.motion.select(&rows))
     }
 }

@@ -11,10 +11,7 @@ use crate::MotionError;
 ///
 /// Source: C. de Boor, A Practical Guide to Splines, ch. IV. Checked against:
 /// scipy.interpolate.CubicSpline.
-///
-/// # Errors
-/// [`MotionError::TooFewRows`], [`MotionError::NotFiniteAt`] or [`MotionError::TimeOrder`].
-pub fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, MotionError> {
+pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, MotionError> {
     if t.len() < 4 || x.len() < t.len() {
         return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: 4 });
     }
@@ -47,6 +44,15 @@ pub(crate) fn check_increasing(t: &[f64]) -> Result<(), MotionError> {
         Some(before) => Err(MotionError::TimeOrder { row: before + 1 }),
         None => Ok(()),
     }
+}
+
+/// Weights of values at `t` in the polynomial through them, at one time.
+pub fn lagrange(t: &[f64], at: f64) -> Vec<f64> {
+    let weight = |i: usize| {
+        let others = (0..t.len()).filter(|j| *j != i);
+        others.map(|j| (at - t[j]) / (t[i] - t[j])).product()
+    };
+    (0..t.len()).map(weight).collect()
 }
 
 /// Slopes at the samples, from the tridiagonal system of continuous curvature.

@@ -10,11 +10,7 @@ use crate::signals::butterworth::{Section, sosfilt, sosfilt_zi};
 ///
 /// Source: F. Gustafsson, IEEE Trans. Signal Process. 44 (1996). Checked against:
 /// scipy.signal.sosfiltfilt.
-///
-/// # Errors
-/// [`MotionError::TooFewRows`] unless `x` is longer than the padding, or
-/// [`MotionError::NotFiniteAt`].
-pub fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<(), MotionError> {
+pub(crate) fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<(), MotionError> {
     let (pad, n) = (padding(sections), x.len());
     if n <= pad {
         return Err(MotionError::TooFewRows { rows: n, needed: pad + 1 });
@@ -40,7 +36,7 @@ pub fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<(), MotionError> 
 }
 
 /// Samples by which [`filtfilt`] continues a signal at each end: three times the taps.
-pub fn padding(sections: &[Section]) -> usize {
+pub(crate) fn padding(sections: &[Section]) -> usize {
     let zeros_at_origin = sections.iter().filter(|section| section.b[2] == 0.0).count();
     let poles_at_origin = sections.iter().filter(|section| section.a[2] == 0.0).count();
     3 * (2 * sections.len() + 1 - zeros_at_origin.min(poles_at_origin))

@@ -1,6 +1,6 @@
 //! Beyond the paper: what each choice buys, more noise, less data, more joints.
 
-use crate::charts::{chart, colour};
+use crate::charts::colour;
 use crate::error::Result;
 use crate::method::Method;
 use crate::results::{Cell, Spread, Study};
@@ -96,7 +96,6 @@ pub(crate) fn points(settings: &Settings) -> [Vec<Row>; 2] {
     ]
 }
 
-/// More noise, less data.
 pub(crate) fn sweeps(settings: &Settings, trials: &Trials) -> Result<Study> {
     let mut study = Study::described("sweeps", Arm::builtin(settings.arm)?.n_joints());
     for (table, rows) in study.tables.iter_mut().zip(points(settings)) {
@@ -130,7 +129,7 @@ fn sweep(caption: &str, rows: &[Row], trials: &Trials) -> Chart {
     };
     let y = Axis::log("RMSE / std(torque), worst joint [%]");
     let series = Method::SWEPT.into_iter().map(line).collect();
-    chart(caption.trim_end_matches('.'), [x, y], series)
+    Chart::new(caption.trim_end_matches('.'), [x, y], series)
 }
 
 /// N₁ of the product libraries that are counted, and of their gravity step.

@@ -1,7 +1,7 @@
 //! An arm with friction, recorded, learned and controlled: friction, torque after each step, tracking
 //! (Fig. 10, 11).
 
-use crate::charts::{chart, step_lines};
+use crate::charts::step_lines;
 use crate::error::{Result, within};
 use crate::results::Study;
 use crate::scenario::Settings;
@@ -63,7 +63,6 @@ const NAMES: [&str; 6] = [
     "controller 2, perfect model",
 ];
 
-/// Records, learns, predicts and controls.
 pub(crate) fn study(settings: &Settings) -> Result<Study> {
     let plant = plant(settings)?;
     let model = learn(&plant, settings)?;
@@ -143,7 +142,7 @@ fn friction(plant: &Plant, model: &Model, study: &mut Study) -> Result {
         ];
         let guides = [-DEAD_ZONE, DEAD_ZONE].map(|at| Guide::at_x(at, "")).to_vec();
         let axes = ["speed [rad/s]", "friction [N·m]"].map(Axis::named);
-        let chart = chart(format!("Joint {}: friction", joint + 1), axes, series);
+        let chart = Chart::new(format!("Joint {}: friction", joint + 1), axes, series);
         study.figures[0].charts.push(Chart { guides, ..chart });
     }
     study.tables[0].push(&["".into()], worst_percent);
@@ -205,7 +204,7 @@ fn track(plant: &Plant, model: &Model, wanted: &Motion, settle: f64, study: &mut
         });
         let axes = ["time [s]", "error [mrad]"].map(Axis::named);
         let title = format!("Joint {}: tracking error", joint + 1);
-        Chart { linked: Some("control".into()), ..chart(title, axes, series.collect()) }
+        Chart { linked: Some("control".into()), ..Chart::new(title, axes, series.collect()) }
     };
     study.figures[2].charts = (0..wanted.n_joints()).map(of_joint).collect();
     Ok(())

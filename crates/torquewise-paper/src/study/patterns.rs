@@ -1,6 +1,5 @@
 //! Purity of the patterns in noisy motions, with the scaled and with the printed index (Fig. 1–3).
 
-use crate::charts::chart;
 use crate::error::{Result, within};
 use crate::results::Study;
 use crate::scenario::Settings;
@@ -28,7 +27,6 @@ struct Clustered {
     least_percent: f64,
 }
 
-/// Finds and judges the patterns at three levels of noise.
 pub(crate) fn study(settings: &Settings) -> Result<Study> {
     // The noise of the clustering figures.
     let clustering = Noise::from_db(f64::INFINITY, 60.0, 50.0)?;
@@ -93,7 +91,7 @@ fn plane(found: &Clustered, log: &Motion, truth: &[Pattern]) -> Chart {
     series.push(Series::new("cluster centres", Mark::Rings, Colour::Series(1), centres));
     let axes =
         ["activation of the velocity, I(dq) [–]", "activation of the acceleration, I(ddq) [–]"];
-    chart(format!("The {} index", found.index), axes.map(Axis::named), series)
+    Chart::new(format!("The {} index", found.index), axes.map(Axis::named), series)
 }
 
 /// What is left of the sum of squared distances to the centres of k clusters.
@@ -108,7 +106,7 @@ fn elbow(both: &[Clustered; 2]) -> Chart {
         guides.push(Guide::at_x(*elbow as f64, format!("elbow, {index}")));
     }
     let axes = [Axis::whole("clusters k"), Axis::log("inertia over that of one cluster [–]")];
-    Chart { guides, ..chart("Inertia of k clusters", axes, series) }
+    Chart { guides, ..Chart::new("Inertia of k clusters", axes, series) }
 }
 
 /// Joint speeds over time, and the pattern that each row is taken for.
@@ -123,7 +121,7 @@ fn motion(scaled: &Clustered, log: &Motion) -> Chart {
     };
     let axes = ["time [s]", "joint speed [rad/s]"].map(Axis::named);
     let series = (0..part.n_joints()).map(joint).collect();
-    let chart = chart("Joint speeds, coloured by the pattern found", axes, series);
+    let chart = Chart::new("Joint speeds, coloured by the pattern found", axes, series);
     Chart { bands: pattern_bands(part.t(), &scaled.patterns.label(&part)), ..chart }
 }
 

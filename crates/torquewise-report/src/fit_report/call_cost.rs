@@ -39,7 +39,6 @@ struct Choice {
     on_test: Option<f64>,
 }
 
-/// The models after each step with cost and error, and the best of them for each rate.
 pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
     let mut choices = Vec::new();
     for ((place, (name, model)), &cost) in
@@ -57,7 +56,6 @@ pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
     Ok(Section { heading: "Cost in a controller".into(), items })
 }
 
-/// The most accurate model that fits each rate, in words.
 fn advice(choices: &[Choice]) -> String {
     let best = |rate: f64| {
         let fitting = choices.iter().filter(|c| c.cost.percent_of_period(rate) <= 100.0 * MOST);
@@ -90,12 +88,8 @@ fn kilohertz(rate: f64) -> String {
 
 fn table(choices: &[Choice]) -> Table {
     let has_test = choices.iter().any(|choice| choice.on_test.is_some());
-    let mut columns = vec![
-        Column::words("torque of"),
-        Column::numbers("+ − ·"),
-        Column::numbers("sin cos exp tanh"),
-        Column::numbers("about [µs]"),
-    ];
+    let mut columns = vec![Column::words("torque of")];
+    columns.extend(["+ − ·", "sin cos exp tanh", "about [µs]"].map(Column::numbers));
     columns.extend(RATES.map(|rate| Column::numbers(format!("of {} [%]", kilohertz(rate)))));
     columns.push(Column::numbers("NRMSE, fitted log [%]"));
     columns.extend(has_test.then(|| Column::numbers("test log [%]")));

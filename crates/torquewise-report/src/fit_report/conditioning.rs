@@ -8,7 +8,6 @@ use torquewise_motion::Repairs;
 
 const DIGITS: usize = 3;
 
-/// Filter, repairs, ranges and noise.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let training = &findings.found.model.training;
     let total: Repairs = training.conditioning.values().sum();
@@ -44,17 +43,10 @@ pub(crate) fn section(findings: &Findings<'_>) -> Section {
 }
 
 fn columns() -> Vec<Column> {
-    let numbers = [
-        "spikes replaced",
-        "repeated stamps",
-        "held rows",
-        "other rows left out",
-        "late stamps",
-        "gaps bridged",
-        "longest [ms]",
-        "splits",
-    ];
-    std::iter::once(Column::words("log")).chain(numbers.map(Column::numbers)).collect()
+    let left_out = ["spikes replaced", "repeated stamps", "held rows", "other rows left out"];
+    let moved = ["late stamps", "gaps bridged", "longest [ms]", "splits"];
+    let numbers = left_out.into_iter().chain(moved).map(Column::numbers);
+    std::iter::once(Column::words("log")).chain(numbers).collect()
 }
 
 fn row(log: &str, repairs: &Repairs) -> Vec<Label> {
@@ -71,14 +63,8 @@ fn row(log: &str, repairs: &Repairs) -> Vec<Label> {
 
 fn reach(findings: &Findings<'_>) -> Table {
     let survey = &findings.found.survey;
-    let columns = [
-        "q from [rad]",
-        "to [rad]",
-        "largest |q̇| [rad/s]",
-        "largest |q̈| [rad/s²]",
-        "mean τ [N·m]",
-        "std of τ [N·m]",
-    ];
+    let motion = ["q from [rad]", "to [rad]", "largest |q̇| [rad/s]", "largest |q̈| [rad/s²]"];
+    let columns = [&motion[..], &["mean τ [N·m]", "std of τ [N·m]"]].concat();
     let numbers = |joint: usize| {
         let [low, high] = survey.q_range[joint];
         let peaks = [survey.dq_peak[joint], survey.ddq_peak[joint]];

@@ -1,7 +1,7 @@
 //! From findings to friction: its parameters, and its curves beside what was measured.
 
 use crate::fit_report::Findings;
-use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series, Table};
+use crate::html::{Chart, Colour, Item, Mark, Section, Series, Table};
 use faer::Mat;
 use torquewise_identify::diagnose::Trace;
 use torquewise_model::print::friction_tables;
@@ -17,7 +17,6 @@ const LEAST_ROWS: usize = 8;
 /// Half the length of a loop, in travels of a reversal.
 const REACH: f64 = 3.0;
 
-/// Parameters and curves of each shaft; nothing for an arm without friction.
 pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     let model = &findings.found.model;
     let shafts = ShaftFriction::all(model);
@@ -91,18 +90,13 @@ impl Seen<'_> {
             };
             speeds.iter().map(|&v| [v, at(v)]).collect()
         };
-        Chart {
-            title: self.shaft.name(),
-            x: Axis::named("velocity [rad/s]"),
-            y: Axis::named("friction [N·m]"),
-            series: vec![
-                grouped([forward, backward]),
-                Series::line("model", curve(0.0)),
-                Series::new("+ 2 errors", Mark::DashedLine, Colour::Faded, curve(2.0)),
-                Series::new("− 2 errors", Mark::DashedLine, Colour::Faded, curve(-2.0)),
-            ],
-            ..Chart::default()
-        }
+        let series = vec![
+            grouped([forward, backward]),
+            Series::line("model", curve(0.0)),
+            Series::new("+ 2 errors", Mark::DashedLine, Colour::Faded, curve(2.0)),
+            Series::new("− 2 errors", Mark::DashedLine, Colour::Faded, curve(-2.0)),
+        ];
+        Chart::over(self.shaft.name(), ["velocity [rad/s]", "friction [N·m]"], series)
     }
 
     /// Friction over position after reversals, without what depends on speed.
@@ -125,20 +119,16 @@ impl Seen<'_> {
             let curve = (0..=POINTS).map(|k| at(way * place(k))).collect();
             Series::new(label, Mark::Line, colour, curve)
         };
-        Some(Chart {
-            title: format!("{} after reversals", self.shaft.name()),
-            caption: "From the left on the way forward, from the right on the way backward; \
-                      without what depends on speed."
-                .into(),
-            x: Axis::named("position [rad]"),
-            y: Axis::named("friction [N·m]"),
-            series: vec![
-                grouped([points(forward), points(backward)]),
-                branch("model, forward", 1.0, Colour::Series(0)),
-                branch("model, backward", -1.0, Colour::Series(1)),
-            ],
-            ..Chart::default()
-        })
+        let series = vec![
+            grouped([points(forward), points(backward)]),
+            branch("model, forward", 1.0, Colour::Series(0)),
+            branch("model, backward", -1.0, Colour::Series(1)),
+        ];
+        let title = format!("{} after reversals", self.shaft.name());
+        let caption = "From the left on the way forward, from the right on the way backward; \
+                       without what depends on speed.";
+        let chart = Chart::over(title, ["position [rad]", "friction [N·m]"], series);
+        Some(Chart { caption: caption.into(), ..chart })
     }
 }
 

@@ -11,7 +11,6 @@ use torquewise_model::selection::Selection;
 /// Seconds of the log that move the skeleton, from its middle.
 const SECONDS: f64 = 60.0;
 const MOST_ROWS: usize = 600;
-/// The skeleton and a table of its axes; nothing for a model without a chain.
 pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     let chain = findings.found.model.chain.as_ref()?;
     let caption = "Drag to rotate. Coloured: the axes of the joints; grey: the shortest way from \

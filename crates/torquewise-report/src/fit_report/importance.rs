@@ -14,7 +14,6 @@ use torquewise_model::{FrictionTerm, Term, Weighted};
 const MOST_TERMS: usize = 8;
 const MOST_DROPPED: usize = 12;
 
-/// The most important terms of each joint; nothing for a model without terms.
 pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     let words = "Root mean square of what each term adds to the torque of its joint over the rows.";
     let model = &findings.found.model;

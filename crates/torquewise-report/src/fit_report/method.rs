@@ -5,11 +5,10 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::{count, significant};
-use crate::html::{Axis, Chart, Colour, Column, Item, Label, Mark, Section, Series, Table};
+use crate::html::{Chart, Colour, Column, Item, Label, Mark, Section, Series, Table};
 use torquewise_model::{Model, ModelError, Torque};
 use torquewise_motion::{Motion, Pattern};
 
-/// The patterns of motion and the steps of their regressions, folded.
 pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
     let words = format!(
         "K-means of the activation indices of velocity and acceleration told the rows apart, into \
@@ -37,17 +36,11 @@ fn patterns(findings: &Findings<'_>) -> Table {
         let numbers = [significant(share, 3), count(of(&found.names))].map(Label::from);
         [&[pattern.name().into()], &numbers[..], &[used.into()]].concat()
     };
-    Table {
-        caption: "A pattern is used if it has enough rows and what should be zero in them is."
-            .into(),
-        columns: vec![
-            Column::words("pattern"),
-            Column::numbers("rows [%]"),
-            Column::numbers("clusters"),
-            Column::words("used"),
-        ],
-        rows: Pattern::ALL.into_iter().map(row).collect(),
-    }
+    let caption = "A pattern is used if it has enough rows and what should be zero in them is.";
+    let [share, clusters] = ["rows [%]", "clusters"].map(Column::numbers);
+    let columns = vec![Column::words("pattern"), share, clusters, Column::words("used")];
+    let rows = Pattern::ALL.into_iter().map(row).collect();
+    Table { caption: caption.into(), columns, rows }
 }
 
 /// Terms and errors of each joint after each step (Fig. 10 of the paper).
@@ -88,15 +81,10 @@ fn motion(findings: &Findings<'_>) -> Chart {
         let points = clock.curve(|row| dq[(row, joint)]);
         Series::new(name, Mark::Line, Colour::Series(joint), points)
     };
-    Chart {
-        title: "Motion, coloured by pattern".into(),
-        x: Axis::named(clock::LABEL),
-        y: Axis::named("velocity [rad/s]"),
-        series: findings.joints().iter().enumerate().map(line).collect(),
-        bands: clock.bands(&trace.patterns),
-        linked: Some(LINK.into()),
-        ..Chart::default()
-    }
+    let series = findings.joints().iter().enumerate().map(line).collect();
+    let names = [clock::LABEL, "velocity [rad/s]"];
+    let chart = Chart::over("Motion, coloured by pattern", names, series);
+    Chart { bands: clock.bands(&trace.patterns), linked: Some(LINK.into()), ..chart }
 }
 
 /// The model after each step, and as it is, with their names.

@@ -57,7 +57,6 @@ impl Origin<'_> {
         (!table.rows.is_empty()).then(|| Item::Details { summary, items: vec![Item::Table(table)] })
     }
 
-    /// Version and date, then the command.
     pub(crate) fn foot(&self) -> Vec<String> {
         let dates = self.logs.iter().chain(self.tests).map(|log| log.date.as_str());
         let newest = dates.max().filter(|date| !date.is_empty());

@@ -4,7 +4,6 @@ use crate::html::number::{count, significant};
 use crate::html::{Callout, Column, Item, Section, Table, Tone};
 use torquewise_model::Checks;
 
-/// Each check with what a physical arm has, and what it means.
 pub(crate) fn section(checks: &Checks) -> Section {
     let (tone, verdict) = if checks.passed() {
         (Tone::Good, "A physical arm could have this model at every state examined.")
@@ -16,23 +15,16 @@ pub(crate) fn section(checks: &Checks) -> Section {
     let row = |name: &str, value: f64, expected: &str| {
         vec![name.into(), significant(value, 3).into(), expected.into()]
     };
-    let table = Table {
-        caption: format!("The worst of {} states.", count(checks.states)),
-        columns: vec![
-            Column::words("check"),
-            Column::numbers("found"),
-            Column::words("a physical arm has"),
-        ],
-        rows: vec![
-            row("smallest eigenvalue of M [kg·m²]", checks.smallest_eigenvalue, "more than zero"),
-            row("asymmetry of M", checks.asymmetry, "zero, but for rounding"),
-            row(
-                "defect of Ṁ − 2C from skew symmetry",
-                checks.skew_defect,
-                "zero, but for rounding",
-            ),
-        ],
-    };
+    let zero = "zero, but for rounding";
+    let rows = vec![
+        row("smallest eigenvalue of M [kg·m²]", checks.smallest_eigenvalue, "more than zero"),
+        row("asymmetry of M", checks.asymmetry, zero),
+        row("defect of Ṁ − 2C from skew symmetry", checks.skew_defect, zero),
+    ];
+    let [check, expected] = ["check", "a physical arm has"].map(Column::words);
+    let columns = vec![check, Column::numbers("found"), expected];
+    let caption = format!("The worst of {} states.", count(checks.states));
+    let table = Table { caption, columns, rows };
     let callout = Callout { tone, heading: String::new(), lines: vec![verdict.into()] };
     Section { heading: "Physics".into(), items: vec![Item::Callout(callout), Item::Table(table)] }
 }

@@ -5,7 +5,7 @@ use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
 use crate::html::number::significant;
-use crate::html::{Axis, Chart, Colour, Guide, Item, Mark, Section, Series};
+use crate::html::{Chart, Colour, Guide, Item, Mark, Section, Series};
 use faer::MatRef;
 use std::f64::consts::PI;
 
@@ -14,7 +14,6 @@ const MOST_POINTS: usize = 1_500;
 const TWO_SIGMA: f64 = 1.96;
 const UNIT: &str = "residual [N·m]";
 
-/// What the model leaves unexplained, joint by joint.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let words = "Measured minus predicted torque. White noise looks like a band without shape, \
                  follows the normal curve and is not correlated in time. A step at zero velocity \
@@ -52,19 +51,11 @@ impl Residual<'_> {
     }
 
     fn over_time(&self, clock: &Clock) -> Chart {
-        Chart {
-            title: "Over time".into(),
-            x: Axis::named(clock::LABEL),
-            y: Axis::named(UNIT),
-            series: vec![Series::line("residual", clock.curve(|row| self.at(row)))],
-            bands: if self.findings.is_stepwise() {
-                clock.bands(&self.findings.diagnosis.trace.patterns)
-            } else {
-                Vec::new()
-            },
-            linked: Some(LINK.into()),
-            ..Chart::default()
-        }
+        let series = vec![Series::line("residual", clock.curve(|row| self.at(row)))];
+        let chart = Chart::over("Over time", [clock::LABEL, UNIT], series);
+        let is_stepwise = self.findings.is_stepwise();
+        let bands = is_stepwise.then(|| clock.bands(&self.findings.diagnosis.trace.patterns));
+        Chart { bands: bands.unwrap_or_default(), linked: Some(LINK.into()), ..chart }
     }
 
     fn over(&self, signal: MatRef<'_, f64>, label: &str) -> Chart {
@@ -73,14 +64,9 @@ impl Residual<'_> {
         let rows = (0..taken).map(|place| place * m / taken.max(1));
         let points = rows.map(|row| [signal[(row, self.joint)], self.at(row)]).collect();
         let name = label.split(' ').next().unwrap_or(label);
-        Chart {
-            title: format!("Over {name}"),
-            x: Axis::named(label),
-            y: Axis::named(UNIT),
-            series: vec![Series::new("residual", Mark::Cloud, Colour::Series(0), points)],
-            guides: vec![Guide::at_y(0.0, "")],
-            ..Chart::default()
-        }
+        let series = vec![Series::new("residual", Mark::Cloud, Colour::Series(0), points)];
+        let chart = Chart::over(format!("Over {name}"), [label, UNIT], series);
+        Chart { guides: vec![Guide::at_y(0.0, "")], ..chart }
     }
 
     fn histogram(&self) -> Chart {
@@ -96,16 +82,11 @@ impl Residual<'_> {
         let peak = rows as f64 * histogram.width / (score.rmse * (2.0 * PI).sqrt());
         let normal = |x: f64| peak * (-0.5 * (x / score.rmse).powi(2)).exp();
         let curve = points.iter().map(|[x, _]| [*x, normal(*x)]).collect();
-        Chart {
-            title: "Distribution".into(),
-            x: Axis::named(UNIT),
-            y: Axis::named("rows"),
-            series: vec![
-                Series::new("residual", Mark::Bars, Colour::Measured, points),
-                Series::new("normal curve of the same RMSE", Mark::Line, Colour::Series(1), curve),
-            ],
-            ..Chart::default()
-        }
+        let series = vec![
+            Series::new("residual", Mark::Bars, Colour::Measured, points),
+            Series::new("normal curve of the same RMSE", Mark::Line, Colour::Series(1), curve),
+        ];
+        Chart::over("Distribution", [UNIT, "rows"], series)
     }
 
     fn autocorrelation(&self) -> Chart {
@@ -119,14 +100,9 @@ impl Residual<'_> {
             points.len(),
             significant(band, 2)
         );
-        Chart {
-            title: "Autocorrelation".into(),
-            caption,
-            x: Axis::named("lag [rows]"),
-            y: Axis::named("correlation with the residual before"),
-            series: vec![Series::new("autocorrelation", Mark::Bars, Colour::Series(0), points)],
-            guides: vec![Guide::at_y(band, "95 %"), Guide::at_y(-band, "")],
-            ..Chart::default()
-        }
+        let series = vec![Series::new("autocorrelation", Mark::Bars, Colour::Series(0), points)];
+        let names = ["lag [rows]", "correlation with the residual before"];
+        let guides = vec![Guide::at_y(band, "95 %"), Guide::at_y(-band, "")];
+        Chart { caption, guides, ..Chart::over("Autocorrelation", names, series) }
     }
 }

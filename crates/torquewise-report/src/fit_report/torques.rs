@@ -3,14 +3,13 @@
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::html::number::significant;
-use crate::html::{Axis, Chart, Colour, Item, Mark, Section, Series};
+use crate::html::{Chart, Colour, Item, Mark, Section, Series};
 use torquewise_identify::Diagnosis;
 use torquewise_model::{Model, Torque};
 
 /// Charts of time with this word share their zoom.
 pub(crate) const LINK: &str = "time";
 
-/// One chart per joint, measured torque behind the predicted one, and friction by itself if any.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let mut items = vec![Item::Text(
         "Drag across a chart to zoom in, double-click to see all again; all charts over time \
@@ -66,12 +65,8 @@ fn chart(
     let friction = (!friction.is_empty()).then(|| {
         Series::new("friction", Mark::Line, Colour::Series(1), clock.curve(|row| friction[row]))
     });
-    Chart {
-        title: format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3)),
-        x: Axis::named(clock::LABEL),
-        y: Axis::named("torque [N·m]"),
-        series: measured.into_iter().chain([predicted]).chain(friction).collect(),
-        linked: Some(link.into()),
-        ..Chart::default()
-    }
+    let title = format!("{}, NRMSE {} %", score.name, significant(score.nrmse_percent, 3));
+    let series = measured.into_iter().chain([predicted]).chain(friction).collect();
+    let chart = Chart::over(title, [clock::LABEL, "torque [N·m]"], series);
+    Chart { linked: Some(link.into()), ..chart }
 }

@@ -25,7 +25,6 @@ pub(crate) fn lead(findings: &Findings<'_>) -> String {
     )
 }
 
-/// Verdict with its reasons, errors of each joint, and what kind of model it is.
 pub(crate) fn section(findings: &Findings<'_>) -> Section {
     let mut items = vec![verdict(findings), error_table(findings), Item::Text(words(findings))];
     items.extend(findings.origin.files());
@@ -44,7 +43,6 @@ fn verdict(findings: &Findings<'_>) -> Item {
     Item::Callout(callout)
 }
 
-/// What to do about each warning, then with the model.
 pub(crate) fn next(findings: &Findings<'_>) -> Section {
     let (remarks, warnings): (Vec<&Warning>, Vec<&Warning>) =
         findings.found.warnings.iter().partition(|warning| warning.is_remark());

@@ -26,6 +26,18 @@ pub struct Chart {
     pub linked: Option<String>,
 }
 
+impl Chart {
+    /// Series over axes that are as long as they need, x and y.
+    pub fn new(title: impl Into<String>, [x, y]: [Axis; 2], series: Vec<Series>) -> Self {
+        Self { title: title.into(), x, y, series, ..Self::default() }
+    }
+
+    /// The same over linear axes of these names.
+    pub fn over(title: impl Into<String>, names: [&str; 2], series: Vec<Series>) -> Self {
+        Self::new(title, names.map(Axis::named), series)
+    }
+}
+
 /// One axis of a chart.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Axis {
@@ -59,16 +71,20 @@ impl Axis {
 }
 
 /// How the points of a series are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Mark {
     /// A thin line from left to right.
     #[default]
     Line,
     /// A broad line, for what others are compared with.
+    #[serde(rename = "broad")]
     BroadLine,
     /// A dashed line.
+    #[serde(rename = "dashed")]
     DashedLine,
     /// A line with a dot at each point.
+    #[serde(rename = "dotted")]
     DottedLine,
     /// A cloud of dots.
     Cloud,
@@ -79,33 +95,9 @@ pub enum Mark {
 }
 
 impl Mark {
-    /// Every one of them.
-    pub const ALL: [Self; 7] = [
-        Self::Line,
-        Self::BroadLine,
-        Self::DashedLine,
-        Self::DottedLine,
-        Self::Cloud,
-        Self::Rings,
-        Self::Bars,
-    ];
-
     /// Whether points are joined from left to right, so that peaks matter more than density.
     pub(crate) fn is_line(self) -> bool {
         !matches!(self, Self::Cloud | Self::Rings)
-    }
-
-    /// Its name in the script of the page.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Line => "line",
-            Self::BroadLine => "broad",
-            Self::DashedLine => "dashed",
-            Self::DottedLine => "dotted",
-            Self::Cloud => "cloud",
-            Self::Rings => "rings",
-            Self::Bars => "bars",
-        }
     }
 }
 

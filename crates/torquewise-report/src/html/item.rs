@@ -8,8 +8,10 @@ use crate::html::equation::Equation;
 use crate::html::markup::script_json;
 use crate::html::skeleton::Skeleton;
 use crate::html::spec::spec_json;
-use crate::html::table::{Column, Table};
+use crate::html::table::Table;
+use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
+use serde::Serialize;
 
 /// One part of a section.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +57,8 @@ pub struct Callout {
 }
 
 /// What a box wants of its reader.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Tone {
     /// To be careful.
     Warning,
@@ -84,8 +87,7 @@ impl<'a> Writer<'a> {
         let (kind, item) = match item {
             Item::Text(text) => ("text", context! { text => text.as_str() }),
             Item::Callout(Callout { tone, heading, lines }) => {
-                let tone = format!("{tone:?}").to_lowercase();
-                ("callout", context! { tone, heading, lines })
+                ("callout", context! { tone => Serde(tone), heading, lines })
             }
             Item::Table(table) => ("table", table_view(table)),
             Item::Charts(all) => {
@@ -111,11 +113,15 @@ impl<'a> Writer<'a> {
 
     fn chart(&mut self, chart: &Chart) -> Result<Value, ReportError> {
         self.charts += 1;
-        let series: Vec<_> =
-            chart.series.iter().map(|s| key(&s.label, s.colour, s.mark.name())).collect();
+        let series: Vec<_> = chart
+            .series
+            .iter()
+            .map(|s| key(&s.label, s.colour, Value::from(Serde(s.mark))))
+            .collect();
         let guides = chart.guides.iter().filter(|guide| !guide.label.is_empty());
-        let guides = guides.map(|guide| key(&guide.name(), Colour::Faded, "dashed"));
-        let bands = chart.bands.iter().map(|band| key(&band.label, band.colour, "band"));
+        let guides = guides.map(|guide| key(&guide.name(), Colour::Faded, Value::from("dashed")));
+        let bands =
+            chart.bands.iter().map(|band| key(&band.label, band.colour, Value::from("band")));
         let bands: Vec<_> = bands.chain(guides).collect();
         let has_legend = series.len() + bands.len() > 1;
         let is_cloud = chart.series.iter().any(|s| matches!(s.mark, Mark::Cloud | Mark::Rings));
@@ -134,11 +140,9 @@ impl<'a> Writer<'a> {
 }
 
 fn table_view(table: &Table) -> Value {
-    let column = |c: &Column| context! { heading => c.heading.as_str(), numeric => c.numeric };
-    let columns: Vec<_> = table.columns.iter().map(column).collect();
     let rows: Vec<Vec<Value>> =
         table.cells().iter().map(|row| row.iter().map(|cell| safe(cell)).collect()).collect();
-    context! { caption => table.caption.as_str(), columns, rows }
+    context! { caption => table.caption.as_str(), columns => Serde(&table.columns), rows }
 }
 
 fn bars_view(bars: &Bars) -> Value {
@@ -154,7 +158,7 @@ fn bars_view(bars: &Bars) -> Value {
     }
 }
 
-fn key(label: &str, colour: Colour, mark: &str) -> Value {
+fn key(label: &str, colour: Colour, mark: Value) -> Value {
     context! { label, colour => colour.variable(), mark }
 }
 

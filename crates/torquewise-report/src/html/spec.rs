@@ -1,10 +1,10 @@
 //! From chart to JSON for the script of a page: thinned columns of short numbers.
 
 use crate::error::ReportError;
-use crate::html::chart::{Axis, Band, Chart, Guide, Position};
+use crate::html::chart::{Axis, Band, Chart, Guide, Mark, Position};
 use crate::html::markup::script_json;
 use crate::html::number::{Plotted, rounded};
-use crate::html::thin::{MOST_POINTS, Sorted, rows_of_cloud, rows_of_curves, sorted};
+use crate::html::thin::{Sorted, rows_of, sorted};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -24,7 +24,7 @@ struct Spec<'a> {
 struct SeriesSpec<'a> {
     label: &'a str,
     colour: String,
-    mark: &'static str,
+    mark: Mark,
     column: usize,
     y: Vec<Plotted>,
     /// Ends of the error bars, or nothing.
@@ -32,12 +32,12 @@ struct SeriesSpec<'a> {
     high: Vec<Plotted>,
 }
 
-/// The text of the script tag that holds what a chart draws.
 pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
     let mut columns: Vec<Vec<Plotted>> = Vec::new();
     let mut series: Vec<Option<SeriesSpec<'_>>> = chart.series.iter().map(|_| None).collect();
     for group in groups(chart) {
-        let rows = rows_of(chart, &group);
+        let mark = chart.series[group[0].place].mark;
+        let rows = rows_of(mark, &group.iter().map(|curve| &curve.points).collect::<Vec<_>>());
         let first = &group[0].points;
         let x: Vec<f64> = rows.iter().map(|&row| first.points[row][0]).collect();
         for curve in &group {
@@ -57,7 +57,6 @@ pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
     script_json(&spec)
 }
 
-/// A series from left to right.
 struct Curve {
     place: usize,
     points: Sorted,
@@ -85,19 +84,6 @@ fn same_x(a: &[[f64; 2]], b: &[[f64; 2]]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a[0].total_cmp(&b[0]).is_eq())
 }
 
-fn rows_of(chart: &Chart, group: &[Curve]) -> Vec<usize> {
-    let m = group[0].points.points.len();
-    if !chart.series[group[0].place].mark.is_line() {
-        return rows_of_cloud(m, MOST_POINTS);
-    }
-    let heights: Vec<Vec<f64>> = group
-        .iter()
-        .map(|curve| curve.points.points.iter().map(|point| point[1]).collect())
-        .collect();
-    let curves: Vec<&[f64]> = heights.iter().map(Vec::as_slice).collect();
-    rows_of_curves(&curves, m, MOST_POINTS)
-}
-
 fn series_spec<'a>(
     chart: &'a Chart,
     curve: &Curve,
@@ -117,7 +103,7 @@ fn series_spec<'a>(
     SeriesSpec {
         label: &series.label,
         colour: series.colour.variable(),
-        mark: series.mark.name(),
+        mark: series.mark,
         column,
         y: rounded(&y),
         low: pick(0),
@@ -149,8 +135,9 @@ fn guide_spec(guide: &Guide) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::html::chart::{Mark, Series};
+    use crate::html::chart::Series;
     use crate::html::colour::Colour;
+    use crate::html::thin::MOST_POINTS;
 
     fn spec(chart: &Chart) -> Value {
         serde_json::from_str(&spec_json(chart).unwrap()).unwrap()

@@ -2,6 +2,7 @@
 
 use crate::html::markup::Label;
 use crate::html::number::aligned;
+use serde::Serialize;
 
 /// Rows under headings.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,7 +16,7 @@ pub struct Table {
 }
 
 /// Heading of a column.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Column {
     /// What its cells are, with the unit in brackets.
     pub heading: String,
@@ -60,11 +61,8 @@ impl Table {
     pub(crate) fn cells(&self) -> Vec<Vec<String>> {
         let mut rows = vec![vec![String::new(); self.columns.len()]; self.rows.len()];
         for (place, column) in self.columns.iter().enumerate() {
-            let cells: Vec<String> = self
-                .rows
-                .iter()
-                .map(|row| row.get(place).map_or_else(String::new, Label::to_string))
-                .collect();
+            let cell = |row: &Vec<Label>| row.get(place).map_or_else(String::new, Label::to_string);
+            let cells: Vec<String> = self.rows.iter().map(cell).collect();
             let cells = if column.numeric { aligned(&cells) } else { cells };
             for (row, cell) in rows.iter_mut().zip(cells) {
                 row[place] = cell;

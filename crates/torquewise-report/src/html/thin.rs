@@ -1,11 +1,10 @@
 //! From points to rows to draw: from left to right, few, with every peak among them.
 
-use crate::html::chart::Series;
+use crate::html::chart::{Mark, Series};
 
 /// Points of a chart at most, per curve.
 pub(crate) const MOST_POINTS: usize = 4_000;
 
-/// A series from left to right.
 pub(crate) struct Sorted {
     pub(crate) points: Vec<[f64; 2]>,
     /// Ends of the error bar of each point, or nothing.
@@ -67,15 +66,21 @@ pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
     (0..most).map(|place| place * m / most).collect()
 }
 
-/// The points of a series that are drawn.
+/// Rows to draw of series over the same abscissae.
+pub(crate) fn rows_of(mark: Mark, all: &[&Sorted]) -> Vec<usize> {
+    let m = all[0].points.len();
+    if !mark.is_line() {
+        return rows_of_cloud(m, MOST_POINTS);
+    }
+    let heights = |sorted: &&Sorted| sorted.points.iter().map(|point| point[1]).collect();
+    let heights: Vec<Vec<f64>> = all.iter().map(heights).collect();
+    rows_of_curves(&heights.iter().map(Vec::as_slice).collect::<Vec<_>>(), m, MOST_POINTS)
+}
+
 pub(crate) fn thinned(series: &Series, log: bool) -> Sorted {
-    let Sorted { points, spread } = sorted(series, log);
-    let rows = if series.mark.is_line() {
-        let heights: Vec<f64> = points.iter().map(|point| point[1]).collect();
-        rows_of_curves(&[&heights], points.len(), MOST_POINTS)
-    } else {
-        rows_of_cloud(points.len(), MOST_POINTS)
-    };
+    let all = sorted(series, log);
+    let rows = rows_of(series.mark, &[&all]);
+    let Sorted { points, spread } = all;
     let spread = rows.iter().filter_map(|&row| spread.get(row).copied()).collect();
     Sorted { points: rows.iter().map(|&row| points[row]).collect(), spread }
 }

@@ -26,10 +26,6 @@ pub enum Law {
 }
 
 impl Law {
-    /// Every one of them.
-    pub const ALL: [Self; 5] =
-        [Self::Pid, Self::Controller1, Self::Controller2, Self::ComputedTorque, Self::HandGuiding];
-
     /// Name in tables and files.
     pub fn name(self) -> &'static str {
         match self {
@@ -44,13 +40,13 @@ impl Law {
 
 /// A controller at work.
 pub struct Controller<'a> {
-    law: Law,
+    pub(crate) law: Law,
     known: &'a dyn Knowledge,
-    gains: Gains,
+    pub(crate) gains: Gains,
     /// Commands are kept within ± this \[N·m\], n.
     limit: Vec<f64>,
     cutoff: f64,
-    period: f64,
+    pub(crate) period: f64,
     /// The way of the desired motion.
     path: Path,
     integral: Vec<f64>,
@@ -114,19 +110,6 @@ impl<'a> Controller<'a> {
     /// Number of joints n.
     pub fn n_joints(&self) -> usize {
         self.limit.len()
-    }
-
-    /// Its law.
-    pub fn law(&self) -> Law {
-        self.law
-    }
-
-    pub(crate) fn gains(&self) -> &Gains {
-        &self.gains
-    }
-
-    pub(crate) fn period(&self) -> f64 {
-        self.period
     }
 
     /// Torque command \[N·m\], n, at a tick where the encoders say `measured` \[rad\], n.

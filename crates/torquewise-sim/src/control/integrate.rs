@@ -48,9 +48,6 @@ impl Integrator {
 
     /// Follows x' = slope(x) for some seconds; `t` is where that is, for the error alone.
     ///
-    /// # Errors
-    /// That of the slope; [`SimError::Diverged`] if no step is small enough.
-    ///
     /// Source: Dormand and Prince, J. Comput. Appl. Math. 6 (1980), 19–26.
     pub(crate) fn advance(
         &mut self,

@@ -8,6 +8,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
+use torquewise_motion::stats::whole;
 
 /// Speed \[rad/s\] that no joint reaches unless its controller drives it away.
 const FASTEST: f64 = 300.0;
@@ -78,17 +79,11 @@ impl<'a> Moving<'a> {
         period: f64,
     ) -> Result<Vec<f64>, SimError> {
         let delay = self.plant.drive.delay;
-        let whole = (delay / period + 1e-9).floor();
-        let late = (delay - whole * period).max(0.0);
+        let periods = (delay / period + 1e-9).floor();
+        let late = (delay - periods * period).max(0.0);
         if self.commands.is_empty() {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "whole periods of a checked delay; a float cast saturates"
-            )]
-            let waiting = whole as usize + 1;
             // Before the first command the drives hold what it will be.
-            self.commands = VecDeque::from(vec![command.clone(); waiting]);
+            self.commands = VecDeque::from(vec![command.clone(); whole(periods) + 1]);
         }
         self.commands.push_back(command);
         let mut mean = vec![0.0; external.len()];
@@ -103,14 +98,10 @@ impl<'a> Moving<'a> {
         Ok(mean)
     }
 
-    /// A waiting command as the drives can follow it.
     fn limited(&self, place: usize) -> Vec<f64> {
         let command = self.commands.get(place).map_or(&[][..], Vec::as_slice);
-        command
-            .iter()
-            .zip(&self.plant.drive.limit)
-            .map(|(c, &limit)| c.clamp(-limit, limit))
-            .collect()
+        let limits = &self.plant.drive.limit;
+        command.iter().zip(limits).map(|(c, &limit)| c.clamp(-limit, limit)).collect()
     }
 
     fn move_under(&mut self, tau: &[f64], external: &[f64], seconds: f64) -> Result<(), SimError> {
@@ -145,7 +136,6 @@ impl Slopes {
         Self { period, share, last: None, filtered: first.to_vec() }
     }
 
-    /// Takes the next values, n, and returns their slopes, n.
     pub(crate) fn next(&mut self, values: &[f64]) -> &[f64] {
         if let Some(last) = &self.last {
             for ((slope, now), before) in self.filtered.iter_mut().zip(values).zip(last) {

@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::f64::consts::TAU;
 use torquewise_motion::Motion;
+use torquewise_motion::stats::whole;
 
 /// A periodic motion within the ranges of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,12 +59,7 @@ pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion, SimError> {
     let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
     let joints: Vec<Wave> =
         arm.ranges().into_iter().map(|range| Wave::draw(range, plan, &mut random)).collect();
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "checked: positive and below 5 million"
-    )]
-    let rows = (plan.seconds * plan.rate).round() as usize + 1;
+    let rows = whole((plan.seconds * plan.rate).round()) + 1;
     let t: Vec<f64> = (0..rows).map(|row| row as f64 / plan.rate).collect();
     let mut states = Rows::new(rows, joints.len());
     for (row, &t) in t.iter().enumerate() {
@@ -108,7 +104,6 @@ impl Wave {
         wave
     }
 
-    /// q, q̇ and q̈ at a time \[s\].
     fn at(&self, t: f64) -> [f64; 3] {
         let [mut q, mut dq, mut ddq] = [self.middle, 0.0, 0.0];
         for (place, size) in self.sizes.iter().enumerate() {

@@ -42,7 +42,7 @@ pub fn track(
     controller: &mut Controller<'_>,
     wanted: &Motion,
 ) -> Result<Tracking, SimError> {
-    let hand = (controller.law() == Law::HandGuiding).then(|| controller.gains().clone());
+    let hand = (controller.law == Law::HandGuiding).then(|| controller.gains.clone());
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
     check_joints("the controller", controller.n_joints(), n)?;
@@ -71,7 +71,7 @@ pub fn track(
             saturated[i] += f64::from(u8::from(command[i].abs() >= plant.drive.limit[i]));
         }
         if row + 1 < m {
-            moving.hold(command, &pull, controller.period())?;
+            moving.hold(command, &pull, controller.period)?;
         }
     }
     let saturated = saturated.into_iter().map(|ticks| ticks / m as f64).collect();

@@ -15,13 +15,9 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Recipe {
     /// Poses held for so many seconds.
-    Poses {
-        dwell: f64,
-    },
+    Poses(f64),
     /// Poses passed slowly in both directions, so many seconds each.
-    Creeps {
-        dwell: f64,
-    },
+    Creeps(f64),
     Sweeps,
     Sines,
 }
@@ -121,7 +117,6 @@ impl Task<'_> {
         Ok(best.map(|(chosen, _)| chosen))
     }
 
-    /// Replaces a part if one is found that tells more and fits in its place.
     fn improve(
         &self,
         information: &mut Information,
@@ -186,7 +181,7 @@ impl Task<'_> {
     fn tries(&self) -> usize {
         match self.recipe {
             _ if self.effort.tries == 1 => 1,
-            Recipe::Poses { .. } | Recipe::Creeps { .. } => POSES_PER_TRY * self.effort.tries,
+            Recipe::Poses(_) | Recipe::Creeps(_) => POSES_PER_TRY * self.effort.tries,
             Recipe::Sweeps | Recipe::Sines => self.effort.tries,
         }
     }
@@ -208,8 +203,8 @@ impl Task<'_> {
     fn draw(&self, kind: Sweep, rng: &mut ChaCha8Rng) -> Option<Part> {
         let (limits, n) = (self.limits, self.limits.len());
         match self.recipe {
-            Recipe::Poses { dwell } => Some(Part::pose(dwell, limits, rng)),
-            Recipe::Creeps { dwell } => Part::creep(dwell, limits, rng),
+            Recipe::Poses(dwell) => Some(Part::pose(dwell, limits, rng)),
+            Recipe::Creeps(dwell) => Part::creep(dwell, limits, rng),
             Recipe::Sweeps => {
                 let most = match kind {
                     Sweep::Together => LONGEST_SWEEP * self.seconds,

@@ -118,7 +118,6 @@ fn factor(matrix: &Mat<f64>) -> Mat<f64> {
     matrix.llt(Side::Lower).map_or_else(none, |factored| factored.L().to_owned())
 }
 
-/// Logarithm of the determinant of L Lᵀ.
 fn log_det(factor: &Mat<f64>) -> f64 {
     (0..factor.nrows()).map(|j| 2.0 * factor[(j, j)].ln()).sum()
 }

@@ -11,9 +11,8 @@ use rand_chacha::ChaCha8Rng;
 use torquewise_model::library::energy_library_size;
 use torquewise_regression::design::Design;
 use torquewise_regression::samples::Samples;
-use torquewise_stepwise::LibraryKind;
-use torquewise_stepwise::Regression;
 use torquewise_stepwise::candidates::Candidates;
+use torquewise_stepwise::{LibraryKind, Regression};
 
 /// Columns at most: a factorisation takes about a second then.
 const MOST_COLUMNS: usize = 3_000;
@@ -89,7 +88,6 @@ impl Library {
         self.scale.len()
     }
 
-    /// The columns that a recording is there for.
     pub(crate) fn share(&self, share: Share) -> Result<Self, SimError> {
         let [gravity, coriolis] = &self.offered;
         let (energies, friction) = match share {
@@ -107,7 +105,6 @@ impl Library {
         Ok(Self { design, friction, scale, ..self.clone() })
     }
 
-    /// The columns at the states of each part.
     pub(crate) fn rows_of<'a>(
         &self,
         parts: impl IntoIterator<Item = &'a Part>,

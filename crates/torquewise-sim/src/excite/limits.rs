@@ -67,7 +67,6 @@ pub const SECONDS_TO_SPEED: f64 = 0.5;
 const SENSIBLE: [f64; 2] = [1e-4, 1e4];
 
 impl<T: Copy> PerJoint<T> {
-    /// The value of each joint, n; `None` where there is none.
     fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>, SimError> {
         let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
         let (n, found) = (joints.len(), self.0.len());

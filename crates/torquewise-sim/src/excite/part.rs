@@ -20,7 +20,6 @@ pub(crate) struct Part {
 #[derive(Clone, Debug)]
 pub(crate) struct States {
     pub(crate) rows: Rows,
-    /// m
     pub(crate) seconds: Vec<f64>,
 }
 
@@ -48,9 +47,7 @@ pub(crate) const CREEP: f64 = 0.02;
 /// Which joints a sweep moves, and how fast.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sweep {
-    /// One joint, fast.
     Fast(usize),
-    /// One joint, slow.
     Slow(usize),
     /// Several joints, or whatever was drawn.
     Together,
@@ -164,7 +161,6 @@ impl Part {
         Some(Self { sweep: self.sweep, there })
     }
 
-    /// The pose at both ends, n.
     pub(crate) fn anchor(&self) -> Vec<f64> {
         match &self.there {
             Segment::Hold { at: from, .. }
@@ -206,7 +202,7 @@ impl Part {
             }
             Segment::Sines(sines) => {
                 let count = usize::from(density) * POINTS_PER_HARMONIC * sines.harmonics();
-                let step = sines.seconds() / count as f64;
+                let step = sines.seconds / count as f64;
                 times.extend((0..count).map(|k| (0, (k as f64 + 0.5) * step, step)));
             }
         }

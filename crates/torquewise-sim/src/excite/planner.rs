@@ -10,6 +10,7 @@ use crate::excite::segment::Segment;
 use faer::Mat;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
+use torquewise_motion::stats::whole;
 
 /// What is to be planned.
 #[derive(Clone, Debug, PartialEq)]
@@ -164,7 +165,7 @@ impl Setting<'_> {
         let own = library.share(share)?;
         let mut known = Vec::new();
         for recording in before {
-            known.extend(own.rows_of(recording.parts(), 1)?);
+            known.extend(own.rows_of(&recording.parts, 1)?);
         }
         let task = Task { recipe, library: &own, limits: bounds, home, seconds, effort };
         // Each recording has numbers of its own, whatever the others draw.
@@ -178,12 +179,11 @@ impl Setting<'_> {
         Ok(Planned::new(name, joints, plan.rate, home, parts, bounds))
     }
 
-    /// What a recording is made of, and the part of the library it is there for.
     fn stage(&self, stage: usize) -> (Recipe, Share) {
         let Plan { dwell, slow_sweeps: creep, .. } = *self.plan;
         match stage {
-            0 if creep => (Recipe::Creeps { dwell }, Share::Standstill { creep }),
-            0 => (Recipe::Poses { dwell }, Share::Standstill { creep }),
+            0 if creep => (Recipe::Creeps(dwell), Share::Standstill { creep }),
+            0 => (Recipe::Poses(dwell), Share::Standstill { creep }),
             1 => (Recipe::Sweeps, Share::Uniform),
             _ => (Recipe::Sines, Share::Whole),
         }
@@ -195,30 +195,24 @@ impl Setting<'_> {
         recordings: &[Planned; 3],
     ) -> Result<[Criterion; 3], SimError> {
         let until = |stage: usize| {
-            let parts = || recordings[..=stage].iter().flat_map(Planned::parts);
+            let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
             let rows = library.share(self.stage(stage).1)?.rows_of(parts(), DENSITY)?;
             Ok::<_, SimError>(Criterion::of(stacked(&rows).as_ref(), seconds))
         };
-        let seconds: f64 = recordings.iter().map(Planned::seconds).sum();
+        let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();
         let least = GRID.max(3 * library.n_columns() / self.bounds.len());
         let mut rows = Vec::with_capacity(recordings.len());
         for recording in recordings {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a share of some thousand; a float cast saturates"
-            )]
-            let points = (least as f64 * recording.seconds() / seconds).ceil() as usize;
+            let points = whole((least as f64 * recording.seconds / seconds).ceil());
             rows.push(library.rows(&recording.grid(points.max(1)))?);
         }
         Ok([until(0)?, until(1)?, Criterion::of(stacked(&rows).as_ref(), seconds)])
     }
 
-    /// Joints that no sweep moves alone.
     fn not_alone(&self, uniform: &Planned) -> Vec<String> {
         let alone = |joint: usize| {
-            uniform.parts().iter().any(|part| match &part.there {
+            uniform.parts.iter().any(|part| match &part.there {
                 Segment::Stroke { travel, .. } => {
                     travel.iter().enumerate().all(|(k, way)| (k == joint) == (*way != 0.0))
                 }
@@ -230,7 +224,6 @@ impl Setting<'_> {
     }
 }
 
-/// Matrices of as many columns below each other.
 fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
     let columns = blocks.first().map_or(0, Mat::ncols);
     let mut all = Mat::zeros(blocks.iter().map(Mat::nrows).sum(), columns);

@@ -6,6 +6,7 @@ use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
 use crate::state::{Rows, State};
+use torquewise_motion::stats::whole;
 use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
 
 /// A planned recording: q, q̇ and q̈ from home to home, without torque.
@@ -13,13 +14,16 @@ use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
 pub struct Planned {
     /// `standstill`, `uniform` or `variable`.
     pub name: &'static str,
+    /// How long it takes \[s\].
+    pub seconds: f64,
+    /// Rows per second.
+    pub rate: f64,
+    /// The pose at both ends \[rad\], n.
+    pub home: Vec<f64>,
     joints: Vec<String>,
-    rate: f64,
-    parts: Vec<Part>,
-    home: Vec<f64>,
+    pub(crate) parts: Vec<Part>,
     /// When each begins \[s\], and what it is.
     segments: Vec<(f64, Segment)>,
-    seconds: f64,
 }
 
 /// How far a joint goes in a recording: least and greatest position, largest speed and acceleration.
@@ -57,35 +61,14 @@ impl Planned {
         Self { name, joints: joints.to_vec(), rate, parts, home: home.to_vec(), segments, seconds }
     }
 
-    /// How long it takes \[s\].
-    pub fn seconds(&self) -> f64 {
-        self.seconds
-    }
-
-    /// Rows per second.
-    pub fn rate(&self) -> f64 {
-        self.rate
-    }
-
     /// Poses, sweeps or periods of sines in it.
     pub fn n_parts(&self) -> usize {
         self.parts.len()
     }
 
-    /// The pose at both ends \[rad\], n.
-    pub fn home(&self) -> &[f64] {
-        &self.home
-    }
-
     /// Number of rows m, the last at or just beyond the end.
     pub fn n_rows(&self) -> usize {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "checked before: some million at most; a float cast saturates"
-        )]
-        let rows = (self.seconds() * self.rate).ceil() as usize;
-        rows + 1
+        whole((self.seconds * self.rate).ceil()) + 1
     }
 
     /// The state at a time \[s\]; at rest at home before and after the recording.
@@ -113,13 +96,8 @@ impl Planned {
         self.segments.iter().flat_map(inner).chain([self.seconds]).collect()
     }
 
-    pub(crate) fn parts(&self) -> &[Part] {
-        &self.parts
-    }
-
-    /// So many states, evenly spread over the recording.
     pub(crate) fn grid(&self, points: usize) -> States {
-        let step = self.seconds() / points as f64;
+        let step = self.seconds / points as f64;
         let states: Vec<State> =
             (0..points).map(|k| self.state_at((k as f64 + 0.5) * step)).collect();
         States::new(&states, vec![step; points])

@@ -43,7 +43,7 @@ pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>, SimErr
         }
     }
     // At rest at home, for certain.
-    add((recording.seconds() * 1e9).ceil() / 1e9 + 1e-6);
+    add((recording.seconds * 1e9).ceil() / 1e9 + 1e-6);
     Ok(points)
 }
 
@@ -85,7 +85,7 @@ pub fn joint_trajectory(recording: &Planned, rate: f64) -> Result<String, SimErr
          header:\n  stamp: {{sec: 0, nanosec: 0}}\n  frame_id: \"\"\n\
          joint_names: [{}]\npoints:\n{}",
         recording.name,
-        recording.seconds(),
+        recording.seconds,
         names.join(", "),
         points.iter().map(point).collect::<String>(),
     ))

@@ -59,7 +59,7 @@ impl Segment {
         match self {
             Self::Hold { seconds, .. } | Self::Glide { seconds, .. } => *seconds,
             Self::Stroke { ramp, cruise, .. } => 2.0 * ramp + cruise,
-            Self::Sines(sines) => sines.seconds(),
+            Self::Sines(sines) => sines.seconds,
         }
     }
 
@@ -71,27 +71,17 @@ impl Segment {
         }
     }
 
-    /// Writes the state at a time \[s\] since its start.
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
         match self {
-            Self::Hold { at, .. } => on_line(at, at, [0.0; 3], state),
+            Self::Hold { at, .. } => state.set_on_line(at, at, [0.0; 3]),
             Self::Glide { from, travel, seconds } => {
-                on_line(from, travel, quintic(t, *seconds), state);
+                state.set_on_line(from, travel, quintic(t, *seconds));
             }
             Self::Stroke { from, travel, ramp, cruise } => {
-                on_line(from, travel, trapezoid(t, *ramp, *cruise), state);
+                state.set_on_line(from, travel, trapezoid(t, *ramp, *cruise));
             }
             Self::Sines(sines) => sines.state_at(t, state),
         }
-    }
-}
-
-/// A share of the way from a pose, and its two derivatives.
-fn on_line(from: &[f64], travel: &[f64], [s, ds, dds]: [f64; 3], state: &mut State) {
-    for (i, (from, travel)) in from.iter().zip(travel).enumerate() {
-        state.q[i] = from + s * travel;
-        state.dq[i] = ds * travel;
-        state.ddq[i] = dds * travel;
     }
 }
 

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// qᵢ(t) = cᵢ + Σₖ aᵢₖ sin kωt + bᵢₖ cos kωt over one period, with q̇ᵢ = q̈ᵢ = 0 at its ends.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Sines {
-    seconds: f64,
+    pub(crate) seconds: f64,
     joints: Vec<Series>,
 }
 
@@ -72,10 +72,6 @@ impl Sines {
         Self { seconds: self.seconds, joints }
     }
 
-    pub(crate) fn seconds(&self) -> f64 {
-        self.seconds
-    }
-
     /// Harmonics of the joint that has most.
     pub(crate) fn harmonics(&self) -> usize {
         self.joints.iter().map(|series| series.waves.len()).max().unwrap_or(0)
@@ -90,7 +86,6 @@ impl Sines {
         }
     }
 
-    /// The pose at both ends, n.
     pub(crate) fn ends(&self) -> Vec<f64> {
         self.joints.iter().map(|series| series.value((0.0, 1.0))[0]).collect()
     }
@@ -125,7 +120,6 @@ impl Series {
         series
     }
 
-    /// Root of the mean square of the waves.
     fn size(&self) -> f64 {
         let squares: f64 = self.waves.iter().flatten().map(|x| x * x).sum();
         (squares / (2 * self.waves.len().max(1)) as f64).sqrt()

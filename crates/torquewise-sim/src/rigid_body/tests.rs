@@ -60,7 +60,7 @@ fn energies(arm: &Arm, q: &[f64], dq: &[f64]) -> [f64; 2] {
     let (mut w, mut v) = (Vector3::zeros(), Vector3::zeros());
     let mut X_WJ = Pose::identity();
     let (mut twice_kinetic, mut potential) = (0.0, 0.0);
-    for ((joint, &q), &dq) in arm.chain().iter().zip(q).zip(dq) {
+    for ((joint, &q), &dq) in arm.joints.iter().zip(q).zip(dq) {
         let turned = *Rotation3::from_axis_angle(&joint.axis, q).matrix();
         let X_PJ = joint.X_PJ * Pose { R_AB: turned, p_AB: Vector3::zeros() };
         v = X_PJ.R_AB.tr_mul(&(v + w.cross(&X_PJ.p_AB)));
@@ -92,7 +92,7 @@ fn energies_are_those_of_the_bodies_one_by_one() {
 #[test]
 fn the_regressor_times_the_masses_is_the_torque() {
     for_states(|arm, [q, dq, ddq]| {
-        let masses = arm.inertial();
+        let masses = &arm.inertial;
 
         let regressor = arm.regressor(q, dq, ddq);
 

@@ -61,18 +61,11 @@ impl Moves {
         Self { moves }
     }
 
-    /// Writes the state at time `t` \[s\] ≥ 0.
     pub(crate) fn state_at(&self, t: f64, state: &mut State) {
         let next = self.moves.partition_point(|m| m.start <= t);
-        let Some(current) = self.moves.get(next.saturating_sub(1)) else {
-            return;
-        };
-        let [s, ds, dds] = current.phases.progress(t - current.start);
-        for (i, (&from, &travel)) in current.from.iter().zip(&current.travel).enumerate() {
-            state.q[i] = from + s * travel;
-            state.dq[i] = ds * travel;
-            state.ddq[i] = dds * travel;
-        }
+        let Some(current) = self.moves.get(next.saturating_sub(1)) else { return };
+        let progress = current.phases.progress(t - current.start);
+        state.set_on_line(&current.from, &current.travel, progress);
     }
 }
 

@@ -28,7 +28,6 @@ struct Sine {
 }
 
 impl Sines {
-    /// Draws frequencies, phases and amplitudes about the middle of each range.
     pub(crate) fn draw(ranges: &[[f64; 2]], rng: &mut ChaCha8Rng) -> Self {
         let joints = ranges.iter().map(|&range| draw_joint(range, rng)).collect();
         Self { joints }

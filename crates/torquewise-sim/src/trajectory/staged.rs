@@ -4,6 +4,7 @@ use super::{ACCELERATION, PEAK_SPEED};
 use crate::random::{between, direction};
 use crate::state::State;
 use rand_chacha::ChaCha8Rng;
+use torquewise_motion::stats::whole;
 
 /// Time \[s\] each pose is recorded.
 const HOLD: f64 = 0.1;
@@ -53,18 +54,15 @@ impl Staged {
                 }
                 let start = staged.next_start(first_row, &from.q);
                 staged.arcs.push(Arc { first_row, start, from });
-                first_row = last.min(first_row + rows(seconds, rate));
+                first_row = last.min(first_row + whole((seconds * rate).round()).max(1));
             }
         }
         staged
     }
 
-    /// Writes the state at a row; returns its time \[s\].
     pub(crate) fn state_at(&self, row: usize, state: &mut State) -> f64 {
         let next = self.arcs.partition_point(|arc| arc.first_row <= row);
-        let Some(arc) = self.arcs.get(next.saturating_sub(1)) else {
-            return 0.0;
-        };
+        let Some(arc) = self.arcs.get(next.saturating_sub(1)) else { return 0.0 };
         let t = (row - arc.first_row) as f64 / self.rate;
         for i in 0..state.q.len() {
             let (q, dq, ddq) = (arc.from.q[i], arc.from.dq[i], arc.from.ddq[i]);
@@ -77,9 +75,7 @@ impl Staged {
 
     /// Time of the next arc's first row, after the transfer to `q`.
     fn next_start(&self, first_row: usize, q: &[f64]) -> f64 {
-        let Some(last_row) = first_row.checked_sub(1) else {
-            return 0.0;
-        };
+        let Some(last_row) = first_row.checked_sub(1) else { return 0.0 };
         let mut end = State::at_rest(&vec![0.0; q.len()]);
         let t = self.state_at(last_row, &mut end);
         let way = q.iter().zip(&end.q).map(|(to, from)| (to - from).abs()).fold(0.0, f64::max);
@@ -97,7 +93,6 @@ fn sweep(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     (seconds, State { dq: speeds(n, rng), ..State::at_rest(&vec![0.0; n]) })
 }
 
-/// Every joint changes its speed evenly, from one to another.
 fn accelerate(n: usize, rng: &mut ChaCha8Rng) -> (f64, State) {
     let (before, after) = (speeds(n, rng), speeds(n, rng));
     let change: Vec<f64> =
@@ -131,17 +126,6 @@ fn reach(dq: f64, ddq: f64, seconds: f64) -> [f64; 2] {
     let turning = if ddq == 0.0 { 0.0 } else { (-dq / ddq).clamp(0.0, seconds) };
     let ways = [0.0, way(seconds), way(turning)];
     [ways.into_iter().fold(0.0, f64::min), ways.into_iter().fold(0.0, f64::max)]
-}
-
-/// Rows of a recording, one at least.
-fn rows(seconds: f64, rate: f64) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "at most a few seconds at 100 kHz; a float cast saturates"
-    )]
-    let rows = (seconds * rate).round() as usize;
-    rows.max(1)
 }
 
 #[cfg(test)]

@@ -16,10 +16,14 @@ use torquewise_rigid::recursion::PER_BODY;
 /// links in the frames of the file.
 #[derive(Clone, Debug)]
 pub struct UrdfChain {
-    name: String,
-    base: Vec<String>,
-    joints: Vec<UrdfJoint>,
-    geometry: Geometry,
+    /// What the robot is called.
+    pub name: String,
+    /// The links that do not move.
+    pub base: Vec<String>,
+    /// The joints that move, base to tip, n.
+    pub joints: Vec<UrdfJoint>,
+    /// Where their axes lie.
+    pub geometry: Geometry,
 }
 
 /// A joint of a [`UrdfChain`].
@@ -150,26 +154,6 @@ impl UrdfChain {
             joint.X_LG = joint.X_LG * Pose { R_AB: frame.rotation, p_AB: frame.origin };
         }
         Ok(Self { name: robot.name.clone(), base: links(&base), joints, geometry })
-    }
-
-    /// What the robot is called.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// The links that do not move.
-    pub fn base(&self) -> &[String] {
-        &self.base
-    }
-
-    /// The joints that move, base to tip, n.
-    pub fn joints(&self) -> &[UrdfJoint] {
-        &self.joints
-    }
-
-    /// Where their axes lie.
-    pub fn geometry(&self) -> &Geometry {
-        &self.geometry
     }
 }
 

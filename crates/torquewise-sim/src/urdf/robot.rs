@@ -23,7 +23,6 @@ pub(crate) struct Inertial {
     pub(crate) moments: [f64; 6],
 }
 
-/// Where a frame lies in that of its parent.
 #[derive(Default)]
 pub(crate) struct Origin {
     /// \[m\]
@@ -52,10 +51,6 @@ const KINDS: [&str; 7] =
 
 impl Robot {
     /// Reads the text of a URDF; elements that say nothing of links and joints are passed over.
-    ///
-    /// # Errors
-    /// [`SimError::Urdf`] if the text is no XML or declares a document type,
-    /// [`SimError::UrdfElement`] names the line of an element that lacks something.
     pub(crate) fn read(text: &str) -> Result<Self, SimError> {
         let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
         let root = document.root_element();

@@ -82,7 +82,6 @@ impl<'a> Tree<'a> {
         })
     }
 
-    /// The masses of welded links, in the frame of the first.
     pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body, SimError> {
         let mut body = Body::none();
         for (link, X_GL) in &welded.links {
@@ -127,27 +126,25 @@ impl<'a> Tree<'a> {
         joint.kind != "fixed" && !self.locked.contains(joint.name.as_str())
     }
 
-    fn moving_from(&self, joint: &'a Joint) -> Vec<&'a str> {
-        let mut names = Vec::new();
-        let mut open = vec![joint];
+    /// All joints that hang on some, and these.
+    fn all_below(&self, mut open: Vec<&'a Joint>) -> Vec<&'a Joint> {
+        let mut all = Vec::new();
         while let Some(joint) = open.pop() {
-            if self.moves(joint) {
-                names.push(joint.name.as_str());
-            }
+            all.push(joint);
             open.extend(self.joints_below(&joint.child));
         }
-        names
+        all
+    }
+
+    fn moving_from(&self, joint: &'a Joint) -> Vec<&'a str> {
+        let moving = self.all_below(vec![joint]).into_iter().filter(|joint| self.moves(joint));
+        moving.map(|joint| joint.name.as_str()).collect()
     }
 
     fn check_loops(&self, robot: &Robot) -> Result<(), SimError> {
-        let mut reached = HashSet::from([self.root]);
-        let mut open = vec![self.root];
-        while let Some(link) = open.pop() {
-            for joint in self.joints_below(link) {
-                reached.insert(joint.child.as_str());
-                open.push(joint.child.as_str());
-            }
-        }
+        let joints = self.all_below(self.joints_below(self.root).to_vec());
+        let children = joints.iter().map(|joint| joint.child.as_str());
+        let reached: HashSet<&str> = children.chain([self.root]).collect();
         match robot.links.iter().find(|link| !reached.contains(link.name.as_str())) {
             Some(link) => Err(SimError::Loop { link: link.name.clone() }),
             None => Ok(()),

@@ -68,7 +68,7 @@ fn a_joint_creeps_below_its_breakaway_torque_as_slowly_as_is_said_and_slides_abo
     // Half of the breakaway torque, and one and a half of it.
     let (creeps, slides) = (turned(3.0), turned(9.0));
 
-    let creep = 0.5_f64.atanh() * plant.friction.width();
+    let creep = 0.5_f64.atanh() * plant.friction.width;
     assert!(creeps > 0.0 && creeps < 1.01 * creep, "{creeps} rad in a second, {creep} expected");
     assert!(slides > 0.1, "{slides}");
 }

@@ -226,5 +226,5 @@ fn a_plan_or_an_arm_out_of_bounds_is_refused() {
     let (plan, overflow) = (simulate(&puma, &endless), simulate(&heavy, &MotionPlan::default()));
 
     assert!(matches!(plan, Err(SimError::Setting { .. })));
-    assert!(matches!(overflow, Err(SimError::Motion { .. })));
+    assert!(matches!(overflow, Err(SimError::Motion(_))));
 }

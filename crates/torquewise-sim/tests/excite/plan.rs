@@ -66,7 +66,7 @@ fn rows_begin_and_end_at_rest_at_home_and_have_the_peaks_told() {
             assert_eq!(*state, State::at_rest(&state.q));
         }
         assert_eq!(rows.len(), recording.n_rows());
-        assert!(rows.last().unwrap().0 - recording.seconds() < 0.01);
+        assert!(rows.last().unwrap().0 - recording.seconds < 0.01);
         for (joint, peak) in peaks.iter().enumerate() {
             let largest = rows.iter().map(|(_, state)| state.dq[joint].abs()).fold(0.0, f64::max);
             assert!(largest <= peak.velocity && largest > 0.99 * peak.velocity, "{peak:?}");
@@ -79,7 +79,7 @@ fn every_instant_is_within_the_limits_and_derivatives_are_those_of_what_never_ju
     let limits = three_joints();
     for recording in POSES.recordings.iter().chain(&CREEPS.recordings) {
         let step = 1e-4;
-        let steps = (recording.seconds() / step).ceil();
+        let steps = (recording.seconds / step).ceil();
         let (mut before, mut k, mut bends) = (recording.state_at(0.0), 1.0, 0);
         while k <= steps {
             let state = recording.state_at(k * step);

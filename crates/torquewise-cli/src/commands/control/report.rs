@@ -7,7 +7,7 @@ use torquewise::control::Tracking;
 use torquewise::report::chart_figure;
 use torquewise::report::html::number::significant;
 use torquewise::report::html::{
-    Axis, Chart, Colour, Column, Guide, Item, Label, Mark, Page, Section, Series, Table,
+    Chart, Colour, Column, Guide, Item, Label, Mark, Page, Section, Series, Table,
 };
 
 /// One row per joint: position beside error.
@@ -45,9 +45,10 @@ pub(super) fn page(arm: &str, compared: &Compared) -> Result<String> {
 
 fn table(compared: &Compared) -> Item {
     let mut columns = vec![Column::words("controller")];
-    let joints = compared.wanted.joints();
-    columns.extend(joints.iter().map(|joint| Column::numbers(format!("{joint} RMS [mrad]"))));
-    columns.extend(joints.iter().map(|joint| Column::numbers(format!("{joint} peak [mrad]"))));
+    for what in ["RMS", "peak"] {
+        let joints = compared.wanted.joints().iter();
+        columns.extend(joints.map(|joint| Column::numbers(format!("{joint} {what} [mrad]"))));
+    }
     let row = |run: &super::Run| -> Vec<Label> {
         let rms = run.tracking.rms_error(compared.settle);
         let peak = run.tracking.peak_error(compared.settle);
@@ -91,12 +92,6 @@ fn chart(
     series.extend(compared.runs.iter().enumerate().map(|(place, run)| {
         Series::new(&run.name, Mark::Line, Colour::Series(place), of(&run.tracking))
     }));
-    Chart {
-        title: compared.wanted.joints()[joint].clone(),
-        x: Axis::named("time [s]"),
-        y: Axis::named(unit),
-        series,
-        linked: Some("time".into()),
-        ..Chart::default()
-    }
+    let chart = Chart::over(&compared.wanted.joints()[joint], ["time [s]", unit], series);
+    Chart { linked: Some("time".into()), ..chart }
 }

@@ -49,7 +49,6 @@ const TRAJECTORIES: [Word<Option<MotionKind>>; 3] = [
 ];
 
 impl MotionArguments {
-    /// The desired motion, one row per tick.
     pub(crate) fn wanted(&self, arm: &Arm) -> Result<Motion> {
         let Self { seconds, rate, seed, period, speed, acceleration, .. } = *self;
         Ok(match self.trajectory {
@@ -93,7 +92,6 @@ pub(crate) struct PlantArguments {
 }
 
 impl PlantArguments {
-    /// The plant, checked.
     pub(crate) fn plant(&self, arm: Arm, friction: Friction) -> Result<Plant> {
         let n = arm.n_joints();
         let arm = if self.rotor.is_empty() { arm } else { arm.with_rotors(&each(&self.rotor, n))? };

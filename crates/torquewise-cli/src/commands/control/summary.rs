@@ -8,7 +8,6 @@ use std::fmt::Write;
 use torquewise::control::Law;
 use torquewise::model::number;
 
-/// What is said about the controllers.
 pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
     let mut text = table(compared).text();
     let seconds = compared.wanted.t().last().copied().unwrap_or_default();
@@ -24,12 +23,8 @@ pub(super) fn outcome(arguments: &Arguments, compared: &Compared) -> Outcome {
             let _ = writeln!(text, "{kind}: {}", file.display());
         }
     }
-    Outcome {
-        text,
-        json: json(arguments, compared),
-        warnings: warnings(compared),
-        ..Outcome::default()
-    }
+    let (json, warnings) = (json(arguments, compared), warnings(compared));
+    Outcome { text, json, warnings, ..Outcome::default() }
 }
 
 fn table(compared: &Compared) -> Table {
@@ -39,7 +34,7 @@ fn table(compared: &Compared) -> Table {
     if led {
         headings.extend(compared.wanted.joints().iter().map(|joint| format!("{joint} hand [N·m]")));
     }
-    let mut table = Table::new(&headings.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut table = Table::new(headings);
     for run in &compared.runs {
         let errors = run.tracking.rms_error(compared.settle);
         let mut cells: Vec<String> = errors.iter().map(|error| number(1e3 * error)).collect();
@@ -75,14 +70,14 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
     Value::Object(object)
 }
 
-fn of_run(run: &Run, settle: f64) -> Value {
+fn of_run(Run { tracking, law, .. }: &Run, settle: f64) -> Value {
     let mut value = json!({
-        "rms_error_rad": run.tracking.rms_error(settle),
-        "peak_error_rad": run.tracking.peak_error(settle),
-        "saturated": run.tracking.saturated,
+        "rms_error_rad": tracking.rms_error(settle),
+        "peak_error_rad": tracking.peak_error(settle),
+        "saturated": tracking.saturated,
     });
-    if run.law == Law::HandGuiding {
-        value["rms_hand_nm"] = json!(run.tracking.rms_hand(settle));
+    if *law == Law::HandGuiding {
+        value["rms_hand_nm"] = json!(tracking.rms_hand(settle));
     }
     value
 }

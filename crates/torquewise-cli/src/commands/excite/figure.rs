@@ -21,15 +21,11 @@ pub(crate) fn figure(arm: &str, limits: &[Limits], planned: &Excitation) -> Resu
             let space = SPACE * (ends[1] - ends[0]);
             let range = Some([ends[0] - space, ends[1] + space]);
             let points = states.iter().map(|(t, state)| [*t, of(state)]).collect();
-            Chart {
-                title: title.to_owned(),
-                x: Axis::named(if is_last { "time [s]" } else { "" }),
-                y: Axis { range, ..Axis::named(unit) },
-                series: vec![Series::line("", points)],
-                bands: if joint == 0 { bands.clone() } else { unnamed(&bands) },
-                guides: ends.map(|end| Guide::at_y(end, "")).to_vec(),
-                ..Chart::default()
-            }
+            let x = Axis::named(if is_last { "time [s]" } else { "" });
+            let axes = [x, Axis { range, ..Axis::named(unit) }];
+            let bands = if joint == 0 { bands.clone() } else { unnamed(&bands) };
+            let guides = ends.map(|end| Guide::at_y(end, "")).to_vec();
+            Chart { bands, guides, ..Chart::new(title, axes, vec![Series::line("", points)]) }
         };
         let most = limits.planned;
         let speeds = [-most.velocity, most.velocity];
@@ -42,12 +38,12 @@ pub(crate) fn figure(arm: &str, limits: &[Limits], planned: &Excitation) -> Resu
 
 /// States over all recordings, and where each recording is.
 fn states(recordings: &[Planned; 3]) -> (Vec<(f64, State)>, Vec<Band>) {
-    let seconds: f64 = recordings.iter().map(Planned::seconds).sum();
+    let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();
     let (mut states, mut bands, mut start) = (Vec::new(), Vec::new(), 0.0);
     for (recording, pattern) in recordings.iter().zip(Pattern::ALL) {
-        let end = start + recording.seconds();
+        let end = start + recording.seconds;
         let mut t = 0.0;
-        while t < recording.seconds() {
+        while t < recording.seconds {
             states.push((start + t, recording.state_at(t)));
             t += seconds / POINTS;
         }

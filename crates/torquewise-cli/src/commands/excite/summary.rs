@@ -7,27 +7,21 @@ use serde_json::{Value, json};
 use torquewise::excite::{Excitation, Limits, Peaks};
 use torquewise::model::number;
 
-/// What a plan cannot know.
 const UNKNOWN: &str = "Collisions are not checked: neither the shape of the arm nor its \
                        surroundings are known here. Try the motion in a simulator, then slowly on \
                        the arm; --range keeps joints out of the way.";
-/// What each criterion is about.
 const ABOUT: [(&str, &str); 3] =
     [("standstill", "gravity"), ("uniform", "Coriolis, friction"), ("all", "everything")];
 
-/// Tables, an object, warnings.
 pub(super) fn outcome(
     arguments: &Arguments,
     limits: &[Limits],
     planned: &Excitation,
     files: &Files,
 ) -> Outcome {
-    Outcome {
-        text: text(arguments, limits, planned, files),
-        json: json(arguments, limits, planned, files),
-        warnings: warnings(planned),
-        ..Outcome::default()
-    }
+    let text = text(arguments, limits, planned, files);
+    let json = json(arguments, limits, planned, files);
+    Outcome { text, json, warnings: warnings(planned), ..Outcome::default() }
 }
 
 fn warnings(planned: &Excitation) -> Vec<String> {
@@ -48,10 +42,10 @@ fn warnings(planned: &Excitation) -> Vec<String> {
 fn text(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &Files) -> String {
     let written = planned.recordings.iter().zip(&files.recordings).map(|(recording, files)| {
         let [log, trajectory] = files.each_ref().map(|file| file.display());
-        let (seconds, rows) = (recording.seconds(), recording.n_rows());
+        let (seconds, rows) = (recording.seconds, recording.n_rows());
         format!("{log}, {trajectory}: {seconds:.1} s, {rows} rows, {} parts\n", recording.n_parts())
     });
-    let home: Vec<String> = planned.recordings[0].home().iter().map(|q| number(*q)).collect();
+    let home: Vec<String> = planned.recordings[0].home.iter().map(|q| number(*q)).collect();
     format!(
         "{}: planned within {} of the speed limits, home at {} rad\n\n{}{}\n\
          Condition number of the columns, and information per second (D-optimality), beside\n\
@@ -82,21 +76,14 @@ fn peaks(planned: &Excitation, joint: usize) -> Peaks {
 }
 
 fn limits_text(limits: &[Limits], planned: &Excitation) -> String {
-    let headings =
-        ["joint", "q [rad]", "limits", "peak dq [rad/s]", "limit", "peak ddq [rad/s²]", "limit"];
-    let mut table = Table::new(&headings);
+    let rates = ["peak dq [rad/s]", "limit", "peak ddq [rad/s²]", "limit"];
+    let mut table = Table::new(["joint", "q [rad]", "limits"].into_iter().chain(rates));
     for (joint, limits) in limits.iter().enumerate() {
         let (most, arm) = (peaks(planned, joint), limits.arm);
         let ends = |[lower, upper]: [f64; 2]| format!("{lower:.2} … {upper:.2}");
-        let cells = [
-            ends(most.position),
-            ends(arm.position),
-            number(most.velocity),
-            number(arm.velocity),
-            number(most.acceleration),
-            number(arm.acceleration),
-        ];
-        table.row(&limits.joint, cells);
+        let positions = [most.position, arm.position].map(ends);
+        let rates = [most.velocity, arm.velocity, most.acceleration, arm.acceleration];
+        table.row(&limits.joint, positions.into_iter().chain(rates.map(number)));
     }
     table.text()
 }
@@ -117,26 +104,13 @@ fn assumed_text(limits: &[Limits]) -> String {
 }
 
 fn criteria_text(planned: &Excitation) -> String {
-    let mut table = Table::new(&[
-        "recording",
-        "about",
-        "columns",
-        "condition",
-        "random",
-        "information [1/s]",
-        "random",
-    ]);
+    let condition = ["condition", "random", "information [1/s]", "random"];
+    let mut table = Table::new(["recording", "about", "columns"].into_iter().chain(condition));
     let pairs = planned.criteria.iter().zip(&planned.random);
     for ((name, about), (own, random)) in ABOUT.into_iter().zip(pairs) {
-        let cells = [
-            about.to_owned(),
-            own.columns.to_string(),
-            number(own.condition),
-            number(random.condition),
-            number(own.information),
-            number(random.information),
-        ];
-        table.row(name, cells);
+        let condition = [own.condition, random.condition, own.information, random.information];
+        let cells = [about.to_owned(), own.columns.to_string()];
+        table.row(name, cells.into_iter().chain(condition.map(number)));
     }
     table.text()
 }
@@ -155,7 +129,7 @@ fn json(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
     let recordings = recordings.map(|((recording, peaks), [log, trajectory])| {
         json!({
             "name": recording.name,
-            "seconds": recording.seconds(),
+            "seconds": recording.seconds,
             "rows": recording.n_rows(),
             "parts": recording.n_parts(),
             "peaks": peaks,
@@ -173,7 +147,7 @@ fn json(arguments: &Arguments, limits: &[Limits], planned: &Excitation, files: &
         "recordings": recordings.collect::<Vec<_>>(),
         "interaction": planned.interaction,
         "criteria": criteria.collect::<Vec<_>>(),
-        "home": planned.recordings[0].home(),
+        "home": planned.recordings[0].home,
         "rate_hz": arguments.rate,
         "ros_rate_hz": arguments.ros_rate,
         "tries": arguments.tries,

@@ -1,7 +1,7 @@
 //! Block by block is as the whole.
 
 use super::*;
-use crate::signals::condition::condition_by;
+use crate::signals::condition::tests::condition_by;
 use crate::signals::settings::{Conditioning, Cutoff};
 use faer::Mat;
 use rand::{RngExt, SeedableRng};
@@ -56,7 +56,7 @@ fn blocks_give_what_the_whole_gives() {
         parts.extend(conditioner.finish().unwrap());
 
         assert!(parts.len() >= 3);
-        assert_eq!(conditioner.repairs(), &whole.repairs);
+        assert_eq!(conditioner.repairs, whole.repairs);
         let whole = whole.motion.into_signals();
         let mut row = 0;
         for part in &parts {
@@ -97,8 +97,8 @@ fn gaps_are_counted_wherever_blocks_are_cut() {
         conditioner.push(block).unwrap();
     }
 
-    assert_eq!(conditioner.repairs().gaps, 2);
-    let longest = conditioner.repairs().longest_gap;
+    assert_eq!(conditioner.repairs.gaps, 2);
+    let longest = conditioner.repairs.longest_gap;
     assert!((longest - (after.t[0] - middle.t[997])).abs() < 1e-12, "{longest}");
 }
 
@@ -112,7 +112,7 @@ fn outliers_are_counted_once() {
     conditioner.push(&raw).unwrap();
 
     // Rows 50, 10023, 20023 … as far as the parts that were full reach.
-    let spikes: u64 = conditioner.repairs().spikes.values().sum();
+    let spikes: u64 = conditioner.repairs.spikes.values().sum();
     assert!((12..=18).contains(&spikes), "{spikes}");
     assert!(conditioner.waiting.t.len() < conditioner.part);
 }

@@ -1,6 +1,7 @@
 //! A pendulum whose motion and torque are known, measured badly.
 
 use super::*;
+use crate::signals::clean::clean;
 use crate::signals::raw::TAU;
 use crate::signals::settings::{Cutoff, Trim};
 use approx::assert_abs_diff_eq;
@@ -9,6 +10,15 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::error::Error;
 use std::f64::consts::PI;
+
+/// Conditions a trajectory by a plan made from another one of the same arm.
+pub(crate) fn condition_by(raw: &Raw, plan: &Plan) -> Result<Conditioned, MotionError> {
+    let columns = raw.columns()?;
+    plan.check(&columns)?;
+    let first = columns.t.first().copied().unwrap_or_default();
+    let even = clean(&columns, &plan.base, (first, 0))?;
+    finish(&columns, &even, plan)
+}
 
 /// q, dq, ddq of two sines at t.
 fn motion(t: f64) -> [f64; 3] {
