@@ -68,7 +68,7 @@ impl ConditionedLogs {
 
     fn of(logs: Logs, clock: ClockRepair, settings: Conditioning, report: ConditionReport) -> Self {
         let repairs = Arc::new(Mutex::new(vec![Repairs::default(); logs.n_logs()]));
-        Self { logs, clock, settings, report, repairs }
+        Self { logs, settings, report, clock, repairs }
     }
 
     /// What was repaired in each log at its last complete reading, by its name; logs that are sound

@@ -88,12 +88,12 @@ impl Library {
         self.scale.len()
     }
 
-    pub(crate) fn share(&self, share: Share) -> Result<Self, SimError> {
+    pub(crate) fn share(&self, share: Share) -> Self {
         let [gravity, coriolis] = &self.offered;
         let (energies, friction) = match share {
             Share::Standstill { creep } => (gravity.clone(), Friction([true, false, creep])),
             Share::Uniform => ([&gravity[..], coriolis].concat(), Friction([true; 3])),
-            Share::Whole => return Ok(self.clone()),
+            Share::Whole => return self.clone(),
         };
         let design = &self.design;
         let first = design.n_columns();
@@ -102,7 +102,7 @@ impl Library {
         let shafts = laws.flat_map(|law| (0..n).map(move |joint| first + law * n + joint));
         let scale = energies.iter().copied().chain(shafts).map(|j| self.scale[j]).collect();
         let design = design.subset(&energies);
-        Ok(Self { design, friction, scale, ..self.clone() })
+        Self { design, friction, scale, ..self.clone() }
     }
 
     pub(crate) fn rows_of<'a>(
@@ -194,7 +194,7 @@ mod tests {
     #[test]
     fn a_share_has_the_columns_of_the_whole() {
         let library = Library::new(&LIMITS, None).unwrap();
-        let share = library.share(Share::Standstill { creep: true }).unwrap();
+        let share = library.share(Share::Standstill { creep: true });
         let states = reference(&LIMITS);
 
         let (whole, part) = (library.rows(&states).unwrap(), share.rows(&states).unwrap());

@@ -162,7 +162,7 @@ impl Setting<'_> {
         let Self { plan, joints, bounds, home } = *self;
         let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
         let (recipe, share) = self.stage(stage);
-        let own = library.share(share)?;
+        let own = library.share(share);
         let mut known = Vec::new();
         for recording in before {
             known.extend(own.rows_of(&recording.parts, 1)?);
@@ -197,7 +197,7 @@ impl Setting<'_> {
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
-            let rows = library.share(self.stage(stage).1)?.rows_of(parts(), DENSITY)?;
+            let rows = library.share(self.stage(stage).1).rows_of(parts(), DENSITY)?;
             Ok::<_, SimError>(Criterion::of(stacked(&rows).as_ref(), seconds))
         };
         let seconds: f64 = recordings.iter().map(|recording| recording.seconds).sum();
