@@ -1,5 +1,6 @@
 //! From rows of signals to blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
+use crate::absurd::{LONGEST, absurd};
 use crate::error::LogError;
 use crate::gaps::UsualStep;
 use crate::signal::Signal;
@@ -22,6 +23,11 @@ pub(crate) struct Blocks {
     joints: Vec<String>,
     /// How missing q̇ or q̈ are found; `None` if the file has both or none is wanted.
     polynomial: Option<LocalPolynomial>,
+    /// Whether rows with absurd values are left out, and how many rows of `columns` were looked at.
+    screens: bool,
+    screened: usize,
+    /// The first value that was absurd: row of the file, name and value.
+    pub(crate) first_absurd: Option<(u64, String, f64)>,
     columns: Vec<Vec<f64>>,
     done: usize,
     known: usize,
@@ -47,6 +53,9 @@ impl Blocks {
         Self {
             rows,
             joints: joints.to_vec(),
+            screens: polynomial.is_some(),
+            screened: 0,
+            first_absurd: None,
             polynomial: polynomial.filter(|_| !complete),
             columns,
             done: 0,
@@ -103,7 +112,8 @@ impl Blocks {
         if self.ended {
             return Ok(());
         }
-        let wanted = self.done + BLOCK_ROWS + self.reach();
+        let wanted =
+            self.done + BLOCK_ROWS + self.reach() + if self.screens { LONGEST + 1 } else { 0 };
         let mut row = vec![0.0; self.columns.len()];
         while self.columns[0].len() < wanted && !self.at_end_of_file {
             match self.rows.next(&mut row)? {
@@ -111,7 +121,8 @@ impl Blocks {
                 None => self.at_end_of_file = true,
             }
         }
-        let t = &self.columns[0];
+        self.screen();
+        let t = &self.columns[0][..self.screened];
         if self.known == 0 && !t.is_empty() {
             self.known = 1;
         }
@@ -124,6 +135,43 @@ impl Blocks {
             self.known += usize::from(!self.ended);
         }
         Ok(())
+    }
+
+    /// Leaves out rows with absurd values, but for the last ones, of which not all that stands beside
+    /// them is known.
+    fn screen(&mut self) {
+        let all = self.columns[0].len();
+        let end =
+            all.saturating_sub(if self.screens && !self.at_end_of_file { LONGEST } else { 0 });
+        if self.screens {
+            let mapping = &self.rows.mapping;
+            let mut gone: Vec<usize> = Vec::new();
+            for (slot, column) in self.columns.iter().enumerate().skip(1) {
+                let (signal, joint) =
+                    ((slot - 1) / mapping.n_joints, (slot - 1) % mapping.n_joints);
+                let signal = mapping.present[signal];
+                let own = absurd(column, signal);
+                let own = own.into_iter().filter(|row| (self.screened..end).contains(row));
+                for row in own {
+                    let name = format!("{}{}", signal.name(), joint + 1);
+                    let first = || (self.origins[row].number, name, column[row]);
+                    self.first_absurd.get_or_insert_with(first);
+                    gone.push(row);
+                }
+            }
+            gone.sort_unstable();
+            gone.dedup();
+            self.rows.report.absurd += gone.len() as u64;
+            for &row in gone.iter().rev() {
+                self.columns.iter_mut().for_each(|column| {
+                    column.remove(row);
+                });
+                self.origins.remove(row);
+            }
+            self.screened = end - gone.len();
+        } else {
+            self.screened = end;
+        }
     }
 
     fn push(&mut self, row: &[f64], origin: Origin) -> Result<(), LogError> {
@@ -160,6 +208,7 @@ impl Blocks {
     }
 
     fn forget(&mut self, rows: usize) {
+        self.screened -= rows;
         for column in &mut self.columns {
             column.drain(..rows);
         }

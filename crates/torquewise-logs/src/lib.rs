@@ -48,6 +48,7 @@ mod beside;
 pub mod frame;
 pub mod signal_rows;
 pub mod source;
+mod absurd;
 mod gaps;
 mod blocks;
 pub mod logs;

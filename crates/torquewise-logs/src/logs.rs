@@ -32,11 +32,13 @@ pub struct Logs {
 }
 
 /// What the last complete reading of a file came to.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Reading {
     report: ReadReport,
     trajectories: usize,
     gaps: u64,
+    /// The first value that was absurd: row, column and value.
+    absurd: Option<(u64, String, f64)>,
 }
 
 impl Logs {
@@ -186,6 +188,17 @@ impl Logs {
         readings.iter().fold(ReadReport::default(), |all, reading| all.and(reading.report))
     }
 
+    /// The first value that the last complete reading left out as absurd: file, row in it, column and
+    /// value.
+    pub fn first_absurd(&self) -> Option<(PathBuf, u64, String, f64)> {
+        let readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut files = self.paths.iter().zip(readings.iter());
+        files.find_map(|(path, reading)| {
+            let (row, column, value) = reading.absurd.clone()?;
+            Some((path.clone(), row, column, value))
+        })
+    }
+
     /// What the last complete reading of each file left out and where it was split, by name of the
     /// log; those that are sound are not listed.
     pub fn repairs(&self) -> BTreeMap<String, Repairs> {
@@ -245,7 +258,8 @@ impl Logs {
                 visit(last, block)?;
             }
             let (report, gaps) = (blocks.rows.report(), blocks.gaps);
-            let reading = Reading { report, trajectories: last + 1 - first, gaps };
+            let absurd = blocks.first_absurd;
+            let reading = Reading { report, trajectories: last + 1 - first, gaps, absurd };
             let mut readings = self.readings.lock().unwrap_or_else(PoisonError::into_inner);
             if let Some(old) = readings.get_mut(file) {
                 *old = reading;
@@ -258,11 +272,12 @@ impl Logs {
 
 impl Reading {
     fn repairs(&self) -> Repairs {
-        let ReadReport { repeated, went_back, not_finite, .. } = self.report;
+        let ReadReport { repeated, went_back, not_finite, absurd, .. } = self.report;
         Repairs {
             repeated_stamps: repeated,
             earlier_stamps: went_back,
             not_finite,
+            absurd,
             splits: self.gaps,
             ..Repairs::default()
         }

@@ -37,6 +37,8 @@ pub struct ReadReport {
     pub first_back: Option<u64>,
     /// Rows dropped since a value was missing, NaN or infinite.
     pub not_finite: u64,
+    /// Rows dropped since a value was absurd.
+    pub absurd: u64,
     /// Messages of a bag that came after one with a later time stamp and were sorted.
     pub sorted: u64,
     /// Messages of a bag that were about other joints.
@@ -54,7 +56,7 @@ pub(crate) struct SignalRows {
     /// Time of the first row of the file, as its column has it and in seconds.
     first: Option<(f64, f64)>,
     last_t: Option<f64>,
-    report: ReadReport,
+    pub(crate) report: ReadReport,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -203,6 +205,7 @@ impl ReadReport {
             went_back: self.went_back + other.went_back,
             first_back: self.first_back.or(other.first_back),
             not_finite: self.not_finite + other.not_finite,
+            absurd: self.absurd + other.absurd,
             sorted: self.sorted + other.sorted,
             passed_over: self.passed_over + other.passed_over,
         }

@@ -15,6 +15,8 @@ pub struct Repairs {
     pub earlier_stamps: u64,
     /// Rows left out since a value was missing, NaN or infinite.
     pub not_finite: u64,
+    /// Rows left out since a value was absurd: far beyond all others, and alone.
+    pub absurd: u64,
     /// Rows left out since they repeated the row before: the logger was faster than its device.
     pub held_rows: u64,
     /// Rows left out since their trajectory was too short for the filter.
@@ -55,6 +57,7 @@ impl Repairs {
         self.repeated_stamps += other.repeated_stamps;
         self.earlier_stamps += other.earlier_stamps;
         self.not_finite += other.not_finite;
+        self.absurd += other.absurd;
         self.held_rows += other.held_rows;
         self.too_short += other.too_short;
         other.spikes.iter().for_each(|(signal, &count)| self.add_spikes(signal, count));
@@ -70,6 +73,7 @@ impl Repairs {
             (self.repeated_stamps, "rows with the time stamp of the row before"),
             (self.earlier_stamps, "rows with an earlier time stamp than a row before"),
             (self.not_finite, "rows without a number"),
+            (self.absurd, "rows with a value far beyond all others"),
             (self.held_rows, "rows held by a logger faster than its device"),
             (self.too_short, "rows of trajectories too short for the filter"),
         ])

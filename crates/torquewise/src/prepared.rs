@@ -131,6 +131,14 @@ fn dropped(logs: &Logs) -> Option<String> {
     if report.not_finite > 0 {
         parts.push(format!("{} rows without a number", report.not_finite));
     }
+    if let Some((file, row, column, value)) = logs.first_absurd() {
+        parts.push(format!(
+            "{} rows with a value far beyond all others, the first is {column} = {value:e} in row \
+             {row} of {}",
+            report.absurd,
+            file.display()
+        ));
+    }
     if let Some(first) = report.first_back {
         parts.push(format!(
             "{} rows earlier than a row before them, the first is row {first} (if the clock began \

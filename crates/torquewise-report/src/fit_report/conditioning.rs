@@ -50,7 +50,7 @@ fn columns() -> Vec<Column> {
 }
 
 fn row(log: &str, repairs: &Repairs) -> Vec<Label> {
-    let others = repairs.earlier_stamps + repairs.not_finite + repairs.too_short;
+    let others = repairs.earlier_stamps + repairs.not_finite + repairs.absurd + repairs.too_short;
     let (left_out, moved) =
         ([repairs.repeated_stamps, repairs.held_rows, others], [repairs.late_stamps, repairs.gaps]);
     let counts = std::iter::once(repairs.spikes.values().sum()).chain(left_out).chain(moved);

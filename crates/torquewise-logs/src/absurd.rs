@@ -1,0 +1,71 @@
+//! From a stretch of rows to those with a value that no motion leads to: a bit that fell over, a
+//! sensor that dropped out.
+
+use crate::signal::Signal;
+
+/// Rows in a row that may be absurd; more are taken for what happened.
+pub(crate) const LONGEST: usize = 3;
+/// Rows of a stretch whose values are larger than usual: these at least, and one in so many.
+const LARGER: (usize, usize) = (3, 200);
+/// A stretch of fewer rows does not tell what is usual.
+const LEAST_ROWS: usize = 64;
+/// A value is absurd beyond so many times what is usual in its stretch.
+const TIMES: f64 = 20.0;
+
+/// No value below this is absurd \[rad, rad/s, rad/s², N·m\].
+fn least(signal: Signal) -> f64 {
+    match signal {
+        Signal::Q => std::f64::consts::TAU,
+        Signal::Dq => 5.0,
+        Signal::Ddq => 100.0,
+        Signal::Tau => 10.0,
+    }
+}
+
+/// Rows of a column, ascending, that stand out alone: farther from the median than 20 times all but
+/// the largest few, at most three beside each other.
+pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
+    let (few, part) = LARGER;
+    if x.len() < LEAST_ROWS {
+        return Vec::new();
+    }
+    let kept = x.len() - 1 - few.max(x.len() / part);
+    let mut sorted = x.to_vec();
+    let (_, median, _) = sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp);
+    let median = *median;
+    sorted.iter_mut().for_each(|x| *x = (*x - median).abs());
+    let (_, usual, _) = sorted.select_nth_unstable_by(kept, f64::total_cmp);
+    let most = (TIMES * *usual).max(least(signal));
+    let off: Vec<usize> = (0..x.len()).filter(|&row| (x[row] - median).abs() > most).collect();
+    let runs = off.chunk_by(|a, b| a + 1 == *b).filter(|run| run.len() <= LONGEST);
+    runs.flatten().copied().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sine() -> Vec<f64> {
+        (0..600).map(|row| (0.05 * f64::from(row)).sin()).collect()
+    }
+
+    #[test]
+    fn rows_that_stand_out_alone_are_absurd() {
+        let mut x = sine();
+        (x[100], x[101], x[400]) = (1e3, -1e6, 1e300);
+
+        assert_eq!(absurd(&x, Signal::Dq), [100, 101, 400]);
+        assert_eq!(absurd(&sine(), Signal::Dq), []);
+    }
+
+    #[test]
+    fn a_rare_move_and_a_small_flicker_are_none() {
+        let mut still = vec![0.0; 600];
+        still[300] = 1e-3;
+        let mut moved = vec![0.0; 600];
+        moved[300..310].fill(20.0);
+
+        assert_eq!(absurd(&still, Signal::Dq), []);
+        assert_eq!(absurd(&moved, Signal::Dq), []);
+    }
+}
