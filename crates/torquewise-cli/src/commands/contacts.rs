@@ -48,6 +48,8 @@ pub(crate) struct Arguments {
     signals: SignalArguments,
 }
 
+/// A threshold beyond so many times the spread of its torque leaves a joint blind.
+const BLIND: f64 = 2.0;
 /// Contacts that are printed; the JSON has all.
 const MOST_PRINTED: usize = 30;
 
@@ -136,6 +138,15 @@ fn outcome(
             text.extend([format!("and {} more: --json has all\n", found.len() - MOST_PRINTED)]);
         }
     }
+    let blind = blind(model, thresholds);
+    let warning = (!blind.is_empty()).then(|| {
+        format!(
+            "{} hardly feel a contact: their thresholds are beyond twice the spread of all torque \
+             that they were trained on; record free motion like that of the log and give it by \
+             --free, or train a model that predicts them",
+            blind.join(", ")
+        )
+    });
     let file = arguments.output.display().to_string();
     text.extend([format!("\nexternal torque: {file} ({rows} rows)\n")]);
     let json = json!({
@@ -144,8 +155,17 @@ fn outcome(
         "false_alarms_per_hour": thresholds.false_alarms_per_hour,
         "bandwidth_hz": arguments.bandwidth,
         "contacts": found,
+        "blind": blind,
         "rows": rows,
         "file": file,
     });
-    Outcome { text, json, ..Outcome::default() }
+    Outcome { text, json, warnings: warning.into_iter().collect(), ..Outcome::default() }
+}
+
+/// Joints of which only a contact tells that is larger than usual torque.
+fn blind(model: &Model, thresholds: &Thresholds) -> Vec<String> {
+    let joints = model.joints.iter().zip(&thresholds.torque).zip(&model.training.torque_std);
+    let is_blind =
+        |((name, most), std): ((&String, &f64), &f64)| (*most > BLIND * std).then(|| name.clone());
+    joints.filter_map(is_blind).collect()
 }

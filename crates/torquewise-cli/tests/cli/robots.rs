@@ -144,6 +144,17 @@ fn a_push_is_found_when_and_where_it_was() {
     assert!(terminal.read("external.svg").contains("threshold"));
     let calm = terminal.json("residuals arm.json calm.csv --free free.csv -o calm_external.csv");
     assert_eq!(calm["contacts"].as_array().unwrap().len(), 0, "{calm}");
+    assert_eq!(calm["blind"].as_array().unwrap().len(), 0, "{calm}");
+
+    // Thresholds of motion in which somebody shakes the arm leave its joint blind.
+    let shake = |_: usize, tau: f64, row: &[f64]| tau + 60.0 * (6.0 * row[0]).sin().signum();
+    let shaken = Table::of(&terminal, "free.csv").with("tau2", shake);
+    terminal.write("shaken.csv", &shaken.text());
+    let line = "contacts arm.json push.csv --free shaken.csv -o external.csv";
+    let deaf = terminal.json(line);
+    assert_eq!(deaf["contacts"].as_array().unwrap().len(), 0, "{deaf}");
+    assert!(deaf["blind"].as_array().unwrap().contains(&"elbow".into()), "{deaf}");
+    assert!(terminal.run(line).stderr.contains("elbow"), "{deaf}");
 }
 
 #[test]
