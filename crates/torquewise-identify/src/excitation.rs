@@ -59,6 +59,11 @@ pub enum Finding {
         /// Name of the joint.
         joint: String,
     },
+    /// Two torques that fit the motion of each other's joint.
+    Swapped {
+        /// Names of the joints.
+        joints: [String; 2],
+    },
     /// A torque that follows from the position alone.
     Commanded {
         /// Name of the joint.
@@ -271,6 +276,11 @@ impl fmt::Display for Finding {
                 "the torque of {joint} is at one of its ends in {:.0} % of its motion, as if it \
                  were cut off: check the limits of its drive and sensor, and drive it more gently",
                 100.0 * share
+            ),
+            Self::Swapped { joints: [one, other] } => write!(
+                f,
+                "the torque of {one} fits the motion of {other}, and that of {other} the motion of \
+                 {one}: check the order of the torque columns"
             ),
             Self::WrongSign { joint } => write!(
                 f,

@@ -126,7 +126,7 @@ fn by_chain(
             let chain = SignTest::at(&fitted.solved.at, options.geometry.is_some())?;
             let mut found = fitted.report(survey, patterns, seed)?;
             Warning::retain_founded(&mut found.warnings, &found.model);
-            found.doubt_torque(|_| Ok(chain))?;
+            found.doubt_torque(seed, |_| Ok(chain))?;
             progress(Progress::Done);
             Ok(Solution::Model(Box::new(found)))
         }

@@ -3,7 +3,7 @@
 use crate::clipped::clipped;
 use crate::excitation::Finding;
 use crate::library_errors::held_out_rms;
-use crate::torque_sign::SignTest;
+use crate::torque_sign::{SignTest, swapped};
 use crate::warning::Warning;
 use torquewise_model::{Model, Torque};
 use torquewise_stepwise::error::IdentifyError;
@@ -57,7 +57,7 @@ impl Reconstruction {
             held_out_rms(&model, &survey.sample)?;
         let mut found =
             Self { model, survey, patterns, noise, candidates, steps, dropped, warnings };
-        found.doubt_torque(|survey| SignTest::search(survey, seed))?;
+        found.doubt_torque(seed, |survey| SignTest::search(survey, seed))?;
         Ok(found)
     }
 
@@ -70,6 +70,7 @@ impl Reconstruction {
     /// [`IdentifyError::Chain`] if the chain is of another arm, [`IdentifyError::Model`].
     pub(crate) fn doubt_torque(
         &mut self,
+        seed: u64,
         chain: impl FnOnce(&Survey) -> Result<SignTest, IdentifyError>,
     ) -> Result<(), IdentifyError> {
         let training = &self.model.training;
@@ -87,6 +88,11 @@ impl Reconstruction {
         if self.warnings.iter().any(is_clipped)
             || missed.is_empty() && !self.has_negative_inertia()?
         {
+            return Ok(());
+        }
+        if let Ok(Some(pair)) = swapped(&self.survey.sample, seed) {
+            let joints = pair.map(|joint| self.survey.joints[joint].clone());
+            self.warnings.push(Warning::Excitation(Finding::Swapped { joints }));
             return Ok(());
         }
         // An arm of which no chain is found, for rows or joints, has nothing to compare with.

@@ -96,6 +96,9 @@ fn grave(warnings: &[Warning]) -> Vec<String> {
         Warning::Excitation(Finding::WrongSign { joint }) => {
             Some(format!("the torque of {joint} has the wrong sign"))
         }
+        Warning::Excitation(Finding::Swapped { joints: [one, other] }) => {
+            Some(format!("the torques of {one} and {other} seem to be swapped"))
+        }
         Warning::Excitation(Finding::Clipped { joint, .. }) => {
             Some(format!("the torque of {joint} is cut off"))
         }

@@ -127,6 +127,14 @@ impl Rows {
         self
     }
 
+    /// The same rows, with the torques of two joints, counted from 0, in each other's place.
+    #[must_use]
+    pub fn swapped(mut self, [a, b]: [usize; 2]) -> Self {
+        let m = self.len();
+        (0..m).for_each(|row| self.torque.swap(a * m + row, b * m + row));
+        self
+    }
+
     /// The rows named by `rows`, in that order.
     ///
     /// # Panics

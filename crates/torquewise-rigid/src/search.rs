@@ -217,7 +217,7 @@ fn are_same(a: &Chain, b: &Chain, rows: &Rows) -> bool {
 }
 
 /// What the best of the starts leaves of few rows, before any is refined: a first look at a
-/// coupling. Geometric mean over the joints of the residual's part of the torque; infinite where no
+/// coupling, or at torques in another order. Geometric mean over the joints of the residual's part of the torque; infinite where no
 /// start can be fitted.
 pub fn glance(rows: &Rows, search: &Search) -> f64 {
     let (weights, glance) = (first_weights(rows), rows.thinned(search.glance_rows));

@@ -38,3 +38,38 @@ fn one_two_and_all_torques_of_the_wrong_sign_are_named() {
         }
     }
 }
+
+/// Joints whose torques a fit says to be swapped once those of a pair are.
+fn swapped(pair: Option<[usize; 2]>) -> Option<[String; 2]> {
+    let plan = MotionPlan { kind: MotionKind::Moves, seconds: 40.0, rate: 100.0, seed: 1 };
+    let motion = simulate(&Arm::builtin("generic-4").unwrap(), &plan).unwrap().motion;
+    let mut signals = motion.into_signals();
+    let dq = signals.dq.clone();
+    let tau = signals.tau.as_mut().unwrap();
+    for joint in 0..tau.ncols() {
+        let spread = (tau.col(joint).squared_norm_l2() / tau.nrows() as f64).sqrt();
+        for row in 0..tau.nrows() {
+            tau[(row, joint)] += 0.1 * spread * (dq[(row, joint)] / 0.02).tanh();
+        }
+    }
+    if let Some([a, b]) = pair {
+        for row in 0..tau.nrows() {
+            (tau[(row, a)], tau[(row, b)]) = (tau[(row, b)], tau[(row, a)]);
+        }
+    }
+    let found = reconstruct(&Motion::new(signals).unwrap(), &Plan::default(), &mut |_| {}).unwrap();
+    found.warnings.into_iter().find_map(|warning| match warning {
+        Warning::Excitation(Finding::Swapped { joints }) => Some(joints),
+        _ => None,
+    })
+}
+
+#[test]
+fn torques_that_are_swapped_are_named() {
+    let joints = Arm::builtin("generic-4").unwrap().joints().to_vec();
+    assert_eq!(swapped(None), None);
+    for [a, b] in [[0, 1], [1, 2], [0, 3], [2, 3]] {
+        let expected = [joints[a].clone(), joints[b].clone()];
+        assert_eq!(swapped(Some([a, b])), Some(expected));
+    }
+}
