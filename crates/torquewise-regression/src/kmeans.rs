@@ -59,7 +59,11 @@ pub fn kmeans<const D: usize>(
             best = other;
         }
     }
-    best.centres.sort_by(compare);
+    let sum = |centre: &[f64; D]| centre.iter().sum::<f64>();
+    best.centres.sort_by(|a, b| {
+        let differing = a.iter().zip(b).map(|(x, y)| x.total_cmp(y));
+        differing.fold(sum(a).total_cmp(&sum(b)), Ordering::then)
+    });
     Ok(best)
 }
 
@@ -131,13 +135,6 @@ fn nearest<const D: usize>(point: &[f64; D], centres: &[[f64; D]]) -> (usize, f6
 
 fn distance2<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
-}
-
-/// By the sum of the coordinates, then by each in turn.
-fn compare<const D: usize>(a: &[f64; D], b: &[f64; D]) -> Ordering {
-    let sum = |centre: &[f64; D]| centre.iter().sum::<f64>();
-    let differing = a.iter().zip(b).map(|(x, y)| x.total_cmp(y));
-    differing.fold(sum(a).total_cmp(&sum(b)), Ordering::then)
 }
 
 /// A further cluster must lower the root mean square distance to the centre by this part of what

@@ -5,7 +5,7 @@ use crate::atom::{Monomial, Numbering, Wave};
 use crate::design::Design;
 use crate::normal_equations::NormalEquations;
 use crate::products::add_product;
-use crate::samples::{Samples, monomial_values, multiply, wave_cost, wave_values};
+use crate::samples::{Samples, monomial_values, wave_cost, wave_values};
 use faer::{Mat, MatMut};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -80,7 +80,6 @@ impl MomentPlan {
         ]
     }
 
-    /// Adds blocks of rows to the moments.
     pub(crate) fn add(&self, blocks: &[Samples], [table, cross, energy]: &mut [Mat<f64>; 3]) {
         let zeros = |columns| Mat::zeros(STRIP_ROWS, columns);
         // The waves and monomials of the design are the first of all.
@@ -95,7 +94,9 @@ impl MomentPlan {
                 monomial_values(&self.monomials, &self.products, variables, &rows, &mut monomials);
                 for j in 0..weighted.ncols() {
                     let response = &responses.col_as_slice(j / a)[rows.clone()];
-                    multiply(weighted.col_as_slice_mut(j), monomials.col_as_slice(j % a), response);
+                    let factors = monomials.col_as_slice(j % a).iter().zip(response);
+                    let products = weighted.col_as_slice_mut(j).iter_mut().zip(factors);
+                    products.for_each(|(out, (monomial, y))| *out = monomial * y);
                 }
                 let waves = waves.subrows(0, rows.len());
                 add_product(table, monomials.subrows(0, rows.len()), waves);
@@ -128,7 +129,7 @@ fn packed(a: usize, b: usize) -> usize {
 /// Rows worked on at once: few enough to stay in a cache, many enough for a product of matrices.
 const STRIP_ROWS: usize = 256;
 
-/// (atom, weight) of a column.
+/// (atom or part, weight) of a column.
 type Entries = Vec<(usize, f64)>;
 /// (wave, weight) of a function of the angles; the first weight is 1.
 type Function = Vec<(usize, f64)>;

@@ -72,7 +72,6 @@ impl Prepared {
         self.design.cost() + count as f64 * p * (p / 2.0 + responses)
     }
 
-    /// The sums of no rows.
     fn zeros(&self) -> Vec<Sums> {
         if let Some(plan) = &self.moments {
             return vec![plan.zeros(self.n_responses)];

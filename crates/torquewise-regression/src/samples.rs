@@ -125,14 +125,6 @@ pub(crate) fn wave_cost(waves: &[Wave]) -> usize {
     4 * waves.iter().map(products).sum::<usize>()
 }
 
-/// Writes the products of two columns.
-pub(crate) fn multiply(out: &mut [f64], left: &[f64], right: &[f64]) {
-    Arch::new().dispatch(
-        #[inline(always)]
-        || out.iter_mut().zip(left.iter().zip(right)).for_each(|(out, (a, b))| *out = a * b),
-    );
-}
-
 /// Writes x^α at some rows into the first rows of `out`, rows × monomials.
 ///
 /// - `products`: the monomials that are products of two earlier ones, and of which
@@ -145,12 +137,8 @@ pub(crate) fn monomial_values(
 ) {
     for (j, monomial) in monomials.iter().enumerate() {
         if let Some(&(a, b)) = products.get(&j) {
-            let (before, mut rest) = out.as_mut().split_at_col_mut(j);
-            let known = |k: usize| before.as_ref().col(k).try_as_col_major();
-            let column = rest.as_mut().col_mut(0).try_as_col_major_mut();
-            if let (Some(column), Some(a), Some(b)) = (column, known(a), known(b)) {
-                let m = rows.len();
-                multiply(&mut column.as_slice_mut()[..m], &a.as_slice()[..m], &b.as_slice()[..m]);
+            for row in 0..rows.len() {
+                out[(row, j)] = out[(row, a)] * out[(row, b)];
             }
             continue;
         }

@@ -175,7 +175,6 @@ impl Terms {
         }
     }
 
-    /// Number of candidates.
     fn len(&self) -> usize {
         match self {
             Self::Torque(terms) => terms.len(),

@@ -106,9 +106,12 @@ impl FrictionLibrary {
     pub fn stribeck(&self) -> Vec<FrictionTerm> {
         (0..self.peak.len())
             .flat_map(|joint| {
-                let bumps = self.exponentials(joint);
-                let dry = FrictionLaw::Coulomb { width: self.width[joint] };
-                let backward = bumps.clone().into_iter().chain([FrictionLaw::Viscous, dry]);
+                let width = self.width[joint];
+                let speed = |part| rounded(part * self.peak[joint]).max(f64::MIN_POSITIVE);
+                let bumps =
+                    STRIBECK_PARTS.map(|part| FrictionLaw::Stribeck { speed: speed(part), width });
+                let dry = FrictionLaw::Coulomb { width };
+                let backward = bumps.into_iter().chain([FrictionLaw::Viscous, dry]);
                 let backward = backward.map(move |law| FrictionTerm {
                     direction: Direction::Backward,
                     ..self.term(joint, law)
@@ -121,12 +124,6 @@ impl FrictionLibrary {
     /// Dahl elements of a joint (E13).
     pub fn dahl(&self, joint: usize) -> Vec<FrictionTerm> {
         TRAVELS.map(|travel| self.term(joint, FrictionLaw::Dahl { travel })).to_vec()
-    }
-
-    fn exponentials(&self, joint: usize) -> Vec<FrictionLaw> {
-        let width = self.width[joint];
-        let speed = |part| rounded(part * self.peak[joint]).max(f64::MIN_POSITIVE);
-        STRIBECK_PARTS.map(|part| FrictionLaw::Stribeck { speed: speed(part), width }).to_vec()
     }
 
     fn term(&self, joint: usize, law: FrictionLaw) -> FrictionTerm {

@@ -33,13 +33,6 @@ impl CvScore {
     pub fn error(&self) -> f64 {
         mean(&self.errors)
     }
-
-    /// Standard error of the difference to another trial on the same blocks.
-    fn apart(&self, other: &Self) -> f64 {
-        let differences: Vec<f64> =
-            self.errors.iter().zip(&other.errors).map(|(a, b)| a - b).collect();
-        standard_error(&differences)
-    }
 }
 
 /// Mean of some values; zero of none.
@@ -68,7 +61,9 @@ pub fn standard_error(x: &[f64]) -> f64 {
 pub fn choose_worth(what: &str, trials: &[CvScore], part: f64) -> Option<(usize, Choice)> {
     let best = trials.iter().min_by(|a, b| a.error().total_cmp(&b.error()))?;
     let near = |trial: &&CvScore| {
-        trial.error() <= best.error() + trial.apart(best).max(part * best.error())
+        let pairs = trial.errors.iter().zip(&best.errors);
+        let apart = standard_error(&pairs.map(|(a, b)| a - b).collect::<Vec<_>>());
+        trial.error() <= best.error() + apart.max(part * best.error())
     };
     let last = trials.iter().position(|trial| near(&trial))?;
     // Of two, one that is simpler and better may have the smaller error of its difference.

@@ -98,7 +98,6 @@ pub fn reconstruct(
     })
 }
 
-/// The model as it grows.
 struct PartialModel<'a> {
     candidates: &'a Candidates,
     groups: Vec<Group>,

@@ -30,19 +30,24 @@ pub(crate) struct Refitted {
     pub(crate) terms: Vec<FittedTerm>,
     /// (column, inclusion) of terms that did not stay, where resampled logs were asked.
     pub(crate) dropped: Vec<(usize, f64)>,
-    /// Linearly dependent columns.
     pub(crate) dependent: Vec<usize>,
     /// RMS of the residual of each equation \[N·m\].
     pub(crate) residual_rms: Vec<f64>,
 }
 
-/// How kept terms are fitted.
 pub(crate) struct RefitPlan<'a> {
     pub(crate) survey: &'a Survey,
     pub(crate) options: &'a LibraryOptions,
     /// What is taken out of the normal equations.
     pub(crate) noise: &'a NoiseFloor,
     pub(crate) seed: u64,
+}
+
+impl RefitPlan<'_> {
+    /// Rows that a row of the sample stands for.
+    fn scale(&self) -> f64 {
+        self.survey.rows as f64 / self.survey.sample.n_rows().max(1) as f64
+    }
 }
 
 /// A coefficient whose column adds less than this part of the torque cannot be told from rounding.
@@ -84,9 +89,8 @@ pub(crate) fn refit(
         _ => 0.0,
     };
     let pieces = pieces(&survey.sample, &candidates.friction, n_parts)?;
-    let scale = survey.rows as f64 / survey.sample.n_rows().max(1) as f64;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
-    let draws = scale.ceil().clamp(1.0, MOST_DRAWS) as usize;
+    let draws = plan.scale().ceil().clamp(1.0, MOST_DRAWS) as usize;
     (kept.iter().zip(whole))
         .map(|(kept, grams)| {
             let sums_at = |start: &[f64], draws: usize| {
@@ -98,7 +102,7 @@ pub(crate) fn refit(
                 };
                 (0..n_parts).into_par_iter().map(of_part).collect::<Result<Vec<_>, SparseError>>()
             };
-            let mut fit = GroupRefit::new(kept, grams, (scale, least_t_squared), plan)?;
+            let mut fit = GroupRefit::new(kept, grams, least_t_squared, plan)?;
             for _ in 0..if fit.is_explained { REFINEMENTS } else { 0 } {
                 fit.parts = sums_at(&fit.coefficients, 0)?;
                 fit.refine()?;
@@ -167,8 +171,6 @@ struct GroupRefit<'a> {
     is_explained: bool,
     /// What the parts of the sample say.
     parts: Vec<Part>,
-    /// Rows that a row of the sample stands for.
-    scale: f64,
     /// Terms of less t² leave.
     least_t_squared: f64,
     plan: &'a RefitPlan<'a>,
@@ -178,7 +180,7 @@ impl<'a> GroupRefit<'a> {
     fn new(
         kept: &'a ActiveSet<'a>,
         grams: &'a [NormalEquations],
-        (scale, least_t_squared): (f64, f64),
+        least_t_squared: f64,
         plan: &'a RefitPlan<'a>,
     ) -> Result<Self, SparseError> {
         let all: Vec<usize> = (0..kept.columns.len()).collect();
@@ -189,17 +191,15 @@ impl<'a> GroupRefit<'a> {
             let (gram, response) = of_joint(grams, joint);
             unexplained(grams, joint, &coefficients) <= EXPLAINED * gram.energy[response]
         });
-        let (gram, rows, parts) = (equations.joined(), equations.rows, Vec::new());
         Ok(Self {
             kept,
             grams,
-            gram,
-            rows,
+            gram: equations.joined(),
+            rows: equations.rows,
             coefficients,
             dependent,
             is_explained,
-            parts,
-            scale,
+            parts: Vec::new(),
             least_t_squared,
             plan,
         })
@@ -208,7 +208,7 @@ impl<'a> GroupRefit<'a> {
     /// A step of iterative refinement: least squares of what the coefficients leave of the sample,
     /// which stands for all rows.
     fn refine(&mut self) -> Result<(), SparseError> {
-        let left = faer::Scale(self.scale) * self.left();
+        let left = faer::Scale(self.plan.scale()) * self.left();
         self.gram = with_response(&left, &self.coefficients);
         let all: Vec<usize> = (0..self.coefficients.len()).collect();
         let change = NormalEquations::of_joined(&left, self.rows)?.refit(&all)?;
@@ -264,11 +264,11 @@ impl<'a> GroupRefit<'a> {
         let (mut more, mut bias) = (Mat::<f64>::zeros(p + 1, p + 1), Mat::zeros(p + 1, p + 1));
         let (mut spread, mut sum, mut rows) = (Mat::<f64>::zeros(p, p), vec![0.0; p], 0.0);
         for (part, &weight) in self.parts.iter().zip(weights) {
-            let change = self.scale.sqrt() * (weight - 1.0);
+            let change = self.plan.scale().sqrt() * (weight - 1.0);
             if change != 0.0 {
                 more += faer::Scale(change) * &part.gram;
             }
-            bias += faer::Scale(self.scale + change) * &part.bias;
+            bias += faer::Scale(self.plan.scale() + change) * &part.bias;
             if weight > 0.0 {
                 spread += faer::Scale(weight) * &part.spread;
                 sum.iter_mut().enumerate().for_each(|(j, sum)| *sum += weight * part.gram[(p, j)]);
@@ -279,7 +279,7 @@ impl<'a> GroupRefit<'a> {
         let bias = with_response(&bias, start);
         let reference = gram[(p, p)].max(f64::MIN_POSITIVE);
         let information = |i, j| gram[(i, j)] - bias[(i, j)];
-        let spread = |i, j| self.scale * (spread[(i, j)] - sum[i] * sum[j] / rows.max(1.0));
+        let spread = |i, j| self.plan.scale() * (spread[(i, j)] - sum[i] * sum[j] / rows.max(1.0));
         Equations {
             information: Mat::from_fn(p, p, information),
             right: (0..p).map(|j| information(j, p)).collect(),
@@ -288,7 +288,6 @@ impl<'a> GroupRefit<'a> {
         }
     }
 
-    /// Columns that do not depend on others.
     fn independent(&self) -> Vec<usize> {
         (0..self.coefficients.len()).filter(|j| !self.dependent.contains(j)).collect()
     }

@@ -81,7 +81,6 @@ pub(crate) fn cut(samples: Samples, rows: usize) -> Vec<Samples> {
     pieces.map(|start| samples.rows(start, size.min(samples.n_rows() - start))).collect()
 }
 
-/// Rows of a piece at least.
 const LEAST_PIECE: usize = 16;
 
 /// Sums over the rows of a pattern, which are gathered to full blocks and dealt out in turn.
@@ -91,7 +90,6 @@ pub(crate) struct PatternSums<'a> {
     /// A block, whose first rows are held.
     block: Samples,
     held: usize,
-    /// Rows of a piece.
     piece: usize,
     sums: Vec<RowAdder<'a>>,
     /// The sum that the next piece belongs to.
@@ -117,7 +115,6 @@ impl<'a> PatternSums<'a> {
         Self { pattern, block, held: 0, piece, sums, next: 0 }
     }
 
-    /// Adds the rows of its pattern.
     pub(crate) fn add(&mut self, samples: &Samples, labels: &[Pattern]) -> Result<(), SparseError> {
         for (row, &label) in labels.iter().enumerate() {
             if self.pattern.is_some_and(|pattern| pattern != label) {
@@ -143,7 +140,6 @@ impl<'a> PatternSums<'a> {
         Ok(())
     }
 
-    /// The sums of all rows.
     pub(crate) fn finish(mut self) -> Result<Vec<RowSums>, SparseError> {
         if self.held > 0 {
             self.deal()?;

@@ -59,12 +59,10 @@ impl LibrarySums {
         Ok(present)
     }
 
-    /// The sums over the rows of a step.
     pub(crate) fn of_step(&self, step: &Step) -> &RowSums {
         &self.sums[step.pattern.map_or(0, |pattern| pattern as usize)]
     }
 
-    /// All rows as one.
     pub(crate) fn whole(&self, basis: &Basis) -> Result<RowSums, SparseError> {
         let mut whole = RowSums::new(&basis.prepared);
         self.sums.iter().try_for_each(|sums| whole.merge(sums))?;

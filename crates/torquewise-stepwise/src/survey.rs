@@ -65,10 +65,8 @@ pub struct SurveySum {
     joints: Vec<String>,
     rows: usize,
     trajectories: usize,
-    /// Least and greatest position of each joint.
-    q_range: Vec<[f64; 2]>,
-    /// Largest speeds, then largest accelerations.
-    peaks: [Vec<f64>; 2],
+    /// Largest −q of each joint, then q, |q̇| and |q̈|.
+    largest: [Vec<f64>; 4],
     /// Time, then torques and squared torques of each joint, then squares of what a filter took
     /// from them.
     sums: ExactSums,
@@ -92,8 +90,7 @@ impl SurveySum {
             joints: joints.to_vec(),
             rows: 0,
             trajectories: 0,
-            q_range: vec![[f64::INFINITY, f64::NEG_INFINITY]; n],
-            peaks: [vec![0.0; n], vec![0.0; n]],
+            largest: [f64::NEG_INFINITY, f64::NEG_INFINITY, 0.0, 0.0].map(|x| vec![x; n]),
             sums: ExactSums::zeros(1 + 3 * n),
             has_torque: true,
             noise: NoiseSum::new(n),
@@ -143,13 +140,15 @@ impl SurveySum {
     }
 
     fn add_joint(&mut self, block: &Motion, joint: usize) -> Result<(), SparseError> {
-        let [low, high] = &mut self.q_range[joint];
-        for &q in block.q().col(joint).iter() {
-            (*low, *high) = (low.min(q), high.max(q));
-        }
-        for (peaks, rates) in self.peaks.iter_mut().zip([block.dq(), block.ddq()]) {
-            let rates = rates.col(joint).iter();
-            peaks[joint] = rates.fold(peaks[joint], |peak, rate| peak.max(rate.abs()));
+        let signals = [block.q(), block.q(), block.dq(), block.ddq()];
+        for (place, (largest, signal)) in self.largest.iter_mut().zip(signals).enumerate() {
+            let size = |x: f64| match place {
+                0 => -x,
+                1 => x,
+                _ => x.abs(),
+            };
+            let values = signal.col(joint).iter();
+            largest[joint] = values.fold(largest[joint], |most, &x| most.max(size(x)));
         }
         let Some(tau) = block.tau() else {
             self.has_torque = false;
@@ -174,11 +173,8 @@ impl SurveySum {
         self.sums.merge(&other.sums)?;
         self.rows += other.rows;
         self.trajectories += other.trajectories;
-        for ([low, high], [other_low, other_high]) in self.q_range.iter_mut().zip(&other.q_range) {
-            (*low, *high) = (low.min(*other_low), high.max(*other_high));
-        }
-        for (peaks, others) in self.peaks.iter_mut().zip(&other.peaks) {
-            peaks.iter_mut().zip(others).for_each(|(peak, other)| *peak = peak.max(*other));
+        for (own, more) in self.largest.iter_mut().zip(&other.largest) {
+            own.iter_mut().zip(more).for_each(|(most, other)| *most = most.max(*other));
         }
         self.has_torque &= other.has_torque;
         self.noise.merge(&other.noise);
@@ -197,10 +193,9 @@ impl SurveySum {
     /// Whether its parts fit each other.
     pub fn is_sound(&self) -> bool {
         let n = self.joints.len();
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         n > 0
-            && self.q_range.len() == n
-            && self.peaks.iter().all(|peaks| peaks.len() == n && finite(peaks))
+            && self.largest.iter().all(|largest| largest.len() == n)
+            && self.largest[2..].iter().all(|peaks| peaks.iter().all(|peak| peak.is_finite()))
             && self.sums.count() == 1 + 3 * n
             && self.noise.is_sound(n)
             && self.sampled.is_sound(width(n), SAMPLE_ROWS)
@@ -224,13 +219,13 @@ impl SurveySum {
         let sample = Motion::new(Signals { joints, t, q, dq, ddq, tau })?.with_memory(Some(memory));
         let (torque_mean, torque_std) = (0..n).map(|joint| self.torque(joint)).unzip();
         let removed = |joint| self.sums.value(1 + 2 * n + joint) / self.rows.max(1) as f64;
-        let [dq_peak, ddq_peak] = self.peaks.clone();
+        let [low, high, dq_peak, ddq_peak] = self.largest.clone();
         Ok(Survey {
             joints: self.joints.clone(),
             rows: self.rows,
             trajectories: self.trajectories,
             seconds: self.sums.value(0),
-            q_range: self.q_range.clone(),
+            q_range: low.into_iter().zip(high).map(|(low, high)| [-low, high]).collect(),
             dq_peak,
             ddq_peak,
             torque_mean,
@@ -241,7 +236,7 @@ impl SurveySum {
         })
     }
 
-    /// Mean and standard deviation of the torque of a joint.
+    /// Mean and standard deviation.
     fn torque(&self, joint: usize) -> (f64, f64) {
         let m = self.rows.max(1) as f64;
         let ([sum, sum_rest], [squares, squares_rest]) =

@@ -25,7 +25,6 @@ struct Kept {
 }
 
 impl SystematicSample {
-    /// Nothing of one log.
     pub(crate) fn new(width: usize, most: usize) -> Self {
         Self { most, width, stride: 1, logs: vec![Kept::default()] }
     }
@@ -44,7 +43,6 @@ impl SystematicSample {
         place.is_multiple_of(self.stride)
     }
 
-    /// Adds the logs of another.
     pub(crate) fn merge(&mut self, other: &Self) {
         let mut other = other.clone();
         let stride = self.stride.max(other.stride);
@@ -73,7 +71,6 @@ impl SystematicSample {
         }
     }
 
-    /// Things kept.
     pub(crate) fn len(&self) -> usize {
         self.logs.iter().map(|log| log.places.len()).sum()
     }
@@ -87,7 +84,6 @@ impl SystematicSample {
         });
     }
 
-    /// The records of all logs, one after the other.
     pub(crate) fn records(&self) -> impl Iterator<Item = &[f64]> {
         self.logs.iter().flat_map(|log| log.values.chunks_exact(self.width.max(1)))
     }
