@@ -13,10 +13,9 @@ use torquewise_motion::Recording;
 use torquewise_regression::normal_sums::NormalSums;
 use torquewise_regression::row_sums::RowSums;
 use torquewise_stepwise::error::IdentifyError;
-use torquewise_stepwise::library::{Basis, SummedLibrary};
+use torquewise_stepwise::library::{Basis, LibrarySums, PatternAccumulator, SummedLibrary};
 use torquewise_stepwise::noise::NoiseSum;
 use torquewise_stepwise::patterns::find_patterns;
-use torquewise_stepwise::sums::{LibrarySums, PatternAccumulator};
 use torquewise_stepwise::survey::{Survey, SurveySum};
 
 /// All that a fit needs of logs: ranges, noise, an even sample, and sums over their rows.

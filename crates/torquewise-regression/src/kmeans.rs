@@ -95,7 +95,13 @@ fn lloyd<const D: usize>(points: &[[f64; D]], mut centres: Vec<[f64; D]>) -> Clu
         let (mut sums, mut counts) = (vec![[0.0; D]; centres.len()], vec![0_usize; centres.len()]);
         let (mut inertia, mut farthest) = (0.0, (0.0, points[0]));
         for point in points {
-            let (nearest, distance) = nearest(point, &centres);
+            let (mut nearest, mut distance) = (0, f64::INFINITY);
+            for (cluster, centre) in centres.iter().enumerate() {
+                let other = distance2(point, centre);
+                // Two selects without a branch: which centre is nearer cannot be predicted.
+                nearest = if other < distance { cluster } else { nearest };
+                distance = distance.min(other);
+            }
             sums[nearest].iter_mut().zip(point).for_each(|(sum, x)| *sum += x);
             counts[nearest] += 1;
             inertia += distance;
@@ -119,18 +125,6 @@ fn lloyd<const D: usize>(points: &[[f64; D]], mut centres: Vec<[f64; D]>) -> Clu
         centres = moved;
         moves += 1;
     }
-}
-
-/// Index of the nearest centre and the squared distance to it.
-fn nearest<const D: usize>(point: &[f64; D], centres: &[[f64; D]]) -> (usize, f64) {
-    let (mut nearest, mut least) = (0, f64::INFINITY);
-    for (cluster, centre) in centres.iter().enumerate() {
-        let distance = distance2(point, centre);
-        // Two selects without a branch: which centre is nearer cannot be predicted.
-        nearest = if distance < least { cluster } else { nearest };
-        least = least.min(distance);
-    }
-    (nearest, least)
 }
 
 fn distance2<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {

@@ -154,12 +154,16 @@ pub(crate) fn gather(
     let equations = design.equations.iter().enumerate().map(|(equation, all)| {
         let own = responses_of(equation, design.n_equations(), energy.len());
         let columns: Vec<Entries> = wanted.iter().map(|&column| all[column].clone()).collect();
-        NormalEquations {
-            gram: gather_gram(plan, table, &columns),
-            cross: gather_cross(design, cross, &columns, own.clone()),
-            energy: energy[own].to_vec(),
-            rows: rows as f64,
-        }
+        let gram = gather_gram(plan, table, &columns);
+        let cross = Mat::from_fn(columns.len(), own.len(), |j, r| {
+            let of_response = (own.start + r) * design.monomials.len();
+            let product = |&(atom, weight): &(usize, f64)| {
+                let (wave, monomial) = design.atoms[atom];
+                weight * cross[(wave, of_response + monomial)]
+            };
+            columns[j].iter().map(product).sum()
+        });
+        NormalEquations { gram, cross, energy: energy[own].to_vec(), rows: rows as f64 }
     });
     equations.collect()
 }
@@ -300,21 +304,4 @@ fn combine(gram: &Mat<f64>, sums: &[Entries]) -> Mat<f64> {
         }
     });
     combined
-}
-
-fn gather_cross(
-    design: &Design,
-    cross: &Mat<f64>,
-    columns: &[Entries],
-    responses: Range<usize>,
-) -> Mat<f64> {
-    let n_monomials = design.monomials.len();
-    Mat::from_fn(columns.len(), responses.len(), |j, r| {
-        let of_response = (responses.start + r) * n_monomials;
-        let entries = columns[j].iter().map(|&(atom, weight)| {
-            let (wave, monomial) = design.atoms[atom];
-            weight * cross[(wave, of_response + monomial)]
-        });
-        entries.sum()
-    })
 }

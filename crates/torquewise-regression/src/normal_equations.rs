@@ -286,24 +286,17 @@ fn ascending(columns: &[usize]) -> Vec<usize> {
     columns
 }
 
-/// Copies the lower triangle to the upper one, tile by tile to stay in cache; returns an entry that
-/// is not finite, if there is one.
+/// Copies the lower triangle to the upper one; returns an entry that is not finite, if there is one.
 pub(crate) fn mirror_lower(gram: &mut Mat<f64>) -> Option<usize> {
-    const TILE: usize = 32;
     let columns = gram.ncols();
     let mut broken = None;
-    for first_column in (0..columns).step_by(TILE) {
-        let columns_end = columns.min(first_column + TILE);
-        for first_row in (first_column..columns).step_by(TILE) {
-            for j in first_column..columns_end {
-                for i in first_row.max(j)..columns.min(first_row + TILE) {
-                    let value = gram[(i, j)];
-                    if !value.is_finite() {
-                        broken = broken.or(Some(i * columns + j));
-                    }
-                    gram[(j, i)] = value;
-                }
+    for j in 0..columns {
+        for i in j..columns {
+            let value = gram[(i, j)];
+            if !value.is_finite() {
+                broken = broken.or(Some(i * columns + j));
             }
+            gram[(j, i)] = value;
         }
     }
     broken

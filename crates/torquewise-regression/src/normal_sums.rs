@@ -76,18 +76,15 @@ impl BlockSums {
             squares(&Mat::from_fn(m, p, |row, j| SCORE_UNIT * score(row, j)))
         });
         let residual = rows.col(p);
-        let energies = (0..equations)
-            .flat_map(|equation| {
-                let mut sums = [0.0; PER_EQUATION];
-                for k in equation * m..(equation + 1) * m {
-                    let (e, w) = (residual[k], weights[k]);
-                    for (sum, x) in sums.iter_mut().zip([e, w, e / w]) {
-                        *sum += x * x;
-                    }
-                }
-                sums
-            })
-            .collect();
+        let energies_of = |equation: usize| {
+            let mut sums = [0.0; PER_EQUATION];
+            for k in equation * m..(equation + 1) * m {
+                let (e, w) = (residual[k], weights[k]);
+                sums.iter_mut().zip([e, w, e / w]).for_each(|(sum, x)| *sum += x * x);
+            }
+            sums
+        };
+        let energies = (0..equations).flat_map(energies_of).collect();
         Self { fold, rows: m as u64, gram, bias: Mat::zeros(p + 1, p + 1), instants, energies }
     }
 

@@ -125,11 +125,4 @@ mod tests {
         assert!((back - (1.0 - 0.6 * 0.75)).abs() < 1e-12);
         assert!(index.of(&[0.0, 0.0]).abs() < 1e-15);
     }
-
-    #[test]
-    fn the_printed_index_of_a_fast_return_equals_standstill() {
-        let index = Activation::paper(1).velocity;
-
-        assert!(index.of(&[-1.0 / 0.6]).abs() < 1e-12, "1 - W|a| is zero at |a| = 1/W");
-    }
 }

@@ -165,7 +165,16 @@ impl Terms {
                 Ok(Self::Energy(energy_library(n_joints, Some(order))))
             }
             LibraryKind::Product { gravity_order, trig_order } => {
-                let parts = product_parts(gravity_order, trig_order, regression);
+                let of = |kind| vec![Degree::of(kind)];
+                // Orders and degrees of the parts, one after the other.
+                let parts = match regression {
+                    Regression::OneShot => vec![(trig_order, Degree::up_to(2))],
+                    Regression::Stepwise => vec![
+                        (gravity_order, of(Kind::Gravity)),
+                        (trig_order, of(Kind::Coriolis)),
+                        (trig_order, of(Kind::Inertia)),
+                    ],
+                };
                 let size =
                     |(order, own): &(u8, Vec<Degree>)| product_library_size(n_joints, *order, own);
                 check_size(parts.iter().map(size).fold(0, usize::saturating_add), 1)?;
@@ -209,19 +218,6 @@ impl Terms {
             },
         };
         (0..self.len()).filter(wanted).collect()
-    }
-}
-
-/// Orders and degrees of the parts of a product library, one after the other.
-fn product_parts(gravity: u8, order: u8, regression: Regression) -> Vec<(u8, Vec<Degree>)> {
-    let of = |kind| vec![Degree::of(kind)];
-    match regression {
-        Regression::OneShot => vec![(order, Degree::up_to(2))],
-        Regression::Stepwise => vec![
-            (gravity, of(Kind::Gravity)),
-            (order, of(Kind::Coriolis)),
-            (order, of(Kind::Inertia)),
-        ],
     }
 }
 

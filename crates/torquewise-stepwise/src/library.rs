@@ -1,17 +1,23 @@
-//! Which columns are summed, and these made ready.
+//! Which columns are summed, and their sums over the rows of each pattern.
 
 use crate::candidates::Candidates;
 use crate::error::IdentifyError;
 use crate::friction::FrictionKind;
 use crate::model_selection::choose_laws;
+use crate::noise::{NoiseFloor, NoiseSum};
+use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns};
 use crate::plan::{LibraryKind, LibraryOptions, Regression};
 use crate::progress::Progress;
+use crate::rows::{PatternSums, clear_of_reversals, samples_of};
+use crate::step::Step;
 use crate::survey::survey;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
-use torquewise_motion::{Pattern, Recording};
-use torquewise_regression::row_sums::Prepared;
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
+use torquewise_regression::SparseError;
+use torquewise_regression::row_sums::{Prepared, RowSums};
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,5 +83,108 @@ impl SummedLibrary {
             Regression::Stepwise => Pattern::ALL.map(Some).into(),
             Regression::OneShot => vec![None],
         }
+    }
+}
+
+/// What logs were summed up to for a library.
+#[derive(Clone, Debug)]
+pub struct LibrarySums {
+    /// Which columns were summed.
+    pub library: SummedLibrary,
+    /// How rows were told apart, log by log.
+    pub patterns: PatternPlan,
+    /// What the rows of each pattern say, or all rows.
+    pub sums: Vec<RowSums>,
+    /// The noise at standstill, if enough rows stand still.
+    pub still: Option<NoiseFloor>,
+    /// How the laws of friction among the candidates were chosen.
+    pub choices: Vec<Choice>,
+}
+
+impl LibrarySums {
+    /// The patterns that some log shows in more than a few rows, of those that all logs together
+    /// show: a short log may take its slowest motion for none. The rows of the others join those of
+    /// variable velocity, which assume nothing. Where all rows are one sum, the patterns stay.
+    ///
+    /// - `rows`: those of all logs
+    pub(crate) fn assign_patterns(
+        &mut self,
+        basis: &Basis,
+        together: &[Pattern],
+        rows: usize,
+    ) -> Result<Vec<Pattern>, IdentifyError> {
+        if self.sums.len() < Pattern::ALL.len() {
+            return Ok(together.to_vec());
+        }
+        let least = LEAST_SHARE * rows as f64;
+        let last = Pattern::VariableVelocity as usize;
+        let mut present = Vec::new();
+        for pattern in Pattern::ALL {
+            let place = pattern as usize;
+            let is_shown = place == last || together.contains(&pattern);
+            if is_shown && self.sums[place].rows() as f64 > least {
+                present.push(pattern);
+            } else if place != last {
+                let few = std::mem::replace(&mut self.sums[place], RowSums::new(&basis.prepared));
+                self.sums[last].merge(&few)?;
+            }
+        }
+        Ok(present)
+    }
+
+    pub(crate) fn of_step(&self, step: &Step) -> &RowSums {
+        &self.sums[step.pattern.map_or(0, |pattern| pattern as usize)]
+    }
+
+    pub(crate) fn whole(&self, basis: &Basis) -> Result<RowSums, SparseError> {
+        let mut whole = RowSums::new(&basis.prepared);
+        self.sums.iter().try_for_each(|sums| whole.merge(sums))?;
+        Ok(whole)
+    }
+}
+
+/// Hands each row of a log to the sums of its pattern.
+pub struct PatternAccumulator<'a> {
+    patterns: &'a Patterns,
+    friction: &'a [FrictionTerm],
+    noise: NoiseSum,
+    sums: Vec<PatternSums<'a>>,
+}
+
+impl<'a> PatternAccumulator<'a> {
+    /// Empty sums of each part.
+    ///
+    /// - `parts`: the patterns whose rows are summed apart; `None` stands for all rows
+    pub fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
+        let (n, friction) = (basis.candidates.n_joints, &basis.candidates.friction[..]);
+        let widths = (n, friction.len());
+        let empty = |&part| PatternSums::new(part, widths, &basis.prepared, (1, BLOCK_ROWS));
+        let sums = parts.iter().map(empty).collect();
+        Self { patterns, friction, noise: NoiseSum::new(n), sums }
+    }
+
+    /// Adds a block of the log.
+    ///
+    /// # Errors
+    /// [`ReadError`] if it holds no torque, or numbers too large to be summed.
+    pub fn add(&mut self, block: &Motion) -> Result<(), ReadError> {
+        let mut labels = self.patterns.label(block);
+        self.noise.add(block, |row| labels[row] == Pattern::Standstill);
+        let clear = clear_of_reversals(block, self.friction);
+        if let Cow::Owned(clear) = &clear {
+            labels = self.patterns.label(clear);
+        }
+        let samples = samples_of(&clear, self.friction)?;
+        self.sums.iter_mut().try_for_each(|sums| sums.add(&samples, &labels))?;
+        Ok(())
+    }
+
+    /// The sums of each part, and the noise at standstill.
+    ///
+    /// # Errors
+    /// [`SparseError`] if its numbers are too large to be summed.
+    pub fn finish(self) -> Result<(Vec<RowSums>, NoiseSum), SparseError> {
+        let sums = self.sums.into_iter().map(PatternSums::finish);
+        Ok((sums.collect::<Result<Vec<_>, _>>()?.concat(), self.noise))
     }
 }

@@ -155,7 +155,8 @@ fn whole_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
     let rungs = (1..=2).flat_map(|motion| (1..=largest).map(move |order| (order, motion)));
     let equations = columns_of_terms(&terms, 0);
     Ladder::new(n, ("SINDy", None), &equations, rungs, |column, order, motion| {
-        trig_order(&terms[column]) <= order && motion_order(&terms[column]) <= motion
+        let Term { dq, ddq, .. } = &terms[column];
+        trig_order(&terms[column]) <= order && dq.iter().chain(ddq).sum::<u8>() <= motion
     })
 }
 
@@ -192,10 +193,6 @@ fn energy_ladder(n: usize, largest: u8) -> Result<Ladder, IdentifyError> {
 
 fn trig_order(term: &Term) -> u8 {
     term.factors.iter().map(|factor| factor.power).sum()
-}
-
-fn motion_order(term: &Term) -> u8 {
-    term.dq.iter().chain(&term.ddq).sum()
 }
 
 impl Ladder {

@@ -99,11 +99,6 @@ impl Patterns {
         self.centres.len()
     }
 
-    /// Whether a log shows all three patterns.
-    pub fn complete(&self) -> bool {
-        self.present.len() == Pattern::ALL.len()
-    }
-
     /// Whether a pattern has rows, and what should be zero in them is: the velocity at standstill,
     /// the acceleration at uniform velocity, but for noise and a small part of the range.
     ///

@@ -12,20 +12,17 @@ use faer::Mat;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use torquewise_model::{FrictionTerm, Weighted};
-use torquewise_motion::{Motion, Recording};
+use torquewise_model::Weighted;
+use torquewise_motion::Recording;
 use torquewise_regression::SparseError;
 use torquewise_regression::elimination::{Equations, Estimate};
 use torquewise_regression::normal_equations::{NormalEquations, Selection};
-use torquewise_regression::normal_sums::NormalSums;
-use torquewise_regression::samples::Samples;
 use torquewise_regression::select::Selector;
 
 /// A term of a fit, by its column of the library.
 pub(crate) type FittedTerm = Weighted<usize>;
 
 /// The fit of one group.
-#[derive(Clone, Debug)]
 pub(crate) struct Refitted {
     pub(crate) terms: Vec<FittedTerm>,
     /// (column, inclusion) of terms that did not stay, where resampled logs were asked.
@@ -83,12 +80,23 @@ pub(crate) fn refit(
     whole: &[Vec<NormalEquations>],
     plan: &RefitPlan<'_>,
 ) -> Result<Vec<Refitted>, IdentifyError> {
-    let (RefitPlan { survey, options, noise, seed }, n_parts) = (plan, n_parts(kept));
+    let RefitPlan { survey, options, noise, seed } = plan;
+    // Fewer where a very long model would make the sums large: half of each of three matrices in
+    // exact numbers, and all of it in plain ones.
+    let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
+    let n_parts = (SUM_BYTES / bytes.max(1)).clamp(1, PARTS);
     let least_t_squared = match options.selector {
         Selector::Criterion(own) => own.threshold(survey.rows as f64, candidates.len()),
         _ => 0.0,
     };
-    let pieces = pieces(&survey.sample, &candidates.friction, n_parts)?;
+    // The sample in pieces, of which part k of the log has every `n_parts`-th from the k-th on.
+    let (mut pieces, laws) = (Vec::new(), &candidates.friction);
+    let read = survey.sample.read(&mut |_, block| {
+        let samples = samples_of(&clear_of_reversals(block, laws), laws)?;
+        pieces.extend(cut(samples, survey.sample.n_rows() / (2 * n_parts)));
+        Ok(())
+    });
+    read.map_err(IdentifyError::Read)?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 16")]
     let draws = plan.scale().ceil().clamp(1.0, MOST_DRAWS) as usize;
     (kept.iter().zip(whole))
@@ -98,7 +106,13 @@ pub(crate) fn refit(
                     let own = pieces.iter().skip(part).step_by(n_parts);
                     let sums =
                         kept.normal_sums(start, (*noise, draws), (*seed, part as u64), own)?;
-                    Ok(Part::new(&sums))
+                    Ok(Part {
+                        gram: sums.gram(),
+                        bias: sums.bias(),
+                        spread: sums.scores(),
+                        rows: sums.rows() as f64,
+                        left: sums.residual_rms().into_iter().map(|rms| rms * rms).collect(),
+                    })
                 };
                 (0..n_parts).into_par_iter().map(of_part).collect::<Result<Vec<_>, SparseError>>()
             };
@@ -113,29 +127,6 @@ pub(crate) fn refit(
         .collect()
 }
 
-/// The sample in pieces, of which part k of the log has every `parts`-th from the k-th on.
-fn pieces(
-    sample: &Motion,
-    friction: &[FrictionTerm],
-    parts: usize,
-) -> Result<Vec<Samples>, IdentifyError> {
-    let size = sample.n_rows() / (2 * parts);
-    let mut pieces = Vec::new();
-    let read = sample.read(&mut |_, block| {
-        pieces.extend(cut(samples_of(&clear_of_reversals(block, friction), friction)?, size));
-        Ok(())
-    });
-    read.map_err(IdentifyError::Read)?;
-    Ok(pieces)
-}
-
-/// Parts that a log is dealt out into: fewer where a very long model would make their sums large.
-fn n_parts(kept: &[ActiveSet<'_>]) -> usize {
-    // Half of each of three matrices in exact numbers, and all of it in plain ones.
-    let bytes: usize = kept.iter().map(|kept| 36 * (kept.columns.len() + 1).pow(2)).sum();
-    (SUM_BYTES / bytes.max(1)).clamp(1, PARTS)
-}
-
 /// What a part of the sample says, linearised at the first fit: in \[Y e\].
 struct Part {
     gram: Mat<f64>,
@@ -145,14 +136,6 @@ struct Part {
     rows: f64,
     /// Mean squared residual of each equation.
     left: Vec<f64>,
-}
-
-impl Part {
-    fn new(sums: &NormalSums) -> Self {
-        let left = sums.residual_rms().into_iter().map(|rms| rms * rms).collect();
-        let (gram, bias, spread) = (sums.gram(), sums.bias(), sums.scores());
-        Self { gram, bias, spread, rows: sums.rows() as f64, left }
-    }
 }
 
 /// All that is known of one group.
@@ -229,10 +212,10 @@ impl<'a> GroupRefit<'a> {
         let equations = self.equations(&vec![1.0; self.parts.len()]);
         let mut estimate = self.estimate(&equations, &self.independent(), self.least_t_squared);
         let least_size = self.plan.options.threshold.unwrap_or(0.0);
-        let is_large = |&place: &usize| estimate.coefficients[place].abs() > least_size;
-        let large: Vec<usize> = (0..estimate.active.len()).filter(is_large).collect();
+        let weights = estimate.active.iter().zip(&estimate.coefficients);
+        let large = weights.filter(|(_, weight)| weight.abs() > least_size);
+        let large: Vec<usize> = large.map(|(&column, _)| column).collect();
         if large.len() < estimate.active.len() {
-            let large: Vec<usize> = large.iter().map(|&place| estimate.active[place]).collect();
             estimate = self.estimate(&equations, &large, 0.0);
         }
         let (active, columns) = (&estimate.active, &self.kept.columns);

@@ -57,11 +57,15 @@ pub struct PathPoint {
 /// # Errors
 /// [`SparseError::Setting`] if a setting is out of its range.
 pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPoint>, SparseError> {
-    lasso.check()?;
+    let Lasso { path, ratio, gap_tolerance, max_sweeps, threshold } = *lasso;
+    require("path", path as f64, path > 0, "one or more")?;
+    require("ratio", ratio, ratio > 0.0 && ratio < 1.0, "between 0 and 1")?;
+    require("gap_tolerance", gap_tolerance, gap_tolerance > 0.0, "above zero")?;
+    require("threshold", threshold, threshold >= 0.0, "zero or more")?;
     let (inner, scale) = &problem.standardised();
     let steepest = inner.right().iter().fold(0.0_f64, |most, b| most.max(b.abs()));
     let penalties = lasso.penalties(steepest / inner.rows);
-    let tolerance = lasso.gap_tolerance * inner.energy[0] / inner.rows;
+    let tolerance = gap_tolerance * inner.energy[0] / inner.rows;
     let unscaled = |(c, s): (&f64, &f64)| if *s > 0.0 { c / s } else { 0.0 };
 
     let mut descent = Descent {
@@ -70,7 +74,7 @@ pub fn lasso_path(problem: &NormalEquations, lasso: &Lasso) -> Result<Vec<PathPo
         slope: inner.right().iter().map(|b| b / inner.rows).collect(),
     };
     let point = |lambda| {
-        let (gap, sweeps) = descent.run(lambda, tolerance, lasso.max_sweeps)?;
+        let (gap, sweeps) = descent.run(lambda, tolerance, max_sweeps)?;
         let coefficients = descent.weights.iter().zip(scale).map(unscaled).collect();
         Some(PathPoint { lambda, coefficients, gap, sweeps })
     };
@@ -120,14 +124,6 @@ impl Lasso {
         let steps = (self.path - 1) as f64;
         let part = |step: usize| (last / first).powf(step as f64 / steps);
         (0..self.path).map(|k| if k + 1 == self.path { last } else { first * part(k) }).collect()
-    }
-
-    fn check(&self) -> Result<(), SparseError> {
-        let ratio_fits = self.ratio > 0.0 && self.ratio < 1.0;
-        require("path", self.path as f64, self.path > 0, "one or more")?;
-        require("ratio", self.ratio, ratio_fits, "between 0 and 1")?;
-        require("gap_tolerance", self.gap_tolerance, self.gap_tolerance > 0.0, "above zero")?;
-        require("threshold", self.threshold, self.threshold >= 0.0, "zero or more")
     }
 }
 

@@ -1,7 +1,6 @@
 //! Every route and selector beside planted truths and brute force.
 
 mod contract;
-mod criterion;
 mod elimination;
 mod kmeans;
 mod lasso;

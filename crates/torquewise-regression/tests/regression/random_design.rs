@@ -9,14 +9,8 @@ use torquewise_regression::design::{Column, Design};
 use torquewise_regression::row_sums::{Prepared, Route};
 use torquewise_regression::samples::Samples;
 
-/// weight · cos or sin (k·θ) · x^α, k of any sign.
-#[derive(Clone, Debug)]
-pub(crate) struct Letter {
-    weight: f64,
-    multiples: Vec<i8>,
-    phase: Phase,
-    powers: Vec<u8>,
-}
+/// weight · cos or sin (k·θ) · x^α, k of any sign: weight, k, which of the two, α.
+type Letter = (f64, Vec<i8>, Phase, Vec<u8>);
 
 /// Letters of each column of each equation.
 #[derive(Clone, Debug)]
@@ -31,7 +25,10 @@ pub(crate) struct RandomDesign {
 pub(crate) fn any_design() -> impl Strategy<Value = RandomDesign> {
     (1..=3_usize, 1..=3_usize, 1..=3_usize, 1..10_usize).prop_flat_map(
         |(n_angles, n_variables, n_equations, n_columns)| {
-            let letter = letter(n_angles, n_variables);
+            let phase = prop_oneof![Just(Phase::Cos), Just(Phase::Sin)];
+            let multiples = prop::collection::vec(-3..=3_i8, n_angles);
+            let powers = prop::collection::vec(0..=2_u8, n_variables);
+            let letter = (-2.0..2.0_f64, multiples, phase, powers);
             let column = prop::collection::vec(letter, 0..=4);
             let columns = prop::collection::vec(column, n_columns);
             prop::collection::vec(columns, n_equations).prop_map(move |equations| RandomDesign {
@@ -41,14 +38,6 @@ pub(crate) fn any_design() -> impl Strategy<Value = RandomDesign> {
             })
         },
     )
-}
-
-fn letter(n_angles: usize, n_variables: usize) -> impl Strategy<Value = Letter> {
-    let phase = prop_oneof![Just(Phase::Cos), Just(Phase::Sin)];
-    let multiples = prop::collection::vec(-3..=3_i8, n_angles);
-    let powers = prop::collection::vec(0..=2_u8, n_variables);
-    (-2.0..2.0_f64, multiples, phase, powers)
-        .prop_map(|(weight, multiples, phase, powers)| Letter { weight, multiples, phase, powers })
 }
 
 /// Angles within ±π, variables and responses within ±1.
@@ -69,12 +58,7 @@ impl RandomDesign {
     pub(crate) fn fixed() -> Self {
         let waves = [[0, 0], [1, 0], [0, 1], [1, 1], [2, -1], [0, 2], [3, 1]];
         let powers = [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]];
-        let letter = |multiples: [i8; 2], powers: [u8; 2]| Letter {
-            weight: 1.5,
-            multiples: multiples.to_vec(),
-            phase: Phase::Cos,
-            powers: powers.to_vec(),
-        };
+        let letter = |k: [i8; 2], alpha: [u8; 2]| (1.5, k.to_vec(), Phase::Cos, alpha.to_vec());
         let columns = waves
             .iter()
             .flat_map(|&k| powers.iter().map(move |&alpha| vec![letter(k, alpha)]))
@@ -114,7 +98,7 @@ impl RandomDesign {
 
     /// The largest value each column can have where no variable exceeds 1.
     pub(crate) fn bounds(&self, equation: usize) -> Vec<f64> {
-        let bound = |letters: &Vec<Letter>| letters.iter().map(|l| l.weight.abs()).sum();
+        let bound = |letters: &Vec<Letter>| letters.iter().map(|letter| letter.0.abs()).sum();
         self.equations[equation].iter().map(bound).collect()
     }
 
@@ -127,18 +111,17 @@ impl RandomDesign {
     }
 }
 
-fn atom(letter: &Letter) -> Option<Atom> {
-    let (sign, wave) = Wave::canonical(letter.multiples.clone(), letter.phase)?;
-    let monomial = Monomial { powers: letter.powers.clone() };
-    Some(Atom { weight: sign * letter.weight, wave, monomial })
+fn atom((weight, multiples, phase, powers): &Letter) -> Option<Atom> {
+    let (sign, wave) = Wave::canonical(multiples.clone(), *phase)?;
+    Some(Atom { weight: sign * weight, wave, monomial: Monomial { powers: powers.clone() } })
 }
 
-fn value(letter: &Letter, block: &Samples, row: usize) -> f64 {
-    let multiples = letter.multiples.iter().enumerate();
+fn value((weight, multiples, phase, powers): &Letter, block: &Samples, row: usize) -> f64 {
+    let multiples = multiples.iter().enumerate();
     let angle: f64 = multiples.map(|(j, &k)| f64::from(k) * block.angles[(row, j)]).sum();
-    let wave = if letter.phase == Phase::Cos { angle.cos() } else { angle.sin() };
-    let powers = letter.powers.iter().enumerate();
+    let wave = if *phase == Phase::Cos { angle.cos() } else { angle.sin() };
+    let powers = powers.iter().enumerate();
     let monomial: f64 =
         powers.map(|(j, &power)| block.variables[(row, j)].powi(i32::from(power))).product();
-    letter.weight * wave * monomial
+    weight * wave * monomial
 }
