@@ -41,10 +41,8 @@ impl ExactSums {
         let own = self.entries.iter_mut().skip(first).zip(values);
         expect("numbers to be summed", values.len(), own.len())?;
         for (sum, &found) in own {
-            let added = words(found).is_some_and(|words| add_words(sum, words));
-            if !added {
-                return Err(SparseError::OutOfRange { found });
-            }
+            let total = words(found).and_then(|words| added(*sum, words));
+            *sum = total.ok_or(SparseError::OutOfRange { found })?;
         }
         Ok(())
     }
@@ -57,9 +55,8 @@ impl ExactSums {
     pub fn merge(&mut self, other: &Self) -> Result<(), SparseError> {
         expect("a table of sums", other.count(), self.count())?;
         for (sum, more) in self.entries.iter_mut().zip(&other.entries) {
-            if !add_words(sum, *more) {
-                return Err(SparseError::OutOfRange { found: rounded(*more) });
-            }
+            let too_large = || SparseError::OutOfRange { found: rounded(*more) };
+            *sum = added(*sum, *more).ok_or_else(too_large)?;
         }
         Ok(())
     }
@@ -100,26 +97,32 @@ fn words(value: f64) -> Option<Words> {
         return None;
     }
     let wide = u128::from(digits) << (shift % 64);
-    let [low, high] = [low_word(wide), low_word(wide >> 64)];
-    let size = if shift < 64 { [low, high, 0] } else { [0, low, high] };
+    let size = match shift / 64 {
+        0 => joined((wide >> 64).cast_signed(), low_word(wide)),
+        _ => joined(wide.cast_signed(), 0),
+    };
     Some(if bits >> 63 == 0 { size } else { negated(size) })
 }
 
-fn negated([a, b, c]: Words) -> Words {
-    let (a, carry) = (!a).overflowing_add(1);
-    let (b, carry) = (!b).overflowing_add(u64::from(carry));
-    [a, b, (!c).wrapping_add(u64::from(carry))]
+/// The upper two words as one number with a sign.
+fn upper([_, middle, high]: Words) -> i128 {
+    (u128::from(high) << 64 | u128::from(middle)).cast_signed()
 }
 
-/// Adds; false if the sum does not fit.
-fn add_words(sum: &mut Words, more: Words) -> bool {
-    let (low, carry) = sum[0].overflowing_add(more[0]);
-    let (middle, carry_1) = sum[1].overflowing_add(more[1]);
-    let (middle, carry_2) = middle.overflowing_add(u64::from(carry));
-    let high = sum[2].wrapping_add(more[2]).wrapping_add(u64::from(carry_1 | carry_2));
-    let overflows = (!(sum[2] ^ more[2]) & (sum[2] ^ high)) >> 63 != 0;
-    *sum = [low, middle, high];
-    !overflows
+fn joined(upper: i128, low: u64) -> Words {
+    let upper = upper.cast_unsigned();
+    [low, low_word(upper), low_word(upper >> 64)]
+}
+
+fn negated(words: Words) -> Words {
+    joined((!upper(words)).wrapping_add(i128::from(words[0] == 0)), words[0].wrapping_neg())
+}
+
+/// The sum of two; `None` if it does not fit.
+fn added(one: Words, other: Words) -> Option<Words> {
+    let (low, carry) = one[0].overflowing_add(other[0]);
+    let high = upper(one).checked_add(upper(other))?.checked_add(i128::from(carry))?;
+    Some(joined(high, low))
 }
 
 fn rounded(words: Words) -> f64 {
@@ -136,23 +139,16 @@ fn low_word(wide: u128) -> u64 {
 }
 
 impl Serialize for ExactSums {
-    /// The upper two words as one number with a sign, and the lowest: next to no bytes where sums
-    /// are small.
+    /// The upper two words as one number, and the lowest: next to no bytes where sums are small.
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_seq(self.entries.iter().map(|&[low, middle, high]| {
-            ((u128::from(high) << 64 | u128::from(middle)).cast_signed(), low)
-        }))
+        to.collect_seq(self.entries.iter().map(|&words| (upper(words), words[0])))
     }
 }
 
 impl<'de> Deserialize<'de> for ExactSums {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let pairs = Vec::<(i128, u64)>::deserialize(from)?;
-        let words = |(upper, low): (i128, u64)| {
-            let upper = upper.cast_unsigned();
-            [low, low_word(upper), low_word(upper >> 64)]
-        };
-        Ok(Self { entries: pairs.into_iter().map(words).collect() })
+        Ok(Self { entries: pairs.into_iter().map(|(upper, low)| joined(upper, low)).collect() })
     }
 }
 

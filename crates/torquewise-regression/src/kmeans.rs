@@ -6,12 +6,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::cmp::Ordering;
 
-/// Starts drawn by k-means++.
 const STARTS: usize = 8;
 /// A centre stands still if it moves by no more than this part of the root mean square distance of
 /// the points to their centres.
 const TOLERANCE: f64 = 1e-4;
-/// Bound on the moves of the centres.
 const MOST_MOVES: usize = 300;
 
 /// Points shared out among centres.

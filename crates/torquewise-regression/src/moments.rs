@@ -169,12 +169,8 @@ pub(crate) fn gather(
 }
 
 /// The responses an equation explains: all of them if there is one equation, else its own.
-pub(crate) fn responses_of(
-    equation: usize,
-    n_equations: usize,
-    n_responses: usize,
-) -> Range<usize> {
-    if n_equations == 1 { 0..n_responses } else { equation..equation + 1 }
+pub(crate) fn responses_of(equation: usize, count: usize, n_responses: usize) -> Range<usize> {
+    if count == 1 { 0..n_responses } else { equation..equation + 1 }
 }
 
 /// The Gram matrix of columns: of their parts first, unless each column is a single one.

@@ -111,7 +111,18 @@ impl Prepared {
             plan.add(blocks, &mut sums[0]);
         } else {
             for samples in blocks {
-                add_rows(&self.design.columns(samples)?, &samples.responses, &mut sums);
+                let columns = self.design.columns(samples)?;
+                for (equation, (y, [gram, cross, energy])) in
+                    columns.iter().zip(&mut sums).enumerate()
+                {
+                    let own = responses_of(equation, columns.len(), self.n_responses);
+                    let own = samples.responses.subcols(own.start, own.len());
+                    add_gram(gram, y.as_ref(), 1.0);
+                    add_product(cross, y.as_ref(), own);
+                    for (r, response) in own.col_iter().enumerate() {
+                        energy[(r, 0)] += response.squared_norm_l2();
+                    }
+                }
             }
         }
         let mut table = Vec::new();
@@ -120,35 +131,18 @@ impl Prepared {
     }
 }
 
-/// Adds the columns of each equation and their responses to its normal equations.
-fn add_rows(columns: &[Mat<f64>], responses: &Mat<f64>, sums: &mut [Sums]) {
-    for (equation, (y, [gram, cross, energy])) in columns.iter().zip(sums).enumerate() {
-        let own = responses_of(equation, columns.len(), responses.ncols());
-        let own = responses.subcols(own.start, own.len());
-        add_gram(gram, y.as_ref(), 1.0);
-        add_product(cross, y.as_ref(), own);
-        for (r, response) in own.col_iter().enumerate() {
-            energy[(r, 0)] += response.squared_norm_l2();
-        }
-    }
-}
-
 /// What rows say of a design: its moments or its normal equations, summed without rounding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RowSums {
     sums: ExactSums,
-    rows: usize,
+    /// Rows summed.
+    pub rows: usize,
 }
 
 impl RowSums {
     /// The sums of no rows.
     pub fn new(prepared: &Prepared) -> Self {
         Self { sums: ExactSums::zeros(prepared.n_sums()), rows: 0 }
-    }
-
-    /// Rows summed.
-    pub fn rows(&self) -> usize {
-        self.rows
     }
 
     /// Adds the rows of another.

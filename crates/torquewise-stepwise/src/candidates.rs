@@ -108,9 +108,10 @@ impl Candidates {
 
     /// Readable name of a candidate.
     pub fn name(&self, column: usize) -> String {
-        match self.law(column) {
-            Some(law) => law.name(),
-            None => self.terms.name(column),
+        match (self.law(column), &self.terms) {
+            (Some(law), _) => law.name(),
+            (None, Terms::Torque(terms)) => terms[column].name(),
+            (None, Terms::Energy(terms)) => terms[column].name(),
         }
     }
 
@@ -188,14 +189,6 @@ impl Terms {
         match self {
             Self::Torque(terms) => terms.len(),
             Self::Energy(terms) => terms.len(),
-        }
-    }
-
-    /// Readable name of a candidate.
-    pub fn name(&self, column: usize) -> String {
-        match self {
-            Self::Torque(terms) => terms[column].name(),
-            Self::Energy(terms) => terms[column].name(),
         }
     }
 

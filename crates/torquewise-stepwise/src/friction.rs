@@ -85,9 +85,7 @@ impl FrictionLibrary {
             FrictionKind::None => Vec::new(),
             FrictionKind::Linear => self.linear(),
             FrictionKind::Stribeck | FrictionKind::Auto => {
-                let mut all = self.linear();
-                all.extend(self.stribeck());
-                all
+                [self.linear(), self.stribeck()].concat()
             }
         }
     }

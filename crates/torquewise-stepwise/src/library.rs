@@ -9,7 +9,6 @@ use crate::patterns::{LEAST_SHARE, PatternPlan, Patterns};
 use crate::plan::{LibraryKind, LibraryOptions, Regression};
 use crate::progress::Progress;
 use crate::rows::{PatternSums, clear_of_reversals, samples_of};
-use crate::step::Step;
 use crate::survey::survey;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -55,14 +54,13 @@ impl SummedLibrary {
         progress: &mut dyn FnMut(Progress),
     ) -> Result<(Self, Vec<Choice>), IdentifyError> {
         let LibraryOptions { library: kind, regression, friction, .. } = *options;
-        let (friction, choices) = if friction == FrictionKind::None {
-            (Vec::new(), Vec::new())
-        } else {
-            progress(Progress::Survey);
-            let survey = survey(recording)?;
-            survey.sample.require_tau()?;
-            choose_laws(&survey, options)?
-        };
+        if friction == FrictionKind::None {
+            return Ok((Self { kind, regression, friction: Vec::new() }, Vec::new()));
+        }
+        progress(Progress::Survey);
+        let survey = survey(recording)?;
+        survey.sample.require_tau()?;
+        let (friction, choices) = choose_laws(&survey, options)?;
         Ok((Self { kind, regression, friction }, choices))
     }
 
@@ -122,7 +120,7 @@ impl LibrarySums {
         for pattern in Pattern::ALL {
             let place = pattern as usize;
             let is_shown = place == last || together.contains(&pattern);
-            if is_shown && self.sums[place].rows() as f64 > least {
+            if is_shown && self.sums[place].rows as f64 > least {
                 present.push(pattern);
             } else if place != last {
                 let few = std::mem::replace(&mut self.sums[place], RowSums::new(&basis.prepared));
@@ -130,16 +128,6 @@ impl LibrarySums {
             }
         }
         Ok(present)
-    }
-
-    pub(crate) fn of_step(&self, step: &Step) -> &RowSums {
-        &self.sums[step.pattern.map_or(0, |pattern| pattern as usize)]
-    }
-
-    pub(crate) fn whole(&self, basis: &Basis) -> Result<RowSums, SparseError> {
-        let mut whole = RowSums::new(&basis.prepared);
-        self.sums.iter().try_for_each(|sums| whole.merge(sums))?;
-        Ok(whole)
     }
 }
 

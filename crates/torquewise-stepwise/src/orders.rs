@@ -3,7 +3,7 @@
 
 use crate::candidates::{columns_of_energies, columns_of_terms};
 use crate::error::IdentifyError;
-use crate::patterns::{PatternPlan, Patterns, find_patterns};
+use crate::patterns::{PatternPlan, find_patterns};
 use crate::rows::{PatternSums, samples_of};
 use crate::step;
 use crate::survey::survey;
@@ -18,7 +18,7 @@ use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::design::{Column, Design};
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::{Prepared, RowSums};
+use torquewise_regression::row_sums::Prepared;
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,7 +100,12 @@ pub fn orders(
     }
     let patterns = find_patterns(&survey, &plan.patterns)?;
     let (n, rows) = (survey.joints.len(), survey.rows);
-    let ladders = ladders(n, plan, &patterns)?;
+    let mut ladders = vec![whole_ladder(n, plan.whole_order)?];
+    for &pattern in &patterns.present {
+        ladders.push(step_ladder(n, plan.trig_order, pattern)?);
+    }
+    let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
+    ladders.push(energy_ladder(n, interaction)?);
     let prepared: Vec<Prepared> =
         ladders.iter().map(|ladder| Prepared::cheaper(&ladder.design, n, rows)).collect();
     // Pieces of one size, or one half would get all the remainders.
@@ -117,7 +122,7 @@ pub fn orders(
     (ladders.iter().zip(&prepared).zip(sums))
         .map(|((ladder, prepared), sums)| {
             let halves = sums.finish()?;
-            let rows = halves.iter().map(RowSums::rows).sum();
+            let rows = halves.iter().map(|half| half.rows).sum();
             let halves: Vec<_> = halves.iter().map(|half| half.all_grams(prepared)).collect();
             ladder.climb(rows, &halves, &survey.torque_std)
         })
@@ -131,15 +136,6 @@ struct Ladder {
     design: Design,
     /// (order, motion order, columns)
     rungs: Vec<(u8, u8, Vec<usize>)>,
-}
-
-fn ladders(n: usize, plan: &OrderPlan, patterns: &Patterns) -> Result<Vec<Ladder>, IdentifyError> {
-    let steps = patterns.present.iter().map(|&pattern| step_ladder(n, plan.trig_order, pattern));
-    let interaction = u8::try_from(plan.interaction.min(n)).unwrap_or(u8::MAX);
-    std::iter::once(whole_ladder(n, plan.whole_order))
-        .chain(steps)
-        .chain(std::iter::once(energy_ladder(n, interaction)))
-        .collect()
 }
 
 /// The highest order up to `largest` whose library is small enough to be fitted whole.

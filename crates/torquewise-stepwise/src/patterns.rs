@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use torquewise_motion::{Motion, Pattern};
 use torquewise_regression::kmeans::{elbow, kmeans};
 
-/// Clusters tried for the elbow.
 const MOST_CLUSTERS: usize = 9;
 /// An index above this means that the joints are switched on.
 const HALF: f64 = 0.5;

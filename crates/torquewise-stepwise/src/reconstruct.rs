@@ -19,6 +19,7 @@ use torquewise_model::model::Choice;
 use torquewise_model::{Model, Stage, Weighted};
 use torquewise_motion::Pattern;
 use torquewise_regression::normal_equations::NormalEquations;
+use torquewise_regression::row_sums::RowSums;
 use torquewise_regression::select::Selector;
 
 /// Reconstructs the equations of motion in the terms of a library: standstill, uniform and variable
@@ -62,9 +63,9 @@ pub fn reconstruct(
     let mut found = PartialModel::new(survey, candidates, choices);
     for (number, step) in (1..).zip(&steps) {
         progress(Progress::Step(number));
-        let rows = sums.of_step(step);
+        let rows = &sums.sums[step.pattern.map_or(0, |pattern| pattern as usize)];
         let grams = rows.grams(&basis.prepared, &step.columns);
-        found.take_step(step, rows.rows(), &grams, &options.selector)?;
+        found.take_step(step, rows.rows, &grams, &options.selector)?;
     }
 
     // All kept terms on all rows (E6), less the bias that noise leaves (E7).
@@ -73,7 +74,8 @@ pub fn reconstruct(
     let bias =
         if options.noise_correction { noise.clone() } else { NoiseFloor::none(noise.q.len()) };
     let kept = found.kept();
-    let all = sums.whole(&basis)?;
+    let mut all = RowSums::new(&basis.prepared);
+    sums.sums.iter().try_for_each(|own| all.merge(own))?;
     let whole: Vec<_> = kept.iter().map(|kept| all.grams(&basis.prepared, &kept.columns)).collect();
     let plan = RefitPlan { survey, options: &options, noise: &bias, seed };
     let refitted = refit(candidates, &kept, &whole, &plan)?;

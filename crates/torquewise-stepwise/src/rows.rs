@@ -17,16 +17,11 @@ pub(crate) fn samples_of(
     friction: &[FrictionTerm],
 ) -> Result<Samples, MotionError> {
     let n = motion.n_joints();
-    let (dq, ddq) = (motion.dq(), motion.ddq());
-    let mut samples = Samples {
-        angles: motion.q().to_owned(),
-        variables: Mat::from_fn(motion.n_rows(), 2 * n + friction.len(), |row, j| match j {
-            _ if j < n => dq[(row, j)],
-            _ if j < 2 * n => ddq[(row, j - n)],
-            _ => 0.0,
-        }),
-        responses: motion.require_tau()?.to_owned(),
-    };
+    let mut variables = Mat::zeros(motion.n_rows(), 2 * n + friction.len());
+    variables.subcols_mut(0, n).copy_from(motion.dq());
+    variables.subcols_mut(n, n).copy_from(motion.ddq());
+    let (angles, responses) = (motion.q().to_owned(), motion.require_tau()?.to_owned());
+    let mut samples = Samples { angles, variables, responses };
     fill_friction(&mut samples, friction);
     Ok(samples)
 }
@@ -57,9 +52,6 @@ pub(crate) fn clear_of_reversals<'a>(
 /// Values of friction at the speeds of each row, in the last variables.
 pub(crate) fn fill_friction(samples: &mut Samples, friction: &[FrictionTerm]) {
     let n = samples.angles.ncols();
-    if friction.is_empty() {
-        return;
-    }
     let mut speeds = vec![0.0; n];
     for row in 0..samples.n_rows() {
         for (joint, speed) in speeds.iter_mut().enumerate() {

@@ -11,7 +11,6 @@ use std::cmp::Ordering;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct SystematicSample {
     most: usize,
-    /// Numbers that a record is made of.
     width: usize,
     stride: u64,
     logs: Vec<Kept>,

@@ -52,7 +52,7 @@ pub struct PathPoint {
 /// The first penalty is the smallest with no active column. The path ends early where ‖y − X c‖²
 /// of an indefinite Gram matrix falls below zero; what lies beyond has no meaning.
 ///
-/// Checked against: `tests/lasso.rs`, the optimality conditions on the rows themselves.
+/// Checked against: the optimality conditions on the rows themselves.
 ///
 /// # Errors
 /// [`SparseError::Setting`] if a setting is out of its range.

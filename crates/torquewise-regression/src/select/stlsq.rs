@@ -13,7 +13,6 @@ pub struct Stlsq {
     pub ridge: f64,
 }
 
-/// Bound on the number of fits that choose.
 const MOST_FITS: usize = 20;
 
 impl Default for Stlsq {

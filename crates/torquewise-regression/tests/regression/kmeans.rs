@@ -69,6 +69,8 @@ proptest! {
             (0..k).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap()
         };
         let assignment: Vec<usize> = points.iter().map(nearest).collect();
+        let sums = centres.iter().map(|centre| centre[0] + centre[1]);
+        prop_assert!(sums.is_sorted(), "no seed shows in the order: {:?}", centres);
         // Off its mean by δ, a centre adds its number of points times δ² to the inertia.
         let about_means = inertia_of(&points, &assignment, k);
         prop_assert!(inertia >= about_means - 1e-12);
@@ -84,19 +86,6 @@ fn equal_points_in_many_clusters_are_no_trouble() {
 
     assert!(found.inertia < f64::MIN_POSITIVE);
     assert_eq!(found.centres, [[0.5, 0.5]; 4]);
-}
-
-#[test]
-fn another_seed_finds_the_same_clusters_in_the_same_order() {
-    let points = blobs(4, &[[1.0, 1.0], [0.0, 0.0], [1.0, 0.0]], 0.1, 300);
-
-    let one = kmeans(&points, 3, 0).unwrap();
-    let other = kmeans(&points, 3, 99).unwrap();
-
-    for (one, other) in one.centres.iter().zip(&other.centres) {
-        // Each stands still within 1e-4 of the spread of 0.14.
-        assert!((one[0] - other[0]).abs() + (one[1] - other[1]).abs() < 1e-4);
-    }
 }
 
 #[test]
