@@ -100,34 +100,30 @@ impl Prepared {
         self.numbers(&mut self.zeros()).map(|part| part.len()).sum()
     }
 
-    /// The numbers of the sums over some blocks.
-    fn table(&self, blocks: &[Samples]) -> Result<Vec<f64>, SparseError> {
+    /// Adds blocks in floating point.
+    fn add(&self, blocks: &[Samples], sums: &mut [Sums]) -> Result<(), SparseError> {
         for samples in blocks {
             samples.check(&self.design)?;
             expect("the responses of a block", samples.responses.ncols(), self.n_responses)?;
         }
-        let mut sums = self.zeros();
         if let Some(plan) = &self.moments {
             plan.add(blocks, &mut sums[0]);
-        } else {
-            for samples in blocks {
-                let columns = self.design.columns(samples)?;
-                for (equation, (y, [gram, cross, energy])) in
-                    columns.iter().zip(&mut sums).enumerate()
-                {
-                    let own = responses_of(equation, columns.len(), self.n_responses);
-                    let own = samples.responses.subcols(own.start, own.len());
-                    add_gram(gram, y.as_ref(), 1.0);
-                    add_product(cross, y.as_ref(), own);
-                    for (r, response) in own.col_iter().enumerate() {
-                        energy[(r, 0)] += response.squared_norm_l2();
-                    }
+            return Ok(());
+        }
+        for samples in blocks {
+            let columns = self.design.columns(samples)?;
+            for (equation, (y, [gram, cross, energy])) in columns.iter().zip(&mut *sums).enumerate()
+            {
+                let own = responses_of(equation, columns.len(), self.n_responses);
+                let own = samples.responses.subcols(own.start, own.len());
+                add_gram(gram, y.as_ref(), 1.0);
+                add_product(cross, y.as_ref(), own);
+                for (r, response) in own.col_iter().enumerate() {
+                    energy[(r, 0)] += response.squared_norm_l2();
                 }
             }
         }
-        let mut table = Vec::new();
-        self.numbers(&mut sums).for_each(|part| table.extend_from_slice(part));
-        Ok(table)
+        Ok(())
     }
 }
 
@@ -153,6 +149,14 @@ impl RowSums {
         self.sums.merge(&other.sums)?;
         self.rows += other.rows;
         Ok(())
+    }
+
+    fn add(&mut self, prepared: &Prepared, mut sums: Vec<Sums>) -> Result<(), SparseError> {
+        let mut first = 0;
+        prepared.numbers(&mut sums).try_for_each(|part| {
+            first += part.len();
+            self.sums.add(first - part.len(), part)
+        })
     }
 
     /// The normal equations of each equation.
@@ -200,6 +204,8 @@ pub struct RowAdder<'a> {
     /// Blocks that are summed at a time.
     most: usize,
     waiting: Vec<Samples>,
+    /// The one sum of all blocks, where they are summed in floating point as they come.
+    running: Option<Vec<Sums>>,
     total: RowSums,
 }
 
@@ -210,7 +216,12 @@ impl<'a> RowAdder<'a> {
         // Numbers of a sum, and the square that a triangle of them is kept in.
         let most = (CHUNK_BYTES / (2 * 8 * total.sums.count()).max(1)).max(1);
         let most = CHUNK_BLOCKS * rayon::current_num_threads().clamp(1, most);
-        Self { prepared, most, waiting: Vec::new(), total }
+        Self { prepared, most, waiting: Vec::new(), running: None, total }
+    }
+
+    /// The same for blocks that are added in floating point, one after the other.
+    pub fn in_order(prepared: &'a Prepared) -> Self {
+        Self { most: 1, running: Some(prepared.zeros()), ..Self::new(prepared) }
     }
 
     /// Hands over the next block.
@@ -228,14 +239,26 @@ impl<'a> RowAdder<'a> {
     /// As [`Self::push`].
     pub fn finish(mut self) -> Result<RowSums, SparseError> {
         self.drain()?;
+        if let Some(sums) = self.running {
+            self.total.add(self.prepared, sums)?;
+        }
         Ok(self.total)
     }
 
     fn drain(&mut self) -> Result<(), SparseError> {
-        let chunks = self.waiting.par_chunks(CHUNK_BLOCKS);
-        let tables = chunks.map(|blocks| self.prepared.table(blocks));
-        let tables = tables.collect::<Result<Vec<_>, _>>()?;
-        tables.iter().try_for_each(|table| self.total.sums.add(0, table))?;
+        let prepared = self.prepared;
+        if let Some(sums) = &mut self.running {
+            prepared.add(&self.waiting, sums)?;
+        } else {
+            let of_chunk = |blocks| {
+                let mut sums = prepared.zeros();
+                prepared.add(blocks, &mut sums).map(|()| sums)
+            };
+            let chunks = self.waiting.par_chunks(CHUNK_BLOCKS).map(of_chunk);
+            for sums in chunks.collect::<Result<Vec<_>, _>>()? {
+                self.total.add(prepared, sums)?;
+            }
+        }
         self.total.rows += self.waiting.drain(..).map(|block| block.n_rows()).sum::<usize>();
         Ok(())
     }

@@ -16,7 +16,7 @@ use torquewise_model::FrictionTerm;
 use torquewise_model::model::Choice;
 use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
-use torquewise_regression::row_sums::{Prepared, RowSums};
+use torquewise_regression::row_sums::{Prepared, RowAdder, RowSums};
 
 /// Which columns are summed, and over which rows together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -146,7 +146,8 @@ impl<'a> PatternAccumulator<'a> {
     pub fn new(basis: &'a Basis, patterns: &'a Patterns, parts: &[Option<Pattern>]) -> Self {
         let (n, friction) = (basis.candidates.n_joints, &basis.candidates.friction[..]);
         let widths = (n, friction.len());
-        let empty = |&part| PatternSums::new(part, widths, &basis.prepared, (1, BLOCK_ROWS));
+        let adder = || vec![RowAdder::new(&basis.prepared)];
+        let empty = |&part| PatternSums::new(part, widths, BLOCK_ROWS, adder());
         let sums = parts.iter().map(empty).collect();
         Self { patterns, friction, noise: NoiseSum::new(n), sums }
     }

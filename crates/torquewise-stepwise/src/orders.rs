@@ -18,7 +18,7 @@ use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
 use torquewise_regression::SparseError;
 use torquewise_regression::design::{Column, Design};
 use torquewise_regression::normal_equations::NormalEquations;
-use torquewise_regression::row_sums::Prepared;
+use torquewise_regression::row_sums::{Prepared, RowAdder};
 
 /// What is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,7 +111,8 @@ pub fn orders(
     // Pieces of one size, or one half would get all the remainders.
     let piece = BLOCK_ROWS.div_ceil((PIECES * BLOCK_ROWS).div_ceil(rows.max(1)));
     let empty = |(ladder, prepared): (&Ladder, _)| {
-        PatternSums::new(ladder.pattern, (n, 0), prepared, (2, piece))
+        let halves = vec![RowAdder::in_order(prepared), RowAdder::in_order(prepared)];
+        PatternSums::new(ladder.pattern, (n, 0), piece, halves)
     };
     let mut sums: Vec<PatternSums<'_>> = ladders.iter().zip(&prepared).map(empty).collect();
     let mut add = |block: &Motion| -> Result<(), ReadError> {

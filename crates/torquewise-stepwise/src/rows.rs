@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use torquewise_model::FrictionTerm;
 use torquewise_motion::{BLOCK_ROWS, Motion, MotionError, Pattern};
 use torquewise_regression::SparseError;
-use torquewise_regression::row_sums::{Prepared, RowAdder, RowSums};
+use torquewise_regression::row_sums::{RowAdder, RowSums};
 use torquewise_regression::samples::Samples;
 
 /// The rows of a motion in the words of a regression.
@@ -90,12 +90,12 @@ pub(crate) struct PatternSums<'a> {
 
 impl<'a> PatternSums<'a> {
     /// - `widths`: number of joints and of laws of friction
-    /// - `parts`: number of sums that pieces of so many rows are dealt out to
+    /// - `piece`: rows of a piece
     pub(crate) fn new(
         pattern: Option<Pattern>,
         (n_joints, friction): (usize, usize),
-        prepared: &'a Prepared,
-        (parts, piece): (usize, usize),
+        piece: usize,
+        sums: Vec<RowAdder<'a>>,
     ) -> Self {
         let empty = |columns| Mat::zeros(BLOCK_ROWS, columns);
         let block = Samples {
@@ -103,7 +103,6 @@ impl<'a> PatternSums<'a> {
             variables: empty(2 * n_joints + friction),
             responses: empty(n_joints),
         };
-        let sums = (0..parts).map(|_| RowAdder::new(prepared)).collect();
         Self { pattern, block, held: 0, piece, sums, next: 0 }
     }
 
