@@ -27,12 +27,9 @@ impl Samples {
 
     /// Some rows that follow each other.
     pub fn rows(&self, first: usize, count: usize) -> Self {
-        let own = |x: &Mat<f64>| x.subrows(first, count).to_owned();
-        Self {
-            angles: own(&self.angles),
-            variables: own(&self.variables),
-            responses: own(&self.responses),
-        }
+        let [angles, variables, responses] = [&self.angles, &self.variables, &self.responses]
+            .map(|x| x.subrows(first, count).to_owned());
+        Self { angles, variables, responses }
     }
 
     /// Checks the block against a design.

@@ -20,12 +20,9 @@ fn equations(rows: &planted::Rows) -> Equations {
     Equations { right: problem.right().to_vec(), information, spread, floor }
 }
 
-fn all(equations: &Equations) -> Vec<usize> {
-    (0..equations.right.len()).collect()
-}
-
 fn eliminate(equations: &Equations, threshold: f64) -> Estimate {
-    equations.eliminate(&all(equations), threshold).expect("positive definite information")
+    let all: Vec<usize> = (0..equations.right.len()).collect();
+    equations.eliminate(&all, threshold).expect("positive definite information")
 }
 
 #[test]

@@ -1,23 +1,10 @@
 //! The LASSO path against its optimality conditions, computed on the rows themselves.
 
-use crate::planted::{self, Rows};
-use faer::Mat;
+use crate::planted;
 use proptest::prelude::*;
 use torquewise_regression::error::SparseError;
 use torquewise_regression::normal_equations::NormalEquations;
 use torquewise_regression::select::lasso::{Lasso, lasso_path};
-
-/// Root mean square of each column.
-fn scales(features: &Mat<f64>) -> Vec<f64> {
-    let rows = features.nrows();
-    let mean = |j| features.col_as_slice(j).iter().map(|x| x * x).sum::<f64>() / rows as f64;
-    (0..features.ncols()).map(|j| f64::sqrt(mean(j))).collect()
-}
-
-fn residual(rows: &Rows, coefficients: &[f64]) -> Vec<f64> {
-    let fitted = planted::predict(&rows.features, coefficients);
-    rows.response.iter().zip(fitted).map(|(y, f)| y - f).collect()
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
@@ -25,7 +12,9 @@ proptest! {
     #[test]
     fn every_point_meets_the_optimality_conditions(seed in 0..u64::MAX, few in any::<bool>()) {
         let rows = planted::rows(seed, if few { 25 } else { 150 }, 40, 5, 0.3);
-        let sizes = scales(&rows.features);
+        // Root mean square of each column.
+        let size = |x: faer::ColRef<'_, f64>| (x.squared_norm_l2() / x.nrows() as f64).sqrt();
+        let sizes: Vec<f64> = rows.features.col_iter().map(size).collect();
 
         let path = lasso_path(&rows.problem(), &Lasso::default()).unwrap();
 
@@ -38,7 +27,8 @@ proptest! {
         prop_assert!(path.iter().all(|point| point.gap <= done), "{:?}", path);
         // A gap bounds what is missing, however large it is.
         for point in path.iter().chain(&hasty) {
-            let r = residual(&rows, &point.coefficients);
+            let fitted = planted::predict(&rows.features, &point.coefficients);
+            let r: Vec<f64> = rows.response.iter().zip(fitted).map(|(y, f)| y - f).collect();
             for (j, &weight) in point.coefficients.iter().enumerate() {
                 let column = rows.features.col_as_slice(j);
                 let slope: f64 = column.iter().zip(&r).map(|(x, r)| x * r).sum::<f64>()
