@@ -1,12 +1,12 @@
 //! Between arrays of NumPy and the engine.
 
+use crate::errors::{value_error, wrong};
 use faer::{Mat, MatRef};
 use numpy::ndarray::{Array2, Array3, ArrayView1, ArrayView2, Axis, Slice};
 use numpy::{
     AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayLike2, PyArrayMethods,
     PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use torquewise::logs;
 use torquewise::motion::{Motion, Signals};
@@ -45,12 +45,10 @@ impl ArrayFrame {
         let rows = |column: &Vec<(usize, _)>| column.last().map_or(0, |(end, _)| *end);
         let n_rows = columns.first().map_or(0, rows);
         if let Some(k) = columns.iter().position(|column| rows(column) != n_rows) {
-            return Err(PyValueError::new_err(format!(
-                "{} has {} rows, {} has {n_rows}: give columns of one length",
-                names[k],
-                rows(&columns[k]),
-                names[0]
-            )));
+            let (name, other, first) = (&names[k], rows(&columns[k]), &names[0]);
+            return wrong(format!(
+                "{name} has {other} rows, {first} has {n_rows}: give columns of one length"
+            ));
         }
         Ok(Self { names, joints, n_rows, columns })
     }
@@ -117,8 +115,8 @@ impl<'py> FromPyObject<'_, 'py> for Rows<'py> {
         if let Ok(one) = object.extract::<PyArrayLike1<'_, f64, AllowTypeChange>>() {
             return Ok(Self::One(one.as_array().iter().copied().collect()));
         }
-        object.extract().map(Self::Many).map_err(|_| {
-            PyValueError::new_err(
+        object.extract().map(Self::Many).or_else(|_| {
+            wrong(
                 "expected numbers of one state, one for each joint, or of several states in rows, \
                  one column for each joint",
             )
@@ -156,32 +154,29 @@ pub(crate) fn matrices<'py>(
     PyArray3::from_owned_array(py, values)
 }
 
-/// Rows of a motion; without q̇ or q̈ they are 0.
+/// Rows of a motion.
 pub(crate) fn motion(
     joints: &[String],
     t: Option<Vec<f64>>,
-    [q, dq, ddq]: [Option<ArrayView2<'_, f64>>; 3],
+    [q, dq, ddq]: [ArrayView2<'_, f64>; 3],
     tau: Option<ArrayView2<'_, f64>>,
 ) -> PyResult<Motion> {
-    let Some(q) = q else { return Err(PyValueError::new_err("q is missing")) };
-    let zeros = || Mat::zeros(q.nrows(), q.ncols());
     let signals = Signals {
         joints: joints.to_vec(),
         t: t.unwrap_or_else(|| (0..q.nrows()).map(|row| row as f64).collect()),
-        dq: dq.map_or_else(zeros, mat),
-        ddq: ddq.map_or_else(zeros, mat),
-        tau: tau.map(mat),
         q: mat(q),
+        dq: mat(dq),
+        ddq: mat(ddq),
+        tau: tau.map(mat),
     };
-    Motion::new(signals).map_err(crate::errors::value_error)
+    Motion::new(signals).map_err(value_error)
 }
 
 pub(crate) fn check_columns(name: &str, view: &ArrayView2<'_, f64>, n: usize) -> PyResult<()> {
-    if view.ncols() == n {
-        return Ok(());
+    match view.ncols() {
+        own if own == n => Ok(()),
+        own => wrong(format!(
+            "{name} has {own} columns, the model has {n} joints: give one column for each joint"
+        )),
     }
-    Err(PyValueError::new_err(format!(
-        "{name} has {} columns, the model has {n} joints: give one column for each joint",
-        view.ncols()
-    )))
 }

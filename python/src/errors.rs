@@ -60,6 +60,20 @@ pub(crate) fn raised(error: Error) -> PyErr {
     }
 }
 
+/// Refuses a value of a keyword, or arrays.
+pub(crate) fn wrong<T>(message: impl Into<String>) -> PyResult<T> {
+    Err(PyValueError::new_err(message.into()))
+}
+
+/// The value of a word among those that a keyword takes.
+pub(crate) fn choice<T: Copy>(keyword: &str, word: &str, all: &[(&str, T)]) -> PyResult<T> {
+    if let Some((_, value)) = all.iter().find(|(own, _)| *own == word) {
+        return Ok(*value);
+    }
+    let names: Vec<&str> = all.iter().map(|(own, _)| *own).collect();
+    wrong(format!("{keyword}={word:?}: expected one of {}", names.join(", ")))
+}
+
 /// The exception for any other error: a wrong value.
 pub(crate) fn value_error(error: impl StdError + 'static) -> PyErr {
     PyValueError::new_err(with_causes(error.to_string(), error.source()))

@@ -1,10 +1,9 @@
 //! From logs to a model.
 
-use crate::errors::{UsageError, message, raised, value_error};
+use crate::errors::{UsageError, message, raised, value_error, wrong};
 use crate::log::Log;
 use crate::model::{Model, json};
 use crate::work::work;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Map, Value};
@@ -70,8 +69,8 @@ where
     let Some(value) = options.get_item(name)?.filter(|value| !value.is_none()) else {
         return Ok(None);
     };
-    let wrong = || PyValueError::new_err(format!("{name}: {value} is not what it takes"));
-    value.extract().map(Some).map_err(|_| wrong())
+    let found = value.extract().map(Some);
+    found.or_else(|_| wrong(format!("{name}: {value} is not what it takes")))
 }
 
 /// Where the axes lie, if a URDF says so.
@@ -83,20 +82,18 @@ fn geometry(
     let lock: Option<Vec<String>> = keyword(options, "lock")?;
     let gravity: Option<[f64; 3]> = keyword(options, "gravity")?;
     let Some(file) = urdf else {
-        let given = lock.map(|_| "lock").or(gravity.map(|_| "gravity"));
-        return match given {
-            Some(name) => Err(UsageError::new_err(format!("{name} goes with urdf: give one"))),
-            None => Ok(None),
-        };
+        let alone = lock.map(|_| "lock").or(gravity.map(|_| "gravity"));
+        let wanted = |name| Err(UsageError::new_err(format!("{name} goes with urdf: give one")));
+        return alone.map_or(Ok(None), wanted);
     };
     if gravity.is_some_and(|g| g.iter().all(|x| *x == 0.0) || g.iter().any(|x| !x.is_finite())) {
-        return Err(PyValueError::new_err("gravity: expected three numbers, not all 0"));
+        return wrong("gravity: expected three numbers, not all 0");
     }
     let text = bounded_file::read_text(&file)?;
     let known = known_geometry(&text, joints, &lock.unwrap_or_default(), gravity);
-    known.map(Some).map_err(|error| {
+    known.map(Some).or_else(|error| {
         let (file, why) = (file.display(), message(&error));
-        PyValueError::new_err(format!("cannot match {file} to the joints of the log: {why}"))
+        wrong(format!("cannot match {file} to the joints of the log: {why}"))
     })
 }
 

@@ -1,9 +1,8 @@
 //! What friction remembers of a path, sample by sample.
 
 use crate::arrays::{Rows, check_columns};
-use crate::errors::model_error;
+use crate::errors::{model_error, wrong};
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use torquewise::Torque;
@@ -58,11 +57,11 @@ impl FrictionState {
 impl FrictionState {
     fn one(&self, name: &str, rows: &Rows<'_>) -> PyResult<Vec<f64>> {
         if self.path.q().len() != self.n {
-            return Err(PyValueError::new_err("give step() a sample of q first"));
+            return wrong("give step() a sample of q first");
         }
-        let Rows::One(one) = rows else {
-            return Err(PyValueError::new_err(format!("{name} is one state")));
-        };
-        Ok(one.clone())
+        match rows {
+            Rows::One(one) => Ok(one.clone()),
+            Rows::Many(_) => wrong(format!("{name} is one state")),
+        }
     }
 }

@@ -12,7 +12,6 @@ mod friction_state;
 mod log;
 mod model;
 mod observer;
-mod robot;
 mod simulation;
 mod states;
 mod sums;
@@ -39,11 +38,11 @@ mod _core {
     #[pymodule_export]
     use crate::observer::{contacts, payload};
     #[pymodule_export]
-    use crate::robot::write_whole;
-    #[pymodule_export]
     use crate::simulation::{arms, excite, simulate};
     #[pymodule_export]
     use crate::sums::{Request, Summary};
+    #[pymodule_export]
+    use crate::work::write_whole;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

@@ -1,23 +1,22 @@
 //! Logs of an arm: files of any format, or arrays.
 
 use crate::arrays::{ArrayFrame, Rows as ArrayRows, Shared, array, motion};
-use crate::errors::raised;
-use crate::model::{Model, json};
+use crate::errors::{raised, value_error, wrong};
+use crate::model::{self, Model};
 use crate::work::work;
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
-use torquewise::Filter;
-use torquewise::identify::{PatternPlan, find_patterns, survey};
+use torquewise::identify::{find_patterns, survey};
 use torquewise::inspect::missing_patterns;
 use torquewise::log::Rows;
 use torquewise::logs::{self, Clock, Frame, Options, Profile};
 use torquewise::motion::{Motion, Pattern, Recording};
 use torquewise::observe::Watched;
-use torquewise::stepwise::activation::Scaling;
+use torquewise::{Filter, FitOptions};
 
 /// Logs of one arm; see :func:`torquewise.read_log`.
 #[pyclass(module = "torquewise", frozen, subclass)]
@@ -73,13 +72,10 @@ impl Log {
             Some(FilterWord::Word(word)) if word == "auto" => Filter::Auto,
             Some(FilterWord::Word(word)) if word == "none" => Filter::None,
             Some(FilterWord::Hz(hz)) if hz.is_finite() && hz > 0.0 => Filter::Hz(hz),
-            _ => {
-                let message = "filter: expected \"auto\", \"none\" or a cut-off above 0 Hz";
-                return Err(PyValueError::new_err(message));
-            }
+            _ => return wrong("filter: expected \"auto\", \"none\" or a cut-off above 0 Hz"),
         };
         if delay.is_some_and(|delay| delay.is_nan() || delay.abs() > 1.0) {
-            return Err(PyValueError::new_err("delay: expected seconds within ±1"));
+            return wrong("delay: expected seconds within ±1");
         }
         log.delay = delay;
         Ok(Self { log })
@@ -167,11 +163,9 @@ fn joined(blocks: Vec<(usize, Motion)>) -> Result<Vec<Motion>, torquewise::Error
 pub(crate) fn motion_dict<'py>(py: Python<'py>, motion: &Motion) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("t", PyArray1::from_slice(py, motion.t()))?;
-    dict.set_item("q", array(py, motion.q()))?;
-    dict.set_item("dq", array(py, motion.dq()))?;
-    dict.set_item("ddq", array(py, motion.ddq()))?;
-    if let Some(tau) = motion.tau() {
-        dict.set_item("tau", array(py, tau))?;
+    let signals = [("q", motion.q()), ("dq", motion.dq()), ("ddq", motion.ddq())];
+    for (name, values) in signals.into_iter().chain(motion.tau().map(|tau| ("tau", tau))) {
+        dict.set_item(name, array(py, values))?;
     }
     Ok(dict)
 }
@@ -192,9 +186,8 @@ pub(crate) fn write_log(
     ddq: ArrayRows<'_>,
     tau: Option<ArrayRows<'_>>,
 ) -> PyResult<()> {
-    let [q, dq, ddq] = [&q, &dq, &ddq].map(|rows| Some(rows.view()));
-    let tau = tau.as_ref().map(ArrayRows::view);
-    let motion = motion(&joints, Some(t), [q, dq, ddq], tau)?;
+    let signals = [&q, &dq, &ddq].map(ArrayRows::view);
+    let motion = motion(&joints, Some(t), signals, tau.as_ref().map(ArrayRows::view))?;
     logs::write_motion(&path, &motion).map_err(log_error)
 }
 
@@ -219,7 +212,7 @@ pub(crate) fn inspect(
         Ok((found, warnings))
     })?;
     let (found, warnings): (_, Vec<String>) = found;
-    Ok((json(&found)?, warnings))
+    Ok((model::json(&found)?, warnings))
 }
 
 /// The profile that the columns of a file ask for: TOML, reasons, and whether it is complete.
@@ -242,7 +235,9 @@ pub(crate) fn patterns<'py>(
     seed: u64,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(Bound<'py, PyArray1<u8>>, Vec<f64>, Vec<String>)> {
-    let plan = pattern_plan(activation, clusters, seed)?;
+    let keywords = json!({ "activation": activation, "clusters": clusters, "seed": seed });
+    let options = serde_json::from_value(keywords).map_err(value_error)?;
+    let plan = FitOptions::of_keywords(&options).map_err(raised)?.patterns();
     let log = log.log.clone();
     let (labels, found) = work(py, progress, move |observer| {
         let rows = log.prepare(Rows::Every)?;
@@ -260,23 +255,4 @@ pub(crate) fn patterns<'py>(
     })?;
     let warnings = missing_patterns(&found.present);
     Ok((PyArray1::from_vec(py, labels), found.inertia.clone(), warnings))
-}
-
-pub(crate) fn pattern_plan(
-    activation: &str,
-    clusters: Option<usize>,
-    seed: u64,
-) -> PyResult<PatternPlan> {
-    let scaling = match activation {
-        "scaled" => Scaling::Scaled,
-        "paper" => Scaling::Paper,
-        other => {
-            let message = format!("activation={other:?}: expected scaled or paper");
-            return Err(PyValueError::new_err(message));
-        }
-    };
-    if clusters.is_some_and(|k| !(1..=9).contains(&k)) {
-        return Err(PyValueError::new_err("clusters: expected a number from 1 to 9, or None"));
-    }
-    Ok(PatternPlan { scaling, clusters, slow: false, seed })
 }

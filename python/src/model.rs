@@ -1,18 +1,19 @@
 //! The learned equations of motion.
 
 use crate::arrays::{Rows, array, check_columns, motion};
-use crate::errors::{model_error, raised};
+use crate::errors::{choice, model_error, raised, value_error, wrong};
 use crate::friction_state::FrictionState;
 use crate::log::Log;
-use crate::robot;
+use crate::states::Answer;
 use crate::work::work;
 use numpy::PyArray2;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyType};
+use pyo3::types::{IntoPyDict, PyDict, PyType};
 use std::path::PathBuf;
 use std::sync::Arc;
 use torquewise::evaluate::{evaluate_prepared, prepare};
+use torquewise::export::Precision;
+use torquewise::exported::{ExportOptions, Target, export, function_name};
 use torquewise::model::selection::Selection;
 use torquewise::model::{self, print};
 use torquewise::motion::Motion;
@@ -52,7 +53,7 @@ impl Model {
         for (name, view) in ["q", "dq", "ddq"].iter().zip(&views) {
             check_columns(name, view, self.n())?;
         }
-        motion(&self.model.joints, None, views.map(Some), None)
+        motion(&self.model.joints, None, views, None)
     }
 }
 
@@ -116,7 +117,7 @@ impl Model {
         dq: Rows<'py>,
         ddq: Rows<'py>,
         follow: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> Answer<'py> {
         let inputs = [("q", &q), ("dq", &dq), ("ddq", &ddq)];
         if !follow || !self.has_memory() || matches!(q, Rows::One(_)) {
             return self.at_each(py, inputs, |torque, [q, dq, ddq]| torque.at(q, dq, ddq));
@@ -127,43 +128,28 @@ impl Model {
     }
 
     /// M(q) [kg·m²]: n×n, or m×n×n of several states.
-    fn mass_matrix<'py>(&self, py: Python<'py>, q: Rows<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn mass_matrix<'py>(&self, py: Python<'py>, q: Rows<'py>) -> Answer<'py> {
         self.matrix_at_each(py, [("q", &q)], |torque, [q]| torque.mass_matrix(q))
     }
 
     /// C(q, dq) [N·m·s] by Christoffel symbols: n×n, or m×n×n of several states.
-    fn coriolis_matrix<'py>(
-        &self,
-        py: Python<'py>,
-        q: Rows<'py>,
-        dq: Rows<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn coriolis_matrix<'py>(&self, py: Python<'py>, q: Rows<'py>, dq: Rows<'py>) -> Answer<'py> {
         let inputs = [("q", &q), ("dq", &dq)];
         self.matrix_at_each(py, inputs, |torque, [q, dq]| torque.coriolis_matrix(q, dq))
     }
 
     /// G(q) [N·m].
-    fn gravity<'py>(&self, py: Python<'py>, q: Rows<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn gravity<'py>(&self, py: Python<'py>, q: Rows<'py>) -> Answer<'py> {
         self.at_each(py, [("q", &q)], |torque, [q]| torque.gravity(q))
     }
 
     /// C(q, dq) dq [N·m].
-    fn coriolis<'py>(
-        &self,
-        py: Python<'py>,
-        q: Rows<'py>,
-        dq: Rows<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn coriolis<'py>(&self, py: Python<'py>, q: Rows<'py>, dq: Rows<'py>) -> Answer<'py> {
         self.at_each(py, [("q", &q), ("dq", &dq)], |torque, [q, dq]| torque.coriolis(q, dq))
     }
 
     /// F(q, dq) [N·m], as after a long way in the direction of dq; :meth:`state` follows a path.
-    fn friction<'py>(
-        &self,
-        py: Python<'py>,
-        q: Rows<'py>,
-        dq: Rows<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn friction<'py>(&self, py: Python<'py>, q: Rows<'py>, dq: Rows<'py>) -> Answer<'py> {
         self.at_each(py, [("q", &q), ("dq", &dq)], |torque, [q, dq]| torque.friction(q, dq))
     }
 
@@ -174,7 +160,7 @@ impl Model {
         q: Rows<'py>,
         dq: Rows<'py>,
         tau: Rows<'py>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> Answer<'py> {
         let inputs = [("q", &q), ("dq", &dq), ("tau", &tau)];
         self.at_each(py, inputs, Torque::forward_dynamics)
     }
@@ -190,17 +176,13 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let motion = self.motion([&q, &dq, &ddq])?;
         let parts = py.detach(|| self.torque.parts(&motion)).map_err(model_error)?;
-        let dict = PyDict::new(py);
         let all = [
-            ("inertia", &parts.inertia),
-            ("coriolis", &parts.coriolis),
-            ("gravity", &parts.gravity),
-            ("friction", &parts.friction),
+            ("inertia", parts.inertia),
+            ("coriolis", parts.coriolis),
+            ("gravity", parts.gravity),
+            ("friction", parts.friction),
         ];
-        for (name, values) in all {
-            dict.set_item(name, array(py, values.as_ref()))?;
-        }
-        Ok(dict)
+        all.map(|(name, values)| (name, array(py, values.as_ref()))).into_py_dict(py)
     }
 
     /// Bounds of the torque of a trajectory, low and high, m×n each [N·m]: `percent` of measured
@@ -216,7 +198,7 @@ impl Model {
         percent: f64,
     ) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>)> {
         if !(percent > 0.0 && percent < 100.0) {
-            return Err(PyValueError::new_err("percent is above 0 and below 100"));
+            return wrong("percent is above 0 and below 100");
         }
         let motion = self.motion([&q, &dq, &ddq])?;
         let bounds = py.detach(|| {
@@ -265,10 +247,8 @@ impl Model {
     /// The model with friction that reverses over another half width [rad/s]: a desired velocity has
     /// no noise, and 0.002 tracks better than what a learner smooths.
     fn with_reversal(&self, width: f64) -> PyResult<Self> {
-        if width.is_finite() && width >= 0.0 {
-            return Ok(Self::new(self.model.with_reversal(width)));
-        }
-        Err(PyValueError::new_err("width is 0 or more radians per second"))
+        check_width("width", width)?;
+        Ok(Self::new(self.model.with_reversal(width)))
     }
 
     /// The equations as text; `joint` counts from 0.
@@ -299,7 +279,7 @@ impl Model {
     /// Code, an FMU, a ROS 2 package or a robot file, as (path, bytes) each.
     #[pyo3(signature = (to, name, *, precision="double", reversal=None, onto=None, lock=vec![],
                         binary=true, force=false))]
-    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    #[expect(clippy::too_many_arguments, clippy::type_complexity, reason = "keywords of Python")]
     fn _export(
         &self,
         py: Python<'_>,
@@ -311,9 +291,15 @@ impl Model {
         lock: Vec<String>,
         binary: bool,
         force: bool,
-    ) -> PyResult<robot::Exported> {
-        let wanted = robot::Wanted { to, name, precision, reversal, onto, lock, binary, force };
-        py.detach(|| robot::export(&self.model, &wanted))
+    ) -> PyResult<(Vec<(String, Vec<u8>)>, Vec<String>)> {
+        let to = choice("to", to, &Target::NAMED)?;
+        let words = [("double", Precision::Double), ("float", Precision::Single)];
+        let precision = choice("precision", precision, &words)?;
+        reversal.map_or(Ok(()), |width| check_width("reversal", width))?;
+        let (name, onto) = (&function_name(name), onto.map(|text| (text, &lock[..])));
+        let options = ExportOptions { name, precision, reversal, onto, binary, force, work: None };
+        let found = py.detach(|| export(&self.model, to, &options)).map_err(raised)?;
+        Ok((found.files, found.left_out))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
@@ -334,13 +320,19 @@ impl Model {
 impl Model {
     fn selection(&self, joint: Option<usize>, top: Option<usize>) -> PyResult<Selection> {
         if joint.is_some_and(|joint| joint >= self.n()) {
-            let message = format!("joint: the model has {} of them, counted from 0", self.n());
-            return Err(PyValueError::new_err(message));
+            return wrong(format!("joint: the model has {} of them, counted from 0", self.n()));
         }
         Ok(Selection { joint, top, ..Selection::default() })
     }
 }
 
+fn check_width(name: &str, width: f64) -> PyResult<()> {
+    if width.is_finite() && width >= 0.0 {
+        return Ok(());
+    }
+    wrong(format!("{name} is 0 or more radians per second"))
+}
+
 pub(crate) fn json(found: &impl serde::Serialize) -> PyResult<String> {
-    serde_json::to_string(found).map_err(crate::errors::value_error)
+    serde_json::to_string(found).map_err(value_error)
 }

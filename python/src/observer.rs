@@ -1,11 +1,11 @@
 //! Torque that others put on an arm, and the load on its last link.
 
+use crate::errors::{value_error, wrong};
 use crate::log::Log;
 use crate::model::{Model, json};
 use crate::work::work;
 use numpy::PyArray2;
 use numpy::ndarray::Array2;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 use torquewise::external::ExternalOptions;
@@ -31,8 +31,7 @@ pub(crate) fn contacts<'py>(
         [("bandwidth", options.bandwidth), ("false_alarms", options.false_alarms_per_hour)]
     {
         if !(value > 0.0 && value <= 1e4) {
-            let message = format!("{name}: expected a number above 0, at most 10000");
-            return Err(PyValueError::new_err(message));
+            return wrong(format!("{name}: expected a number above 0, at most 10000"));
         }
     }
     let n = model.model.n_joints();
@@ -56,8 +55,7 @@ pub(crate) fn contacts<'py>(
         )?;
         Ok((rows, thresholds, found))
     })?;
-    let table = Array2::from_shape_vec((rows.len() / (n + 1), n + 1), rows)
-        .map_err(crate::errors::value_error)?;
+    let table = Array2::from_shape_vec((rows.len() / (n + 1), n + 1), rows).map_err(value_error)?;
     Ok((PyArray2::from_owned_array(py, table), json(&thresholds)?, json(&found)?))
 }
 

@@ -1,10 +1,9 @@
 //! Arms of known truth, and motions to record.
 
-use crate::errors::value_error;
+use crate::errors::{choice, raised, value_error, wrong};
 use crate::log::motion_dict;
 use crate::model::Model;
 use crate::work::work;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::path::Path;
@@ -12,7 +11,9 @@ use std::sync::Arc;
 use torquewise::dynamics::{
     Arm, Friction, MotionKind, MotionPlan, Noise, SimulatedLog, add_noise, arms as builtin_arms,
 };
-use torquewise::excite::{Limits, PerJoint, Plan, Wishes, excite as plan_motions, limits};
+use torquewise::excite::{
+    Limits, PerJoint, Plan, Wishes, excite as plan_motions, joint_trajectory, limits,
+};
 use torquewise::motion::bounded_file;
 use torquewise::twin::{self, TwinLog};
 
@@ -31,7 +32,7 @@ fn arm_of(
     match source {
         ArmSource::Model(model) => {
             let model = Arc::clone(&model.get().model);
-            let arm = twin::arm(&model).map_err(crate::errors::raised)?;
+            let arm = twin::arm(&model).map_err(raised)?;
             Ok((arm, Some(model)))
         }
         ArmSource::Name(name) => {
@@ -52,6 +53,9 @@ pub(crate) fn arms() -> Vec<(String, usize)> {
     builtin_arms().iter().map(|arm| (arm.name.to_owned(), arm.joints)).collect()
 }
 
+const MOTIONS: [(&str, MotionKind); 3] =
+    [("moves", MotionKind::Moves), ("sines", MotionKind::Sines), ("staged", MotionKind::Staged)];
+
 /// A motion of an arm with its torque: joint names, and a dict of t, q, dq, ddq and tau.
 #[pyfunction]
 #[pyo3(signature = (arm, *, motion="moves", seconds=None, rate=None, seed=0, noise_db=None,
@@ -68,16 +72,7 @@ pub(crate) fn simulate<'py>(
     friction: Option<&str>,
     lock: Vec<String>,
 ) -> PyResult<(Vec<String>, Bound<'py, PyDict>)> {
-    let kind = match motion {
-        "moves" => MotionKind::Moves,
-        "sines" => MotionKind::Sines,
-        "staged" => MotionKind::Staged,
-        other => {
-            let message = format!("motion={other:?}: expected moves, sines or staged");
-            return Err(PyValueError::new_err(message));
-        }
-    };
-    let usual = MotionPlan::default();
+    let (usual, kind) = (MotionPlan::default(), choice("motion", motion, &MOTIONS)?);
     let plan = MotionPlan {
         kind,
         seconds: seconds.unwrap_or(usual.seconds),
@@ -86,30 +81,22 @@ pub(crate) fn simulate<'py>(
     };
     let (arm, twin) = arm_of(&arm, &lock)?;
     if twin.is_some() && friction.is_some() {
-        return Err(PyValueError::new_err("friction is not for a model, which has its own"));
+        return wrong("friction is not for a model, which has its own");
     }
     let noise = noise_db.map(|[q, dq, ddq]| Noise::from_db(q, dq, ddq)).transpose();
     let noise = noise.map_err(value_error)?;
     let friction = friction.map(|text| Friction::from_toml(text, arm.joints())).transpose();
     let friction = friction.map_err(value_error)?;
-    let made = py.detach(|| -> PyResult<_> {
-        let clean = match &twin {
-            Some(model) => TwinLog::new(model, &plan).and_then(|twin| twin.whole()),
-            None => SimulatedLog::new(&arm, &plan)
-                .and_then(|log| match friction {
-                    Some(friction) => log.with_friction(friction),
-                    None => Ok(log),
-                })
-                .and_then(|log| log.whole())
-                .map(|log| log.motion)
-                .map_err(Into::into),
+    let made = py.detach(|| -> Result<_, torquewise::Error> {
+        let clean = if let Some(model) = &twin {
+            TwinLog::new(model, &plan)?.whole()?
+        } else {
+            let log = SimulatedLog::new(&arm, &plan)?;
+            friction.map_or(Ok(log.clone()), |own| log.with_friction(own))?.whole()?.motion
         };
-        let clean = clean.map_err(value_error)?;
-        match noise {
-            Some(noise) => add_noise(&clean, &noise, seed).map_err(value_error),
-            None => Ok(clean),
-        }
-    })?;
+        Ok(noise.map_or(Ok(clean.clone()), |noise| add_noise(&clean, &noise, seed))?)
+    });
+    let made = made.map_err(value_error)?;
     Ok((arm.joints().to_vec(), motion_dict(py, &made)?))
 }
 
@@ -169,8 +156,7 @@ pub(crate) fn excite<'py>(
     let dicts = PyList::empty(py);
     for (recording, name) in found.recordings.iter().zip(["standstill", "uniform", "variable"]) {
         let dict = motion_dict(py, &recording.motion().map_err(value_error)?)?;
-        let text =
-            torquewise::excite::joint_trajectory(recording, ros_rate).map_err(value_error)?;
+        let text = joint_trajectory(recording, ros_rate).map_err(value_error)?;
         dict.set_item("name", name)?;
         dict.set_item("joint_trajectory", text)?;
         dicts.append(dict)?;

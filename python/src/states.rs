@@ -1,13 +1,15 @@
 //! Quantities of a model at one state, or at each of several.
 
 use crate::arrays::{Rows, array, check_columns, mat, matrices};
-use crate::errors::model_error;
+use crate::errors::{model_error, wrong};
 use crate::model::Model;
 use faer::Mat;
 use numpy::PyArray1;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use torquewise::{Torque, model};
+
+/// An array of NumPy.
+pub(crate) type Answer<'py> = PyResult<Bound<'py, PyAny>>;
 
 impl Model {
     /// A quantity of n numbers at one state, or at each of several.
@@ -16,7 +18,7 @@ impl Model {
         py: Python<'py>,
         inputs: [(&str, &Rows<'py>); K],
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Vec<f64>, model::ModelError> + Send + Sync,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> Answer<'py> {
         if let Some(one) = one_state(&inputs) {
             let found = of(&self.torque, one).map_err(model_error)?;
             return Ok(PyArray1::from_vec(py, found).into_any());
@@ -41,7 +43,7 @@ impl Model {
         py: Python<'py>,
         inputs: [(&str, &Rows<'py>); K],
         of: impl Fn(&Torque, [&[f64]; K]) -> Result<Mat<f64>, model::ModelError> + Send + Sync,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> Answer<'py> {
         if let Some(one) = one_state(&inputs) {
             let found = of(&self.torque, one).map_err(model_error)?;
             return Ok(array(py, found.as_ref()).into_any());
@@ -64,11 +66,10 @@ impl Model {
             let view = own.view();
             check_columns(name, &view, self.n())?;
             if view.nrows() != rows {
-                return Err(PyValueError::new_err(format!(
-                    "{name} has {} rows, {} has {rows}: give as many states of each",
-                    view.nrows(),
-                    inputs[0].0
-                )));
+                let (own, first) = (view.nrows(), inputs[0].0);
+                return wrong(format!(
+                    "{name} has {own} rows, {first} has {rows}: give as many states of each"
+                ));
             }
         }
         Ok((rows, inputs.map(|(_, rows)| mat(rows.view()))))

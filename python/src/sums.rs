@@ -115,12 +115,9 @@ impl Summary {
         Sums::from_bytes(bytes).map(|sums| Self { sums }).map_err(damaged)
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<PyBytes>,))> {
         let class = py.import("torquewise")?.getattr("Summary")?.getattr("from_bytes")?;
-        Ok((class, (self.to_bytes(py)?,)))
+        Ok((class, (self.to_bytes(py)?.unbind(),)))
     }
 
     fn __repr__(&self) -> String {
@@ -149,12 +146,9 @@ impl Request {
         Ok(Self { request })
     }
 
-    fn __reduce__<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Py<PyBytes>,))> {
         let class = py.import("torquewise")?.getattr("Request")?.getattr("from_bytes")?;
-        Ok((class, (self.to_bytes(py)?,)))
+        Ok((class, (self.to_bytes(py)?.unbind(),)))
     }
 
     fn __repr__(&self) -> String {

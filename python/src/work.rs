@@ -1,14 +1,16 @@
 //! Long work in a thread of its own: the calling thread shows its progress and listens to Ctrl-C.
 
-use crate::errors::raised;
+use crate::errors::{raised, write_error};
 use pyo3::prelude::*;
 use std::ops::ControlFlow;
 use std::panic::resume_unwind;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
+use torquewise::motion::whole_file;
 use torquewise::{Error, Event, Observer};
 
 /// How often the calling thread looks for Ctrl-C.
@@ -94,6 +96,13 @@ fn run<T: Send>(
     let _ = sender.send(Told::Done(found));
 }
 
+/// Writes a file whole or not at all: beside it first, then renamed.
+#[pyfunction]
+pub(crate) fn write_whole(py: Python<'_>, path: PathBuf, content: &[u8]) -> PyResult<()> {
+    let written = py.detach(|| whole_file::write_whole(&path, content));
+    written.map_err(|error| write_error(&path, &error))
+}
+
 /// Calls a function of Python with what is done, not too often.
 struct Bar<'a, 'py> {
     progress: Option<&'a Bound<'py, PyAny>>,
@@ -114,17 +123,15 @@ impl<'a, 'py> Bar<'a, 'py> {
                 self.rows += rows;
                 if self.shown.elapsed() < SHOW { Ok(()) } else { self.call() }
             }
-            Event::Reading { doing, rows } => {
-                self.call()?;
-                (self.doing, self.total) = (doing.to_owned(), rows);
-                self.call()
-            }
-            Event::Stage(stage) => {
-                self.call()?;
-                self.doing = stage.to_string();
-                self.call()
-            }
+            Event::Reading { doing, rows } => self.begin(doing.to_owned(), rows),
+            Event::Stage(stage) => self.begin(stage.to_string(), self.total),
         }
+    }
+
+    fn begin(&mut self, doing: String, total: Option<u64>) -> PyResult<()> {
+        self.call()?;
+        (self.doing, self.total) = (doing, total);
+        self.call()
     }
 
     fn call(&mut self) -> PyResult<()> {

@@ -7,7 +7,7 @@
 //! the axis and Iyy of each link are put into the link before it (Gautier and Khalil, 1990), so
 //! that links have seven parameters and no mass.
 
-use crate::error::ExportError;
+use crate::error::Result;
 use torquewise_model::RigidChain;
 
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
@@ -70,7 +70,7 @@ struct Body {
 
 impl BaseChain {
     /// The chain of a model.
-    pub(crate) fn of(chain: &RigidChain) -> Result<Self, ExportError> {
+    pub(crate) fn of(chain: &RigidChain) -> Result<Self> {
         let axes = chain.axes()?;
         let n = chain.n_joints();
         let joints: Vec<Joint> =

@@ -1,6 +1,6 @@
 //! From program to one file of C99: no allocation, no library but `math.h`.
 
-use crate::error::ExportError;
+use crate::error::{ExportError, Result};
 use crate::graph::Function;
 use crate::program::{Precision, Program};
 use crate::template::filled;
@@ -81,7 +81,7 @@ impl Language for C {
 /// # Errors
 /// [`ExportError::Name`] if the name is none, [`ExportError::NotSingle`] if a constant is too large
 /// for the precision.
-pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<String, ExportError> {
+pub fn to_c(program: &Program, name: &str, precision: Precision) -> Result<String> {
     check_name(name)?;
     program.check_precision(precision)?;
     let language = C(precision);
@@ -101,7 +101,7 @@ pub(crate) fn inclusion(program: &Program, name: &str) -> String {
     )
 }
 
-pub(crate) fn check_name(name: &str) -> Result<(), ExportError> {
+pub(crate) fn check_name(name: &str) -> Result<()> {
     let mut letters = name.chars();
     let first = letters.next().is_some_and(|letter| letter.is_ascii_alphabetic());
     if first && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_') {

@@ -3,6 +3,9 @@
 
 use torquewise_model::ModelError;
 
+/// What fails by [`ExportError`].
+pub type Result<T, E = ExportError> = std::result::Result<T, E>;
+
 /// Why a model cannot be exported.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]

@@ -1,7 +1,7 @@
 //! From program to FMU: an FMI 2.0 unit for model exchange and co-simulation, sources and binary.
 
 use crate::c::{check_name, inclusion, quoted, to_c};
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::program::{Precision, Program, Quantity};
 use crate::template::filled_xml;
 use minijinja::context;
@@ -20,8 +20,8 @@ const WRAPPER: &str = include_str!("assets/fmu.c");
 /// `sources/NAME.c`, compiled together as C99, make the binary.
 ///
 /// # Errors
-/// [`ExportError::Name`] if the name is no C identifier.
-pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)>, ExportError> {
+/// `ExportError::Name` if the name is no C identifier.
+pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)>> {
     check_name(name)?;
     let code = to_c(program, name, Precision::Double)?;
     let wrapper = format!(
@@ -44,11 +44,8 @@ pub fn fmu_sources(program: &Program, name: &str) -> Result<Vec<(String, String)
 /// - `binary`: path within the unit, such as `binaries/linux64/NAME.so`, and bytes
 ///
 /// # Errors
-/// [`ExportError::Archive`] or [`ExportError::Fill`] if the archive grows too large.
-pub fn fmu_archive(
-    sources: &[(String, String)],
-    binary: Option<(&str, &[u8])>,
-) -> Result<Vec<u8>, ExportError> {
+/// `ExportError::Archive` or `ExportError::Fill` if the archive grows too large.
+pub fn fmu_archive(sources: &[(String, String)], binary: Option<(&str, &[u8])>) -> Result<Vec<u8>> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // The same model gives the same bytes: the archive holds no time of day.
     let options = SimpleFileOptions::default().last_modified_time(zip::DateTime::default());
@@ -65,7 +62,7 @@ fn guid(program: &Program) -> String {
     format!("{{torquewise-{:016x}}}", program.fingerprint)
 }
 
-fn description(program: &Program, name: &str) -> Result<String, ExportError> {
+fn description(program: &Program, name: &str) -> Result<String> {
     let n = program.n_joints();
     let of_joint = |joint: usize| format!("joint {}", program.joints[joint]);
     let vector = |name: &str, unit: &'static str| -> Vec<[String; 3]> {

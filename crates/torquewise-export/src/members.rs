@@ -1,7 +1,7 @@
 //! From stepwise model to cost of the torque after each of its steps: cheaper models come with it.
 
 use crate::cost::Cost;
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::program::{Program, Quantity};
 use torquewise_model::Model;
 
@@ -12,7 +12,7 @@ use torquewise_model::Model;
 ///
 /// # Errors
 /// Those of [`Program::of`].
-pub fn torque_costs(model: &Model) -> Result<Vec<Cost>, ExportError> {
+pub fn torque_costs(model: &Model) -> Result<Vec<Cost>> {
     let whole = Model { stages: Vec::new(), ..model.clone() };
     let cost = |model: &Model| Ok(Program::of(model)?.cost(Quantity::Torque));
     let steps = (1..=model.stages.len()).map(|step| cost(&model.after_step(step)?));

@@ -2,7 +2,7 @@
 //! found.
 
 use crate::cost::Cost;
-use crate::error::ExportError;
+use crate::error::{ExportError, Result};
 use crate::graph::{Function, Graph, Id, Node};
 use crate::lower::lowered;
 use crate::momentum::{Factors, coriolis_matrix, momentum};
@@ -177,7 +177,7 @@ impl Program {
     /// # Errors
     /// [`ExportError::Model`] if the parts of the model do not fit together,
     /// [`ExportError::NotFinite`] if its coefficients are too large to be multiplied.
-    pub fn of(model: &Model) -> Result<Self, ExportError> {
+    pub fn of(model: &Model) -> Result<Self> {
         let text = to_json(model)?;
         let graph = Graph::default();
         let n = model.n_joints();
@@ -279,7 +279,7 @@ impl Program {
         (0..self.graph.len()).any(calls)
     }
 
-    pub(crate) fn check_precision(&self, precision: Precision) -> Result<(), ExportError> {
+    pub(crate) fn check_precision(&self, precision: Precision) -> Result<()> {
         let mut constants = (0..self.graph.len()).filter_map(|id| self.graph.value(id));
         match constants.find(|constant| constant.abs() > f64::from(f32::MAX)) {
             Some(constant) if precision == Precision::Single => {

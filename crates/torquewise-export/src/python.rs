@@ -1,6 +1,6 @@
 //! From program to one file of Python that needs the standard library alone.
 
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::graph::Function;
 use crate::program::{Precision, Program};
 use crate::template::filled;
@@ -78,8 +78,8 @@ impl Language for Python {
 /// A Python module with the functions `torque`, `gravity` and so on; see `docs/export.md`.
 ///
 /// # Errors
-/// [`ExportError::Template`] if it cannot be written.
-pub fn to_python(program: &Program) -> Result<String, ExportError> {
+/// `ExportError::Template` if it cannot be written.
+pub fn to_python(program: &Program) -> Result<String> {
     filled(include_str!("templates/model.py.j2"), values(program, &Python))
 }
 

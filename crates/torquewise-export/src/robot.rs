@@ -1,7 +1,7 @@
 //! From model to what a robot file holds of it: links, joints, rotors, friction, and what is left
 //! out.
 
-use crate::error::ExportError;
+use crate::error::{ExportError, Result};
 use minijinja::{Value, context};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rand::{RngExt, SeedableRng};
@@ -60,7 +60,7 @@ const EFFORT_STATES: usize = 2_000;
 
 impl Robot {
     /// What of a model a robot file can hold.
-    pub(crate) fn of(model: &Model) -> Result<Self, ExportError> {
+    pub(crate) fn of(model: &Model) -> Result<Self> {
         let chain = model.chain.as_ref().ok_or(ExportError::NoChain)?;
         if !chain.coupling.is_none() {
             return Err(ExportError::Coupled);
@@ -232,7 +232,7 @@ fn losses(
 }
 
 /// Largest torque of each joint over states within those of the log \[N·m\], n.
-fn efforts(model: &Model) -> Result<Vec<f64>, ExportError> {
+fn efforts(model: &Model) -> Result<Vec<f64>> {
     let (n, training) = (model.n_joints(), &model.training);
     let torque = Torque::new(model);
     let mut random = ChaCha8Rng::seed_from_u64(0);

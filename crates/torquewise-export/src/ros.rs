@@ -2,7 +2,7 @@
 //! forward, and one that publishes external torque.
 
 use crate::c::{check_name, inclusion, to_c};
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::program::{Precision, Program};
 use crate::template::{filled, filled_xml};
 use minijinja::context;
@@ -16,8 +16,8 @@ use minijinja::context;
 /// joints to `~/external_torque`, and whether it is above thresholds to `~/contact`.
 ///
 /// # Errors
-/// [`ExportError::Name`] if the name is no C identifier.
-pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)>, ExportError> {
+/// `ExportError::Name` if the name is no C identifier.
+pub fn ros_package(program: &Program, name: &str) -> Result<Vec<(String, String)>> {
     check_name(name)?;
     // What ROS allows: lower case, and no two underscores in a row.
     let package = format!("{}_feed_forward", name.to_lowercase().trim_end_matches('_'));

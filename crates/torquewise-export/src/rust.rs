@@ -1,6 +1,6 @@
 //! From program to one file of Rust without `std`: sine and cosine by a trait.
 
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::graph::Function;
 use crate::program::{Precision, Program};
 use crate::template::filled;
@@ -51,8 +51,8 @@ impl Language for Rust {
 /// A file of Rust that needs `core` alone, a crate or a module; see `docs/export.md`.
 ///
 /// # Errors
-/// [`ExportError::NotSingle`] if a constant is too large for the precision.
-pub fn to_rust(program: &Program, precision: Precision) -> Result<String, ExportError> {
+/// `ExportError::NotSingle` if a constant is too large for the precision.
+pub fn to_rust(program: &Program, precision: Precision) -> Result<String> {
     program.check_precision(precision)?;
     let real = if precision == Precision::Single { "f32" } else { "f64" };
     let values = context! { real, ..values(program, &Rust(precision)) };

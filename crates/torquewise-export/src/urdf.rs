@@ -1,6 +1,6 @@
 //! From model to robot file: a URDF or MJCF of the model alone, or a URDF of the arm that takes it up.
 
-use crate::error::ExportError;
+use crate::error::{ExportError, Result};
 use crate::robot::{Losses, Robot};
 use crate::template::filled_xml;
 use torquewise_model::Model;
@@ -25,7 +25,7 @@ pub struct RobotFile {
 ///
 /// # Errors
 /// [`ExportError::NoChain`], [`ExportError::Coupled`], [`ExportError::Infeasible`].
-pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
+pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
     let text = filled_xml(include_str!("templates/robot.urdf.j2"), robot.values(version))?;
     Ok(RobotFile { text, left_out: left_out_of_urdf(&robot) })
@@ -37,7 +37,7 @@ pub fn to_urdf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
 ///
 /// # Errors
 /// As [`to_urdf`].
-pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
+pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
     let text = filled_xml(include_str!("templates/robot.mjcf.j2"), robot.values(version))?;
     Ok(RobotFile { text, left_out: robot.left_out })
@@ -55,7 +55,7 @@ pub fn to_mjcf(model: &Model, version: &str) -> Result<RobotFile, ExportError> {
 /// # Errors
 /// As [`to_urdf`]; [`ExportError::Urdf`] if it is no URDF of these joints,
 /// [`ExportError::OtherGeometry`] if its axes lie elsewhere.
-pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFile, ExportError> {
+pub fn onto_urdf(model: &Model, text: &str, locked: &[String]) -> Result<RobotFile> {
     let robot = Robot::of(model)?;
     let geometry = model.chain.as_ref().ok_or(ExportError::NoChain)?.axes()?;
     let chain = model.chain.as_ref().and_then(|chain| chain.robot.as_ref());

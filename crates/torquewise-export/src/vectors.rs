@@ -1,6 +1,6 @@
 //! From model to states and what its functions return there, as CSV: to test exported code against.
 
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::program::Quantity;
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
@@ -19,8 +19,8 @@ use torquewise_model::{Model, Torque};
 /// ±1 rad/s and ±1 rad/s².
 ///
 /// # Errors
-/// [`ExportError::Model`] if the parts of the model do not fit together.
-pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String, ExportError> {
+/// `ExportError::Model` if the parts of the model do not fit together.
+pub fn test_vectors(model: &Model, rows: usize, seed: u64) -> Result<String> {
     let n = model.n_joints();
     let whole = Torque::new(model);
     let first = match model.stages.len() {

@@ -5,7 +5,7 @@
 
 use crate::base_chain::BaseChain;
 use crate::cost::Cost;
-use crate::error::ExportError;
+use crate::error::Result;
 use crate::graph::{Graph, Id};
 use crate::harmonics::summed;
 use crate::lower::lowered;
@@ -36,7 +36,7 @@ type Choice = fn(&Frictionless) -> &Vec<Id>;
 type Way<'a, T> = Box<dyn Fn(&Graph) -> T + 'a>;
 
 /// The functions of a model, each the cheapest that is known.
-pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless, ExportError> {
+pub(crate) fn frictionless(graph: &Graph, model: &Model) -> Result<Frictionless> {
     match &model.chain {
         Some(chain) => of_chain(graph, chain),
         None => Ok(of_form(graph, &model.form, model.n_joints(), |parts| &parts.motion)),
@@ -68,7 +68,7 @@ pub(crate) fn sums(graph: &Graph, left: &[Id], right: &[Id]) -> Vec<Id> {
 }
 
 /// The recursion or the expansion, for each function the cheaper.
-fn of_chain(graph: &Graph, chain: &RigidChain) -> Result<Frictionless, ExportError> {
+fn of_chain(graph: &Graph, chain: &RigidChain) -> Result<Frictionless> {
     let n = chain.n_joints();
     let base = BaseChain::of(chain)?;
     let drives = joined(chain.drives.iter().flat_map(Drive::energy_terms).collect());

@@ -7,7 +7,7 @@ mod mcap_messages;
 mod survey;
 mod rows;
 
-use crate::error::LogError;
+use crate::error::Result;
 
 pub(crate) use rows::BagRows;
 pub(crate) use survey::Survey;
@@ -34,5 +34,5 @@ struct Message {
 
 /// The messages of one topic, roughly in order of time.
 trait Messages {
-    fn next(&mut self) -> Result<Option<Message>, LogError>;
+    fn next(&mut self) -> Result<Option<Message>>;
 }

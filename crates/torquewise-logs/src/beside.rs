@@ -1,6 +1,6 @@
 //! From rows of a log and of files beside it to rows with the columns of all.
 
-use crate::error::{LogError, Place};
+use crate::error::{LogError, Place, Result};
 use crate::rows::{Irregular, Rows};
 use std::path::PathBuf;
 
@@ -54,11 +54,11 @@ impl SideBySide {
     }
 
     /// Reads a row of every part; whether each had one.
-    fn read(&mut self) -> Result<Vec<bool>, LogError> {
+    fn read(&mut self) -> Result<Vec<bool>> {
         self.parts.iter_mut().map(|part| part.rows.next(&mut part.row)).collect()
     }
 
-    fn check_clocks(&self) -> Result<(), LogError> {
+    fn check_clocks(&self) -> Result<()> {
         let Some((column, seconds)) = &self.clock else { return Ok(()) };
         let clock = |part: &Part| part.clock.map(|place| part.row[place] * seconds);
         let Some(expected) = self.parts.first().and_then(clock) else { return Ok(()) };
@@ -76,7 +76,7 @@ impl SideBySide {
     }
 
     /// The error that names how many rows each of two files has.
-    fn rows_differ(&mut self, had_one: &[bool]) -> Result<LogError, LogError> {
+    fn rows_differ(&mut self, had_one: &[bool]) -> Result<LogError> {
         let mut counts = Vec::new();
         for (part, had_one) in self.parts.iter_mut().zip(had_one) {
             while *had_one && part.rows.next(&mut part.row)? {}
@@ -100,7 +100,7 @@ impl Rows for SideBySide {
         self.parts.first().and_then(|log| log.rows.joints())
     }
 
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+    fn choose(&mut self, columns: &[usize]) -> Result<()> {
         let of = |column: usize| self.parts.partition_point(|part| part.first <= column) - 1;
         self.chosen.clear();
         let mut own: Vec<Vec<usize>> = vec![Vec::new(); self.parts.len()];
@@ -127,7 +127,7 @@ impl Rows for SideBySide {
         Ok(())
     }
 
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+    fn next(&mut self, row: &mut [f64]) -> Result<bool> {
         let had_one = self.read()?;
         if !had_one.contains(&true) {
             return Ok(false);

@@ -1,7 +1,7 @@
 //! From rows of signals to blocks: split at gaps, q̇ and q̈ completed if wanted, in fixed memory.
 
 use crate::absurd::{LONGEST, absurd};
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::gaps::UsualStep;
 use crate::signal::Signal;
 use crate::signal_rows::{Origin, SignalRows};
@@ -70,23 +70,18 @@ impl Blocks {
     }
 
     /// The next block and the index of its trajectory in this file; `None` at the end.
-    pub(crate) fn next(&mut self) -> Result<Option<(usize, Motion)>, LogError> {
+    pub(crate) fn next<B>(
+        &mut self,
+        block: impl Fn(&Self, usize) -> Result<B>,
+    ) -> Result<Option<(usize, B)>> {
         let Some(rows) = self.next_rows()? else { return Ok(None) };
-        let block = self.block(rows)?;
-        self.hand_out(rows);
-        Ok(Some((self.trajectory, block)))
-    }
-
-    /// The same as it was recorded.
-    pub(crate) fn next_raw(&mut self) -> Result<Option<(usize, Raw)>, LogError> {
-        let Some(rows) = self.next_rows()? else { return Ok(None) };
-        let block = self.raw_block(rows)?;
+        let block = block(self, rows)?;
         self.hand_out(rows);
         Ok(Some((self.trajectory, block)))
     }
 
     /// How many rows the next block has; `None` at the end.
-    fn next_rows(&mut self) -> Result<Option<usize>, LogError> {
+    fn next_rows(&mut self) -> Result<Option<usize>> {
         self.look_ahead()?;
         if self.known == self.done && self.ended {
             self.begin_trajectory();
@@ -108,7 +103,7 @@ impl Blocks {
     }
 
     /// Makes sure that the next block, and what its windows reach, is known.
-    fn look_ahead(&mut self) -> Result<(), LogError> {
+    fn look_ahead(&mut self) -> Result<()> {
         if self.ended {
             return Ok(());
         }
@@ -174,7 +169,7 @@ impl Blocks {
         }
     }
 
-    fn push(&mut self, row: &[f64], origin: Origin) -> Result<(), LogError> {
+    fn push(&mut self, row: &[f64], origin: Origin) -> Result<()> {
         let t = row[0];
         if let Some(&before) = self.columns[0].last().filter(|before| **before >= t) {
             return Err(LogError::TimeOrder { place: self.rows.place(), t, before });
@@ -215,7 +210,7 @@ impl Blocks {
         self.origins.drain(..rows);
     }
 
-    fn block(&self, rows: usize) -> Result<Motion, LogError> {
+    pub(crate) fn block(&self, rows: usize) -> Result<Motion> {
         let Raw { joints, t, q, dq, ddq, tau } = self.raw_block(rows)?;
         let has_dq = dq.is_some();
         let dq = dq.map_or_else(|| self.derived(Signal::Q, 1, rows), Ok)?;
@@ -225,7 +220,7 @@ impl Blocks {
             .map_err(|source| self.refused(self.done, source))
     }
 
-    fn raw_block(&self, rows: usize) -> Result<Raw, LogError> {
+    pub(crate) fn raw_block(&self, rows: usize) -> Result<Raw> {
         let (start, end) = (self.done, self.done + rows);
         let part = |signal| self.signal(signal, start, end);
         let no_q = || self.refused(start, MotionError::Missing("q"));
@@ -256,7 +251,7 @@ impl Blocks {
     }
 
     /// Derivative of a signal on the next `rows`, from all rows that their windows reach.
-    fn derived(&self, signal: Signal, order: usize, rows: usize) -> Result<Mat<f64>, LogError> {
+    fn derived(&self, signal: Signal, order: usize, rows: usize) -> Result<Mat<f64>> {
         let polynomial = self.polynomial.unwrap_or_default();
         let end = self.known.min(self.done + rows + polynomial.half_window());
         let refused = |source| match source {

@@ -1,6 +1,6 @@
 //! From profile and column names to mapping.
 
-use crate::error::{LogError, shown};
+use crate::error::{LogError, Result, shown};
 use crate::joints;
 use crate::mapping::{Mapping, Ranges, Slot, Time};
 use crate::profile::unit::{factor, time_factor};
@@ -17,7 +17,7 @@ pub(crate) fn by_profile(
     file: &Path,
     rows: &dyn Rows,
     is_bag: bool,
-) -> Result<Mapping, LogError> {
+) -> Result<Mapping> {
     let is_plain = profile.q.as_ref().is_none_or(|q| q.columns.is_none());
     let mut build = Build { file, names: rows.names(), is_bag, is_plain, chosen: Vec::new() };
     let time = build.time(profile)?;
@@ -53,7 +53,7 @@ struct Build<'a> {
 }
 
 impl Build<'_> {
-    fn time(&mut self, profile: &Profile) -> Result<Time, LogError> {
+    fn time(&mut self, profile: &Profile) -> Result<Time> {
         if let Some(rate) = profile.rate {
             return Ok(Time::Rate(rate));
         }
@@ -102,7 +102,7 @@ impl Build<'_> {
         signal: Signal,
         parts: Option<&SignalColumns>,
         joints: &[String],
-    ) -> Result<Option<Vec<usize>>, LogError> {
+    ) -> Result<Option<Vec<usize>>> {
         let key = format!("{}.columns", signal.name());
         let names: Vec<String> = match parts.and_then(|parts| parts.columns.as_ref()) {
             Some(Columns::Names(names)) => names.clone(),
@@ -135,7 +135,7 @@ impl Build<'_> {
         (1..=n.max(1)).map(|joint| format!("{prefix}{joint}")).collect()
     }
 
-    fn choose(&mut self, key: &str, name: &str) -> Result<usize, LogError> {
+    fn choose(&mut self, key: &str, name: &str) -> Result<usize> {
         let name = name.trim();
         let mut columns = (0..).zip(self.names).filter(|(_, known)| *known == name);
         let (column, _) = columns.next().ok_or_else(|| self.missing(key, name))?;
@@ -180,7 +180,7 @@ fn of_bag(signal: Signal, joints: &[String]) -> Vec<String> {
 }
 
 /// Places of the joints that are not left out.
-fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>, LogError> {
+fn kept(profile: &Profile, joints: &[String], file: &Path) -> Result<Vec<usize>> {
     let is_unknown = |name: &&String| !joints.contains(name);
     if let Some(unknown) = profile.leave_out.iter().find(is_unknown) {
         return Err(LogError::ProfileKey {

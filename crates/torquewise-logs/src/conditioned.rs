@@ -1,7 +1,7 @@
 //! From logs to conditioned Recording: resampled, filtered and differentiated, in fixed memory.
 
 use crate::clock::ClockRepair;
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::logs::Logs;
 use crate::pieces::Pieces;
 use crate::raw_noise::RawNoise;
@@ -13,7 +13,8 @@ use torquewise_motion::signals::{
     ConditionReport, Conditioning, Cutoff, CutoffFrom, Raw, condition,
 };
 use torquewise_motion::{
-    BLOCK_ROWS, Motion, MotionError, RawRecording, ReadError, Recording, Repairs, Signals,
+    BLOCK_ROWS, Motion, MotionError, RawRecording, ReadResult, Recording, Repairs, Signals, Visit,
+    VisitPair,
 };
 
 /// Logs whose signals are conditioned as they are read: [`torquewise_motion::signals`] tells how.
@@ -53,12 +54,12 @@ impl ConditionedLogs {
     /// # Errors
     /// [`LogError`] if the logs cannot be read, or [`LogError::Signals`] if they cannot be
     /// conditioned.
-    pub fn new(logs: Logs, settings: &Conditioning) -> Result<Self, LogError> {
+    pub fn new(logs: Logs, settings: &Conditioning) -> Result<Self> {
         let pieces = Pieces::read(&logs)?;
         Self::chosen(logs, settings, &pieces)
     }
 
-    fn chosen(logs: Logs, settings: &Conditioning, pieces: &Pieces) -> Result<Self, LogError> {
+    fn chosen(logs: Logs, settings: &Conditioning, pieces: &Pieces) -> Result<Self> {
         let found = condition(pieces.longest()?, settings);
         let report = found.map_err(|source| signals(&logs, 0, source))?.report;
         let cutoff = report.cutoff.map_or(Cutoff::Off, Cutoff::Hz);
@@ -88,8 +89,8 @@ impl ConditionedLogs {
         &self,
         file: Option<usize>,
         noise: Option<&RawNoise>,
-        visit: Visit<'_>,
-    ) -> Result<bool, ReadError> {
+        visit: VisitBoth<'_>,
+    ) -> ReadResult<bool> {
         let mut out = Cutter { trajectory: 0, is_empty: true, visit };
         let files = file.map_or(0..self.logs.n_logs(), |file| file..file + 1);
         let mut first = 0;
@@ -110,7 +111,7 @@ impl ConditionedLogs {
         first: &mut usize,
         noise: Option<&RawNoise>,
         out: &mut Cutter<'_>,
-    ) -> Result<Repairs, ReadError> {
+    ) -> ReadResult<Repairs> {
         let mut repairs = Repairs::default();
         let mut open: Option<Trajectory<'_>> = None;
         let failed = |trajectory: usize| move |source| signals(&self.logs, trajectory, source);
@@ -121,7 +122,7 @@ impl ConditionedLogs {
             out.hand_out(rest)
         };
         let begin = *first;
-        self.logs.read_raw_of(file, &mut |own, block| -> Result<(), ReadError> {
+        self.logs.read_raw_of(file, &mut |own, block| -> ReadResult {
             let trajectory = begin + own;
             if trajectory != out.trajectory {
                 end(open.take(), out)?;
@@ -146,7 +147,7 @@ impl RawLogs {
     ///
     /// # Errors
     /// As [`ConditionedLogs::new`], and if the logs hold no torque.
-    pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self, LogError> {
+    pub fn new(logs: Logs, settings: &Conditioning, find_delay: bool) -> Result<Self> {
         logs.require_tau()?;
         let pieces = Pieces::read(&logs)?;
         let conditioned = ConditionedLogs::chosen(logs, settings, &pieces)?;
@@ -165,8 +166,8 @@ impl RawLogs {
     /// for spikes; `None` where they are not filtered or too short.
     ///
     /// # Errors
-    /// [`ReadError`] if the logs cannot be conditioned.
-    pub fn beside_raw_torque(&self) -> Result<Option<Motion>, ReadError> {
+    /// [`ReadError`](torquewise_motion::ReadError) if the logs cannot be conditioned.
+    pub fn beside_raw_torque(&self) -> ReadResult<Option<Motion>> {
         let Some(cutoff) = self.conditioned.report.cutoff else { return Ok(None) };
         let delay = self.conditioned.settings.delay;
         let Some(Band { motion, mut torques }) = self.band(cutoff, &[delay])? else {
@@ -192,11 +193,11 @@ impl RawRecording for RawLogs {
         self.delays.clone()
     }
 
-    fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>, ReadError> {
+    fn band(&self, cutoff: f64, delays: &[f64]) -> ReadResult<Option<Band>> {
         Ok(self.bandwidths.band(cutoff, delays)?)
     }
 
-    fn filtered(&self, cutoff: f64, delay: f64) -> Result<ConditionedLogs, ReadError> {
+    fn filtered(&self, cutoff: f64, delay: f64) -> ReadResult<ConditionedLogs> {
         let ConditionedLogs { logs, clock, settings, report, .. } = &self.conditioned;
         let settings = Conditioning { cutoff: Cutoff::Hz(cutoff), delay, ..*settings };
         let found = condition(&self.first, &settings).map_err(|e| signals(logs, 0, e))?.report;
@@ -218,10 +219,7 @@ impl Recording for ConditionedLogs {
         true
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         if !self.visit(None, None, &mut |trajectory, motion, _| visit(trajectory, motion))? {
             let cutoff = self.report.cutoff.unwrap_or_default();
             return Err(LogError::NothingLeft { cutoff }.into());
@@ -233,21 +231,12 @@ impl Recording for ConditionedLogs {
         self.logs.n_logs()
     }
 
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
         self.visit(Some(log), None, &mut |trajectory, motion, _| visit(trajectory, motion))
             .map(drop)
     }
 
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        seed: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
+    fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
         let noise = RawNoise::of(&self.report, seed);
         self.visit(Some(log), Some(&noise), &mut |trajectory, motion, noise| match noise {
             Some(noise) => visit(trajectory, motion, noise),
@@ -258,17 +247,17 @@ impl Recording for ConditionedLogs {
 }
 
 /// Who is shown rows, and noise beside them if it was asked for.
-type Visit<'v> = &'v mut dyn FnMut(usize, &Motion, Option<&Motion>) -> Result<(), ReadError>;
+type VisitBoth<'v> = &'v mut dyn FnMut(usize, &Motion, Option<&Motion>) -> ReadResult;
 
 struct Cutter<'a> {
     /// The trajectory in hand, as the logs count them.
     trajectory: usize,
     is_empty: bool,
-    visit: Visit<'a>,
+    visit: VisitBoth<'a>,
 }
 
 impl Cutter<'_> {
-    fn hand_out(&mut self, done: Done) -> Result<(), ReadError> {
+    fn hand_out(&mut self, done: Done) -> ReadResult {
         let mut noise = done.noise.into_iter();
         for motion in done.motions {
             let noise = noise.next();

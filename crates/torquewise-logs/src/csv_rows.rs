@@ -1,6 +1,6 @@
 //! From CSV bytes to rows, one line at a time.
 
-use crate::error::{LogError, Place, shown};
+use crate::error::{LogError, Place, Result, shown};
 use crate::joints::{self, CSV_COMMENT};
 use crate::lines::{Advance, Lines, MAX_LINE, split};
 use crate::rows::Rows;
@@ -24,7 +24,7 @@ pub(crate) struct CsvRows<R> {
 
 impl<R: BufRead> CsvRows<R> {
     /// Reads up to the header; `file` is named in errors.
-    pub(crate) fn new(file: &Path, input: R) -> Result<Self, LogError> {
+    pub(crate) fn new(file: &Path, input: R) -> Result<Self> {
         let mut rows = Self {
             file: file.into(),
             lines: Lines::new(input),
@@ -42,7 +42,7 @@ impl<R: BufRead> CsvRows<R> {
     }
 
     /// Advances to the next line with fields and splits it; `false` at the end.
-    fn next_line(&mut self) -> Result<bool, LogError> {
+    fn next_line(&mut self) -> Result<bool> {
         loop {
             match self.lines.advance().map_err(LogError::read(&self.file))? {
                 Advance::End => return Ok(false),
@@ -69,7 +69,7 @@ impl<R: BufRead> CsvRows<R> {
         }
     }
 
-    fn header(&self) -> Result<Vec<String>, LogError> {
+    fn header(&self) -> Result<Vec<String>> {
         let header = self.text(&self.lines.line)?;
         let found = header.chars().find(|c| matches!(c, ';' | '\t'));
         if let (1, Some(found)) = (self.fields.len(), found) {
@@ -78,7 +78,7 @@ impl<R: BufRead> CsvRows<R> {
         Ok(self.fields.iter().map(|field| header[field.clone()].trim().to_owned()).collect())
     }
 
-    fn text<'t>(&self, bytes: &'t [u8]) -> Result<&'t str, LogError> {
+    fn text<'t>(&self, bytes: &'t [u8]) -> Result<&'t str> {
         let not_utf8 = |_| LogError::NotUtf8 { file: self.file.clone(), line: self.lines.number };
         std::str::from_utf8(bytes).map_err(not_utf8)
     }
@@ -87,7 +87,7 @@ impl<R: BufRead> CsvRows<R> {
         LogError::TooLong { file: self.file.clone(), line: self.lines.number, part, limit }
     }
 
-    fn number(&self, column: usize) -> Result<f64, LogError> {
+    fn number(&self, column: usize) -> Result<f64> {
         let text = self.lines.line[self.fields[column].clone()].trim_ascii();
         let number = std::str::from_utf8(text).ok().and_then(|text| text.parse().ok());
         number.ok_or_else(|| LogError::NotANumber {
@@ -107,12 +107,12 @@ impl<R: BufRead> Rows for CsvRows<R> {
         self.joints.as_deref()
     }
 
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+    fn choose(&mut self, columns: &[usize]) -> Result<()> {
         self.chosen = columns.to_vec();
         Ok(())
     }
 
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+    fn next(&mut self, row: &mut [f64]) -> Result<bool> {
         if !self.next_line()? {
             return Ok(false);
         }

@@ -13,6 +13,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use torquewise_motion::MotionError;
 
+/// What fails by [`LogError`].
+pub type Result<T, E = LogError> = std::result::Result<T, E>;
+
 /// A row of a log file, as its user counts it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -222,16 +225,13 @@ impl LogError {
 /// Work of a decoder of another crate, which may panic on a damaged file: here that is an error like
 /// any other.
 #[cfg(feature = "formats")]
-pub(crate) fn guarded<T>(
-    file: &Path,
-    work: impl FnOnce() -> Result<T, LogError>,
-) -> Result<T, LogError> {
+pub(crate) fn guarded<T>(file: &Path, work: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(work))
         .unwrap_or_else(|_| Err(LogError::Damaged { file: file.into() }))
 }
 
 #[cfg(feature = "formats")]
-pub(crate) fn open_whole(file: &Path) -> Result<File, LogError> {
+pub(crate) fn open_whole(file: &Path) -> Result<File> {
     let input = File::open(file).map_err(LogError::read(file))?;
     match input.metadata().map_err(LogError::read(file))?.len() {
         0 => Err(LogError::Empty { file: file.into() }),

@@ -1,6 +1,6 @@
 //! From path to format: what a log file is, by its extension.
 
-use crate::error::{LogError, shown};
+use crate::error::{LogError, Result, shown};
 use std::path::Path;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl Format {
     ];
 
     /// The format named by the extension of `file`, in upper or lower case.
-    pub(crate) fn of(file: &Path) -> Result<Self, LogError> {
+    pub(crate) fn of(file: &Path) -> Result<Self> {
         let extension = file.extension().map(|e| e.to_string_lossy().to_lowercase());
         let extension = extension.unwrap_or_default();
         let known = Self::NAMED.into_iter().find(|(name, _)| *name == extension);

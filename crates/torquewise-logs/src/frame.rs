@@ -1,6 +1,6 @@
 //! From columns in memory to rows: tables that another program holds, read where they lie.
 
-use crate::error::{LogError, Place};
+use crate::error::{LogError, Place, Result};
 use crate::rows::Rows;
 use std::fmt::Debug;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ impl FrameRows {
         Self { label: label.into(), frame, chosen, block, first: 0, row: 0 }
     }
 
-    fn load(&mut self) -> Result<(), LogError> {
+    fn load(&mut self) -> Result<()> {
         self.first = self.row;
         let rows = (self.frame.n_rows() - self.first).min(BLOCK_ROWS);
         for (column, values) in self.chosen.iter().zip(&mut self.block) {
@@ -72,13 +72,13 @@ impl Rows for FrameRows {
         self.frame.joints()
     }
 
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+    fn choose(&mut self, columns: &[usize]) -> Result<()> {
         self.chosen = columns.to_vec();
         self.block = vec![Vec::new(); columns.len()];
         Ok(())
     }
 
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+    fn next(&mut self, row: &mut [f64]) -> Result<bool> {
         if self.row >= self.frame.n_rows() {
             return Ok(false);
         }

@@ -1,6 +1,6 @@
 //! Joint names → text → joint names: how a log file keeps them.
 
-use crate::error::{LogError, shown};
+use crate::error::{LogError, Result, shown};
 use std::path::Path;
 use torquewise_motion::unfit_joint_name;
 
@@ -22,12 +22,12 @@ pub(crate) fn parse(text: &str) -> Vec<String> {
 }
 
 /// One text that [`parse`] splits again.
-pub(crate) fn join(names: &[String]) -> Result<String, LogError> {
+pub(crate) fn join(names: &[String]) -> Result<String> {
     check(names)?;
     Ok(names.join(","))
 }
 
-pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<String>, LogError> {
+pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<String>> {
     if names.len() != n {
         let (file, found) = (file.into(), names.len());
         return Err(LogError::JointNameCount { file, found, expected: n });
@@ -35,7 +35,7 @@ pub(crate) fn checked(file: &Path, names: Vec<String>, n: usize) -> Result<Vec<S
     check(&names).map(|()| names)
 }
 
-pub(crate) fn check(names: &[String]) -> Result<(), LogError> {
+pub(crate) fn check(names: &[String]) -> Result<()> {
     unfit_joint_name(names)
         .map_or(Ok(()), |name| Err(LogError::JointName { name: shown(name.as_bytes()) }))
 }

@@ -1,6 +1,6 @@
 //! From motion to log file.
 
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::joints;
 use crate::signal::Signal;
 use crate::sink::{Column, Values};
@@ -25,7 +25,7 @@ impl LogWriter {
     ///
     /// # Errors
     /// As [`TableWriter::create`], and [`LogError::JointName`] if a name cannot be kept.
-    pub fn create(file: &Path, joints: &[String], with_tau: bool) -> Result<Self, LogError> {
+    pub fn create(file: &Path, joints: &[String], with_tau: bool) -> Result<Self> {
         let signals = if with_tau { &Signal::ALL[..] } else { &Signal::ALL[..3] };
         let mut names = vec!["t".to_owned()];
         for signal in signals {
@@ -43,7 +43,7 @@ impl LogWriter {
     /// # Errors
     /// [`LogError::NoTorqueToWrite`] if the log is to hold torques and the motion has none, or what
     /// [`TableWriter::append`] returns.
-    pub fn append(&mut self, motion: &Motion) -> Result<(), LogError> {
+    pub fn append(&mut self, motion: &Motion) -> Result<()> {
         let no_torque = || LogError::NoTorqueToWrite { file: self.file.clone() };
         let mut columns = vec![motion.t().to_vec()];
         for signal in self.signals {
@@ -63,7 +63,7 @@ impl LogWriter {
     ///
     /// # Errors
     /// As [`TableWriter::finish`].
-    pub fn finish(self) -> Result<(), LogError> {
+    pub fn finish(self) -> Result<()> {
         self.table.finish()
     }
 }
@@ -72,7 +72,7 @@ impl LogWriter {
 ///
 /// # Errors
 /// As [`LogWriter::create`], [`LogWriter::append`] and [`LogWriter::finish`].
-pub fn write_motion(file: &Path, motion: &Motion) -> Result<(), LogError> {
+pub fn write_motion(file: &Path, motion: &Motion) -> Result<()> {
     let mut writer = LogWriter::create(file, motion.joints(), motion.tau().is_some())?;
     writer.append(motion)?;
     writer.finish()

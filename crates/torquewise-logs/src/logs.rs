@@ -1,7 +1,7 @@
 //! From log files to Recording: several files read as one, any number of times.
 
 use crate::blocks::Blocks;
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::frame::Frame;
 use crate::joints;
 use crate::signal::Signal;
@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use torquewise_motion::signals::Raw;
-use torquewise_motion::{LocalPolynomial, Motion, ReadError, Recording, Repairs};
+use torquewise_motion::{LocalPolynomial, Motion, ReadResult, Recording, Repairs, Visit};
 
 /// Log files of one arm.
 ///
@@ -41,6 +41,9 @@ struct Reading {
     absurd: Option<(u64, String, f64)>,
 }
 
+/// Who is shown the blocks of logs, and the number of their trajectory.
+type Each<'v, B, E> = &'v mut dyn FnMut(usize, B) -> Result<(), E>;
+
 impl Logs {
     /// Reads the headers of files in columns `t`, `q1`…`qn`, … and the messages of bags; other rows
     /// are checked when read.
@@ -48,7 +51,7 @@ impl Logs {
     /// # Errors
     /// [`LogError`] if a file cannot be opened, its header is not understood, or the files differ
     /// in the number or the names of their joints.
-    pub fn open(paths: &[PathBuf]) -> Result<Self, LogError> {
+    pub fn open(paths: &[PathBuf]) -> Result<Self> {
         Self::open_with(paths, &Options::default())
     }
 
@@ -56,7 +59,7 @@ impl Logs {
     ///
     /// # Errors
     /// As [`open`](Self::open), and if a file does not have what the profile says.
-    pub fn open_with(paths: &[PathBuf], options: &Options) -> Result<Self, LogError> {
+    pub fn open_with(paths: &[PathBuf], options: &Options) -> Result<Self> {
         let paths = paths.iter().map(|path| files_of(path)).collect::<Result<Vec<_>, _>>()?;
         let paths = paths.concat();
         let open = |path: &PathBuf| Source::open(path, options);
@@ -69,10 +72,7 @@ impl Logs {
     ///
     /// # Errors
     /// As [`open_with`](Self::open_with).
-    pub fn of_frames(
-        frames: &[(PathBuf, Arc<dyn Frame>)],
-        options: &Options,
-    ) -> Result<Self, LogError> {
+    pub fn of_frames(frames: &[(PathBuf, Arc<dyn Frame>)], options: &Options) -> Result<Self> {
         let open = |(label, frame): &(PathBuf, Arc<dyn Frame>)| {
             Source::of_frame(label, frame.clone(), options)
         };
@@ -80,7 +80,7 @@ impl Logs {
         Self::of_sources(sources, frames.iter().map(|(label, _)| label.clone()).collect())
     }
 
-    fn of_sources(sources: Vec<Source>, paths: Vec<PathBuf>) -> Result<Self, LogError> {
+    fn of_sources(sources: Vec<Source>, paths: Vec<PathBuf>) -> Result<Self> {
         let joints = agreed_joints(&sources)?;
         let readings = Arc::new(Mutex::new(vec![Reading::default(); sources.len()]));
         Ok(Self { sources, paths, joints, readings })
@@ -115,7 +115,7 @@ impl Logs {
     ///
     /// # Errors
     /// [`LogError::NoTorque`] names the first that does not.
-    pub fn require_tau(&self) -> Result<(), LogError> {
+    pub fn require_tau(&self) -> Result<()> {
         match self.sources.iter().find(|source| source.mapping.slot(Signal::Tau).is_none()) {
             Some(source) => Err(LogError::NoTorque { file: source.file.clone() }),
             None => Ok(()),
@@ -132,13 +132,18 @@ impl Logs {
     ///
     /// # Errors
     /// [`LogError`] if a file cannot be read or a row is wrong.
-    pub fn read_all(&self) -> Result<Vec<Motion>, LogError> {
+    pub fn read_all(&self) -> Result<Vec<Motion>> {
         let mut trajectories: Vec<Vec<Motion>> = Vec::new();
-        self.each_motion(None, &mut |trajectory, block| {
-            trajectories.resize_with(trajectory + 1, Vec::new);
-            trajectories[trajectory].push(block);
-            Ok::<(), LogError>(())
-        })?;
+        self.each(
+            None,
+            Some(LocalPolynomial::default()),
+            Blocks::block,
+            &mut |trajectory, block| {
+                trajectories.resize_with(trajectory + 1, Vec::new);
+                trajectories[trajectory].push(block);
+                Ok::<(), LogError>(())
+            },
+        )?;
         let whole = |blocks: &Vec<Motion>| {
             let file = self.paths.first().cloned().unwrap_or_default();
             let refused = |source| LogError::Motion { file, row: 1, source };
@@ -163,11 +168,8 @@ impl Logs {
     ///
     /// # Errors
     /// [`LogError`] if a file cannot be read or a row is wrong, or the first that `visit` returns.
-    pub fn read_raw<E: From<LogError>>(
-        &self,
-        visit: &mut dyn FnMut(usize, Raw) -> Result<(), E>,
-    ) -> Result<(), E> {
-        self.each(None, None, Blocks::next_raw, visit)
+    pub fn read_raw<E: From<LogError>>(&self, visit: Each<'_, Raw, E>) -> Result<(), E> {
+        self.each(None, None, Blocks::raw_block, visit)
     }
 
     /// The same for one file, counted from 0.
@@ -177,9 +179,9 @@ impl Logs {
     pub fn read_raw_of<E: From<LogError>>(
         &self,
         file: usize,
-        visit: &mut dyn FnMut(usize, Raw) -> Result<(), E>,
+        visit: Each<'_, Raw, E>,
     ) -> Result<(), E> {
-        self.each(Some(file), None, Blocks::next_raw, visit)
+        self.each(Some(file), None, Blocks::raw_block, visit)
     }
 
     /// What the last complete reading of each file came to: rows, and what was dropped or sorted.
@@ -230,21 +232,18 @@ impl Logs {
         self.paths.get(file).map(PathBuf::as_path)
     }
 
-    fn each_motion<E: From<LogError>>(
-        &self,
-        only: Option<usize>,
-        visit: &mut dyn FnMut(usize, Motion) -> Result<(), E>,
-    ) -> Result<(), E> {
-        self.each(only, Some(LocalPolynomial::default()), Blocks::next, visit)
+    fn each_motion(&self, only: Option<usize>, visit: Visit<'_>) -> ReadResult {
+        let polynomial = Some(LocalPolynomial::default());
+        self.each(only, polynomial, Blocks::block, &mut |own, block| visit(own, &block))
     }
 
-    /// Reads all files, or one of them.
+    /// Reads all files, or one of them, in blocks of some kind.
     fn each<B, E: From<LogError>>(
         &self,
         only: Option<usize>,
         polynomial: Option<LocalPolynomial>,
-        next: impl Fn(&mut Blocks) -> Result<Option<(usize, B)>, LogError>,
-        visit: &mut dyn FnMut(usize, B) -> Result<(), E>,
+        block: impl Fn(&Blocks, usize) -> Result<B>,
+        visit: Each<'_, B, E>,
     ) -> Result<(), E> {
         let mut first = 0;
         for (file, source) in self.sources.iter().enumerate() {
@@ -253,7 +252,7 @@ impl Logs {
             }
             let mut blocks = Blocks::new(source.rows()?, &self.joints, polynomial);
             let mut last = first;
-            while let Some((trajectory, block)) = next(&mut blocks)? {
+            while let Some((trajectory, block)) = blocks.next(&block)? {
                 last = first + trajectory;
                 visit(last, block)?;
             }
@@ -289,28 +288,21 @@ impl Recording for Logs {
         &self.joints
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.each_motion(None, &mut |trajectory, block| visit(trajectory, &block))
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
+        self.each_motion(None, visit)
     }
 
     fn n_logs(&self) -> usize {
         self.sources.len()
     }
 
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
-        self.each_motion(Some(log), &mut |trajectory, block| visit(trajectory, &block))
+    fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
+        self.each_motion(Some(log), visit)
     }
 }
 
 /// The files of a bag, if its folder is given: in the order of the numbers at their ends.
-fn files_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
+fn files_of(path: &Path) -> Result<Vec<PathBuf>> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
     }
@@ -335,7 +327,7 @@ fn files_of(path: &Path) -> Result<Vec<PathBuf>, LogError> {
 }
 
 /// The joint names of all files: those of the first file that has any.
-fn agreed_joints(sources: &[Source]) -> Result<Vec<String>, LogError> {
+fn agreed_joints(sources: &[Source]) -> Result<Vec<String>> {
     let first = sources.first().ok_or(LogError::NoFiles)?;
     let expected = first.mapping.n_joints;
     if let Some(other) = sources.iter().find(|source| source.mapping.n_joints != expected) {

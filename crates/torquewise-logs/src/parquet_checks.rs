@@ -3,7 +3,7 @@
 //!
 //! Source: Apache Parquet format, parquet.thrift, 2.11; Apache Thrift, compact protocol encoding.
 
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::format::Format;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -40,7 +40,7 @@ const DICTIONARY_VALUES: &[i16] = &[7, 1];
 const OF_TEXTS: [i64; 2] = [6, 7];
 
 /// Makes sure that the metadata at the end of a file can be decoded.
-pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<(), LogError> {
+pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<()> {
     let footer = footer(input).map_err(LogError::decode(file, Format::Parquet))?;
     // The decoder says what is wrong with a file that ends otherwise.
     let is_sound = footer.is_none_or(|footer| footer_is_sound(&footer));

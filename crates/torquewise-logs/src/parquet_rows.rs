@@ -1,6 +1,6 @@
 //! Rows of a Parquet file, some of each row group at a time.
 
-use crate::error::{LogError, Place, guarded, open_whole};
+use crate::error::{LogError, Place, Result, guarded, open_whole};
 use crate::format::Format;
 use crate::joints::{self, PARQUET_KEY};
 use crate::parquet_checks::{self, MOST_PAGE_BYTES};
@@ -33,13 +33,13 @@ pub(crate) struct ParquetRows {
 }
 
 impl ParquetRows {
-    pub(crate) fn open(file: &Path) -> Result<Self, LogError> {
+    pub(crate) fn open(file: &Path) -> Result<Self> {
         let mut input = open_whole(file)?;
         parquet_checks::check_footer(file, &mut input)?;
         guarded(file, || Self::new(file, input))
     }
 
-    fn new(file: &Path, input: File) -> Result<Self, LogError> {
+    fn new(file: &Path, input: File) -> Result<Self> {
         let pages = input.try_clone().map_err(LogError::read(file))?;
         let reader =
             SerializedFileReader::new(input).map_err(LogError::decode(file, Format::Parquet))?;
@@ -67,7 +67,7 @@ impl ParquetRows {
         self.reader.metadata().file_metadata().schema_descr()
     }
 
-    fn next_batch(&mut self) -> Result<bool, LogError> {
+    fn next_batch(&mut self) -> Result<bool> {
         loop {
             let batch = self.group.iter_mut().map(|column| column.read(BLOCK_ROWS));
             let batch = batch.collect::<Result<_, _>>();
@@ -87,7 +87,7 @@ impl ParquetRows {
         }
     }
 
-    fn check_pages(&mut self) -> Result<(), LogError> {
+    fn check_pages(&mut self) -> Result<()> {
         let group = self.reader.metadata().row_group(self.groups);
         let mut bytes = 0_u64;
         for &column in &self.chosen {
@@ -108,7 +108,7 @@ impl ParquetRows {
         Ok(())
     }
 
-    fn next_group(&mut self) -> Result<(), LogError> {
+    fn next_group(&mut self) -> Result<()> {
         self.check_pages()?;
         let refused = LogError::decode(&self.file, Format::Parquet);
         let group = self.reader.get_row_group(self.groups).map_err(&refused)?;
@@ -132,7 +132,7 @@ impl Rows for ParquetRows {
         self.joints.as_deref()
     }
 
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+    fn choose(&mut self, columns: &[usize]) -> Result<()> {
         for &column in columns {
             if let Some(found) = foreign_type(&self.schema().column(column)) {
                 let (column, found) = (self.names[column].clone(), found);
@@ -143,7 +143,7 @@ impl Rows for ParquetRows {
         Ok(())
     }
 
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+    fn next(&mut self, row: &mut [f64]) -> Result<bool> {
         if self.taken == self.batch.first().map_or(0, Vec::len) {
             let file = self.file.clone();
             if !guarded(&file, || self.next_batch())? {

@@ -1,7 +1,7 @@
 //! From logs to pieces of all trajectories: what the conditioning of all of them is chosen from.
 
 use crate::clock::{ClockLane, ClockRepair, joined};
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::logs::Logs;
 use torquewise_motion::signals::Raw;
 
@@ -20,7 +20,7 @@ pub(crate) struct Pieces {
 
 impl Pieces {
     /// Reads all logs once.
-    pub(crate) fn read(logs: &Logs) -> Result<Self, LogError> {
+    pub(crate) fn read(logs: &Logs) -> Result<Self> {
         let recorded = recorded(logs)?;
         let clock = ClockRepair::of(&recorded);
         let mend = |piece: Raw| {
@@ -32,12 +32,12 @@ impl Pieces {
     }
 
     /// The piece of most rows, the first of several.
-    pub(crate) fn longest(&self) -> Result<&Raw, LogError> {
+    pub(crate) fn longest(&self) -> Result<&Raw> {
         self.all.iter().rev().max_by_key(|piece| piece.t.len()).ok_or(LogError::NoFiles)
     }
 }
 
-fn recorded(logs: &Logs) -> Result<Vec<Raw>, LogError> {
+fn recorded(logs: &Logs) -> Result<Vec<Raw>> {
     let (mut kept, mut every, mut count) = (Vec::<Raw>::new(), 1, 0);
     let mut open: (usize, Vec<Raw>) = (0, Vec::new());
     let mut take = |blocks: &mut Vec<Raw>| {
@@ -59,7 +59,7 @@ fn recorded(logs: &Logs) -> Result<Vec<Raw>, LogError> {
             });
         }
     };
-    logs.read_raw(&mut |trajectory, block| -> Result<(), LogError> {
+    logs.read_raw(&mut |trajectory, block| -> Result<()> {
         let rows: usize = open.1.iter().map(|block| block.t.len()).sum();
         if trajectory != open.0 || rows >= FIRST_ROWS {
             take(&mut open.1);

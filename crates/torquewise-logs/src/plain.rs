@@ -1,14 +1,14 @@
 //! From column names to mapping of a plain log: t, q1…qn, dq1…dqn, ddq1…ddqn, tau1…taun in SI
 //! units.
 
-use crate::error::{LogError, shown};
+use crate::error::{LogError, Result, shown};
 use crate::mapping::{Mapping, Slot};
 use crate::signal::Signal;
 use std::path::Path;
 
 pub(crate) const MAX_COLUMNS: usize = 1_000;
 
-pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping, LogError> {
+pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping> {
     if names.len() > MAX_COLUMNS {
         let (file, found) = (file.into(), names.len());
         return Err(LogError::TooManyColumns { file, found, limit: MAX_COLUMNS });
@@ -51,7 +51,7 @@ struct Found {
 }
 
 impl Found {
-    fn add(&mut self, file: &Path, column: usize, name: &str) -> Result<(), LogError> {
+    fn add(&mut self, file: &Path, column: usize, name: &str) -> Result<()> {
         let twice = || LogError::DuplicateColumn { file: file.into(), column: name.into() };
         if name == "t" {
             return self.t.replace(column).map_or(Ok(()), |_| Err(twice()));
@@ -74,7 +74,7 @@ impl Found {
     }
 
     /// n, if every signal that occurs has joints 1…n.
-    fn count_joints(&self, file: &Path) -> Result<usize, LogError> {
+    fn count_joints(&self, file: &Path) -> Result<usize> {
         let last = |signal: Signal| self.signals[signal as usize].last().map_or(0, |c| c.0);
         let widest = Signal::ALL.into_iter().max_by_key(|s| (last(*s), *s == Signal::Q));
         let (widest, n) = widest.map_or((Signal::Q, 0), |signal| (signal, last(signal)));

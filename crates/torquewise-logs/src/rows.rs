@@ -1,6 +1,6 @@
 //! From log file to rows: what every format is decoded to, named columns of numbers.
 
-use crate::error::{LogError, Place};
+use crate::error::{Place, Result};
 
 /// The rows of one log file, in order, as they stand in it.
 pub(crate) trait Rows {
@@ -12,11 +12,11 @@ pub(crate) trait Rows {
     }
 
     /// Chooses the columns that rows are made of, in their order; called before the first row.
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError>;
+    fn choose(&mut self, columns: &[usize]) -> Result<()>;
 
     /// Puts the next row into `row`, one value per chosen column; `false` at the end. A value that
     /// is not there is NaN.
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError>;
+    fn next(&mut self, row: &mut [f64]) -> Result<bool>;
 
     /// Whether the file has a null where the row last read has NaN; `column` as chosen.
     fn is_null(&self, column: usize) -> bool {

@@ -1,6 +1,6 @@
 //! From rows and mapping to rows of signals: t, q, dq, ddq and tau in SI units, repaired if wanted.
 
-use crate::error::{LogError, Place};
+use crate::error::{LogError, Place, Result};
 use crate::mapping::{Mapping, Time};
 use crate::rows::{Irregular, Rows};
 
@@ -72,7 +72,7 @@ impl SignalRows {
         mapping: Mapping,
         clock: Clock,
         reads_on: bool,
-    ) -> Result<Self, LogError> {
+    ) -> Result<Self> {
         rows.choose(&mapping.chosen)?;
         let raw = vec![0.0; mapping.chosen.len()];
         let (number, report) = (0, ReadReport::default());
@@ -105,7 +105,7 @@ impl SignalRows {
     /// Puts the next row of the ranges into `row`, one value per slot; `None` at the end.
     ///
     /// All values are finite. Time stamps advance if the clock is repaired.
-    pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>, LogError> {
+    pub(crate) fn next(&mut self, row: &mut [f64]) -> Result<Option<Origin>> {
         loop {
             let last = self.mapping.ranges.last_row();
             if !self.reads_on && last.is_some_and(|last| self.number >= last) {
@@ -140,7 +140,7 @@ impl SignalRows {
 
     /// Whether a row of this time does not follow the last; it is counted. A few rows may repeat a
     /// stamp in any log; where many do, the stamps are too coarse.
-    fn drops(&mut self, t: f64) -> Result<bool, LogError> {
+    fn drops(&mut self, t: f64) -> Result<bool> {
         let Some(last) = self.last_t.filter(|last| t <= *last) else { return Ok(false) };
         if t < last {
             if self.clock == Clock::Strict {
@@ -177,7 +177,7 @@ impl SignalRows {
     }
 
     /// An error that names the column at fault, unless such rows are dropped.
-    fn accept_fault(&self, slot: usize, value: f64) -> Result<(), LogError> {
+    fn accept_fault(&self, slot: usize, value: f64) -> Result<()> {
         if self.clock == Clock::Repair {
             return Ok(());
         }

@@ -1,7 +1,7 @@
 //! Columns of a table, and where their values go: a temporary file that takes its place when it is
 //! whole.
 
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::joints::CSV_COMMENT;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -86,9 +86,9 @@ impl Values<'_> {
 
 /// Where the values of a table go; they were checked before.
 pub(crate) trait Sink {
-    fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<(), LogError>;
+    fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<()>;
 
-    fn finish(self: Box<Self>) -> Result<(), LogError>;
+    fn finish(self: Box<Self>) -> Result<()>;
 }
 
 pub(crate) struct CsvSink {
@@ -97,11 +97,7 @@ pub(crate) struct CsvSink {
 }
 
 impl CsvSink {
-    pub(crate) fn create(
-        file: &Path,
-        columns: &[Column],
-        joints: Option<&str>,
-    ) -> Result<Self, LogError> {
+    pub(crate) fn create(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self> {
         let create = || {
             let mut output = BufWriter::new(Output::create(file)?);
             if let Some(joints) = joints {
@@ -144,11 +140,11 @@ fn write_text(output: &mut impl Write, text: &str) -> io::Result<()> {
 }
 
 impl Sink for CsvSink {
-    fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<(), LogError> {
+    fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<()> {
         (0..rows).try_for_each(|row| self.write_row(values, row)).map_err(write_error(&self.file))
     }
 
-    fn finish(self: Box<Self>) -> Result<(), LogError> {
+    fn finish(self: Box<Self>) -> Result<()> {
         let written = self.output.into_inner().map_err(io::IntoInnerError::into_error);
         written.and_then(Output::put_in_place).map_err(write_error(&self.file))
     }

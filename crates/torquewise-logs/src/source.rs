@@ -7,7 +7,7 @@ use crate::bag::{BagRows, Survey};
 use crate::beside::{Beside, ClockColumn, SideBySide};
 use crate::by_profile::by_profile;
 use crate::csv_rows::CsvRows;
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::format::Format;
 use crate::frame::{Frame, FrameRows};
 use crate::joints;
@@ -68,7 +68,7 @@ enum Origin {
 
 impl Source {
     /// Reads the header; of a bag all messages, which say what it holds.
-    pub(crate) fn open(file: &Path, options: &Options) -> Result<Self, LogError> {
+    pub(crate) fn open(file: &Path, options: &Options) -> Result<Self> {
         let profile = options.profile.as_ref();
         let topic = options.topic.as_deref().or(profile.and_then(|p| p.topic.as_deref()));
         let joints = profile.map_or(&[][..], |profile| &profile.joints);
@@ -76,15 +76,11 @@ impl Source {
     }
 
     /// The same of a frame, which is called `label` in messages.
-    pub(crate) fn of_frame(
-        label: &Path,
-        frame: Arc<dyn Frame>,
-        options: &Options,
-    ) -> Result<Self, LogError> {
+    pub(crate) fn of_frame(label: &Path, frame: Arc<dyn Frame>, options: &Options) -> Result<Self> {
         Self::new(label, Origin::Frame(frame), options)
     }
 
-    fn new(file: &Path, origin: Origin, options: &Options) -> Result<Self, LogError> {
+    fn new(file: &Path, origin: Origin, options: &Options) -> Result<Self> {
         let profile = options.profile.as_ref();
         let is_bag = !matches!(origin, Origin::File(_) | Origin::Frame(_));
         let is_text = matches!(origin, Origin::File(Format::Csv));
@@ -110,7 +106,7 @@ impl Source {
         Ok(source)
     }
 
-    pub(crate) fn rows(&self) -> Result<SignalRows, LogError> {
+    pub(crate) fn rows(&self) -> Result<SignalRows> {
         let rows = self.opening.rows(&self.file)?;
         if rows.names() != self.names {
             return Err(LogError::Changed { file: self.file.clone() });
@@ -118,7 +114,7 @@ impl Source {
         self.rows_from(rows)
     }
 
-    fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows, LogError> {
+    fn rows_from(&self, rows: Box<dyn Rows>) -> Result<SignalRows> {
         let reads_on = !self.opening.beside.is_empty();
         SignalRows::new(rows, self.mapping.clone(), self.clock, reads_on)
     }
@@ -135,7 +131,7 @@ impl Opening {
         Self { origin, beside, clock_column }
     }
 
-    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
+    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>> {
         let log = self.origin.rows(file)?;
         if self.beside.is_empty() {
             return Ok(log);
@@ -143,7 +139,7 @@ impl Opening {
         let beside = |(name, path): &(String, PathBuf)| {
             Ok(Beside { file: path.clone(), name: name.clone(), rows: named_rows(path)? })
         };
-        let beside = self.beside.iter().map(beside).collect::<Result<_, LogError>>()?;
+        let beside = self.beside.iter().map(beside).collect::<Result<_>>()?;
         Ok(Box::new(SideBySide::new((file.into(), log), beside, self.clock_column.clone())))
     }
 }
@@ -159,7 +155,7 @@ fn lines_of(file: &Path) -> Option<u64> {
 }
 
 /// The rows of any file as they stand, of a bag all joints of its first message.
-pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>, LogError> {
+pub(crate) fn named_rows(file: &Path) -> Result<Box<dyn Rows>> {
     Origin::of(file, None, &[])?.rows(file)
 }
 
@@ -167,7 +163,7 @@ impl Origin {
     /// What a file is; a bag is surveyed, for a topic and for joints in their order where these are
     /// given.
     #[cfg_attr(not(feature = "formats"), expect(unused_variables, reason = "there are no bags"))]
-    fn of(file: &Path, topic: Option<&str>, joints: &[String]) -> Result<Self, LogError> {
+    fn of(file: &Path, topic: Option<&str>, joints: &[String]) -> Result<Self> {
         let format = Format::of(file)?;
         // A pipe or a device gives its bytes once; a log is read several times.
         if fs::metadata(file).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
@@ -184,7 +180,7 @@ impl Origin {
         })
     }
 
-    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>, LogError> {
+    fn rows(&self, file: &Path) -> Result<Box<dyn Rows>> {
         Ok(match self {
             Self::Frame(frame) => Box::new(FrameRows::new(file, frame.clone())),
             #[cfg(feature = "formats")]

@@ -4,7 +4,7 @@ mod guess;
 mod measure;
 mod text;
 
-use crate::error::LogError;
+use crate::error::Result;
 use crate::format::Format;
 use crate::profile::Profile;
 use crate::source::named_rows;
@@ -30,8 +30,8 @@ pub struct Suggestion {
 /// more than its joints and topic.
 ///
 /// # Errors
-/// [`LogError`] if the file cannot be read; a name that means nothing is no error.
-pub fn suggest(file: &Path) -> Result<Suggestion, LogError> {
+/// `LogError` if the file cannot be read; a name that means nothing is no error.
+pub fn suggest(file: &Path) -> Result<Suggestion> {
     let rows = named_rows(file)?;
     let names = rows.names().to_vec();
     let is_bag = matches!(Format::of(file)?, Format::Db3 | Format::Mcap);
@@ -46,7 +46,7 @@ pub fn suggest(file: &Path) -> Result<Suggestion, LogError> {
 }
 
 /// A suggestion must be one that can be read.
-fn checked(suggestion: Suggestion) -> Result<Suggestion, LogError> {
+fn checked(suggestion: Suggestion) -> Result<Suggestion> {
     Profile::from_toml(&suggestion.toml).map(|_| suggestion)
 }
 

@@ -1,6 +1,6 @@
 //! From columns of values to CSV or Parquet file, written whole or not at all.
 
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::format::Format;
 #[cfg(feature = "formats")]
 use crate::parquet_sink::ParquetSink;
@@ -22,17 +22,13 @@ impl TableWriter {
     ///
     /// # Errors
     /// [`LogError`] if the extension is another one or the folder cannot be written to.
-    pub fn create(file: &Path, columns: &[Column]) -> Result<Self, LogError> {
+    pub fn create(file: &Path, columns: &[Column]) -> Result<Self> {
         Self::start(file, columns, None)
     }
 
     /// The same of a file that keeps joint names: in the metadata of a `.parquet` file, in the first
     /// line (`# joints: …`) of a `.csv` file.
-    pub(crate) fn start(
-        file: &Path,
-        columns: &[Column],
-        joints: Option<&str>,
-    ) -> Result<Self, LogError> {
+    pub(crate) fn start(file: &Path, columns: &[Column], joints: Option<&str>) -> Result<Self> {
         let sink: Box<dyn Sink> = match Format::of(file)? {
             Format::Csv => Box::new(CsvSink::create(file, columns, joints)?),
             #[cfg(feature = "formats")]
@@ -50,7 +46,7 @@ impl TableWriter {
     ///
     /// # Errors
     /// [`LogError::Unusable`] if the values do not fit the columns; [`LogError::Write`].
-    pub fn append(&mut self, values: &[Values<'_>]) -> Result<(), LogError> {
+    pub fn append(&mut self, values: &[Values<'_>]) -> Result<()> {
         self.check(values)?;
         match values.first() {
             Some(first) if !first.is_empty() => self.sink.append(values, first.len()),
@@ -62,11 +58,11 @@ impl TableWriter {
     ///
     /// # Errors
     /// [`LogError::Write`]; the temporary file is then removed.
-    pub fn finish(self) -> Result<(), LogError> {
+    pub fn finish(self) -> Result<()> {
         self.sink.finish()
     }
 
-    fn check(&self, values: &[Values<'_>]) -> Result<(), LogError> {
+    fn check(&self, values: &[Values<'_>]) -> Result<()> {
         let misfit = |problem: String| {
             let help = "give values for the columns it was created with, one per row";
             Err(LogError::unusable(self.file.display(), &format!(": {problem}"), help))

@@ -1,6 +1,6 @@
 //! From q(t) to q̇, q̈: derivatives by local polynomial least squares, on any time stamps.
 
-use crate::error::MotionError;
+use crate::error::{MotionError, Result};
 use faer::{Mat, MatRef};
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ impl LocalPolynomial {
     ///
     /// # Errors
     /// [`MotionError::Window`] unless 1 ≤ `degree` ≤ 2·`half_window`.
-    pub fn new(half_window: usize, degree: usize) -> Result<Self, MotionError> {
+    pub fn new(half_window: usize, degree: usize) -> Result<Self> {
         if degree == 0 || degree.div_ceil(2) > half_window {
             return Err(MotionError::Window { half_window, degree });
         }
@@ -67,7 +67,7 @@ pub fn derivative(
     x: MatRef<'_, f64>,
     polynomial: LocalPolynomial,
     order: usize,
-) -> Result<Mat<f64>, MotionError> {
+) -> Result<Mat<f64>> {
     check(t, x, polynomial, order)?;
     let mut stencil = Stencil::new(polynomial.degree, order);
     let mut derived = Mat::zeros(x.nrows(), x.ncols());
@@ -85,12 +85,7 @@ pub fn derivative(
     Ok(derived)
 }
 
-fn check(
-    t: &[f64],
-    x: MatRef<'_, f64>,
-    polynomial: LocalPolynomial,
-    order: usize,
-) -> Result<(), MotionError> {
+fn check(t: &[f64], x: MatRef<'_, f64>, polynomial: LocalPolynomial, order: usize) -> Result<()> {
     let (rows, columns, degree) = (x.nrows(), x.ncols(), polynomial.degree);
     MotionError::check_shape("x", x, [t.len(), columns])?;
     if order > degree {

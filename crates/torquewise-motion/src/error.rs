@@ -3,6 +3,9 @@
 
 use faer::MatRef;
 
+/// What fails by [`MotionError`].
+pub type Result<T, E = MotionError> = std::result::Result<T, E>;
+
 /// Why a set of signals is not a motion, or raw signals cannot be conditioned.
 #[derive(Debug, thiserror::Error, miette::Diagnostic, PartialEq)]
 #[non_exhaustive]

@@ -1,6 +1,6 @@
 //! From signals to Motion: q, q̇, q̈ and τ of n joints at m instants, shapes checked once.
 
-use crate::error::MotionError;
+use crate::error::{MotionError, Result};
 use crate::memory::Memory;
 use faer::{Mat, MatRef};
 
@@ -38,7 +38,7 @@ impl Motion {
     ///
     /// # Errors
     /// [`MotionError::NoJoints`], [`MotionError::Shape`] or [`MotionError::NotFinite`].
-    pub fn new(signals: Signals) -> Result<Self, MotionError> {
+    pub fn new(signals: Signals) -> Result<Self> {
         let (rows, columns) = (signals.t.len(), signals.joints.len());
         if columns == 0 {
             return Err(MotionError::NoJoints);
@@ -68,7 +68,7 @@ impl Motion {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn joined(joints: &[String], blocks: &[Self]) -> Result<Self, MotionError> {
+    pub fn joined(joints: &[String], blocks: &[Self]) -> Result<Self> {
         let t: Vec<f64> = blocks.iter().flat_map(Self::t).copied().collect();
         let mut q = Mat::zeros(t.len(), joints.len());
         let (mut dq, mut ddq, mut tau) = (q.clone(), q.clone(), q.clone());
@@ -131,7 +131,7 @@ impl Motion {
     ///
     /// # Errors
     /// [`MotionError::Missing`] if the log holds no torque.
-    pub fn require_tau(&self) -> Result<MatRef<'_, f64>, MotionError> {
+    pub fn require_tau(&self) -> Result<MatRef<'_, f64>> {
         self.tau().ok_or(MotionError::Missing("tau"))
     }
 

@@ -10,6 +10,15 @@ pub const BLOCK_ROWS: usize = 1024;
 /// Whatever a reader met: the file, row and column are in its message.
 pub type ReadError = Box<dyn std::error::Error + Send + Sync>;
 
+/// What reading returns.
+pub type ReadResult<T = ()> = Result<T, ReadError>;
+
+/// Who is shown the blocks of a recording, and the index of their trajectory.
+pub type Visit<'a> = &'a mut dyn FnMut(usize, &Motion) -> ReadResult;
+
+/// Who is shown blocks, and noise beside each.
+pub type VisitPair<'a> = &'a mut dyn FnMut(usize, &Motion, &Motion) -> ReadResult;
+
 /// One or several trajectories of one arm that can be read through any number of times.
 pub trait Recording {
     /// Joint names, base to tip.
@@ -20,10 +29,7 @@ pub trait Recording {
     ///
     /// # Errors
     /// The reader's own, or the first that `visit` returns.
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError>;
+    fn read(&self, visit: Visit<'_>) -> ReadResult;
 
     /// Whether its signals went through a filter, so that their noise is not white.
     fn is_filtered(&self) -> bool {
@@ -40,11 +46,7 @@ pub trait Recording {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
         if log == 0 { self.read(visit) } else { Ok(()) }
     }
 
@@ -58,12 +60,7 @@ pub trait Recording {
     ///
     /// # Errors
     /// As [`read`](Self::read).
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        seed: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
+    fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
         let _ = (log, seed, visit);
         Ok(false)
     }
@@ -88,7 +85,7 @@ pub trait RawRecording: Sync {
     ///
     /// # Errors
     /// As [`Recording::read`].
-    fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>, ReadError>;
+    fn band(&self, cutoff: f64, delays: &[f64]) -> ReadResult<Option<Band>>;
 
     /// All rows, filtered at a cut-off, their torque advanced by a delay.
     ///
@@ -102,10 +99,7 @@ impl Recording for Motion {
         Motion::joints(self)
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         let rows: Vec<usize> = (0..self.n_rows()).collect();
         rows.chunks(BLOCK_ROWS).try_for_each(|block| visit(0, &self.select(block)))
     }
@@ -120,10 +114,7 @@ impl<R: Recording> Recording for [R] {
         self.iter().any(Recording::is_filtered)
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         let mut first = 0;
         for recording in self {
             let mut last = first;
@@ -140,20 +131,11 @@ impl<R: Recording> Recording for [R] {
         self.iter().map(Recording::n_logs).sum()
     }
 
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
         place_of(self, log).map_or(Ok(()), |(recording, own)| recording.read_log(own, visit))
     }
 
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        seed: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
+    fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
         match place_of(self, log) {
             Some((recording, own)) => recording.read_log_with_noise(own, seed, visit),
             None => Ok(false),

@@ -3,6 +3,9 @@
 
 use torquewise_model::ModelError;
 
+/// What fails by [`ReportError`].
+pub type Result<T, E = ReportError> = std::result::Result<T, E>;
+
 /// Why there is no figure or report.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]

@@ -1,6 +1,6 @@
 //! From reconstruction, diagnosis to HTML report: what was found in a log, and how far to trust it.
 
-use crate::error::ReportError;
+use crate::error::{ReportError, Result};
 use crate::fit_report::call_cost::CallCost;
 use crate::fit_report::origin::Origin;
 use crate::html::{Page, Section};
@@ -50,7 +50,7 @@ pub struct Findings<'a> {
 /// fewer or more models than steps and the whole,
 /// [`ReportError::Empty`] if the diagnosis has no rows, [`ReportError::Step`] if the model after a
 /// step cannot be evaluated, [`ReportError::Page`] if the page cannot be written.
-pub fn fit_report(findings: &Findings<'_>) -> Result<String, ReportError> {
+pub fn fit_report(findings: &Findings<'_>) -> Result<String> {
     findings.check()?;
     let page = Page {
         title: findings.origin.title(),
@@ -62,7 +62,7 @@ pub fn fit_report(findings: &Findings<'_>) -> Result<String, ReportError> {
 }
 
 impl<'a> Findings<'a> {
-    fn sections(&self) -> Result<Vec<Section>, ReportError> {
+    fn sections(&self) -> Result<Vec<Section>> {
         let mut sections =
             vec![verdict::section(self), verdict::next(self), torques::section(self)];
         sections.extend(geometry::section(self));
@@ -98,7 +98,7 @@ impl<'a> Findings<'a> {
         &self.found.model.joints
     }
 
-    fn check(&self) -> Result<(), ReportError> {
+    fn check(&self) -> Result<()> {
         let mut diagnoses = std::iter::once(self.diagnosis).chain(self.test);
         diagnoses.try_for_each(|diagnosis| self.check_shape(diagnosis))?;
         let (found, expected) = (self.costs.len(), self.found.model.stages.len() + 1);
@@ -109,7 +109,7 @@ impl<'a> Findings<'a> {
         }
     }
 
-    fn check_shape(&self, diagnosis: &Diagnosis) -> Result<(), ReportError> {
+    fn check_shape(&self, diagnosis: &Diagnosis) -> Result<()> {
         let trace = &diagnosis.trace;
         let (rows, n) = (trace.motion.n_rows(), self.n_joints());
         if rows < 2 || n == 0 {
@@ -129,10 +129,6 @@ impl<'a> Findings<'a> {
     }
 }
 
-fn same_shape(
-    signal: &'static str,
-    found: [usize; 2],
-    expected: [usize; 2],
-) -> Result<(), ReportError> {
+fn same_shape(signal: &'static str, found: [usize; 2], expected: [usize; 2]) -> Result<()> {
     if found == expected { Ok(()) } else { Err(ReportError::Shape { signal, found, expected }) }
 }

@@ -1,6 +1,6 @@
 //! From charts to a still picture: an SVG drawn by plotters, words kept as words.
 
-use crate::error::ReportError;
+use crate::error::{ReportError, Result};
 use crate::html::chart::Position;
 use crate::html::thin::{Sorted, thinned};
 use crate::html::{Axis, Chart, Guide, Mark, Series};
@@ -47,7 +47,7 @@ const FADED: RGBColor = RGBColor(107, 114, 128);
 ///
 /// # Errors
 /// [`ReportError::Drawing`].
-pub fn chart_figure(title: &str, charts: &[Chart], columns: usize) -> Result<String, ReportError> {
+pub fn chart_figure(title: &str, charts: &[Chart], columns: usize) -> Result<String> {
     let columns = columns.clamp(1, charts.len().max(1));
     let rows = charts.len().div_ceil(columns).max(1);
     let height = 2 * TITLE + HEIGHT * u32::try_from(rows).unwrap_or(1);
@@ -66,7 +66,7 @@ pub fn chart_figure(title: &str, charts: &[Chart], columns: usize) -> Result<Str
     Ok(svg.replacen(&drawn, &shown, 1))
 }
 
-fn panel(area: &Area<'_>, chart: &Chart) -> Result<(), ReportError> {
+fn panel(area: &Area<'_>, chart: &Chart) -> Result<()> {
     let points = || chart.series.iter().flat_map(|series| &series.points);
     let bars = chart.series.iter().any(|series| series.mark == Mark::Bars);
     let ends = chart.series.iter().flat_map(|series| series.spread.iter().flatten().copied());
@@ -118,7 +118,7 @@ fn axes<X, Y>(
     x: X,
     y: Y,
     [across, up]: [std::ops::Range<f64>; 2],
-) -> Result<(), ReportError>
+) -> Result<()>
 where
     X: AsRangedCoord<Value = f64>,
     Y: AsRangedCoord<Value = f64>,

@@ -1,7 +1,7 @@
 //! Arms: names, placements, axes and bodies of joints in a row, checked once.
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
-use crate::error::{SimError, check_joints};
+use crate::error::{Result, SimError, check_joints};
 use crate::spatial::{Body, Pose, is_positive_semidefinite};
 use nalgebra::{Unit, Vector3};
 use std::f64::consts::PI;
@@ -70,7 +70,7 @@ impl Arm {
         name: String,
         gravity: [f64; 3],
         joints: Vec<(String, Joint)>,
-    ) -> Result<Self, SimError> {
+    ) -> Result<Self> {
         if joints.is_empty() {
             return Err(SimError::NoJoints);
         }
@@ -131,7 +131,7 @@ impl Arm {
     /// # Errors
     /// [`SimError::JointCount`] for another number of them than n;
     /// [`SimError::NotFinite`] or [`SimError::Inertia`] for one that no rotor has.
-    pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self, SimError> {
+    pub fn with_rotors(mut self, rotors: &[f64]) -> Result<Self> {
         check_joints("rotor inertia", rotors.len(), self.n_joints())?;
         for ((joint, name), &rotor) in self.joints.iter_mut().zip(&self.joint_names).zip(rotors) {
             joint.rotor = rotor;
@@ -170,7 +170,7 @@ impl Arm {
     ///
     /// # Errors
     /// The variant of [`SimError`] that names the joint or number at fault.
-    pub fn from_parts(parts: ArmParts) -> Result<Self, SimError> {
+    pub fn from_parts(parts: ArmParts) -> Result<Self> {
         let ArmParts { name, joints, placements, gravity, inertial, rotors, limits } = parts;
         let frames = joints.into_iter().zip(placements).zip(inertial.chunks_exact(PER_BODY));
         let frames = frames.zip(rotors.into_iter().zip(limits));
@@ -206,7 +206,7 @@ impl Joint {
         self.body.seen_from(&Pose::with_z_along(&self.axis).inverse()).inertial_parameters()
     }
 
-    fn check(&self, name: &str) -> Result<(), SimError> {
+    fn check(&self, name: &str) -> Result<()> {
         check_finite("placement", name, self.X_PJ.R_AB.as_slice())?;
         check_finite("placement", name, self.X_PJ.p_AB.as_slice())?;
         check_finite("rotor inertia", name, &[self.rotor])?;
@@ -221,7 +221,7 @@ impl Joint {
     }
 }
 
-pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), SimError> {
+pub(crate) fn check_body(place: &str, body: &Body) -> Result<()> {
     if !(body.mass.is_finite() && body.mass >= 0.0) {
         return Err(SimError::Mass { place: place.into(), mass: body.mass });
     }
@@ -231,7 +231,7 @@ pub(crate) fn check_body(place: &str, body: &Body) -> Result<(), SimError> {
     is_positive_semidefinite(&body.inertia).then_some(()).ok_or_else(refused)
 }
 
-pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>, SimError> {
+pub(crate) fn direction(joint: &str, axis: [f64; 3]) -> Result<Unit<Vector3<f64>>> {
     let axis = Vector3::from(axis);
     Unit::try_new(axis, 1e-9)
         .filter(|_| axis.norm().is_finite())
@@ -248,11 +248,7 @@ pub(crate) fn at_most_one_turn([lower, upper]: [f64; 2]) -> [f64; 2] {
     }
 }
 
-pub(crate) fn check_finite(
-    what: &'static str,
-    place: &str,
-    values: &[f64],
-) -> Result<(), SimError> {
+pub(crate) fn check_finite(what: &'static str, place: &str, values: &[f64]) -> Result<()> {
     let refused = || SimError::NotFinite { what, place: place.into() };
     values.iter().all(|value| value.is_finite()).then_some(()).ok_or_else(refused)
 }

@@ -1,7 +1,7 @@
 //! The reference arms that tests, examples and documents share.
 
 use crate::arm::Arm;
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 
 /// A reference arm in one line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -44,7 +44,7 @@ impl Arm {
     ///
     /// # Errors
     /// [`SimError::UnknownArm`], which lists the names there are.
-    pub fn builtin(name: &str) -> Result<Self, SimError> {
+    pub fn builtin(name: &str) -> Result<Self> {
         match BUILTIN.iter().find(|(summary, _)| summary.name == name) {
             Some((_, table)) => Self::from_dh_toml(table),
             None => Err(SimError::UnknownArm {

@@ -2,7 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, check_body, check_finite};
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::spatial::{Body, Pose};
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -75,7 +75,7 @@ impl Arm {
     /// # Errors
     /// [`SimError::DhTable`] for broken TOML, a missing or an unknown key; otherwise the
     /// variant that names the number at fault.
-    pub fn from_dh_toml(text: &str) -> Result<Self, SimError> {
+    pub fn from_dh_toml(text: &str) -> Result<Self> {
         let table: Table = toml::from_str(text)
             .map_err(|source| SimError::DhTable { source: Box::new(source) })?;
 

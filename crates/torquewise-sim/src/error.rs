@@ -6,6 +6,9 @@ use torquewise_motion::MotionError;
 use torquewise_regression::SparseError;
 use torquewise_stepwise::IdentifyError;
 
+/// What fails by [`SimError`].
+pub type Result<T, E = SimError> = std::result::Result<T, E>;
+
 /// Why an arm cannot be read, moved, made noisy or controlled, or a motion not be planned.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[non_exhaustive]
@@ -152,11 +155,7 @@ pub enum SimError {
 }
 
 /// Refuses what is made for another number of joints.
-pub(crate) fn check_joints(
-    what: &'static str,
-    found: usize,
-    expected: usize,
-) -> Result<(), SimError> {
+pub(crate) fn check_joints(what: &'static str, found: usize, expected: usize) -> Result<()> {
     if found == expected { Ok(()) } else { Err(SimError::JointCount { what, found, expected }) }
 }
 
@@ -166,12 +165,12 @@ pub(crate) fn check_between(
     found: f64,
     [least, most]: [f64; 2],
     expected: &'static str,
-) -> Result<(), SimError> {
+) -> Result<()> {
     let refused = || SimError::Setting { what, found, expected };
     (least..=most).contains(&found).then_some(()).ok_or_else(refused)
 }
 
-pub(crate) fn check_above_zero(what: &'static str, found: f64) -> Result<(), SimError> {
+pub(crate) fn check_above_zero(what: &'static str, found: f64) -> Result<()> {
     check_between(what, found, [f64::MIN_POSITIVE, f64::INFINITY], "above 0")
 }
 

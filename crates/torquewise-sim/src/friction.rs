@@ -1,6 +1,6 @@
 //! The Stribeck curve (17) of each joint, forward and backward, and bristles.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -119,7 +119,7 @@ impl Friction {
     ///
     /// # Errors
     /// [`SimError::Limit`] for a number out of bounds.
-    pub fn new(joints: &[Stribeck]) -> Result<Self, SimError> {
+    pub fn new(joints: &[Stribeck]) -> Result<Self> {
         let bristles = vec![None; joints.len()];
         Self::checked(joints.iter().map(|&both| [both; 2]).collect(), bristles, WIDTH)
     }
@@ -128,7 +128,7 @@ impl Friction {
     ///
     /// # Errors
     /// [`SimError::Limit`] for a number out of bounds.
-    pub fn with_bristles(self, bristles: Bristles) -> Result<Self, SimError> {
+    pub fn with_bristles(self, bristles: Bristles) -> Result<Self> {
         let all = vec![Some(bristles); self.joints.len()];
         Self::checked(self.joints, all, self.width)
     }
@@ -155,7 +155,7 @@ impl Friction {
     /// # Errors
     /// [`SimError::FrictionTable`] for broken TOML; [`SimError::UnknownJoint`] for a
     /// joint the arm does not have; [`SimError::Limit`] for a number out of bounds.
-    pub fn from_toml(text: &str, joints: &[String]) -> Result<Self, SimError> {
+    pub fn from_toml(text: &str, joints: &[String]) -> Result<Self> {
         let mut table: Table = toml::from_str(text)
             .map_err(|source| SimError::FrictionTable { source: Box::new(source) })?;
         let rows = joints.iter().map(|name| table.joints.remove(name));
@@ -173,7 +173,7 @@ impl Friction {
         joints: Vec<[Stribeck; 2]>,
         bristles: Vec<Option<Bristles>>,
         width: f64,
-    ) -> Result<Self, SimError> {
+    ) -> Result<Self> {
         let above = |what, joint: usize, found: f64, least: f64, expected| {
             let refused =
                 || SimError::Limit { what, joint: (joint + 1).to_string(), found, expected };

@@ -1,6 +1,6 @@
 //! White Gaussian noise at a given signal-to-noise ratio.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::random::normal;
 use faer::Mat;
 use rand::SeedableRng;
@@ -25,7 +25,7 @@ impl Noise {
     ///
     /// # Errors
     /// [`SimError::NoiseCase`] for another number.
-    pub fn case(case: u8) -> Result<Self, SimError> {
+    pub fn case(case: u8) -> Result<Self> {
         let place = usize::from(case).wrapping_sub(1);
         Self::CASES.get(place).copied().ok_or(SimError::NoiseCase(case))
     }
@@ -34,7 +34,7 @@ impl Noise {
     ///
     /// # Errors
     /// [`SimError::NoiseLevel`] for NaN or −∞.
-    pub fn from_db(q: f64, dq: f64, ddq: f64) -> Result<Self, SimError> {
+    pub fn from_db(q: f64, dq: f64, ddq: f64) -> Result<Self> {
         for (signal, db) in [("q", q), ("dq", dq), ("ddq", ddq)] {
             if db.is_nan() || db == f64::NEG_INFINITY {
                 return Err(SimError::NoiseLevel { signal, db });
@@ -64,7 +64,7 @@ impl fmt::Display for Noise {
 ///
 /// # Errors
 /// [`SimError::Motion`] if the ratio is so low that the noise overflows.
-pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion, SimError> {
+pub fn add_noise(motion: &Motion, noise: &Noise, seed: u64) -> Result<Motion> {
     let mut signals = motion.clone().into_signals();
     // Stream 0 draws trajectories: one seed for both must not couple them.
     let all = [&mut signals.q, &mut signals.dq, &mut signals.ddq];

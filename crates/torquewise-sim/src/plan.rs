@@ -1,6 +1,6 @@
 //! What a simulated log should hold.
 
-use crate::error::{SimError, check_between};
+use crate::error::{Result, check_between};
 use torquewise_motion::stats::whole;
 
 /// How the joints are moved.
@@ -43,8 +43,8 @@ impl MotionPlan {
     /// Number of rows, once the numbers of the plan are found fine.
     ///
     /// # Errors
-    /// [`SimError::Setting`], naming the number at fault.
-    pub fn n_rows(&self) -> Result<usize, SimError> {
+    /// `SimError::Setting`, naming the number at fault.
+    pub fn n_rows(&self) -> Result<usize> {
         let up_to = |most| [f64::MIN_POSITIVE, most];
         let expected = "more than 0 and at most 1000000";
         check_between("length [s]", self.seconds, up_to(1e6), expected)?;
@@ -60,6 +60,7 @@ impl MotionPlan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SimError;
 
     #[test]
     fn the_default_plan_has_forty_thousand_rows_and_one_without_end_or_beginning_is_refused() {

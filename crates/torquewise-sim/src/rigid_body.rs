@@ -1,7 +1,7 @@
 //! Torque, regressor, mass matrix, energy and acceleration of rigid bodies and their rotors.
 
 use crate::arm::Arm;
-use crate::error::{SimError, check_joints};
+use crate::error::{Result, SimError, check_joints};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::linalg::solvers::Solve;
 use faer::{ColRef, Mat, Side};
@@ -94,12 +94,7 @@ impl Arm {
     /// # Errors
     /// [`SimError::JointCount`] for a slice of another length than n;
     /// [`SimError::Massless`] if a joint moves nothing that has mass or inertia.
-    pub fn forward_dynamics(
-        &self,
-        q: &[f64],
-        dq: &[f64],
-        tau: &[f64],
-    ) -> Result<Vec<f64>, SimError> {
+    pub fn forward_dynamics(&self, q: &[f64], dq: &[f64], tau: &[f64]) -> Result<Vec<f64>> {
         let n = self.n_joints();
         for (what, values) in [("q", q), ("dq", dq), ("tau", tau)] {
             check_joints(what, values.len(), n)?;

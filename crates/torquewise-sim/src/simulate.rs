@@ -1,14 +1,14 @@
 //! A log free of noise whose truth is known.
 
 use crate::arm::Arm;
-use crate::error::{SimError, check_joints};
+use crate::error::{Result, check_joints};
 use crate::friction::{Bent, Friction};
 use crate::plan::MotionPlan;
 use crate::state::{Rows, State};
 use crate::trajectory::Trajectory;
 use faer::Mat;
 use std::ops::Range;
-use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadError, Recording};
+use torquewise_motion::{BLOCK_ROWS, Motion, Pattern, ReadResult, Recording, Visit};
 use torquewise_rigid::Moved;
 
 /// A simulated log and what is true about it.
@@ -26,9 +26,9 @@ pub struct Simulation {
 /// and plan give the same bits. Checked against: `tests/motions.rs`.
 ///
 /// # Errors
-/// [`SimError::Setting`] for a length or rate out of bounds; [`SimError::Motion`] if the
+/// `SimError::Setting` for a length or rate out of bounds; `SimError::Motion` if the
 /// arm's numbers are so large that a torque overflows.
-pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation, SimError> {
+pub fn simulate(arm: &Arm, plan: &MotionPlan) -> Result<Simulation> {
     SimulatedLog::new(arm, plan)?.whole()
 }
 
@@ -45,8 +45,8 @@ impl SimulatedLog {
     /// The rows [`simulate()`] would make, not yet made.
     ///
     /// # Errors
-    /// [`SimError::Setting`] for a length or rate out of bounds.
-    pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self, SimError> {
+    /// `SimError::Setting` for a length or rate out of bounds.
+    pub fn new(arm: &Arm, plan: &MotionPlan) -> Result<Self> {
         let friction = Friction::none(arm.n_joints());
         Ok(Self { arm: arm.clone(), trajectory: Trajectory::draw(arm, plan)?, friction })
     }
@@ -54,8 +54,8 @@ impl SimulatedLog {
     /// The same log of an arm that rubs: friction adds to its torque.
     ///
     /// # Errors
-    /// [`SimError::JointCount`] for friction of another number of joints.
-    pub fn with_friction(self, friction: Friction) -> Result<Self, SimError> {
+    /// `SimError::JointCount` for friction of another number of joints.
+    pub fn with_friction(self, friction: Friction) -> Result<Self> {
         check_joints("friction", friction.n_joints(), self.arm.n_joints())?;
         Ok(Self { friction, ..self })
     }
@@ -63,8 +63,8 @@ impl SimulatedLog {
     /// All rows at once.
     ///
     /// # Errors
-    /// [`SimError::Motion`] if a torque overflows.
-    pub fn whole(&self) -> Result<Simulation, SimError> {
+    /// `SimError::Motion` if a torque overflows.
+    pub fn whole(&self) -> Result<Simulation> {
         self.record(0..self.n_rows(), &mut Bent::default())
     }
 
@@ -79,10 +79,7 @@ impl Recording for SimulatedLog {
         self.arm.joints()
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         let (m, mut bent) = (self.n_rows(), Bent::default());
         (0..m).step_by(BLOCK_ROWS).try_for_each(|first| {
             let rows = first..m.min(first + BLOCK_ROWS);
@@ -95,7 +92,7 @@ impl SimulatedLog {
     /// The named rows of the trajectory, with the torque they take.
     ///
     /// - `bent`: what the rows before have left of the bristles
-    fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation, SimError> {
+    fn record(&self, rows: Range<usize>, bent: &mut Bent) -> Result<Simulation> {
         let Self { arm, trajectory, friction } = self;
         let (m, n) = (rows.len(), arm.n_joints());
         let (mut states, mut tau) = (Rows::new(m, n), Mat::zeros(m, n));

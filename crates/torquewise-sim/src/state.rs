@@ -1,6 +1,6 @@
 //! Positions, velocities and accelerations of n joints: at one instant, and row by row.
 
-use crate::error::SimError;
+use crate::error::Result;
 use faer::{Mat, MatRef};
 use torquewise_motion::{Motion, Signals};
 
@@ -62,7 +62,7 @@ impl Rows {
         joints: &[String],
         t: Vec<f64>,
         tau: Option<Mat<f64>>,
-    ) -> Result<Motion, SimError> {
+    ) -> Result<Motion> {
         let Self { q, dq, ddq } = self;
         Ok(Motion::new(Signals { joints: joints.to_vec(), t, q, dq, ddq, tau })?)
     }

@@ -5,7 +5,7 @@ mod sines;
 mod staged;
 
 use crate::arm::Arm;
-use crate::error::SimError;
+use crate::error::Result;
 use crate::plan::{MotionKind, MotionPlan};
 use crate::state::State;
 use moves::Moves;
@@ -35,7 +35,7 @@ enum Path {
 }
 
 impl Trajectory {
-    pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self, SimError> {
+    pub(crate) fn draw(arm: &Arm, plan: &MotionPlan) -> Result<Self> {
         let n_rows = plan.n_rows()?;
         let ranges = arm.ranges();
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);

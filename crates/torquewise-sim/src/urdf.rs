@@ -7,7 +7,7 @@ mod robot;
 mod tree;
 
 use crate::arm::{Arm, Joint, JointLimits, STANDARD_GRAVITY, at_most_one_turn, direction};
-use crate::error::SimError;
+use crate::error::Result;
 use robot::Robot;
 use tree::Tree;
 
@@ -22,11 +22,11 @@ impl Arm {
     /// are not read.
     ///
     /// # Errors
-    /// [`SimError::Urdf`] and its neighbours if the text is no URDF;
-    /// [`SimError::UnsupportedJoints`] for moving prismatic, planar, floating, spherical or
-    /// mimic joints and [`SimError::Branches`] for a tree, both with the joints to lock;
+    /// `SimError::Urdf` and its neighbours if the text is no URDF;
+    /// `SimError::UnsupportedJoints` for moving prismatic, planar, floating, spherical or
+    /// mimic joints and `SimError::Branches` for a tree, both with the joints to lock;
     /// otherwise the variant that names the link, joint or number at fault.
-    pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self, SimError> {
+    pub fn from_urdf(text: &str, locked: &[String]) -> Result<Self> {
         let robot = Robot::read(text)?;
         let tree = Tree::new(&robot, locked)?;
         let (base, chain) = tree.chain()?;

@@ -1,6 +1,6 @@
 //! Stepwise reconstruction beside one-shot SINDy, on the same logs.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::fit::{FitResult, fit_plan};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::options::FitOptions;
@@ -42,15 +42,15 @@ pub struct Contender {
 /// Fits both methods to a training recording and scores them on a test recording.
 ///
 /// # Errors
-/// [`Error::UnusedOption`], [`Error::CompareChain`], and those of fitting.
+/// `Error::UnusedOption`, `Error::CompareChain`, and those of fitting.
 pub fn compare(
     train: &dyn Recording,
     test: &dyn Recording,
     options: &FitOptions,
     observer: Observer<'_>,
-) -> Result<Comparison, Error> {
+) -> Result<Comparison> {
     let [stepwise, sindy] = options.plans_to_compare()?;
-    let contend = |plan| -> Result<Contender, Error> {
+    let contend = |plan| -> Result<Contender> {
         let fit = fit_plan(train, None, plan, observer)?;
         let scores = score(&fit.model, &Watched::new(test, NOBODY, "predicting", (None, 1)))?;
         Ok(Contender::new(fit, &scores))

@@ -8,6 +8,9 @@ use torquewise_model::ModelError;
 use torquewise_motion::{MotionError, ReadError};
 use torquewise_stepwise::IdentifyError;
 
+/// What fails by [`Error`].
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// Why a log cannot be read, fitted or predicted; [`Diagnostic::help`] says what to do.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[non_exhaustive]

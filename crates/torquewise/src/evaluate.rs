@@ -1,6 +1,6 @@
 //! How well a model predicts the torque of a log.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::log::{Log, Rows, Source};
 use crate::observe::{NOBODY, Observer, Watched};
 use crate::predict::MotionRange;
@@ -52,7 +52,7 @@ pub struct JointEvaluation {
 /// Compares predicted with measured torque: a log is filtered as those the model was fitted on.
 ///
 /// # Errors
-/// [`Error::Model`] if the log is of another arm, and those of reading it.
+/// `Error::Model` if the log is of another arm, and those of reading it.
 ///
 /// ```
 /// # fn main() -> Result<(), torquewise::Error> {
@@ -68,7 +68,7 @@ pub struct JointEvaluation {
 /// # Ok(())
 /// # }
 /// ```
-pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluation, Error> {
+pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluation> {
     match log.into() {
         Source::Log(log) => evaluate_prepared(model, &prepare(model, log)?, NOBODY),
         Source::Recording(recording) => {
@@ -81,7 +81,7 @@ pub fn evaluate<'a>(model: &Model, log: impl Into<Source<'a>>) -> Result<Evaluat
 ///
 /// # Errors
 /// As [`evaluate`].
-pub fn prepare(model: &Model, log: &Log) -> Result<Prepared, Error> {
+pub fn prepare(model: &Model, log: &Log) -> Result<Prepared> {
     model.check_joints(log.joints())?;
     log.files.require_tau()?;
     log.prepare_as(model.training.filter, Rows::WithRawTorque)
@@ -95,7 +95,7 @@ pub fn evaluate_prepared(
     model: &Model,
     log: &Prepared,
     observer: Observer<'_>,
-) -> Result<Evaluation, Error> {
+) -> Result<Evaluation> {
     let watched = Watched::new(log.rows(), observer, "predicting", (log.rows_hint(), 1));
     let mut evaluation = scored(model, &watched)?;
     let raw = log.raw_torque()?;
@@ -116,11 +116,11 @@ pub fn evaluate_prepared(
 ///
 /// # Errors
 /// As [`evaluate_prepared`]; a setting that cannot be, a model whose inertia is not positive.
-pub fn rollouts(model: &Model, log: &Prepared, horizons: &[f64]) -> Result<Vec<Drift>, Error> {
+pub fn rollouts(model: &Model, log: &Prepared, horizons: &[f64]) -> Result<Vec<Drift>> {
     Ok(rollout::drifts(model, log.rows(), horizons)?)
 }
 
-fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation, Error> {
+fn scored(model: &Model, recording: &impl Recording) -> Result<Evaluation> {
     let mut range = MotionRange::new(model.n_joints());
     let scores = score_along(model, recording, &mut |block| range.add(block))?;
     let is_raw = !recording.is_filtered();

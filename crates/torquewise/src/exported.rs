@@ -1,6 +1,6 @@
 //! A model as files for other programs: code for controllers, robots for simulators.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::physics::MassMatrix;
 use std::env;
 use std::env::consts::{ARCH, DLL_SUFFIX, OS};
@@ -36,22 +36,17 @@ pub enum Target {
 }
 
 impl Target {
-    /// All of them.
-    pub const ALL: [Self; 8] = [
-        Self::C,
-        Self::Rust,
-        Self::Python,
-        Self::Latex,
-        Self::Fmu,
-        Self::Ros2,
-        Self::Urdf,
-        Self::Mjcf,
+    /// All of them, as the command line has them.
+    pub const NAMED: [(&'static str, Self); 8] = [
+        ("c", Self::C),
+        ("rust", Self::Rust),
+        ("python", Self::Python),
+        ("latex", Self::Latex),
+        ("fmu", Self::Fmu),
+        ("ros2", Self::Ros2),
+        ("urdf", Self::Urdf),
+        ("mjcf", Self::Mjcf),
     ];
-
-    /// As the command line has it.
-    pub fn name(self) -> &'static str {
-        ["c", "rust", "python", "latex", "fmu", "ros2", "urdf", "mjcf"][self as usize]
-    }
 
     /// Whether it is a robot, not code.
     pub fn is_robot(self) -> bool {
@@ -110,7 +105,7 @@ pub struct Exported {
 /// # Ok(())
 /// # }
 /// ```
-pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<Exported, Error> {
+pub fn export(model: &Model, to: Target, options: &ExportOptions<'_>) -> Result<Exported> {
     let flaw = MassMatrix::of(model)?.flaw();
     if let (Some(flaw), false) = (&flaw, options.force) {
         return Err(Error::NotPositiveDefinite { flaw: flaw.clone() });
@@ -167,7 +162,7 @@ pub fn function_name(stem: &str) -> String {
     if plain { name } else { format!("arm{name}") }
 }
 
-fn unit(program: &Program, options: &ExportOptions<'_>) -> Result<Vec<u8>, Error> {
+fn unit(program: &Program, options: &ExportOptions<'_>) -> Result<Vec<u8>> {
     let sources = fmu_sources(program, options.name)?;
     if !options.binary {
         return Ok(fmu_archive(&sources, None)?);
@@ -191,11 +186,7 @@ fn compiler() -> String {
 ///
 /// - `sources`: path within the unit and text; those under `sources/` that end in `_fmu.c` and
 ///   `.c` are compiled together
-fn binary(
-    sources: &[(String, String)],
-    name: &str,
-    folder: &Path,
-) -> Result<(String, Vec<u8>), Error> {
+fn binary(sources: &[(String, String)], name: &str, folder: &Path) -> Result<(String, Vec<u8>)> {
     let compiler = compiler();
     let in_folder = |source: io::Error| Error::NoCompiler { compiler: compiler.clone(), source };
     // As for make, CC may hold arguments; a path may hold spaces.

@@ -1,6 +1,6 @@
 //! Torque that others put on an arm, and when it is a contact (E16).
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::log::{Log, Prepared, Rows};
 use crate::observe::{Observer, Watched};
 use torquewise_identify::contacts::external_torques;
@@ -35,7 +35,7 @@ pub type SeeRow<'a> = dyn FnMut(f64, &[f64]) -> Result<(), ReadError> + 'a;
 /// - `see`: is handed each row
 ///
 /// # Errors
-/// [`Error::Model`] if the log is of another arm, and those of reading it.
+/// `Error::Model` if the log is of another arm, and those of reading it.
 pub fn contacts(
     model: &Model,
     log: &Log,
@@ -43,8 +43,8 @@ pub fn contacts(
     options: ExternalOptions,
     observer: Observer<'_>,
     see: &mut SeeRow<'_>,
-) -> Result<(Thresholds, Vec<Contact>), Error> {
-    let prepared = |log: &Log| -> Result<Prepared, Error> {
+) -> Result<(Thresholds, Vec<Contact>)> {
+    let prepared = |log: &Log| -> Result<Prepared> {
         model.check_joints(log.joints())?;
         log.files.require_tau()?;
         log.prepare_as(model.training.filter, Rows::Settled)

@@ -1,6 +1,6 @@
 //! From logs to a model: the one call that chooses what is fitted, conditions, fits and judges.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evaluate::{Evaluation, evaluate};
 use crate::log::{Filter, Log, Rows, Source};
 use crate::observe::{Event, NOBODY, Observer, Watched};
@@ -57,9 +57,9 @@ impl<'a> Fit<'a> {
     /// Conditions the log, fits it, and judges the model on blocks of time that were held out.
     ///
     /// # Errors
-    /// [`Error::UnusedOption`] if an option does not go with what is fitted, [`Error::Interrupted`]
+    /// `Error::UnusedOption` if an option does not go with what is fitted, `Error::Interrupted`
     /// if the observer broke, and those of reading and fitting, each with what to do.
-    pub fn run(self) -> Result<FitResult, Error> {
+    pub fn run(self) -> Result<FitResult> {
         self.options.check()?;
         match self.source {
             Source::Log(log) => self.run_log(log),
@@ -71,7 +71,7 @@ impl<'a> Fit<'a> {
         }
     }
 
-    fn run_log(&self, log: &Log) -> Result<FitResult, Error> {
+    fn run_log(&self, log: &Log) -> Result<FitResult> {
         log.files.require_tau()?;
         let plan = self.options.plan(log.facts())?;
         let is_chosen = log.filter == Filter::Auto || log.delay.is_none() && log.is_filtered();
@@ -120,7 +120,7 @@ impl FitResult {
     ///
     /// # Errors
     /// As [`evaluate()`].
-    pub fn evaluate<'b>(&self, test: impl Into<Source<'b>>) -> Result<Evaluation, Error> {
+    pub fn evaluate<'b>(&self, test: impl Into<Source<'b>>) -> Result<Evaluation> {
         evaluate(&self.found.model, test)
     }
 }
@@ -133,7 +133,7 @@ pub(crate) fn fit_plan(
     rows: Option<u64>,
     plan: &Plan,
     observer: Observer<'_>,
-) -> Result<FitResult, Error> {
+) -> Result<FitResult> {
     let watched = Watched::new(recording, observer, "reading", (rows, 2));
     let (found, seconds, step_seconds) =
         timed(observer, |progress| reconstruct(&watched, plan, progress))?;
@@ -141,7 +141,7 @@ pub(crate) fn fit_plan(
 }
 
 /// The same at the bandwidth that held-out rows ask for, where raw torque is at hand (E12).
-fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<FitResult, Error> {
+fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<FitResult> {
     let rows = log.rows_hint();
     let Prepared::Raw(raw) = log else {
         let fit = fit_plan(log.rows(), rows, plan, observer)?;
@@ -169,7 +169,7 @@ fn fit_at_best(log: Prepared, plan: &Plan, observer: Observer<'_>) -> Result<Fit
 pub(crate) fn timed<T>(
     observer: Observer<'_>,
     work: impl FnOnce(&mut dyn FnMut(Progress)) -> Result<T, IdentifyError>,
-) -> Result<(T, f64, Vec<f64>), Error> {
+) -> Result<(T, f64, Vec<f64>)> {
     let mut events: Vec<(Progress, Instant)> = Vec::new();
     let start = Instant::now();
     let done = work(&mut |stage| {

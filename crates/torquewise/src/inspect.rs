@@ -1,6 +1,6 @@
 //! What a log holds and what it lacks, before anything is fitted to it.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::log::Prepared;
 use crate::observe::{Observer, Watched};
 use crate::summary::AllRepairs;
@@ -65,7 +65,7 @@ pub struct Inspection {
 /// # Ok(())
 /// # }
 /// ```
-pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection, Error> {
+pub fn inspect(log: &Prepared, observer: Observer<'_>) -> Result<Inspection> {
     let watched = Watched::new(log.rows(), observer, "looking through the log", (None, 1));
     let survey = survey(&watched)?;
     let patterns = find_patterns(&survey, &PatternPlan::default())?;

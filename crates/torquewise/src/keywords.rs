@@ -1,6 +1,6 @@
 //! Options of a fit as words and numbers, for programs in other languages.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::options::{FitOptions, Library};
 use crate::setting::OF_FIT;
 use serde::{Deserialize, Deserializer};
@@ -17,7 +17,7 @@ impl FitOptions {
     ///
     /// # Errors
     /// [`Error::NoOption`], [`Error::WrongValue`].
-    pub fn of_keywords(keywords: &Map<String, Value>) -> Result<Self, Error> {
+    pub fn of_keywords(keywords: &Map<String, Value>) -> Result<Self> {
         for (name, value) in keywords {
             let setting = OF_FIT.into_iter().find(|setting| setting == name);
             let setting = setting.ok_or_else(|| Error::NoOption { name: name.clone() })?;
@@ -33,7 +33,7 @@ impl FitOptions {
     }
 
     /// Fails where a number is out of its bounds.
-    pub(crate) fn check_bounds(&self) -> Result<(), Error> {
+    pub(crate) fn check_bounds(&self) -> Result<()> {
         let counts = [
             ("interaction", self.interaction, 1..=16),
             ("trig_order", self.trig_order.map(usize::from), 1..=8),

@@ -1,6 +1,6 @@
 //! Logs of an arm, and how their signals are conditioned before anything is fitted to them.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::options::Facts;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -64,7 +64,7 @@ impl Log {
     ///
     /// # Errors
     /// [`Error::Log`] names file, row and column.
-    pub fn open(file: impl AsRef<Path>) -> Result<Self, Error> {
+    pub fn open(file: impl AsRef<Path>) -> Result<Self> {
         Self::open_all(&[file.as_ref().to_owned()], &Options::default())
     }
 
@@ -74,7 +74,7 @@ impl Log {
     ///
     /// # Errors
     /// As [`Log::open`], and if they are of different arms.
-    pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self, Error> {
+    pub fn open_all(files: &[PathBuf], options: &Options) -> Result<Self> {
         let files = Logs::open_with(files, options)?;
         Ok(Self { files, filter: Filter::Auto, delay: None })
     }
@@ -83,10 +83,7 @@ impl Log {
     ///
     /// # Errors
     /// As [`Log::open_all`].
-    pub fn of_frames(
-        frames: &[(PathBuf, Arc<dyn Frame>)],
-        options: &Options,
-    ) -> Result<Self, Error> {
+    pub fn of_frames(frames: &[(PathBuf, Arc<dyn Frame>)], options: &Options) -> Result<Self> {
         let files = Logs::of_frames(frames, options)?;
         Ok(Self { files, filter: Filter::Auto, delay: None })
     }
@@ -119,7 +116,7 @@ impl Log {
     ///
     /// # Errors
     /// [`Error::DelayWithoutFilter`], and those of reading logs.
-    pub fn prepare(&self, rows: Rows) -> Result<Prepared, Error> {
+    pub fn prepare(&self, rows: Rows) -> Result<Prepared> {
         let logs = self.files.clone();
         let Some(cutoff) = self.cutoff() else {
             return match self.delay {
@@ -129,7 +126,7 @@ impl Log {
         };
         let delay = self.delay.unwrap_or_default();
         let settings = Conditioning { cutoff, delay, ..Conditioning::default() };
-        let filtered = |settings: &Conditioning, logs: Logs| -> Result<Prepared, Error> {
+        let filtered = |settings: &Conditioning, logs: Logs| -> Result<Prepared> {
             let logs = ConditionedLogs::new(logs, settings)?;
             Ok(Prepared::Conditioned(Box::new(logs)))
         };
@@ -151,7 +148,7 @@ impl Log {
     ///
     /// # Errors
     /// As [`Self::prepare`].
-    pub fn prepare_as(&self, known: Option<FilterUsed>, rows: Rows) -> Result<Prepared, Error> {
+    pub fn prepare_as(&self, known: Option<FilterUsed>, rows: Rows) -> Result<Prepared> {
         let filter = match (self.filter, known) {
             (Filter::Auto, Some(known)) if !self.files.has_ddq() => Filter::Hz(known.cutoff_hz),
             (Filter::Auto, _) => Filter::None,

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use std::ops::ControlFlow;
-use torquewise_motion::{Motion, ReadError, Recording};
+use torquewise_motion::{Motion, ReadResult, Recording, Visit, VisitPair};
 use torquewise_stepwise::Progress;
 
 /// What is told while work is under way.
@@ -48,7 +48,7 @@ impl<'a> Watched<'a> {
         Self { recording, observer }
     }
 
-    fn tell(&self, block: &Motion) -> Result<(), ReadError> {
+    fn tell(&self, block: &Motion) -> ReadResult {
         match (self.observer)(Event::Rows(block.n_rows())) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(Error::Interrupted.into()),
@@ -65,10 +65,7 @@ impl Recording for Watched<'_> {
         self.recording.is_filtered()
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         self.recording.read(&mut |trajectory, block| {
             self.tell(block)?;
             visit(trajectory, block)
@@ -79,23 +76,14 @@ impl Recording for Watched<'_> {
         self.recording.n_logs()
     }
 
-    fn read_log(
-        &self,
-        log: usize,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read_log(&self, log: usize, visit: Visit<'_>) -> ReadResult {
         self.recording.read_log(log, &mut |trajectory, block| {
             self.tell(block)?;
             visit(trajectory, block)
         })
     }
 
-    fn read_log_with_noise(
-        &self,
-        log: usize,
-        seed: u64,
-        visit: &mut dyn FnMut(usize, &Motion, &Motion) -> Result<(), ReadError>,
-    ) -> Result<bool, ReadError> {
+    fn read_log_with_noise(&self, log: usize, seed: u64, visit: VisitPair<'_>) -> ReadResult<bool> {
         self.recording.read_log_with_noise(log, seed, &mut |trajectory, block, noise| {
             self.tell(block)?;
             visit(trajectory, block, noise)

@@ -1,6 +1,6 @@
 //! What is fitted to a log unless it is said otherwise, and which options go with it.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::keywords::{some_word, word};
 use crate::setting::Remedy;
 use serde::Deserialize;
@@ -130,12 +130,12 @@ impl FitOptions {
     ///
     /// # Errors
     /// [`Error::UnusedOption`], [`Error::SindyOfChain`], [`Error::WrongValue`].
-    pub fn check(&self) -> Result<(), Error> {
+    pub fn check(&self) -> Result<()> {
         self.check_bounds()?;
         self.plan(Facts::default()).map(drop)
     }
 
-    pub(crate) fn plan(&self, log: Facts) -> Result<Plan, Error> {
+    pub(crate) fn plan(&self, log: Facts) -> Result<Plan> {
         let (library, because) = self.fitted(log);
         let fitted = match library {
             Library::Energy => Fitted::Energy(self.regression),
@@ -153,7 +153,7 @@ impl FitOptions {
     }
 
     /// Plans for stepwise reconstruction, and for one-shot SINDy over the product library.
-    pub(crate) fn plans_to_compare(&self) -> Result<[Plan; 2], Error> {
+    pub(crate) fn plans_to_compare(&self) -> Result<[Plan; 2]> {
         let stepwise = match self.library {
             None | Some(Library::Energy) => Fitted::Energy(Regression::Stepwise),
             Some(Library::Product) => Fitted::Product(Regression::Stepwise),
@@ -168,7 +168,7 @@ impl FitOptions {
     ///
     /// # Errors
     /// [`Error::UnusedOption`]
-    pub fn plan_for_sums(&self, settings: &Settings) -> Result<Plan, Error> {
+    pub fn plan_for_sums(&self, settings: &Settings) -> Result<Plan> {
         let fitted = match &settings.library {
             None => Fitted::Chain,
             Some(library) => match library.kind {
@@ -215,7 +215,7 @@ impl FitOptions {
     }
 
     /// Fails at the first option given that `fitted` does not use.
-    fn refuse_unused(&self, fitted: Fitted, because: &str, spared: &[&str]) -> Result<(), Error> {
+    fn refuse_unused(&self, fitted: Fitted, because: &str, spared: &[&str]) -> Result<()> {
         let chain = fitted == Fitted::Chain;
         let energy = matches!(fitted, Fitted::Energy(_));
         let product = matches!(fitted, Fitted::Product(_));

@@ -1,6 +1,6 @@
 //! The page of a fit: what was found, and how far to trust it.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::fit::FitResult;
 use crate::log::Prepared;
 use crate::observe::{Observer, Watched};
@@ -16,13 +16,13 @@ pub use torquewise_report::{LogFile, Origin};
 /// fit to motion at hand, whose rows it did not keep.
 ///
 /// # Errors
-/// [`Error::Report`], [`Error::Export`] if its cost cannot be counted, and those of reading.
+/// `Error::Report`, `Error::Export` if its cost cannot be counted, and those of reading.
 pub fn page(
     fit: &FitResult,
     test: Option<&Prepared>,
     origin: Origin<'_>,
     observer: Observer<'_>,
-) -> Result<Option<String>, Error> {
+) -> Result<Option<String>> {
     let look = |log: &Prepared| {
         let rows = (log.rows_hint(), 2);
         let watched = Watched::new(log.rows(), observer, "looking at the residuals", rows);

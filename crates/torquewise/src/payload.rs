@@ -1,6 +1,6 @@
 //! The load on the last link of an arm whose model is known.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::evaluate::prepare;
 use crate::log::Log;
 use crate::observe::{Observer, Watched};
@@ -11,8 +11,8 @@ pub use torquewise_identify::payload::Payload;
 /// Estimates the load on the last link from a log with it, by a model of the arm without it (E15).
 ///
 /// # Errors
-/// [`Error::Model`] if the model is no chain of rigid bodies or of another arm,
-/// [`Error::Identify`] if the rows do not suffice, and those of reading.
+/// `Error::Model` if the model is no chain of rigid bodies or of another arm,
+/// `Error::Identify` if the rows do not suffice, and those of reading.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), torquewise::Error> {
@@ -25,7 +25,7 @@ pub use torquewise_identify::payload::Payload;
 /// # Ok(())
 /// # }
 /// ```
-pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Payload, Error> {
+pub fn payload(model: &Model, log: &Log, observer: Observer<'_>) -> Result<Payload> {
     let log = prepare(model, log)?;
     let watched = Watched::new(log.rows(), observer, "weighing", (log.rows_hint(), 2));
     Ok(Payload::find(model, &watched)?)

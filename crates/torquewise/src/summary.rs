@@ -1,6 +1,6 @@
 //! What a fit found in numbers: the object that programs read.
 
-use crate::error::Error;
+use crate::error::Result;
 use crate::fit::FitResult;
 use crate::physics::MassMatrix;
 use serde::Serialize;
@@ -68,8 +68,8 @@ impl FitResult {
     /// What was found in numbers, to be serialised.
     ///
     /// # Errors
-    /// [`Error::Model`] if M(q) cannot be computed.
-    pub fn summary(&self) -> Result<FitSummary<'_>, Error> {
+    /// `Error::Model` if M(q) cannot be computed.
+    pub fn summary(&self) -> Result<FitSummary<'_>> {
         let (verdict, model) = (self.verdict(), &self.model);
         let training = &model.training;
         let percent = |rms: &[f64]| {

@@ -1,6 +1,6 @@
 //! Logs summed up apart, and solved together for the model that fitting all of them gives.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::fit::{FitResult, timed};
 use crate::log::{Log, Rows};
 use crate::observe::{Event, Observer, Watched};
@@ -32,7 +32,7 @@ pub fn sum_up(
     options: &FitOptions,
     request: Option<&Request>,
     observer: Observer<'_>,
-) -> Result<(Summary, Prepared), Error> {
+) -> Result<(Summary, Prepared)> {
     log.files.require_tau()?;
     let plan = options.plan(log.facts())?;
     let plan = match (request, &plan.method) {
@@ -75,7 +75,7 @@ pub fn solve_sums(
     summary: Summary,
     options: &FitOptions,
     observer: Observer<'_>,
-) -> Result<Solved, Error> {
+) -> Result<Solved> {
     let plan = options.plan_for_sums(summary.settings())?;
     let filter = summary.settings().filter;
     let (solution, seconds, step_seconds) =

@@ -1,9 +1,9 @@
 //! A learned model as the arm of a simulation: a twin of the robot that was logged.
 
-use crate::error::Error;
+use crate::error::Result;
 use torquewise_model::shaft_friction::ShaftFriction;
 use torquewise_model::{Drive, Model, ModelError, Torque};
-use torquewise_motion::{Motion, ReadError, Recording, Signals};
+use torquewise_motion::{Motion, ReadResult, Recording, Signals, Visit};
 use torquewise_sim::arm::ArmParts;
 use torquewise_sim::friction::{Friction, Stribeck};
 use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
@@ -12,9 +12,9 @@ use torquewise_sim::{Arm, MotionPlan, SimulatedLog};
 /// those of the log it was learned from.
 ///
 /// # Errors
-/// [`Error::Model`] if the model is no chain of rigid bodies, [`Error::Arm`] if a link is none that
+/// `Error::Model` if the model is no chain of rigid bodies, `Error::Arm` if a link is none that
 /// can be.
-pub fn arm(model: &Model) -> Result<Arm, Error> {
+pub fn arm(model: &Model) -> Result<Arm> {
     let chain = model.chain.as_ref().ok_or(ModelError::NoChain)?;
     let axes = chain.axes()?;
     let n = model.n_joints();
@@ -44,8 +44,8 @@ pub fn arm(model: &Model) -> Result<Arm, Error> {
 /// have none.
 ///
 /// # Errors
-/// [`Error::Arm`] if a number is out of bounds.
-pub fn friction(model: &Model) -> Result<Friction, Error> {
+/// `Error::Arm` if a number is out of bounds.
+pub fn friction(model: &Model) -> Result<Friction> {
     let mut joints = vec![Stribeck::NONE; model.n_joints()];
     for shaft in ShaftFriction::all(model) {
         if let Some(joint) = shaft.joint() {
@@ -68,16 +68,16 @@ impl TwinLog {
     /// The log of a plan.
     ///
     /// # Errors
-    /// As [`arm`]; [`Error::Arm`] for a plan out of bounds.
-    pub fn new(model: &Model, plan: &MotionPlan) -> Result<Self, Error> {
+    /// As [`arm`]; `Error::Arm` for a plan out of bounds.
+    pub fn new(model: &Model, plan: &MotionPlan) -> Result<Self> {
         Ok(Self { motion: SimulatedLog::new(&arm(model)?, plan)?, torque: Torque::new(model) })
     }
 
     /// All rows at once.
     ///
     /// # Errors
-    /// [`Error::Arm`] if a torque overflows.
-    pub fn whole(&self) -> Result<Motion, Error> {
+    /// `Error::Arm` if a torque overflows.
+    pub fn whole(&self) -> Result<Motion> {
         let motion = self.motion.whole()?.motion;
         let tau = Some(self.torque.over(&self.torque.path().follow(0, &motion))?);
         let motion = Motion::new(Signals { tau, ..motion.into_signals() });
@@ -90,10 +90,7 @@ impl Recording for TwinLog {
         self.motion.joints()
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         let mut path = self.torque.path();
         self.motion.read(&mut |trajectory, block| {
             let tau = Some(self.torque.over(&path.follow(trajectory, block))?);

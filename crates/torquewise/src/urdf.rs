@@ -1,6 +1,6 @@
 //! From the URDF of an arm to what a fit is told of it.
 
-use crate::error::Error;
+use crate::error::Result;
 use torquewise_identify::plan::KnownGeometry;
 use torquewise_model::{LinkFrame, RobotNames};
 use torquewise_sim::{UrdfChain, UrdfJoint};
@@ -16,7 +16,7 @@ use torquewise_sim::{UrdfChain, UrdfJoint};
 /// - `gravity`: where things fall in the frame of the base, of any length; −z without
 ///
 /// # Errors
-/// [`Error::Arm`], with what to change in the file, the names or the order of the joints.
+/// `Error::Arm`, with what to change in the file, the names or the order of the joints.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -35,7 +35,7 @@ pub fn known_geometry(
     joints: &[String],
     locked: &[String],
     gravity: Option<[f64; 3]>,
-) -> Result<KnownGeometry, Error> {
+) -> Result<KnownGeometry> {
     let chain = UrdfChain::of_joints(text, joints, locked, gravity)?;
     let first = |links: &[String]| links.first().cloned().unwrap_or_default();
     let robot = RobotNames {

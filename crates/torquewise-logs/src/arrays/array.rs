@@ -1,7 +1,7 @@
 //! Arrays of a file by name, shape and place: what NumPy and MATLAB files are decoded to.
 
 use crate::arrays::numbers::{Element, Numbers};
-use crate::error::{LogError, shown};
+use crate::error::{LogError, Result, shown};
 use crate::format::Format;
 use flate2::CrcReader;
 use flate2::read::{DeflateDecoder, ZlibDecoder};
@@ -116,7 +116,7 @@ impl Array {
         count.checked_mul(element.size() as u64)
     }
 
-    pub(super) fn numbers(&self, file: &Path, first: u64) -> Result<Numbers, LogError> {
+    pub(super) fn numbers(&self, file: &Path, first: u64) -> Result<Numbers> {
         let refused = |reason| LogError::Array {
             file: file.into(),
             array: shown(self.name.as_bytes()),

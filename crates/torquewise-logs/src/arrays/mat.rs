@@ -3,7 +3,7 @@
 use crate::arrays::array::{Array, Body, LONGEST_NAME, MAX_COLUMNS, Order, Packing};
 use crate::arrays::mat_elements::{COMPRESSED, Elements, MATRIX, Tag, kind_of, sizes, wrong};
 use crate::arrays::numbers::Element;
-use crate::error::{LogError, open_whole};
+use crate::error::{LogError, Result, open_whole};
 use crate::format::Format;
 use flate2::read::ZlibDecoder;
 use std::io::{self, BufReader, Read};
@@ -20,7 +20,7 @@ const LONGEST_NAMES: u64 = 1 << 20;
 /// Variables and fields of a file at most, with empty ones.
 const MOST_PARTS: usize = 1_000_000;
 
-pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
+pub(super) fn arrays(file: &Path) -> Result<Vec<Array>> {
     let mut walk = Walk::default();
     let walked = walk.file(&mut BufReader::new(open_whole(file)?));
     walked.map_err(LogError::decode(file, Format::Mat))?;

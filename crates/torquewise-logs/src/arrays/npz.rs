@@ -2,7 +2,7 @@
 
 use crate::arrays::array::{Array, Body, LONGEST_NAME, Order, Packing};
 use crate::arrays::numbers::{Element, Kind};
-use crate::error::{LogError, guarded, open_whole, shown};
+use crate::error::{LogError, Result, guarded, open_whole, shown};
 use crate::format::Format;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -30,7 +30,7 @@ const KINDS: [(&str, Kind); 11] = [
     ("b1", Kind::U1),
 ];
 
-pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
+pub(super) fn arrays(file: &Path) -> Result<Vec<Array>> {
     let input = BufReader::new(open_whole(file)?);
     guarded(file, || {
         let damaged = LogError::decode(file, Format::Npz);
@@ -45,7 +45,7 @@ pub(super) fn arrays(file: &Path) -> Result<Vec<Array>, LogError> {
 }
 
 /// An array of numbers; `None` for anything else.
-fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array>, LogError> {
+fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array>> {
     let name = entry.name().strip_suffix(".npy").unwrap_or(entry.name()).to_owned();
     let refused = |reason| {
         let array = shown(name.as_bytes());

@@ -3,7 +3,7 @@
 use crate::arrays::array::{Array, MAX_COLUMNS};
 use crate::arrays::numbers::Numbers;
 use crate::arrays::{mat, npz};
-use crate::error::{LogError, Place};
+use crate::error::{LogError, Place, Result};
 use crate::format::Format;
 use crate::rows::Rows;
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ struct Stream {
 }
 
 impl ArrayRows {
-    pub(crate) fn open(file: &Path, format: Format) -> Result<Self, LogError> {
+    pub(crate) fn open(file: &Path, format: Format) -> Result<Self> {
         let arrays = if format == Format::Mat { mat::arrays(file)? } else { npz::arrays(file)? };
         let (mut names, mut series) = (Vec::new(), Vec::new());
         for (k, array) in arrays.iter().enumerate() {
@@ -57,7 +57,7 @@ impl ArrayRows {
     }
 
     /// What is read to have the chosen columns, each array as it is stored.
-    fn streams_of(&self, columns: &[usize]) -> Result<Vec<Stream>, LogError> {
+    fn streams_of(&self, columns: &[usize]) -> Result<Vec<Stream>> {
         // By array, and by the first series of what is read together.
         let mut wanted: BTreeMap<(usize, usize), Vec<(usize, usize)>> = BTreeMap::new();
         for (place, column) in columns.iter().enumerate() {
@@ -83,7 +83,7 @@ impl Rows for ArrayRows {
         &self.names
     }
 
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+    fn choose(&mut self, columns: &[usize]) -> Result<()> {
         let instants = |column: usize| self.array(column).instants_and_series().0;
         if let Some((first, others)) = columns.split_first() {
             let expected = instants(*first);
@@ -103,7 +103,7 @@ impl Rows for ArrayRows {
         Ok(())
     }
 
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+    fn next(&mut self, row: &mut [f64]) -> Result<bool> {
         let damaged = LogError::decode(&self.file, Format::of(&self.file)?);
         if self.row == self.instants {
             for stream in self.streams.iter_mut().filter(|stream| stream.is_last) {

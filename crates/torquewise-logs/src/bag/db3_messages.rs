@@ -1,7 +1,7 @@
 //! From SQLite bag (.db3) to topics and messages, some thousand rows at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::format::Format;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, OpenFlags, params};
@@ -41,7 +41,7 @@ const INDICES: &str = "SELECT COUNT(*) FROM pragma_index_list('messages') AS lis
 const GENERATED: &str = "SELECT (SELECT COUNT(*) FROM pragma_table_xinfo('messages') WHERE hidden) \
     + (SELECT COUNT(*) FROM pragma_table_xinfo('topics') WHERE hidden)";
 
-pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
+pub(super) fn topics(file: &Path) -> Result<Vec<Topic>> {
     let refused = LogError::decode(file, Format::Db3);
     let connection = open(file)?;
     let mut statement = connection.0.prepare(TOPICS).map_err(&refused)?;
@@ -69,7 +69,7 @@ pub(super) struct Db3Messages {
 }
 
 impl Db3Messages {
-    pub(super) fn open(file: &Path, topic: &str) -> Result<Self, LogError> {
+    pub(super) fn open(file: &Path, topic: &str) -> Result<Self> {
         let connection = open(file)?;
         let n_indices: i64 = connection
             .0
@@ -86,7 +86,7 @@ impl Db3Messages {
         })
     }
 
-    fn next_page(&mut self) -> Result<(), LogError> {
+    fn next_page(&mut self) -> Result<()> {
         let refused = LogError::decode(&self.file, Format::Db3);
         let mut statement = self.connection.0.prepare_cached(self.query).map_err(&refused)?;
         let (received, id) = self.last;
@@ -109,7 +109,7 @@ impl Db3Messages {
 }
 
 impl Messages for Db3Messages {
-    fn next(&mut self) -> Result<Option<Message>, LogError> {
+    fn next(&mut self) -> Result<Option<Message>> {
         if self.page.is_empty() && !self.ended {
             self.next_page()?;
         }
@@ -129,7 +129,7 @@ impl Drop for SharedMemory {
     }
 }
 
-fn open(file: &Path) -> Result<Bag, LogError> {
+fn open(file: &Path) -> Result<Bag> {
     check_magic(file)?;
     let mut shared = OsString::from(file);
     shared.push("-shm");
@@ -161,7 +161,7 @@ fn open(file: &Path) -> Result<Bag, LogError> {
 }
 
 /// SQLite takes an empty or missing file for a new database.
-fn check_magic(file: &Path) -> Result<(), LogError> {
+fn check_magic(file: &Path) -> Result<()> {
     let mut head = Vec::new();
     let input = File::open(file).map_err(LogError::read(file))?;
     input.take(MAGIC.len() as u64).read_to_end(&mut head).map_err(LogError::read(file))?;

@@ -1,7 +1,7 @@
 //! From MCAP bag (.mcap) to topics and messages, one chunk at a time.
 
 use crate::bag::{MAX_BYTES, Message, Messages, Topic};
-use crate::error::{LogError, guarded, open_whole};
+use crate::error::{LogError, Result, guarded, open_whole};
 use crate::format::Format;
 use mcap::read::ChannelAccumulator;
 use mcap::records::{Record, op};
@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 const BEFORE_COMPRESSION: usize = 28;
 
 /// All topics of a bag that have messages, with the number of these.
-pub(super) fn topics(file: &Path) -> Result<Vec<Topic>, LogError> {
+pub(super) fn topics(file: &Path) -> Result<Vec<Topic>> {
     let mut topics: BTreeMap<String, Topic> = BTreeMap::new();
     let mut messages = McapMessages::open(file, None)?;
     while let Some(message) = messages.next_of_any()? {
@@ -46,7 +46,7 @@ pub(super) struct McapMessages {
 }
 
 impl McapMessages {
-    pub(super) fn open(file: &Path, topic: Option<&str>) -> Result<Self, LogError> {
+    pub(super) fn open(file: &Path, topic: Option<&str>) -> Result<Self> {
         let options = LinearReaderOptions::default()
             .with_record_length_limit(MAX_BYTES)
             .with_emit_chunks(true);
@@ -61,7 +61,7 @@ impl McapMessages {
         })
     }
 
-    fn next_of_any(&mut self) -> Result<Option<mcap::Message<'static>>, LogError> {
+    fn next_of_any(&mut self) -> Result<Option<mcap::Message<'static>>> {
         let file = self.file.clone();
         let refused = |source| {
             // What the parser says is drawn for a terminal and speaks of its own code.
@@ -208,7 +208,7 @@ fn after_text(data: &[u8]) -> Option<&[u8]> {
 }
 
 impl Messages for McapMessages {
-    fn next(&mut self) -> Result<Option<Message>, LogError> {
+    fn next(&mut self) -> Result<Option<Message>> {
         while let Some(message) = self.next_of_any()? {
             if Some(&message.channel.topic) == self.topic.as_ref() {
                 let received = i64::try_from(message.log_time).unwrap_or(i64::MAX);

@@ -2,7 +2,7 @@
 
 use crate::bag::Messages;
 use crate::bag::survey::{Aligned, Survey, decoded, places};
-use crate::error::{LogError, Place};
+use crate::error::{Place, Result};
 use crate::rows::{Irregular, Rows};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ pub(crate) struct BagRows {
 }
 
 impl BagRows {
-    pub(crate) fn open(file: &Path, survey: Survey) -> Result<Self, LogError> {
+    pub(crate) fn open(file: &Path, survey: Survey) -> Result<Self> {
         let of_joints = |signal: &'static str| {
             survey.joints.iter().map(move |joint| format!("{joint}.{signal}"))
         };
@@ -51,7 +51,7 @@ impl BagRows {
     }
 
     /// Reads messages until the next row in order is known.
-    fn look_ahead(&mut self) -> Result<(), LogError> {
+    fn look_ahead(&mut self) -> Result<()> {
         while !self.ended && !self.in_order.is_full(self.chosen.len()) {
             let Some(message) = self.messages.next()? else {
                 self.ended = true;
@@ -90,12 +90,12 @@ impl Rows for BagRows {
         Some(&self.survey.joints)
     }
 
-    fn choose(&mut self, columns: &[usize]) -> Result<(), LogError> {
+    fn choose(&mut self, columns: &[usize]) -> Result<()> {
         self.chosen = columns.to_vec();
         Ok(())
     }
 
-    fn next(&mut self, row: &mut [f64]) -> Result<bool, LogError> {
+    fn next(&mut self, row: &mut [f64]) -> Result<bool> {
         self.look_ahead()?;
         let Some((number, values)) = self.in_order.pop() else { return Ok(false) };
         self.row = number;

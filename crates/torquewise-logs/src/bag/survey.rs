@@ -4,7 +4,7 @@ use crate::bag::db3_messages::{self, Db3Messages};
 use crate::bag::joint_state::JointState;
 use crate::bag::mcap_messages::{self, McapMessages};
 use crate::bag::{JOINT_STATE, Messages, Topic};
-use crate::error::{LogError, Place, shown};
+use crate::error::{LogError, Place, Result, shown};
 use crate::format::Format;
 use crate::joints;
 use std::path::Path;
@@ -35,7 +35,7 @@ impl Survey {
         format: Format,
         topic: Option<&str>,
         joints: &[String],
-    ) -> Result<Self, LogError> {
+    ) -> Result<Self> {
         let topics = match format {
             Format::Db3 => db3_messages::topics(file)?,
             _ => mcap_messages::topics(file)?,
@@ -55,7 +55,7 @@ impl Survey {
         Ok(survey)
     }
 
-    pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>, LogError> {
+    pub(super) fn messages(&self, file: &Path) -> Result<Box<dyn Messages>> {
         Ok(match self.format {
             Format::Db3 => Box::new(Db3Messages::open(file, &self.topic)?),
             _ => Box::new(McapMessages::open(file, Some(&self.topic))?),
@@ -71,7 +71,7 @@ impl Survey {
         (if self.is_stamped { state.stamp } else { received }).saturating_sub(self.zero)
     }
 
-    fn complete(&mut self, file: &Path) -> Result<(), LogError> {
+    fn complete(&mut self, file: &Path) -> Result<()> {
         let mut messages = self.messages(file)?;
         let mut aligned = self.passes_over.then(|| Aligned::new(&self.joints, true));
         let (mut first_stamp, mut first_received) = (i64::MAX, i64::MAX);
@@ -111,7 +111,7 @@ impl Survey {
     }
 }
 
-pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState, LogError> {
+pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointState> {
     let malformed = |wrong: super::joint_state::Malformed| {
         let problem = format!(": the message is no joint state, {}", wrong.reason());
         LogError::unusable(place(), &problem, "record or convert the bag again")
@@ -124,7 +124,7 @@ pub(super) fn places<'a>(
     aligned: &'a mut Aligned,
     state: &JointState,
     place: impl Fn() -> Place,
-) -> Result<Option<&'a [usize]>, LogError> {
+) -> Result<Option<&'a [usize]>> {
     aligned.find(state).map_err(|joint| LogError::JointGone {
         place: place(),
         joint: shown(joint.as_bytes()),
@@ -132,7 +132,7 @@ pub(super) fn places<'a>(
     })
 }
 
-fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String, LogError> {
+fn chosen(file: &Path, topics: &[Topic], wanted: Option<&str>) -> Result<String> {
     let listed = |topics: &[&Topic]| {
         let topic = |topic: &&Topic| {
             let (name, kind) = (shown(topic.name.as_bytes()), shown(topic.kind.as_bytes()));

@@ -2,7 +2,7 @@
 
 use super::Blocks;
 use crate::csv_rows::CsvRows;
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::plain::plain;
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
@@ -12,7 +12,7 @@ use std::path::Path;
 use torquewise_motion::{LocalPolynomial, Motion, derivative};
 
 /// Blocks of a text with one joint.
-fn blocks(text: &str) -> Result<Vec<(usize, Motion)>, LogError> {
+fn blocks(text: &str) -> Result<Vec<(usize, Motion)>> {
     let file = Path::new("arm.csv");
     let rows = CsvRows::new(file, std::io::Cursor::new(text.to_owned()))?;
     let mapping = plain(file, rows.names())?;
@@ -20,7 +20,7 @@ fn blocks(text: &str) -> Result<Vec<(usize, Motion)>, LogError> {
     let joints = ["joint1".to_owned()];
     let mut blocks = Blocks::new(rows, &joints, Some(LocalPolynomial::default()));
     let mut read = Vec::new();
-    while let Some(block) = blocks.next()? {
+    while let Some(block) = blocks.next(Blocks::block)? {
         read.push(block);
     }
     Ok(read)

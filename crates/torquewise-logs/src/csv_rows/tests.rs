@@ -1,7 +1,7 @@
 //! CSV texts that are read, and texts that are refused with a place and a reason.
 
 use super::CsvRows;
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::plain::plain;
 use crate::rows::Rows;
 use crate::signal_rows::{Clock, SignalRows};
@@ -10,7 +10,7 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 /// The rows of a text as signals.
-fn read(text: &[u8]) -> Result<Vec<Vec<f64>>, LogError> {
+fn read(text: &[u8]) -> Result<Vec<Vec<f64>>> {
     let file = Path::new("arm.csv");
     let rows = CsvRows::new(file, std::io::Cursor::new(text.to_vec()))?;
     let mapping = plain(file, rows.names())?;

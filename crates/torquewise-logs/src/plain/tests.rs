@@ -1,12 +1,12 @@
 //! Headers that are understood, and headers that are refused with a reason.
 
 use super::{MAX_COLUMNS, plain};
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::mapping::Mapping;
 use crate::signal::Signal;
 use std::path::Path;
 
-fn mapping(header: &str) -> Result<Mapping, LogError> {
+fn mapping(header: &str) -> Result<Mapping> {
     let names: Vec<_> = header.split(',').map(|name| name.trim().to_owned()).collect();
     plain(Path::new("arm.csv"), &names)
 }

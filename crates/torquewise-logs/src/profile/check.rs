@@ -1,6 +1,6 @@
 //! From profile to the first thing in it that cannot be right.
 
-use crate::error::{LogError, shown};
+use crate::error::{LogError, Result, shown};
 use crate::joints;
 use crate::profile::unit;
 use crate::profile::{Columns, PerJoint, Profile, SignalColumns};
@@ -12,7 +12,7 @@ impl Profile {
     ///
     /// # Errors
     /// [`LogError::ProfileKey`] or [`LogError::JointName`].
-    pub fn check(&self, from: &str) -> Result<(), LogError> {
+    pub fn check(&self, from: &str) -> Result<()> {
         let wrong = |key: &str, found: String, expected: String| {
             Err(LogError::ProfileKey { profile: from.into(), key: key.into(), found, expected })
         };
@@ -55,7 +55,7 @@ impl Profile {
 
     /// Makes sure that every list has one entry for each of n joints; where n is not known, as many
     /// as the first list.
-    pub(crate) fn check_counts(&self, n: Option<usize>, from: &str) -> Result<(), LogError> {
+    pub(crate) fn check_counts(&self, n: Option<usize>, from: &str) -> Result<()> {
         let counts: Vec<_> = Signal::ALL
             .into_iter()
             .filter_map(|signal| Some((signal, self.signal(signal)?)))
@@ -105,7 +105,7 @@ fn numbers(parts: &SignalColumns) -> [(&'static str, Option<&PerJoint>); 4] {
 }
 
 /// Units that are known, factors that are finite and leave something of the column.
-fn check_values(signal: Signal, parts: &SignalColumns, from: &str) -> Result<(), LogError> {
+fn check_values(signal: Signal, parts: &SignalColumns, from: &str) -> Result<()> {
     let wrong = |key: &str, found: String, expected: String| {
         let key = format!("{}.{key}", signal.name());
         Err(LogError::ProfileKey { profile: from.into(), key, found, expected })

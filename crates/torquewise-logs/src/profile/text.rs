@@ -1,6 +1,6 @@
 //! From TOML text to profile and back.
 
-use crate::error::LogError;
+use crate::error::{LogError, Result};
 use crate::profile::Profile;
 use std::path::Path;
 use torquewise_motion::bounded_file::read_text;
@@ -10,7 +10,7 @@ impl Profile {
     ///
     /// # Errors
     /// [`LogError::Read`], or as [`from_toml`](Self::from_toml) with the name of the file.
-    pub fn read(file: &Path) -> Result<Self, LogError> {
+    pub fn read(file: &Path) -> Result<Self> {
         let text = read_text(file).map_err(LogError::read(file))?;
         Self::parse(&text, &file.display().to_string())
     }
@@ -20,7 +20,7 @@ impl Profile {
     /// # Errors
     /// [`LogError::Unusable`] with the line of what is not understood, [`LogError::ProfileKey`]
     /// if a value cannot be right or values contradict each other.
-    pub fn from_toml(text: &str) -> Result<Self, LogError> {
+    pub fn from_toml(text: &str) -> Result<Self> {
         Self::parse(text, "profile")
     }
 
@@ -30,7 +30,7 @@ impl Profile {
         toml::to_string(self).unwrap_or_default()
     }
 
-    fn parse(text: &str, from: &str) -> Result<Self, LogError> {
+    fn parse(text: &str, from: &str) -> Result<Self> {
         let profile: Self = toml::from_str(text).map_err(|source| {
             let line = source.span().map_or(1, |span| line_of(text, span.start));
             let problem = format!(", line {line}: {}", source.message());

@@ -1,7 +1,7 @@
 //! From first rows of a log to its usual step, ranges, and velocities beside the slopes of
 //! positions.
 
-use crate::error::LogError;
+use crate::error::Result;
 use crate::gaps::median_step;
 use crate::signal::Signal;
 use crate::source::named_rows;
@@ -22,7 +22,7 @@ pub(super) struct Measured {
 }
 
 /// Reads the first 20 000 rows.
-pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Measured, LogError> {
+pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Measured> {
     let place = |name: &String| names.iter().position(|known| known == name);
     let of = |signal| -> Vec<usize> {
         let columns = found.get(signal).map(|family| family.columns.iter());

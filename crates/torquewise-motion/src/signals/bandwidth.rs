@@ -1,6 +1,6 @@
 //! From pieces of raw logs to the same motion at several bandwidths, beside the raw torque (E12).
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::memory::Memory;
 use crate::path::{Path, TRAVELS};
 use crate::signals::clean::Even;
@@ -74,7 +74,7 @@ impl Bandwidths {
     /// # Errors
     /// Those of [`condition`](crate::signals::condition()); [`MotionError::TooFewRows`] if no piece is long
     /// enough.
-    pub fn new(pieces: &[Raw], settings: &Conditioning) -> Result<Self, MotionError> {
+    pub fn new(pieces: &[Raw], settings: &Conditioning) -> Result<Self> {
         let settings = Conditioning { cutoff: Cutoff::Off, ..*settings };
         let total: usize = pieces.iter().map(|piece| piece.t.len()).sum();
         let every = total.div_ceil(ROWS).max(1);
@@ -119,7 +119,7 @@ impl Bandwidths {
     ///
     /// # Errors
     /// Those of [`condition`](crate::signals::condition()).
-    pub fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>, MotionError> {
+    pub fn band(&self, cutoff: f64, delays: &[f64]) -> Result<Option<Band>> {
         let (mut seen, mut filtered) = (Vec::new(), Vec::new());
         for piece in &self.pieces {
             let mut plan = Plan { cutoff: Some(cutoff), ..piece.plan.clone() };

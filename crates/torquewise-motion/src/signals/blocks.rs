@@ -1,6 +1,6 @@
 //! From Raw blocks to Motion blocks: a trajectory of any length, in fixed memory.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::clean::{Even, Outliers, clean};
 use crate::signals::plan::Plan;
 use crate::signals::raw::{Columns, Raw};
@@ -59,7 +59,7 @@ impl Conditioner {
     /// Those of [`condition`](crate::signals::condition()), and [`MotionError::Block`] if the block has
     /// other joints or signals than the first. Rows are counted from the first of the trajectory,
     /// those of shapes and values from the first of the block.
-    pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>, MotionError> {
+    pub fn push(&mut self, block: &Raw) -> Result<Vec<Motion>> {
         let columns = block.columns()?;
         self.plan.check(&columns)?;
         self.join(&columns)?;
@@ -74,7 +74,7 @@ impl Conditioner {
     ///
     /// # Errors
     /// Those of [`Conditioner::push`].
-    pub fn finish(&mut self) -> Result<Vec<Motion>, MotionError> {
+    pub fn finish(&mut self) -> Result<Vec<Motion>> {
         if self.waiting.t.is_empty() {
             return Ok(Vec::new());
         }
@@ -82,7 +82,7 @@ impl Conditioner {
         Ok(self.work_off(rows, true)?.into_iter().collect())
     }
 
-    fn join(&mut self, block: &Columns) -> Result<(), MotionError> {
+    fn join(&mut self, block: &Columns) -> Result<()> {
         let Some(&first) = block.t.first() else { return Ok(()) };
         if self.origin.is_none() {
             self.origin = Some(first);
@@ -109,7 +109,7 @@ impl Conditioner {
 
     /// Conditions the first `rows` that wait, hands out those of them that no later row can
     /// change, and forgets those that no row to come depends on.
-    fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>, MotionError> {
+    fn work_off(&mut self, rows: usize, last: bool) -> Result<Option<Motion>> {
         let part = self.waiting.head(rows);
         let origin = self.origin.unwrap_or_default();
         let even = clean(&part, &self.plan.base, (origin, self.rows_before))?;

@@ -1,6 +1,6 @@
 //! From order, cut-off to second-order sections: Butterworth low-pass filters, and running them.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use std::f64::consts::PI;
 
 /// Highest order a filter may have.
@@ -22,7 +22,7 @@ pub(crate) struct Section {
 ///
 /// Source: A. Oppenheim, R. Schafer, Discrete-Time Signal Processing, ch. 7. Checked against:
 /// scipy.signal.butter, of the same order of sections.
-pub(crate) fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>, MotionError> {
+pub(crate) fn low_pass(order: usize, cutoff: f64, rate: f64) -> Result<Vec<Section>> {
     if order == 0 || order > MAX_ORDER {
         return Err(MotionError::FilterOrder { order, limit: MAX_ORDER });
     }

@@ -1,6 +1,6 @@
 //! From columns to even columns: spikes out, then onto even time stamps.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::outliers::{HALF_WINDOW, replace_outliers, spike_scale};
 use crate::signals::raw::{Columns, NAMES};
 use crate::signals::resample::{EVEN, Resampler, Timing, grid, timing};
@@ -28,7 +28,7 @@ pub(crate) struct Base {
 }
 
 impl Base {
-    pub(crate) fn of(columns: &Columns) -> Result<Self, MotionError> {
+    pub(crate) fn of(columns: &Columns) -> Result<Self> {
         let timing = timing(&columns.t)?;
         let mut scales = [const { Vec::new() }; 4];
         for (place, columns) in columns.present() {
@@ -63,11 +63,7 @@ pub(crate) struct Even {
 ///
 /// - `origin`: time \[s\] and raw row of the first row of `columns`: the first stamp of the
 ///   trajectory, and how many rows came before
-pub(crate) fn clean(
-    columns: &Columns,
-    base: &Base,
-    origin: (f64, usize),
-) -> Result<Even, MotionError> {
+pub(crate) fn clean(columns: &Columns, base: &Base, origin: (f64, usize)) -> Result<Even> {
     let mut outliers = Vec::new();
     let despiked = columns.map(columns.t.clone(), |place, joint, column| {
         let mut column = column.to_vec();

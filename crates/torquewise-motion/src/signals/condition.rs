@@ -1,6 +1,6 @@
 //! From Raw to Motion: one trajectory, cleaned, made even, filtered and derived.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::clean::{Even, Outliers};
 use crate::signals::delay::{Shift, lag};
 use crate::signals::derivative::even_derivative;
@@ -35,13 +35,13 @@ pub struct Conditioned {
 ///
 /// # Errors
 /// [`MotionError`] that says which signal of which joint, and what to do.
-pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned, MotionError> {
+pub fn condition(raw: &Raw, settings: &Conditioning) -> Result<Conditioned> {
     let columns = raw.columns()?;
     let (plan, even) = Plan::with_even(&columns, settings)?;
     finish(&columns, &even, &plan)
 }
 
-fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned, MotionError> {
+fn finish(columns: &Columns, even: &Even, plan: &Plan) -> Result<Conditioned> {
     let filtered = filter(even, plan)?;
     let smooth = smooth(&filtered, even, plan)?;
     let rows = even.columns.t.len();
@@ -125,7 +125,7 @@ fn gains(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Vec<Option<f64>> {
 }
 
 /// Lag of each joint's measured velocity, on rows thinned out as far as the filter allows.
-fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shift>>, MotionError> {
+fn lags(dq: &Mat<f64>, filtered: &Columns, plan: &Plan) -> Result<Vec<Option<Shift>>> {
     let Some(measured) = &filtered.signals[DQ] else { return Ok(Vec::new()) };
     let every = plan.keep_every_for_lag();
     let rows = plan.trim..dq.nrows().saturating_sub(plan.trim);

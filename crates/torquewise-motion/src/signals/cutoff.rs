@@ -1,6 +1,6 @@
 //! Where the choice of a cut-off begins: above the band of the motion.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::noise::white_noise;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
@@ -27,7 +27,7 @@ const LEAST_ROWS: usize = 64;
 ///
 /// Source: ten times the bandwidth of the motion is usual in the identification of robots, see
 /// A. Janot et al., IEEE Trans. Control Syst. Technol. 22 (2014); the fit begins wider still.
-pub(crate) fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64, MotionError> {
+pub(crate) fn above_motion(q: &[Vec<f64>], rate: f64) -> Result<f64> {
     let rows = q.first().map_or(0, Vec::len);
     if rows < LEAST_ROWS {
         return Err(MotionError::TooFewRows { rows, needed: LEAST_ROWS });

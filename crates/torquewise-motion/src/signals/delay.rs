@@ -1,6 +1,6 @@
 //! Two signals → delay between them, and a signal → the same signal shifted in time.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::stats::{correlation, whole};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -34,7 +34,7 @@ pub(crate) fn best_shift(
     mut error: impl FnMut(f64) -> f64,
     range: RangeInclusive<f64>,
     resolution: f64,
-) -> Result<Shift, MotionError> {
+) -> Result<Shift> {
     let (begin, end) = (*range.start(), *range.end());
     let steps = ((end - begin) / resolution).ceil();
     if !(1.0..=MAX_STEPS as f64).contains(&steps) || !begin.is_finite() {
@@ -165,7 +165,7 @@ pub(crate) fn lag(
     measured: &[f64],
     rate: f64,
     range: RangeInclusive<f64>,
-) -> Result<Option<Shift>, MotionError> {
+) -> Result<Option<Shift>> {
     let longest = range.start().abs().max(range.end().abs());
     let edge = longest * rate + TAPS as f64;
     let n = derived.len().min(measured.len());

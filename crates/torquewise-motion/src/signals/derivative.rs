@@ -1,6 +1,6 @@
 //! From filtered q to q̇, q̈: derivatives of evenly sampled signals without delay.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::{LocalPolynomial, derivative};
 use faer::{Mat, MatRef};
 
@@ -19,11 +19,7 @@ pub(crate) const REACH: usize = DEGREE / 2;
 /// - `x`: m×n, at `rate` \[Hz\]
 /// - `order`: 1 or 2
 /// - returns: m×n, per s^`order`
-pub(crate) fn even_derivative(
-    x: MatRef<'_, f64>,
-    rate: f64,
-    order: usize,
-) -> Result<Mat<f64>, MotionError> {
+pub(crate) fn even_derivative(x: MatRef<'_, f64>, rate: f64, order: usize) -> Result<Mat<f64>> {
     if x.nrows() <= DEGREE {
         return Err(MotionError::TooFewRows { rows: x.nrows(), needed: DEGREE + 1 });
     }

@@ -1,6 +1,6 @@
 //! From first part of a log, settings to Plan: what every part of it goes through.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{low_pass, settle_time};
 use crate::signals::clean::{Base, Even, clean};
 use crate::signals::cutoff::above_motion;
@@ -37,15 +37,12 @@ impl Plan {
     ///
     /// # Errors
     /// [`MotionError`] about settings, shapes, stamps, or too few rows.
-    pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self, MotionError> {
+    pub fn new(raw: &Raw, settings: &Conditioning) -> Result<Self> {
         Self::with_even(&raw.columns()?, settings).map(|(plan, _)| plan)
     }
 
     /// The plan, and the clean signals it was made from.
-    pub(crate) fn with_even(
-        columns: &Columns,
-        settings: &Conditioning,
-    ) -> Result<(Self, Even), MotionError> {
+    pub(crate) fn with_even(columns: &Columns, settings: &Conditioning) -> Result<(Self, Even)> {
         settings.check()?;
         let base = Base::of(columns)?;
         let even = clean(columns, &base, (columns.t[0], 0))?;
@@ -123,7 +120,7 @@ impl Plan {
         if delay > 0.0 { rows((delay * self.rate).ceil()) + TAPS } else { 0 }
     }
 
-    pub(crate) fn check(&self, columns: &Columns) -> Result<(), MotionError> {
+    pub(crate) fn check(&self, columns: &Columns) -> Result<()> {
         if columns.joints == self.joints { Ok(()) } else { Err(MotionError::Block) }
     }
 }

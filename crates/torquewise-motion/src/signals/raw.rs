@@ -1,6 +1,6 @@
 //! From log columns to Raw: what was measured of one trajectory, shapes checked.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::spline::check_increasing;
 use faer::Mat;
 
@@ -38,7 +38,7 @@ pub(crate) struct Columns {
 
 impl Raw {
     /// Checks shapes, finiteness and time order, and takes the columns apart.
-    pub(crate) fn columns(&self) -> Result<Columns, MotionError> {
+    pub(crate) fn columns(&self) -> Result<Columns> {
         let (rows, n) = (self.t.len(), self.joints.len());
         if n == 0 {
             return Err(MotionError::NoJoints);
@@ -90,8 +90,8 @@ impl Columns {
     pub(crate) fn map(
         &self,
         t: Vec<f64>,
-        mut work: impl FnMut(usize, usize, &[f64]) -> Result<Vec<f64>, MotionError>,
-    ) -> Result<Self, MotionError> {
+        mut work: impl FnMut(usize, usize, &[f64]) -> Result<Vec<f64>>,
+    ) -> Result<Self> {
         let mut signals = [const { None }; 4];
         for (place, columns) in self.present() {
             let mut mapped = Vec::with_capacity(columns.len());

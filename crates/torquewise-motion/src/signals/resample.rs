@@ -1,7 +1,7 @@
 //! From uneven time stamps to even ones: how even a log is, and its signals on an even grid.
 
-use crate::MotionError;
 use crate::Repairs;
+use crate::error::{MotionError, Result};
 use crate::signals::spline::{check_increasing, interpolate, lagrange};
 use crate::stats::whole;
 use faer::linalg::solvers::Solve;
@@ -50,7 +50,7 @@ impl Timing {
 }
 
 /// How evenly `t` \[s\] is stamped.
-pub(crate) fn timing(t: &[f64]) -> Result<Timing, MotionError> {
+pub(crate) fn timing(t: &[f64]) -> Result<Timing> {
     if t.len() < 4 {
         return Err(MotionError::TooFewRows { rows: t.len(), needed: 4 });
     }
@@ -89,11 +89,7 @@ fn line_deviation(t: &[f64]) -> f64 {
 }
 
 /// Stamps `origin` + k/`rate` that lie within `t`, and the first k.
-pub(crate) fn grid(
-    t: &[f64],
-    origin: f64,
-    timing: &Timing,
-) -> Result<(usize, Vec<f64>), MotionError> {
+pub(crate) fn grid(t: &[f64], origin: f64, timing: &Timing) -> Result<(usize, Vec<f64>)> {
     let Timing { rate, longest_step: gap, longest_step_row: row, .. } = *timing;
     let (Some(begin), Some(end)) = (t.first(), t.last()) else { return Ok((0, Vec::new())) };
     // Rounding must not lose the first or last row.
@@ -168,7 +164,7 @@ impl Resampler {
     /// One signal at the new times.
     ///
     /// - `x`: m values
-    pub(crate) fn column(&self, x: &[f64]) -> Result<Vec<f64>, MotionError> {
+    pub(crate) fn column(&self, x: &[f64]) -> Result<Vec<f64>> {
         let last = self.rows.last().map_or(0, |row| row + 1);
         if x.len() < last {
             return Err(MotionError::TooFewRows { rows: x.len(), needed: last });

@@ -1,6 +1,6 @@
 //! From wishes to Conditioning: how raw signals are to be conditioned.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 
 /// Order of the Butterworth filter, which is run forwards and backwards.
 pub(crate) const ORDER: usize = 4;
@@ -47,7 +47,7 @@ impl Default for Conditioning {
 
 impl Conditioning {
     /// Refuses what no log could be conditioned with.
-    pub(crate) fn check(&self) -> Result<(), MotionError> {
+    pub(crate) fn check(&self) -> Result<()> {
         let setting = |what, value, expected| Err(MotionError::Setting { what, value, expected });
         if let Some(rate) = self.rate.filter(|rate| !(rate.is_finite() && *rate > 0.0)) {
             return setting("rate to keep", rate, "above 0 Hz");

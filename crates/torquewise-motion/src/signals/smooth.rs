@@ -1,6 +1,6 @@
 //! From even columns, Plan to smooth q, q̇, q̈, τ, and the rows of them that are kept.
 
-use crate::MotionError;
+use crate::error::Result;
 use crate::signals::butterworth::low_pass;
 use crate::signals::clean::Even;
 use crate::signals::delay::shift;
@@ -18,7 +18,7 @@ pub(crate) struct Smooth {
     pub(crate) motion: Motion,
 }
 
-pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
+pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns> {
     let columns = &even.columns;
     let Some(cutoff) = plan.cutoff else { return Ok(columns.clone()) };
     let sections = low_pass(ORDER, cutoff, plan.rate)?;
@@ -30,7 +30,7 @@ pub(crate) fn filter(even: &Even, plan: &Plan) -> Result<Columns, MotionError> {
 }
 
 /// Derivatives of the filtered signals, and the torque advanced by its delay.
-pub(crate) fn smooth(filtered: &Columns, even: &Even, plan: &Plan) -> Result<Smooth, MotionError> {
+pub(crate) fn smooth(filtered: &Columns, even: &Even, plan: &Plan) -> Result<Smooth> {
     let q = matrix(filtered.signals[Q].as_deref().unwrap_or_default());
     let [dq, ddq] = [1, 2].map(|order| even_derivative(q.as_ref(), plan.rate, order));
     let (dq, ddq) = (dq?, ddq?);

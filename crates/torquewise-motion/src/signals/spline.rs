@@ -1,6 +1,6 @@
 //! From samples at any times to values between them: the cubic spline.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 
 /// Values at `at` of the cubic spline through (`t`, `x`), with no knot at the second and the last
 /// but one sample.
@@ -11,7 +11,7 @@ use crate::MotionError;
 ///
 /// Source: C. de Boor, A Practical Guide to Splines, ch. IV. Checked against:
 /// scipy.interpolate.CubicSpline.
-pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, MotionError> {
+pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>> {
     if t.len() < 4 || x.len() < t.len() {
         return Err(MotionError::TooFewRows { rows: t.len().min(x.len()), needed: 4 });
     }
@@ -36,7 +36,7 @@ pub(crate) fn interpolate(t: &[f64], x: &[f64], at: &[f64]) -> Result<Vec<f64>, 
 }
 
 /// Refuses stamps that are not finite, stand still or go back.
-pub(crate) fn check_increasing(t: &[f64]) -> Result<(), MotionError> {
+pub(crate) fn check_increasing(t: &[f64]) -> Result<()> {
     if let Some(row) = t.iter().position(|t| !t.is_finite()) {
         return Err(MotionError::NotFiniteAt { row });
     }

@@ -1,6 +1,6 @@
 //! From signal to smoothed signal: a filter run forwards and backwards, so that nothing is delayed.
 
-use crate::MotionError;
+use crate::error::{MotionError, Result};
 use crate::signals::butterworth::{Section, sosfilt, sosfilt_zi};
 
 /// Runs `x` through the sections forwards and backwards, in place.
@@ -10,7 +10,7 @@ use crate::signals::butterworth::{Section, sosfilt, sosfilt_zi};
 ///
 /// Source: F. Gustafsson, IEEE Trans. Signal Process. 44 (1996). Checked against:
 /// scipy.signal.sosfiltfilt.
-pub(crate) fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<(), MotionError> {
+pub(crate) fn filtfilt(sections: &[Section], x: &mut [f64]) -> Result<()> {
     let (pad, n) = (padding(sections), x.len());
     if n <= pad {
         return Err(MotionError::TooFewRows { rows: n, needed: pad + 1 });

@@ -1,6 +1,6 @@
 //! From counted operations of each step's torque to which of them fits which control rate.
 
-use crate::error::ReportError;
+use crate::error::{ReportError, Result};
 use crate::fit_report::Findings;
 use crate::fit_report::method::{members, nrmse_percent};
 use crate::html::number::{count, significant};
@@ -39,12 +39,12 @@ struct Choice {
     on_test: Option<f64>,
 }
 
-pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
+pub(crate) fn section(findings: &Findings<'_>) -> Result<Section> {
     let mut choices = Vec::new();
     for ((place, (name, model)), &cost) in
         members(findings)?.into_iter().enumerate().zip(findings.costs)
     {
-        let worst = |diagnosis: &Diagnosis| -> Result<f64, ReportError> {
+        let worst = |diagnosis: &Diagnosis| -> Result<f64> {
             let joints = nrmse_percent(&diagnosis.trace.motion, &model)
                 .map_err(|source| ReportError::Step { step: place + 1, source })?;
             Ok(joints.into_iter().filter(|percent| percent.is_finite()).fold(0.0, f64::max))

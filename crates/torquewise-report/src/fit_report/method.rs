@@ -1,6 +1,6 @@
 //! From findings to details of the method: how rows were told apart, and what each step found.
 
-use crate::error::ReportError;
+use crate::error::{ReportError, Result};
 use crate::fit_report::Findings;
 use crate::fit_report::clock::{self, Clock};
 use crate::fit_report::torques::LINK;
@@ -9,7 +9,7 @@ use crate::html::{Chart, Colour, Column, Item, Label, Mark, Section, Series, Tab
 use torquewise_model::{Model, ModelError, Torque};
 use torquewise_motion::{Motion, Pattern};
 
-pub(crate) fn section(findings: &Findings<'_>) -> Result<Section, ReportError> {
+pub(crate) fn section(findings: &Findings<'_>) -> Result<Section> {
     let words = format!(
         "K-means of the activation indices of velocity and acceleration told the rows apart, into \
          {} clusters, each named by what it activates: gravity alone at standstill, Coriolis torque \
@@ -44,7 +44,7 @@ fn patterns(findings: &Findings<'_>) -> Table {
 }
 
 /// Terms and errors of each joint after each step (Fig. 10 of the paper).
-fn steps(findings: &Findings<'_>) -> Result<Table, ReportError> {
+fn steps(findings: &Findings<'_>) -> Result<Table> {
     let found = findings.found;
     let (active, kept) = (found.model.active(), found.model.n_coefficients());
     let steps =
@@ -88,7 +88,7 @@ fn motion(findings: &Findings<'_>) -> Chart {
 }
 
 /// The model after each step, and as it is, with their names.
-pub(crate) fn members(findings: &Findings<'_>) -> Result<Vec<(String, Model)>, ReportError> {
+pub(crate) fn members(findings: &Findings<'_>) -> Result<Vec<(String, Model)>> {
     let model = &findings.found.model;
     let mut members = Vec::new();
     for (place, stage) in model.stages.iter().enumerate() {

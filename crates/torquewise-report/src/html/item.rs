@@ -1,6 +1,6 @@
 //! From item to HTML: one part of a section.
 
-use crate::error::ReportError;
+use crate::error::Result;
 use crate::html::bars::Bars;
 use crate::html::chart::{Chart, Mark};
 use crate::html::colour::Colour;
@@ -79,11 +79,11 @@ impl<'a> Writer<'a> {
         Self { environment, charts: 0 }
     }
 
-    pub(crate) fn write(&mut self, items: &[Item]) -> Result<String, ReportError> {
+    pub(crate) fn write(&mut self, items: &[Item]) -> Result<String> {
         items.iter().map(|item| self.item(item)).collect()
     }
 
-    fn item(&mut self, item: &Item) -> Result<String, ReportError> {
+    fn item(&mut self, item: &Item) -> Result<String> {
         let (kind, item) = match item {
             Item::Text(text) => ("text", context! { text => text.as_str() }),
             Item::Callout(Callout { tone, heading, lines }) => {
@@ -111,7 +111,7 @@ impl<'a> Writer<'a> {
         Ok(self.environment.get_template("item.html")?.render(context! { kind, item })?)
     }
 
-    fn chart(&mut self, chart: &Chart) -> Result<Value, ReportError> {
+    fn chart(&mut self, chart: &Chart) -> Result<Value> {
         self.charts += 1;
         let series: Vec<_> = chart
             .series

@@ -1,6 +1,6 @@
 //! HTML that a page takes over as it is: words, once they are escaped, and equations.
 
-use crate::error::ReportError;
+use crate::error::Result;
 use serde::Serialize;
 use std::fmt::{self, Write};
 
@@ -58,7 +58,7 @@ pub fn escape(text: &str) -> String {
 
 /// Data as JSON that can stand within a script tag: no letter of it can end the tag or open a
 /// comment.
-pub(crate) fn script_json(data: &impl Serialize) -> Result<String, ReportError> {
+pub(crate) fn script_json(data: &impl Serialize) -> Result<String> {
     let json = serde_json::to_string(data)?;
     let mut escaped = String::with_capacity(json.len());
     for c in json.chars() {

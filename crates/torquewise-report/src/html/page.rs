@@ -1,6 +1,6 @@
 //! From page to HTML text: title, contents, sections, style and script in one file.
 
-use crate::error::ReportError;
+use crate::error::Result;
 use crate::html::item::{Item, Writer};
 use minijinja::{Environment, UndefinedBehavior, Value, context};
 
@@ -43,8 +43,8 @@ impl Page {
     /// Checked against: `python/tests/test_report_page.py`, in a real browser.
     ///
     /// # Errors
-    /// [`ReportError::Page`] or [`ReportError::Data`] if a template cannot be filled.
-    pub fn to_html(&self) -> Result<String, ReportError> {
+    /// `ReportError::Page` or `ReportError::Data` if a template cannot be filled.
+    pub fn to_html(&self) -> Result<String> {
         let mut environment = Environment::new();
         environment.set_undefined_behavior(UndefinedBehavior::SemiStrict);
         environment.add_template("page.html", PAGE)?;

@@ -1,6 +1,6 @@
 //! From chart to JSON for the script of a page: thinned columns of short numbers.
 
-use crate::error::ReportError;
+use crate::error::Result;
 use crate::html::chart::{Axis, Band, Chart, Guide, Mark, Position};
 use crate::html::markup::script_json;
 use crate::html::number::{Plotted, rounded};
@@ -32,7 +32,7 @@ struct SeriesSpec<'a> {
     high: Vec<Plotted>,
 }
 
-pub(crate) fn spec_json(chart: &Chart) -> Result<String, ReportError> {
+pub(crate) fn spec_json(chart: &Chart) -> Result<String> {
     let mut columns: Vec<Vec<Plotted>> = Vec::new();
     let mut series: Vec<Option<SeriesSpec<'_>>> = chart.series.iter().map(|_| None).collect();
     for group in groups(chart) {

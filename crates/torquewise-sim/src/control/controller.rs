@@ -4,7 +4,7 @@ use crate::control::gains::Gains;
 use crate::control::knowledge::{Knowledge, sum};
 use crate::control::moving::Slopes;
 use crate::control::reference::period;
-use crate::error::{SimError, check_above_zero, check_joints};
+use crate::error::{Result, check_above_zero, check_joints};
 use crate::state::State;
 use torquewise_motion::Motion;
 use torquewise_motion::path::Path;
@@ -59,14 +59,9 @@ impl<'a> Controller<'a> {
     /// velocities are plain differences.
     ///
     /// # Errors
-    /// [`SimError::JointCount`] or [`SimError::Setting`] if these do not belong together;
-    /// [`SimError::Uneven`] or [`SimError::TooShort`] for a motion without a rate.
-    pub fn new(
-        law: Law,
-        known: &'a dyn Knowledge,
-        gains: &Gains,
-        wanted: &Motion,
-    ) -> Result<Self, SimError> {
+    /// `SimError::JointCount` or `SimError::Setting` if these do not belong together;
+    /// `SimError::Uneven` or `SimError::TooShort` for a motion without a rate.
+    pub fn new(law: Law, known: &'a dyn Knowledge, gains: &Gains, wanted: &Motion) -> Result<Self> {
         let n = known.n_joints();
         gains.check(n)?;
         check_joints("the desired motion", wanted.n_joints(), n)?;
@@ -87,8 +82,8 @@ impl<'a> Controller<'a> {
     /// integral does not grow any further.
     ///
     /// # Errors
-    /// [`SimError::JointCount`] or [`SimError::Setting`].
-    pub fn with_limit(mut self, limit: &[f64]) -> Result<Self, SimError> {
+    /// `SimError::JointCount` or `SimError::Setting`.
+    pub fn with_limit(mut self, limit: &[f64]) -> Result<Self> {
         check_joints("the limit of the torque", limit.len(), self.limit.len())?;
         for &limit in limit {
             check_above_zero("the limit of the torque [N·m]", limit)?;
@@ -100,8 +95,8 @@ impl<'a> Controller<'a> {
     /// The same with velocities below a cut-off \[Hz\].
     ///
     /// # Errors
-    /// [`SimError::Setting`].
-    pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self, SimError> {
+    /// `SimError::Setting`.
+    pub fn with_cutoff(mut self, cutoff: f64) -> Result<Self> {
         check_above_zero("the cut-off of the velocity [Hz]", cutoff)?;
         self.cutoff = cutoff;
         Ok(self)
@@ -113,11 +108,7 @@ impl<'a> Controller<'a> {
     }
 
     /// Torque command \[N·m\], n, at a tick where the encoders say `measured` \[rad\], n.
-    pub(crate) fn command(
-        &mut self,
-        wanted: &State,
-        measured: &[f64],
-    ) -> Result<Vec<f64>, SimError> {
+    pub(crate) fn command(&mut self, wanted: &State, measured: &[f64]) -> Result<Vec<f64>> {
         if self.law == Law::HandGuiding {
             let still = vec![0.0; measured.len()];
             return Ok(self.within(self.known.rigid(measured, &still, &still)?));
@@ -152,7 +143,7 @@ impl<'a> Controller<'a> {
         wanted: &State,
         [q, dq]: [&[f64]; 2],
         [error, rate]: [&[f64]; 2],
-    ) -> Result<Vec<f64>, SimError> {
+    ) -> Result<Vec<f64>> {
         if self.law == Law::ComputedTorque {
             let w = self.gains.bandwidth;
             let asked = (0..error.len()).map(|i| {

@@ -1,7 +1,7 @@
 //! Gains by one rule, so that controllers are compared and not their tuning.
 
 use crate::control::knowledge::Knowledge;
-use crate::error::{SimError, check_between, check_joints};
+use crate::error::{Result, check_between, check_joints};
 use crate::state::State;
 use torquewise_motion::Motion;
 
@@ -38,8 +38,8 @@ impl Gains {
     /// Whether they are for n joints and can be.
     ///
     /// # Errors
-    /// [`SimError::JointCount`] or [`SimError::Setting`].
-    pub fn check(&self, n_joints: usize) -> Result<(), SimError> {
+    /// `SimError::JointCount` or `SimError::Setting`.
+    pub fn check(&self, n_joints: usize) -> Result<()> {
         check_between("the bandwidth [rad/s]", self.bandwidth, [1e-3, 1e4], "0.001 to 10000")?;
         for gains in [&self.proportional, &self.integral, &self.derivative] {
             check_joints("the gains", gains.len(), n_joints)?;
@@ -58,11 +58,8 @@ const STATES: usize = 200;
 /// Mean of M̂ᵢᵢ(q) over the desired motion \[kg·m²\], n.
 ///
 /// # Errors
-/// That of the knowledge; [`SimError::JointCount`] if the motion is of another arm.
-pub fn mean_inertia(
-    known: &(impl Knowledge + ?Sized),
-    wanted: &Motion,
-) -> Result<Vec<f64>, SimError> {
+/// That of the knowledge; `SimError::JointCount` if the motion is of another arm.
+pub fn mean_inertia(known: &(impl Knowledge + ?Sized), wanted: &Motion) -> Result<Vec<f64>> {
     let n = known.n_joints();
     check_joints("the desired motion", wanted.n_joints(), n)?;
     let every = wanted.n_rows().div_ceil(STATES).max(1);

@@ -1,6 +1,6 @@
 //! Dormand and Prince's method with error control.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 
 /// Where the stages of a step are: x + h Σ Aᵢⱼ kⱼ. The last row is the solution of order 5.
 const A: [&[f64]; 6] = [
@@ -53,8 +53,8 @@ impl Integrator {
         &mut self,
         x: &mut [f64],
         [t, seconds]: [f64; 2],
-        mut slope: impl FnMut(&[f64], &mut [f64]) -> Result<(), SimError>,
-    ) -> Result<(), SimError> {
+        mut slope: impl FnMut(&[f64], &mut [f64]) -> Result<()>,
+    ) -> Result<()> {
         let (mut left, mut steps) = (seconds, 0);
         slope(x, &mut self.slopes[0])?;
         while left > 0.0 {
@@ -88,8 +88,8 @@ impl Integrator {
         &mut self,
         x: &[f64],
         h: f64,
-        slope: &mut impl FnMut(&[f64], &mut [f64]) -> Result<(), SimError>,
-    ) -> Result<(), SimError> {
+        slope: &mut impl FnMut(&[f64], &mut [f64]) -> Result<()>,
+    ) -> Result<()> {
         for (stage, weights) in A.iter().enumerate() {
             for (i, (trial, x)) in self.trial.iter_mut().zip(x).enumerate() {
                 let sum: f64 = weights.iter().zip(&self.slopes).map(|(a, k)| a * k[i]).sum();

@@ -1,7 +1,7 @@
 //! What a controller may ask about the arm before it.
 
 use crate::control::plant::Plant;
-use crate::error::SimError;
+use crate::error::Result;
 use faer::Mat;
 use torquewise_model::{Model, Torque};
 use torquewise_motion::path::Path;
@@ -14,20 +14,20 @@ pub trait Knowledge: Sync {
     fn n_joints(&self) -> usize;
 
     /// M̂(q) q̈ + Ĉ(q, q̇) q̇ + Ĝ(q) \[N·m\], n.
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError>;
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>>;
 
     /// The way of a motion before its first sample, with all that friction remembers of it.
     fn path(&self) -> Path;
 
     /// F̂ \[N·m\], n, at the end of a way and at q̇; zeros where no friction is known.
-    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError>;
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>>;
 
     /// Ĝ(q) and the friction of slow motion at the end of a way and at q̇ \[N·m\], n: what is known
     /// after step 1.
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError>;
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>>;
 
     /// M̂ᵢᵢ(q) \[kg·m²\], n.
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError>;
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>>;
 }
 
 /// A reconstructed model made ready for control.
@@ -47,8 +47,8 @@ impl Learned {
     /// after the first of its steps. A model that was found in one step has its gravity instead.
     ///
     /// # Errors
-    /// [`SimError::Model`] if its steps cannot be told apart.
-    pub fn new(model: &Model) -> Result<Self, SimError> {
+    /// `SimError::Model` if its steps cannot be told apart.
+    pub fn new(model: &Model) -> Result<Self> {
         let first = if model.stages.is_empty() { model.clone() } else { model.after_step(1)? };
         // Slow motion knows friction at low speed only.
         let first = Model { friction: model.friction.clone(), ..first };
@@ -68,7 +68,7 @@ impl Knowledge for Learned {
         self.n_joints
     }
 
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>> {
         let whole = self.whole.at(q, dq, ddq)?;
         Ok(sum(whole, -1.0, &self.whole.friction(q, dq)?))
     }
@@ -77,16 +77,16 @@ impl Knowledge for Learned {
         self.whole.path()
     }
 
-    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn friction(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>> {
         Ok(self.whole.friction_after(path, dq)?)
     }
 
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>> {
         let gravity = self.first_step.gravity(path.q())?;
         Ok(sum(gravity, 1.0, &self.first_step.friction_after(path, dq)?))
     }
 
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>> {
         Ok(diagonal(&self.whole.mass_matrix(q)?))
     }
 }
@@ -97,7 +97,7 @@ impl Knowledge for Plant {
         self.arm.n_joints()
     }
 
-    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn rigid(&self, q: &[f64], dq: &[f64], ddq: &[f64]) -> Result<Vec<f64>> {
         Ok(self.arm.inverse_dynamics(q, dq, ddq))
     }
 
@@ -105,15 +105,15 @@ impl Knowledge for Plant {
         Path::new(self.arm.n_joints(), &[])
     }
 
-    fn friction(&self, _path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn friction(&self, _path: &Path, dq: &[f64]) -> Result<Vec<f64>> {
         Ok(self.friction.torques(dq))
     }
 
-    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn slow(&self, path: &Path, dq: &[f64]) -> Result<Vec<f64>> {
         Ok(sum(self.arm.gravity_torque(path.q()), 1.0, &self.friction.torques(dq)))
     }
 
-    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>, SimError> {
+    fn inertia(&self, q: &[f64]) -> Result<Vec<f64>> {
         Ok(diagonal(&self.arm.mass_matrix(q)))
     }
 }

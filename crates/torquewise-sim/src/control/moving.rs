@@ -2,7 +2,7 @@
 
 use crate::control::integrate::Integrator;
 use crate::control::plant::Plant;
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::random::normal;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -27,7 +27,7 @@ pub(crate) struct Moving<'a> {
 
 impl<'a> Moving<'a> {
     /// A plant at q \[rad\] and dq \[rad/s\], n each.
-    pub(crate) fn new(plant: &'a Plant, q: &[f64], dq: &[f64]) -> Result<Self, SimError> {
+    pub(crate) fn new(plant: &'a Plant, q: &[f64], dq: &[f64]) -> Result<Self> {
         plant.check()?;
         let state = plant.state(q, dq);
         Ok(Self {
@@ -77,7 +77,7 @@ impl<'a> Moving<'a> {
         command: Vec<f64>,
         external: &[f64],
         period: f64,
-    ) -> Result<Vec<f64>, SimError> {
+    ) -> Result<Vec<f64>> {
         let delay = self.plant.drive.delay;
         let periods = (delay / period + 1e-9).floor();
         let late = (delay - periods * period).max(0.0);
@@ -104,7 +104,7 @@ impl<'a> Moving<'a> {
         command.iter().zip(limits).map(|(c, &limit)| c.clamp(-limit, limit)).collect()
     }
 
-    fn move_under(&mut self, tau: &[f64], external: &[f64], seconds: f64) -> Result<(), SimError> {
+    fn move_under(&mut self, tau: &[f64], external: &[f64], seconds: f64) -> Result<()> {
         let total: Vec<f64> = tau.iter().zip(external).map(|(tau, more)| tau + more).collect();
         let times = [self.t, seconds];
         self.plant.follow(&mut self.integrator, &mut self.state, times, &total)?;

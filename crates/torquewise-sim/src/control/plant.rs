@@ -1,7 +1,7 @@
 //! What a controller has before it: arm, friction, drives and encoders.
 
 use crate::control::integrate::Integrator;
-use crate::error::{SimError, check_above_zero, check_between, check_joints};
+use crate::error::{Result, check_above_zero, check_between, check_joints};
 use crate::{Arm, Friction};
 
 /// An arm as it is met: τ + τ_external = M(q) q̈ + C(q, q̇) q̇ + G(q) + F(q̇), method.md (1) (17).
@@ -73,8 +73,8 @@ impl Plant {
     /// Whether all parts are of one arm, and every number can be.
     ///
     /// # Errors
-    /// [`SimError::JointCount`] or [`SimError::Setting`], naming what is at fault.
-    pub fn check(&self) -> Result<(), SimError> {
+    /// `SimError::JointCount` or `SimError::Setting`, naming what is at fault.
+    pub fn check(&self) -> Result<()> {
         let n = self.arm.n_joints();
         check_joints("friction", self.friction.n_joints(), n)?;
         check_joints("the limit of the torque", self.drive.limit.len(), n)?;
@@ -108,14 +108,9 @@ impl Plant {
     /// they are then. Limits, delay and sensors have no part in it; bristles are not bent at first.
     ///
     /// # Errors
-    /// [`SimError::JointCount`]; [`SimError::Massless`]; [`SimError::Diverged`] if the motion cannot
+    /// `SimError::JointCount`; `SimError::Massless`; `SimError::Diverged` if the motion cannot
     /// be followed.
-    pub fn advance(
-        &self,
-        [q, dq]: [&mut [f64]; 2],
-        tau: &[f64],
-        seconds: f64,
-    ) -> Result<(), SimError> {
+    pub fn advance(&self, [q, dq]: [&mut [f64]; 2], tau: &[f64], seconds: f64) -> Result<()> {
         self.check()?;
         let n = self.arm.n_joints();
         for (what, found) in [("q", q.len()), ("dq", dq.len()), ("tau", tau.len())] {
@@ -144,7 +139,7 @@ impl Plant {
         state: &mut [f64],
         times: [f64; 2],
         tau: &[f64],
-    ) -> Result<(), SimError> {
+    ) -> Result<()> {
         integrator.advance(state, times, |x, dx| {
             if x.iter().any(|x| !x.is_finite()) {
                 // The integrator takes a shorter step.

@@ -5,7 +5,7 @@ use crate::control::knowledge::sum;
 use crate::control::moving::{Moving, Slopes};
 use crate::control::plant::Plant;
 use crate::control::reference::period;
-use crate::error::{SimError, check_between, check_joints};
+use crate::error::{Result, check_between, check_joints};
 use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
@@ -22,9 +22,9 @@ use torquewise_motion::signals::Raw;
 /// - `bandwidth`: ω \[rad/s\]
 ///
 /// # Errors
-/// [`SimError::JointCount`], [`SimError::Setting`] or [`SimError::Uneven`] if these do
-/// not belong together; [`SimError::Diverged`] for a loop that is unstable.
-pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw, SimError> {
+/// `SimError::JointCount`, `SimError::Setting` or `SimError::Uneven` if these do
+/// not belong together; `SimError::Diverged` for a loop that is unstable.
+pub fn record(plant: &Plant, wanted: &Motion, bandwidth: f64) -> Result<Raw> {
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
     check_between("the bandwidth [rad/s]", bandwidth, [1e-3, 1e4], "0.001 to 10000")?;

@@ -1,7 +1,7 @@
 //! Desired motions: smooth, periodic, at rest between their periods.
 
 use crate::Arm;
-use crate::error::{SimError, check_between};
+use crate::error::{Result, SimError, check_between};
 use crate::state::Rows;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -46,7 +46,7 @@ const MOST_ROWS: f64 = 5e6;
 ///
 /// # Errors
 /// [`SimError::Setting`] for a number out of bounds.
-pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion, SimError> {
+pub fn periodic(arm: &Arm, plan: &Periodic) -> Result<Motion> {
     let most = MOST_ROWS / plan.rate.max(1.0);
     check_between("the control rate [Hz]", plan.rate, [10.0, 1e5], "from 10 to 100000")?;
     let expected = "above 0 and at most 5000000 control periods";
@@ -122,7 +122,7 @@ impl Wave {
 const SLACK: f64 = 1e-3;
 
 /// Seconds between the rows of a desired motion.
-pub(crate) fn period(motion: &Motion) -> Result<f64, SimError> {
+pub(crate) fn period(motion: &Motion) -> Result<f64> {
     let (t, rows) = (motion.t(), motion.n_rows());
     let [first, .., last] = t else { return Err(SimError::TooFewRows { rows }) };
     let period = (last - first) / (rows - 1) as f64;

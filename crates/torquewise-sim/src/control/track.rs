@@ -5,7 +5,7 @@ use crate::control::gains::Gains;
 use crate::control::knowledge::Knowledge;
 use crate::control::moving::Moving;
 use crate::control::plant::Plant;
-use crate::error::{SimError, check_joints};
+use crate::error::{Result, check_joints};
 use crate::state::State;
 use faer::Mat;
 use torquewise_motion::Motion;
@@ -35,13 +35,9 @@ pub struct Tracking {
 /// controller, pulling at every joint. The torque of the hand says how heavy the arm feels.
 ///
 /// # Errors
-/// [`SimError::JointCount`] if they are of different arms; [`SimError::Diverged`] for a
+/// `SimError::JointCount` if they are of different arms; `SimError::Diverged` for a
 /// loop that is unstable.
-pub fn track(
-    plant: &Plant,
-    controller: &mut Controller<'_>,
-    wanted: &Motion,
-) -> Result<Tracking, SimError> {
+pub fn track(plant: &Plant, controller: &mut Controller<'_>, wanted: &Motion) -> Result<Tracking> {
     let hand = (controller.law == Law::HandGuiding).then(|| controller.gains.clone());
     let (m, n) = (wanted.n_rows(), plant.arm.n_joints());
     check_joints("the desired motion", wanted.n_joints(), n)?;
@@ -92,7 +88,7 @@ pub fn compare(
     laws: &[Law],
     gains: &Gains,
     wanted: &Motion,
-) -> Result<Vec<Tracking>, SimError> {
+) -> Result<Vec<Tracking>> {
     plant.check()?;
     let run = |law: Law| {
         let controller = Controller::new(law, known, gains, wanted)?;

@@ -1,6 +1,6 @@
 //! The parts of a recording: those that tell most about the coefficients.
 
-use crate::error::SimError;
+use crate::error::Result;
 use crate::excite::information::Information;
 use crate::excite::library::Library;
 use crate::excite::limits::Bounds;
@@ -71,7 +71,7 @@ impl Task<'_> {
         known: &[Mat<f64>],
         rng: &mut ChaCha8Rng,
         progress: &mut dyn FnMut(f64),
-    ) -> Result<Vec<Part>, SimError> {
+    ) -> Result<Vec<Part>> {
         let n = self.limits.len() as f64;
         let mut information =
             Information::new(self.library.n_columns(), RIDGE * n * self.seconds, known);
@@ -99,7 +99,7 @@ impl Task<'_> {
         information: &Information,
         chosen: &[Chosen],
         rng: &mut ChaCha8Rng,
-    ) -> Result<Option<Chosen>, SimError> {
+    ) -> Result<Option<Chosen>> {
         let before = self.seconds_with(chosen, None);
         let kind = self.kind(chosen.len(), before);
         let mut drawn = Vec::new();
@@ -123,7 +123,7 @@ impl Task<'_> {
         chosen: &mut [Chosen],
         place: usize,
         rng: &mut ChaCha8Rng,
-    ) -> Result<(), SimError> {
+    ) -> Result<()> {
         let old = chosen[place].clone();
         let kind = old.part.sweep.unwrap_or(Sweep::Together);
         let mut drawn = Vec::new();
@@ -151,7 +151,7 @@ impl Task<'_> {
         &self,
         information: &Information,
         drawn: Vec<(Part, f64)>,
-    ) -> Result<Option<(Chosen, f64)>, SimError> {
+    ) -> Result<Option<(Chosen, f64)>> {
         // Each is judged in one thread and the best is looked for in order: same bits. Columns are
         // made twice for the best, so that those of all need not be kept.
         let worths = drawn.par_iter().map(|(part, cost)| {
@@ -159,7 +159,7 @@ impl Task<'_> {
             // What is not a number is worth nothing.
             Ok((information.gain(rows.as_ref()) / cost).max(f64::NEG_INFINITY))
         });
-        let worths: Vec<f64> = worths.collect::<Result<_, SimError>>()?;
+        let worths: Vec<f64> = worths.collect::<Result<_>>()?;
         let judged = drawn.into_iter().zip(worths);
         let best = judged.reduce(|best, next| if next.1 > best.1 { next } else { best });
         let Some(((part, _), worth)) = best else { return Ok(None) };

@@ -1,6 +1,6 @@
 //! Energies and friction as columns, each of size one over the limits.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::random::between;
@@ -53,7 +53,7 @@ pub(crate) enum Share {
 }
 
 impl Library {
-    pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self, SimError> {
+    pub(crate) fn new(limits: &[Bounds], interaction: Option<usize>) -> Result<Self> {
         let n = limits.len();
         let mut order = interaction.unwrap_or(INTERACTION).clamp(1, n.max(1));
         if interaction.is_none() && energy_library_size(n, Some(order)) > EASY_COLUMNS {
@@ -109,13 +109,13 @@ impl Library {
         &self,
         parts: impl IntoIterator<Item = &'a Part>,
         density: u8,
-    ) -> Result<Vec<Mat<f64>>, SimError> {
+    ) -> Result<Vec<Mat<f64>>> {
         parts.into_iter().map(|part| self.rows(&part.states(density))).collect()
     }
 
     /// The columns at some states, n·m rows by p: the joints below each other, each row times the
     /// root of the seconds it stands for.
-    pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>, SimError> {
+    pub(crate) fn rows(&self, states: &States) -> Result<Mat<f64>> {
         let Rows { q, dq, ddq } = &states.rows;
         let (m, n) = (q.nrows(), q.ncols());
         let variables = Mat::from_fn(m, 2 * n, |row, column| {

@@ -1,7 +1,7 @@
 //! What each joint may do, and what the plan keeps to.
 
 use crate::Arm;
-use crate::error::{SimError, check_between};
+use crate::error::{Result, SimError, check_between};
 use std::f64::consts::PI;
 
 /// What a joint may do at most.
@@ -67,7 +67,7 @@ pub const SECONDS_TO_SPEED: f64 = 0.5;
 const SENSIBLE: [f64; 2] = [1e-4, 1e4];
 
 impl<T: Copy> PerJoint<T> {
-    fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>, SimError> {
+    fn resolve(&self, what: &'static str, joints: &[String]) -> Result<Vec<Option<T>>> {
         let named = self.0.iter().filter(|(name, _)| name.is_some()).count();
         let (n, found) = (joints.len(), self.0.len());
         if named == 0 {
@@ -102,7 +102,7 @@ impl<T: Copy> PerJoint<T> {
 ///
 /// # Errors
 /// [`SimError`], naming the joint and the number at fault.
-pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>, SimError> {
+pub fn limits(arm: &Arm, wishes: &Wishes) -> Result<Vec<Limits>> {
     let joints = arm.joints();
     check_between("speed scale", wishes.speed_scale, [0.01, 1.0], "from 0.01 to 1")?;
     check_between("margin", wishes.margin, [0.0, 0.45], "from 0 to 0.45")?;
@@ -151,7 +151,7 @@ fn planned_range(
     asked: Option<[f64; 2]>,
     inner: Option<[f64; 2]>,
     turn: [f64; 2],
-) -> Result<[f64; 2], SimError> {
+) -> Result<[f64; 2]> {
     let [lower, upper] = match (asked, inner) {
         (Some([a, b]), Some([lower, upper])) => [a.max(lower), b.min(upper)],
         (Some(range), None) => range,
@@ -173,7 +173,7 @@ fn inset([lower, upper]: [f64; 2], margin: f64) -> [f64; 2] {
     [lower + distance, upper - distance]
 }
 
-fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<(), SimError> {
+fn check_rate(what: &'static str, joint: &str, found: f64) -> Result<()> {
     if (SENSIBLE[0]..=SENSIBLE[1]).contains(&found) {
         return Ok(());
     }

@@ -1,6 +1,6 @@
 //! Three recordings that a model can be reconstructed from, on one page.
 
-use crate::error::{SimError, check_between};
+use crate::error::{Result, SimError, check_between};
 use crate::excite::design::{Effort, Recipe, Task};
 use crate::excite::information::Criterion;
 use crate::excite::library::{Library, Share};
@@ -98,7 +98,7 @@ pub fn excite(
     limits: &[Limits],
     plan: &Plan,
     progress: &mut dyn FnMut(f64, &'static str),
-) -> Result<Excitation, SimError> {
+) -> Result<Excitation> {
     let home = home(limits, plan)?;
     plan.check()?;
     let joints: Vec<String> = limits.iter().map(|limits| limits.joint.clone()).collect();
@@ -143,7 +143,7 @@ impl Setting<'_> {
         library: &Library,
         effort: Effort,
         progress: &mut dyn FnMut(f64, &'static str),
-    ) -> Result<[Planned; 3], SimError> {
+    ) -> Result<[Planned; 3]> {
         let standstill = self.recording(0, &[], library, effort, progress)?;
         let uniform = self.recording(1, &[&standstill], library, effort, progress)?;
         let before = [&standstill, &uniform];
@@ -158,7 +158,7 @@ impl Setting<'_> {
         library: &Library,
         effort: Effort,
         progress: &mut dyn FnMut(f64, &'static str),
-    ) -> Result<Planned, SimError> {
+    ) -> Result<Planned> {
         let Self { plan, joints, bounds, home } = *self;
         let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
         let (recipe, share) = self.stage(stage);
@@ -189,11 +189,7 @@ impl Setting<'_> {
         }
     }
 
-    fn criteria(
-        &self,
-        library: &Library,
-        recordings: &[Planned; 3],
-    ) -> Result<[Criterion; 3], SimError> {
+    fn criteria(&self, library: &Library, recordings: &[Planned; 3]) -> Result<[Criterion; 3]> {
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();
@@ -236,7 +232,7 @@ fn stacked(blocks: &[Mat<f64>]) -> Mat<f64> {
 }
 
 /// The pose at both ends: as asked, else zero, else the middle of the range.
-fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>, SimError> {
+fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>> {
     let n = limits.len();
     if let Some(home) = plan.home.as_ref().filter(|home| home.len() != n) {
         return Err(SimError::Count { what: "home", found: home.len(), joints: n });
@@ -255,7 +251,7 @@ fn home(limits: &[Limits], plan: &Plan) -> Result<Vec<f64>, SimError> {
 
 impl Plan {
     /// Refuses numbers of which no plan can be made, or only one beyond all memory and patience.
-    fn check(&self) -> Result<(), SimError> {
+    fn check(&self) -> Result<()> {
         let numbers = [
             ("time of `standstill` [s]", self.seconds[0], 1.0, 3_600.0, "from 1 to 3600"),
             ("time of `uniform` [s]", self.seconds[1], 1.0, 3_600.0, "from 1 to 3600"),

@@ -1,13 +1,13 @@
 //! A planned recording: parts with glides between them, its rows at a rate, and their peaks.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::excite::design::REST;
 use crate::excite::limits::Bounds;
 use crate::excite::part::{Part, States};
 use crate::excite::segment::{Segment, glide};
 use crate::state::{Rows, State};
 use torquewise_motion::stats::whole;
-use torquewise_motion::{BLOCK_ROWS, Motion, ReadError, Recording};
+use torquewise_motion::{BLOCK_ROWS, Motion, ReadResult, Recording, Visit};
 
 /// A planned recording: q, q̇ and q̈ from home to home, without torque.
 #[derive(Clone, Debug)]
@@ -105,7 +105,7 @@ impl Planned {
 
     /// How far each joint goes, at the rows and at four instants between two of them, n, once that is
     /// found within the limits.
-    pub(crate) fn peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>, SimError> {
+    pub(crate) fn peaks(&self, limits: &[Bounds]) -> Result<Vec<Peaks>> {
         let none = Peaks {
             position: [f64::INFINITY, f64::NEG_INFINITY],
             velocity: 0.0,
@@ -144,11 +144,11 @@ impl Planned {
     ///
     /// # Errors
     /// [`SimError::Motion`] if a number overflows.
-    pub fn motion(&self) -> Result<Motion, SimError> {
+    pub fn motion(&self) -> Result<Motion> {
         self.rows(0..self.n_rows())
     }
 
-    fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion, SimError> {
+    fn rows(&self, rows: std::ops::Range<usize>) -> Result<Motion> {
         let mut states = Rows::new(rows.len(), self.joints.len());
         let mut t = Vec::with_capacity(rows.len());
         let mut state = State::at_rest(&self.home);
@@ -166,10 +166,7 @@ impl Recording for Planned {
         &self.joints
     }
 
-    fn read(
-        &self,
-        visit: &mut dyn FnMut(usize, &Motion) -> Result<(), ReadError>,
-    ) -> Result<(), ReadError> {
+    fn read(&self, visit: Visit<'_>) -> ReadResult {
         let m = self.n_rows();
         (0..m)
             .step_by(BLOCK_ROWS)

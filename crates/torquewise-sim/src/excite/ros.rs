@@ -1,6 +1,6 @@
 //! A recording as waypoints and YAML: `trajectory_msgs/msg/JointTrajectory` of ROS 2.
 
-use crate::error::{SimError, check_between};
+use crate::error::{Result, check_between};
 use crate::excite::recording::Planned;
 use crate::state::State;
 use torquewise_motion::Recording;
@@ -20,8 +20,8 @@ pub struct Waypoint {
 /// sines are met to h⁶/46080 of their sixth derivative, h the time between two points.
 ///
 /// # Errors
-/// [`SimError::Setting`] if `rate` is not from 1 to 1000 Hz.
-pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>, SimError> {
+/// `SimError::Setting` if `rate` is not from 1 to 1000 Hz.
+pub fn waypoints(recording: &Planned, rate: f64) -> Result<Vec<Waypoint>> {
     check_between("ROS rate [Hz]", rate, [1.0, 1000.0], "from 1 to 1000")?;
     let breaks = recording.breaks();
     let mut points: Vec<Waypoint> = Vec::new();
@@ -65,7 +65,7 @@ fn whole_nanoseconds(t: f64) -> u64 {
 ///
 /// # Errors
 /// As [`waypoints`].
-pub fn joint_trajectory(recording: &Planned, rate: f64) -> Result<String, SimError> {
+pub fn joint_trajectory(recording: &Planned, rate: f64) -> Result<String> {
     let names: Vec<String> = recording.joints().iter().map(|name| quoted(name)).collect();
     let points = waypoints(recording, rate)?;
     let point = |point: &Waypoint| {

@@ -2,7 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{STANDARD_GRAVITY, check_finite, direction};
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::spatial::{Body, Pose};
 use crate::urdf::robot::{self, Robot};
 use crate::urdf::tree::{Tree, Welded};
@@ -68,7 +68,7 @@ impl UrdfChain {
     ///
     /// # Errors
     /// As [`crate::Arm::from_urdf`], but for masses.
-    pub fn new(text: &str, locked: &[String], gravity: Option<[f64; 3]>) -> Result<Self, SimError> {
+    pub fn new(text: &str, locked: &[String], gravity: Option<[f64; 3]>) -> Result<Self> {
         Self::of(&Robot::read(text)?, |joint| !locked.contains(&joint.name), locked, gravity)
     }
 
@@ -85,7 +85,7 @@ impl UrdfChain {
         joints: &[String],
         locked: &[String],
         gravity: Option<[f64; 3]>,
-    ) -> Result<Self, SimError> {
+    ) -> Result<Self> {
         let robot = Robot::read(text)?;
         let is_known = |name: &String| robot.joints.iter().any(|joint| joint.name == *name);
         if !joints.iter().any(is_known) {
@@ -115,7 +115,7 @@ impl UrdfChain {
         moves: impl Fn(&robot::Joint) -> bool,
         named: &[String],
         gravity: Option<[f64; 3]>,
-    ) -> Result<Self, SimError> {
+    ) -> Result<Self> {
         let held = |joint: &&robot::Joint| {
             joint.kind != "fixed" && (joint.mimics || !moves(joint)) && !named.contains(&joint.name)
         };

@@ -1,6 +1,6 @@
 //! Inertia and friction put into the text of a URDF; every other byte stays.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::urdf::chain::UrdfInertial;
 use roxmltree::{Document, Node};
 use std::ops::Range;
@@ -26,7 +26,7 @@ pub fn edited(
     text: &str,
     inertials: &[(String, Option<UrdfInertial>)],
     dynamics: &[(String, Dynamics)],
-) -> Result<String, SimError> {
+) -> Result<String> {
     let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
     let root = document.root_element();
     let named = |kind: &str, name: &str| {

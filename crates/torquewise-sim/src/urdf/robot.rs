@@ -1,6 +1,6 @@
 //! The links and joints of a URDF, as far as the motion of an arm depends on them.
 
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use roxmltree::{Document, Node};
 
 /// What a URDF describes; names are as they stand in it.
@@ -51,7 +51,7 @@ const KINDS: [&str; 7] =
 
 impl Robot {
     /// Reads the text of a URDF; elements that say nothing of links and joints are passed over.
-    pub(crate) fn read(text: &str) -> Result<Self, SimError> {
+    pub(crate) fn read(text: &str) -> Result<Self> {
         let document = Document::parse(text).map_err(|source| SimError::Urdf { source })?;
         let root = document.root_element();
         if root.tag_name().name() != "robot" {
@@ -66,14 +66,14 @@ impl Robot {
 }
 
 impl Link {
-    fn read(link: Node<'_, '_>) -> Result<Self, SimError> {
+    fn read(link: Node<'_, '_>) -> Result<Self> {
         let inertial = child(link, "inertial").map(Inertial::read).transpose()?;
         Ok(Self { name: attribute(link, "name")?, inertial })
     }
 }
 
 impl Inertial {
-    fn read(inertial: Node<'_, '_>) -> Result<Self, SimError> {
+    fn read(inertial: Node<'_, '_>) -> Result<Self> {
         let inertia = required(inertial, "inertia")?;
         let mut moments = [0.0; 6];
         for (moment, name) in moments.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
@@ -85,7 +85,7 @@ impl Inertial {
 }
 
 impl Origin {
-    fn of(element: Node<'_, '_>) -> Result<Self, SimError> {
+    fn of(element: Node<'_, '_>) -> Result<Self> {
         let Some(origin) = child(element, "origin") else { return Ok(Self::default()) };
         let [xyz, rpy] = ["xyz", "rpy"].map(|name| numbers(origin, name, Some([0.0; 3])));
         Ok(Self { xyz: xyz?, rpy: rpy? })
@@ -93,7 +93,7 @@ impl Origin {
 }
 
 impl Joint {
-    fn read(joint: Node<'_, '_>) -> Result<Self, SimError> {
+    fn read(joint: Node<'_, '_>) -> Result<Self> {
         let written = attribute(joint, "type")?;
         let kind = KINDS.into_iter().find(|kind| *kind == written);
         let link = |name| attribute(required(joint, name)?, "link");
@@ -129,11 +129,11 @@ fn child<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Option<Node<'a, 'i
     children(parent, name).next()
 }
 
-fn required<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Result<Node<'a, 'i>, SimError> {
+fn required<'a, 'i>(parent: Node<'a, 'i>, name: &'static str) -> Result<Node<'a, 'i>> {
     child(parent, name).ok_or_else(|| refused(parent, &format!("has no <{name}>")))
 }
 
-fn attribute(element: Node<'_, '_>, name: &str) -> Result<String, SimError> {
+fn attribute(element: Node<'_, '_>, name: &str) -> Result<String> {
     let value = element.attribute(name).map(str::to_owned);
     value.ok_or_else(|| refused(element, &format!("has no {name}")))
 }
@@ -143,7 +143,7 @@ fn numbers<const N: usize>(
     element: Node<'_, '_>,
     name: &str,
     default: Option<[f64; N]>,
-) -> Result<[f64; N], SimError> {
+) -> Result<[f64; N]> {
     if let (None, Some(default)) = (element.attribute(name), default) {
         return Ok(default);
     }

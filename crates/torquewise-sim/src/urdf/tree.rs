@@ -2,7 +2,7 @@
 #![expect(non_snake_case, reason = "frames are written quantity_fromTo, as in `spatial`")]
 
 use crate::arm::{check_body, check_finite};
-use crate::error::SimError;
+use crate::error::{Result, SimError};
 use crate::spatial::{Body, Pose};
 use crate::urdf::robot::{Joint, Link, Origin, Robot};
 use std::collections::{HashMap, HashSet};
@@ -29,7 +29,7 @@ pub(crate) type Hinge<'a> = (&'a Joint, Pose, Welded<'a>);
 
 impl<'a> Tree<'a> {
     /// Resolves names and checks that the joints make one tree and that those left unlocked turn.
-    pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self, SimError> {
+    pub(crate) fn new(robot: &'a Robot, locked: &'a [String]) -> Result<Self> {
         let links = by_name("link", robot.links.iter().map(|link| (link.name.as_str(), link)))?;
         let joints = by_name("joint", robot.joints.iter().map(|j| (j.name.as_str(), j)))?;
         let locked: HashSet<&str> = locked.iter().map(String::as_str).collect();
@@ -50,7 +50,7 @@ impl<'a> Tree<'a> {
         Ok(tree)
     }
 
-    fn welded(&self, first: &'a str) -> Result<Welded<'a>, SimError> {
+    fn welded(&self, first: &'a str) -> Result<Welded<'a>> {
         let (mut links, mut fixed, mut exits) = (Vec::new(), Vec::new(), Vec::new());
         let mut open = vec![(first, Pose::identity(), true)];
         while let Some((link, X_GL, is_fixed)) = open.pop() {
@@ -82,7 +82,7 @@ impl<'a> Tree<'a> {
         })
     }
 
-    pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body, SimError> {
+    pub(crate) fn body(&self, welded: &Welded<'a>) -> Result<Body> {
         let mut body = Body::none();
         for (link, X_GL) in &welded.links {
             if let Some(link) = self.links.get(link) {
@@ -93,7 +93,7 @@ impl<'a> Tree<'a> {
     }
 
     /// The one joint that leaves the body, if any.
-    fn only_exit(&self, welded: &Welded<'a>) -> Result<Option<(&'a Joint, Pose)>, SimError> {
+    fn only_exit(&self, welded: &Welded<'a>) -> Result<Option<(&'a Joint, Pose)>> {
         if welded.exits.len() < 2 {
             return Ok(welded.exits.first().copied());
         }
@@ -107,7 +107,7 @@ impl<'a> Tree<'a> {
     }
 
     /// What does not move, then each joint base to tip.
-    pub(crate) fn chain(&self) -> Result<(Welded<'a>, Vec<Hinge<'a>>), SimError> {
+    pub(crate) fn chain(&self) -> Result<(Welded<'a>, Vec<Hinge<'a>>)> {
         let base = self.welded(self.root)?;
         let (mut exit, mut joints) = (self.only_exit(&base)?, Vec::new());
         while let Some((joint, X_PJ)) = exit {
@@ -141,7 +141,7 @@ impl<'a> Tree<'a> {
         moving.map(|joint| joint.name.as_str()).collect()
     }
 
-    fn check_loops(&self, robot: &Robot) -> Result<(), SimError> {
+    fn check_loops(&self, robot: &Robot) -> Result<()> {
         let joints = self.all_below(self.joints_below(self.root).to_vec());
         let children = joints.iter().map(|joint| joint.child.as_str());
         let reached: HashSet<&str> = children.chain([self.root]).collect();
@@ -151,7 +151,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    fn check_types(&self, robot: &Robot) -> Result<(), SimError> {
+    fn check_types(&self, robot: &Robot) -> Result<()> {
         let unsupported: Vec<String> = robot
             .joints
             .iter()
@@ -175,7 +175,7 @@ fn unsupported(joint: &Joint) -> Option<&'static str> {
 fn by_name<'a, T>(
     kind: &'static str,
     items: impl Iterator<Item = (&'a str, &'a T)>,
-) -> Result<HashMap<&'a str, &'a T>, SimError> {
+) -> Result<HashMap<&'a str, &'a T>> {
     let mut found = HashMap::new();
     for (name, item) in items {
         if found.insert(name, item).is_some() {
@@ -186,7 +186,7 @@ fn by_name<'a, T>(
 }
 
 /// The link without parent joint, after checking that every joint hangs between known links.
-fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a str, SimError> {
+fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a str> {
     let mut parents: HashMap<&str, &Joint> = HashMap::new();
     for joint in &robot.joints {
         for link in [&joint.parent, &joint.child] {
@@ -212,14 +212,14 @@ fn only_root<'a>(robot: &'a Robot, links: &HashMap<&str, &Link>) -> Result<&'a s
 }
 
 /// Mass of a link in the link's frame; a link without `<inertial>` has none.
-fn body_of(link: &Link) -> Result<Body, SimError> {
+fn body_of(link: &Link) -> Result<Body> {
     let Some(inertial) = &link.inertial else { return Ok(Body::none()) };
     let body = Body::new(inertial.mass, [0.0; 3], inertial.moments);
     check_body(&link.name, &body)?;
     Ok(body.seen_from(&pose(&link.name, &inertial.origin)?))
 }
 
-fn pose(name: &str, origin: &Origin) -> Result<Pose, SimError> {
+fn pose(name: &str, origin: &Origin) -> Result<Pose> {
     check_finite("origin", name, &origin.xyz)?;
     check_finite("origin", name, &origin.rpy)?;
     Ok(Pose::from_xyz_rpy(origin.xyz, origin.rpy))

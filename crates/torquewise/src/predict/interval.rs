@@ -1,6 +1,6 @@
 //! Bounds that a measured torque is expected within.
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use faer::Mat;
 use torquewise_model::{Model, RigidChain, Torque};
 use torquewise_motion::{Motion, ReadError, Recording};
@@ -28,7 +28,7 @@ impl<'a> Interval<'a> {
     ///
     /// # Errors
     /// [`Error::NoCovariance`] if the model is of a library, and those of reading.
-    pub fn new(model: &'a Model, recording: &dyn Recording, percent: f64) -> Result<Self, Error> {
+    pub fn new(model: &'a Model, recording: &dyn Recording, percent: f64) -> Result<Self> {
         let chain = model.chain.as_ref().filter(|chain| !chain.covariance.is_empty());
         let chain = chain.ok_or(Error::NoCovariance)?;
         let training = &model.training;
