@@ -143,7 +143,6 @@ pub(crate) fn array<'py>(py: Python<'py>, mat: MatRef<'_, f64>) -> Bound<'py, Py
     PyArray2::from_owned_array(py, values)
 }
 
-/// An array of square matrices, m×n×n.
 pub(crate) fn matrices<'py>(
     py: Python<'py>,
     all: &[Mat<f64>],
@@ -154,7 +153,6 @@ pub(crate) fn matrices<'py>(
     PyArray3::from_owned_array(py, values)
 }
 
-/// Rows of a motion.
 pub(crate) fn motion(
     joints: &[String],
     t: Option<Vec<f64>>,

@@ -65,7 +65,6 @@ pub(crate) fn wrong<T>(message: impl Into<String>) -> PyResult<T> {
     Err(PyValueError::new_err(message.into()))
 }
 
-/// The value of a word among those that a keyword takes.
 pub(crate) fn choice<T: Copy>(keyword: &str, word: &str, all: &[(&str, T)]) -> PyResult<T> {
     if let Some((_, value)) = all.iter().find(|(own, _)| *own == word) {
         return Ok(*value);
@@ -79,12 +78,10 @@ pub(crate) fn value_error(error: impl StdError + 'static) -> PyErr {
     PyValueError::new_err(with_causes(error.to_string(), error.source()))
 }
 
-/// The exception for a model that does not fit what it is asked.
 pub(crate) fn model_error(error: torquewise::model::ModelError) -> PyErr {
     ModelError::new_err(message(&error.into()))
 }
 
-/// The exception for a file that cannot be written.
 pub(crate) fn write_error(file: &std::path::Path, error: &std::io::Error) -> PyErr {
     PyOSError::new_err(format!("{} cannot be written: {error}", file.display()))
 }

@@ -73,7 +73,6 @@ where
     found.or_else(|_| wrong(format!("{name}: {value} is not what it takes")))
 }
 
-/// Where the axes lie, if a URDF says so.
 fn geometry(
     options: &Bound<'_, PyDict>,
     joints: &[String],

@@ -24,7 +24,6 @@ pub(crate) enum ArmSource<'py> {
     Name(String),
 }
 
-/// An arm, and the model that it is a twin of, if it is one.
 fn arm_of(
     source: &ArmSource<'_>,
     lock: &[String],

@@ -8,7 +8,6 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use torquewise::{Torque, model};
 
-/// An array of NumPy.
 pub(crate) type Answer<'py> = PyResult<Bound<'py, PyAny>>;
 
 impl Model {
@@ -37,7 +36,6 @@ impl Model {
             .into_any())
     }
 
-    /// The same of n×n numbers.
     pub(crate) fn matrix_at_each<'py, const K: usize>(
         &self,
         py: Python<'py>,
@@ -56,7 +54,6 @@ impl Model {
         Ok(matrices(py, &found.map_err(model_error)?, self.n()).into_any())
     }
 
-    /// Copies of inputs of several states, one column for each joint.
     fn many<const K: usize>(
         &self,
         inputs: [(&str, &Rows<'_>); K],

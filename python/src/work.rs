@@ -13,7 +13,6 @@ use std::time::{Duration, Instant};
 use torquewise::motion::whole_file;
 use torquewise::{Error, Event, Observer};
 
-/// How often the calling thread looks for Ctrl-C.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// How often the bar is moved: once in so many milliseconds.

@@ -9,6 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use std::str::FromStr;
 use torquewise::FitOptions;
 use torquewise::dynamics::Noise;
 use torquewise::identify::PatternPlan;
@@ -175,7 +176,6 @@ impl PlanArguments {
         fit_options(flags)
     }
 
-    /// Fails where a flag is given that selects terms or fits them.
     pub(crate) fn refuse_selection(&self) -> Result<()> {
         match self.selection.given() {
             None => Ok(()),
@@ -186,26 +186,27 @@ impl PlanArguments {
     }
 }
 
+pub(crate) fn parsed<T: FromStr>(
+    text: &str,
+    is_fit: impl Fn(&T) -> bool,
+    expected: &str,
+) -> Result<T, String> {
+    text.parse().ok().filter(is_fit).ok_or_else(|| expected.to_owned())
+}
+
 fn clusters(text: &str) -> Result<Clusters, String> {
     if text == "auto" {
         return Ok(Clusters(None));
     }
-    match text.parse() {
-        Ok(k @ 1..=9) => Ok(Clusters(Some(k))),
-        _ => Err("expected `auto` or a number from 1 to 9".to_owned()),
-    }
+    let k = parsed(text, |k| (1..=9).contains(k), "expected `auto` or a number from 1 to 9");
+    k.map(|k| Clusters(Some(k)))
 }
 
 /// Signal-to-noise ratios of q, q̇ and q̈ \[dB\], separated by commas; `inf` for no noise.
 pub(crate) fn noise_levels(text: &str) -> Result<Noise, String> {
-    let expected = || "expected three numbers of dB, such as 60,40,30 or inf,40,30".to_owned();
-    let levels: Vec<f64> = text
-        .split(',')
-        .map(|level| level.trim().parse())
-        .collect::<Result<_, _>>()
-        .map_err(|_| expected())?;
-    match levels[..] {
-        [q, dq, ddq] => Noise::from_db(q, dq, ddq).map_err(|error| error.to_string()),
-        _ => Err(expected()),
+    let levels: Result<Vec<f64>, _> = text.split(',').map(|level| level.trim().parse()).collect();
+    match levels.as_deref() {
+        Ok(&[q, dq, ddq]) => Noise::from_db(q, dq, ddq).map_err(|error| error.to_string()),
+        _ => Err("expected three numbers of dB, such as 60,40,30 or inf,40,30".to_owned()),
     }
 }

@@ -9,7 +9,6 @@ use torquewise::page::call_costs;
 use torquewise::report::CallCost;
 use torquewise::report::fit_report::call_cost::RATES;
 
-/// Costs of the torque after each step and of the whole.
 pub(crate) struct CallCosts {
     names: Vec<String>,
     costs: Vec<CallCost>,

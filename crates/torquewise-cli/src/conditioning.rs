@@ -6,7 +6,6 @@ use torquewise::motion::Repairs;
 /// What was repaired in each log, by its name; logs that are sound are not listed.
 type ByLog = BTreeMap<String, Repairs>;
 
-/// All logs in a note, if anything was repaired.
 pub(crate) fn notes(by_log: &ByLog) -> Vec<String> {
     if by_log.is_empty() {
         return Vec::new();

@@ -62,7 +62,6 @@ impl<E: Into<torquewise::Error>> From<E> for CliError {
 }
 
 impl CliError {
-    /// The same, met in some file or work.
     pub(crate) fn within(self, what: impl Into<String>) -> Self {
         Self::In { what: what.into(), source: Box::new(self) }
     }

@@ -36,7 +36,6 @@ pub(crate) fn read_arm(arm: &str, locked: &[String]) -> Result<Arm> {
     }
 }
 
-/// The model that is the arm of a simulation, if it is one.
 pub(crate) fn read_twin(arm: &str, friction: Option<&Path>) -> Result<Option<Model>> {
     let file = Path::new(arm);
     if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("json")) {
@@ -114,7 +113,6 @@ fn check_ending(file: &Path, endings: &[&str]) -> Result<()> {
     Err(CliError::Ending { file: file.into(), expected: expected.join(" or ") })
 }
 
-/// Refuses a motion of more rows than are to be held in memory.
 pub(crate) fn check_rows(seconds: f64, rate: f64, most: f64) -> Result<()> {
     if seconds * rate <= most {
         return Ok(());
@@ -131,7 +129,6 @@ struct Unfinished {
     temporary: Vec<TempDir>,
     /// Temporary files, and the files whose place they will take.
     files: Vec<(PathBuf, PathBuf)>,
-    /// Folders that were made for results.
     folders: Vec<PathBuf>,
     placed: usize,
 }
@@ -199,7 +196,6 @@ pub(crate) fn write_whole(file: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
         .map_err(|source| CliError::Write { file: file.into(), source })
 }
 
-/// A folder for work between, gone when the command ends.
 pub(crate) fn work_folder() -> Result<PathBuf> {
     let parent = env::temp_dir();
     let made = unfinished().temporary_in(&parent);

@@ -6,7 +6,6 @@ use std::process;
 /// What a shell calls the end by Ctrl-C: 128 and the number of the signal.
 const INTERRUPTED: i32 = 130;
 
-/// Listens to Ctrl-C and to what ends a process politely.
 pub(crate) fn listen() {
     // Where nobody can listen, the end is abrupt, as it would be without.
     let _ = ctrlc::set_handler(|| {

@@ -2,7 +2,8 @@
 
 use crate::error::{CliError, Result};
 use crate::files::{read_bytes, write_whole};
-use serde_json::{Value, json};
+use crate::outcome::Outcome;
+use serde_json::json;
 use std::path::Path;
 use torquewise::identify::Summary;
 use torquewise::identify::rounds::Request;
@@ -19,33 +20,25 @@ pub(crate) fn read_request(file: &Path) -> Result<Request> {
     Request::from_bytes(&bytes).map_err(|error| CliError::from(error).within(what()))
 }
 
-/// Writes a moments file; returns its size in bytes.
-pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<usize> {
+pub(crate) fn write_moments(file: &Path, summary: &Summary) -> Result<Outcome> {
     let bytes = summary.to_bytes()?;
     write_whole(file, &bytes)?;
-    Ok(bytes.len())
-}
-
-pub(crate) fn text(summary: &Summary, file: &Path, bytes: usize) -> String {
-    format!(
-        "{} rows of {} logs{}\nmoments: {} ({:.1} MB)\n",
-        summary.rows(),
-        summary.logs(),
-        summary.request().map_or_else(String::new, |request| format!(", {}", request.name())),
-        file.display(),
-        bytes as f64 / 1e6
-    )
-}
-
-pub(crate) fn json(summary: &Summary, file: &Path, bytes: usize) -> Value {
     let settings = summary.settings();
-    json!({
-        "rows": summary.rows(),
-        "logs": summary.logs(),
+    let (rows, logs, request) = (summary.rows(), summary.logs(), summary.request());
+    let next = request.map_or_else(String::new, |request| format!(", {}", request.name()));
+    let text = format!(
+        "{rows} rows of {logs} logs{next}\nmoments: {} ({:.1} MB)\n",
+        file.display(),
+        bytes.len() as f64 / 1e6
+    );
+    let json = json!({
+        "rows": rows,
+        "logs": logs,
         "joints": settings.joints,
         "settings": settings,
-        "request": summary.request().map(Request::name),
-        "bytes": bytes,
+        "request": request.map(Request::name),
+        "bytes": bytes.len(),
         "file": file.display().to_string(),
-    })
+    });
+    Ok(Outcome { text, json, ..Outcome::default() })
 }

@@ -8,7 +8,6 @@ use torquewise::inspect::count_patterns;
 use torquewise::logs::{Column, ColumnKind, LogError, TableWriter, Values};
 use torquewise::motion::Pattern;
 
-/// Counts patterns and writes them where that is asked for.
 pub(crate) struct PatternTable {
     writer: Option<TableWriter>,
     rows: u64,
@@ -19,11 +18,8 @@ impl PatternTable {
     pub(crate) fn create(file: Option<&Path>) -> Result<Self> {
         let columns =
             [Column::new("row", ColumnKind::Count), Column::new("pattern", ColumnKind::Text)];
-        let writer = match file {
-            Some(file) => Some(TableWriter::create(&staged(file)?, &columns)?),
-            None => None,
-        };
-        Ok(Self { writer, rows: 0, counts: [0; 3] })
+        let create = |file| -> Result<_> { Ok(TableWriter::create(&staged(file)?, &columns)?) };
+        Ok(Self { writer: file.map(create).transpose()?, rows: 0, counts: [0; 3] })
     }
 
     /// Takes the patterns of the next rows, which are counted from 1.

@@ -1,6 +1,6 @@
 //! How terms are selected and fitted, and which friction is looked for.
 
-use crate::arguments::{Word, choice};
+use crate::arguments::{Word, choice, parsed};
 use clap::Args;
 use serde::Serialize;
 
@@ -47,7 +47,6 @@ pub(crate) struct SelectionArguments {
 }
 
 impl SelectionArguments {
-    /// The first flag given that selects terms or fits them, if any.
     pub(crate) fn given(&self) -> Option<&'static str> {
         let all = [
             ("--select", self.select.is_some()),
@@ -60,8 +59,6 @@ impl SelectionArguments {
 }
 
 fn threshold(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        _ => Err("expected a number that is zero or more".to_owned()),
-    }
+    let is_fit = |x: &f64| *x >= 0.0 && x.is_finite();
+    parsed(text, is_fit, "expected a number that is zero or more")
 }

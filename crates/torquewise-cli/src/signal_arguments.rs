@@ -1,5 +1,6 @@
 //! Which log files are read, by which profile, and how their signals are filtered.
 
+use crate::arguments::parsed;
 use crate::error::Result;
 use crate::files::read_model;
 use clap::Args;
@@ -56,21 +57,20 @@ fn filter(text: &str) -> Result<Filter, String> {
     match text {
         "auto" => Ok(Filter::Auto),
         "none" => Ok(Filter::None),
-        _ => positive(text).map(Filter::Hz),
+        _ => {
+            let is_cutoff = |hz: &f64| hz.is_finite() && *hz > 0.0;
+            let expected = "expected auto, none, or a cut-off above 0 Hz";
+            parsed(text, is_cutoff, expected).map(Filter::Hz)
+        }
     }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    let known = text.parse().ok().filter(|hz: &f64| hz.is_finite() && *hz > 0.0);
-    known.ok_or_else(|| "expected auto, none, or a cut-off above 0 Hz".to_owned())
 }
 
 fn delay(text: &str) -> Result<Delay, String> {
     if text == "auto" {
         return Ok(Delay(None));
     }
-    let known = text.parse().ok().filter(|s: &f64| s.abs() <= 1.0);
-    known.map(|s| Delay(Some(s))).ok_or_else(|| "expected auto, or seconds within ±1".to_owned())
+    let known = parsed(text, |s: &f64| s.abs() <= 1.0, "expected auto, or seconds within ±1");
+    known.map(|s| Delay(Some(s)))
 }
 
 /// The same where no model is at hand, or one that says how signals are filtered.
@@ -88,7 +88,6 @@ impl FilterArguments {
         self.signals.open(paths)
     }
 
-    /// The rows of logs, filtered as asked for, or as those of the model.
     pub(crate) fn prepare(&self, log: &Log, rows: Rows) -> Result<Prepared> {
         Ok(match &self.model {
             Some(file) => log.prepare_as(read_model(file)?.training.filter, rows)?,

@@ -2,7 +2,6 @@
 
 use torquewise::model::number;
 
-/// Letters of a cell at most.
 const WIDEST: usize = 250;
 
 /// A table for the terminal: names to the left, numbers to the right.

@@ -8,19 +8,21 @@
 //! that links have seven parameters and no mass.
 
 use crate::error::Result;
+use nalgebra::{Matrix3, Vector3};
 use torquewise_model::RigidChain;
 
 /// Sines and cosines this near −1, 0 or 1 are these: π/2 is not a right angle to the last bit.
 const ROUNDING: f64 = 1e-15;
 
-pub(crate) type Vector = [f64; 3];
+type Matrix = Matrix3<f64>;
+type Vector = Vector3<f64>;
 
 /// A chain whose links carry what torque can tell.
 #[derive(Clone, Debug)]
 pub(crate) struct BaseChain {
     pub(crate) links: Vec<BaseLink>,
     /// Acceleration of gravity \[m/s²\], in the base.
-    pub(crate) gravity: Vector,
+    pub(crate) gravity: [f64; 3],
 }
 
 /// A link and the joint before it: a shift, a turn about x, and a turn about z by q and an offset.
@@ -29,7 +31,7 @@ pub(crate) struct BaseLink {
     /// Integer multiples of the coordinates that turn the joint, n.
     pub(crate) turns: Vec<i8>,
     /// Origin of its frame \[m\], in the frame before.
-    pub(crate) origin: Vector,
+    pub(crate) origin: [f64; 3],
     /// Sine and cosine of the turn about x.
     pub(crate) twist: [f64; 2],
     /// Sine and cosine of what is added to q.
@@ -65,11 +67,10 @@ struct Joint {
 struct Body {
     mass: f64,
     first: Vector,
-    moments: [Vector; 3],
+    moments: Matrix,
 }
 
 impl BaseChain {
-    /// The chain of a model.
     pub(crate) fn of(chain: &RigidChain) -> Result<Self> {
         let axes = chain.axes()?;
         let n = chain.n_joints();
@@ -89,7 +90,7 @@ impl BaseChain {
         }
         let link = |(k, ((joint, body), turn)): (usize, ((&Joint, &Body), &f64))| BaseLink {
             turns: chain.coupling.row(k, n),
-            origin: joint.origin,
+            origin: joint.origin.into(),
             twist: sine_cosine(joint.twist),
             offset: sine_cosine(joint.after + turn),
             first: [body.first[0], body.first[1]],
@@ -108,69 +109,59 @@ impl Joint {
     /// - `place`: origin along x and y of the turned frame \[m\]
     fn of([wx, wy]: [f64; 2], [px, py]: [f64; 2]) -> Self {
         let (twist, azimuth) = (wx.hypot(wy), wy.atan2(wx));
-        let unturned = apply(&about_z(-azimuth), &[px, py, 0.0]);
-        let in_plane = apply(&about_x(twist), &unturned);
+        let in_plane = about_x(twist) * (about_z(-azimuth) * Vector::new(px, py, 0.0));
         let [sine, cosine] = sine_cosine(twist);
         if sine.abs() > 0.0 {
             return Self { before: azimuth, twist, after: -azimuth, origin: in_plane };
         }
         // Parallel axes: x may point from one to the other.
-        let [x, y, _] = apply(&about_z(azimuth), &in_plane);
+        let [x, y, _]: [f64; 3] = (about_z(azimuth) * in_plane).into();
         let before = if x == 0.0 && y == 0.0 { azimuth } else { y.atan2(x) };
         let after = if cosine > 0.0 { -before } else { before - 2.0 * azimuth };
-        Self { before, twist, after, origin: [x.hypot(y), 0.0, 0.0] }
+        Self { before, twist, after, origin: Vector::new(x.hypot(y), 0.0, 0.0) }
     }
 }
 
 impl Body {
     fn of(link: &[f64; 10]) -> Self {
         let [mass, x, y, z, xx, yy, zz, xy, xz, yz] = *link;
-        Self { mass, first: [x, y, z], moments: [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]] }
+        let moments = Matrix::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+        Self { mass, first: Vector::new(x, y, z), moments }
     }
 
     /// Components in a frame from which `rotation` turns to the one they are in.
-    fn turned(&self, rotation: &[Vector; 3]) -> Self {
-        let columns = self.moments.map(|column| apply(rotation, &column));
-        let moments = transposed(&columns).map(|row| apply(rotation, &row));
-        Self { mass: self.mass, first: apply(rotation, &self.first), moments }
+    fn turned(&self, rotation: &Matrix) -> Self {
+        let moments = rotation * self.moments * rotation.transpose();
+        Self { mass: self.mass, first: rotation * self.first, moments }
     }
 
     /// What of it does not notice a turn about z, in the frame before.
-    fn unturned(&self, rotation: &[Vector; 3], origin: &Vector) -> Self {
-        let yy = self.moments[1][1];
+    fn unturned(&self, rotation: &Matrix, origin: &Vector) -> Self {
+        let yy = self.moments.m22;
         let round = Self {
             mass: self.mass,
-            first: [0.0, 0.0, self.first[2]],
-            moments: [[yy, 0.0, 0.0], [0.0, yy, 0.0], [0.0; 3]],
+            first: Vector::new(0.0, 0.0, self.first.z),
+            moments: Matrix::from_diagonal(&Vector::new(yy, yy, 0.0)),
         };
         round.turned(rotation).shifted(origin)
     }
 
     /// The same body about a point that lies at −`by`.
     fn shifted(&self, by: &Vector) -> Self {
-        let Self { mass, first, moments } = self;
-        let dot = |a: &Vector, b: &Vector| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let round = 2.0 * dot(by, first) + mass * dot(by, by);
-        let at = |i: usize, j: usize| {
-            let across = by[i] * first[j] + first[i] * by[j] + mass * by[i] * by[j];
-            moments[i][j] - across + if i == j { round } else { 0.0 }
-        };
-        let moments = [0, 1, 2].map(|i| [0, 1, 2].map(|j| at(i, j)));
-        Self { mass: *mass, first: [0, 1, 2].map(|i| first[i] + mass * by[i]), moments }
+        let Self { mass, first, moments } = *self;
+        let round = Matrix::from_diagonal_element(2.0 * by.dot(&first) + mass * by.dot(by));
+        let across = by * first.transpose() + first * by.transpose() + mass * by * by.transpose();
+        Self { mass, first: first + mass * by, moments: moments - across + round }
     }
 
     fn plus(&self, other: &Self) -> Self {
-        let sum = |a: &Vector, b: &Vector| [0, 1, 2].map(|i| a[i] + b[i]);
-        Self {
-            mass: self.mass + other.mass,
-            first: sum(&self.first, &other.first),
-            moments: [0, 1, 2].map(|i| sum(&self.moments[i], &other.moments[i])),
-        }
+        let (first, moments) = (self.first + other.first, self.moments + other.moments);
+        Self { mass: self.mass + other.mass, first, moments }
     }
 
     fn base_moments(&self) -> Moments {
-        let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] = self.moments;
-        Moments { xx: xx - yy, zz, xy, xz, yz }
+        let m = self.moments;
+        Moments { xx: m.m11 - m.m22, zz: m.m33, xy: m.m12, xz: m.m13, yz: m.m23 }
     }
 }
 
@@ -180,20 +171,12 @@ fn sine_cosine(angle: f64) -> [f64; 2] {
     [sine, cosine].map(|x| if (x - x.round()).abs() < ROUNDING { x.round() } else { x })
 }
 
-fn about_x(angle: f64) -> [Vector; 3] {
+fn about_x(angle: f64) -> Matrix {
     let [s, c] = sine_cosine(angle);
-    [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]
+    Matrix::new(1.0, 0.0, 0.0, 0.0, c, -s, 0.0, s, c)
 }
 
-fn about_z(angle: f64) -> [Vector; 3] {
+fn about_z(angle: f64) -> Matrix {
     let [s, c] = sine_cosine(angle);
-    [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
-}
-
-fn apply(rotation: &[Vector; 3], v: &Vector) -> Vector {
-    rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-fn transposed(m: &[Vector; 3]) -> [Vector; 3] {
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| m[j][i]))
+    Matrix::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0)
 }

@@ -42,7 +42,6 @@ pub(crate) fn rates(graph: &Graph, roots: &[Id], along: Along) -> Vec<Id> {
     roots.iter().map(|root| rates[root]).collect()
 }
 
-/// k·q̇
 fn angle_rate(graph: &Graph, multiples: &[i32]) -> Id {
     let turning = multiples.iter().enumerate().filter(|&(_, &k)| k != 0);
     let part = |(joint, &k)| graph.mul(graph.constant(f64::from(k)), graph.input(Input::Dq(joint)));

@@ -57,7 +57,6 @@ pub fn fmu_archive(sources: &[(String, String)], binary: Option<(&str, &[u8])>) 
     Ok(archive.finish()?.into_inner())
 }
 
-/// Tells whether binary and description are of one model.
 fn guid(program: &Program) -> String {
     format!("{{torquewise-{:016x}}}", program.fingerprint)
 }

@@ -69,7 +69,6 @@ impl Node {
 /// adds four chains at a time need not wait for one.
 const CHAIN: usize = 4;
 
-/// Operations, each once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Graph {
     /// Behind cells, so that operations nest as expressions do.
@@ -100,7 +99,6 @@ impl Graph {
         self.put(Node::Constant(value.to_bits()))
     }
 
-    /// The number a node is, if it is one.
     pub(crate) fn value(&self, id: Id) -> Option<f64> {
         match self.nodes.borrow()[id] {
             Node::Constant(bits) => Some(f64::from_bits(bits)),
@@ -108,7 +106,6 @@ impl Graph {
         }
     }
 
-    /// The node that a node is the negative of, if it is one.
     fn opposite(&self, id: Id) -> Option<Id> {
         if let Node::Neg(a) = self.nodes.borrow()[id] { Some(a) } else { None }
     }

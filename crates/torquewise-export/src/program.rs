@@ -51,58 +51,42 @@ impl Quantity {
     /// `torque`, `gravity`, `coriolis`, `inertia`, `friction`, `step1`, `coriolis_matrix`,
     /// `inverse_inertia` or `forward_dynamics`.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Torque => "torque",
-            Self::Gravity => "gravity",
-            Self::Coriolis => "coriolis",
-            Self::Inertia => "inertia",
-            Self::Friction => "friction",
-            Self::Step1 => "step1",
-            Self::CoriolisMatrix => "coriolis_matrix",
-            Self::InverseInertia => "inverse_inertia",
-            Self::ForwardDynamics => "forward_dynamics",
-        }
-    }
-
-    /// Whether its results are a matrix, n×n.
-    pub fn is_matrix(self) -> bool {
-        matches!(self, Self::Inertia | Self::CoriolisMatrix | Self::InverseInertia)
+        ROWS[self as usize].0
     }
 
     /// The signals it is a function of, of q, q̇, q̈ and τ: `q`, `dq`, `ddq`, `tau`.
     pub fn signals(self) -> &'static [&'static str] {
-        match self {
-            Self::Torque => &["q", "dq", "ddq"],
-            Self::ForwardDynamics => &["q", "dq", "tau"],
-            Self::Coriolis | Self::Friction | Self::CoriolisMatrix => &["q", "dq"],
-            Self::Gravity | Self::Inertia | Self::Step1 | Self::InverseInertia => &["q"],
-        }
+        ROWS[self as usize].1
+    }
+
+    /// Whether its results are a matrix, n×n.
+    pub fn is_matrix(self) -> bool {
+        self.result() == "m"
     }
 
     /// What its results are called: `tau`, `ddq`, or `m` for a matrix.
     pub(crate) fn result(self) -> &'static str {
-        match self {
-            Self::ForwardDynamics => "ddq",
-            _ if self.is_matrix() => "m",
-            _ => "tau",
-        }
+        ROWS[self as usize].2
     }
 
     /// What it computes, in ASCII.
     pub(crate) fn formula(self) -> &'static str {
-        match self {
-            Self::Torque => "M ddq + C dq + G + F",
-            Self::Gravity => "G(q)",
-            Self::Coriolis => "C(q, dq) dq",
-            Self::Inertia => "M(q), row by row",
-            Self::Friction => "F(q, dq)",
-            Self::Step1 => "G(q) of step 1",
-            Self::CoriolisMatrix => "C(q, dq), row by row",
-            Self::InverseInertia => "1/M(q), row by row",
-            Self::ForwardDynamics => "(tau - C dq - G - F)/M",
-        }
+        ROWS[self as usize].3
     }
 }
+
+/// Name, signals, results and formula of each quantity.
+const ROWS: [(&str, &[&str], &str, &str); 9] = [
+    ("torque", &["q", "dq", "ddq"], "tau", "M ddq + C dq + G + F"),
+    ("gravity", &["q"], "tau", "G(q)"),
+    ("coriolis", &["q", "dq"], "tau", "C(q, dq) dq"),
+    ("inertia", &["q"], "m", "M(q), row by row"),
+    ("friction", &["q", "dq"], "tau", "F(q, dq)"),
+    ("step1", &["q"], "tau", "G(q) of step 1"),
+    ("coriolis_matrix", &["q", "dq"], "m", "C(q, dq), row by row"),
+    ("inverse_inertia", &["q"], "m", "1/M(q), row by row"),
+    ("forward_dynamics", &["q", "dq", "tau"], "ddq", "(tau - C dq - G - F)/M"),
+];
 
 /// Precision of the numbers in exported code.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -239,17 +223,18 @@ impl Program {
 
     /// What a call of a function costs.
     pub fn cost(&self, quantity: Quantity) -> Cost {
-        let roots = self.functions.iter().filter(|(other, _)| *other == quantity);
-        let roots: Vec<Id> = roots.flat_map(|(_, roots)| roots.clone()).collect();
-        self.cost_of(&roots)
+        self.cost_of(self.roots(quantity))
+    }
+
+    fn roots(&self, quantity: Quantity) -> &[Id] {
+        let known = self.functions.iter().find(|(other, _)| *other == quantity);
+        known.map_or(&[], |(_, roots)| roots)
     }
 
     pub(crate) fn cost_of(&self, roots: &[Id]) -> Cost {
         Cost::of(&self.graph, roots)
     }
-}
 
-impl Program {
     /// What a user has to know of this model, in ASCII.
     pub(crate) fn remarks(&self) -> Vec<&'static str> {
         let mut remarks = Vec::new();
@@ -261,17 +246,12 @@ impl Program {
         if self.steps == 0 {
             remarks.push("The model was not found step by step: step1 is gravity.");
         }
-        if self.functions.iter().any(|(quantity, roots)| {
-            *quantity == Quantity::Friction && roots.iter().all(|&root| self.is_zero(root))
-        }) {
+        let is_zero = |root: &Id| self.graph.value(*root) == Some(0.0);
+        if self.roots(Quantity::Friction).iter().all(is_zero) {
             remarks.push("The model has no friction.");
         }
         remarks.push("Derived from measurements: bound what it commands before it drives an arm.");
         remarks
-    }
-
-    fn is_zero(&self, id: Id) -> bool {
-        self.graph.value(id) == Some(0.0)
     }
 
     pub(crate) fn calls(&self, function: Function) -> bool {

@@ -73,7 +73,7 @@ impl Robot {
         let mut placements = axes.placements();
         if let Some(first) = placements.first_mut() {
             let down = Vector3::from(axes.gravity());
-            first.rotation = upright(&-down);
+            first.rotation = turn(&-down, &Vector3::z()).into_inner();
         }
         let (losses, shared, left_out) = losses(model, chain);
         let names = chain.robot.as_ref();
@@ -155,8 +155,7 @@ impl Robot {
 
 /// What is drawn from the origin of a link to that of the next.
 fn bar(end: &Vector3<f64>) -> Value {
-    let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
-    let turn = Rotation3::rotation_between(&Vector3::z(), end).unwrap_or_else(half_turn);
+    let turn = turn(&Vector3::z(), end);
     context! {
         end => numbers((*end).into()),
         middle => numbers((end / 2.0).into()),
@@ -172,10 +171,10 @@ fn infeasible(chain: &RigidChain) -> Option<usize> {
     chain.links.iter().position(|link| !alone(link).is_feasible())
 }
 
-/// The turn that brings a direction to z.
-fn upright(up: &Vector3<f64>) -> Matrix3<f64> {
+/// The turn that brings a direction to another.
+fn turn(from: &Vector3<f64>, to: &Vector3<f64>) -> Rotation3<f64> {
     let half_turn = || Rotation3::from_axis_angle(&Vector3::x_axis(), PI);
-    *Rotation3::rotation_between(up, &Vector3::z()).unwrap_or_else(half_turn).matrix()
+    Rotation3::rotation_between(from, to).unwrap_or_else(half_turn)
 }
 
 /// Rotors and friction of each joint, those of shared shafts, and what is left out.

@@ -32,7 +32,6 @@ struct Message {
     bytes: Vec<u8>,
 }
 
-/// The messages of one topic, roughly in order of time.
 trait Messages {
     fn next(&mut self) -> Result<Option<Message>>;
 }

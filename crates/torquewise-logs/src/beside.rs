@@ -18,7 +18,6 @@ pub(crate) struct Beside {
 /// The clock of the log: name of its column, and seconds of its unit.
 pub(crate) type ClockColumn = (String, f64);
 
-/// The rows of several files, side by side; the first is the log.
 pub(crate) struct SideBySide {
     parts: Vec<Part>,
     names: Vec<String>,

@@ -97,7 +97,6 @@ impl Blocks {
         Err(self.rows.none_left())
     }
 
-    /// Rows that a window reaches to each side.
     fn reach(&self) -> usize {
         self.polynomial.map_or(0, LocalPolynomial::half_window)
     }
@@ -243,7 +242,6 @@ impl Blocks {
         LogError::Motion { file: self.rows.place().file, row: self.row(place), source }
     }
 
-    /// Rows `start` … `end` of a signal, if the file has it.
     fn signal(&self, signal: Signal, start: usize, end: usize) -> Option<Mat<f64>> {
         let slot = self.rows.mapping.slot(signal)?;
         let of_joint = |row: usize, joint: usize| self.columns[slot + joint][start + row];

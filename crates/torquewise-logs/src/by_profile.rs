@@ -38,7 +38,11 @@ pub(crate) fn by_profile(
         time,
         ranges: Ranges { rows: profile.rows.clone(), seconds: profile.seconds.clone() },
         joints: Some(named),
-        ..Mapping::new(kept.len(), present, build.chosen, slots)
+        n_joints: kept.len(),
+        present,
+        chosen: build.chosen,
+        slots,
+        ..Mapping::default()
     })
 }
 

@@ -8,7 +8,6 @@ use std::io::BufRead;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Bytes of a field at most.
 const MAX_FIELD: usize = 4_096;
 
 /// The rows of a CSV text. Blank lines and lines that start with `#` are passed over.

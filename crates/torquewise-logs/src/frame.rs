@@ -30,7 +30,6 @@ pub trait Frame: Debug + Send + Sync {
 }
 
 pub(crate) struct FrameRows {
-    /// What it is called in messages.
     label: PathBuf,
     frame: Arc<dyn Frame>,
     chosen: Vec<usize>,

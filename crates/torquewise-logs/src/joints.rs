@@ -11,17 +11,14 @@ pub(crate) const PARQUET_KEY: &str = "torquewise.joints";
 /// Start of the comment line that holds the joint names of a CSV file.
 pub(crate) const CSV_COMMENT: &str = "# joints:";
 
-/// joint1 … jointn.
 pub(crate) fn numbered(n: usize) -> Vec<String> {
     (1..=n).map(|joint| format!("joint{joint}")).collect()
 }
 
-/// The names in `text`, separated by commas.
 pub(crate) fn parse(text: &str) -> Vec<String> {
     text.split(',').map(|name| name.trim().to_owned()).collect()
 }
 
-/// One text that [`parse`] splits again.
 pub(crate) fn join(names: &[String]) -> Result<String> {
     check(names)?;
     Ok(names.join(","))

@@ -3,7 +3,6 @@
 use std::io::{self, BufRead, Read};
 use std::ops::Range;
 
-/// Bytes of a line at most.
 pub(crate) const MAX_LINE: usize = 1 << 20;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -12,7 +11,6 @@ const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 pub(crate) struct Lines<R> {
     input: R,
     pub(crate) line: Vec<u8>,
-    /// Number of the line, 1 for the first.
     pub(crate) number: u64,
 }
 

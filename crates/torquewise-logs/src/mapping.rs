@@ -2,8 +2,7 @@
 
 use crate::signal::Signal;
 
-/// How the rows of a file become rows of signals.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Mapping {
     pub(crate) n_joints: usize,
     /// Signals that rows have, in the order of [`Signal::ALL`]: the slots of a row are t, then q1…qn,
@@ -20,7 +19,6 @@ pub(crate) struct Mapping {
     pub(crate) ignored: Vec<String>,
 }
 
-/// Where t comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Time {
     /// The first chosen column, in units of so many seconds.
@@ -29,10 +27,15 @@ pub(crate) enum Time {
     Rate(f64),
 }
 
+impl Default for Time {
+    fn default() -> Self {
+        Self::Column(1.0)
+    }
+}
+
 /// A value of a row: Σ factor · column + offset.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Slot {
-    /// Place among the chosen columns, and factor.
     pub(crate) terms: Vec<(usize, f64)>,
     pub(crate) offset: f64,
 }
@@ -47,25 +50,6 @@ pub(crate) struct Ranges {
 }
 
 impl Mapping {
-    /// All rows, t in seconds in the first chosen column.
-    pub(crate) fn new(
-        n_joints: usize,
-        present: Vec<Signal>,
-        chosen: Vec<usize>,
-        slots: Vec<Slot>,
-    ) -> Self {
-        Self {
-            n_joints,
-            present,
-            chosen,
-            time: Time::Column(1.0),
-            slots,
-            ranges: Ranges::default(),
-            joints: None,
-            ignored: Vec::new(),
-        }
-    }
-
     pub(crate) fn n_slots(&self) -> usize {
         1 + self.present.len() * self.n_joints
     }

@@ -47,7 +47,6 @@ pub(crate) fn check_footer(file: &Path, input: &mut File) -> Result<()> {
     if is_sound { Ok(()) } else { Err(LogError::Damaged { file: file.into() }) }
 }
 
-/// The bytes of the metadata, empty where they cannot be; none where the file does not end with any.
 fn footer(input: &mut File) -> io::Result<Option<Vec<u8>>> {
     let length = input.seek(SeekFrom::End(0))?;
     let mut end = [0; 8];

@@ -190,7 +190,6 @@ fn joint_names(metadata: &ParquetMetaData) -> Option<Vec<String>> {
 /// Whole numbers with a sign, as older writers name them.
 const SIGNED: [ConvertedType; 4] =
     [ConvertedType::INT_8, ConvertedType::INT_16, ConvertedType::INT_32, ConvertedType::INT_64];
-/// The same without.
 const UNSIGNED: [ConvertedType; 4] =
     [ConvertedType::UINT_8, ConvertedType::UINT_16, ConvertedType::UINT_32, ConvertedType::UINT_64];
 

@@ -14,7 +14,6 @@ const MOST_ROWS: usize = 1 << 18;
 pub(crate) struct Pieces {
     /// What the clock of all logs asks for.
     pub(crate) clock: ClockRepair,
-    /// In the order of the logs.
     pub(crate) all: Vec<Raw>,
 }
 
@@ -31,7 +30,6 @@ impl Pieces {
         Ok(Self { clock, all: recorded.into_iter().map(mend).collect() })
     }
 
-    /// The piece of most rows, the first of several.
     pub(crate) fn longest(&self) -> Result<&Raw> {
         self.all.iter().rev().max_by_key(|piece| piece.t.len()).ok_or(LogError::NoFiles)
     }

@@ -28,9 +28,10 @@ pub(crate) fn plain(file: &Path, names: &[String]) -> Result<Mapping> {
     let n_joints = found.count_joints(file)?;
     let signals = &found.signals;
     let present = Signal::ALL.into_iter().filter(|s| !signals[*s as usize].is_empty()).collect();
-    let columns: Vec<_> = std::iter::once(t).chain(signals.iter().flatten().map(|c| c.1)).collect();
-    let slots = (1..columns.len()).map(Slot::as_it_stands).collect();
-    Ok(Mapping { ignored: found.ignored, ..Mapping::new(n_joints, present, columns, slots) })
+    let chosen: Vec<_> = std::iter::once(t).chain(signals.iter().flatten().map(|c| c.1)).collect();
+    let slots = (1..chosen.len()).map(Slot::as_it_stands).collect();
+    let ignored = found.ignored;
+    Ok(Mapping { n_joints, present, chosen, slots, ignored, ..Mapping::default() })
 }
 
 fn meaning(name: &str) -> Option<(Signal, usize)> {

@@ -62,7 +62,6 @@ pub(crate) struct SignalRows {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Origin {
     pub(crate) part: usize,
-    /// Its number in the file, 1 for the first.
     pub(crate) number: u64,
 }
 

@@ -84,7 +84,6 @@ impl Values<'_> {
     }
 }
 
-/// Where the values of a table go; they were checked before.
 pub(crate) trait Sink {
     fn append(&mut self, values: &[Values<'_>], rows: usize) -> Result<()>;
 

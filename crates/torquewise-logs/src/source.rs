@@ -24,7 +24,6 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Bytes read from a text file at once.
 const BUFFER_BYTES: usize = 1 << 16;
 
 /// How logs are to be read.

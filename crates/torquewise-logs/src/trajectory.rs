@@ -37,7 +37,6 @@ impl<'a> Trajectory<'a> {
         Self { settings, noise, clock, stretch }
     }
 
-    /// Takes a block, and hands out what is done by then.
     pub(crate) fn push(&mut self, block: Raw) -> Result<Done, MotionError> {
         match self.clock.push(block) {
             Some(block) => self.filter(block),

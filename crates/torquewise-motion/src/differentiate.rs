@@ -118,7 +118,6 @@ struct Stencil {
     /// Orthogonal polynomials Pₖ₋₁ and Pₖ on the window.
     previous: Vec<f64>,
     current: Vec<f64>,
-    /// Their derivatives of order 0 … r at `at`.
     slopes_previous: Vec<f64>,
     slopes: Vec<f64>,
 }

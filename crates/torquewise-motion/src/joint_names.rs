@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 
-/// Bytes of a joint name at most.
 const LONGEST: usize = 200;
 
 /// The first name that a joint cannot have, if any: each occurs once, has at most 200 bytes, no comma,

@@ -10,7 +10,6 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// How many links a path may go through, as systems have it.
 const MOST_LINKS: usize = 40;
 
 /// A file in the making, [put in place](Self::put_in_place) when it is whole, gone when dropped.

@@ -32,7 +32,7 @@ pub use error::PaperError;
 pub use page::page;
 pub use results::{Cell, Claim, Figure, Results, Spread, Study, Table, Timed, Verdict};
 pub use scenario::Settings;
-pub use trial::Progress;
+pub use trial::{Progress, Watch};
 
 use study::{beyond, cases, control, orders, patterns};
 use trial::Trials;
@@ -43,10 +43,7 @@ use trial::Trials;
 ///
 /// # Errors
 /// What kept an experiment from being done.
-pub fn reproduce(
-    settings: &Settings,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Results, PaperError> {
+pub fn reproduce(settings: &Settings, progress: Watch<'_>) -> Result<Results, PaperError> {
     let patterns = patterns::study(settings)?;
     let [levels, lengths] = beyond::points(settings);
     let mut rows = beyond::arm_rows(settings);

@@ -48,6 +48,9 @@ pub struct Progress {
     pub total: usize,
 }
 
+/// Who is told when work begins or is done, from any thread.
+pub type Watch<'a> = &'a (dyn Fn(Progress) + Sync);
+
 #[derive(Clone, Debug)]
 pub(crate) struct Trials(Vec<(TrialPlan, Trial)>);
 
@@ -55,12 +58,7 @@ impl Trials {
     /// Does each trial once: those to be timed one by one, then the others on all cores.
     ///
     /// Each runs in a pool of one thread, so that its time is that of one thread.
-    pub(crate) fn run(
-        timed: &[Row],
-        others: &[Row],
-        seed: u64,
-        progress: &(dyn Fn(Progress) + Sync),
-    ) -> Result<Self> {
+    pub(crate) fn run(timed: &[Row], others: &[Row], seed: u64, told: Watch<'_>) -> Result<Self> {
         let (mut plans, mut n_timed) = (Vec::new(), 0);
         for (place, row) in timed.iter().chain(others).enumerate() {
             for plan in &row.trials {
@@ -77,7 +75,7 @@ impl Trials {
             let trial = pool.install(|| attempt(plan, seed))?;
             let doing = if place < n_timed { "timed trials" } else { "trials" };
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(Progress { doing, done, total: plans.len() });
+            told(Progress { doing, done, total: plans.len() });
             Ok((plan.clone(), trial))
         };
         let mut trials = (0..n_timed).map(attempt).collect::<Result<Vec<_>>>()?;

@@ -24,7 +24,6 @@ macro_rules! summary {
     };
 }
 
-/// Every reference arm with its DH table, fewest joints first.
 const BUILTIN: [(ArmSummary, &str); 6] = [
     summary!("planar-2", 2, "two links in a vertical plane, whose equations fit on one line"),
     summary!("puma560-3", 3, "first three joints of the PUMA 560, the arm of the paper"),

@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use std::f64::consts::PI;
 
-/// An arm as its TOML file says it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Table {
@@ -20,7 +19,6 @@ struct Table {
     joints: Vec<Row>,
 }
 
-/// One joint and the link it moves.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Row {

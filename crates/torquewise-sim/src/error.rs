@@ -154,7 +154,6 @@ pub enum SimError {
     Columns(#[from] SparseError),
 }
 
-/// Refuses what is made for another number of joints.
 pub(crate) fn check_joints(what: &'static str, found: usize, expected: usize) -> Result<()> {
     if found == expected { Ok(()) } else { Err(SimError::JointCount { what, found, expected }) }
 }

@@ -34,7 +34,6 @@ impl State {
     }
 }
 
-/// States row by row, m×n each.
 #[derive(Clone, Debug)]
 pub(crate) struct Rows {
     pub(crate) q: Mat<f64>,

@@ -100,19 +100,12 @@ pub enum Error {
 impl From<ReadError> for Error {
     /// What was handed through a reader comes out as it went in.
     fn from(source: ReadError) -> Self {
-        let other = |source: ReadError| -> Result<Self, ReadError> {
-            let source = match source.downcast::<Self>() {
-                Ok(own) => return Ok(*own),
-                Err(source) => source,
-            };
-            let source = source.downcast::<LogError>().map(|own| Self::Log(*own));
-            let source =
-                source.or_else(|s| s.downcast::<ModelError>().map(|own| Self::Model(*own)));
-            let source =
-                source.or_else(|s| s.downcast::<MotionError>().map(|own| Self::Motion(*own)));
-            source.or_else(|s| s.downcast::<IdentifyError>().map(|own| Self::from(*own)))
-        };
-        other(source).unwrap_or_else(Self::Read)
+        let own = source.downcast::<Self>().map(|own| *own);
+        own.or_else(|source| source.downcast::<LogError>().map(|own| Self::Log(*own)))
+            .or_else(|source| source.downcast::<ModelError>().map(|own| Self::Model(*own)))
+            .or_else(|source| source.downcast::<MotionError>().map(|own| Self::Motion(*own)))
+            .or_else(|source| source.downcast::<IdentifyError>().map(|own| Self::from(*own)))
+            .unwrap_or_else(Self::Read)
     }
 }
 

@@ -187,7 +187,6 @@ impl FitOptions {
         Ok(Plan { patterns: settings.patterns, ..plan })
     }
 
-    /// What is fitted to a log, and why.
     fn fitted(&self, log: Facts) -> (Library, String) {
         let many = log.joints > MOST_WHOLE && self.interaction.is_none();
         let stepwise = self.regression == Regression::Stepwise;

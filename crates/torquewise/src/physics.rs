@@ -12,10 +12,8 @@ use torquewise_model::{Checks, Model, ModelError, check};
 
 /// States looked at in each range unless another number is asked for.
 pub const STATES: usize = 10_000;
-/// The seed they are drawn with.
 const SEED: u64 = 0;
 
-/// Where the joints of a state may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Range {
     /// Where the log of the model took them.

@@ -104,7 +104,6 @@ impl Prepared {
             .collect()
     }
 
-    /// Joints whose measured velocity is not the slope of their position.
     fn odd_velocities(&self) -> Vec<String> {
         let gains = self.report().into_iter().flat_map(|report| &report.dq_gain);
         let odd = |gain: &f64| !(LEAST_GAIN..1.0 / LEAST_GAIN).contains(gain);
@@ -124,7 +123,6 @@ impl Prepared {
 /// Velocities over slopes that filters of a robot may explain.
 const LEAST_GAIN: f64 = 0.8;
 
-/// Faulty rows that reading left out.
 fn dropped(logs: &Logs) -> Option<String> {
     let report = logs.report();
     let mut parts = Vec::new();

@@ -41,7 +41,6 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// In the words of a front end.
     pub(crate) fn worded(self, word: Wording) -> String {
         let library = |name| word("library", Some(name));
         let stepwise = || word("method", Some("stepwise"));

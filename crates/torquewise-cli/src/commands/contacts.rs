@@ -1,5 +1,6 @@
 //! Torque that others put on an arm, and when they touched it.
 
+use crate::arguments::parsed;
 use crate::error::Result;
 use crate::files::{check_files, read_model, staged, write_whole};
 use crate::outcome::Outcome;
@@ -54,8 +55,7 @@ const BLIND: f64 = 2.0;
 const MOST_PRINTED: usize = 30;
 
 fn positive(text: &str) -> Result<f64, String> {
-    let known = text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0 && *x <= 1e4);
-    known.ok_or_else(|| "expected a number above 0, at most 10000".to_owned())
+    parsed(text, |x| *x > 0.0 && *x <= 1e4, "expected a number above 0, at most 10000")
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -86,9 +86,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             Ok(table.append(&row.chunks(1).map(Values::Numbers).collect::<Vec<_>>())?)
         })?;
     table.finish()?;
-    let mut outcome = outcome(arguments, &model, &thresholds, &found, rows);
+    let found = (thresholds, found);
+    let mut outcome = outcome(arguments, &model, &found, rows);
     if let Some(file) = &arguments.figure {
-        let charts = charts(curves, &model, &thresholds);
+        let charts = charts(curves, &model, &found.0);
         write_whole(file, &chart_figure("External torque", &charts, 2)?)?;
         outcome.text.extend([format!("figure: {}\n", file.display())]);
         outcome.json["figure"] = json!(file.display().to_string());
@@ -105,13 +106,10 @@ fn charts(curves: Vec<Growing>, model: &Model, thresholds: &Thresholds) -> Vec<C
     curves.into_iter().zip(&model.joints).zip(&thresholds.torque).map(chart).collect()
 }
 
-fn outcome(
-    arguments: &Arguments,
-    model: &Model,
-    thresholds: &Thresholds,
-    found: &[Contact],
-    rows: usize,
-) -> Outcome {
+type Found = (Thresholds, Vec<Contact>);
+
+fn outcome(arguments: &Arguments, model: &Model, found: &Found, rows: usize) -> Outcome {
+    let (thresholds, found) = found;
     let mut table = Table::new(["joint", "threshold [N·m]"]);
     for (name, most) in model.joints.iter().zip(&thresholds.torque) {
         table.row(name, [number(*most)]);

@@ -6,6 +6,7 @@ use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::table::{Table, methods};
 use clap::Args;
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use torquewise::dynamics::{MotionKind, MotionPlan, Noise, add_noise, simulate};
@@ -56,11 +57,13 @@ struct Found {
     scores: Evaluation,
 }
 
-/// Rows of a pattern, and how many of them truly show it.
+/// Rows of a pattern, and the share of them that truly show it.
+#[derive(Serialize)]
 struct Purity {
-    pattern: Pattern,
+    name: &'static str,
     rows: usize,
-    right: usize,
+    #[serde(rename = "purity_percent")]
+    percent: f64,
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
@@ -92,12 +95,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
 
     let warnings = found[0].fit.warnings.iter().map(ToString::to_string).collect();
     let text = text(arguments, &log, &purities, &found);
-    Ok(Outcome {
-        text,
-        json: json(arguments, &log, &purities, &found),
-        warnings,
-        ..Outcome::default()
-    })
+    let json = json(arguments, &log, &purities, &found);
+    Ok(Outcome { text, json, warnings, ..Outcome::default() })
 }
 
 fn purities(found: &Found, log: &Motion, truth: &[Pattern]) -> Vec<Purity> {
@@ -105,15 +104,11 @@ fn purities(found: &Found, log: &Motion, truth: &[Pattern]) -> Vec<Purity> {
     let purity = |pattern| {
         let labelled = labels.iter().zip(truth).filter(|(label, _)| **label == pattern);
         let rows = labelled.clone().count();
-        Purity { pattern, rows, right: labelled.filter(|(_, truth)| **truth == pattern).count() }
+        let right = labelled.filter(|(_, truth)| **truth == pattern).count();
+        let percent = 100.0 * right as f64 / rows as f64;
+        Purity { name: pattern.name(), rows, percent }
     };
     Pattern::ALL.into_iter().map(purity).collect()
-}
-
-impl Purity {
-    fn percent(&self) -> f64 {
-        100.0 * self.right as f64 / self.rows as f64
-    }
 }
 
 /// Measured torque, the energy library and the baseline; all others lie on the first.
@@ -145,8 +140,8 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
     let Arguments { arm, seconds, rate, case, output, .. } = arguments;
     let mut patterns = Table::new(["pattern", "rows", "purity [%]"]);
     for purity in purities {
-        let cells = [purity.rows.to_string(), format!("{:.2}", purity.percent())];
-        patterns.row(purity.pattern.name(), cells);
+        let cells = [purity.rows.to_string(), format!("{:.2}", purity.percent)];
+        patterns.row(purity.name, cells);
     }
     let scores = methods(
         log.joints(),
@@ -172,13 +167,6 @@ fn text(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
 }
 
 fn json(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found]) -> Value {
-    let patterns = purities.iter().map(|purity| {
-        json!({
-            "name": purity.pattern.name(),
-            "rows": purity.rows,
-            "purity_percent": purity.percent(),
-        })
-    });
     let file = |name: &str| arguments.output.join(name).display().to_string();
     let methods = found.iter().map(|Found { name, file: model, fit, scores }| {
         let percent = scores.joints.iter().map(|joint| joint.nrmse_percent);
@@ -195,7 +183,7 @@ fn json(arguments: &Arguments, log: &Motion, purities: &[Purity], found: &[Found
     json!({
         "arm": arguments.arm,
         "rows": log.n_rows(),
-        "patterns": patterns.collect::<Vec<_>>(),
+        "patterns": purities,
         "methods": methods.collect::<Vec<_>>(),
         "log": file("log.csv"),
         "figure": file("torque.svg"),

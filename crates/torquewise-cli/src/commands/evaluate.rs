@@ -1,5 +1,6 @@
 //! How well a model predicts the torque of logs.
 
+use crate::arguments::parsed;
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::read_model;
@@ -58,7 +59,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     })
 }
 
-fn horizon(text: &str) -> std::result::Result<f64, String> {
-    let found = text.parse::<f64>().map_err(|error| error.to_string())?;
-    if found > 0.0 && found.is_finite() { Ok(found) } else { Err("give seconds above 0".into()) }
+fn horizon(text: &str) -> Result<f64, String> {
+    parsed(text, |seconds: &f64| *seconds > 0.0 && seconds.is_finite(), "give seconds above 0")
 }

@@ -1,6 +1,6 @@
 //! From model to source code, an FMU or a ROS 2 package.
 
-use crate::arguments::{Word, choice};
+use crate::arguments::{Word, choice, parsed};
 use crate::error::{CliError, Result};
 use crate::files::{check_files, create_folder, read_model, read_text, work_folder, write_whole};
 use crate::outcome::Outcome;
@@ -132,12 +132,8 @@ fn robot(arguments: &Arguments, model: &Model, exported: &Exported) -> Outcome {
 }
 
 fn width(text: &str) -> Result<f64, String> {
-    let width: f64 = text.parse().map_err(|_| "expected a number".to_owned())?;
-    if width.is_finite() && width >= 0.0 {
-        Ok(width)
-    } else {
-        Err("expected 0 or more radians per second".to_owned())
-    }
+    let is_width = |width: &f64| width.is_finite() && *width >= 0.0;
+    parsed(text, is_width, "expected 0 or more radians per second")
 }
 
 fn check_usage(arguments: &Arguments) -> Result<()> {
@@ -211,14 +207,11 @@ fn outcome(
     vectors: Option<&Path>,
 ) -> Outcome {
     let mut table = Table::new(["function", "+ - * /", "sin cos exp tanh"]);
-    let mut costs = serde_json::Map::new();
+    let mut costs = json!({});
     for quantity in Quantity::ALL {
-        let cost = program.cost(quantity);
-        table.row(quantity.name(), [cost.operations.to_string(), cost.functions.to_string()]);
-        costs.insert(
-            quantity.name().into(),
-            json!({ "operations": cost.operations, "functions": cost.functions }),
-        );
+        let (cost, name) = (program.cost(quantity), quantity.name());
+        table.row(name, [cost.operations.to_string(), cost.functions.to_string()]);
+        costs[name] = json!({ "operations": cost.operations, "functions": cost.functions });
     }
     let mut text = format!(
         "{}\n{} joints, {} coefficients\n\n{}\nwritten: {}\n",

@@ -2,7 +2,7 @@
 
 use crate::error::{CliError, Result};
 use crate::files::check_files;
-use crate::moments_file::{json, read_moments, text, write_moments};
+use crate::moments_file::{read_moments, write_moments};
 use crate::outcome::Outcome;
 use clap::Args;
 use std::path::PathBuf;
@@ -27,10 +27,5 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         let added = all.merge(&read_moments(file)?);
         added.map_err(|error| CliError::from(error).within(what()))?;
     }
-    let bytes = write_moments(&arguments.output, &all)?;
-    Ok(Outcome {
-        text: text(&all, &arguments.output, bytes),
-        json: json(&all, &arguments.output, bytes),
-        ..Outcome::default()
-    })
+    write_moments(&arguments.output, &all)
 }

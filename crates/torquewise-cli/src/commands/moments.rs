@@ -4,7 +4,7 @@ use crate::arguments::{METHOD, PlanArguments, choice};
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::check_files;
-use crate::moments_file::{json, read_request, text, write_moments};
+use crate::moments_file::{read_request, write_moments};
 use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
@@ -43,13 +43,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
     let log = arguments.signals.open(&arguments.logs)?;
     let request = arguments.request.as_deref().map(read_request).transpose()?;
     let (summary, log) = sum_up(&log, &options, request.as_ref(), &watch())?;
-    let bytes = write_moments(&arguments.output, &summary)?;
-    Ok(Outcome {
-        text: log.text()
-            + &text(&summary, &arguments.output, bytes)
-            + &conditioning::text(&log.repairs()),
-        json: json(&summary, &arguments.output, bytes),
-        warnings: log.warnings(),
-        ..Outcome::default()
-    })
+    let written = write_moments(&arguments.output, &summary)?;
+    let text = log.text() + &written.text + &conditioning::text(&log.repairs());
+    Ok(Outcome { text, warnings: log.warnings(), ..written })
 }

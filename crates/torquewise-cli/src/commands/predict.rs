@@ -3,7 +3,7 @@
 use crate::conditioning;
 use crate::error::Result;
 use crate::files::{check_files, read_model, staged};
-use crate::outcome::{Outcome, object};
+use crate::outcome::Outcome;
 use crate::progress::watch;
 use crate::signal_arguments::SignalArguments;
 use crate::table::Table;
@@ -13,7 +13,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use torquewise::log::Rows;
 use torquewise::logs::{Column, TableWriter, Values};
-use torquewise::model::{Model, Torque, number};
+use torquewise::model::{Torque, number};
 use torquewise::motion::{Motion, ReadError, Recording};
 use torquewise::observe::Watched;
 use torquewise::predict::{Interval, MotionRange};
@@ -85,11 +85,22 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
         },
     )?;
     writer.finish()?;
-    let mut outcome = outcome(arguments, &model, rows, &largest, &names, &range);
-    let repairs = logs.repairs();
-    outcome.text.push_str(&conditioning::text(&repairs));
-    outcome.json["conditioning"] = object(&AllRepairs::of(&repairs));
-    Ok(outcome)
+    let (file, repairs) = (arguments.output.display(), logs.repairs());
+    let mut table = Table::new(["joint", "largest |tau| [N·m]"]);
+    for (name, &largest) in model.joints.iter().zip(&largest) {
+        table.row(name, [number(largest)]);
+    }
+    let text = format!("{}\ntorque: {file} ({rows} rows)\n", table.text());
+    let json = json!({
+        "joints": model.joints,
+        "rows": rows,
+        "columns": names,
+        "largest_torque": largest,
+        "file": file.to_string(),
+        "conditioning": AllRepairs::of(&repairs),
+    });
+    let (text, warnings) = (text + &conditioning::text(&repairs), range.warnings(&model));
+    Ok(Outcome { text, json, warnings, ..Outcome::default() })
 }
 
 struct Written<'a> {
@@ -143,28 +154,4 @@ impl Written<'_> {
         writer.append(&values)?;
         Ok(total)
     }
-}
-
-fn outcome(
-    arguments: &Arguments,
-    model: &Model,
-    rows: usize,
-    largest: &[f64],
-    columns: &[String],
-    range: &MotionRange,
-) -> Outcome {
-    let file = arguments.output.display().to_string();
-    let mut table = Table::new(["joint", "largest |tau| [N·m]"]);
-    for (name, &largest) in model.joints.iter().zip(largest) {
-        table.row(name, [number(largest)]);
-    }
-    let json = json!({
-        "joints": model.joints,
-        "rows": rows,
-        "columns": columns,
-        "largest_torque": largest,
-        "file": file,
-    });
-    let text = format!("{}\ntorque: {file} ({rows} rows)\n", table.text());
-    Outcome { text, json, warnings: range.warnings(model), ..Outcome::default() }
 }

@@ -7,6 +7,7 @@ use crate::error::{CliError, Result};
 use crate::files::read_model;
 use crate::outcome::{Outcome, object};
 use crate::table::Table;
+use clap::builder::RangedU64ValueParser;
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -50,7 +51,7 @@ pub(crate) struct Arguments {
     check: bool,
     /// Random states of each range
     #[arg(long, value_name = "N", default_value_t = STATES, requires = "check")]
-    #[arg(value_parser = states)]
+    #[arg(value_parser = RangedU64ValueParser::<usize>::new().range(1..=10_000_000))]
     states: usize,
     /// Count what a call of the torque costs a controller, after each step and whole
     #[arg(long)]
@@ -169,13 +170,6 @@ const LINKS: &str = "Links, ± standard error, – where it is not resolved: fir
 const FRICTION: &str = "Friction, ± standard error, – where it is not resolved\n\
     F_c Coulomb, F_s static, v_s Stribeck speed, F_v viscous; stiffness, travel: of reversals\n\
     \n";
-
-fn states(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(count @ 1..=10_000_000) => Ok(count),
-        _ => Err("expected a number from 1 to 10000000".to_owned()),
-    }
-}
 
 fn choice_text(choice: &Choice) -> String {
     let Choice { what, chosen, rule, from } = choice;

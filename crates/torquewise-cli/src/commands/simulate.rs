@@ -109,8 +109,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Outcome> {
             None => write_log(output, &clean)?,
         },
     }
-    let patterns = write_truth(arguments.truth.as_deref(), &clean)?;
-    Ok(outcome(arguments, output, arm.joints(), (clean.n_rows(), patterns)))
+    let (file, rows, joints) = (output.display(), clean.n_rows(), arm.joints());
+    let json = json!({
+        "arm": name,
+        "joints": joints,
+        "rows": rows,
+        "seconds": seconds,
+        "rate_hz": rate,
+        "seed": seed,
+        "patterns": PatternRows::of(write_truth(arguments.truth.as_deref(), &clean)?),
+        "file": file.to_string(),
+        "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
+    });
+    let mut text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len());
+    text.extend(arguments.truth.iter().map(|truth| format!("truth: {}\n", truth.display())));
+    Ok(Outcome { text, json, ..Outcome::default() })
 }
 
 /// Rows whose noise is known from all of them at most: 200 bytes each for three joints.
@@ -137,30 +150,6 @@ fn write_truth(file: Option<&Path>, clean: &SimulatedLog) -> Result<[u64; 3]> {
         Ok(table.append(&truth)?)
     })?;
     Ok(table.finish()?)
-}
-
-fn outcome(
-    arguments: &Arguments,
-    output: &Path,
-    joints: &[String],
-    (rows, counts): (usize, [u64; 3]),
-) -> Outcome {
-    let file = output.display();
-    let json = json!({
-        "arm": arguments.arm,
-        "joints": joints,
-        "rows": rows,
-        "seconds": arguments.seconds,
-        "rate_hz": arguments.rate,
-        "seed": arguments.seed,
-        "patterns": PatternRows::of(counts),
-        "file": file.to_string(),
-        "truth": arguments.truth.as_ref().map(|truth| truth.display().to_string()),
-    });
-    let truth = arguments.truth.iter().map(|truth| format!("truth: {}\n", truth.display()));
-    let text = format!("log: {file} ({rows} rows, {} joints)\n", joints.len())
-        + &truth.collect::<String>();
-    Outcome { text, json, ..Outcome::default() }
 }
 
 fn list() -> Outcome {

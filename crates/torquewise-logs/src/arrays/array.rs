@@ -22,7 +22,6 @@ pub(super) enum Order {
     ByColumn,
 }
 
-/// A matrix of numbers with a name; a vector has one row or one column.
 #[derive(Clone, Debug)]
 pub(super) struct Array {
     pub(super) name: String,
@@ -32,7 +31,6 @@ pub(super) struct Array {
     pub(super) body: Body,
 }
 
-/// Where the elements of an array stand in a file.
 #[derive(Clone, Debug)]
 pub(super) struct Body {
     /// Where they begin, or what they are packed in.
@@ -40,7 +38,6 @@ pub(super) struct Body {
     /// Bytes from there on at most.
     pub(super) stored: u64,
     pub(super) packing: Packing,
-    /// Bytes before the first element, unpacked.
     pub(super) before: u64,
     /// What is held against all bytes, if anything is.
     pub(super) checksum: Option<u32>,
@@ -110,7 +107,6 @@ impl Array {
         (self.rows >= self.columns) == (self.order == Order::ByRow)
     }
 
-    /// Bytes of all elements; `None` where they cannot be counted.
     pub(super) fn n_bytes(&self, element: Element) -> Option<u64> {
         let count = u64::try_from(self.rows.checked_mul(self.columns)?).ok()?;
         count.checked_mul(element.size() as u64)

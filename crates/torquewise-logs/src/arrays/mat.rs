@@ -17,7 +17,6 @@ const CELLS: u8 = 1;
 /// Bytes of the names of all fields of a structure at most.
 const LONGEST_NAMES: u64 = 1 << 20;
 
-/// Variables and fields of a file at most, with empty ones.
 const MOST_PARTS: usize = 1_000_000;
 
 pub(super) fn arrays(file: &Path) -> Result<Vec<Array>> {

@@ -14,7 +14,6 @@ pub(super) struct Tag {
     pub(super) length: u64,
     /// Where its body begins, in bytes from the start of what is read.
     pub(super) start: u64,
-    /// The body, if it stands in the tag itself.
     small: Option<[u8; 4]>,
 }
 
@@ -76,7 +75,6 @@ impl<'a> Elements<'a> {
         Ok(body)
     }
 
-    /// Passes over the body of the element whose tag was read last.
     pub(super) fn skip(&mut self, tag: Tag) -> io::Result<()> {
         if tag.small.is_none() {
             self.pass(tag.length)?;

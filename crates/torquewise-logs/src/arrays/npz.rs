@@ -94,7 +94,6 @@ fn array<R: Read>(file: &Path, mut entry: ZipFile<'_, R>) -> Result<Option<Array
 struct Header {
     shape: Vec<usize>,
     is_fortran: bool,
-    /// Bytes before the first element.
     length: usize,
 }
 

@@ -33,7 +33,6 @@ impl Element {
         }
     }
 
-    /// The number in [`size`](Self::size) bytes.
     fn number(self, stored: &[u8]) -> f64 {
         let mut bytes = [0; 8];
         for (k, byte) in stored.iter().enumerate() {
@@ -65,7 +64,6 @@ impl Numbers {
         Self { input: BufReader::new(input), element, stored: Vec::new() }
     }
 
-    /// The next numbers, as many as `into` holds.
     pub(super) fn read(&mut self, into: &mut [f64]) -> io::Result<()> {
         let size = self.element.size();
         self.stored.resize(into.len() * size, 0);

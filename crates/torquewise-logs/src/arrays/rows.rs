@@ -28,7 +28,6 @@ struct Stream {
     instant: Vec<f64>,
     /// Series of the instant, and the chosen column that each is.
     columns: Vec<(usize, usize)>,
-    /// Whether it ends where the array does.
     is_last: bool,
 }
 

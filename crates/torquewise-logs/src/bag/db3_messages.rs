@@ -63,7 +63,6 @@ pub(super) struct Db3Messages {
     topic: String,
     query: &'static str,
     page: VecDeque<Message>,
-    /// Time and id of the last message of the page.
     last: (i64, i64),
     ended: bool,
 }

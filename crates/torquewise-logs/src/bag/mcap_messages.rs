@@ -99,7 +99,6 @@ impl McapMessages {
     }
 }
 
-/// The next record of a chunk: its kind and what it holds.
 fn next_record(chunk: &mut Cursor<Vec<u8>>) -> McapResult<Option<(u8, &[u8])>> {
     let at = usize::try_from(chunk.position()).unwrap_or(usize::MAX);
     let Some((opcode, rest)) = chunk.get_ref().get(at..).and_then(<[u8]>::split_first) else {

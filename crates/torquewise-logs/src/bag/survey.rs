@@ -119,7 +119,6 @@ pub(super) fn decoded(bytes: &[u8], place: impl Fn() -> Place) -> Result<JointSt
     JointState::decode(bytes).map_err(malformed)
 }
 
-/// Where the joints stand in a message; `None` if it is about other joints.
 pub(super) fn places<'a>(
     aligned: &'a mut Aligned,
     state: &JointState,

@@ -77,7 +77,6 @@ impl Profile {
     }
 }
 
-/// The lists of a signal: key and number of entries.
 fn counts(signal: Signal, parts: &SignalColumns) -> Vec<(String, usize)> {
     let key = |name: &str| format!("{}.{name}", signal.name());
     let mut counts = Vec::new();

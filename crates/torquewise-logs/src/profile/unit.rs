@@ -25,12 +25,10 @@ const TIME: [(&str, f64); 4] = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1
 
 pub(crate) const AMPERE: &str = "A";
 
-/// The factor of a unit of a signal; SI if none is named.
 pub(crate) fn factor(signal: Signal, unit: Option<&str>) -> Option<f64> {
     unit.map_or(Some(1.0), |unit| find(of(signal), unit))
 }
 
-/// The factor of a unit of time; seconds if none is named.
 pub(crate) fn time_factor(unit: Option<&str>) -> Option<f64> {
     unit.map_or(Some(1.0), |unit| find(&TIME, unit))
 }

@@ -32,7 +32,6 @@ pub(super) enum Meaning {
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Family {
-    /// Names of the columns, joint by joint.
     pub(super) columns: Vec<String>,
     /// What all begin with, if they are called that and 1, 2, ….
     pub(super) prefix: Option<String>,
@@ -171,7 +170,6 @@ fn meaning(words: &[String]) -> Option<(Meaning, &'static str)> {
     })
 }
 
-/// The words of a name: split where letters end, and at capitals.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_lower = false;

@@ -21,7 +21,6 @@ pub(super) struct Measured {
     pub(super) ratio: Option<f64>,
 }
 
-/// Reads the first 20 000 rows.
 pub(super) fn measure(file: &Path, names: &[String], found: &Found) -> Result<Measured> {
     let place = |name: &String| names.iter().position(|known| known == name);
     let of = |signal| -> Vec<usize> {

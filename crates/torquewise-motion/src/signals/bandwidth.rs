@@ -61,7 +61,6 @@ pub struct DelayedTorque {
 struct Piece {
     plan: Plan,
     even: Even,
-    /// Rows that are compared.
     rows: Vec<usize>,
 }
 

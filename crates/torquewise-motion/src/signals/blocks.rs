@@ -21,7 +21,6 @@ pub struct Conditioner {
     plan: Plan,
     /// Rows to each side on which a conditioned row depends.
     overlap: usize,
-    /// Rows at which a part is worked off.
     part: usize,
     waiting: Columns,
     origin: Option<f64>,

@@ -3,7 +3,6 @@
 use crate::error::{MotionError, Result};
 use std::f64::consts::PI;
 
-/// Highest order a filter may have.
 pub(crate) const MAX_ORDER: usize = 24;
 
 /// One second-order section: H(z) = (b₀ + b₁z⁻¹ + b₂z⁻²) / (1 + a₁z⁻¹ + a₂z⁻²).

@@ -16,7 +16,6 @@ use faer::Mat;
 
 /// Longest lag of the measured velocity that is looked for \[s\].
 const LONGEST_LAG: f64 = 0.25;
-/// Rows on which it is looked for at most.
 const LAG_ROWS: usize = 4096;
 
 /// A clean trajectory, and how it came about.

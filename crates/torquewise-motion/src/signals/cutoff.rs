@@ -16,7 +16,6 @@ const MARGIN: f64 = 8.0;
 const MOTION_SHARE: f64 = 0.95;
 /// Power of the speed counts where it is so many times that of white noise in the position.
 const CLEAR: f64 = 16.0;
-/// Rows that a band is found in.
 const LEAST_ROWS: usize = 64;
 
 /// A cut-off eight times above the band of the motion \[Hz\], at the middle one of the joints that

@@ -130,7 +130,6 @@ fn weight(u: f64) -> f64 {
     sinc * bessel(KAISER * inside.sqrt()) / bessel(KAISER)
 }
 
-/// Modified Bessel function I₀ by its series, for small arguments.
 fn bessel(x: f64) -> f64 {
     let (mut term, mut sum) = (1.0, 1.0);
     for k in 1..40 {

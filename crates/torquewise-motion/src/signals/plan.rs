@@ -125,7 +125,6 @@ impl Plan {
     }
 }
 
-/// A number of rows; more than any log has stays more.
 fn rows(x: f64) -> usize {
     whole(x.clamp(0.0, 1e12))
 }

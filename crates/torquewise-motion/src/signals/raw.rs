@@ -65,7 +65,6 @@ impl Raw {
 }
 
 impl Columns {
-    /// Signals that are there: place, columns.
     pub(crate) fn present(&self) -> impl Iterator<Item = (usize, &Vec<Vec<f64>>)> {
         let signals = self.signals.iter().enumerate();
         signals.filter_map(|(place, columns)| columns.as_ref().map(|columns| (place, columns)))
@@ -105,7 +104,6 @@ impl Columns {
     }
 }
 
-/// m×n from n columns.
 pub(crate) fn matrix(columns: &[Vec<f64>]) -> Mat<f64> {
     let rows = columns.first().map_or(0, Vec::len);
     Mat::from_fn(rows, columns.len(), |row, joint| columns[joint][row])

@@ -30,7 +30,6 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Whether the stamps need no resampling.
     pub(crate) fn is_even(&self) -> bool {
         self.jitter < EVEN
     }

@@ -59,7 +59,6 @@ impl Clock {
         (0..taken).map(|k| first + k * (end - first) / taken).collect()
     }
 
-    /// Points of a curve over time; nothing joins two trajectories.
     pub(crate) fn curve(&self, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
         let mut points = Vec::with_capacity(self.t.len() + self.breaks.len());
         let mut breaks = self.breaks.iter().peekable();

@@ -55,7 +55,6 @@ fn written(equation: Equation) -> Item {
     if n_terms <= LONG { item } else { Item::Details { summary, items: vec![item] } }
 }
 
-/// What rubs at each joint where anything does.
 fn frictions(findings: &Findings<'_>) -> Vec<Equation> {
     let model = &findings.found.model;
     let equation = |(joint, friction): (usize, Vec<_>)| Equation {

@@ -43,7 +43,6 @@ pub(crate) fn section(findings: &Findings<'_>) -> Option<Section> {
     Some(Section { heading: "Friction".into(), items })
 }
 
-/// One shaft, as model and log have it.
 struct Seen<'a> {
     shaft: ShaftFriction<'a>,
     findings: &'a Findings<'a>,

@@ -10,7 +10,6 @@ use torquewise_model::friction::FrictionLaw;
 use torquewise_model::print::weighted_friction;
 use torquewise_model::{FrictionTerm, Term, Weighted};
 
-/// Terms of a joint that are shown.
 const MOST_TERMS: usize = 8;
 const MOST_DROPPED: usize = 12;
 

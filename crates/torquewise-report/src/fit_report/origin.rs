@@ -40,7 +40,6 @@ impl Origin<'_> {
         format!("Torque model from {logs}, tested on {}", short(self.tests))
     }
 
-    /// All logs, folded; nothing where there are none.
     pub(crate) fn files(&self) -> Option<Item> {
         let row = |(log, of): (&LogFile, &str)| {
             [log.name.as_str(), of, log.date.as_str()].map(Into::into).to_vec()

@@ -27,7 +27,6 @@ pub enum Colour {
 }
 
 impl Colour {
-    /// Name of its CSS variable, without the dashes in front.
     pub(crate) fn variable(self) -> String {
         match self {
             Self::Measured => "measured".into(),

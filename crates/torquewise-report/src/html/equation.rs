@@ -149,7 +149,6 @@ const MENDED: [(&str, &str); 4] = [
     ("<mover><mi>q</mi><mi>¨</mi></mover>", "<mi>\u{1d45e}\u{308}</mi>"),
 ];
 
-/// Its unit, as that of a coefficient.
 fn friction_unit(term: &FrictionTerm) -> &'static str {
     match (term.law, term.load) {
         (FrictionLaw::Viscous, false) => "N·m·s",

@@ -2,7 +2,6 @@
 
 use serde::{Serialize, Serializer};
 
-/// As wide as a digit.
 const FIGURE_SPACE: char = '\u{2007}';
 /// As wide as a decimal point.
 const PUNCTUATION_SPACE: char = '\u{2008}';

@@ -91,7 +91,6 @@ pub struct Growing {
     points: Vec<[f64; 2]>,
     /// Points in front that are thinned already.
     thinned: usize,
-    /// Points that are thinned at once, to about [`SLOT`].
     block: usize,
 }
 

@@ -52,7 +52,6 @@ impl Gains {
     }
 }
 
-/// States of the motion that the mean is taken over.
 const STATES: usize = 200;
 
 /// Mean of M̂ᵢᵢ(q) over the desired motion \[kg·m²\], n.

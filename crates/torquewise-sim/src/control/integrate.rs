@@ -83,7 +83,6 @@ impl Integrator {
         Ok(())
     }
 
-    /// The slopes of a step, and where it ends.
     fn stages(
         &mut self,
         x: &[f64],
@@ -100,7 +99,6 @@ impl Integrator {
         Ok(())
     }
 
-    /// Largest error of the step in units of what is allowed.
     fn error(&self, x: &[f64], h: f64) -> f64 {
         let mut largest = 0.0_f64;
         for (i, (before, after)) in x.iter().zip(&self.trial).enumerate() {

@@ -122,7 +122,6 @@ fn diagonal(matrix: &Mat<f64>) -> Vec<f64> {
     matrix.diagonal().column_vector().iter().copied().collect()
 }
 
-/// a + share·b.
 pub(crate) fn sum(mut a: Vec<f64>, share: f64, b: &[f64]) -> Vec<f64> {
     for (a, b) in a.iter_mut().zip(b) {
         *a += share * b;

@@ -24,7 +24,6 @@ pub(crate) enum Recipe {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Effort {
-    /// Parts to choose from, each time.
     pub(crate) tries: usize,
     /// How often each part is looked at again.
     pub(crate) rounds: usize,

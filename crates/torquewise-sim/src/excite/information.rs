@@ -101,7 +101,6 @@ fn is_regular(eigenvalues: &[f64]) -> bool {
     }
 }
 
-/// Eigenvalues of a symmetric matrix, lower triangle read, ascending; empty if there are none.
 fn eigenvalues(matrix: &Mat<f64>) -> Vec<f64> {
     let p = matrix.nrows();
     if (0..p).any(|j| (j..p).any(|i| !matrix[(i, j)].is_finite())) {

@@ -36,7 +36,6 @@ pub(crate) struct Library {
     friction: Friction,
     /// Root mean square of each column over states within the limits.
     scale: Vec<f64>,
-    /// How many joint angles a term may hold.
     pub(crate) interaction: usize,
 }
 
@@ -149,7 +148,6 @@ impl Library {
     }
 }
 
-/// −1, 0 or 1.
 fn sign(dq: f64) -> f64 {
     if dq == 0.0 { 0.0 } else { dq.signum() }
 }

@@ -94,72 +94,60 @@ const DENSITY: u8 = 4;
 ///
 /// # Errors
 /// [`SimError`]: a setting out of bounds, or a recording too short for a single part.
-pub fn excite(
-    limits: &[Limits],
-    plan: &Plan,
-    progress: &mut dyn FnMut(f64, &'static str),
-) -> Result<Excitation> {
+pub fn excite(limits: &[Limits], plan: &Plan, progress: Tell<'_>) -> Result<Excitation> {
     let home = home(limits, plan)?;
     plan.check()?;
     let joints: Vec<String> = limits.iter().map(|limits| limits.joint.clone()).collect();
     let bounds: Vec<Bounds> = limits.iter().map(|limits| limits.planned).collect();
     let library = Library::new(&bounds, plan.interaction)?;
-    let setting = Setting { plan, joints: &joints, bounds: &bounds, home: &home };
+    let setting = Setting { plan, joints: &joints, bounds: &bounds, home: &home, library };
 
     let rounds = match plan.tries {
         1 => 0,
-        _ if library.n_columns() > QUICK_COLUMNS => ROUNDS - 1,
+        _ if setting.library.n_columns() > QUICK_COLUMNS => ROUNDS - 1,
         _ => ROUNDS,
     };
     let effort = Effort { tries: plan.tries, rounds };
-    let recordings = setting.design(&library, effort, progress)?;
+    let recordings = setting.design(effort, progress)?;
     let first = Effort { tries: 1, rounds: 0 };
-    let random = setting.design(&library, first, &mut |_, _| {})?;
+    let random = setting.design(first, &mut |_, _| {})?;
 
     progress(1.0, "judging");
     let [standstill, uniform, variable] =
         recordings.each_ref().map(|recording| recording.peaks(&bounds));
     Ok(Excitation {
-        criteria: setting.criteria(&library, &recordings)?,
-        random: setting.criteria(&library, &random)?,
+        criteria: setting.criteria(&recordings)?,
+        random: setting.criteria(&random)?,
         not_alone: setting.not_alone(&recordings[1]),
-        interaction: library.interaction,
+        interaction: setting.library.interaction,
         peaks: [standstill?, uniform?, variable?],
         recordings,
     })
 }
+
+/// Who is told the share of the work that is done, and what is planned.
+pub type Tell<'a> = &'a mut dyn FnMut(f64, &'static str);
 
 struct Setting<'a> {
     plan: &'a Plan,
     joints: &'a [String],
     bounds: &'a [Bounds],
     home: &'a [f64],
+    library: Library,
 }
 
 impl Setting<'_> {
     /// Plans the recordings one after the other; each knows what those before tell.
-    fn design(
-        &self,
-        library: &Library,
-        effort: Effort,
-        progress: &mut dyn FnMut(f64, &'static str),
-    ) -> Result<[Planned; 3]> {
-        let standstill = self.recording(0, &[], library, effort, progress)?;
-        let uniform = self.recording(1, &[&standstill], library, effort, progress)?;
-        let before = [&standstill, &uniform];
-        let variable = self.recording(2, &before, library, effort, progress)?;
+    fn design(&self, effort: Effort, tell: Tell<'_>) -> Result<[Planned; 3]> {
+        let standstill = self.recording(&[], effort, tell)?;
+        let uniform = self.recording(&[&standstill], effort, tell)?;
+        let variable = self.recording(&[&standstill, &uniform], effort, tell)?;
         Ok([standstill, uniform, variable])
     }
 
-    fn recording(
-        &self,
-        stage: usize,
-        before: &[&Planned],
-        library: &Library,
-        effort: Effort,
-        progress: &mut dyn FnMut(f64, &'static str),
-    ) -> Result<Planned> {
-        let Self { plan, joints, bounds, home } = *self;
+    fn recording(&self, before: &[&Planned], effort: Effort, tell: Tell<'_>) -> Result<Planned> {
+        let Self { plan, joints, bounds, home, ref library } = *self;
+        let stage = before.len();
         let (name, seconds) = (NAMES[stage], plan.seconds[stage]);
         let (recipe, share) = self.stage(stage);
         let own = library.share(share);
@@ -171,7 +159,7 @@ impl Setting<'_> {
         // Each recording has numbers of its own, whatever the others draw.
         let mut rng = ChaCha8Rng::seed_from_u64(plan.seed);
         rng.set_stream(stage as u64);
-        let mut tell = |share: f64| progress((stage as f64 + share) / 3.0, name);
+        let mut tell = |share: f64| tell((stage as f64 + share) / 3.0, name);
         let parts = task.design(&known, &mut rng, &mut tell)?;
         if parts.is_empty() {
             return Err(SimError::TooShort { recording: name, seconds, piece: PIECES[stage] });
@@ -189,7 +177,8 @@ impl Setting<'_> {
         }
     }
 
-    fn criteria(&self, library: &Library, recordings: &[Planned; 3]) -> Result<[Criterion; 3]> {
+    fn criteria(&self, recordings: &[Planned; 3]) -> Result<[Criterion; 3]> {
+        let library = &self.library;
         let until = |stage: usize| {
             let parts = || recordings[..=stage].iter().flat_map(|recording| &recording.parts);
             let seconds = parts().flat_map(|part| part.states(1).seconds).sum();

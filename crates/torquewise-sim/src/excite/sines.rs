@@ -72,7 +72,6 @@ impl Sines {
         Self { seconds: self.seconds, joints }
     }
 
-    /// Harmonics of the joint that has most.
     pub(crate) fn harmonics(&self) -> usize {
         self.joints.iter().map(|series| series.waves.len()).max().unwrap_or(0)
     }

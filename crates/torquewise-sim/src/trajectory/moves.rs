@@ -33,7 +33,6 @@ struct Phases {
     brake: f64,
 }
 
-/// One dwell and the move after it.
 #[derive(Clone, Debug)]
 struct Move {
     start: f64,

@@ -19,7 +19,6 @@ pub(crate) struct Sines {
     joints: Vec<(f64, Vec<Sine>)>,
 }
 
-/// amplitude · sin(ω t + phase).
 #[derive(Clone, Copy, Debug)]
 struct Sine {
     amplitude: f64,

@@ -73,7 +73,6 @@ impl Staged {
         arc.start + t
     }
 
-    /// Time of the next arc's first row, after the transfer to `q`.
     fn next_start(&self, first_row: usize, q: &[f64]) -> f64 {
         let Some(last_row) = first_row.checked_sub(1) else { return 0.0 };
         let mut end = State::at_rest(&vec![0.0; q.len()]);

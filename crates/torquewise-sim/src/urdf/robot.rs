@@ -3,7 +3,6 @@
 use crate::error::{Result, SimError};
 use roxmltree::{Document, Node};
 
-/// What a URDF describes; names are as they stand in it.
 pub(crate) struct Robot {
     pub(crate) name: String,
     pub(crate) links: Vec<Link>,
@@ -33,7 +32,6 @@ pub(crate) struct Origin {
 
 pub(crate) struct Joint {
     pub(crate) name: String,
-    /// One of [`KINDS`].
     pub(crate) kind: &'static str,
     pub(crate) parent: String,
     pub(crate) child: String,

@@ -17,7 +17,6 @@ pub(crate) struct Tree<'a> {
 
 /// Links that move as one body, and the moving joints that leave it.
 pub(crate) struct Welded<'a> {
-    /// The links with their frames in that of the first.
     pub(crate) links: Vec<(&'a str, Pose)>,
     /// Whether all joints between a link and the first are fixed.
     fixed: Vec<bool>,
@@ -92,7 +91,6 @@ impl<'a> Tree<'a> {
         Ok(body)
     }
 
-    /// The one joint that leaves the body, if any.
     fn only_exit(&self, welded: &Welded<'a>) -> Result<Option<(&'a Joint, Pose)>> {
         if welded.exits.len() < 2 {
             return Ok(welded.exits.first().copied());

@@ -1,6 +1,6 @@
 //! From trackings to figure and page: errors, positions and torques of each controller.
 
-use crate::commands::control::Compared;
+use crate::commands::control::{Compared, Run};
 use crate::error::Result;
 use faer::Mat;
 use torquewise::control::Tracking;
@@ -49,7 +49,7 @@ fn table(compared: &Compared) -> Item {
         let joints = compared.wanted.joints().iter();
         columns.extend(joints.map(|joint| Column::numbers(format!("{joint} {what} [mrad]"))));
     }
-    let row = |run: &super::Run| -> Vec<Label> {
+    let row = |run: &Run| -> Vec<Label> {
         let rms = run.tracking.rms_error(compared.settle);
         let peak = run.tracking.peak_error(compared.settle);
         let cells = rms.into_iter().chain(peak).map(|error| significant(1e3 * error, 3));
@@ -60,38 +60,35 @@ fn table(compared: &Compared) -> Item {
 }
 
 fn errors(compared: &Compared, joint: usize) -> Chart {
-    let of = |tracking: &Tracking| line(tracking, &tracking.error, joint, 1e3);
-    let guide = Guide::at_x(compared.settle, "errors count from");
-    Chart { guides: vec![guide], ..chart(compared, joint, "error [mrad]", &of, Vec::new()) }
+    let guides = vec![Guide::at_x(compared.settle, "errors count from")];
+    let axis = ("error [mrad]", 1e3);
+    Chart { guides, ..chart(compared, joint, axis, |tracking| &tracking.error, Vec::new()) }
 }
 
 fn positions(compared: &Compared, joint: usize) -> Chart {
     let wanted = &compared.wanted;
     let points = (0..wanted.n_rows()).map(|row| [wanted.t()[row], wanted.q()[(row, joint)]]);
     let desired = Series::new("desired", Mark::BroadLine, Colour::Measured, points.collect());
-    let of = |tracking: &Tracking| line(tracking, &tracking.q, joint, 1.0);
-    chart(compared, joint, "position [rad]", &of, vec![desired])
+    chart(compared, joint, ("position [rad]", 1.0), |tracking| &tracking.q, vec![desired])
 }
 
 fn torques(compared: &Compared, joint: usize) -> Chart {
-    let of = |tracking: &Tracking| line(tracking, &tracking.tau, joint, 1.0);
-    chart(compared, joint, "command [N·m]", &of, Vec::new())
+    chart(compared, joint, ("command [N·m]", 1.0), |tracking| &tracking.tau, Vec::new())
 }
 
-fn line(tracking: &Tracking, x: &Mat<f64>, joint: usize, unit: f64) -> Vec<[f64; 2]> {
-    tracking.t.iter().zip(x.col_as_slice(joint)).map(|(&t, &x)| [t, unit * x]).collect()
-}
-
+/// - `axis`: its name, and how much of it a unit of the signal is
 fn chart(
     compared: &Compared,
     joint: usize,
-    unit: &str,
-    of: &dyn Fn(&Tracking) -> Vec<[f64; 2]>,
+    (axis, unit): (&str, f64),
+    of: fn(&Tracking) -> &Mat<f64>,
     mut series: Vec<Series>,
 ) -> Chart {
-    series.extend(compared.runs.iter().enumerate().map(|(place, run)| {
-        Series::new(&run.name, Mark::Line, Colour::Series(place), of(&run.tracking))
+    series.extend(compared.runs.iter().enumerate().map(|(place, Run { name, tracking, .. })| {
+        let points = tracking.t.iter().zip(of(tracking).col_as_slice(joint));
+        let points = points.map(|(&t, &x)| [t, unit * x]).collect();
+        Series::new(name, Mark::Line, Colour::Series(place), points)
     }));
-    let chart = Chart::over(&compared.wanted.joints()[joint], ["time [s]", unit], series);
+    let chart = Chart::over(&compared.wanted.joints()[joint], ["time [s]", axis], series);
     Chart { linked: Some("time".into()), ..chart }
 }

@@ -3,7 +3,7 @@
 use crate::commands::control::{Arguments, Compared, Run};
 use crate::outcome::Outcome;
 use crate::table::Table;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::fmt::Write;
 use torquewise::control::Law;
 use torquewise::model::number;
@@ -47,12 +47,8 @@ fn table(compared: &Compared) -> Table {
 }
 
 fn json(arguments: &Arguments, compared: &Compared) -> Value {
-    let mut object = Map::new();
-    for run in &compared.runs {
-        object.insert(run.name.clone(), of_run(run, compared.settle));
-    }
     let gains = &compared.gains;
-    let more = json!({
+    let mut object = json!({
         "arm": arguments.arm,
         "joints": compared.wanted.joints(),
         "settle_s": compared.settle,
@@ -66,8 +62,10 @@ fn json(arguments: &Arguments, compared: &Compared) -> Value {
         "plot": arguments.plot,
         "report": arguments.report,
     });
-    object.extend(more.as_object().cloned().unwrap_or_default());
-    Value::Object(object)
+    for run in &compared.runs {
+        object[&run.name] = of_run(run, compared.settle);
+    }
+    object
 }
 
 fn of_run(Run { tracking, law, .. }: &Run, settle: f64) -> Value {
