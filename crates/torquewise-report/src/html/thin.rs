@@ -20,13 +20,13 @@ pub(crate) fn sorted(series: &Series, log: bool) -> Sorted {
     let mut rows: Vec<usize> = (0..series.points.len()).filter(drawable).collect();
     rows.sort_by(|&a, &b| series.points[a][0].total_cmp(&series.points[b][0]));
     let spread = if series.spread.len() == series.points.len() { &*series.spread } else { &[] };
-    Sorted {
-        points: rows.iter().map(|&row| series.points[row]).collect(),
-        spread: if spread.is_empty() {
-            Vec::new()
-        } else {
-            rows.iter().map(|&row| spread[row]).collect()
-        },
+    Sorted::of(&series.points, spread, &rows)
+}
+
+impl Sorted {
+    fn of(points: &[[f64; 2]], spread: &[[f64; 2]], rows: &[usize]) -> Self {
+        let spread = rows.iter().filter_map(|&row| spread.get(row).copied()).collect();
+        Self { points: rows.iter().map(|&row| points[row]).collect(), spread }
     }
 }
 
@@ -60,10 +60,8 @@ pub(crate) fn rows_of_curves(curves: &[&[f64]], m: usize, most: usize) -> Vec<us
 
 /// Rows of a cloud of `m` points, evenly taken, at most `most`.
 pub(crate) fn rows_of_cloud(m: usize, most: usize) -> Vec<usize> {
-    if m <= most {
-        return (0..m).collect();
-    }
-    (0..most).map(|place| place * m / most).collect()
+    let drawn = m.min(most);
+    (0..drawn).map(|place| place * m / drawn).collect()
 }
 
 /// Rows to draw of series over the same abscissae.
@@ -79,10 +77,7 @@ pub(crate) fn rows_of(mark: Mark, all: &[&Sorted]) -> Vec<usize> {
 
 pub(crate) fn thinned(series: &Series, log: bool) -> Sorted {
     let all = sorted(series, log);
-    let rows = rows_of(series.mark, &[&all]);
-    let Sorted { points, spread } = all;
-    let spread = rows.iter().filter_map(|&row| spread.get(row).copied()).collect();
-    Sorted { points: rows.iter().map(|&row| points[row]).collect(), spread }
+    Sorted::of(&all.points, &all.spread, &rows_of(series.mark, &[&all]))
 }
 
 /// A curve that is thinned while it grows, so that one of any length takes little memory.
