@@ -33,7 +33,9 @@ pub(crate) fn absurd(x: &[f64], signal: Signal) -> Vec<usize> {
     let mut sorted = x.to_vec();
     let (_, median, _) = sorted.select_nth_unstable_by(x.len() / 2, f64::total_cmp);
     let median = *median;
-    sorted.iter_mut().for_each(|x| *x = (*x - median).abs());
+    for x in &mut sorted {
+        *x = (*x - median).abs();
+    }
     let (_, usual, _) = sorted.select_nth_unstable_by(kept, f64::total_cmp);
     let most = (TIMES * *usual).max(least(signal));
     let off: Vec<usize> = (0..x.len()).filter(|&row| (x[row] - median).abs() > most).collect();
