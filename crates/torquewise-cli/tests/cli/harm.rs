@@ -112,7 +112,11 @@ fn a_torque_that_overflows_is_an_error() {
         let mut far = Table::of(&terminal, "log.csv");
         far.rows[8][3] = cell;
         terminal.write("far.csv", &far.text());
+        let said = terminal.run("predict model.json far.csv -o p.csv");
+        assert!(said.stdout.contains("1 rows with a value far beyond all others"), "{said:?}");
 
+        far.rows[8..18].iter_mut().for_each(|row| row[3] = cell);
+        terminal.write("far.csv", &far.text());
         terminal.refused("predict model.json far.csv -o p.csv", &["torque", "overflows"]);
     }
 }
